@@ -1,0 +1,38 @@
+# One room = one folder = one library target. A room links exactly what it may include.
+#
+#   strata_room(core_grid SOURCES a.cpp b.cpp LINKS core_base core_geometry PACKAGES Eigen3::Eigen
+#               PRIVATE_PACKAGES Ceres::ceres)
+#
+# LINKS names rooms; PACKAGES are imported targets that its headers need; PRIVATE_PACKAGES only its
+# .cpp files. A room without SOURCES is header-only.
+function(strata_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PACKAGES;PRIVATE_PACKAGES" ${ARGN})
+  set(target strata_${name})
+  list(TRANSFORM ROOM_LINKS PREPEND strata_)
+  if(ROOM_SOURCES)
+    add_library(${target} STATIC ${ROOM_SOURCES})
+    target_link_libraries(${target} PUBLIC strata_flags ${ROOM_LINKS} ${ROOM_PACKAGES}
+      PRIVATE $<BUILD_INTERFACE:strata_warnings> ${ROOM_PRIVATE_PACKAGES})
+  else()
+    add_library(${target} INTERFACE)
+    target_link_libraries(${target} INTERFACE strata_flags ${ROOM_LINKS} ${ROOM_PACKAGES})
+  endif()
+  add_library(strata::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  set_property(GLOBAL APPEND PROPERTY STRATA_ROOMS ${target})
+endfunction()
+
+# One test program a folder of tests: strata_tests(core_grid SOURCES ... LINKS core_grid)
+function(strata_tests name)
+  cmake_parse_arguments(TESTS "" "TIMEOUT" "SOURCES;LINKS;PACKAGES;LABELS" ${ARGN})
+  set(target test_${name})
+  add_executable(${target} ${TESTS_SOURCES})
+  list(TRANSFORM TESTS_LINKS PREPEND strata_)
+  target_link_libraries(${target} PRIVATE ${TESTS_LINKS} ${TESTS_PACKAGES} strata_test_support
+    strata_warnings GTest::gmock GTest::gtest_main)
+  if(NOT TESTS_TIMEOUT)
+    set(TESTS_TIMEOUT 300)
+  endif()
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST
+    PROPERTIES TIMEOUT ${TESTS_TIMEOUT} LABELS "${TESTS_LABELS}")
+endfunction()

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/grid/counting_map.hpp"
+
+#include "core/grid/ray_traversal.hpp"
+
+namespace strata {
+
+void CountingMap::add(const PosedScan& scan, const CountingOptions& options, double weight) {
+  const double resolution = resolution_m();
+  CellRect needed;
+  for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
+    const Cell a = cell_at(ray.from_m, resolution);
+    const Cell b = cell_at(ray.to_m, resolution);
+    needed = needed.united({{std::min(a.x, b.x), std::min(a.y, b.y)},
+                            {std::max(a.x, b.x) + 1, std::max(a.y, b.y) + 1}});
+  });
+  if (needed.empty()) return;
+  cells_.grow(needed);
+  const double per_cell = weight / resolution;
+  for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t beam, const Ray& ray) {
+    const Cell end = cell_at(ray.to_m, resolution);
+    traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {
+      if (ray.is_hit && cell == end) return;
+      cells_.at(cell).misses += per_cell * length_m;
+    });
+    if (!ray.is_hit) return;
+    const double e =
+        scan.static_probability.empty() ? 1.0 : static_cast<double>(scan.static_probability[beam]);
+    cells_.at(end).hits += weight * e;
+    cells_.at(end).misses += weight * (1.0 - e);
+  });
+}
+
+ReflectionGrid CountingMap::reflection(double min_evidence) const {
+  ReflectionGrid result = make_reflection_grid(resolution_m(), cells_.rect());
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const CellCounts& counts = cells_.values()[i];
+    if (counts.total() < min_evidence) continue;
+    result.values()[i] = static_cast<float>(counts.hits / counts.total());
+  }
+  return result;
+}
+
+}  // namespace strata

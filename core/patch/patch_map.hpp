@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The patch map: a static base map, and for each changeable area the configurations that recur
+/// there [stachniss2005patch, section III; stachniss2003chapter, section 1.3].
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/geometry/pose2.hpp"
+#include "core/grid/counting_map.hpp"
+#include "core/grid/reflection_grid.hpp"
+
+namespace strata::patch {
+
+/// One observation sequence (1.16): the scans of one stay near a sub-map.
+struct SequenceInfo {
+  int run = 0;
+  Stamp begin;
+  Stamp end;
+  std::size_t scans = 0;
+  /// P(configuration c | this sequence) per configuration of the sub-map; sums to 1.
+  std::vector<double> membership;
+};
+
+/// One recurring state of a sub-map. Both grids cover exactly the sub-map's rectangle.
+struct Configuration {
+  Grid<CellCounts> counts;    ///< evidence pooled over the sequences, weighted by membership
+  ReflectionGrid reflection;  ///< what the sensor models use; unknown cells filled from the base
+  double prior = 0.0;         ///< mean membership over the sequences; sums to 1 over the sub-map
+};
+
+/// A changeable area with its configurations.
+struct Submap {
+  int id = 0;
+  CellRect rect;                     ///< on the lattice of the base map
+  Grid<std::uint8_t> contradictory;  ///< 1 where observations of different visits contradict
+  std::vector<Configuration> configurations;  ///< at least one
+  std::vector<SequenceInfo> sequences;
+};
+
+/// base: the filtered static map everywhere (also under the sub-maps, as a fallback). Sub-maps may
+/// overlap [stachniss2005patch]; ids are their places in the vector.
+struct PatchMap {
+  ReflectionGrid base;
+  std::vector<Submap> submaps;
+};
+
+/// The sub-map that a point belongs to: of those whose rectangle contains it, the one with the
+/// nearest centre (SPEC C2); -1 for none. `current`, when it still contains the point, wins.
+/// O(sub-maps).
+[[nodiscard]] int submap_at(const PatchMap& map, const Eigen::Vector2d& point_m, int current = -1);
+
+/// The base map with the given configuration pasted into each sub-map (-1: leave the base). Where
+/// sub-maps overlap, the later one wins. Requires one entry a sub-map. O(cells).
+[[nodiscard]] ReflectionGrid compose(const PatchMap& map, const std::vector<int>& configurations);
+
+}  // namespace strata::patch

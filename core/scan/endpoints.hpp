@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// End points of a scan's hits as structure of arrays.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/scan/scan.hpp"
+
+namespace strata {
+
+/// The hits of one scan: x[i], y[i] in metres in the frame they were asked for, beam[i] the index
+/// of the beam. All three have equal length; beams that hit nothing are left out.
+struct Endpoints {
+  std::vector<double> x_m;
+  std::vector<double> y_m;
+  std::vector<std::uint32_t> beam;
+
+  [[nodiscard]] std::size_t size() const { return beam.size(); }
+};
+
+/// Hits in the robot frame. O(beams).
+[[nodiscard]] Endpoints endpoints_in_robot(const Scan& scan);
+
+/// At most max_beams hits, spread evenly over the hits (every k-th by index), same frame. max_beams
+/// 0 means all.
+[[nodiscard]] Endpoints thin(const Endpoints& endpoints, std::size_t max_beams);
+
+}  // namespace strata

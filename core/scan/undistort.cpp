@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scan/undistort.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/angle.hpp"
+
+namespace strata {
+
+Scan undistort(const Scan& scan, const Pose2& start_from_end) {
+  if (scan.time_increment_s == 0.0F || scan.size() < 2 || scan.angle_increment_rad == 0.0F) {
+    return scan;
+  }
+  Scan corrected = scan;
+  const float nothing = std::numeric_limits<float>::quiet_NaN();
+  for (std::size_t beam = 0; beam < scan.size(); ++beam) {
+    if (scan.kind(beam) == BeamKind::kHit) corrected.ranges_m[beam] = nothing;
+  }
+  const Pose2 laser_from_robot = inverse(scan.robot_from_laser);
+  const double increment = static_cast<double>(scan.angle_increment_rad);
+  const auto last = static_cast<double>(scan.size() - 1);
+  for (std::size_t beam = 0; beam < scan.size(); ++beam) {
+    if (scan.kind(beam) != BeamKind::kHit) continue;
+    const Pose2 start_from_robot =
+        interpolate(Pose2{}, start_from_end, static_cast<double>(beam) / last);
+    const Pose2 laser_from_laser = laser_from_robot * start_from_robot * scan.robot_from_laser;
+    const double range_m = static_cast<double>(scan.ranges_m[beam]);
+    const double bearing = scan.bearing_rad(beam);
+    const Eigen::Vector2d point = laser_from_laser * Eigen::Vector2d(range_m * std::cos(bearing),
+                                                                     range_m * std::sin(bearing));
+    // Unwrap next to the original bearing, so that a full turn does not fold onto itself.
+    const double moved = bearing + angle_difference(std::atan2(point.y(), point.x()), bearing);
+    const double index = std::round((moved - static_cast<double>(scan.angle_min_rad)) / increment);
+    if (index < 0.0 || index > last) continue;
+    float& slot = corrected.ranges_m[static_cast<std::size_t>(index)];
+    const auto range = static_cast<float>(point.norm());
+    if (!(slot <= range)) slot = range;
+  }
+  return corrected;
+}
+
+}  // namespace strata
