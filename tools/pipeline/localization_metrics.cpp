@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/pipeline/localization_metrics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace strata::pipeline {
+namespace {
+
+constexpr double kFailureDistance_m = 0.5;
+constexpr double kLostDistance_m = 1.0;
+constexpr double kHold_s = 5.0;
+
+/// Index of the first scan from which the error stays below the failure distance for kHold_s.
+std::optional<std::size_t> convergence_index(std::span<const ScanError> errors) {
+  std::optional<std::size_t> begin;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (errors[i].error_m >= kFailureDistance_m) {
+      begin.reset();
+      continue;
+    }
+    if (!begin) begin = i;
+    if ((errors[i].stamp - errors[*begin].stamp).seconds() >= kHold_s) return begin;
+  }
+  return begin;
+}
+
+bool stays_above(std::span<const ScanError> errors, double distance_m) {
+  std::optional<Stamp> begin;
+  for (const ScanError& error : errors) {
+    if (error.error_m <= distance_m) {
+      begin.reset();
+      continue;
+    }
+    if (!begin) begin = error.stamp;
+    if ((error.stamp - *begin).seconds() >= kHold_s) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+ErrorSummary summarize(std::vector<double> values) {
+  ErrorSummary summary;
+  if (values.empty()) return summary;
+  std::sort(values.begin(), values.end());
+  const auto n = static_cast<double>(values.size());
+  double squares = 0.0;
+  for (const double value : values) {
+    summary.mean += value / n;
+    squares += value * value / n;
+  }
+  const auto rank = [&](double share) {
+    const auto place = static_cast<std::size_t>(std::ceil(share * n));
+    return values[std::clamp<std::size_t>(place, 1, values.size()) - 1];
+  };
+  const std::size_t half = values.size() / 2;
+  summary.median =
+      values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+  summary.p95 = rank(0.95);
+  summary.max = values.back();
+  summary.rmse = std::sqrt(squares);
+  return summary;
+}
+
+LocalizationMetrics evaluate_run(std::span<const ScanError> errors) {
+  LocalizationMetrics metrics;
+  if (errors.empty()) return metrics;
+  std::vector<double> distances;
+  std::vector<double> angles;
+  for (const ScanError& error : errors) {
+    distances.push_back(error.error_m);
+    angles.push_back(error.error_rad);
+  }
+  metrics.error_m = summarize(std::move(distances));
+  metrics.error_rad = summarize(std::move(angles));
+
+  const std::optional<std::size_t> converged = convergence_index(errors);
+  if (converged) {
+    metrics.converged_after_s = (errors[*converged].stamp - errors.front().stamp).seconds();
+  }
+  const std::span<const ScanError> counted = errors.subspan(converged.value_or(0));
+  const auto failures = std::count_if(counted.begin(), counted.end(), [](const ScanError& error) {
+    return error.error_m > kFailureDistance_m;
+  });
+  metrics.failure_rate = static_cast<double>(failures) / static_cast<double>(counted.size());
+  metrics.lost = stays_above(counted, kLostDistance_m);
+  return metrics;
+}
+
+}  // namespace strata::pipeline
