@@ -1,0 +1,20 @@
+# Runs fastddsgen over all IDLs at once: cmake -DFASTDDSGEN=… -DIDLS=a.idl;b.idl -DOUT=dir -P this
+file(MAKE_DIRECTORY ${OUT})
+list(GET IDLS 0 first)
+get_filename_component(folder ${first} DIRECTORY)
+# -cs: names are case-sensitive (else member `pose` meets type `Pose`); -typeros2: ROS 2's type names.
+execute_process(
+  COMMAND ${FASTDDSGEN} -replace -cs -typeros2 -I ${folder} -d ${OUT} ${IDLS}
+  OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE result)
+# A syntax error is only printed; the exit code stays 0.
+if(result OR output MATCHES "error:")
+  message(FATAL_ERROR "fastddsgen failed:\n${output}")
+endif()
+# The generator names a Fast DDS header for bounded strings, of which we have none; without the line
+# the types need Fast CDR only.
+foreach(idl ${IDLS})
+  get_filename_component(package ${idl} NAME_WE)
+  file(READ ${OUT}/${package}.h text)
+  string(REGEX REPLACE "#include <fastrtps/utils/fixed_size_string.hpp>\n" "" text "${text}")
+  file(WRITE ${OUT}/${package}.h "${text}")
+endforeach()
