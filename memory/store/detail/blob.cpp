@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/store/detail/blob.hpp"
+
+#include <memory>
+
+#include <zstd.h>
+
+#include "core/base/error.hpp"
+
+namespace strata::memory::detail {
+namespace {
+
+/// Larger contents are not ours: a damaged length must not ask for all memory.
+constexpr unsigned long long kMostBytes = 1ULL << 36U;
+
+[[noreturn]] void throw_damaged(const std::string& place) {
+  throw InputError(place, "its content is damaged",
+                   "take the store from a backup, or learn the maps again into a new folder");
+}
+
+struct FreeContext {
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+};
+
+}  // namespace
+
+std::vector<std::byte> compress(std::span<const std::byte> bytes) {
+  const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
+  std::vector<std::byte> blob(ZSTD_compressBound(bytes.size()));
+  const std::size_t size =
+      ZSTD_compress2(context.get(), blob.data(), blob.size(), bytes.data(), bytes.size());
+  blob.resize(size);
+  return blob;
+}
+
+std::vector<std::byte> decompress(std::span<const std::byte> blob, const std::string& place) {
+  const unsigned long long stated = ZSTD_getFrameContentSize(blob.data(), blob.size());
+  if (stated == ZSTD_CONTENTSIZE_ERROR || stated == ZSTD_CONTENTSIZE_UNKNOWN ||
+      stated > kMostBytes) {
+    throw_damaged(place);
+  }
+  std::vector<std::byte> bytes(static_cast<std::size_t>(stated));
+  const std::size_t size = ZSTD_decompress(bytes.data(), bytes.size(), blob.data(), blob.size());
+  if (ZSTD_isError(size) != 0U || size != bytes.size()) throw_damaged(place);
+  return bytes;
+}
+
+std::vector<std::byte> decompress(std::span<const std::byte> blob, std::size_t expected_size,
+                                  const std::string& place) {
+  if (ZSTD_getFrameContentSize(blob.data(), blob.size()) != expected_size) throw_damaged(place);
+  return decompress(blob, place);
+}
+
+}  // namespace strata::memory::detail

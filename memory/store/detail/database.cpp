@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/store/detail/database.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <sqlite3.h>
+
+#include "core/base/error.hpp"
+
+namespace strata::memory::detail {
+namespace {
+
+[[noreturn]] void throw_error(const std::string& place, int code, const std::string& message,
+                              bool writing) {
+  const int primary = code & 0xff;
+  std::string what = writing ? "cannot write: " + message : "cannot read: " + message;
+  std::string remedy;
+  switch (primary) {
+    case SQLITE_CANTOPEN:
+      remedy = "check that the path exists and may be opened";
+      break;
+    case SQLITE_NOTADB:
+    case SQLITE_CORRUPT:
+      what = "is damaged or is not a Strata store (" + message + ")";
+      remedy = "take it from a backup, or learn the maps again into a new folder";
+      break;
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      what = "another program is writing to it and did not finish in time";
+      remedy = "stop the other program or wait for it, then try again";
+      break;
+    case SQLITE_FULL:
+      what = "the disk is full";
+      remedy = "free some space and try again";
+      break;
+    case SQLITE_READONLY:
+      what = "may not be written";
+      remedy = "check the permissions of the file and its folder";
+      break;
+    default:
+      remedy = "check the disk, then try again";
+  }
+  if (writing) throw OutputError(place, what, remedy);
+  throw InputError(place, what, remedy);
+}
+
+/// A path as SQLite's URI form wants it.
+std::string percent_encoded(const std::string& path) {
+  constexpr const char* kHex = "0123456789ABCDEF";
+  std::string result;
+  for (const char c : path) {
+    if (c == '%' || c == '?' || c == '#') {
+      const auto byte = static_cast<unsigned char>(c);
+      result += {'%', kHex[byte >> 4U], kHex[byte & 15U]};
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
+/// Whether a write-ahead log with content lies beside the file.
+bool has_pending_log(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto size = std::filesystem::file_size(path.string() + "-wal", ignored);
+  return !ignored && size > 0;
+}
+
+}  // namespace
+
+void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
+
+void Database::open(const std::string& uri, int flags, int busy_timeout_ms) {
+  sqlite3* raw = nullptr;
+  const int code = sqlite3_open_v2(uri.c_str(), &raw, flags | SQLITE_OPEN_URI, nullptr);
+  handle_.reset(raw);
+  if (code != SQLITE_OK) {
+    const std::string message = raw != nullptr ? sqlite3_errmsg(raw) : "out of memory";
+    throw_error(place_, code, message, !read_only_);
+  }
+  sqlite3_extended_result_codes(raw, 1);
+  sqlite3_busy_timeout(raw, busy_timeout_ms);
+}
+
+Database::Database(const std::filesystem::path& path, bool read_only, int busy_timeout_ms)
+    : place_(path.string()), read_only_(read_only) {
+  const std::string uri = "file:" + percent_encoded(std::filesystem::absolute(path).string());
+  if (!read_only) {
+    open(uri, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, busy_timeout_ms);
+    return;
+  }
+  if (!std::filesystem::exists(path)) {
+    throw InputError(place_, "there is no such file", "check the path, or learn the maps first");
+  }
+  open(uri, SQLITE_OPEN_READONLY, busy_timeout_ms);
+  // A file in write-ahead mode needs its -shm file; in a folder that may not be written there is
+  // none, and when no log is pending the file alone holds everything.
+  const int code =
+      sqlite3_exec(handle(), "SELECT count(*) FROM sqlite_master", nullptr, nullptr, nullptr);
+  if ((code & 0xff) == SQLITE_CANTOPEN && !has_pending_log(path)) {
+    open(uri + "?immutable=1", SQLITE_OPEN_READONLY, busy_timeout_ms);
+  } else if (code != SQLITE_OK) {
+    fail("read");
+  }
+}
+
+void Database::execute(const char* sql) {
+  if (sqlite3_exec(handle(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
+    fail(read_only_ ? "read" : "write");
+  }
+}
+
+std::int64_t Database::query_integer(const char* sql) {
+  Statement statement(*this, sql);
+  return statement.step() ? statement.integer(0) : 0;
+}
+
+std::string Database::query_text(const char* sql) {
+  Statement statement(*this, sql);
+  return statement.step() ? statement.text(0) : std::string();
+}
+
+void Database::fail(const char* doing) {
+  throw_error(place_, sqlite3_extended_errcode(handle()), sqlite3_errmsg(handle()),
+              std::string_view(doing) == "write");
+}
+
+void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+Statement::Statement(Database& database, const char* sql) : database_(database) {
+  sqlite3_stmt* raw = nullptr;
+  const int code = sqlite3_prepare_v2(database.handle(), sql, -1, &raw, nullptr);
+  statement_.reset(raw);
+  if (code != SQLITE_OK) database.fail("read");
+}
+
+void Statement::check(int code) {
+  if (code != SQLITE_OK) database_.fail("write");
+}
+
+Statement& Statement::bind(std::int64_t value) {
+  check(sqlite3_bind_int64(statement_.get(), next_parameter_++, value));
+  return *this;
+}
+
+Statement& Statement::bind(double value) {
+  if (std::isnan(value)) return bind_null();
+  check(sqlite3_bind_double(statement_.get(), next_parameter_++, value));
+  return *this;
+}
+
+Statement& Statement::bind(const std::string& value) {
+  check(sqlite3_bind_text64(statement_.get(), next_parameter_++, value.data(), value.size(),
+                            SQLITE_TRANSIENT, SQLITE_UTF8));
+  return *this;
+}
+
+Statement& Statement::bind(std::span<const std::byte> value) {
+  // A null pointer would bind NULL; an empty blob is a value.
+  const void* data = value.empty() ? static_cast<const void*>("") : value.data();
+  check(sqlite3_bind_blob64(statement_.get(), next_parameter_++, data, value.size(),
+                            SQLITE_TRANSIENT));
+  return *this;
+}
+
+Statement& Statement::bind_null() {
+  check(sqlite3_bind_null(statement_.get(), next_parameter_++));
+  return *this;
+}
+
+bool Statement::step() {
+  const int code = sqlite3_step(statement_.get());
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) return false;
+  database_.fail(sqlite3_stmt_readonly(statement_.get()) != 0 ? "read" : "write");
+}
+
+void Statement::run() {
+  while (step()) {
+  }
+  reset();
+}
+
+void Statement::reset() {
+  sqlite3_reset(statement_.get());
+  next_parameter_ = 1;
+}
+
+std::int64_t Statement::integer(int column) const {
+  return sqlite3_column_int64(statement_.get(), column);
+}
+
+double Statement::real(int column) const {
+  if (is_null(column)) return std::numeric_limits<double>::quiet_NaN();
+  return sqlite3_column_double(statement_.get(), column);
+}
+
+bool Statement::is_null(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
+}
+
+std::string Statement::text(int column) const {
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  const void* data = sqlite3_column_blob(statement_.get(), column);
+  return data == nullptr ? std::string() : std::string(static_cast<const char*>(data), size);
+}
+
+std::vector<std::byte> Statement::blob(int column) const {
+  const auto* data = static_cast<const std::byte*>(sqlite3_column_blob(statement_.get(), column));
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
+  if (data == nullptr) return {};
+  return {data, data + size};
+}
+
+}  // namespace strata::memory::detail

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Everything that must survive, in one SQLite file (strata.db): grids, the patch map, the
+/// timescale memory, trajectories, and texts.
+///
+/// Each save is one transaction: after a crash a reader finds the old value or the new one, never a
+/// mixture. Several programs may write to one file, one after the other; a writer waits for the
+/// other up to `busy_timeout_ms`. Values come back bit for bit.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/time.hpp"
+#include "core/geometry/pose2.hpp"
+#include "core/grid/counting_map.hpp"
+#include "core/grid/reflection_grid.hpp"
+#include "core/patch/patch_map.hpp"
+
+namespace strata::memory {
+
+/// How a store is opened.
+struct StoreOptions {
+  bool read_only = false;  ///< the file must exist; every save throws OutputError
+  int busy_timeout_ms = 10'000;
+  bool check = true;  ///< look for damage when opening (reads the whole file once)
+};
+
+/// One scan's pose of a run's trajectory.
+struct TrajectoryPose {
+  Stamp stamp;
+  Pose2 map_from_robot;
+  /// Of (x, y, theta) in the map frame, when the estimator gave one.
+  std::optional<Eigen::Matrix3d> covariance;
+};
+
+/// One open store. Errors: InputError for a file that is missing, damaged, not a store or of a
+/// newer version, and for a name that is not there; OutputError when writing fails. One thread at a
+/// time.
+class Store {
+ public:
+  explicit Store(const std::filesystem::path& path, const StoreOptions& options = {});
+  /// Folds the write-ahead log back, so that one file remains.
+  ~Store();
+  Store(Store&&) noexcept;
+  Store& operator=(Store&&) noexcept;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+  /// Runs `body` as one transaction: all of its saves or, when it throws, none.
+  void transaction(const std::function<void()>& body);
+
+  /// Texts by key, e.g. "summary/em" or "config/learn". Keys are the caller's.
+  void save_text(const std::string& key, const std::string& value);
+  [[nodiscard]] std::optional<std::string> find_text(const std::string& key) const;
+  void remove_text(const std::string& key);
+  /// Keys that begin with `prefix`, sorted.
+  [[nodiscard]] std::vector<std::string> text_keys(const std::string& prefix = "") const;
+
+  /// Grids by name, e.g. "filtered"; a later save replaces. O(cells), zstd-compressed.
+  void save_grid(const std::string& name, const ReflectionGrid& grid);
+  void save_grid(const std::string& name, const Grid<CellCounts>& grid);
+  [[nodiscard]] ReflectionGrid load_reflection_grid(const std::string& name) const;
+  [[nodiscard]] Grid<CellCounts> load_counts_grid(const std::string& name) const;
+  [[nodiscard]] bool has_grid(const std::string& name) const;
+  /// Names of the grids saved by save_grid, sorted.
+  [[nodiscard]] std::vector<std::string> grid_names() const;
+
+  /// The patch map with all sub-maps, configurations, counts and sequences.
+  void save_patch_map(const patch::PatchMap& map, const std::string& name = "patch");
+  [[nodiscard]] patch::PatchMap load_patch_map(const std::string& name = "patch") const;
+  [[nodiscard]] bool has_patch_map(const std::string& name = "patch") const;
+
+  /// The trajectory of one run, in the given order; replaces what the run had.
+  void save_trajectory(int run, std::span<const TrajectoryPose> poses);
+  /// Empty for a run that is not there.
+  [[nodiscard]] std::vector<TrajectoryPose> load_trajectory(int run) const;
+  /// The runs that have a trajectory, sorted.
+  [[nodiscard]] std::vector<int> runs() const;
+
+ private:
+  struct Impl;
+  void require_writable() const;
+
+  std::filesystem::path path_;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace strata::memory

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+
+#include "core/base/error.hpp"
+#include "memory/store/detail/blob.hpp"
+#include "memory/store/detail/store_impl.hpp"
+
+namespace strata::memory {
+namespace detail {
+namespace {
+
+template <typename T>
+struct GridKind;
+template <>
+struct GridKind<float> {
+  static constexpr const char* name = "reflection";
+};
+template <>
+struct GridKind<CellCounts> {
+  static constexpr const char* name = "counts";
+};
+template <>
+struct GridKind<std::uint8_t> {
+  static constexpr const char* name = "mask";
+};
+
+/// Grids that belong to a larger value have names with this mark, and are not listed.
+constexpr char kInnerMark = '/';
+
+}  // namespace
+
+template <typename T>
+void write_grid(Database& database, const std::string& name, const Grid<T>& grid) {
+  const CellRect& rect = grid.rect();
+  Statement(database,
+            "REPLACE INTO grid (name, kind, resolution_m, min_x, min_y, max_x, max_y, fill, data) "
+            "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(name)
+      .bind(std::string(GridKind<T>::name))
+      .bind(grid.resolution_m())
+      .bind(rect.min.x)
+      .bind(rect.min.y)
+      .bind(rect.max.x)
+      .bind(rect.max.y)
+      .bind(std::as_bytes(std::span(&grid.fill(), 1)))
+      .bind(compress(to_planes(std::span<const T>(grid.values()))))
+      .run();
+}
+
+template <typename T>
+Grid<T> read_grid(Database& database, const std::string& name) {
+  Statement statement(database,
+                      "SELECT kind, resolution_m, min_x, min_y, max_x, max_y, fill, data "
+                      "FROM grid WHERE name = ?");
+  if (!statement.bind(name).step()) throw_missing(database.place(), "grid '" + name + "'");
+  if (statement.text(0) != GridKind<T>::name) {
+    throw_missing(database.place(), std::string(GridKind<T>::name) + " grid '" + name +
+                                        "' (it is a " + statement.text(0) + " grid)");
+  }
+  const std::string place = database.place() + ": grid '" + name + "'";
+  auto coordinate = [&](int column) { return static_cast<int>(statement.integer(column)); };
+  const CellRect rect{{coordinate(2), coordinate(3)}, {coordinate(4), coordinate(5)}};
+  const std::vector<std::byte> fill_bytes = statement.blob(6);
+  if (fill_bytes.size() != sizeof(T)) {
+    throw InputError(place, "its fill value is damaged", "take the store from a backup");
+  }
+  T fill{};
+  std::memcpy(&fill, fill_bytes.data(), sizeof(T));
+  const std::vector<std::byte> planes =
+      decompress(statement.blob(7), rect.area() * sizeof(T), place);
+  Grid<T> grid(statement.real(1), rect, fill);
+  from_planes(planes, std::span<T>(grid.values()));
+  return grid;
+}
+
+template void write_grid(Database&, const std::string&, const Grid<float>&);
+template void write_grid(Database&, const std::string&, const Grid<CellCounts>&);
+template void write_grid(Database&, const std::string&, const Grid<std::uint8_t>&);
+template Grid<float> read_grid(Database&, const std::string&);
+template Grid<CellCounts> read_grid(Database&, const std::string&);
+template Grid<std::uint8_t> read_grid(Database&, const std::string&);
+
+}  // namespace detail
+
+void Store::save_grid(const std::string& name, const ReflectionGrid& grid) {
+  transaction([&] { detail::write_grid(impl_->database, name, grid); });
+}
+
+void Store::save_grid(const std::string& name, const Grid<CellCounts>& grid) {
+  transaction([&] { detail::write_grid(impl_->database, name, grid); });
+}
+
+ReflectionGrid Store::load_reflection_grid(const std::string& name) const {
+  return detail::read_grid<float>(impl_->database, name);
+}
+
+Grid<CellCounts> Store::load_counts_grid(const std::string& name) const {
+  return detail::read_grid<CellCounts>(impl_->database, name);
+}
+
+bool Store::has_grid(const std::string& name) const {
+  detail::Statement statement(impl_->database, "SELECT 1 FROM grid WHERE name = ?");
+  return statement.bind(name).step();
+}
+
+std::vector<std::string> Store::grid_names() const {
+  detail::Statement statement(impl_->database, "SELECT name FROM grid ORDER BY name");
+  std::vector<std::string> names;
+  while (statement.step()) {
+    if (std::string name = statement.text(0); name.find(detail::kInnerMark) == std::string::npos) {
+      names.push_back(std::move(name));
+    }
+  }
+  return names;
+}
+
+}  // namespace strata::memory

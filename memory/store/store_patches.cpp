@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+
+#include "memory/store/detail/store_impl.hpp"
+
+namespace strata::memory {
+namespace {
+
+using detail::Database;
+using detail::Statement;
+
+std::string grid_name(const std::string& map, const std::string& part) {
+  return "patch_map/" + map + "/" + part;
+}
+
+void remove_map(Database& database, const std::string& name) {
+  // The grids are not reached by the cascade.
+  const std::string prefix = grid_name(name, "");
+  Statement(database, "DELETE FROM grid WHERE substr(name, 1, ?) = ?")
+      .bind(static_cast<std::int64_t>(prefix.size()))
+      .bind(prefix)
+      .run();
+  Statement(database, "DELETE FROM patch_map WHERE name = ?").bind(name).run();
+}
+
+void write_configurations(Database& database, const std::string& map, int place,
+                          const patch::Submap& submap) {
+  for (std::size_t c = 0; c < submap.configurations.size(); ++c) {
+    const patch::Configuration& configuration = submap.configurations[c];
+    const std::string part =
+        "submap " + std::to_string(place) + "/configuration " + std::to_string(c);
+    const std::string counts = grid_name(map, part + "/counts");
+    const std::string reflection = grid_name(map, part + "/reflection");
+    detail::write_grid(database, counts, configuration.counts);
+    detail::write_grid(database, reflection, configuration.reflection);
+    Statement(database,
+              "INSERT INTO configuration (map, submap, place, prior, counts, reflection) "
+              "VALUES (?, ?, ?, ?, ?, ?)")
+        .bind(map)
+        .bind(place)
+        .bind(static_cast<int>(c))
+        .bind(configuration.prior)
+        .bind(counts)
+        .bind(reflection)
+        .run();
+  }
+}
+
+void write_sequences(Database& database, const std::string& map, int place,
+                     const patch::Submap& submap) {
+  Statement insert(database,
+                   "INSERT INTO sequence (map, submap, place, run, begin_ns, end_ns, scans) "
+                   "VALUES (?, ?, ?, ?, ?, ?, ?)");
+  Statement insert_membership(
+      database,
+      "INSERT INTO membership (map, submap, sequence, configuration, probability) "
+      "VALUES (?, ?, ?, ?, ?)");
+  for (std::size_t s = 0; s < submap.sequences.size(); ++s) {
+    const patch::SequenceInfo& sequence = submap.sequences[s];
+    insert.bind(map).bind(place).bind(static_cast<int>(s)).bind(sequence.run);
+    insert.bind(sequence.begin.ns).bind(sequence.end.ns);
+    insert.bind(static_cast<std::int64_t>(sequence.scans)).run();
+    for (std::size_t c = 0; c < sequence.membership.size(); ++c) {
+      insert_membership.bind(map).bind(place).bind(static_cast<int>(s));
+      insert_membership.bind(static_cast<int>(c)).bind(sequence.membership[c]).run();
+    }
+  }
+}
+
+void write_submap(Database& database, const std::string& map, int place,
+                  const patch::Submap& submap) {
+  const std::string mask = grid_name(map, "submap " + std::to_string(place) + "/contradictory");
+  detail::write_grid(database, mask, submap.contradictory);
+  Statement(database,
+            "INSERT INTO submap (map, place, id, min_x, min_y, max_x, max_y, contradictory) "
+            "VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind(map)
+      .bind(place)
+      .bind(submap.id)
+      .bind(submap.rect.min.x)
+      .bind(submap.rect.min.y)
+      .bind(submap.rect.max.x)
+      .bind(submap.rect.max.y)
+      .bind(mask)
+      .run();
+  write_configurations(database, map, place, submap);
+  write_sequences(database, map, place, submap);
+}
+
+void read_configurations(Database& database, const std::string& map, int place,
+                         patch::Submap& submap) {
+  Statement statement(database,
+                      "SELECT prior, counts, reflection FROM configuration "
+                      "WHERE map = ? AND submap = ? ORDER BY place");
+  statement.bind(map).bind(place);
+  while (statement.step()) {
+    patch::Configuration configuration;
+    configuration.prior = statement.real(0);
+    configuration.counts = detail::read_grid<CellCounts>(database, statement.text(1));
+    configuration.reflection = detail::read_grid<float>(database, statement.text(2));
+    submap.configurations.push_back(std::move(configuration));
+  }
+}
+
+void read_sequences(Database& database, const std::string& map, int place, patch::Submap& submap) {
+  Statement statement(database,
+                      "SELECT run, begin_ns, end_ns, scans FROM sequence "
+                      "WHERE map = ? AND submap = ? ORDER BY place");
+  Statement memberships(database,
+                        "SELECT probability FROM membership WHERE map = ? AND submap = ? AND "
+                        "sequence = ? ORDER BY configuration");
+  statement.bind(map).bind(place);
+  while (statement.step()) {
+    patch::SequenceInfo sequence;
+    sequence.run = static_cast<int>(statement.integer(0));
+    sequence.begin = {statement.integer(1)};
+    sequence.end = {statement.integer(2)};
+    sequence.scans = static_cast<std::size_t>(statement.integer(3));
+    memberships.bind(map).bind(place).bind(static_cast<int>(submap.sequences.size()));
+    while (memberships.step()) sequence.membership.push_back(memberships.real(0));
+    memberships.reset();
+    submap.sequences.push_back(std::move(sequence));
+  }
+}
+
+}  // namespace
+
+void Store::save_patch_map(const patch::PatchMap& map, const std::string& name) {
+  transaction([&] {
+    Database& database = impl_->database;
+    remove_map(database, name);
+    const std::string base = grid_name(name, "base");
+    detail::write_grid(database, base, map.base);
+    Statement(database, "INSERT INTO patch_map (name, base) VALUES (?, ?)")
+        .bind(name)
+        .bind(base)
+        .run();
+    for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+      write_submap(database, name, static_cast<int>(s), map.submaps[s]);
+    }
+  });
+}
+
+patch::PatchMap Store::load_patch_map(const std::string& name) const {
+  Database& database = impl_->database;
+  const detail::ReadScope scope(database);
+  Statement head(database, "SELECT base FROM patch_map WHERE name = ?");
+  if (!head.bind(name).step()) {
+    detail::throw_missing(database.place(), "patch map '" + name + "'");
+  }
+  patch::PatchMap map;
+  map.base = detail::read_grid<float>(database, head.text(0));
+  Statement statement(database,
+                      "SELECT place, id, min_x, min_y, max_x, max_y, contradictory FROM submap "
+                      "WHERE map = ? ORDER BY place");
+  statement.bind(name);
+  while (statement.step()) {
+    auto integer = [&](int column) { return static_cast<int>(statement.integer(column)); };
+    patch::Submap submap;
+    submap.id = integer(1);
+    submap.rect = {{integer(2), integer(3)}, {integer(4), integer(5)}};
+    submap.contradictory = detail::read_grid<std::uint8_t>(database, statement.text(6));
+    read_configurations(database, name, integer(0), submap);
+    read_sequences(database, name, integer(0), submap);
+    map.submaps.push_back(std::move(submap));
+  }
+  return map;
+}
+
+bool Store::has_patch_map(const std::string& name) const {
+  Statement statement(impl_->database, "SELECT 1 FROM patch_map WHERE name = ?");
+  return statement.bind(name).step();
+}
+
+}  // namespace strata::memory

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "core/base/error.hpp"
+#include "memory/store/store.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::memory {
+namespace {
+
+using testing::HasSubstr;
+
+/// A store with one large grid, in a folder of its own.
+class StoreFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    ReflectionGrid grid = make_reflection_grid(0.05, {{0, 0}, {200, 200}});
+    float value = 0.0F;
+    for (float& cell : grid.values()) cell = value = value * 1.618034F + 0.31F - std::floor(value);
+    Store store(path());
+    store.save_grid("map", grid);
+    store.save_text("key", "value");
+  }
+  [[nodiscard]] std::filesystem::path path() const { return directory_.path() / "strata.db"; }
+
+  void run_sql(const char* sql) const {
+    sqlite3* handle = nullptr;
+    ASSERT_EQ(sqlite3_open(path().c_str(), &handle), SQLITE_OK);
+    ASSERT_EQ(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr), SQLITE_OK);
+    sqlite3_close(handle);
+  }
+  [[nodiscard]] std::string read_file() const {
+    std::ifstream in(path(), std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+  void write_file(const std::string& bytes) const {
+    std::ofstream(path(), std::ios::binary | std::ios::trunc) << bytes;
+  }
+
+ private:
+  test::TemporaryDirectory directory_;
+};
+
+template <typename E>
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const E& error) {
+    EXPECT_FALSE(error.remedy().empty());
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST_F(StoreFile, OfANewerVersionIsRefusedWithARemedy) {
+  run_sql("PRAGMA user_version = 99");
+  for (const bool read_only : {true, false}) {
+    const std::string message =
+        error_of<InputError>([&] { const Store store(path(), {.read_only = read_only}); });
+    EXPECT_THAT(message, HasSubstr("newer"));
+    EXPECT_THAT(message, HasSubstr("99"));
+    EXPECT_THAT(message, HasSubstr("update Strata"));
+  }
+}
+
+TEST_F(StoreFile, ThatIsAnotherKindOfDatabaseIsRefused) {
+  run_sql("PRAGMA application_id = 1");
+  EXPECT_THAT(error_of<InputError>([&] { const Store store(path()); }),
+              HasSubstr("not a Strata store"));
+}
+
+TEST_F(StoreFile, ThatIsNoDatabaseIsRefused) {
+  write_file("P5 10 10 255 this is a picture and no database at all, is it");
+  EXPECT_THAT(error_of<InputError>([&] { const Store store(path(), {.read_only = true}); }),
+              HasSubstr("strata.db"));
+}
+
+TEST_F(StoreFile, ThatIsTruncatedIsRefused) {
+  const std::string bytes = read_file();
+  write_file(bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT(error_of<InputError>([&] { const Store store(path(), {.read_only = true}); }),
+              HasSubstr("damaged"));
+}
+
+TEST_F(StoreFile, WithAFlippedBitInAGridIsFoundWhenReading) {
+  std::string bytes = read_file();
+  // Somewhere in the middle of the overflow pages, which hold the compressed cells.
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
+  write_file(bytes);
+  EXPECT_THAT(error_of<InputError>([&] {
+                const Store store(path(), {.read_only = true});
+                (void)store.load_reflection_grid("map");
+              }),
+              HasSubstr("damaged"));
+}
+
+TEST_F(StoreFile, ThatIsMissingIsNotCreatedByAReader) {
+  std::filesystem::remove(path());
+  EXPECT_THAT(error_of<InputError>([&] { const Store store(path(), {.read_only = true}); }),
+              HasSubstr("no such file"));
+  EXPECT_FALSE(std::filesystem::exists(path()));
+}
+
+TEST_F(StoreFile, OpenedForReadingRefusesToSave) {
+  Store store(path(), {.read_only = true});
+  EXPECT_THAT(error_of<OutputError>([&] { store.save_text("a", "b"); }), HasSubstr("reading only"));
+}
+
+TEST_F(StoreFile, LockedByAnotherProgramSaysSo) {
+  Store other(path());
+  Store store(path(), {.busy_timeout_ms = 1});
+  other.transaction([&] {
+    EXPECT_THAT(error_of<OutputError>([&] { store.save_text("a", "b"); }),
+                HasSubstr("another program"));
+  });
+}
+
+TEST_F(StoreFile, NamesWhatItDoesNotHave) {
+  const Store store(path(), {.read_only = true});
+  EXPECT_THAT(error_of<InputError>([&] { (void)store.load_reflection_grid("other"); }),
+              HasSubstr("no grid 'other'"));
+  EXPECT_THAT(error_of<InputError>([&] { (void)store.load_counts_grid("map"); }),
+              HasSubstr("it is a reflection grid"));
+  EXPECT_THAT(error_of<InputError>([&] { (void)store.load_patch_map(); }),
+              HasSubstr("no patch map"));
+}
+
+TEST(Store, CannotBeMadeInAFolderThatIsNotThere) {
+  const test::TemporaryDirectory directory;
+  EXPECT_THAT(error_of<OutputError>([&] { const Store store(directory.path() / "no" / "a.db"); }),
+              HasSubstr("a.db"));
+}
+
+}  // namespace
+}  // namespace strata::memory
