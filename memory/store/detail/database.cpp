@@ -71,7 +71,7 @@ bool has_pending_log(const std::filesystem::path& path) {
 
 void Database::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 
-void Database::open(const std::string& uri, int flags, int busy_timeout_ms) {
+void Database::open(const std::string& uri, int flags) {
   sqlite3* raw = nullptr;
   const int code = sqlite3_open_v2(uri.c_str(), &raw, flags | SQLITE_OPEN_URI, nullptr);
   handle_.reset(raw);
@@ -80,26 +80,26 @@ void Database::open(const std::string& uri, int flags, int busy_timeout_ms) {
     throw_error(place_, code, message, !read_only_);
   }
   sqlite3_extended_result_codes(raw, 1);
-  sqlite3_busy_timeout(raw, busy_timeout_ms);
+  sqlite3_busy_timeout(raw, busy_timeout_ms_);
 }
 
 Database::Database(const std::filesystem::path& path, bool read_only, int busy_timeout_ms)
-    : place_(path.string()), read_only_(read_only) {
+    : place_(path.string()), read_only_(read_only), busy_timeout_ms_(busy_timeout_ms) {
   const std::string uri = "file:" + percent_encoded(std::filesystem::absolute(path).string());
   if (!read_only) {
-    open(uri, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, busy_timeout_ms);
+    open(uri, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
     return;
   }
   if (!std::filesystem::exists(path)) {
     throw InputError(place_, "there is no such file", "check the path, or learn the maps first");
   }
-  open(uri, SQLITE_OPEN_READONLY, busy_timeout_ms);
+  open(uri, SQLITE_OPEN_READONLY);
   // A file in write-ahead mode needs its -shm file; in a folder that may not be written there is
   // none, and when no log is pending the file alone holds everything.
   const int code =
       sqlite3_exec(handle(), "SELECT count(*) FROM sqlite_master", nullptr, nullptr, nullptr);
   if ((code & 0xff) == SQLITE_CANTOPEN && !has_pending_log(path)) {
-    open(uri + "?immutable=1", SQLITE_OPEN_READONLY, busy_timeout_ms);
+    open(uri + "?immutable=1", SQLITE_OPEN_READONLY);
   } else if (code != SQLITE_OK) {
     fail("read");
   }
@@ -109,6 +109,16 @@ void Database::execute(const char* sql) {
   if (sqlite3_exec(handle(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
     fail(read_only_ ? "read" : "write");
   }
+}
+
+void Database::execute_patiently(const char* sql) {
+  constexpr int kPauseMs = 5;
+  for (int waited_ms = 0; waited_ms < busy_timeout_ms_; waited_ms += kPauseMs) {
+    const int code = sqlite3_exec(handle(), sql, nullptr, nullptr, nullptr);
+    if ((code & 0xff) != SQLITE_BUSY) break;
+    sqlite3_sleep(kPauseMs);
+  }
+  execute(sql);
 }
 
 std::int64_t Database::query_integer(const char* sql) {

@@ -27,6 +27,9 @@ class Database {
 
   /// Runs statements that return nothing of interest.
   void execute(const char* sql);
+  /// The same for a statement that SQLite answers with "busy" without waiting (changing the journal
+  /// mode): tries again until the busy timeout is over.
+  void execute_patiently(const char* sql);
   /// First column of the first row as an integer; 0 without a row.
   [[nodiscard]] std::int64_t query_integer(const char* sql);
   /// First column of the first row as text; empty without a row.
@@ -40,10 +43,11 @@ class Database {
   struct Close {
     void operator()(sqlite3* handle) const;
   };
-  void open(const std::string& uri, int flags, int busy_timeout_ms);
+  void open(const std::string& uri, int flags);
 
   std::string place_;
   bool read_only_ = false;
+  int busy_timeout_ms_ = 0;
   std::unique_ptr<sqlite3, Close> handle_;
 };
 

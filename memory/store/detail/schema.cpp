@@ -53,7 +53,7 @@ CREATE TABLE timescale_level (
 /// Holds the write lock while the tables are made, so that two programs may open a new file at
 /// once.
 void create_tables(Database& database) {
-  database.execute("PRAGMA journal_mode = WAL");
+  database.execute_patiently("PRAGMA journal_mode = WAL");
   database.execute("BEGIN IMMEDIATE");
   if (database.query_integer("PRAGMA user_version") == 0) {
     database.execute(kTables);
