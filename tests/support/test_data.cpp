@@ -11,7 +11,7 @@ std::optional<std::filesystem::path> find_data(const std::string& relative) {
   const char* from_environment = std::getenv("STRATA_DATA_DIR");
   const std::filesystem::path root =
       from_environment != nullptr ? from_environment : STRATA_DATA_DIR;
-  const std::filesystem::path path = root / relative;
+  std::filesystem::path path = root / relative;
   if (!std::filesystem::exists(path)) return std::nullopt;
   return path;
 }
