@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include "core/base/error.hpp"
+#include "core/grid/counting_map.hpp"
+#include "tests/support/test_data.hpp"
+#include "tools/report/html_report.hpp"
+#include "tools/report/map_picture.hpp"
+
+namespace strata::report {
+namespace {
+
+Image decode(const std::string& bytes) {
+  png_image header;
+  std::memset(&header, 0, sizeof header);
+  header.version = PNG_IMAGE_VERSION;
+  EXPECT_NE(png_image_begin_read_from_memory(&header, bytes.data(), bytes.size()), 0);
+  header.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(header));
+  EXPECT_NE(png_image_finish_read(&header, nullptr, pixels.data(), 0, nullptr), 0);
+  Image image(static_cast<int>(header.width), static_cast<int>(header.height));
+  for (int i = 0; i < image.width() * image.height(); ++i) {
+    const auto at = static_cast<std::size_t>(3 * i);
+    image.set(i % image.width(), i / image.width(), {pixels[at], pixels[at + 1], pixels[at + 2]});
+  }
+  return image;
+}
+
+TEST(Png, CarriesEveryPixel) {
+  Image image(7, 3, {1, 2, 3});
+  image.set(6, 2, {250, 0, 9});
+  image.set(-1, 0, {9, 9, 9});  // outside: ignored
+  const Image read = decode(encode_png(image));
+  ASSERT_EQ(read.width(), 7);
+  ASSERT_EQ(read.height(), 3);
+  EXPECT_EQ(read.at(6, 2), (Color{250, 0, 9}));
+  EXPECT_EQ(read.at(0, 0), (Color{1, 2, 3}));
+}
+
+TEST(MapPicture, PutsNorthUpAndPointsOnTheirCells) {
+  ReflectionGrid map = make_reflection_grid(0.5, {{-2, -2}, {4, 2}});
+  map.at({3, 1}) = 1.0F;  // north-east corner
+  map.at({0, 0}) = 0.0F;
+  const MapPicture picture = draw_map(map, map.rect(), 60);
+  EXPECT_EQ(picture.pixels_per_cell, 10);
+  const Eigen::Vector2i corner = picture.pixel(map.center({3, 1}));
+  EXPECT_EQ(picture.image.at(corner.x(), corner.y()), (Color{0, 0, 0}));
+  EXPECT_LT(corner.y(), 10);
+  EXPECT_GE(corner.x(), 50);
+  const Eigen::Vector2i middle = picture.pixel(map.center({0, 0}));
+  EXPECT_EQ(picture.image.at(middle.x(), middle.y()), (Color{255, 255, 255}));
+}
+
+TEST(MapPicture, MarksOnlyBeamsJudgedDynamic) {
+  const ReflectionGrid map = make_reflection_grid(1.0, {{0, -2}, {10, 2}});
+  PosedScan scan;
+  scan.scan.angle_increment_rad = 0.1F;
+  scan.scan.range_max_m = 20.0F;
+  scan.scan.ranges_m = {5.5F, 5.5F};
+  scan.static_probability = {0.9F, 0.1F};
+  MapPicture picture = draw_map(map, map.rect(), 1000);
+  const Color red{255, 0, 0};
+  mark_dynamic_beams(picture, std::vector{scan}, red);
+  const Eigen::Vector2i kept = picture.pixel({5.5, 0.0});
+  const Eigen::Vector2i marked = picture.pixel({5.5 * std::cos(0.1), 5.5 * std::sin(0.1)});
+  EXPECT_FALSE(picture.image.at(kept.x(), kept.y()) == red);
+  EXPECT_TRUE(picture.image.at(marked.x(), marked.y()) == red);
+}
+
+TEST(Ticks, AreRoundAndInside) {
+  const std::vector<double> marks = ticks(-0.3, 9.7, 5);
+  EXPECT_EQ(marks, (std::vector<double>{0.0, 2.0, 4.0, 6.0, 8.0}));
+}
+
+TEST(LinePlot, RendersItsLinesInTheirColours) {
+  LinePlot plot;
+  plot.title = "a <b> & c";
+  plot.series = {{"one", {0, 1, 2}, {0, 1, 0}}, {"two", {0, 1, 2}, {1, 0, 1}}};
+  const Image image = decode(render_svg_to_png(to_svg(plot, true), 1.0));
+  EXPECT_EQ(image.width(), plot.width);
+  int blue = 0;
+  int orange = 0;
+  for (const Color& pixel : image.pixels()) {
+    blue += pixel == Color{0x00, 0x72, 0xb2} ? 1 : 0;
+    orange += pixel == Color{0xd5, 0x5e, 0x00} ? 1 : 0;
+  }
+  EXPECT_GT(blue, 200);
+  EXPECT_GT(orange, 200);
+}
+
+TEST(LinePlot, CsvHoldsEveryPoint) {
+  LinePlot plot;
+  plot.series = {{"s", {1, 2}, {0.5, 0.25}}};
+  EXPECT_EQ(to_csv(plot), "series,x,y\ns,1,0.5\ns,2,0.25\n");
+}
+
+TEST(Base64, MatchesTheExamplesOfRfc4648) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+}
+
+TEST(HtmlReport, IsOneFileWithEveryPictureInside) {
+  const test::TemporaryDirectory folder;
+  HtmlReport report(folder.path(), "A <report>");
+  report.verdict("no difference");
+  report.picture("map", Image(4, 4), "an empty map", "caption");
+  LinePlot plot;
+  plot.title = "error";
+  plot.series = {{"s", {0, 1}, {0, 1}}};
+  report.plot("error", plot, "caption");
+  report.write();
+  for (const char* name : {"report.html", "map.png", "error.png", "error.svg", "error.csv"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / name)) << name;
+  }
+  const std::string html = report.html();
+  EXPECT_NE(html.find("A &lt;report&gt;"), std::string::npos);
+  EXPECT_NE(html.find("data:image/png;base64,"), std::string::npos);
+  EXPECT_EQ(html.find("src=\"map.png\""), std::string::npos);
+  EXPECT_EQ(html.find("https://"), std::string::npos);
+}
+
+TEST(HtmlReport, SaysWhereItCannotWrite) {
+  HtmlReport report("/nonexistent/folder", "r");
+  EXPECT_THROW(report.write(), OutputError);
+}
+
+}  // namespace
+}  // namespace strata::report

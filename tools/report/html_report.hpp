@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One self-contained report.html: opens offline, pictures inside, light and dark, narrow and wide.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/report/image.hpp"
+#include "tools/report/plot.hpp"
+
+namespace strata::report {
+
+/// A table with a header row; cells are plain text.
+struct Table {
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+  std::string caption;
+};
+
+/// Collects the parts of a report in order, and writes beside it a PNG and a CSV of every figure.
+class HtmlReport {
+ public:
+  /// folder: where figures are written (it must exist); title: the page's heading.
+  HtmlReport(std::filesystem::path folder, std::string title);
+
+  void heading(const std::string& text);
+  void paragraph(const std::string& text);
+  /// The verdict: shown large, above the rest.
+  void verdict(const std::string& text);
+  void table(const Table& table);
+  /// A picture; writes NAME.png. alt: what a reader who cannot see it must know.
+  void picture(const std::string& name, const Image& image, const std::string& alt,
+               const std::string& caption);
+  /// Two pictures of the same size with a slider between them; writes both PNGs.
+  void before_after(const std::string& name, const Image& before, const Image& after,
+                    const std::string& before_label, const std::string& after_label,
+                    const std::string& caption);
+  /// A plot; writes NAME.png, NAME.svg and NAME.csv.
+  void plot(const std::string& name, const LinePlot& plot, const std::string& caption);
+  /// A list of key and value in small print, folded away.
+  void details(const std::string& summary, const std::string& preformatted);
+
+  /// The whole page.
+  [[nodiscard]] std::string html() const;
+  /// Writes report.html into the folder. Throws OutputError.
+  void write() const;
+
+ private:
+  std::filesystem::path folder_;
+  std::string title_;
+  std::string body_;
+};
+
+/// Base64 of bytes, for data URIs.
+[[nodiscard]] std::string base64(const std::string& bytes);
+
+}  // namespace strata::report

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/report/plot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+namespace strata::report {
+namespace {
+
+constexpr double kLeft = 62.0;
+constexpr double kRight = 16.0;
+constexpr double kTop = 34.0;
+constexpr double kBottom = 46.0;
+constexpr double kLegendRow = 18.0;
+constexpr std::size_t kColors = 8;
+
+struct Range {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  void add(double value) {
+    if (!std::isfinite(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  void settle() {
+    if (!(low <= high)) *this = {0.0, 1.0};
+    if (high - low < 1e-12) {
+      low -= 0.5;
+      high += 0.5;
+    }
+  }
+  [[nodiscard]] double span() const { return high - low; }
+};
+
+struct Frame {
+  Range x;
+  Range y;
+  double left = kLeft;
+  double top = kTop;
+  double width = 0.0;
+  double height = 0.0;
+  [[nodiscard]] double px(double value) const { return left + (value - x.low) / x.span() * width; }
+  [[nodiscard]] double py(double value) const {
+    return top + height - (value - y.low) / y.span() * height;
+  }
+};
+
+std::string number(double value) {
+  std::ostringstream out;
+  out.precision(6);
+  out << (std::abs(value) < 1e-12 ? 0.0 : value);
+  return out.str();
+}
+
+Frame make_frame(const LinePlot& plot) {
+  Frame frame;
+  for (const Series& series : plot.series) {
+    for (const double x : series.x) frame.x.add(x);
+    for (const double y : series.y) frame.y.add(y);
+  }
+  if (plot.from_zero) frame.y.add(0.0);
+  frame.x.settle();
+  frame.y.settle();
+  if (plot.y_max > 0.0) frame.y.high = plot.y_max;
+  const double legend = kLegendRow * std::ceil(static_cast<double>(plot.series.size()) / 4.0);
+  frame.top = kTop + (plot.series.size() > 1 ? legend : 0.0);
+  frame.width = plot.width - kLeft - kRight;
+  frame.height = plot.height - frame.top - kBottom;
+  if (plot.equal_axes) {
+    // Widen the axis that has room to spare.
+    const double per_pixel = std::max(frame.x.span() / frame.width, frame.y.span() / frame.height);
+    const double grow_x = 0.5 * (per_pixel * frame.width - frame.x.span());
+    const double grow_y = 0.5 * (per_pixel * frame.height - frame.y.span());
+    frame.x = {frame.x.low - grow_x, frame.x.high + grow_x};
+    frame.y = {frame.y.low - grow_y, frame.y.high + grow_y};
+  }
+  return frame;
+}
+
+void draw_axes(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
+  const double right = frame.left + frame.width;
+  const double bottom = frame.top + frame.height;
+  for (const double tick : ticks(frame.x.low, frame.x.high, 8)) {
+    const std::string x = number(frame.px(tick));
+    out << "<line class='grid' x1='" << x << "' x2='" << x << "' y1='" << frame.top << "' y2='"
+        << bottom << "'/><text class='tick' text-anchor='middle' x='" << x << "' y='"
+        << bottom + 16.0 << "'>" << number(tick) << "</text>\n";
+  }
+  for (const double tick : ticks(frame.y.low, frame.y.high, 5)) {
+    const std::string y = number(frame.py(tick));
+    out << "<line class='grid' y1='" << y << "' y2='" << y << "' x1='" << frame.left << "' x2='"
+        << right << "'/><text class='tick' text-anchor='end' x='" << frame.left - 6.0 << "' y='"
+        << number(frame.py(tick) + 4.0) << "'>" << number(tick) << "</text>\n";
+  }
+  out << "<rect class='axes' x='" << frame.left << "' y='" << frame.top << "' width='"
+      << frame.width << "' height='" << frame.height << "'/>\n";
+  out << "<text class='label' text-anchor='middle' x='" << frame.left + 0.5 * frame.width << "' y='"
+      << plot.height - 8 << "'>" << escape(plot.x_label) << "</text>\n";
+  const double middle = frame.top + 0.5 * frame.height;
+  out << "<text class='label' text-anchor='middle' transform='translate(16 " << middle
+      << ") rotate(-90)'>" << escape(plot.y_label) << "</text>\n";
+}
+
+void draw_series(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
+  for (std::size_t s = 0; s < plot.series.size(); ++s) {
+    const Series& series = plot.series[s];
+    out << "<path class='line s" << s % kColors << "' d='";
+    bool pen_down = false;
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) {
+        pen_down = false;
+        continue;
+      }
+      const double y = std::min(series.y[i], frame.y.high);
+      out << (pen_down ? 'L' : 'M') << number(frame.px(series.x[i])) << ' ' << number(frame.py(y));
+      pen_down = true;
+    }
+    out << "'/>\n";
+  }
+}
+
+void draw_legend(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
+  if (plot.series.size() < 2) return;
+  const double column = frame.width / 4.0;
+  for (std::size_t s = 0; s < plot.series.size(); ++s) {
+    const double x = frame.left + column * static_cast<double>(s % 4);
+    const double y = kTop + kLegendRow * static_cast<double>(s / 4);
+    out << "<line class='line s" << s % kColors << "' x1='" << x << "' x2='" << x + 18.0 << "' y1='"
+        << y << "' y2='" << y << "'/><text class='tick' x='" << x + 23.0 << "' y='" << y + 4.0
+        << "'>" << escape(plot.series[s].name) << "</text>\n";
+  }
+}
+
+void draw_events(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
+  double row = 0.0;
+  for (const PlotEvent& event : plot.events) {
+    if (event.x < frame.x.low || event.x > frame.x.high) continue;
+    const double x = frame.px(event.x);
+    out << "<line class='event' x1='" << x << "' x2='" << x << "' y1='" << frame.top << "' y2='"
+        << frame.top + frame.height << "'/><text class='tick' x='" << x + 3.0 << "' y='"
+        << frame.top + 12.0 + row << "'>" << escape(event.label) << "</text>\n";
+    row = row > 36.0 ? 0.0 : row + 12.0;
+  }
+}
+
+}  // namespace
+
+std::vector<double> ticks(double low, double high, int count) {
+  const double raw = (high - low) / count;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  double step = 10.0 * power;
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= raw) {
+      step = factor * power;
+      break;
+    }
+  }
+  std::vector<double> result;
+  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0) {
+    result.push_back(k * step);
+  }
+  return result;
+}
+
+std::string escape(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+std::string plot_style() {
+  // Okabe and Ito's palette, which colour-blind readers can tell apart.
+  constexpr std::array<const char*, kColors> kPalette{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                      "#e69f00", "#56b4e9", "#8a7a00", "#777777"};
+  std::ostringstream out;
+  out << ".plot text{font-family:'DejaVu Sans',sans-serif;fill:var(--ink,#222)}"
+         ".plot .tick{font-size:11px}.plot .label{font-size:12px}"
+         ".plot .title{font-size:14px;font-weight:bold}"
+         ".plot .grid{stroke:var(--grid,#ddd);stroke-width:1}"
+         ".plot .axes{fill:none;stroke:var(--ink,#222);stroke-width:1}"
+         ".plot .event{stroke:var(--ink,#222);stroke-width:1;stroke-dasharray:3 3}"
+         ".plot .line{fill:none;stroke-width:1.8}";
+  for (std::size_t i = 0; i < kColors; ++i) {
+    out << ".plot .s" << i << "{stroke:" << kPalette[i] << "}";
+  }
+  return out.str();
+}
+
+std::string to_svg(const LinePlot& plot, bool standalone) {
+  const Frame frame = make_frame(plot);
+  std::ostringstream out;
+  out.precision(6);
+  out << "<svg xmlns='http://www.w3.org/2000/svg' class='plot' role='img' aria-label='"
+      << escape(plot.title) << "' viewBox='0 0 " << plot.width << ' ' << plot.height << "' width='"
+      << plot.width << "' height='" << plot.height << "'>\n";
+  if (standalone) {
+    // The stand-alone renderer knows no custom properties: put the light colours in their place.
+    std::string style = plot_style();
+    for (const auto& [name, value] :
+         {std::pair<std::string, std::string>{"var(--ink,#222)", "#222"},
+          {"var(--grid,#ddd)", "#ddd"}}) {
+      for (std::size_t at = style.find(name); at != std::string::npos; at = style.find(name)) {
+        style.replace(at, name.size(), value);
+      }
+    }
+    out << "<style>" << style << "</style>\n";
+  }
+  out << "<text class='title' x='" << frame.left << "' y='18'>" << escape(plot.title)
+      << "</text>\n";
+  draw_axes(plot, frame, out);
+  draw_events(plot, frame, out);
+  draw_series(plot, frame, out);
+  draw_legend(plot, frame, out);
+  out << "</svg>\n";
+  return out.str();
+}
+
+std::string to_csv(const LinePlot& plot) {
+  std::ostringstream out;
+  out.precision(9);
+  out << "series,x,y\n";
+  for (const Series& series : plot.series) {
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      out << series.name << ',' << series.x[i] << ',' << series.y[i] << '\n';
+    }
+  }
+  return out.str();
+}
+
+}  // namespace strata::report
