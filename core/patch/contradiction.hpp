@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Which cells were seen in different states by different visits [stachniss2005patch, "Map
+/// Segmentation"; the paper names no test, ours is SPEC B1].
+///
+/// Two tests, and a cell is contradictory when one of them says so:
+/// - many visits: a G-test of homogeneity per cell, with capped evidence and tolerance to jitter;
+/// - few visits: no single cell has enough evidence, so neighbouring cells are pooled: a connected
+///   component that one visit saw occupied and another saw free, all over at least 0.2 m.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/grid/grid.hpp"
+#include "core/grid/reflection_grid.hpp"
+#include "core/patch/visits.hpp"
+
+namespace strata::patch {
+
+struct ContradictionConfig {
+  double prior = 0.9;
+  // Many visits.
+  double max_evidence = 4.0;
+  double min_evidence = 0.5;
+  double significance = 1e-4;
+  double min_share = 0.05;
+  int min_block_cells = 3;
+  // Few visits.
+  int few_max_visits = 5;
+  double few_tolerance_m = 0.15;
+  double few_min_extent_m = 0.2;
+  int few_min_cells = 4;
+  double few_min_beams = 3.0;
+  double few_occupied_share = 0.8;
+  double few_free_share = 0.1;
+
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("prior", c.prior,
+            {.doc = "P(a beam ends on something static), for the beam filter within a visit",
+             .unit = "1",
+             .min = 0.5,
+             .max = 1.0});
+    v.field("max_evidence", c.max_evidence,
+            {.doc = "beams of one visit count at most this much: they are correlated",
+             .unit = "beams",
+             .min = 0.5});
+    v.field("min_evidence", c.min_evidence,
+            {.doc = "visits with less evidence are left out", .unit = "beams", .min = 1e-3});
+    v.field(
+        "significance", c.significance,
+        {.doc = "chance per cell of a false contradiction", .unit = "1", .min = 0.0, .max = 1.0});
+    v.field("min_share", c.min_share,
+            {.doc = "the share of hits over all visits must lie this far from 0 and 1",
+             .unit = "1",
+             .min = 0.0,
+             .max = 0.5});
+    v.field("min_block_cells", c.min_block_cells,
+            {.doc = "contradictory cells needed in the 3 x 3 block of each", .min = 1, .max = 9});
+    v.field("few_max_visits", c.few_max_visits,
+            {.doc = "cells with at most this many visits are also tested by pooling over space",
+             .unit = "visits",
+             .min = 0});
+    v.field("few_tolerance_m", c.few_tolerance_m,
+            {.doc = "a cell is free in a visit only when that visit hit nothing this close to it",
+             .unit = "m",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("few_min_extent_m", c.few_min_extent_m,
+            {.doc = "least extent of a pooled component", .unit = "m", .min = 0.0});
+    v.field("few_min_cells", c.few_min_cells,
+            {.doc = "least number of cells of a pooled component", .unit = "cells", .min = 1});
+    v.field("few_min_beams", c.few_min_beams,
+            {.doc = "evidence a visit needs in a cell", .unit = "beams", .min = 0.5});
+    v.field("few_occupied_share", c.few_occupied_share,
+            {.doc = "occupied: at least this share of hits", .unit = "1", .min = 0.5, .max = 1.0});
+    v.field("few_free_share", c.few_free_share,
+            {.doc = "free: at most this share of hits", .unit = "1", .min = 0.0, .max = 0.5});
+    v.require(c.prior > 0.5, "prior", "is 0.5, where every cell turns free",
+              "choose a value above 0.5, such as 0.9");
+  }
+};
+
+/// P(X > x) for chi-squared with `dof` degrees of freedom, by the finite sums for whole dof.
+/// Requires dof >= 1, x >= 0. O(dof).
+[[nodiscard]] double chi_squared_tail(double x, int dof);
+
+/// Evidence of one visit after capping and jitter tolerance.
+struct VisitEvidence {
+  double hits = 0.0;
+  double misses = 0.0;
+};
+/// G = 2 sum_s [h_s ln(r_s / r) + f_s ln((1 - r_s) / (1 - r))] with r pooled: twice the
+/// log-likelihood ratio of "each visit has its own share" to "all share one" [nats]. Chi-squared
+/// with (visits - 1) degrees of freedom when nothing changed. Visits without evidence add nothing.
+[[nodiscard]] double g_statistic(std::span<const VisitEvidence> visits);
+
+/// The test for many visits: 1 where contradictory, on the table's rectangle. Expects visits after
+/// VisitTable::filter. O(visits).
+[[nodiscard]] Grid<std::uint8_t> test_many_visits(const VisitTable& table,
+                                                  const ContradictionConfig& config);
+
+/// The test for few visits, likewise.
+[[nodiscard]] Grid<std::uint8_t> test_few_visits(const VisitTable& table,
+                                                 const ContradictionConfig& config);
+
+/// The union of both.
+[[nodiscard]] Grid<std::uint8_t> find_contradictions(const VisitTable& table,
+                                                     const ContradictionConfig& config);
+
+}  // namespace strata::patch

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// The contradiction test for few visits: pooling over space (SPEC B1, "Few visits").
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/patch/contradiction.hpp"
+
+namespace strata::patch {
+namespace {
+
+using VisitPair = std::pair<Visit, Visit>;  // occupied in the first, free in the second
+
+/// The offsets of all other cells within the tolerance.
+std::vector<Cell> disc(double radius_m, double resolution_m) {
+  const double radius = radius_m / resolution_m + 1e-9;
+  const int reach = static_cast<int>(std::floor(radius));
+  std::vector<Cell> result;
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      if ((dx != 0 || dy != 0) && std::hypot(dx, dy) <= radius) result.push_back({dx, dy});
+    }
+  }
+  return result;
+}
+
+class FewVisitsTest {
+ public:
+  FewVisitsTest(const VisitTable& table, const ContradictionConfig& config)
+      : table_(table),
+        config_(config),
+        around_(disc(config.few_tolerance_m, table.resolution_m())),
+        candidates_(table.resolution_m(), table.rect(), 0) {}
+
+  Grid<std::uint8_t> run() {
+    Grid<std::uint8_t> mask(table_.resolution_m(), table_.rect(), 0);
+    for (const Cell& cell : table_.cells()) {
+      if (has_pair(cell)) candidates_.at(cell) = 1;
+    }
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (candidates_.values()[i] != 1) continue;
+      const std::vector<Cell> component = take_component(candidates_.cell(i));
+      for (const Cell& cell : coherent_cells(component)) mask.at(cell) = 1;
+    }
+    return mask;
+  }
+
+ private:
+  [[nodiscard]] bool is_occupied_in(const Visit& visit) const {
+    return visit.total() >= config_.few_min_beams &&
+           static_cast<double>(visit.hits) >= config_.few_occupied_share * visit.total();
+  }
+  /// Free, and nothing near was hit meanwhile: else it may be the same surface, displaced by the
+  /// error of the poses.
+  [[nodiscard]] bool is_free_in(const Cell& cell, const Visit& visit) const {
+    if (visit.total() < config_.few_min_beams) return false;
+    if (static_cast<double>(visit.hits) > config_.few_free_share * visit.total()) return false;
+    return std::none_of(around_.begin(), around_.end(), [&](const Cell& offset) {
+      const auto others = table_.at({cell.x + offset.x, cell.y + offset.y});
+      return std::any_of(others.begin(), others.end(), [&](const Visit& other) {
+        return other.overlaps(visit) && static_cast<double>(other.hits) > 0.5;
+      });
+    });
+  }
+  /// All pairs of an occupied and a free visit of the cell.
+  void find_pairs(const Cell& cell, std::vector<VisitPair>& pairs) const {
+    pairs.clear();
+    const auto visits = table_.at(cell);
+    if (visits.size() < 2 || visits.size() > static_cast<std::size_t>(config_.few_max_visits)) {
+      return;
+    }
+    if (std::none_of(visits.begin(), visits.end(),
+                     [&](const Visit& v) { return is_occupied_in(v); })) {
+      return;
+    }
+    for (const Visit& free : visits) {
+      if (!is_free_in(cell, free)) continue;
+      for (const Visit& occupied : visits) {
+        if (is_occupied_in(occupied)) pairs.emplace_back(occupied, free);
+      }
+    }
+  }
+  [[nodiscard]] bool has_pair(const Cell& cell) {
+    find_pairs(cell, pairs_);
+    return !pairs_.empty();
+  }
+  /// The candidates connected to `start`, gaps of one cell bridged; marks them as taken (2).
+  std::vector<Cell> take_component(const Cell& start) {
+    std::vector<Cell> component{start};
+    candidates_.at(start) = 2;
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      for (int dy = -2; dy <= 2; ++dy) {
+        for (int dx = -2; dx <= 2; ++dx) {
+          const Cell next{component[i].x + dx, component[i].y + dy};
+          if (candidates_.get(next) != 1) continue;
+          candidates_.at(next) = 2;
+          component.push_back(next);
+        }
+      }
+    }
+    return component;
+  }
+  [[nodiscard]] bool is_large(const std::vector<Cell>& cells) const {
+    if (cells.size() < static_cast<std::size_t>(config_.few_min_cells)) return false;
+    CellRect rect;
+    for (const Cell& cell : cells) rect = rect.united({cell, {cell.x + 1, cell.y + 1}});
+    const int extent = std::max(rect.width(), rect.height());
+    return extent * table_.resolution_m() >= config_.few_min_extent_m - 1e-9;
+  }
+  /// The cells of a component that agree on when it was occupied and when it was free: for some
+  /// pair of visits enough of them support the same pair. Cells of walls that jitter back and forth
+  /// make components whose cells disagree.
+  [[nodiscard]] std::vector<Cell> coherent_cells(const std::vector<Cell>& component) const {
+    std::vector<Cell> result;
+    if (!is_large(component)) return result;
+    std::vector<std::vector<VisitPair>> pairs(component.size());
+    for (std::size_t i = 0; i < component.size(); ++i) find_pairs(component[i], pairs[i]);
+    std::vector<std::uint8_t> kept(component.size(), 0);
+    std::vector<Cell> support;
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      for (const auto& [occupied, free] : pairs[i]) {
+        support.clear();
+        std::vector<std::size_t> indices;
+        for (std::size_t k = 0; k < component.size(); ++k) {
+          const bool agrees =
+              std::any_of(pairs[k].begin(), pairs[k].end(), [&](const VisitPair& other) {
+                return other.first.overlaps(occupied) && other.second.overlaps(free);
+              });
+          if (!agrees) continue;
+          support.push_back(component[k]);
+          indices.push_back(k);
+        }
+        if (!is_large(support)) continue;
+        for (const std::size_t k : indices) kept[k] = 1;
+      }
+    }
+    for (std::size_t k = 0; k < component.size(); ++k) {
+      if (kept[k] != 0) result.push_back(component[k]);
+    }
+    return result;
+  }
+
+  const VisitTable& table_;
+  const ContradictionConfig& config_;
+  std::vector<Cell> around_;
+  Grid<std::uint8_t> candidates_;
+  std::vector<VisitPair> pairs_;
+};
+
+}  // namespace
+
+Grid<std::uint8_t> test_few_visits(const VisitTable& table, const ContradictionConfig& config) {
+  return FewVisitsTest(table, config).run();
+}
+
+}  // namespace strata::patch

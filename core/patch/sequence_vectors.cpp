@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/sequence_vectors.hpp"
+
+#include <algorithm>
+
+#include "core/patch/closed_form.hpp"
+
+namespace strata::patch {
+
+ReflectionGrid filter_counts(const Grid<CellCounts>& counts, double prior, double min_evidence) {
+  ReflectionGrid result = make_reflection_grid(counts.resolution_m(), counts.rect());
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const CellCounts& cell = counts.values()[i];
+    if (cell.total() < min_evidence) continue;
+    result.values()[i] = static_cast<float>(closed_form(cell, prior));
+  }
+  return result;
+}
+
+std::vector<float> feature_vector(const ReflectionGrid& reflection, std::span<const Cell> cells) {
+  std::vector<float> result;
+  result.reserve(cells.size());
+  for (const Cell& cell : cells) {
+    float greatest = kUnknownReflection;
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const float m = reflection.get({cell.x + dx, cell.y + dy});
+        if (is_known(m)) greatest = is_known(greatest) ? std::max(greatest, m) : m;
+      }
+    }
+    result.push_back(greatest);
+  }
+  return result;
+}
+
+}  // namespace strata::patch

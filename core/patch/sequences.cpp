@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/sequences.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/grid/ray_traversal.hpp"
+
+namespace strata::patch {
+namespace {
+
+constexpr std::size_t kProgressStride = 256;
+
+/// Distance from a point to a rectangle, 0 inside.
+double distance_m(const Eigen::Vector2d& point_m, const CellRect& rect, double resolution_m) {
+  const double dx = std::max(
+      {0.0, rect.min.x * resolution_m - point_m.x(), point_m.x() - rect.max.x * resolution_m});
+  const double dy = std::max(
+      {0.0, rect.min.y * resolution_m - point_m.y(), point_m.y() - rect.max.y * resolution_m});
+  return std::hypot(dx, dy);
+}
+
+/// Opens and closes the sequences of one rectangle.
+class SequenceBuilder {
+ public:
+  SequenceBuilder(std::span<const PosedScan> scans, const SequenceConfig& config)
+      : scans_(scans), config_(&config) {}
+
+  /// The scan belongs to the sub-map.
+  void take(std::uint32_t scan) {
+    if (!open_.scans.empty() && must_close(scan)) close();
+    open_.scans.push_back(scan);
+  }
+  std::vector<Sequence> finish() && {
+    close();
+    return std::move(done_);
+  }
+
+ private:
+  [[nodiscard]] bool must_close(std::uint32_t scan) const {
+    const PosedScan& first = scans_[open_.scans.front()];
+    const PosedScan& last = scans_[open_.scans.back()];
+    const PosedScan& now = scans_[scan];
+    return now.run != last.run ||
+           (now.scan.stamp - last.scan.stamp).seconds() > config_->hysteresis_s ||
+           (now.scan.stamp - first.scan.stamp).seconds() > config_->max_duration_s;
+  }
+  void close() {
+    if (open_.scans.size() >= static_cast<std::size_t>(config_->min_scans)) {
+      done_.push_back(std::move(open_));
+    }
+    open_ = {};
+  }
+  std::span<const PosedScan> scans_;
+  const SequenceConfig* config_;
+  Sequence open_;
+  std::vector<Sequence> done_;
+};
+
+int touching_beams(const std::vector<Ray>& rays, const CellRect& rect, double resolution_m,
+                   int enough) {
+  int count = 0;
+  double enter = 0.0;
+  double leave = 0.0;
+  for (const Ray& ray : rays) {
+    if (clip_to_rect(ray.from_m, ray.to_m, rect, resolution_m, enter, leave)) ++count;
+    if (count >= enough) break;
+  }
+  return count;
+}
+
+}  // namespace
+
+bool clip_to_rect(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m, const CellRect& rect,
+                  double resolution_m, double& t_enter, double& t_leave) {
+  t_enter = 0.0;
+  t_leave = 1.0;
+  const double low[2] = {rect.min.x * resolution_m, rect.min.y * resolution_m};
+  const double high[2] = {rect.max.x * resolution_m, rect.max.y * resolution_m};
+  for (int axis = 0; axis < 2; ++axis) {
+    const double start = from_m[axis];
+    const double step = to_m[axis] - start;
+    if (step == 0.0) {
+      if (start < low[axis] || start >= high[axis]) return false;
+      continue;
+    }
+    const double a = (low[axis] - start) / step;
+    const double b = (high[axis] - start) / step;
+    t_enter = std::max(t_enter, std::min(a, b));
+    t_leave = std::min(t_leave, std::max(a, b));
+    if (t_enter > t_leave) return false;
+  }
+  return true;
+}
+
+std::vector<std::vector<Sequence>> find_sequences(std::span<const PosedScan> scans,
+                                                  std::span<const CellRect> rects,
+                                                  double resolution_m, const SequenceConfig& config,
+                                                  const CountingOptions& counting,
+                                                  Progress* progress) {
+  std::vector<SequenceBuilder> builders(rects.size(), SequenceBuilder(scans, config));
+  std::vector<Ray> rays;
+  for (std::size_t t = 0; t < scans.size() && !rects.empty(); ++t) {
+    if (t % kProgressStride == 0) report_progress(progress, "find sequences", t, scans.size());
+    const PosedScan& scan = scans[t];
+    rays.clear();
+    double reach_m = 0.0;
+    if (config.mode == SequenceMode::kVisibility) {
+      for_each_ray(scan.scan, scan.map_from_laser(), counting, [&](std::size_t, const Ray& ray) {
+        rays.push_back(ray);
+        reach_m = std::max(reach_m, (ray.to_m - ray.from_m).norm());
+      });
+    }
+    for (std::size_t s = 0; s < rects.size(); ++s) {
+      bool belongs = false;
+      if (config.mode == SequenceMode::kEntered) {
+        belongs = distance_m(scan.map_from_robot.translation(), rects[s], resolution_m) <=
+                  config.entry_margin_m;
+      } else if (distance_m(scan.map_from_laser().translation(), rects[s], resolution_m) <=
+                 reach_m) {
+        belongs = touching_beams(rays, rects[s], resolution_m, config.min_beams_per_scan) >=
+                  config.min_beams_per_scan;
+      }
+      if (belongs) builders[s].take(static_cast<std::uint32_t>(t));
+    }
+  }
+  std::vector<std::vector<Sequence>> result;
+  for (SequenceBuilder& builder : builders) result.push_back(std::move(builder).finish());
+  return result;
+}
+
+Grid<CellCounts> count_sequence(std::span<const PosedScan> scans, const Sequence& sequence,
+                                const CellRect& rect, double resolution_m,
+                                const CountingOptions& counting) {
+  Grid<CellCounts> counts(resolution_m, rect);
+  for (const std::uint32_t index : sequence.scans) {
+    const PosedScan& scan = scans[index];
+    for_each_ray(scan.scan, scan.map_from_laser(), counting, [&](std::size_t, const Ray& ray) {
+      double enter = 0.0;
+      double leave = 0.0;
+      if (!clip_to_rect(ray.from_m, ray.to_m, rect, resolution_m, enter, leave)) return;
+      const Eigen::Vector2d along = ray.to_m - ray.from_m;
+      const Cell end = cell_at(ray.to_m, resolution_m);
+      const Eigen::Vector2d from = ray.from_m + enter * along;
+      const Eigen::Vector2d to =
+          leave < 1.0 ? Eigen::Vector2d(ray.from_m + leave * along) : ray.to_m;
+      traverse_ray(from, to, resolution_m, [&](const Cell& cell, double length_m) {
+        // Rounding may put the ends of the clipped part a hair outside.
+        if (!rect.contains(cell) || (ray.is_hit && cell == end)) return;
+        counts.at(cell).misses += length_m / resolution_m;
+      });
+      if (ray.is_hit && rect.contains(end)) counts.at(end).hits += 1.0;
+    });
+  }
+  return counts;
+}
+
+}  // namespace strata::patch

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Observation sequences (1.16)-(1.17) of [stachniss2003chapter]: which scans belong to one stay at
+/// a sub-map, and what they saw of it (SPEC B3, B4).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/config.hpp"
+#include "core/base/progress.hpp"
+#include "core/grid/counting_map.hpp"
+#include "core/grid/grid.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::patch {
+
+enum class SequenceMode : std::uint8_t {
+  kVisibility,  ///< open while enough beams touch the sub-map, from wherever
+  kEntered,     ///< open while the robot is inside [stachniss2005patch]
+};
+
+}  // namespace strata::patch
+
+template <>
+struct strata::EnumNames<strata::patch::SequenceMode> {
+  static constexpr std::array<std::pair<patch::SequenceMode, const char*>, 2> values{
+      {{patch::SequenceMode::kVisibility, "visibility"},
+       {patch::SequenceMode::kEntered, "entered"}}};
+};
+
+namespace strata::patch {
+
+struct SequenceConfig {
+  SequenceMode mode = SequenceMode::kVisibility;
+  int min_beams_per_scan = 20;
+  double entry_margin_m = 1.0;
+  double hysteresis_s = 1.0;
+  double max_duration_s = 30.0;
+  int min_scans = 10;
+
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("mode", c.mode,
+            {.doc = "visibility: a sequence is open while enough beams touch the sub-map; entered: "
+                    "while the robot is inside it, as in the paper"});
+    v.field("min_beams_per_scan", c.min_beams_per_scan,
+            {.doc = "visibility: beams that must touch the sub-map", .unit = "beams", .min = 1});
+    v.field("entry_margin_m", c.entry_margin_m,
+            {.doc = "entered: the sub-map counts as this much larger", .unit = "m", .min = 0.0});
+    v.field("hysteresis_s", c.hysteresis_s,
+            {.doc = "a sequence outlives pauses up to this", .unit = "s", .min = 0.0});
+    v.field("max_duration_s", c.max_duration_s,
+            {.doc = "a longer stay is cut into several sequences", .unit = "s", .min = 0.1});
+    v.field("min_scans", c.min_scans,
+            {.doc = "sequences with fewer scans are dropped", .unit = "scans", .min = 1});
+  }
+};
+
+/// The scans of one stay, by their place in the sequence of all scans; ascending.
+struct Sequence {
+  std::vector<std::uint32_t> scans;
+};
+
+/// The sequences of each rectangle. Scans are ordered by run, then time; sequences never span two
+/// runs. O(scans x rectangles in range x beams).
+[[nodiscard]] std::vector<std::vector<Sequence>> find_sequences(
+    std::span<const PosedScan> scans, std::span<const CellRect> rects, double resolution_m,
+    const SequenceConfig& config, const CountingOptions& counting, Progress* progress = nullptr);
+
+/// Raw counts of the scans of one sequence within the rectangle (no static probability: the beam
+/// filter runs per sequence, on these counts). O(beams x cells crossed inside).
+[[nodiscard]] Grid<CellCounts> count_sequence(std::span<const PosedScan> scans,
+                                              const Sequence& sequence, const CellRect& rect,
+                                              double resolution_m, const CountingOptions& counting);
+
+/// The part of the segment from + t (to - from), t in [0, 1], inside the rectangle; false when
+/// there is none. Requires resolution_m > 0. O(1).
+[[nodiscard]] bool clip_to_rect(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m,
+                                const CellRect& rect, double resolution_m, double& t_enter,
+                                double& t_leave);
+
+}  // namespace strata::patch

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/visits.hpp"
+
+#include <algorithm>
+
+#include "core/grid/ray_traversal.hpp"
+#include "core/patch/closed_form.hpp"
+
+namespace strata::patch {
+namespace {
+
+constexpr std::size_t kProgressStride = 256;
+
+/// A visit under construction, linked to the previous visit of the same cell.
+struct LinkedVisit {
+  Visit visit;
+  std::int32_t previous = -1;
+};
+
+CellRect rect_of_rays(const PosedScan& scan, double resolution_m, const CountingOptions& options) {
+  CellRect rect;
+  for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
+    const Cell a = cell_at(ray.from_m, resolution_m);
+    const Cell b = cell_at(ray.to_m, resolution_m);
+    rect = rect.united({{std::min(a.x, b.x), std::min(a.y, b.y)},
+                        {std::max(a.x, b.x) + 1, std::max(a.y, b.y) + 1}});
+  });
+  return rect;
+}
+
+/// A slot for each cell that a beam ended in; -1 elsewhere.
+Grid<std::int32_t> make_slots(std::span<const PosedScan> scans, double resolution_m,
+                              const CountingOptions& options, std::size_t& count) {
+  CellRect rect;
+  for (const PosedScan& scan : scans) rect = rect.united(rect_of_rays(scan, resolution_m, options));
+  Grid<std::int32_t> slots(resolution_m, rect, -1);
+  for (const PosedScan& scan : scans) {
+    for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
+      if (ray.is_hit) slots.at(cell_at(ray.to_m, resolution_m)) = 0;
+    });
+  }
+  count = 0;
+  for (std::int32_t& slot : slots.values()) {
+    if (slot == 0) slot = static_cast<std::int32_t>(count++);
+  }
+  return slots;
+}
+
+/// Appends visits per slot while the scans go by.
+class VisitCollector {
+ public:
+  VisitCollector(std::span<const PosedScan> scans, std::size_t slots, Duration gap)
+      : scans_(scans), gap_(gap), last_(slots, -1) {}
+
+  Visit& current(std::int32_t slot, std::uint32_t scan) {
+    std::int32_t& last = last_[static_cast<std::size_t>(slot)];
+    if (last < 0 || is_new_visit(links_[static_cast<std::size_t>(last)].visit.last_scan, scan)) {
+      links_.push_back({Visit{scan, scan, 0.0F, 0.0F}, last});
+      last = static_cast<std::int32_t>(links_.size()) - 1;
+    }
+    Visit& visit = links_[static_cast<std::size_t>(last)].visit;
+    visit.last_scan = scan;
+    return visit;
+  }
+
+  VisitTable finish(Grid<std::int32_t> slots) && {
+    std::vector<std::uint32_t> offsets(last_.size() + 1, 0);
+    std::vector<Visit> visits;
+    visits.reserve(links_.size());
+    for (std::size_t slot = 0; slot < last_.size(); ++slot) {
+      offsets[slot] = static_cast<std::uint32_t>(visits.size());
+      for (std::int32_t i = last_[slot]; i >= 0; i = links_[static_cast<std::size_t>(i)].previous) {
+        visits.push_back(links_[static_cast<std::size_t>(i)].visit);
+      }
+      std::reverse(visits.begin() + offsets[slot], visits.end());
+    }
+    offsets.back() = static_cast<std::uint32_t>(visits.size());
+    return {std::move(slots), std::move(offsets), std::move(visits)};
+  }
+
+ private:
+  [[nodiscard]] bool is_new_visit(std::uint32_t before, std::uint32_t now) const {
+    return scans_[before].run != scans_[now].run ||
+           scans_[now].scan.stamp - scans_[before].scan.stamp > gap_;
+  }
+  std::span<const PosedScan> scans_;
+  Duration gap_;
+  std::vector<std::int32_t> last_;
+  std::vector<LinkedVisit> links_;
+};
+
+}  // namespace
+
+VisitTable::VisitTable(Grid<std::int32_t> slots, std::vector<std::uint32_t> offsets,
+                       std::vector<Visit> visits)
+    : slots_(std::move(slots)), offsets_(std::move(offsets)), visits_(std::move(visits)) {}
+
+std::vector<Cell> VisitTable::cells() const {
+  std::vector<Cell> result;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (slots_.values()[i] >= 0) result.push_back(slots_.cell(i));
+  }
+  return result;
+}
+
+void VisitTable::filter(double prior) {
+  for (Visit& visit : visits_) {
+    const double total = visit.total();
+    const double m =
+        closed_form({static_cast<double>(visit.hits), static_cast<double>(visit.misses)}, prior);
+    visit.hits = static_cast<float>(m * total);
+    visit.misses = static_cast<float>((1.0 - m) * total);
+  }
+}
+
+VisitTable find_visits(std::span<const PosedScan> scans, double resolution_m,
+                       const VisitConfig& config, const CountingOptions& counting,
+                       Progress* progress) {
+  CountingOptions options = counting;
+  if (config.max_range_m > 0.0 &&
+      (options.max_range_m <= 0.0 || options.max_range_m > config.max_range_m)) {
+    options.max_range_m = config.max_range_m;
+  }
+  std::size_t count = 0;
+  Grid<std::int32_t> slots = make_slots(scans, resolution_m, options, count);
+  VisitCollector collector(scans, count, Duration::from_seconds(config.gap_s));
+  for (std::size_t t = 0; t < scans.size(); ++t) {
+    if (t % kProgressStride == 0) report_progress(progress, "find visits", t, scans.size());
+    const auto scan = static_cast<std::uint32_t>(t);
+    const PosedScan& posed = scans[t];
+    for_each_ray(posed.scan, posed.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
+      const Cell end = cell_at(ray.to_m, resolution_m);
+      traverse_ray(ray.from_m, ray.to_m, resolution_m, [&](const Cell& cell, double length_m) {
+        const std::int32_t slot = slots.get(cell);
+        if (slot < 0 || (ray.is_hit && cell == end)) return;
+        collector.current(slot, scan).misses += static_cast<float>(length_m / resolution_m);
+      });
+      if (ray.is_hit) collector.current(slots.at(end), scan).hits += 1.0F;
+    });
+  }
+  return std::move(collector).finish(std::move(slots));
+}
+
+}  // namespace strata::patch

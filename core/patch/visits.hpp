@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What each visit saw of each cell: the evidence that the contradiction test compares.
+///
+/// A visit of a cell is a run of scans that observe it, ended by a gap of more than `gap_s` or by
+/// the end of a recorded run (SPEC B1). Kept only for cells that some beam ended in, since a cell
+/// that was never hit cannot contradict itself: memory is (such cells) x (visits of each).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/progress.hpp"
+#include "core/grid/counting_map.hpp"
+#include "core/grid/grid.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::patch {
+
+/// One visit of one cell. Scans are named by their place in the sequence of all scans.
+struct Visit {
+  std::uint32_t first_scan = 0;
+  std::uint32_t last_scan = 0;
+  float hits = 0.0F;    ///< beam ends
+  float misses = 0.0F;  ///< length of passing beams in units of the resolution
+
+  [[nodiscard]] double total() const {
+    return static_cast<double>(hits) + static_cast<double>(misses);
+  }
+  /// Whether the two visits, of neighbouring cells, share time.
+  [[nodiscard]] bool overlaps(const Visit& other) const {
+    return first_scan <= other.last_scan && other.first_scan <= last_scan;
+  }
+};
+
+/// The visits of every kept cell, in order of time.
+class VisitTable {
+ public:
+  VisitTable() = default;
+  /// offsets[i], offsets[i + 1] bound the visits of the cell whose slot is i; -1: cell not kept.
+  VisitTable(Grid<std::int32_t> slots, std::vector<std::uint32_t> offsets,
+             std::vector<Visit> visits);
+
+  /// The visits of a cell; empty when it is not kept. O(1).
+  [[nodiscard]] std::span<const Visit> at(const Cell& cell) const {
+    const std::int32_t slot = slots_.get(cell);
+    if (slot < 0) return {};
+    const auto s = static_cast<std::size_t>(slot);
+    return std::span(visits_).subspan(offsets_[s], offsets_[s + 1] - offsets_[s]);
+  }
+  [[nodiscard]] const CellRect& rect() const { return slots_.rect(); }
+  [[nodiscard]] double resolution_m() const { return slots_.resolution_m(); }
+  [[nodiscard]] std::size_t visit_count() const { return visits_.size(); }
+  /// The kept cells, in the order of the grid. O(area).
+  [[nodiscard]] std::vector<Cell> cells() const;
+
+  /// Runs the beam filter within each visit at fixed poses, by its closed form (SPEC A5): ends in
+  /// a cell that the visit's beams mostly cross (people walking by) become misses, totals stay.
+  /// Requires prior in (0.5, 1]. O(visits).
+  void filter(double prior);
+
+ private:
+  Grid<std::int32_t> slots_{0.05, CellRect{}, -1};
+  std::vector<std::uint32_t> offsets_;
+  std::vector<Visit> visits_;
+};
+
+struct VisitConfig {
+  double gap_s = 10.0;
+  double max_range_m = 8.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field(
+        "gap_s", c.gap_s,
+        {.doc = "a cell unseen for longer than this begins a new visit", .unit = "s", .min = 0.0});
+    v.field("max_range_m", c.max_range_m,
+            {.doc = "contradictions are looked for this far from the laser; errors of heading "
+                    "displace what lies farther; 0: no limit",
+             .unit = "m",
+             .min = 0.0});
+  }
+};
+
+/// Collects the visits of all scans (ordered by run, then time; static probabilities are not used:
+/// they judge by the map of all visits, which takes the rarer state of a door for a person).
+/// O(beams x cells a beam crosses).
+[[nodiscard]] VisitTable find_visits(std::span<const PosedScan> scans, double resolution_m,
+                                     const VisitConfig& config, const CountingOptions& counting,
+                                     Progress* progress = nullptr);
+
+}  // namespace strata::patch

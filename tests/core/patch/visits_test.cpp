@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/visits.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace strata::patch {
+namespace {
+
+/// A scan of one beam along +x from (0.025, 0.025), so that it runs through cell row 0.
+PosedScan beam(double range_m, double stamp_s, int run = 0) {
+  PosedScan posed;
+  posed.run = run;
+  posed.map_from_robot = {0.025, 0.025, 0.0};
+  posed.scan.stamp = Stamp::from_seconds(stamp_s);
+  posed.scan.range_max_m = 50.0F;
+  posed.scan.angle_increment_rad = 0.01F;
+  posed.scan.ranges_m = {static_cast<float>(range_m)};
+  return posed;
+}
+
+TEST(Visits, GapAndRunEndThem) {
+  std::vector<PosedScan> scans;
+  for (const double t : {0.0, 5.0, 14.9, 25.0, 30.0}) scans.push_back(beam(1.0, t));
+  scans.push_back(beam(1.0, 30.5, 1));
+  const VisitTable table = find_visits(scans, 0.05, {}, {});
+  const auto visits = table.at({20, 0});
+  ASSERT_EQ(visits.size(), 3U);
+  EXPECT_EQ(visits[0].first_scan, 0U);
+  EXPECT_EQ(visits[0].last_scan, 2U);
+  EXPECT_EQ(visits[0].hits, 3.0F);
+  EXPECT_EQ(visits[1].hits, 2.0F);
+  EXPECT_EQ(visits[2].first_scan, 5U);
+}
+
+TEST(Visits, CountPassingBeamsByLengthAndOnlyWhereSomethingWasHit) {
+  const std::vector<PosedScan> scans{beam(0.5, 0.0), beam(2.0, 0.1)};
+  const VisitTable table = find_visits(scans, 0.05, {}, {});
+  const auto visits = table.at({10, 0});
+  ASSERT_EQ(visits.size(), 1U);
+  EXPECT_EQ(visits[0].hits, 1.0F);
+  EXPECT_NEAR(visits[0].misses, 1.0F, 1e-5F);
+  EXPECT_TRUE(table.at({5, 0}).empty()) << "never hit, so it cannot contradict itself";
+  EXPECT_EQ(table.cells().size(), 2U);
+}
+
+TEST(Visits, EndAtTheRangeLimit) {
+  VisitConfig config;
+  config.max_range_m = 1.0;
+  const std::vector<PosedScan> scans{beam(0.5, 0.0), beam(2.0, 0.1)};
+  const VisitTable table = find_visits(scans, 0.05, config, {});
+  EXPECT_EQ(table.at({10, 0}).size(), 1U);
+  EXPECT_TRUE(table.at({40, 0}).empty());
+}
+
+TEST(Visits, FilterRemovesPeopleAndKeepsWhatStays) {
+  std::vector<PosedScan> scans;
+  scans.push_back(beam(0.5, 0.0));  // someone walks by
+  for (int i = 1; i < 20; ++i) scans.push_back(beam(1.0, 0.1 * i));
+  VisitTable table = find_visits(scans, 0.05, {}, {});
+  table.filter(0.9);
+  EXPECT_EQ(table.at({10, 0})[0].hits, 0.0F) << "1 in 20 is below (1 - p) / p";
+  EXPECT_NEAR(table.at({10, 0})[0].total(), 20.0, 1e-4);
+  EXPECT_EQ(table.at({20, 0})[0].hits, 19.0F);
+}
+
+TEST(Visits, ScansWithoutAnyReturnGiveAnEmptyTable) {
+  const std::vector<PosedScan> scans{beam(std::numeric_limits<double>::infinity(), 0.0),
+                                     beam(std::numeric_limits<double>::quiet_NaN(), 0.1)};
+  EXPECT_TRUE(find_visits(scans, 0.05, {}, {}).cells().empty());
+  EXPECT_TRUE(find_visits({}, 0.05, {}, {}).cells().empty());
+}
+
+}  // namespace
+}  // namespace strata::patch
