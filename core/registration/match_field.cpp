@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/registration/match_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace strata::registration {
+namespace {
+
+/// A wall is never quite free to slide along: its ends and gaps carry some information.
+constexpr double kLeastTangential = 0.02;
+constexpr int kNeighbourhood = 2;
+
+struct Moments {
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  void add(double px, double py) {
+    n += 1.0;
+    x += px;
+    y += py;
+    xx += px * px;
+    xy += px * py;
+    yy += py * py;
+  }
+  /// n n^T blended with isotropy by how round the points' scatter is; trace 1.
+  [[nodiscard]] NormalScatter normal() const {
+    NormalScatter isotropic{0.5F, 0.0F, 0.5F};
+    if (n < 3.0) return isotropic;
+    const double cxx = xx - x * x / n;
+    const double cxy = xy - x * y / n;
+    const double cyy = yy - y * y / n;
+    const double root = std::sqrt(0.25 * (cxx - cyy) * (cxx - cyy) + cxy * cxy);
+    const double larger = 0.5 * (cxx + cyy) + root;
+    if (larger <= 1e-12) return isotropic;
+    const double round = std::clamp((larger - 2.0 * root) / larger, 0.0, 1.0);
+    const double angle = 0.5 * std::atan2(2.0 * cxy, cxx - cyy);
+    const double nx = -std::sin(angle);
+    const double ny = std::cos(angle);
+    const double half = 0.5 * round;
+    return {static_cast<float>((1.0 - round) * nx * nx + half),
+            static_cast<float>((1.0 - round) * nx * ny),
+            static_cast<float>((1.0 - round) * ny * ny + half)};
+  }
+};
+
+}  // namespace
+
+void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter) {
+  const double xx = static_cast<double>(scatter.xx);
+  const double xy = static_cast<double>(scatter.xy);
+  const double yy = static_cast<double>(scatter.yy);
+  const double root = std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
+  const double larger = 0.5 * (xx + yy) + root;
+  point.tangential = 1.0;
+  if (larger <= 0.0) return;
+  const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  point.normal_x = std::cos(angle);
+  point.normal_y = std::sin(angle);
+  point.tangential = std::clamp((larger - 2.0 * root) / larger, kLeastTangential, 1.0);
+}
+
+void normals_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
+                      std::vector<NormalScatter>& out) {
+  constexpr std::ptrdiff_t kReach = 3;
+  constexpr double kLeastGapM = 0.1;
+  constexpr double kSpacings = 5.0;
+  const auto count = static_cast<std::ptrdiff_t>(endpoints.size());
+  out.resize(endpoints.size());
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double x = endpoints.x_m[at];
+    const double y = endpoints.y_m[at];
+    const double reach_m = std::max(kLeastGapM, kSpacings * beam_spacing_rad * std::hypot(x, y));
+    Moments moments;
+    for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, i - kReach);
+         j <= std::min(count - 1, i + kReach); ++j) {
+      const double dx = endpoints.x_m[static_cast<std::size_t>(j)] - x;
+      const double dy = endpoints.y_m[static_cast<std::size_t>(j)] - y;
+      if (dx * dx + dy * dy <= reach_m * reach_m) moments.add(dx, dy);
+    }
+    out[at] = moments.normal();
+  }
+}
+
+MatchField::MatchField(double resolution_m, const MatchFieldConfig& config)
+    : config_(config),
+      nearest_(resolution_m, CellRect{}, -1),
+      squared_m2_(resolution_m, CellRect{}, std::numeric_limits<float>::infinity()) {
+  require_valid(config, "match_field");
+}
+
+MatchField::MatchField(const ReflectionGrid& map, const MatchFieldConfig& config)
+    : MatchField(map.resolution_m(), config) {
+  const auto threshold = static_cast<float>(config.occupied_reflection);
+  auto occupied = [&](const Cell& cell) { return map.get(cell) >= threshold; };
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (!(map.values()[i] >= threshold)) continue;
+    const Cell cell = map.cell(i);
+    Moments moments;
+    for (int dy = -kNeighbourhood; dy <= kNeighbourhood; ++dy) {
+      for (int dx = -kNeighbourhood; dx <= kNeighbourhood; ++dx) {
+        if (occupied({cell.x + dx, cell.y + dy})) moments.add(dx, dy);
+      }
+    }
+    SurfacePoint point;
+    point.x_m = map.center(cell).x();
+    point.y_m = map.center(cell).y();
+    set_surface_direction(point, moments.normal());
+    add(point);
+  }
+}
+
+std::size_t MatchField::add(const SurfacePoint& point) {
+  const double resolution = resolution_m();
+  const int reach = static_cast<int>(std::ceil(config_.radius_m / resolution));
+  const Cell center{cell_coordinate(point.x_m, resolution), cell_coordinate(point.y_m, resolution)};
+  const CellRect rect = CellRect{center, {center.x + 1, center.y + 1}}.inflated(reach);
+  nearest_.grow(rect);
+  squared_m2_.grow(rect);
+  const std::size_t index = points_.size();
+  points_.push_back(point);
+  const auto label = static_cast<std::int32_t>(index);
+  const auto limit = static_cast<float>(config_.radius_m * config_.radius_m);
+  const auto step = static_cast<float>(resolution);
+  const auto first_dx = static_cast<float>((rect.min.x + 0.5) * resolution - point.x_m);
+  const int width = rect.width();
+  for (int y = rect.min.y; y < rect.max.y; ++y) {
+    const auto dy = static_cast<float>((y + 0.5) * resolution - point.y_m);
+    const float dy2 = dy * dy;
+    float* best = &squared_m2_.at({rect.min.x, y});
+    std::int32_t* label_of = &nearest_.at({rect.min.x, y});
+    for (int i = 0; i < width; ++i) {
+      const float dx = first_dx + static_cast<float>(i) * step;
+      const float d2 = dx * dx + dy2;
+      const bool closer = d2 < best[i] && d2 <= limit;
+      best[i] = closer ? d2 : best[i];
+      label_of[i] = closer ? label : label_of[i];
+    }
+  }
+  return index;
+}
+
+}  // namespace strata::registration

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The map as scan matching sees it: pieces of surface, and for every cell the nearest of them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/config.hpp"
+#include "core/grid/grid.hpp"
+#include "core/grid/reflection_grid.hpp"
+#include "core/scan/endpoints.hpp"
+
+namespace strata::registration {
+
+/// One occupied cell: where the beams hit it and which way its surface runs.
+struct SurfacePoint {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double normal_x = 1.0;  ///< unit normal of the surface, either sign
+  double normal_y = 0.0;
+  /// Share in (0, 1] with which distance along the surface counts: small on a wall, 1 at a lone
+  /// point or a corner, where the normal says nothing.
+  double tangential = 1.0;
+  bool occupied = true;  ///< false: once occupied, since seen free; beams there match nothing
+};
+
+struct MatchFieldConfig {
+  double radius_m = 0.6;
+  double occupied_reflection = 0.1;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("radius_m", c.radius_m,
+            {.doc = "beams farther than this from any surface match nothing",
+             .unit = "m",
+             .min = 0.05,
+             .max = 5.0});
+    v.field("occupied_reflection", c.occupied_reflection,
+            {.doc = "cells with at least this reflection probability are surface",
+             .unit = "1",
+             .min = 0.01,
+             .max = 1.0});
+  }
+};
+
+/// The distance D of SPEC A6, measured to the line through the nearest occupied cell's hits
+/// instead of to the cell's centre: a wall that lies anywhere inside its cells is then matched
+/// exactly, and sliding along it costs nothing. Points may be added and moved; the nearest point
+/// is kept per cell (by its centre), so a query is one look-up.
+class MatchField {
+ public:
+  explicit MatchField(double resolution_m = 0.05, const MatchFieldConfig& config = {});
+  /// Every cell of `map` with at least config.occupied_reflection becomes a point at its centre;
+  /// normals from the 5 x 5 neighbourhood. O(cells + occupied x (radius / resolution)^2).
+  explicit MatchField(const ReflectionGrid& map, const MatchFieldConfig& config = {});
+
+  [[nodiscard]] double resolution_m() const { return nearest_.resolution_m(); }
+  [[nodiscard]] const MatchFieldConfig& config() const { return config_; }
+  [[nodiscard]] const std::vector<SurfacePoint>& points() const { return points_; }
+
+  /// Adds a point and takes over the cells that are nearest to it; returns its index.
+  std::size_t add(const SurfacePoint& point);
+  /// Changes a point in place; which cells are nearest to it stays as it was when it was added, so
+  /// it should move by less than a cell.
+  void set(std::size_t index, const SurfacePoint& point) { points_[index] = point; }
+
+  /// The surface nearest to the centre of the cell at (x, y); null when none lies within the
+  /// radius, or it is no longer occupied. O(1).
+  [[nodiscard]] const SurfacePoint* nearest(double x_m, double y_m) const {
+    const Cell cell{cell_coordinate(x_m, resolution_m()), cell_coordinate(y_m, resolution_m())};
+    if (!nearest_.contains(cell)) return nullptr;
+    const std::int32_t index = nearest_.at(cell);
+    if (index < 0) return nullptr;
+    const SurfacePoint& point = points_[static_cast<std::size_t>(index)];
+    return point.occupied ? &point : nullptr;
+  }
+
+ private:
+  MatchFieldConfig config_;
+  std::vector<SurfacePoint> points_;
+  Grid<std::int32_t> nearest_;  // index into points_, -1: none
+  Grid<float> squared_m2_;      // squared distance from the cell's centre to that point
+};
+
+/// Scatter of directions: sum of w n n^T over unit normals n, of which the cell's surface direction
+/// follows. Isotropic evidence (no direction known) adds w/2 to xx and yy.
+struct NormalScatter {
+  float xx = 0.0F;
+  float xy = 0.0F;
+  float yy = 0.0F;
+};
+
+/// Sets normal and tangential share of `point` from the scatter: the principal axis, and the ratio
+/// of the eigenvalues. An empty scatter gives tangential 1.
+void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter);
+
+/// Direction evidence of each point from its neighbours in the sweep (up to three on each side and
+/// not farther than a few beams' spacing); out[i] has trace 1. The neighbours in a scan say more
+/// than those in the map, whose cells lie too far apart where the beams do. O(points).
+void normals_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
+                      std::vector<NormalScatter>& out);
+
+}  // namespace strata::registration

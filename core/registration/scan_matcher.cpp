@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/registration/scan_matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "core/geometry/angle.hpp"
+#include "core/registration/ceres_solver.hpp"
+
+namespace strata::registration {
+namespace {
+
+Eigen::Vector3d difference_from(const Pose2& pose, const Pose2& mean) {
+  return {pose.x - mean.x, pose.y - mean.y, angle_difference(pose.theta, mean.theta)};
+}
+
+/// The beams with weight, ready for the inner loop.
+struct Problem {
+  const Endpoints& endpoints;
+  std::span<const float> beam_weights;
+  const MatchField& field;
+  bool has_prior = false;
+  Pose2 prior_mean;
+  Eigen::Matrix3d prior_information = Eigen::Matrix3d::Zero();
+  double hit_weight = 0.95;
+};
+
+template <bool kDerivatives>
+MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_m) {
+  MatchCost result;
+  const double c = std::cos(pose.theta);
+  const double s = std::sin(pose.theta);
+  const double inverse_variance = 1.0 / (hit_stddev_m * hit_stddev_m);
+  const double random_weight = 1.0 - problem.hit_weight;
+  const double far_cost = -std::log(random_weight);
+  double weight_sum = 0.0;
+  double explained = 0.0;
+  double h00 = 0.0, h01 = 0.0, h02 = 0.0, h11 = 0.0, h12 = 0.0, h22 = 0.0;
+  double g0 = 0.0, g1 = 0.0, g2 = 0.0;
+  for (std::size_t i = 0; i < problem.endpoints.size(); ++i) {
+    const double e = problem.beam_weights.empty()
+                         ? 1.0
+                         : static_cast<double>(problem.beam_weights[problem.endpoints.beam[i]]);
+    weight_sum += e;
+    const double rx = c * problem.endpoints.x_m[i] - s * problem.endpoints.y_m[i];
+    const double ry = s * problem.endpoints.x_m[i] + c * problem.endpoints.y_m[i];
+    const double x = pose.x + rx;
+    const double y = pose.y + ry;
+    const SurfacePoint* surface = problem.field.nearest(x, y);
+    if (surface == nullptr) {
+      result.cost += e * far_cost;
+      continue;
+    }
+    const double nx = surface->normal_x;
+    const double ny = surface->normal_y;
+    const double lambda = surface->tangential;
+    const double dx = x - surface->x_m;
+    const double dy = y - surface->y_m;
+    const double across = nx * dx + ny * dy;
+    const double along = nx * dy - ny * dx;
+    const double kernel =
+        std::exp(-0.5 * inverse_variance * (across * across + lambda * along * along));
+    const double hit = problem.hit_weight * kernel;
+    const double sum = hit + random_weight;
+    result.cost -= e * std::log(sum);
+    explained += e * kernel;
+    if constexpr (kDerivatives) {
+      const double w = e * inverse_variance * hit / sum;
+      const double wl = w * lambda;
+      const double across_theta = ny * rx - nx * ry;
+      const double along_theta = nx * rx + ny * ry;
+      h00 += w * nx * nx + wl * ny * ny;
+      h01 += (w - wl) * nx * ny;
+      h11 += w * ny * ny + wl * nx * nx;
+      h02 += w * nx * across_theta - wl * ny * along_theta;
+      h12 += w * ny * across_theta + wl * nx * along_theta;
+      h22 += w * across_theta * across_theta + wl * along_theta * along_theta;
+      g0 += w * nx * across - wl * ny * along;
+      g1 += w * ny * across + wl * nx * along;
+      g2 += w * across_theta * across + wl * along_theta * along;
+    }
+  }
+  result.explained = weight_sum > 0.0 ? explained / weight_sum : 0.0;
+  if constexpr (kDerivatives) {
+    result.gradient = {g0, g1, g2};
+    result.hessian << h00, h01, h02, h01, h11, h12, h02, h12, h22;
+  }
+  if (problem.has_prior) {
+    const Eigen::Vector3d d = difference_from(pose, problem.prior_mean);
+    const Eigen::Vector3d pull = problem.prior_information * d;
+    result.cost += 0.5 * d.dot(pull);
+    if constexpr (kDerivatives) {
+      result.gradient += pull;
+      result.hessian += problem.prior_information;
+    }
+  }
+  return result;
+}
+
+/// Levenberg-Marquardt over three parameters.
+LevelResult minimize_directly(const Problem& problem, const Pose2& start, double hit_stddev_m,
+                              int max_iterations) {
+  constexpr double kStepTolerance = 1e-5;  // metres and radians, far below any scanner's noise
+  LevelResult result{start, false, 0};
+  MatchCost here = evaluate<true>(problem, start, hit_stddev_m);
+  double damping = 1e-4;
+  while (result.iterations < max_iterations) {
+    ++result.iterations;
+    Eigen::Matrix3d damped = here.hessian;
+    damped.diagonal() *= 1.0 + damping;
+    damped.diagonal().array() += 1e-9;
+    const Eigen::Vector3d step = -damped.llt().solve(here.gradient);
+    if (!step.allFinite()) return result;
+    const Pose2 candidate{result.pose.x + step.x(), result.pose.y + step.y(),
+                          wrap_angle(result.pose.theta + step.z())};
+    const MatchCost there = evaluate<true>(problem, candidate, hit_stddev_m);
+    const bool better = there.cost <= here.cost;
+    if (better) {
+      result.pose = candidate;
+      here = there;
+      damping = std::max(1e-7, damping * 0.1);
+    } else {
+      damping *= 10.0;
+    }
+    if (step.cwiseAbs().maxCoeff() < kStepTolerance || damping > 1e6) {
+      result.converged = true;
+      return result;
+    }
+  }
+  return result;
+}
+
+Problem make_problem(const Endpoints& endpoints, std::span<const float> beam_weights,
+                     const MatchField& field, const Pose2Gaussian* prior, double hit_weight) {
+  Problem problem{endpoints, beam_weights, field, false, {}, Eigen::Matrix3d::Zero(), hit_weight};
+  if (prior != nullptr) {
+    problem.has_prior = true;
+    problem.prior_mean = prior->mean;
+    problem.prior_information = prior->covariance.inverse();
+  }
+  return problem;
+}
+
+/// Covariance from the curvature, with correlated beams counted as few (`effective_beams`).
+Eigen::Matrix3d covariance_of(const Problem& problem, const MatchCost& at,
+                              const MatchConfig& config) {
+  const double share =
+      std::min(1.0, config.effective_beams / static_cast<double>(problem.endpoints.size()));
+  Eigen::Matrix3d information = (at.hessian - problem.prior_information) * share;
+  information += problem.prior_information;
+  // A direction that nothing measures is uncertain by kilometres, not by infinity.
+  information.diagonal().array() += 1e-6;
+  return information.inverse();
+}
+
+}  // namespace
+
+MatchCost evaluate_match(const Endpoints& endpoints, std::span<const float> beam_weights,
+                         const MatchField& field, const Pose2& pose, const Pose2Gaussian* prior,
+                         double hit_stddev_m, double hit_weight) {
+  return evaluate<true>(make_problem(endpoints, beam_weights, field, prior, hit_weight), pose,
+                        hit_stddev_m);
+}
+
+MatchResult match(const Endpoints& endpoints, std::span<const float> beam_weights,
+                  const MatchField& field, const Pose2& guess, const Pose2Gaussian* prior,
+                  const MatchConfig& config) {
+  MatchResult result;
+  result.pose = guess;
+  const Problem problem = make_problem(endpoints, beam_weights, field, prior, config.hit_weight);
+  if (endpoints.size() == 0) {
+    result.covariance =
+        prior != nullptr ? prior->covariance : Eigen::Matrix3d(Eigen::Matrix3d::Identity() * 1e6);
+    return result;
+  }
+  LevelResult level{guess, false, 0};
+  for (int i = config.levels - 1; i >= 0; --i) {
+    const double sigma = config.hit_stddev_m * std::pow(2.0, i);
+    level = config.solver == MatchSolver::kCeres
+                ? minimize_with_ceres(endpoints, beam_weights, field, level.pose, prior, sigma,
+                                      config.hit_weight, config.max_iterations)
+                : minimize_directly(problem, level.pose, sigma, config.max_iterations);
+    result.iterations += level.iterations;
+  }
+  MatchCost there = evaluate<true>(problem, level.pose, config.hit_stddev_m);
+  const MatchCost here = evaluate<false>(problem, guess, config.hit_stddev_m);
+  const bool improved = there.cost <= here.cost;
+  if (improved) {
+    result.pose = level.pose;
+  } else {
+    there = evaluate<true>(problem, guess, config.hit_stddev_m);
+  }
+  result.cost = there.cost;
+  result.explained = there.explained;
+  result.covariance = covariance_of(problem, there, config);
+  const Eigen::Matrix2d position = result.covariance.topLeftCorner<2, 2>();
+  const double worst = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position).eigenvalues()(1);
+  result.converged = level.converged && improved && result.explained >= config.min_explained &&
+                     worst <= config.max_condition_stddev_m * config.max_condition_stddev_m;
+  return result;
+}
+
+}  // namespace strata::registration

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/slam.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/base/parallel.hpp"
+#include "core/slam/submap_graph.hpp"
+#include "core/slam/tracker.hpp"
+
+namespace strata::slam {
+namespace {
+
+/// One accepted scan and what is known of its pose.
+struct Record {
+  PosedScan posed;
+  Pose2 run_from_robot;
+  std::optional<Pose2> given;
+  bool key = false;
+  std::size_t submap = 0;
+};
+
+bool usable(const Observation& observation, const Pose2* given_pose) {
+  const Scan& scan = observation.scan;
+  const BeamCounts counts = count_beams(scan);
+  if (counts.invalid == scan.size()) return false;
+  if (observation.has_odometry && !is_finite(observation.odom_from_robot)) return false;
+  if (!is_finite(scan.robot_from_laser)) return false;
+  return given_pose == nullptr || is_finite(*given_pose);
+}
+
+}  // namespace
+
+struct Slam::State {
+  State(const SlamConfig& slam_config, int threads)
+      : config(slam_config),
+        pool(threads),
+        graph(slam_config.closure, slam_config.tracking.match, slam_config.tracking.field,
+              slam_config.resolution_m, pool) {}
+
+  SlamConfig config;
+  WorkerPool pool;
+  SubmapGraph graph;
+  std::optional<Tracker> tracker;
+  std::vector<Record> records;
+  int run = 0;
+  int runs = 0;
+  Stamp last_stamp;
+  std::size_t skipped = 0;
+  std::vector<std::size_t> run_begins;
+  Pose2 map_from_run;  // as the newest sub-map of the run has it
+
+  void start_run(const Observation& observation, const Pose2* given_pose);
+  void end_run();
+  void take_submaps();
+  void place_scans();
+  [[nodiscard]] std::optional<Pose2Gaussian> given_submap(const Submap& submap) const;
+  [[nodiscard]] bool keep_given() const { return runs <= 1 || !config.given_poses.refine; }
+};
+
+void Slam::State::start_run(const Observation& observation, const Pose2* given_pose) {
+  end_run();
+  run = observation.run;
+  ++runs;
+  run_begins.push_back(records.size());
+  Pose2 start;
+  if (given_pose != nullptr) {
+    start = *given_pose;
+  } else if (observation.has_odometry) {
+    // The map frame is the odometry frame at the first scan of the first run.
+    start = observation.odom_from_robot;
+  }
+  map_from_run = {};
+  tracker.emplace(config.tracking, config.resolution_m, run, start);
+}
+
+void Slam::State::end_run() {
+  if (!tracker) return;
+  tracker->finish(records.size());
+  take_submaps();
+  tracker.reset();
+}
+
+std::optional<Pose2Gaussian> Slam::State::given_submap(const Submap& submap) const {
+  std::vector<Pose2> tracked;
+  std::vector<Pose2> given;
+  for (std::size_t i = submap.first_scan; i < submap.last_scan; ++i) {
+    if (!records[i].given) continue;
+    tracked.push_back(records[i].run_from_robot);
+    given.push_back(*records[i].given);
+  }
+  if (given.empty()) return std::nullopt;
+  // The run's drifting frame is laid on the given poses as a rigid whole, heading included: the
+  // positions of a short piece say little about its heading.
+  std::vector<Pose2> corrections;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    corrections.push_back(given[i] * inverse(tracked[i]) * submap.run_from_submap);
+  }
+  const std::vector<double> weights(corrections.size(), 1.0);
+  Pose2Gaussian result = weighted_gaussian(corrections, weights);
+  const double sigma_m = config.given_poses.stddev_m;
+  const double sigma_rad = config.given_poses.stddev_rad;
+  result.covariance.setZero();
+  result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
+  return result;
+}
+
+void Slam::State::take_submaps() {
+  for (Submap& submap : tracker->take_finished()) {
+    const std::optional<Pose2Gaussian> given = given_submap(submap);
+    const std::size_t first = submap.first_scan;
+    const std::size_t last = submap.last_scan;
+    const std::size_t index = graph.add(std::move(submap), given);
+    for (std::size_t i = first; i < last; ++i) records[i].submap = index;
+    map_from_run = graph.map_from_run(index);
+  }
+}
+
+Slam::Slam(const SlamConfig& config, int threads) {
+  require_valid(config, "slam");
+  state_ = std::make_unique<State>(config, threads);
+}
+
+Slam::~Slam() = default;
+
+std::size_t Slam::skipped_scans() const { return state_->skipped; }
+
+Pose2Gaussian Slam::add(const Observation& observation, const Pose2* given_pose) {
+  State& s = *state_;
+  const bool new_run = !s.tracker || observation.run != s.run;
+  const bool backwards = !new_run && !s.records.empty() && observation.scan.stamp < s.last_stamp;
+  if (backwards || !usable(observation, given_pose)) {
+    ++s.skipped;
+    if (s.records.empty()) return {};
+    return {s.records.back().posed.map_from_robot, Eigen::Matrix3d::Identity()};
+  }
+  if (new_run) s.start_run(observation, given_pose);
+  s.last_stamp = observation.scan.stamp;
+  const Pose2* step = observation.has_odometry ? &observation.odom_from_robot : given_pose;
+  const TrackedScan tracked = s.tracker->add(observation.scan, step, s.records.size());
+  Record record;
+  record.posed.run = observation.run;
+  record.posed.scan = observation.scan;
+  record.run_from_robot = tracked.run_from_robot.mean;
+  record.key = tracked.key;
+  if (given_pose != nullptr) record.given = *given_pose;
+  Pose2Gaussian result =
+      Pose2Gaussian{s.map_from_run, Eigen::Matrix3d::Zero()} * tracked.run_from_robot;
+  if (given_pose != nullptr) {
+    const double sigma_m = s.config.given_poses.stddev_m;
+    const double sigma_rad = s.config.given_poses.stddev_rad;
+    result.mean = *given_pose;
+    result.covariance.setZero();
+    result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
+  }
+  record.posed.map_from_robot = result.mean;
+  s.records.push_back(std::move(record));
+  s.take_submaps();
+  return result;
+}
+
+/// Each scan goes with its sub-map; between the middles of two sub-maps of a run the correction
+/// passes over smoothly, so that the trajectory does not jump where one takes over.
+void Slam::State::place_scans() {
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    Record& record = records[i];
+    if (record.given && keep_given()) {
+      record.posed.map_from_robot = *record.given;
+      continue;
+    }
+    const std::size_t own = record.submap;
+    const Submap& submap = graph.submap(own);
+    const double middle = 0.5 * static_cast<double>(submap.first_scan + submap.last_scan);
+    const bool later = static_cast<double>(i) >= middle;
+    const std::size_t other = later ? own + 1 : own - 1;
+    const Pose2 here = graph.map_from_run(own) * record.run_from_robot;
+    record.posed.map_from_robot = here;
+    const bool has_other =
+        (later || own > 0) && other < graph.size() && graph.submap(other).run == submap.run;
+    if (!has_other) continue;
+    const Submap& next = graph.submap(other);
+    const double other_middle = 0.5 * static_cast<double>(next.first_scan + next.last_scan);
+    const double t = (static_cast<double>(i) - middle) / (other_middle - middle);
+    record.posed.map_from_robot =
+        interpolate(here, graph.map_from_run(other) * record.run_from_robot, t);
+  }
+}
+
+SlamResult Slam::finish(Progress* progress) {
+  State& s = *state_;
+  s.end_run();
+  const bool all_given =
+      s.keep_given() && std::all_of(s.records.begin(), s.records.end(),
+                                    [](const Record& record) { return record.given.has_value(); });
+  if (!all_given) s.graph.tighten(2, progress);
+  s.place_scans();
+  SlamResult result;
+  result.skipped_scans = s.skipped;
+  result.loop_closures = s.graph.closures();
+  result.raw = CountingMap(s.config.resolution_m);
+  std::size_t done = 0;
+  for (Record& record : s.records) {
+    if (++done % 256 == 0) report_progress(progress, "count", done, s.records.size());
+    const bool placed = (record.given && s.keep_given()) || s.graph.located(record.submap);
+    if (!placed) {
+      if (result.unplaced_runs.empty() || result.unplaced_runs.back() != record.posed.run) {
+        result.unplaced_runs.push_back(record.posed.run);
+      }
+      continue;
+    }
+    if (record.key) result.raw.add(record.posed, s.config.counting);
+    result.scans.push_back(std::move(record.posed));
+  }
+  result.occupancy = result.raw.reflection();
+  result.filtered = result.occupancy;
+  return result;
+}
+
+}  // namespace strata::slam

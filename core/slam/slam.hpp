@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Scans and odometry in; poses, maps and beam labels out [stachniss2003chapter, section 1.2].
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "core/base/progress.hpp"
+#include "core/geometry/pose2_gaussian.hpp"
+#include "core/grid/counting_map.hpp"
+#include "core/grid/reflection_grid.hpp"
+#include "core/scan/scan.hpp"
+#include "core/slam/slam_config.hpp"
+
+namespace strata::slam {
+
+struct SlamConfig {
+  double resolution_m = 0.05;
+  TrackingConfig tracking;
+  ClosureConfig closure;
+  GivenPoseConfig given_poses;
+  CountingOptions counting;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("resolution_m", c.resolution_m,
+            {.doc = "side of a cell of every map", .unit = "m", .min = 0.01, .max = 1.0});
+    v.group("tracking", c.tracking, "incremental scan matching");
+    v.group("closure", c.closure, "loop closures");
+    v.group("given_poses", c.given_poses, "poses that come with the log");
+    v.group("counting", c.counting, "how beams are counted in the maps");
+  }
+};
+
+struct SlamResult {
+  std::vector<PosedScan> scans;        ///< every scan that was not skipped, in the order of `add`
+  CountingMap raw;                     ///< counts of all beams
+  ReflectionGrid occupancy;            ///< reflection of all beams
+  ReflectionGrid filtered;             ///< reflection of the beams held to be static
+  std::vector<double> log_likelihood;  ///< of the data, per EM iteration [nats]
+  int iterations = 0;                  ///< EM iterations done
+  double dynamic_fraction = 0.0;       ///< share of hits held to be dynamic
+  std::size_t skipped_scans = 0;
+  std::size_t loop_closures = 0;
+  /// Runs that could not be placed in the map of the first one; their scans are left out.
+  std::vector<int> unplaced_runs;
+};
+
+/// Incremental SLAM with an explicit finish: `add` tracks and closes loops, `finish` does what
+/// needs all the data. Not thread-safe; two objects are independent. The result is the same bits
+/// for any number of threads.
+class Slam {
+ public:
+  /// Throws ConfigError. threads: for the work inside; 0: one per core.
+  explicit Slam(const SlamConfig& config, int threads = 1);
+  ~Slam();
+  Slam(const Slam&) = delete;
+  Slam& operator=(const Slam&) = delete;
+
+  /// The next scan of a run; a change of run id starts the next run, which is localized in the map
+  /// of the earlier ones (by its given poses, else by search). A scan without a single valid
+  /// reading, with a stamp before the last one of its run, or with odometry or a given pose that is
+  /// not finite is skipped and counted. Returns map_from_robot as known now; `finish` may move it.
+  Pose2Gaussian add(const Observation& observation, const Pose2* given_pose = nullptr);
+
+  /// Ends the last run and makes the maps. Call once. Throws Cancelled.
+  [[nodiscard]] SlamResult finish(Progress* progress = nullptr);
+
+  [[nodiscard]] std::size_t skipped_scans() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace strata::slam

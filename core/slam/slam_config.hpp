@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Everything that can be set about SLAM.
+#pragma once
+
+#include "core/base/config.hpp"
+#include "core/grid/counting_map.hpp"
+#include "core/pose_graph/pose_graph.hpp"
+#include "core/registration/correlative_search.hpp"
+#include "core/registration/match_field.hpp"
+#include "core/registration/scan_matcher.hpp"
+
+namespace strata::slam {
+
+/// How far odometry may be off between two scans: standard deviations that grow with the motion.
+struct OdometryNoiseConfig {
+  double floor_m = 0.05;
+  double per_metre_m = 0.10;
+  double floor_rad = 0.05;
+  double per_metre_rad = 0.05;
+  double per_radian_rad = 0.10;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("floor_m", c.floor_m, {.doc = "least position noise", .unit = "m", .min = 1e-4});
+    v.field("per_metre_m", c.per_metre_m,
+            {.doc = "position noise per metre driven", .unit = "m/m", .min = 0.0});
+    v.field("floor_rad", c.floor_rad, {.doc = "least heading noise", .unit = "rad", .min = 1e-4});
+    v.field("per_metre_rad", c.per_metre_rad,
+            {.doc = "heading noise per metre driven", .unit = "rad/m", .min = 0.0});
+    v.field("per_radian_rad", c.per_radian_rad,
+            {.doc = "heading noise per radian turned", .unit = "rad/rad", .min = 0.0});
+  }
+};
+
+/// Incremental scan matching of one run against its own recent past.
+struct TrackingConfig {
+  double key_distance_m = 0.1;
+  double key_turn_rad = 0.0873;
+  int submap_keys = 40;
+  double max_range_m = 30.0;
+  int max_beams = 180;
+  double search_window_m = 0.5;
+  double search_turn_rad = 0.35;
+  OdometryNoiseConfig odometry;
+  registration::MatchConfig match;
+  registration::MatchFieldConfig field;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("key_distance_m", c.key_distance_m,
+            {.doc = "a scan enters the map after this much driving", .unit = "m", .min = 0.0});
+    v.field("key_turn_rad", c.key_turn_rad,
+            {.doc = "... or after this much turning", .unit = "rad", .min = 0.0});
+    v.field("submap_keys", c.submap_keys,
+            {.doc = "map scans between the beginnings of two sub-maps; each holds twice as many",
+             .min = 4});
+    v.field("max_range_m", c.max_range_m,
+            {.doc = "longer beams take no part in matching", .unit = "m", .min = 1.0});
+    v.field("max_beams", c.max_beams,
+            {.doc = "beams of a scan that are matched, evenly spread; 0: all", .min = 0});
+    v.field("search_window_m", c.search_window_m,
+            {.doc = "half-width of the correlative search after a poor match",
+             .unit = "m",
+             .min = 0.0});
+    v.field("search_turn_rad", c.search_turn_rad,
+            {.doc = "... and how far it turns", .unit = "rad", .min = 0.0, .max = 3.15});
+    v.group("odometry", c.odometry, "noise of odometry between two scans");
+    v.group("match", c.match, "scan matching");
+    v.group("field", c.field, "the map as matching sees it");
+  }
+};
+
+/// Loop closures between sub-maps, and between runs.
+struct ClosureConfig {
+  bool enabled = true;
+  double floor_window_m = 0.3;
+  double drift_m_per_m = 0.03;
+  double max_window_m = 8.0;
+  double floor_window_rad = 0.05;
+  double drift_rad_per_m = 0.003;
+  double max_window_rad = 0.6;
+  int max_points = 400;
+  int max_attempts = 6;
+  double min_score = 0.45;
+  double min_agreement = 0.75;
+  double min_overlap = 0.35;
+  double stddev_m = 0.03;
+  double stddev_rad = 0.005;
+  double chain_floor_m = 0.01;
+  double chain_per_metre_m = 0.01;
+  double chain_floor_rad = 0.003;
+  double chain_per_metre_rad = 0.002;
+  registration::CorrelativeConfig search;
+  pose_graph::PoseGraphConfig graph;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("enabled", c.enabled, {.doc = "false: plain incremental scan matching"});
+    v.field("floor_window_m", c.floor_window_m,
+            {.doc = "least half-width of the search for a closure", .unit = "m", .min = 0.0});
+    v.field("drift_m_per_m", c.drift_m_per_m,
+            {.doc = "growth of that window with the path since", .unit = "m/m", .min = 0.0});
+    v.field("max_window_m", c.max_window_m, {.doc = "its limit", .unit = "m", .min = 0.0});
+    v.field("floor_window_rad", c.floor_window_rad,
+            {.doc = "least turn searched for a closure", .unit = "rad", .min = 0.0});
+    v.field("drift_rad_per_m", c.drift_rad_per_m,
+            {.doc = "growth of that turn with the path since", .unit = "rad/m", .min = 0.0});
+    v.field("max_window_rad", c.max_window_rad,
+            {.doc = "its limit", .unit = "rad", .min = 0.0, .max = 3.15});
+    v.field("max_points", c.max_points,
+            {.doc = "surface points of a sub-map that take part in a search", .min = 10});
+    v.field("max_attempts", c.max_attempts,
+            {.doc = "older sub-maps that a new one is searched in, at most", .min = 1});
+    v.field("min_score", c.min_score,
+            {.doc = "share of points that a search must explain", .min = 0.05, .max = 1.0});
+    v.field("min_agreement", c.min_agreement,
+            {.doc = "of the points that fall into seen space, the share that must fall on surface",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("min_overlap", c.min_overlap,
+            {.doc = "share of points that must fall into seen space", .min = 0.0, .max = 1.0});
+    v.field("stddev_m", c.stddev_m,
+            {.doc = "least position uncertainty of a closure", .unit = "m", .min = 1e-3});
+    v.field("stddev_rad", c.stddev_rad,
+            {.doc = "least heading uncertainty of a closure", .unit = "rad", .min = 1e-4});
+    v.field("chain_floor_m", c.chain_floor_m,
+            {.doc = "position uncertainty from one sub-map to the next", .unit = "m", .min = 1e-4});
+    v.field("chain_per_metre_m", c.chain_per_metre_m,
+            {.doc = "... per metre between them", .unit = "m/m", .min = 0.0});
+    v.field(
+        "chain_floor_rad", c.chain_floor_rad,
+        {.doc = "heading uncertainty from one sub-map to the next", .unit = "rad", .min = 1e-5});
+    v.field("chain_per_metre_rad", c.chain_per_metre_rad,
+            {.doc = "... per metre between them", .unit = "rad/m", .min = 0.0});
+    v.group("search", c.search, "correlative search");
+    v.group("graph", c.graph, "pose graph");
+  }
+};
+
+/// Poses that come with the log (`--poses`).
+struct GivenPoseConfig {
+  bool refine = true;
+  double stddev_m = 0.2;
+  double stddev_rad = 0.05;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("refine", c.refine,
+            {.doc = "with several runs: move given poses so that the walls of the runs coincide; "
+                    "one run alone keeps them as they are"});
+    v.field("stddev_m", c.stddev_m,
+            {.doc = "how far given poses are believed to be off", .unit = "m", .min = 1e-3});
+    v.field("stddev_rad", c.stddev_rad, {.doc = "... and in heading", .unit = "rad", .min = 1e-4});
+  }
+};
+
+}  // namespace strata::slam

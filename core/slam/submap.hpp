@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A piece of a run whose inner shape is trusted: loop closures move it as one.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/geometry/pose2.hpp"
+#include "core/registration/match_field.hpp"
+#include "core/slam/surface_map.hpp"
+
+namespace strata::slam {
+
+/// What is known about a place of a sub-map, cell by cell.
+using StateGrid = Grid<SurfaceState>;
+
+/// A finished sub-map. `points` and `states` are in the sub-map's own frame, whose origin is the
+/// robot's pose when the sub-map took over.
+struct Submap {
+  int run = 0;
+  std::size_t first_scan = 0;  ///< index of the first scan that belongs to it
+  std::size_t last_scan = 0;   ///< ... and one past the last
+  Pose2 run_from_submap;       ///< in the drifting frame of its run
+  std::vector<registration::SurfacePoint> points;
+  StateGrid states;
+  Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  ///< mean of the points
+};
+
+/// Freezes a surface map (in the run's frame) into a sub-map.
+[[nodiscard]] Submap make_submap(const SurfaceMap& map, int run, const Pose2& run_from_submap,
+                                 std::size_t first_scan, std::size_t last_scan);
+
+}  // namespace strata::slam

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Sub-maps of all runs, tied together by what they see of each other.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/base/parallel.hpp"
+#include "core/base/progress.hpp"
+#include "core/pose_graph/pose_graph.hpp"
+#include "core/slam/slam_config.hpp"
+#include "core/slam/submap.hpp"
+
+namespace strata::slam {
+
+/// How two sub-maps lie on each other at a pose.
+struct Agreement {
+  double overlap = 0.0;    ///< share of points that fall into space the other has seen
+  double agreement = 0.0;  ///< of those, the share that falls on surface
+};
+
+/// Pose graph over sub-maps. A new sub-map is tied to its predecessor in the run; then it is
+/// looked for in older sub-maps: those it may overlap given how far the path between them can have
+/// drifted, by correlative search, refined by matching, and accepted when the space both have
+/// seen agrees both ways. The pull of a closure fades when the others contradict it (robust
+/// kernel), and it is dropped when it stays contradicted.
+class SubmapGraph {
+ public:
+  SubmapGraph(const ClosureConfig& config, const registration::MatchConfig& match,
+              const registration::MatchFieldConfig& field, double resolution_m, WorkerPool& pool);
+  ~SubmapGraph();
+
+  /// Adds the next sub-map of its run; runs must not interleave. given_map_from_submap: where given
+  /// poses put it, with that uncertainty. Returns its index.
+  std::size_t add(Submap submap, const std::optional<Pose2Gaussian>& given_map_from_submap);
+
+  /// Lays every pair of overlapping sub-maps on each other anew from the present poses, replaces
+  /// all closures by the outcome, and optimizes [lu1997globally]; `rounds` times.
+  void tighten(int rounds, Progress* progress);
+
+  [[nodiscard]] std::size_t size() const { return submaps_.size(); }
+  [[nodiscard]] const Submap& submap(std::size_t index) const { return submaps_[index]; }
+  [[nodiscard]] const Pose2& map_from_submap(std::size_t index) const { return graph_.pose(index); }
+  /// Takes the run's drifting frame to the map as the sub-map has it.
+  [[nodiscard]] Pose2 map_from_run(std::size_t index) const {
+    return graph_.pose(index) * inverse(submaps_[index].run_from_submap);
+  }
+  [[nodiscard]] std::size_t closures() const;
+  /// Whether the sub-map is tied to the first run (or to given poses).
+  [[nodiscard]] bool located(std::size_t index) const { return located_[index]; }
+
+ private:
+  struct Searchable;
+  struct Closure {
+    std::size_t a = 0;
+    std::size_t b = 0;
+    Pose2Gaussian a_from_b;
+  };
+  [[nodiscard]] std::shared_ptr<const Searchable> searchable(std::size_t index);
+  [[nodiscard]] Agreement agreement(std::size_t a, std::size_t b, const Pose2& a_from_b) const;
+  [[nodiscard]] std::vector<double> path_lengths(std::size_t from) const;
+  [[nodiscard]] std::optional<Closure> try_closure(std::size_t a, std::size_t b, const Pose2& guess,
+                                                   double window_m, double window_rad);
+  [[nodiscard]] std::optional<Closure> refine(const registration::MatchField& field, std::size_t a,
+                                              std::size_t b, const Pose2& guess) const;
+  void add_closure(const Closure& closure);
+  void search_closures(std::size_t index);
+  void locate_run(std::size_t index);
+  void optimize();
+  void rebuild_graph(const std::vector<Closure>& closures);
+
+  ClosureConfig config_;
+  registration::MatchConfig match_;
+  registration::MatchFieldConfig field_;
+  double resolution_m_;
+  WorkerPool& pool_;
+  std::vector<Submap> submaps_;
+  std::vector<Endpoints> clouds_;
+  std::vector<std::optional<Pose2Gaussian>> given_;
+  std::vector<bool> located_;
+  std::vector<pose_graph::Edge> chain_;
+  pose_graph::PoseGraph graph_;
+  std::vector<std::pair<std::size_t, std::shared_ptr<const Searchable>>> cache_;
+};
+
+}  // namespace strata::slam

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/surface_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/grid/counting_map.hpp"
+#include "core/grid/ray_traversal.hpp"
+
+namespace strata::slam {
+Eigen::Vector2d SurfaceMap::centroid(const Cell& cell, const CellData& data) const {
+  const double resolution = cells_.resolution_m();
+  return {cell.x * resolution + static_cast<double>(data.sum_x / data.hits),
+          cell.y * resolution + static_cast<double>(data.sum_y / data.hits)};
+}
+
+void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
+                     std::span<const float> beam_weights, double max_range_m) {
+  const double resolution = cells_.resolution_m();
+  const CountingOptions options{.no_return_free_range_m = 0.0, .max_range_m = max_range_m};
+  CellRect needed;
+  for_each_ray(scan, frame_from_laser, options, [&](std::size_t, const Ray& ray) {
+    for (const Eigen::Vector2d& point : {ray.from_m, ray.to_m}) {
+      const Cell cell = cell_at(point, resolution);
+      needed = needed.united({cell, {cell.x + 1, cell.y + 1}});
+    }
+  });
+  if (needed.empty()) return;
+  cells_.grow(needed);
+  touched_ = touched_.united(needed);
+  changed_.clear();
+  const Endpoints hits = endpoints_in_robot(scan);
+  registration::normals_in_sweep(hits, std::abs(static_cast<double>(scan.angle_increment_rad)),
+                                 normals_);
+  std::size_t next_hit = 0;
+  // Normals come in the robot frame; n n^T turns with twice the angle.
+  const double turn = frame_from_laser.theta - scan.robot_from_laser.theta;
+  const double c2 = std::cos(2.0 * turn);
+  const double s2 = std::sin(2.0 * turn);
+  const auto per_metre = static_cast<float>(1.0 / resolution);
+  for_each_ray(scan, frame_from_laser, options, [&](std::size_t beam, const Ray& ray) {
+    const Cell end = cell_at(ray.to_m, resolution);
+    traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {
+      if (ray.is_hit && cell == end) return;
+      CellData& data = cells_.at(cell);
+      data.misses += per_metre * static_cast<float>(length_m);
+      if (data.point >= 0) changed_.push_back(cell);
+    });
+    if (!ray.is_hit) return;
+    const float weight = beam_weights.empty() ? 1.0F : beam_weights[beam];
+    CellData& data = cells_.at(end);
+    data.hits += weight;
+    data.misses += 1.0F - weight;
+    data.sum_x += weight * static_cast<float>(ray.to_m.x() - end.x * resolution);
+    data.sum_y += weight * static_cast<float>(ray.to_m.y() - end.y * resolution);
+    while (hits.beam[next_hit] < beam) ++next_hit;
+    const registration::NormalScatter& n = normals_[next_hit];
+    const double difference = 0.5 * static_cast<double>(n.xx - n.yy);
+    const double cross = static_cast<double>(n.xy);
+    const double mean = 0.5 * static_cast<double>(n.xx + n.yy);
+    const double turned = c2 * difference - s2 * cross;
+    data.normals.xx += weight * static_cast<float>(mean + turned);
+    data.normals.yy += weight * static_cast<float>(mean - turned);
+    data.normals.xy += weight * static_cast<float>(s2 * difference + c2 * cross);
+    changed_.push_back(end);
+  });
+  std::sort(changed_.begin(), changed_.end());
+  changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+  for (const Cell& cell : changed_) refresh(cell);
+}
+
+void SurfaceMap::refresh(const Cell& cell) {
+  CellData& data = cells_.at(cell);
+  const bool surface = is_surface(data);
+  if (data.point < 0) {
+    if (!surface) return;
+    registration::SurfacePoint point;
+    const Eigen::Vector2d at = centroid(cell, data);
+    point.x_m = at.x();
+    point.y_m = at.y();
+    registration::set_surface_direction(point, data.normals);
+    data.point = static_cast<std::int32_t>(field_.add(point));
+    return;
+  }
+  const auto index = static_cast<std::size_t>(data.point);
+  registration::SurfacePoint point = field_.points()[index];
+  point.occupied = surface;
+  if (surface) {
+    const Eigen::Vector2d at = centroid(cell, data);
+    point.x_m = at.x();
+    point.y_m = at.y();
+    registration::set_surface_direction(point, data.normals);
+  }
+  field_.set(index, point);
+}
+
+SurfaceState SurfaceMap::state(const Eigen::Vector2d& point_m) const {
+  const Cell cell = cells_.cell_at(point_m);
+  if (!cells_.contains(cell)) return SurfaceState::kUnknown;
+  const CellData& data = cells_.at(cell);
+  if (data.hits + data.misses < 0.5F) return SurfaceState::kUnknown;
+  return is_surface(data) ? SurfaceState::kOccupied : SurfaceState::kFree;
+}
+
+bool SurfaceMap::occupied_near(const Eigen::Vector2d& point_m) const {
+  const Cell cell = cells_.cell_at(point_m);
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const Cell other{cell.x + dx, cell.y + dy};
+      if (cells_.contains(other) && is_surface(cells_.at(other))) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace strata::slam

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A counting map that keeps, beside hits and misses, where in each cell the hits lay, and a match
+/// field that follows it scan by scan.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/pose2.hpp"
+#include "core/grid/grid.hpp"
+#include "core/registration/match_field.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::slam {
+
+/// What a cell of a surface map says about a point.
+enum class SurfaceState : std::uint8_t { kUnknown, kFree, kOccupied };
+
+/// Counts as in CountingMap (length-weighted misses), in floats: it is made and thrown away often.
+class SurfaceMap {
+ public:
+  SurfaceMap(double resolution_m, const registration::MatchFieldConfig& config)
+      : cells_(resolution_m, CellRect{}), field_(resolution_m, config) {}
+
+  /// Adds a scan taken at frame_from_laser. beam_weights: e(t,n), empty: 1. Beams longer than
+  /// max_range_m carve free space up to there and end in nothing. O(cells crossed).
+  void add(const Scan& scan, const Pose2& frame_from_laser, std::span<const float> beam_weights,
+           double max_range_m);
+
+  [[nodiscard]] const registration::MatchField& field() const { return field_; }
+  [[nodiscard]] SurfaceState state(const Eigen::Vector2d& point_m) const;
+  /// Occupied somewhere in the 3 x 3 cells about the point.
+  [[nodiscard]] bool occupied_near(const Eigen::Vector2d& point_m) const;
+  /// The rectangle of cells touched so far.
+  [[nodiscard]] const CellRect& touched() const { return touched_; }
+  /// Gives the counts back and keeps only the field.
+  void forget_counts() { cells_ = Grid<CellData>(cells_.resolution_m(), CellRect{}); }
+
+ private:
+  struct CellData {
+    float hits = 0.0F;
+    float misses = 0.0F;
+    float sum_x = 0.0F;  // of hits, relative to the cell's least corner
+    float sum_y = 0.0F;
+    registration::NormalScatter normals;
+    std::int32_t point = -1;  // index in the field
+  };
+  [[nodiscard]] bool is_surface(const CellData& data) const {
+    return data.hits >= static_cast<float>(field_.config().occupied_reflection) *
+                            (data.hits + data.misses) &&
+           data.hits > 0.0F;
+  }
+  [[nodiscard]] Eigen::Vector2d centroid(const Cell& cell, const CellData& data) const;
+  void refresh(const Cell& cell);
+
+  Grid<CellData> cells_;
+  registration::MatchField field_;
+  CellRect touched_;
+  std::vector<Cell> changed_;  // scratch
+  std::vector<registration::NormalScatter> normals_;
+};
+
+}  // namespace strata::slam

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/angle.hpp"
+#include "core/registration/correlative_search.hpp"
+#include "core/registration/scan_matcher.hpp"
+
+namespace strata::slam {
+namespace {
+
+/// Without odometry a robot may do this between two scans; metres and radians.
+constexpr double kBlindStddevM = 0.3;
+constexpr double kBlindStddevRad = 0.3;
+
+Pose2Gaussian step_from_odometry(const Pose2& step, const OdometryNoiseConfig& noise) {
+  const double distance_m = std::hypot(step.x, step.y);
+  const double sigma_m = noise.floor_m + noise.per_metre_m * distance_m;
+  const double sigma_rad = noise.floor_rad + noise.per_metre_rad * distance_m +
+                           noise.per_radian_rad * std::abs(step.theta);
+  Pose2Gaussian result{step, Eigen::Matrix3d::Zero()};
+  result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
+  return result;
+}
+
+Endpoints within(const Endpoints& endpoints, double max_range_m) {
+  Endpoints result;
+  for (std::size_t i = 0; i < endpoints.size(); ++i) {
+    if (std::hypot(endpoints.x_m[i], endpoints.y_m[i]) > max_range_m) continue;
+    result.x_m.push_back(endpoints.x_m[i]);
+    result.y_m.push_back(endpoints.y_m[i]);
+    result.beam.push_back(endpoints.beam[i]);
+  }
+  return result;
+}
+
+}  // namespace
+
+Endpoints match_endpoints(const Scan& scan, double max_range_m, int max_beams) {
+  return thin(within(endpoints_in_robot(scan), max_range_m), static_cast<std::size_t>(max_beams));
+}
+
+Tracker::Tracker(const TrackingConfig& config, double resolution_m, int run, const Pose2& start)
+    : config_(config), resolution_m_(resolution_m), run_(run) {
+  pose_.mean = start;
+  last_pose_ = start;
+}
+
+Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* odom_from_robot) const {
+  if (!started_) return pose_;
+  const Pose2Gaussian known{pose_.mean, Eigen::Matrix3d::Zero()};
+  if (odom_from_robot != nullptr && last_odom_) {
+    return known * step_from_odometry(between(*last_odom_, *odom_from_robot), config_.odometry);
+  }
+  const double step_s = (scan.stamp - last_stamp_).seconds();
+  const double scale = last_step_s_ > 0.0 ? std::min(3.0, step_s / last_step_s_) : 0.0;
+  const Pose2 last_step = between(last_pose_, pose_.mean);
+  Pose2Gaussian step{{scale * last_step.x, scale * last_step.y, scale * last_step.theta},
+                     Eigen::Matrix3d::Zero()};
+  step.covariance.diagonal() << kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
+      kBlindStddevRad * kBlindStddevRad;
+  return known * step;
+}
+
+bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, bool has_odometry,
+                     Pose2Gaussian& found) const {
+  const Endpoints endpoints = match_endpoints(scan, config_.max_range_m, config_.max_beams);
+  const registration::MatchField& field = active_.front().map.field();
+  registration::MatchResult result =
+      registration::match(endpoints, {}, field, guess.mean, &guess, config_.match);
+  const double good = has_odometry ? 0.5 : 0.7;
+  if (result.explained < good && endpoints.size() > 0) {
+    const registration::CorrelativeTables tables(field, {});
+    const registration::SearchResult search = registration::search(
+        endpoints, tables, guess.mean,
+        {config_.search_window_m, config_.search_window_m, config_.search_turn_rad},
+        std::max(config_.match.min_explained, result.explained));
+    if (search.found) {
+      Pose2Gaussian wide = guess;
+      // The search found it outside of what odometry allows; only the scan decides now.
+      wide.mean = search.pose;
+      registration::MatchResult again =
+          registration::match(endpoints, {}, field, search.pose, &wide, config_.match);
+      if (again.explained > result.explained + 0.05) result = again;
+    }
+  }
+  if (!result.converged) return false;
+  found = result.gaussian();
+  return true;
+}
+
+TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index) {
+  const Pose2Gaussian guess = predict(scan, odom_from_robot);
+  TrackedScan result;
+  result.run_from_robot = guess;
+  if (started_) {
+    result.matched =
+        locate(scan, guess, odom_from_robot != nullptr && last_odom_, result.run_from_robot);
+  }
+  last_pose_ = pose_.mean;
+  last_step_s_ = started_ ? (scan.stamp - last_stamp_).seconds() : 0.0;
+  pose_ = result.run_from_robot;
+  last_stamp_ = scan.stamp;
+  if (odom_from_robot != nullptr) last_odom_ = *odom_from_robot;
+  const bool moved =
+      !last_key_ || translation_distance(*last_key_, pose_.mean) >= config_.key_distance_m ||
+      std::abs(angle_difference(pose_.mean.theta, last_key_->theta)) >= config_.key_turn_rad;
+  if (moved && count_beams(scan).hits > 0) {
+    result.key = true;
+    last_key_ = pose_.mean;
+    insert(scan, scan_index);
+    started_ = true;
+  }
+  return result;
+}
+
+void Tracker::insert(const Scan& scan, std::size_t scan_index) {
+  if (active_.empty()) {
+    active_.push_back({SurfaceMap(resolution_m_, config_.field), 0});
+    owned_from_ = scan_index;
+    owned_pose_ = pose_.mean;
+  }
+  if (active_.back().keys >= config_.submap_keys) {
+    if (active_.size() == 2) {
+      close_oldest(scan_index);
+      owned_pose_ = pose_.mean;
+    }
+    active_.push_back({SurfaceMap(resolution_m_, config_.field), 0});
+  }
+  for (Active& active : active_) {
+    active.map.add(scan, pose_.mean * scan.robot_from_laser, {}, config_.max_range_m);
+    ++active.keys;
+  }
+}
+
+void Tracker::close_oldest(std::size_t end_scan) {
+  finished_.push_back(make_submap(active_.front().map, run_, owned_pose_, owned_from_, end_scan));
+  active_.erase(active_.begin());
+  owned_from_ = end_scan;
+}
+
+std::vector<Submap> Tracker::take_finished() { return std::exchange(finished_, {}); }
+
+void Tracker::finish(std::size_t end_scan) {
+  if (active_.empty()) return;
+  // The younger map holds only scans that the older one holds too.
+  close_oldest(end_scan);
+  active_.clear();
+}
+
+}  // namespace strata::slam

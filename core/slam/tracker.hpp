@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Incremental scan matching of one run: where is the robot, relative to where it just was.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose2_gaussian.hpp"
+#include "core/scan/endpoints.hpp"
+#include "core/scan/scan.hpp"
+#include "core/slam/slam_config.hpp"
+#include "core/slam/submap.hpp"
+#include "core/slam/surface_map.hpp"
+
+namespace strata::slam {
+
+/// The hits of a scan that take part in matching, in the robot frame.
+[[nodiscard]] Endpoints match_endpoints(const Scan& scan, double max_range_m, int max_beams);
+
+/// What the tracker made of one scan.
+struct TrackedScan {
+  Pose2Gaussian run_from_robot;  ///< in the run's own frame, which drifts but never jumps
+  bool matched = false;          ///< false: the odometry (or motion) guess alone
+  bool key = false;              ///< entered the map (motion gate)
+};
+
+/// Matches each scan against the older of two overlapping sub-maps under construction, as
+/// [hess2016real] does: each holds 2 n key scans, a new one begins every n, so that the map matched
+/// against always holds at least n (SPEC A6; late loop errors cannot reach it).
+class Tracker {
+ public:
+  Tracker(const TrackingConfig& config, double resolution_m, int run, const Pose2& start);
+
+  /// odom_from_robot: null without odometry; then the last motion is continued. scan_index: the
+  /// caller's number of the scan, used for the sub-maps' ranges. Scans without usable hits move by
+  /// odometry. O(beams x iterations), plus O(cells crossed) for key scans.
+  TrackedScan add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index);
+
+  /// Sub-maps that were finished since the last call, in order; takes them out.
+  [[nodiscard]] std::vector<Submap> take_finished();
+  /// Ends the run: whatever is under construction becomes a sub-map.
+  void finish(std::size_t end_scan);
+
+ private:
+  struct Active {
+    SurfaceMap map;
+    int keys = 0;
+  };
+  [[nodiscard]] Pose2Gaussian predict(const Scan& scan, const Pose2* odom_from_robot) const;
+  [[nodiscard]] bool locate(const Scan& scan, const Pose2Gaussian& guess, bool has_odometry,
+                            Pose2Gaussian& found) const;
+  void insert(const Scan& scan, std::size_t scan_index);
+  void close_oldest(std::size_t end_scan);
+
+  TrackingConfig config_;
+  double resolution_m_;
+  int run_;
+  bool started_ = false;
+  Pose2Gaussian pose_;
+  Pose2 last_pose_;
+  double last_step_s_ = 0.0;
+  Stamp last_stamp_;
+  std::optional<Pose2> last_odom_;
+  std::optional<Pose2> last_key_;
+  std::vector<Active> active_;
+  std::size_t owned_from_ = 0;  // first scan that belongs to the oldest active sub-map
+  Pose2 owned_pose_;            // robot's pose there
+  std::vector<Submap> finished_;
+};
+
+}  // namespace strata::slam
