@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata VERB`: reads the command line, runs one verb, turns errors into one line and an exit
+/// code: 0 done, 1 failed while running, 2 bad usage or bad input.
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "core/base/error.hpp"
+#include "tools/strata/verbs.hpp"
+
+namespace strata::tools {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadInput = 2;
+
+std::string one_line(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
+  for (char& c : text) {
+    if (c == '\n') c = ' ';
+  }
+  return text;
+}
+
+std::string verb_of(const CLI::App& app, int argc, char** argv) {
+  for (const CLI::App* verb : app.get_subcommands()) return verb->get_name();
+  return argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) : std::string();
+}
+
+int fail(const std::string& verb, const std::string& message, int code) {
+  std::cerr << "strata" << (verb.empty() ? "" : " ") << verb << ": error: " << one_line(message)
+            << std::endl;
+  return code;
+}
+
+int run(int argc, char** argv) {
+  Interrupt interrupt;
+  StagedPaths staged;
+  interrupt.set_on_overdue([&staged] {
+    staged.remove_all();
+    std::fputs("\nstrata: error: interrupted; run the command again\n", stderr);
+  });
+  VerbContext context(interrupt, staged);
+  CLI::App app("Maps that know change, for robots that stay", "strata");
+  app.set_version_flag("--version", STRATA_VERSION);
+  app.require_subcommand(1);
+  for (const AddVerb add : kVerbs) add(app, context);
+
+  const auto verb = [&] { return verb_of(app, argc, argv); };
+  try {
+    app.parse(argc, argv);
+    std::cout.flush();
+    if (!std::cout) throw OutputError("stdout", "cannot be written", "free some space");
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (argc < 2) std::cerr << app.help();
+    const std::string name = verb();
+    return fail(name,
+                "command line: " + one_line(error.what()) + "; see `strata" +
+                    (name.empty() ? "" : " " + name) + " --help`",
+                kBadInput);
+  } catch (const InputError& error) {
+    return fail(verb(), error.what(), kBadInput);
+  } catch (const ConfigError& error) {
+    return fail(verb(), error.what(), kBadInput);
+  } catch (const std::exception& error) {
+    return fail(verb(), error.what(), kFailed);
+  }
+}
+
+}  // namespace
+}  // namespace strata::tools
+
+int main(int argc, char** argv) { return strata::tools::run(argc, argv); }

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What every verb is given: the common options, progress, a place for output.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "core/base/progress.hpp"
+#include "tools/strata/interrupt.hpp"
+#include "tools/strata/output_directory.hpp"
+#include "tools/strata/terminal_progress.hpp"
+
+namespace strata::tools {
+
+/// The common options of CONTRACTS; filled in before a verb runs.
+struct CommonOptions {
+  std::string config_file;             ///< --config; empty: defaults
+  std::vector<std::string> overrides;  ///< --set key.path=value, in order
+  bool quiet = false;
+  std::uint64_t seed = 1;
+  int threads = 0;  ///< 0: one per core; results do not depend on it
+};
+
+class VerbContext {
+ public:
+  VerbContext(Interrupt& interrupt, StagedPaths& staged) : interrupt_(interrupt), staged_(staged) {}
+
+  CommonOptions options;
+
+  /// Shows progress on stderr and throws Cancelled (through report_progress) after Ctrl-C.
+  [[nodiscard]] Progress* progress();
+  [[nodiscard]] Interrupt& interrupt() { return interrupt_; }
+  [[nodiscard]] StagedPaths& staged() { return staged_; }
+  /// One line on stderr for the user, unless --quiet. Results go to stdout.
+  void note(std::string_view line);
+
+ private:
+  Interrupt& interrupt_;
+  StagedPaths& staged_;
+  std::unique_ptr<TerminalProgress> progress_;
+};
+
+/// Adds `strata NAME` with the common options. `run` is called when the command line chose this
+/// verb and was valid; it throws Error to fail. example: a whole command line. Returns the
+/// subcommand, to which the verb adds its own options; variables they are bound to must be owned by
+/// what `run` captures (a shared_ptr to a struct of options).
+CLI::App* add_verb(CLI::App& app, VerbContext& context, const std::string& name,
+                   const std::string& description, const std::string& example,
+                   std::function<void()> run);
+
+}  // namespace strata::tools

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Every verb of `strata`, one a file: verb_<name>.cpp defines add_<name>, which calls add_verb.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "tools/strata/verb_context.hpp"
+
+namespace strata::tools {
+
+using AddVerb = void (*)(CLI::App& app, VerbContext& context);
+
+void add_info(CLI::App& app, VerbContext& context);
+
+/// In the order of the help text.
+inline constexpr AddVerb kVerbs[] = {
+    add_info,
+};
+
+}  // namespace strata::tools
