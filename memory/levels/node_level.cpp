@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/levels/node_level.hpp"
+
+#include <cmath>
+#include <numeric>
+
+namespace strata::memory {
+
+NodeLevel::NodeLevel(const PolarBins& bins, int capacity, bool coupled_eviction)
+    : bins_(bins),
+      capacity_(static_cast<std::size_t>(capacity)),
+      coupled_eviction_(coupled_eviction),
+      sample_counts_(static_cast<std::size_t>(bins.angle_bins)),
+      pair_counts_(static_cast<std::size_t>(bins.angle_bins)),
+      samples_(static_cast<std::size_t>(bins.angle_bins) * capacity_),
+      pairs_(static_cast<std::size_t>(bins.angle_bins) * capacity_) {}
+
+std::span<const float> NodeLevel::samples(int angle_bin) const {
+  const auto bin = static_cast<std::size_t>(angle_bin);
+  return {samples_.data() + bin * capacity_, sample_counts_[bin]};
+}
+
+std::span<const RangePair> NodeLevel::pairs(int angle_bin) const {
+  const auto bin = static_cast<std::size_t>(angle_bin);
+  return {pairs_.data() + bin * capacity_, pair_counts_[bin]};
+}
+
+std::size_t NodeLevel::sample_count() const {
+  return std::accumulate(sample_counts_.begin(), sample_counts_.end(), std::size_t{0});
+}
+
+std::size_t NodeLevel::pair_count() const {
+  return std::accumulate(pair_counts_.begin(), pair_counts_.end(), std::size_t{0});
+}
+
+void NodeLevel::drop_pair_from(std::size_t bin, std::uint8_t alpha, RandomStream& random) {
+  RangePair* const pairs = pairs_.data() + bin * capacity_;
+  std::uint16_t& count = pair_counts_[bin];
+  std::uint32_t matching = 0;
+  for (std::size_t i = 0; i < count; ++i) matching += pairs[i].alpha == alpha ? 1U : 0U;
+  if (matching == 0) return;
+  std::uint32_t chosen = random.below(matching);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (pairs[i].alpha != alpha || chosen-- != 0) continue;
+    pairs[i] = pairs[--count];
+    return;
+  }
+}
+
+void NodeLevel::insert_sample(std::size_t bin, float range_m, RandomStream& random) {
+  float* const samples = samples_.data() + bin * capacity_;
+  std::uint16_t& count = sample_counts_[bin];
+  if (count < capacity_) {
+    samples[count++] = range_m;
+    return;
+  }
+  float& leaving = samples[random.below(static_cast<std::uint32_t>(capacity_))];
+  if (coupled_eviction_) drop_pair_from(bin, bins_.range_bin(leaving), random);
+  leaving = range_m;
+}
+
+void NodeLevel::insert_pair(std::size_t bin, RangePair pair, RandomStream& random) {
+  RangePair* const pairs = pairs_.data() + bin * capacity_;
+  std::uint16_t& count = pair_counts_[bin];
+  if (count < capacity_) {
+    pairs[count++] = pair;
+  } else {
+    pairs[random.below(static_cast<std::uint32_t>(capacity_))] = pair;
+  }
+}
+
+void NodeLevel::insert(const VirtualScan& scan, RandomStream& random) {
+  ++insertions_;
+  const auto count = static_cast<std::size_t>(bins_.angle_bins);
+  for (std::size_t a = 0; a < count; ++a) {
+    if (!std::isnan(scan[a])) insert_sample(a, scan[a], random);
+  }
+  for (std::size_t a = 0; a < count; ++a) {
+    const float next = scan[a + 1 == count ? 0 : a + 1];
+    if (std::isnan(scan[a]) || std::isnan(next)) continue;
+    insert_pair(a, {bins_.range_bin(scan[a]), bins_.range_bin(next)}, random);
+  }
+}
+
+void NodeLevel::write(ByteWriter& out) const {
+  out.write(insertions_);
+  out.write_span(std::span<const std::uint16_t>(sample_counts_));
+  out.write_span(std::span<const std::uint16_t>(pair_counts_));
+  for (int a = 0; a < bins_.angle_bins; ++a) {
+    out.write_span(samples(a));
+    out.write_span(pairs(a));
+  }
+}
+
+void NodeLevel::read(ByteReader& in) {
+  insertions_ = in.read<std::uint64_t>();
+  in.read_span(std::span<std::uint16_t>(sample_counts_));
+  in.read_span(std::span<std::uint16_t>(pair_counts_));
+  for (std::size_t a = 0; a < sample_counts_.size(); ++a) {
+    if (sample_counts_[a] > capacity_ || pair_counts_[a] > capacity_) {
+      in.fail("holds more samples than its level may");
+    }
+    in.read_span(std::span(samples_.data() + a * capacity_, sample_counts_[a]));
+    in.read_span(std::span(pairs_.data() + a * capacity_, pair_counts_[a]));
+    for (const float range_m : samples(static_cast<int>(a))) {
+      if (std::isnan(range_m) || range_m < 0.0F) in.fail("holds a range that is none");
+    }
+    for (const RangePair& pair : pairs(static_cast<int>(a))) {
+      if (pair.alpha > bins_.overflow_bin() || pair.beta > bins_.overflow_bin()) {
+        in.fail("holds a pair outside the range bins");
+      }
+    }
+  }
+}
+
+}  // namespace strata::memory

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A scan as it would look from a node close by [kessler2010what, eqs. (1) and (2)].
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/geometry/pose2.hpp"
+#include "core/scan/scan.hpp"
+#include "memory/levels/polar_bins.hpp"
+
+namespace strata::memory {
+
+/// What of a scan counts as known.
+struct VisibilityConfig {
+  /// The robot has come from somewhere: where no beam looks, the ground this far around the laser
+  /// is taken as free. Without it a scanner of 180 degrees could never fill a node behind it.
+  double own_place_m = 0.75;
+  /// Beams further apart than this leave the ground between them unknown.
+  double max_gap_rad = 0.06;
+  /// A beam without return says that nothing is there up to the scanner's greatest range.
+  bool trust_no_return = true;
+  /// Beams that the beam filter gives a smaller probability of being static are left out; 0: none.
+  double min_static_probability = 0.0;
+
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("own_place_m", c.own_place_m,
+            {.doc = "radius around the laser that is free where no beam looks",
+             .unit = "m",
+             .min = 0.0});
+    v.field("max_gap_rad", c.max_gap_rad,
+            {.doc = "beams further apart leave unknown ground between them",
+             .unit = "rad",
+             .min = 0.0});
+    v.field("trust_no_return", c.trust_no_return,
+            {.doc = "a beam without return means free space up to the scanner's greatest range"});
+    v.field("min_static_probability", c.min_static_probability,
+            {.doc = "leave out beams less likely static than this; 0: keep all",
+             .min = 0.0,
+             .max = 1.0});
+  }
+};
+
+/// Per angle bin the range in metres from the node; +Inf for "at least max_range_m"; NaN where the
+/// scan says nothing.
+using VirtualScan = std::vector<float>;
+
+/// Turns scans into virtual scans; keeps its scratch memory. One thread at a time.
+///
+/// With p a beam's end point, v = p - x_node, the range is |v| and the bearing atan2(v_y, v_x): the
+/// paper adds x_n - x_r and uses atan, which gives the wrong side and loses the quadrant. A point
+/// counts only if the node would see it: the node must lie inside the star polygon of the scan, and
+/// the way from node to point must stay inside it, to within one bin. Of several points in an angle
+/// bin the nearest counts. Where the polygon reaches max_range_m without a point, the bin
+/// overflows.
+class VirtualScanner {
+ public:
+  VirtualScanner(const PolarBins& bins, const VisibilityConfig& config);
+
+  /// Returns whether the node lies inside the scan's polygon; if not, `result` is all NaN.
+  /// O(beams + angle bins).
+  bool transform(const PosedScan& scan, const Eigen::Vector2d& node_m, VirtualScan& result);
+
+ private:
+  /// A corner of the polygon, relative to the node.
+  struct Vertex {
+    double x_m = 0.0;
+    double y_m = 0.0;
+    bool is_hit = false;
+  };
+  void build_polygon(const PosedScan& scan, const Eigen::Vector2d& node_m);
+  void add_unknown_sector(const Eigen::Vector2d& laser_m, double from_rad, double to_rad);
+  [[nodiscard]] bool node_is_inside() const;
+  void measure_boundary();
+
+  PolarBins bins_;
+  VisibilityConfig config_;
+  std::vector<double> cos_;  ///< of each bin's centre
+  std::vector<double> sin_;
+  std::vector<Vertex> polygon_;     ///< counter-clockwise about the laser
+  std::vector<double> angle_;       ///< of each corner about the node, in bins, [0, angle_bins)
+  std::vector<double> boundary_m_;  ///< first crossing of the polygon along each bin's centre
+};
+
+}  // namespace strata::memory

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The experiments of [kessler2010what, section 5]: one node, 360 bins of 1 degree, 20 range bins
+/// of 7.5 cm.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "core/random/stream.hpp"
+#include "memory/decoding/decode.hpp"
+
+namespace strata::memory {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+const PolarBins kBins{360, 20, 1.5};
+constexpr int kSamples = 20;
+constexpr std::size_t kObjectBegin = 100;
+constexpr std::size_t kObjectEnd = 150;
+constexpr double kNoise_m = 0.03;
+constexpr int kSeeds = 40;
+
+/// A wall whose distance varies along the bins, so that some ranges straddle range bins; the object
+/// stands 0.45 m in front of it.
+double wall_m(std::size_t a) { return 1.15 + 0.15 * std::sin(0.05 * static_cast<double>(a)); }
+double range_m(std::size_t a, bool with_object) {
+  const bool in_object = a >= kObjectBegin && a < kObjectEnd;
+  return wall_m(a) - (with_object && in_object ? 0.45 : 0.0);
+}
+
+VirtualScan measure(bool with_object, RandomStream& random) {
+  VirtualScan scan;
+  for (std::size_t a = 0; a < 360; ++a) {
+    scan.push_back(static_cast<float>(range_m(a, with_object) + random.normal(0.0, kNoise_m)));
+  }
+  return scan;
+}
+
+bool shows_object(const std::vector<float>& scan, std::size_t a) {
+  return static_cast<double>(scan[a]) < wall_m(a) - 0.225;
+}
+
+/// Share of the bins [begin, end) that show the object.
+double share_with_object(const std::vector<float>& scan, std::size_t begin, std::size_t end) {
+  double count = 0.0;
+  for (std::size_t a = begin; a < end; ++a) count += shows_object(scan, a) ? 1.0 : 0.0;
+  return count / static_cast<double>(end - begin);
+}
+
+double sample_share_with_object(const NodeLevel& level) {
+  double with = 0.0;
+  double all = 0.0;
+  for (std::size_t a = kObjectBegin; a < kObjectEnd; ++a) {
+    for (const float range : level.samples(static_cast<int>(a))) {
+      with += static_cast<double>(range) < wall_m(a) - 0.225 ? 1.0 : 0.0;
+      all += 1.0;
+    }
+  }
+  return with / all;
+}
+
+NodeLevel filled_with_wall(bool coupled_eviction, RandomStream& random) {
+  NodeLevel level(kBins, kSamples, coupled_eviction);
+  for (int t = 0; t < 2 * kSamples; ++t) level.insert(measure(false, random), random);
+  return level;
+}
+
+struct Switch {
+  double share = 0.0;  ///< of samples that show the object when the decoded scan first does
+  int mixed = 0;       ///< decoded scans on the way that show half an object
+};
+
+Switch appear(const DecodingConfig& config, bool coupled_eviction, std::uint64_t seed) {
+  RandomStream random(seed, StreamId::kTest);
+  NodeLevel level = filled_with_wall(coupled_eviction, random);
+  Switch result;
+  for (int t = 0; t < 100; ++t) {
+    level.insert(measure(true, random), random);
+    const double shown = share_with_object(decode(level, config).range_m, kObjectBegin, kObjectEnd);
+    if (shown > 0.05 && shown < 0.95) ++result.mixed;
+    if (shown >= 0.95) {
+      result.share = sample_share_with_object(level);
+      return result;
+    }
+  }
+  ADD_FAILURE() << "the object never appeared";
+  return result;
+}
+
+DecodingConfig layered(DecodingConfig config) {
+  config.search = SearchMethod::kLayered;
+  return config;
+}
+
+TEST(Figure6, TheScanSwitchesAsAWholeWhenHalfOfTheSamplesAreNew) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    for (const bool paper : {false, true}) {
+      const Switch result =
+          appear(paper ? layered(paper_decoding()) : exact_decoding(), paper, seed);
+      EXPECT_GE(result.share, 0.35) << "paper " << paper << " seed " << seed;
+      EXPECT_LE(result.share, 0.65) << "paper " << paper << " seed " << seed;
+      EXPECT_EQ(result.mixed, 0) << "paper " << paper << " seed " << seed;
+    }
+  }
+}
+
+// Defect 6: with the conditional weights of the paper's equation (4) one rare branch wins.
+TEST(Figure6, TheLiteralEquationSwitchesAfterAFewScans) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    EXPECT_LT(appear(layered(literal_decoding()), false, seed).share, 0.2) << seed;
+  }
+}
+
+/// The object is seen in full a few times, then only its first half.
+NodeLevel half_seen(std::uint64_t seed, bool coupled_eviction) {
+  RandomStream random(seed, StreamId::kTest);
+  NodeLevel level = filled_with_wall(coupled_eviction, random);
+  for (int t = 0; t < 5; ++t) level.insert(measure(true, random), random);
+  const std::size_t middle = (kObjectBegin + kObjectEnd) / 2;
+  for (int t = 0; t < 80; ++t) {
+    VirtualScan scan = measure(true, random);
+    std::fill(scan.begin() + static_cast<std::ptrdiff_t>(middle), scan.end(), kNothing);
+    level.insert(scan, random);
+  }
+  return level;
+}
+
+TEST(Figure7, TheUnseenHalfOfTheObjectIsCompleted) {
+  const std::size_t middle = (kObjectBegin + kObjectEnd) / 2;
+  for (const DecodingConfig& config : {exact_decoding(), layered(paper_decoding())}) {
+    int complete = 0;
+    double by_median = 0.0;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      const NodeLevel level = half_seen(seed, false);
+      const double unseen = share_with_object(decode(level, config).range_m, middle, kObjectEnd);
+      complete += unseen >= 0.95 ? 1 : 0;
+      by_median +=
+          share_with_object(decode_per_bin_median(level), kObjectBegin, kObjectEnd) / kSeeds;
+    }
+    EXPECT_GE(complete, (9 * kSeeds) / 10);
+    EXPECT_LE(by_median, 0.6);
+  }
+}
+
+TEST(Figure7, CoupledEvictionLeavesNoPathAtTheEdgeOfView) {
+  EXPECT_TRUE(decode(half_seen(1, true), layered(paper_decoding())).inconsistent);
+  EXPECT_FALSE(decode(half_seen(1, false), layered(paper_decoding())).inconsistent);
+}
+
+/// What a scan shows when the robot believes to be somewhere else: a room of 2 by 2 m.
+double room_m(double x, double y, double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  return std::min(std::abs(((c > 0.0 ? 1.0 : -1.0) - x) / c),
+                  std::abs(((s > 0.0 ? 1.0 : -1.0) - y) / s));
+}
+
+/// Share of bins that are off by more than 0.15 m when this share of the scans is mis-localized.
+double wrong_bins(const DecodingConfig& config, double mislocalized, std::uint64_t seed) {
+  RandomStream random(seed, StreamId::kTest);
+  NodeLevel level(kBins, kSamples, false);
+  for (int t = 0; t < 100; ++t) {
+    const bool wrong = random.bernoulli(mislocalized);
+    VirtualScan scan;
+    for (int a = 0; a < 360; ++a) {
+      const double angle = kBins.center_bearing_rad(a);
+      const double range = wrong ? room_m(-0.3, 0.2, angle + 0.1) : room_m(0.0, 0.0, angle);
+      scan.push_back(static_cast<float>(range + random.normal(0.0, kNoise_m)));
+    }
+    level.insert(scan, random);
+  }
+  const DecodedScan decoded = decode(level, config);
+  int bad = 0;
+  for (int a = 0; a < 360; ++a) {
+    const double error = static_cast<double>(decoded.range_m[static_cast<std::size_t>(a)]) -
+                         room_m(0.0, 0.0, kBins.center_bearing_rad(a));
+    bad += std::abs(error) > 0.15 ? 1 : 0;
+  }
+  return bad / 360.0;
+}
+
+TEST(Figure8, AMinorityOfMislocalizedScansChangesNothing) {
+  for (const DecodingConfig& config : {exact_decoding(), layered(paper_decoding())}) {
+    for (const double share : {0.1, 0.2, 0.3}) {
+      double mean = 0.0;
+      for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+        mean += wrong_bins(config, share, seed) / kSeeds;
+      }
+      EXPECT_LE(mean, 0.03) << share;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace strata::memory
