@@ -18,14 +18,16 @@ double cpu_seconds() {
 
 }  // namespace
 
-CostMeter::CostMeter() : wall_begin_(std::chrono::steady_clock::now()), cpu_begin_s_(cpu_seconds()) {}
+CostMeter::CostMeter()
+    : wall_begin_(std::chrono::steady_clock::now()), cpu_begin_s_(cpu_seconds()) {}
 
 Cost CostMeter::read() const {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_begin_;
   // ru_maxrss is in kilobytes on Linux.
-  return {wall.count(), cpu_seconds() - cpu_begin_s_, static_cast<double>(usage.ru_maxrss) / 1024.0};
+  return {wall.count(), cpu_seconds() - cpu_begin_s_,
+          static_cast<double>(usage.ru_maxrss) / 1024.0};
 }
 
 }  // namespace strata::pipeline

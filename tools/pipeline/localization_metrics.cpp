@@ -56,8 +56,7 @@ ErrorSummary summarize(std::vector<double> values) {
     return values[std::clamp<std::size_t>(place, 1, values.size()) - 1];
   };
   const std::size_t half = values.size() / 2;
-  summary.median =
-      values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+  summary.median = values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
   summary.p95 = rank(0.95);
   summary.max = values.back();
   summary.rmse = std::sqrt(squares);

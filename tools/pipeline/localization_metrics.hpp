@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a localization run was worth, in the words of the contracts: error, failure, lost, converged.
+/// What a localization run was worth, in the words of the contracts: error, failure, lost,
+/// converged.
 #pragma once
 
 #include <optional>
@@ -34,8 +35,8 @@ struct LocalizationMetrics {
   double failure_rate = 0.0;
   /// The error stayed above 1 m for 5 s or longer, after convergence or when there was none.
   bool lost = false;
-  /// Seconds from the first scan to the first time from which the error stays below 0.5 m for 5 s (or
-  /// to the end of the log when that comes first).
+  /// Seconds from the first scan to the first time from which the error stays below 0.5 m for 5 s
+  /// (or to the end of the log when that comes first).
   std::optional<double> converged_after_s;
 };
 
