@@ -5,7 +5,8 @@
 
 namespace strata {
 
-void CountingMap::add(const PosedScan& scan, const CountingOptions& options, double weight) {
+void CountingMap::add(const PosedScan& scan, const CountingOptions& options, double weight,
+                      BeamWeights beams) {
   const double resolution = resolution_m();
   CellRect needed;
   for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
@@ -16,6 +17,8 @@ void CountingMap::add(const PosedScan& scan, const CountingOptions& options, dou
   });
   if (needed.empty()) return;
   cells_.grow(needed);
+  const bool weighted =
+      beams == BeamWeights::kStaticProbability && !scan.static_probability.empty();
   const double per_cell = weight / resolution;
   for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t beam, const Ray& ray) {
     const Cell end = cell_at(ray.to_m, resolution);
@@ -24,8 +27,7 @@ void CountingMap::add(const PosedScan& scan, const CountingOptions& options, dou
       cells_.at(cell).misses += per_cell * length_m;
     });
     if (!ray.is_hit) return;
-    const double e =
-        scan.static_probability.empty() ? 1.0 : static_cast<double>(scan.static_probability[beam]);
+    const double e = weighted ? static_cast<double>(scan.static_probability[beam]) : 1.0;
     cells_.at(end).hits += weight * e;
     cells_.at(end).misses += weight * (1.0 - e);
   });

@@ -35,6 +35,12 @@ struct CountingOptions {
   }
 };
 
+/// What a beam end counts.
+enum class BeamWeights {
+  kStaticProbability,  ///< e to the hits, 1 - e to the misses; e = 1 when the scan has none
+  kAllStatic,          ///< one hit each, whatever static_probability says
+};
+
 /// alpha_j, beta_j of [stachniss2003chapter] eqs. (1.12)-(1.15), with beams weighted by length: a
 /// beam adds l_k = (length inside the cell) / resolution to the misses of each cell it crosses; the
 /// cell where it ends gets no miss from it.
@@ -50,7 +56,8 @@ class CountingMap {
   /// Adds every beam of a scan; grows as needed. A hit in the end cell counts e (its static
   /// probability, 1 when the scan has none) and 1 - e goes to that cell's misses. weight scales
   /// all: -1 takes a scan out again. O(beams x cells a beam crosses).
-  void add(const PosedScan& scan, const CountingOptions& options = {}, double weight = 1.0);
+  void add(const PosedScan& scan, const CountingOptions& options = {}, double weight = 1.0,
+           BeamWeights beams = BeamWeights::kStaticProbability);
 
   /// m_j = hits / (hits + misses); unknown where the total is below min_evidence. O(cells).
   [[nodiscard]] ReflectionGrid reflection(double min_evidence = 0.5) const;

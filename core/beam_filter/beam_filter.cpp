@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/beam_filter/beam_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "core/grid/count_scans.hpp"
+#include "core/grid/ray_traversal.hpp"
+
+namespace strata::beam_filter {
+namespace {
+
+/// The reflection that judges a beam end in `cell`: its own, or the greatest known one around it.
+/// NaN when unknown.
+template <typename T>
+T judging_reflection(const Grid<T>& map, const Cell& cell, bool tolerant) {
+  T best = map.get(cell);
+  if (!tolerant) return best;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const T value = map.get({cell.x + dx, cell.y + dy});
+      if (value > best || std::isnan(best)) best = value;
+    }
+  }
+  return best;
+}
+
+double clamp_for_log(double m) { return std::clamp(m, kLogMargin, 1.0 - kLogMargin); }
+
+/// ln P(end | m) with c summed out.
+double log_end(double m, double prior) {
+  return std::log((1.0 - prior) + (2.0 * prior - 1.0) * clamp_for_log(m));
+}
+
+double log_pass(double m) { return std::log(1.0 - clamp_for_log(m)); }
+
+struct Likelihoods {
+  double incomplete = 0.0;
+  double expected = 0.0;
+};
+
+/// EM over one set of counts. Only cells with hits move: the others are 0 or unknown for good.
+class CountsFilter {
+ public:
+  CountsFilter(const Grid<CellCounts>& counts, const BeamFilterConfig& config)
+      : counts_(counts),
+        config_(config),
+        reflection_(counts.resolution_m(), counts.rect(),
+                    std::numeric_limits<double>::quiet_NaN()) {
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      if (!(counts.values()[i].total() >= config.min_evidence)) continue;
+      reflection_.values()[i] = 0.0;
+      if (counts.values()[i].hits > 0.0) hit_cells_.push_back(i);
+      else passed_ += counts.values()[i].misses;
+    }
+    judged_.resize(hit_cells_.size());
+  }
+
+  /// Round 0: e is the prior for every beam.
+  void start() {
+    for (const std::size_t i : hit_cells_) {
+      reflection_.values()[i] = config_.prior * ratio(i);
+    }
+  }
+
+  /// E-step and M-step.
+  void step() {
+    judge();
+    for (std::size_t k = 0; k < hit_cells_.size(); ++k) {
+      const std::size_t i = hit_cells_[k];
+      reflection_.values()[i] = em_step(judged_[k], counts_.values()[i], config_.prior);
+    }
+  }
+
+  void jump_to_limit() {
+    for (const std::size_t i : hit_cells_) {
+      reflection_.values()[i] =
+          closed_form(counts_.values()[i], config_.prior, config_.min_evidence);
+    }
+  }
+
+  [[nodiscard]] Likelihoods likelihoods() {
+    judge();
+    // Cells that beams only passed have m = 0.
+    const double free = passed_ * log_pass(0.0);
+    Likelihoods sum{free, free};
+    for (std::size_t k = 0; k < hit_cells_.size(); ++k) {
+      const CellCounts& counts = counts_.values()[hit_cells_[k]];
+      const double m = clamp_for_log(judged_[k]);
+      const double passing = counts.misses * log_pass(reflection_.values()[hit_cells_[k]]);
+      const double e = expectation(judged_[k], config_.prior);
+      sum.incomplete += passing + counts.hits * log_end(m, config_.prior);
+      sum.expected += passing + counts.hits * (e * std::log(config_.prior * m) +
+                                               (1.0 - e) * std::log((1.0 - config_.prior) *
+                                                                    (1.0 - m)));
+    }
+    return sum;
+  }
+
+  [[nodiscard]] ReflectionGrid map() const {
+    ReflectionGrid result = make_reflection_grid(reflection_.resolution_m(), reflection_.rect());
+    std::transform(reflection_.values().begin(), reflection_.values().end(),
+                   result.values().begin(), [](double m) { return static_cast<float>(m); });
+    return result;
+  }
+
+ private:
+  [[nodiscard]] double ratio(std::size_t i) const {
+    return counts_.values()[i].hits / counts_.values()[i].total();
+  }
+  void judge() {
+    for (std::size_t k = 0; k < hit_cells_.size(); ++k) {
+      judged_[k] = config_.endpoint_tolerance
+                       ? judging_reflection(reflection_, reflection_.cell(hit_cells_[k]), true)
+                       : reflection_.values()[hit_cells_[k]];
+    }
+  }
+
+  const Grid<CellCounts>& counts_;
+  const BeamFilterConfig& config_;
+  Grid<double> reflection_;
+  std::vector<std::size_t> hit_cells_;
+  std::vector<double> judged_;  ///< per hit cell, what judges a beam that ends there
+  double passed_ = 0.0;         ///< misses of known cells without hits
+};
+
+/// Hits, and those judged dynamic.
+struct LabelCounts {
+  std::size_t hits = 0;
+  std::size_t dynamic = 0;
+};
+
+LabelCounts label_into(const Scan& scan, const Pose2& map_from_laser, const ReflectionGrid& map,
+                       const BeamFilterConfig& config, std::vector<float>& labels) {
+  LabelCounts counts;
+  labels.assign(scan.size(), static_cast<float>(config.prior));
+  for_each_ray(scan, map_from_laser, config.counting, [&](std::size_t beam, const Ray& ray) {
+    if (!ray.is_hit) return;
+    ++counts.hits;
+    const float m = judging_reflection(map, map.cell_at(ray.to_m), config.endpoint_tolerance);
+    if (!is_known(m)) return;
+    labels[beam] = static_cast<float>(expectation(static_cast<double>(m), config.prior));
+    if (labels[beam] < 0.5F) ++counts.dynamic;
+  });
+  return counts;
+}
+
+}  // namespace
+
+std::vector<float> label(const Scan& scan, const Pose2& map_from_laser, const ReflectionGrid& map,
+                         const BeamFilterConfig& config) {
+  std::vector<float> labels;
+  label_into(scan, map_from_laser, map, config, labels);
+  return labels;
+}
+
+double label_all(std::span<PosedScan> scans, const ReflectionGrid& map,
+                 const BeamFilterConfig& config, WorkerPool& pool, Progress* progress) {
+  constexpr std::size_t kChunk = 64;
+  constexpr std::size_t kRound = 2048;
+  LabelCounts sum;
+  for (std::size_t begin = 0; begin < scans.size(); begin += kRound) {
+    report_progress(progress, "label beams", begin, scans.size());
+    const std::size_t count = std::min(kRound, scans.size() - begin);
+    std::vector<LabelCounts> partial((count + kChunk - 1) / kChunk);
+    pool.for_chunks(count, kChunk, [&](std::size_t first, std::size_t last, std::size_t chunk) {
+      for (std::size_t i = begin + first; i < begin + last; ++i) {
+        PosedScan& scan = scans[i];
+        const LabelCounts counts = label_into(scan.scan, scan.map_from_laser(), map, config,
+                                              scan.static_probability);
+        partial[chunk].hits += counts.hits;
+        partial[chunk].dynamic += counts.dynamic;
+      }
+    });
+    for (const LabelCounts& counts : partial) {
+      sum.hits += counts.hits;
+      sum.dynamic += counts.dynamic;
+    }
+  }
+  report_progress(progress, "label beams", scans.size(), scans.size());
+  if (sum.hits == 0) return 0.0;
+  return static_cast<double>(sum.dynamic) / static_cast<double>(sum.hits);
+}
+
+double incomplete_log_likelihood(const CountingMap& raw, const ReflectionGrid& map,
+                                 const BeamFilterConfig& config) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < raw.cells().size(); ++i) {
+    const CellCounts& counts = raw.cells().values()[i];
+    if (counts.hits == 0.0 && counts.misses == 0.0) continue;
+    const Cell cell = raw.cells().cell(i);
+    const float passed = map.get(cell);
+    if (is_known(passed)) sum += counts.misses * log_pass(static_cast<double>(passed));
+    const float end = judging_reflection(map, cell, config.endpoint_tolerance);
+    if (counts.hits != 0.0 && is_known(end)) {
+      sum += counts.hits * log_end(static_cast<double>(end), config.prior);
+    }
+  }
+  return sum;
+}
+
+double incomplete_log_likelihood(std::span<const PosedScan> scans, const ReflectionGrid& map,
+                                 const BeamFilterConfig& config) {
+  double sum = 0.0;
+  for (const PosedScan& scan : scans) {
+    for_each_ray(scan.scan, scan.map_from_laser(), config.counting,
+                 [&](std::size_t, const Ray& ray) {
+      const Cell end = map.cell_at(ray.to_m);
+      traverse_ray(ray.from_m, ray.to_m, map.resolution_m(), [&](const Cell& cell, double inside) {
+        const float m = map.get(cell);
+        if ((ray.is_hit && cell == end) || !is_known(m)) return;
+        sum += inside / map.resolution_m() * log_pass(static_cast<double>(m));
+      });
+      const float m = judging_reflection(map, end, config.endpoint_tolerance);
+      if (ray.is_hit && is_known(m)) sum += log_end(static_cast<double>(m), config.prior);
+    });
+  }
+  return sum;
+}
+
+CountsResult filter_counts(const CountingMap& raw, const BeamFilterConfig& config) {
+  require_valid(config, "beam_filter");
+  CountsFilter filter(raw.cells(), config);
+  CountsResult result;
+  auto record = [&] {
+    const Likelihoods now = filter.likelihoods();
+    result.log_likelihood.push_back(now.incomplete);
+    result.expected_log_likelihood.push_back(now.expected);
+  };
+  filter.start();
+  record();
+  if (config.mode == Mode::kClosedForm) {
+    filter.jump_to_limit();
+    record();
+  } else {
+    int small_gains = 0;
+    while (result.iterations < config.max_iterations && small_gains < 2) {
+      const double before = result.log_likelihood.back();
+      filter.step();
+      ++result.iterations;
+      record();
+      const double gain = result.log_likelihood.back() - before;
+      small_gains = gain < config.min_gain * std::abs(before) ? small_gains + 1 : 0;
+    }
+    result.converged = small_gains >= 2;
+  }
+  result.filtered = filter.map();
+  return result;
+}
+
+FixedPoseResult filter_at_fixed_poses(std::span<PosedScan> scans, const BeamFilterConfig& config,
+                                      WorkerPool& pool, Progress* progress) {
+  require_valid(config, "beam_filter");
+  FixedPoseResult result;
+  result.raw = count_scans(scans, config.resolution_m, config.counting, BeamWeights::kAllStatic,
+                           pool, progress);
+  CountsResult counts = filter_counts(result.raw, config);
+  result.filtered = std::move(counts.filtered);
+  result.log_likelihood = std::move(counts.log_likelihood);
+  result.expected_log_likelihood = std::move(counts.expected_log_likelihood);
+  result.iterations = counts.iterations;
+  result.converged = counts.converged;
+  result.dynamic_fraction = label_all(scans, result.filtered, config, pool, progress);
+  return result;
+}
+
+}  // namespace strata::beam_filter

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Counting many scans at once, on several threads, with the same bits for any number of them.
+#pragma once
+
+#include <span>
+
+#include "core/base/parallel.hpp"
+#include "core/base/progress.hpp"
+#include "core/grid/counting_map.hpp"
+
+namespace strata {
+
+/// The counts of all scans. The log is cut into at most eight stretches by its length alone, each
+/// counted in order, and their maps are added in order: up to rounding the same as adding one scan
+/// after the other, and exactly so below 128 scans. The rectangle covers all rays tightly.
+/// Throws Cancelled. O(beams x cells a beam crosses); memory: one map per stretch, each as large as
+/// the stretch needs.
+[[nodiscard]] CountingMap count_scans(std::span<const PosedScan> scans, double resolution_m,
+                                      const CountingOptions& options, BeamWeights weights,
+                                      WorkerPool& pool, Progress* progress = nullptr);
+
+/// The cells that the rays of a scan cover, as the smallest rectangle. O(beams).
+[[nodiscard]] CellRect extent_of(const PosedScan& scan, double resolution_m,
+                                 const CountingOptions& options);
+
+}  // namespace strata

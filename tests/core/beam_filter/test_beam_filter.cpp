@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/base/parallel.hpp"
+#include "core/beam_filter/beam_filter.hpp"
+#include "core/random/stream.hpp"
+
+namespace strata::beam_filter {
+namespace {
+
+constexpr double kHalfRoom_m = 4.0;
+constexpr std::size_t kBeams = 180;
+
+/// Distance to the walls of the square room |x|, |y| <= 4 m.
+double range_to_walls(double x, double y, double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  const double along_x = std::abs(c) < 1e-12 ? 1e9 : ((c > 0.0 ? kHalfRoom_m : -kHalfRoom_m) - x) / c;
+  const double along_y = std::abs(s) < 1e-12 ? 1e9 : ((s > 0.0 ? kHalfRoom_m : -kHalfRoom_m) - y) / s;
+  return std::min(along_x, along_y);
+}
+
+/// Distance to a disc, or infinity.
+double range_to_disc(double x, double y, double angle, double center_x, double center_y,
+                     double radius) {
+  const double along = (center_x - x) * std::cos(angle) + (center_y - y) * std::sin(angle);
+  const double across = -(center_x - x) * std::sin(angle) + (center_y - y) * std::cos(angle);
+  if (along <= 0.0 || std::abs(across) >= radius) return std::numeric_limits<double>::infinity();
+  return along - std::sqrt(radius * radius - across * across);
+}
+
+struct Room {
+  std::vector<PosedScan> scans;
+  std::vector<std::vector<bool>> is_dynamic;  ///< truth per scan and beam
+};
+
+/// A robot that drives a circle in the square room, with or without a person who walks across.
+Room make_room(int count, bool with_walker, std::uint64_t seed) {
+  Room room;
+  for (int t = 0; t < count; ++t) {
+    RandomStream random(seed, StreamId::kTest, static_cast<std::uint64_t>(t));
+    PosedScan posed;
+    const double phase = 2.0 * std::numbers::pi * t / count;
+    posed.map_from_robot = {1.5 * std::cos(phase), 1.5 * std::sin(phase),
+                            random.uniform(-3.0, 3.0)};
+    posed.scan.angle_min_rad = static_cast<float>(-std::numbers::pi);
+    posed.scan.angle_increment_rad = static_cast<float>(2.0 * std::numbers::pi / kBeams);
+    posed.scan.range_max_m = 20.0F;
+    posed.scan.robot_from_laser = {0.1, 0.0, 0.0};
+    const Pose2 laser = posed.map_from_laser();
+    const double walker_x = 3.4 * std::cos(7.3 * phase);
+    const double walker_y = 3.4 * std::sin(4.1 * phase);
+    std::vector<bool> dynamic;
+    for (std::size_t n = 0; n < kBeams; ++n) {
+      const double angle = laser.theta + posed.scan.bearing_rad(n);
+      const double wall = range_to_walls(laser.x, laser.y, angle);
+      const double walker = with_walker ? range_to_disc(laser.x, laser.y, angle, walker_x,
+                                                        walker_y, 0.25)
+                                        : std::numeric_limits<double>::infinity();
+      // The wall lies within a cell, not on a border that noise would cross.
+      const bool hits_walker = walker < wall - 0.3;
+      posed.scan.ranges_m.push_back(static_cast<float>(
+          (hits_walker ? walker : wall + 0.02) + random.normal(0.0, 0.005)));
+      dynamic.push_back(hits_walker);
+    }
+    room.scans.push_back(posed);
+    room.is_dynamic.push_back(dynamic);
+  }
+  return room;
+}
+
+BeamFilterConfig iterate_config(int iterations) {
+  BeamFilterConfig config;
+  config.mode = Mode::kIterate;
+  config.max_iterations = iterations;
+  config.min_gain = 0.0;
+  return config;
+}
+
+/// Exactly equal, unknown equal to unknown.
+bool same_bits(const ReflectionGrid& a, const ReflectionGrid& b) {
+  return a.rect() == b.rect() &&
+         std::equal(a.values().begin(), a.values().end(), b.values().begin(), [](float x, float y) {
+           return is_known(x) == is_known(y) && (!is_known(x) || x == y);
+         });
+}
+
+TEST(FilterAtFixedPoses, FindsTheBeamsThatHitAWalker) {
+  Room room = make_room(400, true, 1);
+  WorkerPool pool(2);
+  const FixedPoseResult result = filter_at_fixed_poses(room.scans, {}, pool);
+  std::size_t found = 0;
+  std::size_t walker = 0;
+  std::size_t called = 0;
+  for (std::size_t t = 0; t < room.scans.size(); ++t) {
+    for (std::size_t n = 0; n < kBeams; ++n) {
+      const bool dynamic = room.scans[t].static_probability[n] < 0.5F;
+      walker += room.is_dynamic[t][n] ? 1 : 0;
+      called += dynamic ? 1 : 0;
+      found += (dynamic && room.is_dynamic[t][n]) ? 1 : 0;
+    }
+  }
+  ASSERT_GT(walker, 500U);
+  EXPECT_GE(static_cast<double>(found), 0.90 * static_cast<double>(walker));
+  EXPECT_GE(static_cast<double>(found), 0.85 * static_cast<double>(called));
+  EXPECT_NEAR(result.dynamic_fraction,
+              static_cast<double>(called) / static_cast<double>(room.scans.size() * kBeams), 1e-12);
+}
+
+TEST(FilterAtFixedPoses, ClearsTheTraceOfAWalkerFromTheMap) {
+  Room room = make_room(400, true, 2);
+  WorkerPool pool(2);
+  const FixedPoseResult result = filter_at_fixed_poses(room.scans, {}, pool);
+  const ReflectionGrid raw = result.raw.reflection();
+  auto ghosts = [](const ReflectionGrid& map) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < map.size(); ++i) {
+      const Eigen::Vector2d at = map.center(map.cell(i));
+      const bool inside = at.cwiseAbs().maxCoeff() < kHalfRoom_m - 0.3;
+      if (inside && map.values()[i] > 0.01F) ++count;
+    }
+    return count;
+  };
+  ASSERT_GE(ghosts(raw), 50U);
+  EXPECT_LE(10 * ghosts(result.filtered), ghosts(raw));
+}
+
+TEST(FilterAtFixedPoses, IteratesToTheClosedForm) {
+  Room room = make_room(100, true, 3);
+  WorkerPool pool(1);
+  const FixedPoseResult closed = filter_at_fixed_poses(room.scans, {}, pool);
+  const FixedPoseResult iterated = filter_at_fixed_poses(room.scans, iterate_config(5'000), pool);
+  ASSERT_EQ(closed.filtered.rect(), iterated.filtered.rect());
+  double greatest = 0.0;
+  for (std::size_t i = 0; i < closed.filtered.size(); ++i) {
+    const float a = closed.filtered.values()[i];
+    const float b = iterated.filtered.values()[i];
+    ASSERT_EQ(is_known(a), is_known(b));
+    if (is_known(a)) greatest = std::max(greatest, static_cast<double>(std::abs(a - b)));
+  }
+  EXPECT_LE(greatest, 1e-3);  // cells next to the threshold are still on their way
+  EXPECT_NEAR(iterated.log_likelihood.back(), closed.log_likelihood.back(),
+              1e-6 * std::abs(closed.log_likelihood.back()));
+}
+
+TEST(FilterAtFixedPoses, NeverLowersTheLikelihoodWhileIterating) {
+  for (std::uint64_t seed = 10; seed < 20; ++seed) {
+    Room room = make_room(60, true, seed);
+    WorkerPool pool(1);
+    BeamFilterConfig config = iterate_config(30);
+    config.prior = RandomStream(seed, StreamId::kTest).uniform(0.6, 0.97);
+    const FixedPoseResult result = filter_at_fixed_poses(room.scans, config, pool);
+    ASSERT_EQ(result.log_likelihood.size(), static_cast<std::size_t>(result.iterations) + 1);
+    EXPECT_GT(result.log_likelihood.back(), result.log_likelihood.front());
+    for (std::size_t i = 1; i < result.log_likelihood.size(); ++i) {
+      EXPECT_GE(result.log_likelihood[i],
+                result.log_likelihood[i - 1] - 1e-9 * std::abs(result.log_likelihood[i]));
+    }
+  }
+}
+
+TEST(FilterAtFixedPoses, ReachesMostOfTheGainWithinSixRounds) {
+  Room room = make_room(200, true, 4);
+  WorkerPool pool(1);
+  const FixedPoseResult result = filter_at_fixed_poses(room.scans, iterate_config(200), pool);
+  const double first = result.log_likelihood.front();
+  const double gain = result.log_likelihood.back() - first;
+  EXPECT_GE(result.log_likelihood[6] - first, 0.9 * gain);
+}
+
+TEST(FilterAtFixedPoses, StopsWhenTheLikelihoodStopsRising) {
+  Room room = make_room(100, true, 5);
+  WorkerPool pool(1);
+  BeamFilterConfig config = iterate_config(1'000);
+  config.min_gain = 1e-4;
+  const FixedPoseResult result = filter_at_fixed_poses(room.scans, config, pool);
+  EXPECT_TRUE(result.converged);
+  EXPECT_LT(result.iterations, 100);
+  config.max_iterations = 1;
+  EXPECT_FALSE(filter_at_fixed_poses(room.scans, config, pool).converged);
+}
+
+TEST(FilterAtFixedPoses, GivesTheSameBitsForAnyNumberOfThreads) {
+  Room room = make_room(600, true, 6);
+  WorkerPool one(1);
+  const FixedPoseResult expected = filter_at_fixed_poses(room.scans, {}, one);
+  const std::vector<PosedScan> labelled = room.scans;
+  for (const int threads : {2, 8}) {
+    WorkerPool pool(threads);
+    const FixedPoseResult result = filter_at_fixed_poses(room.scans, {}, pool);
+    EXPECT_TRUE(same_bits(result.filtered, expected.filtered));
+    EXPECT_EQ(result.log_likelihood, expected.log_likelihood);
+    for (std::size_t t = 0; t < labelled.size(); ++t) {
+      ASSERT_EQ(room.scans[t].static_probability, labelled[t].static_probability);
+    }
+  }
+}
+
+TEST(FilterAtFixedPoses, LeavesAStaticWorldAsItCountsIt) {
+  Room room = make_room(100, false, 7);
+  WorkerPool pool(1);
+  const FixedPoseResult result = filter_at_fixed_poses(room.scans, {}, pool);
+  const ReflectionGrid raw = result.raw.reflection();
+  int always_hit = 0;
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    ASSERT_EQ(is_known(raw.values()[i]), is_known(result.filtered.values()[i]));
+    if (raw.values()[i] != 1.0F) continue;
+    ++always_hit;
+    EXPECT_EQ(result.filtered.values()[i], 1.0F);
+  }
+  EXPECT_GE(always_hit, 5);
+  EXPECT_LT(result.dynamic_fraction, 0.01);
+}
+
+TEST(FilterAtFixedPoses, KeepsUnseenCellsUnknown) {
+  Room room = make_room(20, false, 8);
+  WorkerPool pool(1);
+  const FixedPoseResult result = filter_at_fixed_poses(room.scans, {}, pool);
+  std::size_t unknown = 0;
+  for (std::size_t i = 0; i < result.filtered.size(); ++i) {
+    const bool known = is_known(result.filtered.values()[i]);
+    EXPECT_EQ(known, result.raw.cells().values()[i].total() >= 0.5);
+    unknown += known ? 0 : 1;
+  }
+  EXPECT_GT(unknown, 0U);
+  EXPECT_FALSE(is_known(result.filtered.get({10'000, 10'000})));
+}
+
+TEST(FilterAtFixedPoses, AcceptsNoScansAndScansThatSayNothing) {
+  WorkerPool pool(2);
+  EXPECT_EQ(filter_at_fixed_poses({}, {}, pool).dynamic_fraction, 0.0);
+  Room room = make_room(2, false, 9);
+  std::fill(room.scans[0].scan.ranges_m.begin(), room.scans[0].scan.ranges_m.end(),
+            std::numeric_limits<float>::quiet_NaN());
+  std::fill(room.scans[1].scan.ranges_m.begin(), room.scans[1].scan.ranges_m.end(),
+            std::numeric_limits<float>::infinity());
+  const FixedPoseResult result = filter_at_fixed_poses(room.scans, {}, pool);
+  EXPECT_EQ(result.filtered.size(), 0U);
+  for (const float e : room.scans[0].static_probability) EXPECT_EQ(e, 0.9F);
+}
+
+TEST(FilterAtFixedPoses, RefusesAWrongPrior) {
+  WorkerPool pool(1);
+  BeamFilterConfig config;
+  config.prior = 0.5;
+  EXPECT_THROW((void)filter_at_fixed_poses({}, config, pool), ConfigError);
+}
+
+class StopAtOnce : public Progress {
+ public:
+  void update(std::string_view, std::size_t, std::size_t) override { ++updates; }
+  [[nodiscard]] bool cancelled() const override { return updates >= 2; }
+  int updates = 0;
+};
+
+TEST(FilterAtFixedPoses, StopsWhenAskedTo) {
+  Room room = make_room(600, false, 10);
+  WorkerPool pool(2);
+  StopAtOnce progress;
+  EXPECT_THROW((void)filter_at_fixed_poses(room.scans, {}, pool, &progress), Cancelled);
+  EXPECT_EQ(progress.updates, 2);
+}
+
+TEST(IncompleteLogLikelihood, IsTheSameFromCountsAndBeamByBeam) {
+  Room room = make_room(50, true, 11);
+  WorkerPool pool(1);
+  for (const bool tolerant : {false, true}) {
+    BeamFilterConfig config;
+    config.endpoint_tolerance = tolerant;
+    config.counting.no_return_free_range_m = 1.0;
+    room.scans[3].scan.ranges_m[5] = std::numeric_limits<float>::infinity();
+    const FixedPoseResult result = filter_at_fixed_poses(room.scans, config, pool);
+    const double by_counts = incomplete_log_likelihood(result.raw, result.filtered, config);
+    const double by_beams = incomplete_log_likelihood(room.scans, result.filtered, config);
+    EXPECT_NEAR(by_counts, by_beams, 1e-9 * std::abs(by_beams));
+    EXPECT_NEAR(by_counts, result.log_likelihood.back(), 1e-6 * std::abs(by_beams));
+  }
+}
+
+TEST(ExpectedLogLikelihood, IsBelowTheIncompleteOneByTheEntropyOfTheLabels) {
+  // ln p(z) = Q + H(e) when e is the posterior of the same map, so Q <= l.
+  Room room = make_room(50, true, 12);
+  WorkerPool pool(1);
+  const FixedPoseResult result = filter_at_fixed_poses(room.scans, iterate_config(10), pool);
+  for (std::size_t i = 0; i < result.log_likelihood.size(); ++i) {
+    EXPECT_LE(result.expected_log_likelihood[i], result.log_likelihood[i]);
+  }
+}
+
+Scan three_beams(float a, float b, float c) {
+  Scan scan;
+  scan.angle_min_rad = 0.0F;
+  scan.angle_increment_rad = 0.0F;
+  scan.range_max_m = 30.0F;
+  scan.ranges_m = {a, b, c};
+  return scan;
+}
+
+TEST(Label, GivesThePriorToBeamsThatTellNothing) {
+  ReflectionGrid map = make_reflection_grid(0.1, {{0, 0}, {100, 1}});
+  std::fill(map.values().begin(), map.values().end(), 0.3F);
+  const float inf = std::numeric_limits<float>::infinity();
+  BeamFilterConfig config;
+  config.prior = 0.8;
+  config.counting.max_range_m = 8.0;
+  // no return; cut at the greatest range; outside the map
+  const auto labels = label(three_beams(inf, 9.0F, 7.0F), {5.0, 0.05, 0.0}, map, config);
+  EXPECT_EQ(labels, (std::vector<float>{0.8F, 0.8F, 0.8F}));
+}
+
+TEST(Label, FollowsTheCellWhereTheBeamEnds) {
+  ReflectionGrid map(0.1, CellRect{{0, 0}, {100, 1}}, 0.0F);
+  map.at({30, 0}) = 0.5F;
+  map.at({40, 0}) = 1.0F;
+  const auto labels = label(three_beams(2.05F, 3.05F, 4.05F), {0.0, 0.05, 0.0}, map, {});
+  EXPECT_EQ(labels[0], 0.0F);
+  EXPECT_FLOAT_EQ(labels[1], 0.9F);
+  EXPECT_EQ(labels[2], 1.0F);
+}
+
+TEST(Label, ToleranceForgivesAnEndInTheNextCell) {
+  ReflectionGrid map(0.1, CellRect{{0, 0}, {100, 3}}, 0.0F);
+  map.at({30, 2}) = 1.0F;
+  BeamFilterConfig config;
+  const Scan scan = three_beams(2.95F, 3.15F, 3.25F);
+  const Pose2 laser{0.0, 0.15, 0.0};
+  EXPECT_EQ(label(scan, laser, map, config), (std::vector<float>{0.0F, 0.0F, 0.0F}));
+  config.endpoint_tolerance = true;
+  EXPECT_EQ(label(scan, laser, map, config), (std::vector<float>{1.0F, 1.0F, 0.0F}));
+}
+
+}  // namespace
+}  // namespace strata::beam_filter
