@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/settings/config_writer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/settings/settings.hpp"
+#include "core/random/stream.hpp"
+#include "tests/components/settings/sample_config.hpp"
+
+namespace strata::settings {
+namespace {
+
+using test::CartConfig;
+using test::WheelConfig;
+using testing::HasSubstr;
+
+CartConfig random_cart(RandomStream& random) {
+  const std::vector<std::string> texts{"",    "a b", "~",      "true", "null", "x: y",  "[1, 2]",
+                                       "a,b", "#",   "\"q\"",  "'",    "12",   "1e5",   "- a",
+                                       "ö",   "\t",  "a\nb\n", "{}",   ": ",   "&anch", "*"};
+  const auto text = [&] { return texts[random.below(static_cast<std::uint32_t>(texts.size()))]; };
+  CartConfig cart;
+  cart.enabled = random.bernoulli(0.5);
+  cart.seats = static_cast<int>(random.below(100));
+  cart.offset = -static_cast<std::int64_t>(random.next_u64() >> 1);
+  cart.seed = random.next_u64();
+  cart.length_m = std::exp(50.0 * random.normal());
+  cart.name = text();
+  cart.gains.assign(random.below(4), 0.0);
+  for (double& gain : cart.gains) gain = random.uniform();
+  cart.sizes.assign(random.below(3), static_cast<int>(random.next_u32()));
+  cart.tags.clear();
+  for (std::uint32_t i = random.below(4); i > 0; --i) cart.tags.push_back(text());
+  cart.wheels.resize(random.below(3));
+  for (WheelConfig& wheel : cart.wheels) wheel.radius_m = random.uniform(0.01, 1.0);
+  return cart;
+}
+
+TEST(WriteYaml, ReadsBackToTheSameBits) {
+  RandomStream random(7, StreamId::kTest);
+  for (int i = 0; i < 300; ++i) {
+    const CartConfig cart = random_cart(random);
+    const std::string text = write_yaml(cart, {.with_comments = i % 2 == 0});
+    const auto back = read_config<CartConfig>(parse_document(text, "cart.yaml"), "cart.yaml");
+    ASSERT_EQ(back, cart) << text;
+  }
+}
+
+TEST(WriteYaml, CommentsEachFieldWithUnitAndMeaning) {
+  EXPECT_THAT(write_yaml(CartConfig{}, {.with_comments = true}),
+              HasSubstr("length_m: 2.5  # [m] overall\n"));
+}
+
+TEST(ReferenceMarkdown, HasARowForEveryKeyWithDefaultUnitAndRange) {
+  const std::string page = reference_markdown<CartConfig>();
+  EXPECT_THAT(page, HasSubstr("| `length_m` | number | `2.5` | m | at least 0 | overall |"));
+  EXPECT_THAT(page, HasSubstr("| `spare` | group |  |  |  | the wheel on the back |"));
+  EXPECT_THAT(page,
+              HasSubstr("| `spare.radius_m` | number | `0.1` | m | 0.01 to 1 | of the tyre |"));
+  EXPECT_THAT(page, HasSubstr("| `wheels[].color` | one of `red`, `green` | `red` |  |  | "
+                              "red \\| green |"));
+  EXPECT_THAT(page, HasSubstr("| `gains` | list of numbers | `[0.5, 0.25]` |"));
+  EXPECT_THAT(page, HasSubstr("| `offset` | whole number | `-3` |  | at most 10 |"));
+}
+
+}  // namespace
+}  // namespace strata::settings
