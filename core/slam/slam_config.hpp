@@ -14,7 +14,7 @@ namespace strata::slam {
 /// How far odometry may be off between two scans: standard deviations that grow with the motion.
 struct OdometryNoiseConfig {
   double floor_m = 0.05;
-  double per_metre_m = 0.10;
+  double per_metre_m = 0.50;
   double floor_rad = 0.05;
   double per_metre_rad = 0.05;
   double per_radian_rad = 0.10;
@@ -38,6 +38,8 @@ struct TrackingConfig {
   int submap_keys = 40;
   double max_range_m = 30.0;
   int max_beams = 180;
+  double good_match = 0.8;
+  double poor_match = 0.6;
   double search_window_m = 0.5;
   double search_turn_rad = 0.35;
   OdometryNoiseConfig odometry;
@@ -56,6 +58,17 @@ struct TrackingConfig {
             {.doc = "longer beams take no part in matching", .unit = "m", .min = 1.0});
     v.field("max_beams", c.max_beams,
             {.doc = "beams of a scan that are matched, evenly spread; 0: all", .min = 0});
+    v.field("good_match", c.good_match,
+            {.doc = "below this share of explained beams other starts than odometry are tried: "
+                    "going on as before, turning only, driving backwards",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("poor_match", c.poor_match,
+            {.doc = "below this share of explained beams a correlative search is tried",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
     v.field("search_window_m", c.search_window_m,
             {.doc = "half-width of the correlative search after a poor match",
              .unit = "m",

@@ -64,27 +64,42 @@ Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* odom_from_robot) c
   return known * step;
 }
 
-bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, bool has_odometry,
-                     Pose2Gaussian& found) const {
+std::vector<Pose2> Tracker::other_guesses(const Pose2Gaussian& guess) const {
+  // Odometry may be wrong as a whole: wheels that spin, a base that reports driving backwards as
+  // driving forwards.
+  const Pose2 step = between(pose_.mean, guess.mean);
+  const Pose2 turned{0.0, 0.0, step.theta};
+  const Pose2 reversed{-step.x, -step.y, step.theta};
+  return {pose_.mean * between(last_pose_, pose_.mean), pose_.mean * turned, pose_.mean * reversed};
+}
+
+bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian& found) const {
+  constexpr double kMargin = 0.02;  // by how much another start must explain more
   const Endpoints endpoints = match_endpoints(scan, config_.max_range_m, config_.max_beams);
+  if (endpoints.size() == 0) return false;
   const registration::MatchField& field = active_.front().map.field();
   registration::MatchResult result =
       registration::match(endpoints, {}, field, guess.mean, &guess, config_.match);
-  const double good = has_odometry ? 0.5 : 0.7;
-  if (result.explained < good && endpoints.size() > 0) {
+  // Away from the odometry only the scan decides.
+  Pose2Gaussian wide{guess.mean, Eigen::Matrix3d::Zero()};
+  wide.covariance.diagonal() << kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
+      kBlindStddevRad * kBlindStddevRad;
+  auto try_from = [&](const Pose2& start) {
+    wide.mean = start;
+    const registration::MatchResult other =
+        registration::match(endpoints, {}, field, start, &wide, config_.match);
+    if (other.converged && other.explained > result.explained + kMargin) result = other;
+  };
+  if (result.explained < config_.good_match) {
+    for (const Pose2& start : other_guesses(guess)) try_from(start);
+  }
+  if (result.explained < config_.poor_match) {
     const registration::CorrelativeTables tables(field, {});
     const registration::SearchResult search = registration::search(
         endpoints, tables, guess.mean,
         {config_.search_window_m, config_.search_window_m, config_.search_turn_rad},
         std::max(config_.match.min_explained, result.explained));
-    if (search.found) {
-      Pose2Gaussian wide = guess;
-      // The search found it outside of what odometry allows; only the scan decides now.
-      wide.mean = search.pose;
-      registration::MatchResult again =
-          registration::match(endpoints, {}, field, search.pose, &wide, config_.match);
-      if (again.explained > result.explained + 0.05) result = again;
-    }
+    if (search.found) try_from(search.pose);
   }
   if (!result.converged) return false;
   found = result.gaussian();
@@ -96,8 +111,7 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   TrackedScan result;
   result.run_from_robot = guess;
   if (started_) {
-    result.matched =
-        locate(scan, guess, odom_from_robot != nullptr && last_odom_, result.run_from_robot);
+    result.matched = locate(scan, guess, result.run_from_robot);
   }
   last_pose_ = pose_.mean;
   last_step_s_ = started_ ? (scan.stamp - last_stamp_).seconds() : 0.0;

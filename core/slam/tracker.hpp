@@ -48,7 +48,8 @@ class Tracker {
     int keys = 0;
   };
   [[nodiscard]] Pose2Gaussian predict(const Scan& scan, const Pose2* odom_from_robot) const;
-  [[nodiscard]] bool locate(const Scan& scan, const Pose2Gaussian& guess, bool has_odometry,
+  [[nodiscard]] std::vector<Pose2> other_guesses(const Pose2Gaussian& guess) const;
+  [[nodiscard]] bool locate(const Scan& scan, const Pose2Gaussian& guess,
                             Pose2Gaussian& found) const;
   void insert(const Scan& scan, std::size_t scan_index);
   void close_oldest(std::size_t end_scan);
