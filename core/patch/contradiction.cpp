@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/patch/jitter.hpp"
+
 namespace strata::patch {
 namespace {
 
@@ -13,53 +15,26 @@ VisitEvidence capped(const Visit& visit, double max_evidence) {
   return {scale * static_cast<double>(visit.hits), scale * static_cast<double>(visit.misses)};
 }
 
-/// For each visit of `visits`: whether a visit of `others` that shares time with it hit its cell.
-/// Both are in order of time, so one sweep does.
-void mark_overlapping_hits(std::span<const Visit> visits, std::span<const Visit> others,
-                           double max_evidence, std::vector<std::uint8_t>& marks) {
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < visits.size(); ++i) {
-    while (begin < others.size() && others[begin].last_scan < visits[i].first_scan) ++begin;
-    for (std::size_t k = begin; k < others.size() && others[k].overlaps(visits[i]); ++k) {
-      if (capped(others[k], max_evidence).hits > 0.5) marks[i] = 1;
-    }
-  }
-}
-
-/// Scratch memory of the test of one cell.
-struct CellTest {
-  std::vector<VisitEvidence> evidence;
-  std::vector<std::uint8_t> neighbour_hit;
-};
-
 bool is_contradictory(const VisitTable& table, const Cell& cell, const ContradictionConfig& config,
-                      CellTest& scratch) {
+                      std::span<const Cell> around, std::vector<VisitEvidence>& evidence) {
   const auto visits = table.at(cell);
   if (visits.size() < 2) return false;
-  scratch.neighbour_hit.assign(visits.size(), 0);
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      if (dx == 0 && dy == 0) continue;
-      mark_overlapping_hits(visits, table.at({cell.x + dx, cell.y + dy}), config.max_evidence,
-                            scratch.neighbour_hit);
-    }
-  }
-  scratch.evidence.clear();
+  evidence.clear();
   double hits = 0.0;
   double total = 0.0;
-  for (std::size_t s = 0; s < visits.size(); ++s) {
-    VisitEvidence e = capped(visits[s], config.max_evidence);
-    if (scratch.neighbour_hit[s] != 0) e.misses = 0.0;
+  for (const Visit& visit : visits) {
+    VisitEvidence e = capped(visit, config.max_evidence);
+    if (e.misses > 0.0 && was_hit_nearby(table, cell, visit, around)) e.misses = 0.0;
     if (e.hits + e.misses < config.min_evidence) continue;
-    scratch.evidence.push_back(e);
+    evidence.push_back(e);
     hits += e.hits;
     total += e.hits + e.misses;
   }
-  if (scratch.evidence.size() < 2) return false;
+  if (evidence.size() < 2) return false;
   const double share = hits / total;
   if (share <= config.min_share || share >= 1.0 - config.min_share) return false;
-  const int dof = static_cast<int>(scratch.evidence.size()) - 1;
-  return chi_squared_tail(g_statistic(scratch.evidence), dof) < config.significance;
+  const int dof = static_cast<int>(evidence.size()) - 1;
+  return chi_squared_tail(g_statistic(evidence), dof) < config.significance;
 }
 
 /// Keeps cells that have company: at least `least` set cells in their 3 x 3 block.
@@ -113,9 +88,10 @@ double g_statistic(std::span<const VisitEvidence> visits) {
 
 Grid<std::uint8_t> test_many_visits(const VisitTable& table, const ContradictionConfig& config) {
   Grid<std::uint8_t> mask(table.resolution_m(), table.rect(), 0);
-  CellTest scratch;
+  const std::vector<Cell> around = disc_offsets(config.tolerance_m, table.resolution_m());
+  std::vector<VisitEvidence> evidence;
   for (const Cell& cell : table.cells()) {
-    if (is_contradictory(table, cell, config, scratch)) mask.at(cell) = 1;
+    if (is_contradictory(table, cell, config, around, evidence)) mask.at(cell) = 1;
   }
   return drop_lonely(mask, config.min_block_cells);
 }
@@ -126,6 +102,7 @@ Grid<std::uint8_t> find_contradictions(const VisitTable& table, const Contradict
   for (std::size_t i = 0; i < mask.size(); ++i) {
     mask.values()[i] = static_cast<std::uint8_t>(mask.values()[i] | few.values()[i]);
   }
+  drop_displaced_surfaces(table, config, mask);
   return mask;
 }
 

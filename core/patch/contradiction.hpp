@@ -20,6 +20,9 @@ namespace strata::patch {
 
 struct ContradictionConfig {
   double prior = 0.9;
+  double tolerance_m = 0.15;
+  double displaced_reach_m = 0.25;
+  double max_displaced_share = 0.8;
   // Many visits.
   double max_evidence = 4.0;
   double min_evidence = 0.5;
@@ -28,7 +31,6 @@ struct ContradictionConfig {
   int min_block_cells = 3;
   // Few visits.
   int few_max_visits = 5;
-  double few_tolerance_m = 0.15;
   double few_min_extent_m = 0.2;
   int few_min_cells = 4;
   double few_min_beams = 3.0;
@@ -42,6 +44,24 @@ struct ContradictionConfig {
              .unit = "1",
              .min = 0.5,
              .max = 1.0});
+    v.field("tolerance_m", c.tolerance_m,
+            {.doc = "a cell is free in a visit only when that visit hit nothing this close to it; "
+                    "at least the neighbouring cells",
+             .unit = "m",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("displaced_reach_m", c.displaced_reach_m,
+            {.doc = "how far errors of pose may displace a surface",
+             .unit = "m",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("max_displaced_share", c.max_displaced_share,
+            {.doc = "a change is dropped when at least this share of where it was free lies within "
+                    "displaced_reach_m of what was hit then: the same surface, displaced; above 1 "
+                    "nothing is dropped",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.1});
     v.field("max_evidence", c.max_evidence,
             {.doc = "beams of one visit count at most this much: they are correlated",
              .unit = "beams",
@@ -62,11 +82,6 @@ struct ContradictionConfig {
             {.doc = "cells with at most this many visits are also tested by pooling over space",
              .unit = "visits",
              .min = 0});
-    v.field("few_tolerance_m", c.few_tolerance_m,
-            {.doc = "a cell is free in a visit only when that visit hit nothing this close to it",
-             .unit = "m",
-             .min = 0.0,
-             .max = 1.0});
     v.field("few_min_extent_m", c.few_min_extent_m,
             {.doc = "least extent of a pooled component", .unit = "m", .min = 0.0});
     v.field("few_min_cells", c.few_min_cells,
@@ -105,7 +120,7 @@ struct VisitEvidence {
 [[nodiscard]] Grid<std::uint8_t> test_few_visits(const VisitTable& table,
                                                  const ContradictionConfig& config);
 
-/// The union of both.
+/// The union of both, without what displaced surfaces explain.
 [[nodiscard]] Grid<std::uint8_t> find_contradictions(const VisitTable& table,
                                                      const ContradictionConfig& config);
 

@@ -1,36 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // The contradiction test for few visits: pooling over space (SPEC B1, "Few visits").
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "core/patch/contradiction.hpp"
+#include "core/patch/jitter.hpp"
 
 namespace strata::patch {
 namespace {
 
 using VisitPair = std::pair<Visit, Visit>;  // occupied in the first, free in the second
 
-/// The offsets of all other cells within the tolerance.
-std::vector<Cell> disc(double radius_m, double resolution_m) {
-  const double radius = radius_m / resolution_m + 1e-9;
-  const int reach = static_cast<int>(std::floor(radius));
-  std::vector<Cell> result;
-  for (int dy = -reach; dy <= reach; ++dy) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      if ((dx != 0 || dy != 0) && std::hypot(dx, dy) <= radius) result.push_back({dx, dy});
-    }
-  }
-  return result;
-}
-
 class FewVisitsTest {
  public:
   FewVisitsTest(const VisitTable& table, const ContradictionConfig& config)
       : table_(table),
         config_(config),
-        around_(disc(config.few_tolerance_m, table.resolution_m())),
+        around_(disc_offsets(config.tolerance_m, table.resolution_m())),
         candidates_(table.resolution_m(), table.rect(), 0) {}
 
   Grid<std::uint8_t> run() {
@@ -39,8 +26,8 @@ class FewVisitsTest {
       if (has_pair(cell)) candidates_.at(cell) = 1;
     }
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      if (candidates_.values()[i] != 1) continue;
-      const std::vector<Cell> component = take_component(candidates_.cell(i));
+      if (candidates_.values()[i] == 0) continue;
+      const std::vector<Cell> component = take_component(candidates_, candidates_.cell(i));
       for (const Cell& cell : coherent_cells(component)) mask.at(cell) = 1;
     }
     return mask;
@@ -56,12 +43,7 @@ class FewVisitsTest {
   [[nodiscard]] bool is_free_in(const Cell& cell, const Visit& visit) const {
     if (visit.total() < config_.few_min_beams) return false;
     if (static_cast<double>(visit.hits) > config_.few_free_share * visit.total()) return false;
-    return std::none_of(around_.begin(), around_.end(), [&](const Cell& offset) {
-      const auto others = table_.at({cell.x + offset.x, cell.y + offset.y});
-      return std::any_of(others.begin(), others.end(), [&](const Visit& other) {
-        return other.overlaps(visit) && static_cast<double>(other.hits) > 0.5;
-      });
-    });
+    return !was_hit_nearby(table_, cell, visit, around_);
   }
   /// All pairs of an occupied and a free visit of the cell.
   void find_pairs(const Cell& cell, std::vector<VisitPair>& pairs) const {
@@ -84,22 +66,6 @@ class FewVisitsTest {
   [[nodiscard]] bool has_pair(const Cell& cell) {
     find_pairs(cell, pairs_);
     return !pairs_.empty();
-  }
-  /// The candidates connected to `start`, gaps of one cell bridged; marks them as taken (2).
-  std::vector<Cell> take_component(const Cell& start) {
-    std::vector<Cell> component{start};
-    candidates_.at(start) = 2;
-    for (std::size_t i = 0; i < component.size(); ++i) {
-      for (int dy = -2; dy <= 2; ++dy) {
-        for (int dx = -2; dx <= 2; ++dx) {
-          const Cell next{component[i].x + dx, component[i].y + dy};
-          if (candidates_.get(next) != 1) continue;
-          candidates_.at(next) = 2;
-          component.push_back(next);
-        }
-      }
-    }
-    return component;
   }
   [[nodiscard]] bool is_large(const std::vector<Cell>& cells) const {
     if (cells.size() < static_cast<std::size_t>(config_.few_min_cells)) return false;

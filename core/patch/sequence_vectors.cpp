@@ -3,16 +3,15 @@
 
 #include <algorithm>
 
-#include "core/patch/closed_form.hpp"
+#include "core/beam_filter/beam_model.hpp"
 
 namespace strata::patch {
 
 ReflectionGrid filter_counts(const Grid<CellCounts>& counts, double prior, double min_evidence) {
   ReflectionGrid result = make_reflection_grid(counts.resolution_m(), counts.rect());
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    const CellCounts& cell = counts.values()[i];
-    if (cell.total() < min_evidence) continue;
-    result.values()[i] = static_cast<float>(closed_form(cell, prior));
+    result.values()[i] =
+        static_cast<float>(beam_filter::closed_form(counts.values()[i], prior, min_evidence));
   }
   return result;
 }

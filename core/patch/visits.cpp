@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "core/beam_filter/beam_model.hpp"
 #include "core/grid/ray_traversal.hpp"
-#include "core/patch/closed_form.hpp"
 
 namespace strata::patch {
 namespace {
@@ -106,8 +106,9 @@ std::vector<Cell> VisitTable::cells() const {
 void VisitTable::filter(double prior) {
   for (Visit& visit : visits_) {
     const double total = visit.total();
-    const double m =
-        closed_form({static_cast<double>(visit.hits), static_cast<double>(visit.misses)}, prior);
+    if (total <= 0.0) continue;
+    const double m = beam_filter::closed_form(
+        {static_cast<double>(visit.hits), static_cast<double>(visit.misses)}, prior, 0.0);
     visit.hits = static_cast<float>(m * total);
     visit.misses = static_cast<float>((1.0 - m) * total);
   }

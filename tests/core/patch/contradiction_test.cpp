@@ -158,7 +158,7 @@ TEST(FewVisits, CellsThatDisagreeOnWhenTheyChangedAreNotOneObject) {
     table.set({4 + x, 4}, evidence);
   }
   ContradictionConfig config;
-  config.few_tolerance_m = 0.0;
+  config.tolerance_m = 0.0;
   EXPECT_EQ(count(test_few_visits(table.build(), config)), 0);
 }
 

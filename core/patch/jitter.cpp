@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/jitter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strata::patch {
+
+std::vector<Cell> disc_offsets(double radius_m, double resolution_m) {
+  const double radius = std::max(radius_m / resolution_m + 1e-9, 1.5);
+  const int reach = static_cast<int>(std::floor(radius));
+  std::vector<Cell> result;
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      if ((dx != 0 || dy != 0) && std::hypot(dx, dy) <= radius) result.push_back({dx, dy});
+    }
+  }
+  return result;
+}
+
+bool was_hit_nearby(const VisitTable& table, const Cell& cell, const Visit& visit,
+                    std::span<const Cell> offsets) {
+  for (const Cell& offset : offsets) {
+    const auto others = table.at({cell.x + offset.x, cell.y + offset.y});
+    auto other = std::partition_point(others.begin(), others.end(), [&](const Visit& v) {
+      return v.last_scan < visit.first_scan;
+    });
+    for (; other != others.end() && other->overlaps(visit); ++other) {
+      if (static_cast<double>(other->hits) > 0.5) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<Cell> take_component(Grid<std::uint8_t>& mask, const Cell& start) {
+  std::vector<Cell> component{start};
+  mask.at(start) = 0;
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    for (int dy = -2; dy <= 2; ++dy) {
+      for (int dx = -2; dx <= 2; ++dx) {
+        const Cell next{component[i].x + dx, component[i].y + dy};
+        if (mask.get(next) == 0) continue;
+        mask.at(next) = 0;
+        component.push_back(next);
+      }
+    }
+  }
+  return component;
+}
+
+void drop_displaced_surfaces(const VisitTable& table, const ContradictionConfig& config,
+                             Grid<std::uint8_t>& mask) {
+  const std::vector<Cell> around = disc_offsets(config.displaced_reach_m, table.resolution_m());
+  Grid<std::uint8_t> left = mask;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (left.values()[i] == 0) continue;
+    const std::vector<Cell> component = take_component(left, left.cell(i));
+    std::size_t free = 0;
+    std::size_t near = 0;
+    for (const Cell& cell : component) {
+      for (const Visit& visit : table.at(cell)) {
+        if (visit.total() < config.min_evidence) continue;
+        if (static_cast<double>(visit.hits) > config.few_free_share * visit.total()) continue;
+        ++free;
+        if (was_hit_nearby(table, cell, visit, around)) ++near;
+      }
+    }
+    if (static_cast<double>(near) < config.max_displaced_share * static_cast<double>(free)) {
+      continue;
+    }
+    for (const Cell& cell : component) mask.at(cell) = 0;
+  }
+}
+
+}  // namespace strata::patch

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Surfaces that seem to have changed only because the poses of two visits disagree.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/grid/grid.hpp"
+#include "core/patch/contradiction.hpp"
+#include "core/patch/visits.hpp"
+
+namespace strata::patch {
+
+/// Offsets of the other cells within a radius; at least the eight neighbours.
+[[nodiscard]] std::vector<Cell> disc_offsets(double radius_m, double resolution_m);
+
+/// Whether a visit that shares time with `visit` hit one of the cells at the offsets from `cell`.
+/// O(offsets x log visits).
+[[nodiscard]] bool was_hit_nearby(const VisitTable& table, const Cell& cell, const Visit& visit,
+                                  std::span<const Cell> offsets);
+
+/// Cells of the mask connected with `start` over gaps of one cell; they are cleared in the mask.
+[[nodiscard]] std::vector<Cell> take_component(Grid<std::uint8_t>& mask, const Cell& start);
+
+/// Clears the connected components that a displaced surface explains: where the component was free,
+/// the same visit hit something within displaced_reach_m, nearly all along it. An open door has its
+/// frame near, but only at its ends; a wall that moved with the pose is near everywhere.
+void drop_displaced_surfaces(const VisitTable& table, const ContradictionConfig& config,
+                             Grid<std::uint8_t>& mask);
+
+}  // namespace strata::patch
