@@ -29,8 +29,10 @@ class ByteWriter {
   template <typename T>
   void write_span(std::span<const T> values) {
     static_assert(std::is_trivially_copyable_v<T>);
-    const auto bytes = std::as_bytes(values);
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    if (values.empty()) return;
+    const std::size_t before = bytes_.size();
+    bytes_.resize(before + values.size_bytes());
+    std::memcpy(bytes_.data() + before, values.data(), values.size_bytes());
   }
   void write(const std::string& text) {
     write(static_cast<std::uint32_t>(text.size()));

@@ -22,6 +22,7 @@
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/patch/patch_map.hpp"
+#include "memory/nodes/timescale_memory.hpp"
 
 namespace strata::memory {
 
@@ -76,6 +77,11 @@ class Store {
   void save_patch_map(const patch::PatchMap& map, const std::string& name = "patch");
   [[nodiscard]] patch::PatchMap load_patch_map(const std::string& name = "patch") const;
   [[nodiscard]] bool has_patch_map(const std::string& name = "patch") const;
+
+  /// The timescale memory; what is loaded goes on exactly as what was saved would have.
+  void save_timescale(const TimescaleMemory& memory, const std::string& name = "timescale");
+  [[nodiscard]] TimescaleMemory load_timescale(const std::string& name = "timescale") const;
+  [[nodiscard]] bool has_timescale(const std::string& name = "timescale") const;
 
   /// The trajectory of one run, in the given order; replaces what the run had.
   void save_trajectory(int run, std::span<const TrajectoryPose> poses);

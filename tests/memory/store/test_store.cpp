@@ -163,6 +163,36 @@ TEST(Store, KeepsTrajectoriesPerRun) {
   EXPECT_TRUE(store.load_trajectory(1).empty());
 }
 
+TEST(Store, GivesATimescaleMemoryBackByteForByte) {
+  const TemporaryDirectory directory;
+  TimescaleMemory memory({}, 9);
+  PosedScan posed;
+  posed.scan.angle_min_rad = -1.5F;
+  posed.scan.angle_increment_rad = 0.01F;
+  posed.scan.range_max_m = 20.0F;
+  RandomStream random(1, StreamId::kTest);
+  for (int t = 0; t < 200; ++t) {
+    posed.scan.stamp = Stamp::from_seconds(t);
+    posed.map_from_robot = {0.02 * t, 0.0, 0.05 * t};
+    posed.scan.ranges_m.clear();
+    for (int i = 0; i < 300; ++i) {
+      posed.scan.ranges_m.push_back(static_cast<float>(random.normal(3.0, 0.1)));
+    }
+    memory.observe(posed);
+  }
+  ASSERT_GT(memory.nodes().size(), 1U);
+  Store store(directory.path() / "strata.db");
+  EXPECT_FALSE(store.has_timescale());
+  store.save_timescale(memory);
+  store.save_timescale(memory);
+  EXPECT_TRUE(store.has_timescale());
+  TimescaleMemory loaded = store.load_timescale();
+  EXPECT_EQ(loaded.state(), memory.state());
+  loaded.observe(posed);
+  memory.observe(posed);
+  EXPECT_EQ(loaded.state(), memory.state());
+}
+
 TEST(Store, KeepsTextsByKey) {
   const TemporaryDirectory directory;
   Store store(directory.path() / "strata.db");

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/nodes/config_bytes.hpp"
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace strata::memory {
+namespace {
+
+/// Every value is a number or a text.
+struct Value {
+  double number = 0.0;
+  std::string text;
+};
+using Values = std::map<std::string, Value>;
+
+std::string joined(const std::string& path, std::string_view name) {
+  return path.empty() ? std::string(name) : path + "." + std::string(name);
+}
+
+class Collector {
+ public:
+  Collector(Values& values, std::string path) : values_(values), path_(std::move(path)) {}
+  template <typename T>
+  void field(std::string_view name, const T& value, const FieldInfo& /*info*/) {
+    Value& target = values_[joined(path_, name)];
+    if constexpr (std::is_arithmetic_v<T>) {
+      target.number = static_cast<double>(value);
+    } else {
+      target.text = value;
+    }
+  }
+  template <typename Group>
+  void group(std::string_view name, const Group& group, const char* /*doc*/) {
+    Collector inner(values_, joined(path_, name));
+    Group::describe(group, inner);
+  }
+  template <typename Item>
+  void list(std::string_view name, const std::vector<Item>& items, const char* /*doc*/) {
+    values_[joined(path_, name) + ".size"].number = static_cast<double>(items.size());
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      group(std::string(name) + "." + std::to_string(i), items[i], "");
+    }
+  }
+  void require(bool /*holds*/, std::string_view, const std::string&, const std::string&) {}
+
+ private:
+  Values& values_;
+  std::string path_;
+};
+
+class Distributor {
+ public:
+  Distributor(const Values& values, std::string path) : values_(values), path_(std::move(path)) {}
+  template <typename T>
+  void field(std::string_view name, T& value, const FieldInfo& /*info*/) {
+    const auto found = values_.find(joined(path_, name));
+    if (found == values_.end()) return;
+    if constexpr (std::is_same_v<T, bool>) {
+      value = found->second.number != 0.0;
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      value = static_cast<T>(found->second.number);
+    } else {
+      value = found->second.text;
+    }
+  }
+  template <typename Group>
+  void group(std::string_view name, Group& group, const char* /*doc*/) {
+    Distributor inner(values_, joined(path_, name));
+    Group::describe(group, inner);
+  }
+  template <typename Item>
+  void list(std::string_view name, std::vector<Item>& items, const char* /*doc*/) {
+    const auto size = values_.find(joined(path_, name) + ".size");
+    if (size == values_.end()) return;
+    constexpr double kMostItems = 1000.0;
+    items.resize(static_cast<std::size_t>(std::min(kMostItems, size->second.number)));
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      group(std::string(name) + "." + std::to_string(i), items[i], "");
+    }
+  }
+  void require(bool /*holds*/, std::string_view, const std::string&, const std::string&) {}
+
+ private:
+  const Values& values_;
+  std::string path_;
+};
+
+}  // namespace
+
+void write_config(const TimescaleConfig& config, ByteWriter& out) {
+  Values values;
+  Collector collector(values, "");
+  TimescaleConfig::describe(config, collector);
+  out.write(static_cast<std::uint32_t>(values.size()));
+  for (const auto& [name, value] : values) {
+    out.write(name);
+    out.write(value.number);
+    out.write(value.text);
+  }
+}
+
+TimescaleConfig read_config(ByteReader& in) {
+  Values values;
+  const auto count = in.read<std::uint32_t>();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::string name = in.read_text();
+    Value& value = values[name];
+    value.number = in.read<double>();
+    value.text = in.read_text();
+  }
+  TimescaleConfig config;
+  Distributor distributor(values, "");
+  TimescaleConfig::describe(config, distributor);
+  if (const Problems problems = validate(config); !problems.empty()) {
+    in.fail("holds a configuration where " + problems[0].path + " " + problems[0].what);
+  }
+  return config;
+}
+
+}  // namespace strata::memory

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/nodes/node_outline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace strata::memory {
+namespace {
+
+constexpr float kUnknownRange = std::numeric_limits<float>::quiet_NaN();
+constexpr float kOpenRange = std::numeric_limits<float>::infinity();
+/// Two corners belong to one surface unless a beam from the node would graze it at less than this.
+constexpr double kLeastIncidence_rad = 4.0 * std::numbers::pi / 180.0;
+constexpr std::size_t kLongestGap = 3;
+
+double cross(double ax, double ay, double bx, double by) { return ax * by - ay * bx; }
+
+}  // namespace
+
+NodeOutline::NodeOutline(const PolarBins& bins, double own_place_m, std::span<const float> range_m)
+    : bins_per_rad_(1.0 / bins.angle_bin_rad()) {
+  const std::size_t count = range_m.size();
+  std::vector<bool> known(count);
+  std::vector<bool> open(count);
+  const double step = bins.angle_bin_rad();
+  for (std::size_t a = 0; a < count; ++a) {
+    known[a] = !std::isnan(range_m[a]);
+    open[a] = std::isinf(range_m[a]);
+    const double radius = !known[a] ? own_place_m
+                          : open[a] ? bins.max_range_m
+                                    : static_cast<double>(range_m[a]);
+    radius_m_.push_back(static_cast<float>(radius));
+    cos_.push_back(static_cast<float>(std::cos((static_cast<double>(a) + 0.5) * step)));
+    sin_.push_back(static_cast<float>(std::sin((static_cast<double>(a) + 0.5) * step)));
+  }
+  bridge_gaps(known);
+  for (std::size_t a = 0; a < count; ++a) {
+    x_m_.push_back(radius_m_[a] * cos_[a]);
+    y_m_.push_back(radius_m_[a] * sin_[a]);
+  }
+  classify_edges(known, open);
+  inner_m_ = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < count; ++a) {
+    const Eigen::Vector2d p = corner_m(a);
+    const Eigen::Vector2d along = corner_m(next(a)) - p;
+    const double squared = along.squaredNorm();
+    const double t = squared > 0.0 ? std::clamp(-p.dot(along) / squared, 0.0, 1.0) : 0.0;
+    inner_m_ = std::min(inner_m_, (p + t * along).norm());
+  }
+  inner_m_ *= 1.0 - 1e-6;  // stay inside in spite of rounding
+}
+
+void NodeOutline::bridge_gaps(std::vector<bool>& known) {
+  const std::size_t count = size();
+  const double step = 1.0 / bins_per_rad_;
+  const std::vector<bool> measured = known;
+  for (std::size_t a = 0; a < count; ++a) {
+    if (!measured[a] || measured[next(a)]) continue;
+    std::size_t gap = 1;
+    while (gap <= kLongestGap && !measured[(a + 1 + gap) % count]) ++gap;
+    if (gap > kLongestGap) continue;
+    const std::size_t end = (a + 1 + gap) % count;
+    const auto from = static_cast<double>(radius_m_[a]);
+    const auto to = static_cast<double>(radius_m_[end]);
+    const double span = step * static_cast<double>(gap + 1);
+    if (std::abs(from - to) > std::min(from, to) * span / std::tan(kLeastIncidence_rad)) continue;
+    for (std::size_t k = 1; k <= gap; ++k) {
+      // Where the bin's centre meets the straight line between the two corners.
+      const double angle = step * static_cast<double>(k);
+      const double radius =
+          from * to * std::sin(span) / (from * std::sin(angle) + to * std::sin(span - angle));
+      radius_m_[(a + k) % count] = static_cast<float>(radius);
+      known[(a + k) % count] = true;
+    }
+  }
+}
+
+void NodeOutline::classify_edges(const std::vector<bool>& known, const std::vector<bool>& open) {
+  const double slope = 1.0 / (bins_per_rad_ * std::tan(kLeastIncidence_rad));
+  for (std::size_t a = 0; a < size(); ++a) {
+    const std::size_t b = next(a);
+    const auto from = static_cast<double>(radius_m_[a]);
+    const auto to = static_cast<double>(radius_m_[b]);
+    if (!known[a] || !known[b]) {
+      edge_.push_back(Edge::kUnknown);
+    } else if (open[a] && open[b]) {
+      edge_.push_back(Edge::kOpen);
+    } else {
+      const bool one_surface = std::abs(from - to) <= slope * std::min(from, to);
+      edge_.push_back(one_surface ? Edge::kSurface : Edge::kUnknown);
+    }
+  }
+}
+
+std::size_t NodeOutline::sector_of(double x, double y) const {
+  const auto count = static_cast<double>(size());
+  double place = std::atan2(y, x) * bins_per_rad_ - 0.5;
+  if (place < 0.0) place += count;
+  const auto sector = static_cast<std::size_t>(place);
+  return sector < size() ? sector : 0;
+}
+
+bool NodeOutline::contains(const Eigen::Vector2d& point_m) const {
+  if (point_m.squaredNorm() < inner_m_ * inner_m_) return true;
+  const std::size_t a = sector_of(point_m.x(), point_m.y());
+  const Eigen::Vector2d p = corner_m(a);
+  const Eigen::Vector2d along = corner_m(next(a)) - p;
+  return cross(along.x(), along.y(), point_m.x() - p.x(), point_m.y() - p.y()) >= 0.0;
+}
+
+float NodeOutline::hit(std::size_t sector, const Eigen::Vector2d& from_m,
+                       const Eigen::Vector2d& direction) const {
+  if (edge_[sector] == Edge::kUnknown) return kUnknownRange;
+  if (edge_[sector] == Edge::kOpen) return kOpenRange;
+  const Eigen::Vector2d p = corner_m(sector);
+  const Eigen::Vector2d along = corner_m(next(sector)) - p;
+  const double denominator = cross(direction.x(), direction.y(), along.x(), along.y());
+  const double range =
+      cross(p.x() - from_m.x(), p.y() - from_m.y(), along.x(), along.y()) / denominator;
+  return std::isfinite(range) ? static_cast<float>(std::max(0.0, range)) : kUnknownRange;
+}
+
+float NodeOutline::cast(const Eigen::Vector2d& from_m, const Eigen::Vector2d& direction) const {
+  Eigen::Vector2d at = from_m;
+  const double from_squared = from_m.squaredNorm();
+  if (from_squared < inner_m_ * inner_m_) {
+    // Nothing is met before the beam leaves the circle that touches the nearest edge.
+    const double along = from_m.dot(direction);
+    at += (std::sqrt(along * along + inner_m_ * inner_m_ - from_squared) - along) * direction;
+  } else if (!contains(from_m)) {
+    return kUnknownRange;
+  }
+  std::size_t sector = sector_of(at.x(), at.y());
+  // The bearing of the beam's point, seen from the node, turns one way only. The beam's line meets
+  // the ray through corner u at the distance moment / cross(u, direction) from the node.
+  const double moment = cross(from_m.x(), from_m.y(), direction.x(), direction.y());
+  const bool turns_left = moment > 0.0;
+  for (std::size_t step = 0; step < size(); ++step) {
+    const std::size_t corner = turns_left ? next(sector) : sector;
+    const double turn = cross(static_cast<double>(cos_[corner]), static_cast<double>(sin_[corner]),
+                              direction.x(), direction.y());
+    const bool leaves = turns_left ? turn > 0.0 : turn < 0.0;
+    if (!leaves || !(moment / turn < static_cast<double>(radius_m_[corner]))) break;
+    sector = turns_left ? corner : (sector == 0 ? size() - 1 : sector - 1);
+  }
+  return hit(sector, from_m, direction);
+}
+
+std::size_t NodeOutline::bytes() const { return size() * (5 * sizeof(float) + sizeof(Edge)); }
+
+}  // namespace strata::memory

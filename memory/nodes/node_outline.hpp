@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The decoded scan of a node as a star polygon that beams can be cast against from nearby.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "memory/levels/polar_bins.hpp"
+
+namespace strata::memory {
+
+/// Corner a lies at the centre of angle bin a, at its decoded range, at max_range_m where the bin
+/// is open, and at the own-place radius where nothing is known. Gaps of up to three unknown bins
+/// within one surface are bridged. Immutable, thread-safe.
+class NodeOutline {
+ public:
+  /// What a beam meets at the edge from corner a to corner a + 1.
+  enum class Edge : std::uint8_t {
+    kSurface,  ///< something was seen there
+    kOpen,     ///< nothing within max_range_m
+    kUnknown,  ///< unseen ground, or what a nearer surface hides from the node
+  };
+
+  NodeOutline(const PolarBins& bins, double own_place_m, std::span<const float> range_m);
+
+  /// Whether a point, relative to the node, lies inside.
+  [[nodiscard]] bool contains(const Eigen::Vector2d& point_m) const;
+
+  /// Range along a beam from `from_m` (relative to the node) in the direction (unit): where it
+  /// meets a surface; +Inf where the way is open to max_range_m of the node; NaN where it runs into
+  /// the unknown or starts there. O(corners passed): few, since everything within the nearest
+  /// edge's distance is skipped.
+  [[nodiscard]] float cast(const Eigen::Vector2d& from_m, const Eigen::Vector2d& direction) const;
+
+  [[nodiscard]] std::size_t size() const { return radius_m_.size(); }
+  [[nodiscard]] Edge edge(std::size_t a) const { return edge_[a]; }
+  [[nodiscard]] Eigen::Vector2d corner_m(std::size_t a) const {
+    return {static_cast<double>(x_m_[a]), static_cast<double>(y_m_[a])};
+  }
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  [[nodiscard]] std::size_t next(std::size_t a) const { return a + 1 == size() ? 0 : a + 1; }
+  /// Index of the sector, from corner a to the next, that the direction lies in.
+  [[nodiscard]] std::size_t sector_of(double x, double y) const;
+  [[nodiscard]] float hit(std::size_t sector, const Eigen::Vector2d& from_m,
+                          const Eigen::Vector2d& direction) const;
+  void bridge_gaps(std::vector<bool>& known);
+  void classify_edges(const std::vector<bool>& known, const std::vector<bool>& open);
+
+  double bins_per_rad_ = 1.0;
+  double inner_m_ = 0.0;  ///< no edge is nearer to the node
+  std::vector<float> radius_m_;
+  std::vector<float> x_m_;
+  std::vector<float> y_m_;
+  std::vector<float> cos_;
+  std::vector<float> sin_;
+  std::vector<Edge> edge_;
+};
+
+}  // namespace strata::memory

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/nodes/timescale_memory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "core/geometry/angle.hpp"
+#include "core/random/stream.hpp"
+#include "memory/decoding/decode.hpp"
+#include "memory/nodes/config_bytes.hpp"
+
+namespace strata::memory {
+namespace {
+
+constexpr std::uint32_t kStateVersion = 1;
+
+TimescaleConfig checked(TimescaleConfig config) {
+  require_valid(config, "timescale");
+  return config;
+}
+
+}  // namespace
+
+TimescaleMemory::TimescaleMemory(TimescaleConfig config, std::uint64_t seed)
+    : config_(checked(std::move(config))),
+      seed_(seed),
+      scanner_(config_.bins(), config_.visibility) {
+  for (const LevelConfig& level : config_.levels) {
+    insertion_probability_.push_back(std::min(1.0, level.insertion_probability(config_.period_s)));
+  }
+}
+
+int TimescaleMemory::nearest_node(const Eigen::Vector2d& point_m, double& distance_m) const {
+  int best = -1;
+  double best_squared = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const double squared = (nodes_[n].position_m - point_m).squaredNorm();
+    if (squared < best_squared) {
+      best_squared = squared;
+      best = static_cast<int>(n);
+    }
+  }
+  distance_m = std::sqrt(best_squared);
+  return best;
+}
+
+int TimescaleMemory::add_node(const Eigen::Vector2d& position_m) {
+  MemoryNode node;
+  node.position_m = position_m;
+  for (const LevelConfig& level : config_.levels) {
+    node.levels.emplace_back(config_.bins(), level.samples, config_.coupled_eviction);
+  }
+  nodes_.push_back(std::move(node));
+  return static_cast<int>(nodes_.size()) - 1;
+}
+
+bool TimescaleMemory::is_due(const MemoryNode& node, const PosedScan& scan) const {
+  if (node.observations == 0 || node.last_run != scan.run) return true;
+  // Logs exist whose stamps run backwards here and there.
+  const std::int64_t elapsed_ns = std::abs((scan.scan.stamp - node.last_stamp).ns);
+  if (Duration{elapsed_ns}.seconds() >= config_.period_s) return true;
+  if (translation_distance(node.last_pose, scan.map_from_robot) >= config_.travel_m) return true;
+  const double turn = angle_difference(node.last_pose.theta, scan.map_from_robot.theta);
+  return std::abs(turn) >= config_.turn_rad;
+}
+
+bool TimescaleMemory::is_certain(const Eigen::Matrix3d& covariance) const {
+  const double position_std = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+  return position_std <= config_.max_position_std_m &&
+         std::sqrt(covariance(2, 2)) <= config_.max_heading_std_rad;
+}
+
+Observed TimescaleMemory::observe(const PosedScan& scan, const Eigen::Matrix3d* covariance) {
+  Observed result;
+  if (!is_finite(scan.map_from_robot) || (covariance != nullptr && !is_certain(*covariance))) {
+    result.outcome = ObserveOutcome::kUncertain;
+    return result;
+  }
+  const Eigen::Vector2d robot_m = scan.map_from_robot.translation();
+  double distance_m = 0.0;
+  result.node = nearest_node(robot_m, distance_m);
+  result.is_new_node = result.node < 0 || distance_m > config_.node_spacing_m;
+  if (!result.is_new_node && distance_m > config_.update_radius_m) {
+    result.outcome = ObserveOutcome::kFarAway;
+    return result;
+  }
+  if (result.is_new_node) result.node = add_node(robot_m);
+  MemoryNode& node = nodes_[static_cast<std::size_t>(result.node)];
+  if (!is_due(node, scan)) {
+    result.outcome = ObserveOutcome::kTooSoon;
+    return result;
+  }
+  if (!scanner_.transform(scan, node.position_m, virtual_scan_)) {
+    result.outcome = ObserveOutcome::kUnseen;
+    return result;
+  }
+  for (std::size_t level = 0; level < node.levels.size(); ++level) {
+    RandomStream random(seed_, StreamId::kTimescale, observations_,
+                        static_cast<std::uint32_t>(level));
+    if (random.bernoulli(insertion_probability_[level])) {
+      node.levels[level].insert(virtual_scan_, random);
+    }
+  }
+  ++observations_;
+  ++node.observations;
+  node.last_run = scan.run;
+  node.last_stamp = scan.scan.stamp;
+  node.last_pose = scan.map_from_robot;
+  result.outcome = ObserveOutcome::kTaken;
+  return result;
+}
+
+std::shared_ptr<const NodeMap> TimescaleMemory::decode(const DecodingConfig& decoding,
+                                                       const NodeMap* previous) const {
+  const bool reusable = previous != nullptr && previous->decoding() == decoding;
+  std::vector<NodeMap::Node> nodes;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    NodeMap::Node node{nodes_[n].position_m, nodes_[n].observations, {}};
+    for (std::size_t level = 0; level < nodes_[n].levels.size(); ++level) {
+      const NodeLevel& source = nodes_[n].levels[level];
+      if (reusable && n < previous->nodes().size() &&
+          previous->nodes()[n].levels[level]->insertions == source.insertions()) {
+        node.levels.push_back(previous->nodes()[n].levels[level]);
+        continue;
+      }
+      node.levels.push_back(NodeMap::make_level(config_.bins(), config_.visibility.own_place_m,
+                                                source.insertions(),
+                                                memory::decode(source, decoding)));
+    }
+    nodes.push_back(std::move(node));
+  }
+  std::vector<std::string> names;
+  for (const LevelConfig& level : config_.levels) names.push_back(level.name);
+  return std::make_shared<const NodeMap>(config_.bins(), config_.node_spacing_m, decoding,
+                                         std::move(names), std::move(nodes));
+}
+
+std::vector<std::byte> TimescaleMemory::head_state() const {
+  ByteWriter out;
+  out.write(kStateVersion);
+  write_config(config_, out);
+  out.write(seed_);
+  out.write(observations_);
+  out.write(static_cast<std::uint64_t>(nodes_.size()));
+  return std::move(out).take();
+}
+
+TimescaleMemory::NodeState TimescaleMemory::node_state(std::size_t index) const {
+  const MemoryNode& node = nodes_[index];
+  ByteWriter head;
+  head.write(node.position_m.x());
+  head.write(node.position_m.y());
+  head.write(node.observations);
+  head.write(static_cast<std::int64_t>(node.last_run));
+  head.write(node.last_stamp.ns);
+  head.write(node.last_pose.x);
+  head.write(node.last_pose.y);
+  head.write(node.last_pose.theta);
+  NodeState state{std::move(head).take(), {}};
+  for (const NodeLevel& level : node.levels) {
+    ByteWriter out;
+    level.write(out);
+    state.levels.push_back(std::move(out).take());
+  }
+  return state;
+}
+
+std::vector<std::byte> TimescaleMemory::state() const {
+  std::vector<std::byte> all = head_state();
+  auto append = [&all](const std::vector<std::byte>& part) {
+    all.insert(all.end(), part.begin(), part.end());
+  };
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const NodeState node = node_state(n);
+    append(node.head);
+    for (const auto& level : node.levels) append(level);
+  }
+  return all;
+}
+
+std::size_t TimescaleMemory::bytes() const {
+  // A node's head and, per level, insertions and two counts an angle bin.
+  constexpr std::size_t kHeadBytes = 64;
+  std::size_t total = head_state().size();
+  for (const MemoryNode& node : nodes_) {
+    total += kHeadBytes;
+    for (const NodeLevel& level : node.levels) {
+      total += 8 + 4 * static_cast<std::size_t>(config_.angle_bins);
+      total += level.sample_count() * sizeof(float) + level.pair_count() * sizeof(RangePair);
+    }
+  }
+  return total;
+}
+
+TimescaleMemory TimescaleMemory::restore(std::span<const std::byte> head,
+                                         std::span<const NodeState> nodes,
+                                         const std::string& place) {
+  ByteReader in(head, place);
+  if (const auto version = in.read<std::uint32_t>(); version > kStateVersion) {
+    in.fail("was written by a newer Strata");
+  }
+  TimescaleConfig config = read_config(in);
+  const auto seed = in.read<std::uint64_t>();
+  TimescaleMemory memory(std::move(config), seed);
+  memory.observations_ = in.read<std::uint64_t>();
+  if (in.read<std::uint64_t>() != nodes.size()) in.fail("lacks nodes");
+  in.finish();
+  for (const NodeState& state : nodes) {
+    ByteReader node_in(state.head, place);
+    const double x = node_in.read<double>();
+    const double y = node_in.read<double>();
+    MemoryNode& node = memory.nodes_[static_cast<std::size_t>(memory.add_node({x, y}))];
+    node.observations = node_in.read<std::uint64_t>();
+    node.last_run = static_cast<int>(node_in.read<std::int64_t>());
+    node.last_stamp.ns = node_in.read<std::int64_t>();
+    node.last_pose.x = node_in.read<double>();
+    node.last_pose.y = node_in.read<double>();
+    node.last_pose.theta = node_in.read<double>();
+    node_in.finish();
+    if (state.levels.size() != node.levels.size()) node_in.fail("lacks levels");
+    for (std::size_t level = 0; level < node.levels.size(); ++level) {
+      ByteReader level_in(state.levels[level], place);
+      node.levels[level].read(level_in);
+      level_in.finish();
+    }
+  }
+  return memory;
+}
+
+}  // namespace strata::memory

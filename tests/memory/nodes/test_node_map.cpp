@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/random/stream.hpp"
+#include "memory/nodes/node_map.hpp"
+#include "memory/nodes/timescale_memory.hpp"
+#include "tests/memory/nodes/room_world.hpp"
+
+namespace strata::memory {
+namespace {
+
+using test_world::observe;
+using test_world::range_m;
+
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+constexpr float kOpen = std::numeric_limits<float>::infinity();
+
+/// Every edge by itself.
+float cast_brute_force(const NodeOutline& outline, const Eigen::Vector2d& from,
+                       const Eigen::Vector2d& direction) {
+  double best = std::numeric_limits<double>::infinity();
+  NodeOutline::Edge met = NodeOutline::Edge::kUnknown;
+  for (std::size_t a = 0; a < outline.size(); ++a) {
+    const Eigen::Vector2d p = outline.corner_m(a);
+    const Eigen::Vector2d along = outline.corner_m((a + 1) % outline.size()) - p;
+    const double denominator = direction.x() * along.y() - direction.y() * along.x();
+    const Eigen::Vector2d offset = p - from;
+    const double t = (offset.x() * along.y() - offset.y() * along.x()) / denominator;
+    const double s = (offset.x() * direction.y() - offset.y() * direction.x()) / denominator;
+    if (s < -1e-9 || s > 1.0 + 1e-9 || t < 0.0 || t >= best) continue;
+    best = t;
+    met = outline.edge(a);
+  }
+  if (met == NodeOutline::Edge::kUnknown) return kNothing;
+  return met == NodeOutline::Edge::kOpen ? kOpen : static_cast<float>(best);
+}
+
+TEST(NodeOutline, CastsBeamsAsTryingEveryEdgeDoes) {
+  RandomStream random(3, StreamId::kTest);
+  const PolarBins bins{72, 50, 8.0};
+  int compared = 0;
+  int different = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    std::vector<float> ranges;
+    double radius = 3.0;
+    for (int a = 0; a < 72; ++a) {
+      radius = std::clamp(radius + random.normal(0.0, 0.15), 1.0, 7.9);
+      const double kind = random.uniform();
+      ranges.push_back(kind < 0.05 ? kNothing : kind < 0.1 ? kOpen : static_cast<float>(radius));
+    }
+    const NodeOutline outline(bins, 0.75, ranges);
+    for (int beam = 0; beam < 100; ++beam) {
+      const Eigen::Vector2d from(random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5));
+      const double angle = random.uniform(-std::numbers::pi, std::numbers::pi);
+      const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+      const float fast = outline.cast(from, direction);
+      if (!outline.contains(from)) {
+        EXPECT_TRUE(std::isnan(fast));
+        continue;
+      }
+      const float slow = cast_brute_force(outline, from, direction);
+      ++compared;
+      const bool same = std::isnan(slow)   ? std::isnan(fast)
+                        : std::isinf(slow) ? std::isinf(fast)
+                                           : std::abs(slow - fast) < 1e-3F;
+      // A beam exactly through a corner may be given to either edge.
+      different += same ? 0 : 1;
+    }
+  }
+  EXPECT_GT(compared, 5000);
+  EXPECT_LE(different, compared / 1000);
+}
+
+TEST(NodeOutline, BridgesShortGapsInASurfaceOnly) {
+  const PolarBins bins{360, 50, 8.0};
+  std::vector<float> ranges(360, 2.0F);
+  ranges[10] = ranges[11] = kNothing;
+  for (std::size_t a = 50; a < 60; ++a) ranges[a] = kNothing;
+  ranges[100] = kNothing;
+  std::fill(ranges.begin() + 101, ranges.begin() + 120, 5.0F);
+  const NodeOutline outline(bins, 0.75, ranges);
+  auto cast = [&](int a) {
+    const double angle = bins.center_bearing_rad(a);
+    return outline.cast({0.0, 0.0}, {std::cos(angle), std::sin(angle)});
+  };
+  EXPECT_NEAR(cast(10), 2.0F, 0.01F);
+  EXPECT_TRUE(std::isnan(cast(55)));
+  EXPECT_TRUE(std::isnan(cast(100)));
+  EXPECT_NEAR(cast(110), 5.0F, 0.01F);
+}
+
+/// One node at (0, 0) in the room, with the box for the last `with_box` of 400 scans.
+TimescaleMemory standing(int with_box, TimescaleConfig config = {}) {
+  TimescaleMemory memory(std::move(config), 1);
+  for (int t = 0; t < 400; ++t) {
+    memory.observe(observe({0.2 * std::sin(0.7 * t), 0.2 * std::cos(0.7 * t), 0.1 * t}, t,
+                           t >= 400 - with_box));
+  }
+  return memory;
+}
+
+TEST(NodeMap, ExpectsWhatAScannerNearbyWouldMeasure) {
+  const TimescaleMemory memory = standing(0);
+  const auto map = memory.decode();
+  RandomStream random(5, StreamId::kTest);
+  std::vector<double> errors;
+  int unknown = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Pose2 laser{random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7), random.uniform(-3, 3)};
+    const double bearing = random.uniform(-3.0, 3.0);
+    const float expected = map->expected_range_m(map->level_index("long"), laser, bearing);
+    if (std::isnan(expected)) {
+      ++unknown;
+      continue;
+    }
+    errors.push_back(std::abs(static_cast<double>(expected) -
+                              range_m(laser.translation(), laser.theta + bearing, false)));
+  }
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(unknown, 20);
+  EXPECT_LT(errors[errors.size() / 2], 0.03);
+  EXPECT_LT(errors[errors.size() * 95 / 100], 0.15);
+}
+
+TEST(NodeMap, ShowsANewObjectInTheFastLevelAndNotInTheSlowOne) {
+  const TimescaleMemory memory = standing(10);
+  const auto map = memory.decode();
+  const Pose2 laser{0.0, 0.0, 0.0};
+  EXPECT_NEAR(map->expected_range_m(map->level_index("short"), laser, 0.0), 2.0F, 0.1F);
+  EXPECT_NEAR(map->expected_range_m(map->level_index("long"), laser, 0.0), 5.0F, 0.1F);
+  EXPECT_THROW((void)map->level_index("weekly"), ConfigError);
+}
+
+TEST(NodeMap, ForgetsAnObjectThatVanishesBeforeOpenSpace) {
+  TimescaleConfig config;
+  config.max_range_m = 4.0;
+  config.range_bins = 25;
+  TimescaleMemory memory(config, 1);
+  for (int t = 0; t < 60; ++t) memory.observe(observe({0.0, 0.0, 0.0}, t, t < 30));
+  const auto map = memory.decode();
+  EXPECT_EQ(map->expected_range_m(map->level_index("short"), {0.0, 0.0, 0.0}, 0.0), kOpen);
+}
+
+TEST(NodeMap, KnowsNothingFarFromItsNodesOrBehindWalls) {
+  const auto map = standing(0).decode();
+  EXPECT_EQ(map->node_at(0, {0.5, 0.5}), 0);
+  EXPECT_EQ(map->node_at(0, {3.0, 0.0}), -1);
+  EXPECT_TRUE(std::isnan(map->expected_range_m(0, {3.0, 0.0, 0.0}, 0.0)));
+  EXPECT_EQ(map->node_at(0, {1e6, 0.0}), -1);
+}
+
+TEST(NodeMap, GivesTheDecodedScanAsAScan) {
+  const TimescaleMemory memory = standing(0);
+  const auto map = memory.decode();
+  const Scan scan = map->expected_scan(2, 0);
+  ASSERT_EQ(scan.size(), 360U);
+  const Eigen::Vector2d node = map->nodes()[0].position_m;
+  int off = 0;
+  for (std::size_t i = 0; i < 360; ++i) {
+    const double expected = range_m(node, scan.bearing_rad(i), false);
+    off += std::abs(static_cast<double>(scan.ranges_m[i]) - expected) < 0.15 ? 0 : 1;
+  }
+  EXPECT_LE(off, 5);
+}
+
+TEST(NodeMap, DrawsWallsWhereTheyAreAndFreeSpaceBetweenThem) {
+  const TimescaleMemory memory = standing(0);
+  const auto map = memory.decode();
+  const ReflectionGrid picture = map->level_map(2, 0.05);
+  EXPECT_TRUE(is_free(picture.get(picture.cell_at({1.0, 1.0}))));
+  EXPECT_FALSE(is_known(picture.get(picture.cell_at({6.0, 0.0}))));
+  double worst_m = 0.0;
+  std::size_t occupied = 0;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    if (!is_occupied(picture.values()[i])) continue;
+    const Eigen::Vector2d p = picture.center(picture.cell(i));
+    worst_m = std::max(worst_m, std::min({std::abs(p.x() + 4.0), std::abs(p.x() - 5.0),
+                                          std::abs(p.y() + 3.0), std::abs(p.y() - 3.0)}));
+    ++occupied;
+  }
+  EXPECT_LT(worst_m, 0.25);
+  EXPECT_GT(occupied, 400U);  // 30 m of wall
+}
+
+TEST(NodeMap, ReusesWhatHasNotChanged) {
+  TimescaleMemory memory = standing(0);
+  const auto before = memory.decode();
+  memory.observe(observe({0.0, 0.0, 0.0}, 1000.0, false));
+  const auto after = memory.decode({}, before.get());
+  EXPECT_NE(after->nodes()[0].levels[0], before->nodes()[0].levels[0]);
+  EXPECT_EQ(after->nodes()[0].levels[2], before->nodes()[0].levels[2]);
+  const auto fresh = memory.decode();
+  for (std::size_t level = 0; level < 3; ++level) {
+    EXPECT_THAT(after->nodes()[0].levels[level]->scan.range_m,
+                testing::Pointwise(testing::NanSensitiveFloatEq(),
+                                   fresh->nodes()[0].levels[level]->scan.range_m));
+  }
+  // Another decoder shares nothing.
+  const auto literal = memory.decode(literal_decoding(), before.get());
+  EXPECT_NE(literal->nodes()[0].levels[2], before->nodes()[0].levels[2]);
+}
+
+TEST(NodeMap, OfAnEmptyMemoryKnowsNothing) {
+  const auto map = TimescaleMemory().decode();
+  EXPECT_TRUE(map->nodes().empty());
+  EXPECT_EQ(map->node_at(0, {0.0, 0.0}), -1);
+  EXPECT_EQ(map->level_map(0).size(), 0U);
+}
+
+}  // namespace
+}  // namespace strata::memory
