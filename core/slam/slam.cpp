@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/parallel.hpp"
+#include "core/slam/em_loop.hpp"
 #include "core/slam/submap_graph.hpp"
 #include "core/slam/tracker.hpp"
 
@@ -38,7 +39,7 @@ struct Slam::State {
       : config(slam_config),
         pool(threads),
         graph(slam_config.closure, slam_config.tracking.match, slam_config.tracking.field,
-              slam_config.resolution_m, pool) {}
+              slam_config.beam_filter.resolution_m, pool) {}
 
   SlamConfig config;
   WorkerPool pool;
@@ -73,7 +74,7 @@ void Slam::State::start_run(const Observation& observation, const Pose2* given_p
     start = observation.odom_from_robot;
   }
   map_from_run = {};
-  tracker.emplace(config.tracking, config.resolution_m, run, start);
+  tracker.emplace(config.tracking, config.beam_filter.resolution_m, run, start);
 }
 
 void Slam::State::end_run() {
@@ -199,22 +200,28 @@ SlamResult Slam::finish(Progress* progress) {
   SlamResult result;
   result.skipped_scans = s.skipped;
   result.loop_closures = s.graph.closures();
-  result.raw = CountingMap(s.config.resolution_m);
-  std::size_t done = 0;
+  std::vector<bool> mapped;
+  std::vector<bool> moves;
   for (Record& record : s.records) {
-    if (++done % 256 == 0) report_progress(progress, "count", done, s.records.size());
-    const bool placed = (record.given && s.keep_given()) || s.graph.located(record.submap);
-    if (!placed) {
+    const bool stays = record.given && s.keep_given();
+    if (!stays && !s.graph.located(record.submap)) {
       if (result.unplaced_runs.empty() || result.unplaced_runs.back() != record.posed.run) {
         result.unplaced_runs.push_back(record.posed.run);
       }
       continue;
     }
-    if (record.key) result.raw.add(record.posed, s.config.counting);
+    mapped.push_back(record.key);
+    moves.push_back(!stays);
     result.scans.push_back(std::move(record.posed));
   }
-  result.occupancy = result.raw.reflection();
-  result.filtered = result.occupancy;
+  EmResult em = run_em(result.scans, mapped, moves, s.config.em, s.config.tracking,
+                       s.config.beam_filter, s.pool, progress);
+  result.raw = std::move(em.raw);
+  result.occupancy = result.raw.reflection(s.config.beam_filter.min_evidence);
+  result.filtered = std::move(em.filtered);
+  result.log_likelihood = std::move(em.log_likelihood);
+  result.iterations = em.iterations;
+  result.dynamic_fraction = em.dynamic_fraction;
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/progress.hpp"
+#include "core/beam_filter/config.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
@@ -16,19 +17,19 @@
 namespace strata::slam {
 
 struct SlamConfig {
-  double resolution_m = 0.05;
   TrackingConfig tracking;
   ClosureConfig closure;
   GivenPoseConfig given_poses;
-  CountingOptions counting;
+  EmConfig em;
+  beam_filter::BeamFilterConfig beam_filter;  ///< its resolution is that of every map here
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("resolution_m", c.resolution_m,
-            {.doc = "side of a cell of every map", .unit = "m", .min = 0.01, .max = 1.0});
     v.group("tracking", c.tracking, "incremental scan matching");
     v.group("closure", c.closure, "loop closures");
     v.group("given_poses", c.given_poses, "poses that come with the log");
-    v.group("counting", c.counting, "how beams are counted in the maps");
+    v.group("em", c.em, "the loop over beam labels, poses and map");
+    v.group("beam_filter", c.beam_filter,
+            "which beams are static; its resolution and counting hold for all maps of slam");
   }
 };
 

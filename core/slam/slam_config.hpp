@@ -163,4 +163,27 @@ struct GivenPoseConfig {
   }
 };
 
+/// The EM loop over labels, poses and map.
+struct EmConfig {
+  bool match_again = true;
+  int max_iterations = 10;
+  double min_gain = 1e-4;
+  double prior_stddev_m = 0.1;
+  double prior_stddev_rad = 0.02;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("match_again", c.match_again,
+            {.doc = "match every scan again to the map of static beams, round by round"});
+    v.field("max_iterations", c.max_iterations, {.doc = "rounds, at most", .min = 0});
+    v.field("min_gain", c.min_gain,
+            {.doc = "stop after two rounds that each raise the log likelihood by less than this "
+                    "share of it",
+             .min = 0.0});
+    v.field("prior_stddev_m", c.prior_stddev_m,
+            {.doc = "how far matching again may move a scan", .unit = "m", .min = 1e-3});
+    v.field("prior_stddev_rad", c.prior_stddev_rad,
+            {.doc = "... and turn it", .unit = "rad", .min = 1e-4});
+  }
+};
+
 }  // namespace strata::slam

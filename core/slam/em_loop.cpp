@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/em_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/beam_filter/beam_filter.hpp"
+#include "core/registration/scan_matcher.hpp"
+#include "core/slam/surface_map.hpp"
+#include "core/slam/tracker.hpp"
+
+namespace strata::slam {
+namespace {
+
+/// A fall of the log-likelihood by this share ends the loop (SPEC A7).
+constexpr double kFall = 0.01;
+constexpr std::size_t kChunk = 64;
+
+CountingMap count_mapped(std::span<const PosedScan> scans, const std::vector<bool>& mapped,
+                         const beam_filter::BeamFilterConfig& filter, Progress* progress) {
+  CountingMap raw(filter.resolution_m);
+  PosedScan bare;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (i % 512 == 0) report_progress(progress, "count beams", i, scans.size());
+    if (!mapped[i]) continue;
+    bare.scan = scans[i].scan;
+    bare.map_from_robot = scans[i].map_from_robot;
+    raw.add(bare, filter.counting);
+  }
+  return raw;
+}
+
+/// Matches every scan that may move to the map of static beams.
+void match_again(std::span<PosedScan> scans, const std::vector<bool>& mapped,
+                 const std::vector<bool>& moves, const EmConfig& config,
+                 const TrackingConfig& tracking, double resolution_m, WorkerPool& pool,
+                 Progress* progress) {
+  SurfaceMap map(resolution_m, tracking.field);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (i % 512 == 0) report_progress(progress, "map static beams", i, scans.size());
+    if (!mapped[i]) continue;
+    map.add(scans[i].scan, scans[i].map_from_laser(), scans[i].static_probability,
+            tracking.max_range_m);
+  }
+  map.forget_counts();
+  report_progress(progress, "match again", 0, scans.size());
+  pool.for_chunks(scans.size(), kChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!moves[i]) continue;
+      PosedScan& scan = scans[i];
+      Pose2Gaussian prior{scan.map_from_robot, Eigen::Matrix3d::Zero()};
+      prior.covariance.diagonal() << config.prior_stddev_m * config.prior_stddev_m,
+          config.prior_stddev_m * config.prior_stddev_m,
+          config.prior_stddev_rad * config.prior_stddev_rad;
+      const registration::MatchResult result = registration::match(
+          match_endpoints(scan.scan, tracking.max_range_m, tracking.max_beams),
+          scan.static_probability, map.field(), scan.map_from_robot, &prior, tracking.match);
+      if (result.converged) scan.map_from_robot = result.pose;
+    }
+  });
+}
+
+}  // namespace
+
+EmResult run_em(std::span<PosedScan> scans, const std::vector<bool>& mapped,
+                const std::vector<bool>& moves, const EmConfig& config,
+                const TrackingConfig& tracking, const beam_filter::BeamFilterConfig& filter,
+                WorkerPool& pool, Progress* progress) {
+  EmResult best;
+  best.raw = CountingMap(filter.resolution_m);
+  const bool any_moves = std::find(moves.begin(), moves.end(), true) != moves.end();
+  const int rounds = any_moves && config.match_again ? config.max_iterations : 0;
+  std::vector<Pose2> best_poses(scans.size());
+  std::vector<double> trace;
+  int small_gains = 0;
+  for (int round = 0; round <= rounds; ++round) {
+    if (round > 0) {
+      beam_filter::label_all(scans, best.filtered, filter, pool, progress);
+      match_again(scans, mapped, moves, config, tracking, filter.resolution_m, pool, progress);
+    }
+    CountingMap raw = count_mapped(scans, mapped, filter, progress);
+    beam_filter::CountsResult counts = beam_filter::filter_counts(raw, filter);
+    const double now = counts.log_likelihood.empty() ? 0.0 : counts.log_likelihood.back();
+    if (trace.empty() || now > *std::max_element(trace.begin(), trace.end())) {
+      best.raw = std::move(raw);
+      best.filtered = std::move(counts.filtered);
+      best.iterations = round;
+      for (std::size_t i = 0; i < scans.size(); ++i) best_poses[i] = scans[i].map_from_robot;
+    }
+    const double gain = trace.empty() ? 0.0 : now - trace.back();
+    const double scale = trace.empty() ? 1.0 : std::abs(trace.back());
+    const bool first = trace.empty();
+    trace.push_back(now);
+    if (first) continue;
+    if (gain < -kFall * scale) break;
+    small_gains = gain < config.min_gain * scale ? small_gains + 1 : 0;
+    if (small_gains >= 2) break;
+  }
+  for (std::size_t i = 0; i < scans.size(); ++i) scans[i].map_from_robot = best_poses[i];
+  best.dynamic_fraction = beam_filter::label_all(scans, best.filtered, filter, pool, progress);
+  best.log_likelihood = std::move(trace);
+  return best;
+}
+
+}  // namespace strata::slam
