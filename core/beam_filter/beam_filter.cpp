@@ -52,8 +52,10 @@ class CountsFilter {
     for (std::size_t i = 0; i < counts.size(); ++i) {
       if (!(counts.values()[i].total() >= config.min_evidence)) continue;
       reflection_.values()[i] = 0.0;
-      if (counts.values()[i].hits > 0.0) hit_cells_.push_back(i);
-      else passed_ += counts.values()[i].misses;
+      if (counts.values()[i].hits > 0.0)
+        hit_cells_.push_back(i);
+      else
+        passed_ += counts.values()[i].misses;
     }
     judged_.resize(hit_cells_.size());
   }
@@ -92,9 +94,9 @@ class CountsFilter {
       const double passing = counts.misses * log_pass(reflection_.values()[hit_cells_[k]]);
       const double e = expectation(judged_[k], config_.prior);
       sum.incomplete += passing + counts.hits * log_end(m, config_.prior);
-      sum.expected += passing + counts.hits * (e * std::log(config_.prior * m) +
-                                               (1.0 - e) * std::log((1.0 - config_.prior) *
-                                                                    (1.0 - m)));
+      sum.expected +=
+          passing + counts.hits * (e * std::log(config_.prior * m) +
+                                   (1.0 - e) * std::log((1.0 - config_.prior) * (1.0 - m)));
     }
     return sum;
   }
@@ -168,8 +170,8 @@ double label_all(std::span<PosedScan> scans, const ReflectionGrid& map,
     pool.for_chunks(count, kChunk, [&](std::size_t first, std::size_t last, std::size_t chunk) {
       for (std::size_t i = begin + first; i < begin + last; ++i) {
         PosedScan& scan = scans[i];
-        const LabelCounts counts = label_into(scan.scan, scan.map_from_laser(), map, config,
-                                              scan.static_probability);
+        const LabelCounts counts =
+            label_into(scan.scan, scan.map_from_laser(), map, config, scan.static_probability);
         partial[chunk].hits += counts.hits;
         partial[chunk].dynamic += counts.dynamic;
       }
@@ -205,17 +207,18 @@ double incomplete_log_likelihood(std::span<const PosedScan> scans, const Reflect
                                  const BeamFilterConfig& config) {
   double sum = 0.0;
   for (const PosedScan& scan : scans) {
-    for_each_ray(scan.scan, scan.map_from_laser(), config.counting,
-                 [&](std::size_t, const Ray& ray) {
-      const Cell end = map.cell_at(ray.to_m);
-      traverse_ray(ray.from_m, ray.to_m, map.resolution_m(), [&](const Cell& cell, double inside) {
-        const float m = map.get(cell);
-        if ((ray.is_hit && cell == end) || !is_known(m)) return;
-        sum += inside / map.resolution_m() * log_pass(static_cast<double>(m));
-      });
-      const float m = judging_reflection(map, end, config.endpoint_tolerance);
-      if (ray.is_hit && is_known(m)) sum += log_end(static_cast<double>(m), config.prior);
-    });
+    for_each_ray(
+        scan.scan, scan.map_from_laser(), config.counting, [&](std::size_t, const Ray& ray) {
+          const Cell end = map.cell_at(ray.to_m);
+          traverse_ray(ray.from_m, ray.to_m, map.resolution_m(),
+                       [&](const Cell& cell, double inside) {
+                         const float m = map.get(cell);
+                         if ((ray.is_hit && cell == end) || !is_known(m)) return;
+                         sum += inside / map.resolution_m() * log_pass(static_cast<double>(m));
+                       });
+          const float m = judging_reflection(map, end, config.endpoint_tolerance);
+          if (ray.is_hit && is_known(m)) sum += log_end(static_cast<double>(m), config.prior);
+        });
   }
   return sum;
 }

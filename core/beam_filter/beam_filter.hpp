@@ -59,9 +59,9 @@ struct CountsResult {
 [[nodiscard]] CountsResult filter_counts(const CountingMap& raw, const BeamFilterConfig& config);
 
 struct FixedPoseResult {
-  CountingMap raw;          ///< every beam taken as static
-  ReflectionGrid filtered;  ///< reflection probability of what is static; NaN unknown
-  std::vector<double> log_likelihood;           ///< see CountsResult
+  CountingMap raw;                     ///< every beam taken as static
+  ReflectionGrid filtered;             ///< reflection probability of what is static; NaN unknown
+  std::vector<double> log_likelihood;  ///< see CountsResult
   std::vector<double> expected_log_likelihood;  ///< see CountsResult
   double dynamic_fraction = 0.0;                ///< share of hits with e < 0.5
   int iterations = 0;

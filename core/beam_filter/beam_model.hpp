@@ -24,8 +24,7 @@ inline constexpr double kLogMargin = 1e-3;
 /// is concave in m and has its maximum at clip((p r + p - 1) / (2 p - 1), 0, 1). NaN (unknown)
 /// where the total is below min_evidence. Ours, not in the paper; tests compare it with thousands
 /// of EM steps. Requires prior > 0.5.
-[[nodiscard]] double closed_form(const CellCounts& counts_at_e1, double prior,
-                                 double min_evidence);
+[[nodiscard]] double closed_form(const CellCounts& counts_at_e1, double prior, double min_evidence);
 
 /// (1 - p) / p: cells hit by at most this share of their beams become free.
 [[nodiscard]] double critical_ratio(double prior);

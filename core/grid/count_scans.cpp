@@ -44,7 +44,8 @@ CountingMap count_scans(std::span<const PosedScan> scans, double resolution_m,
   for (std::size_t round = 0; round < stretch; round += kScansPerRound) {
     report_progress(progress, "count beams", round * stretches, stretch * stretches);
     pool.for_chunks(stretches, 1, [&](std::size_t i, std::size_t, std::size_t) {
-      const std::size_t end = std::min(stretch_begin(i + 1), stretch_begin(i) + round + kScansPerRound);
+      const std::size_t end =
+          std::min(stretch_begin(i + 1), stretch_begin(i) + round + kScansPerRound);
       for (std::size_t k = stretch_begin(i) + round; k < end; ++k) {
         partial[i].add(scans[k], options, 1.0, weights);
       }

@@ -23,8 +23,10 @@ constexpr std::size_t kBeams = 180;
 double range_to_walls(double x, double y, double angle) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
-  const double along_x = std::abs(c) < 1e-12 ? 1e9 : ((c > 0.0 ? kHalfRoom_m : -kHalfRoom_m) - x) / c;
-  const double along_y = std::abs(s) < 1e-12 ? 1e9 : ((s > 0.0 ? kHalfRoom_m : -kHalfRoom_m) - y) / s;
+  const double along_x =
+      std::abs(c) < 1e-12 ? 1e9 : ((c > 0.0 ? kHalfRoom_m : -kHalfRoom_m) - x) / c;
+  const double along_y =
+      std::abs(s) < 1e-12 ? 1e9 : ((s > 0.0 ? kHalfRoom_m : -kHalfRoom_m) - y) / s;
   return std::min(along_x, along_y);
 }
 
@@ -62,13 +64,13 @@ Room make_room(int count, bool with_walker, std::uint64_t seed) {
     for (std::size_t n = 0; n < kBeams; ++n) {
       const double angle = laser.theta + posed.scan.bearing_rad(n);
       const double wall = range_to_walls(laser.x, laser.y, angle);
-      const double walker = with_walker ? range_to_disc(laser.x, laser.y, angle, walker_x,
-                                                        walker_y, 0.25)
-                                        : std::numeric_limits<double>::infinity();
+      const double walker = with_walker
+                                ? range_to_disc(laser.x, laser.y, angle, walker_x, walker_y, 0.25)
+                                : std::numeric_limits<double>::infinity();
       // The wall lies within a cell, not on a border that noise would cross.
       const bool hits_walker = walker < wall - 0.3;
-      posed.scan.ranges_m.push_back(static_cast<float>(
-          (hits_walker ? walker : wall + 0.02) + random.normal(0.0, 0.005)));
+      posed.scan.ranges_m.push_back(
+          static_cast<float>((hits_walker ? walker : wall + 0.02) + random.normal(0.0, 0.005)));
       dynamic.push_back(hits_walker);
     }
     room.scans.push_back(posed);
@@ -98,9 +100,11 @@ TEST(FilterAtFixedPoses, FindsTheBeamsThatHitAWalker) {
   WorkerPool pool(2);
   const FixedPoseResult result = filter_at_fixed_poses(room.scans, {}, pool);
   std::size_t found = 0;
+  std::size_t hits = 0;
   std::size_t walker = 0;
   std::size_t called = 0;
   for (std::size_t t = 0; t < room.scans.size(); ++t) {
+    hits += count_beams(room.scans[t].scan).hits;
     for (std::size_t n = 0; n < kBeams; ++n) {
       const bool dynamic = room.scans[t].static_probability[n] < 0.5F;
       walker += room.is_dynamic[t][n] ? 1 : 0;
@@ -111,8 +115,9 @@ TEST(FilterAtFixedPoses, FindsTheBeamsThatHitAWalker) {
   ASSERT_GT(walker, 500U);
   EXPECT_GE(static_cast<double>(found), 0.90 * static_cast<double>(walker));
   EXPECT_GE(static_cast<double>(found), 0.85 * static_cast<double>(called));
-  EXPECT_NEAR(result.dynamic_fraction,
-              static_cast<double>(called) / static_cast<double>(room.scans.size() * kBeams), 1e-12);
+  // A person who stands over the scanner is too close to count as a hit.
+  EXPECT_NEAR(result.dynamic_fraction, static_cast<double>(called) / static_cast<double>(hits),
+              1e-12);
 }
 
 TEST(FilterAtFixedPoses, ClearsTheTraceOfAWalkerFromTheMap) {
