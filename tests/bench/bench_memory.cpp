@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Timescale memory: decoding, update and casting beams. The dense case is 360 angle bins x 20
+/// range bins with samples in every one, so that all 20 starts and all edges are possible.
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "core/random/stream.hpp"
+#include "memory/decoding/decode.hpp"
+#include "memory/decoding/graph.hpp"
+#include "memory/nodes/timescale_memory.hpp"
+
+namespace strata::memory {
+namespace {
+
+constexpr int kRows = 360;
+
+/// `starts` states a row, all edges.
+LayeredGraph dense_graph(std::size_t starts) {
+  RandomStream random(1, StreamId::kTest);
+  LayeredGraph graph;
+  std::vector<std::uint8_t> states(starts);
+  for (std::size_t i = 0; i < starts; ++i) states[i] = static_cast<std::uint8_t>(i);
+  for (int row = 0; row < kRows; ++row) graph.add_row(states);
+  graph.finish_rows();
+  for (double& cost : graph.start_cost()) cost = random.uniform(1.0, 5.0);
+  for (std::size_t row = 0; row < graph.rows(); ++row) {
+    for (std::size_t i = 0; i < starts; ++i) {
+      for (std::size_t j = 0; j < starts; ++j) graph.edge(row, i, j) = random.uniform(1.0, 5.0);
+    }
+  }
+  return graph;
+}
+
+void search_dense_layered(benchmark::State& state) {
+  const LayeredGraph graph = dense_graph(static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(search_layered(graph).cost);
+}
+BENCHMARK(search_dense_layered)->Arg(20)->Arg(51)->Unit(benchmark::kMicrosecond);
+
+void search_dense_dijkstra(benchmark::State& state) {
+  const LayeredGraph graph = dense_graph(static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(search_dijkstra(graph).cost);
+}
+BENCHMARK(search_dense_dijkstra)->Arg(20)->Unit(benchmark::kMicrosecond);
+
+/// A corridor 3 m wide and 30 m long, with a box for every second scan.
+PosedScan corridor_scan(const Pose2& map_from_robot, int t) {
+  PosedScan posed;
+  posed.map_from_robot = map_from_robot;
+  posed.scan.stamp = Stamp::from_seconds(t);
+  posed.scan.angle_min_rad = static_cast<float>(-std::numbers::pi);
+  posed.scan.angle_increment_rad = static_cast<float>(std::numbers::pi / 180.0);
+  posed.scan.range_max_m = 20.0F;
+  RandomStream random(2, StreamId::kTest, static_cast<std::uint64_t>(t));
+  for (std::size_t i = 0; i < 360; ++i) {
+    const double angle = map_from_robot.theta + posed.scan.bearing_rad(i);
+    const double s = std::sin(angle);
+    const double c = std::cos(angle);
+    const double side = ((s > 0.0 ? 1.5 : -1.5) - map_from_robot.y) / s;
+    double range = std::min(std::abs(side), 20.0);
+    if (t % 2 == 0 && std::abs(s) < 0.25 && c > 0.0) range = std::min(range, 2.0 / c);
+    posed.scan.ranges_m.push_back(static_cast<float>(range + random.normal(0.0, 0.02)));
+  }
+  return posed;
+}
+
+TimescaleMemory standing(int scans) {
+  TimescaleMemory memory({}, 1);
+  for (int t = 0; t < scans; ++t) {
+    memory.observe(corridor_scan({0.3 * std::sin(0.3 * t), 0.2 * std::cos(0.2 * t), 0.1 * t}, t));
+  }
+  return memory;
+}
+
+void decode_level(benchmark::State& state) {
+  const TimescaleMemory memory = standing(2000);
+  const NodeLevel& level = memory.nodes()[0].levels[static_cast<std::size_t>(state.range(0))];
+  for (auto _ : state) benchmark::DoNotOptimize(decode(level, exact_decoding()).cost);
+}
+BENCHMARK(decode_level)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
+
+void observe_taken(benchmark::State& state) {
+  TimescaleMemory memory({}, 1);
+  std::vector<PosedScan> scans;
+  for (int t = 0; t < 64; ++t) scans.push_back(corridor_scan({0.2, 0.1, 0.1 * t}, t));
+  std::int64_t second = 0;
+  for (auto _ : state) {
+    PosedScan& scan = scans[static_cast<std::size_t>(second % 64)];
+    scan.scan.stamp = {++second * 1'000'000'000};
+    benchmark::DoNotOptimize(memory.observe(scan).node);
+  }
+}
+BENCHMARK(observe_taken)->Unit(benchmark::kMicrosecond);
+
+/// One update of a particle filter: 1,000 particles x 36 beams.
+void expected_ranges(benchmark::State& state) {
+  const auto map = standing(2000).decode();
+  RandomStream random(3, StreamId::kTest);
+  std::vector<Pose2> particles;
+  for (int i = 0; i < 1000; ++i) {
+    particles.push_back({random.normal(0.0, 0.4), random.normal(0.0, 0.4), random.uniform(-3, 3)});
+  }
+  std::vector<double> bearings;
+  for (int i = 0; i < 36; ++i) bearings.push_back(-1.57 + 0.087 * i);
+  std::vector<float> ranges(bearings.size());
+  for (auto _ : state) {
+    for (const Pose2& particle : particles) {
+      map->expected_ranges_m(2, particle, bearings, ranges);
+      benchmark::DoNotOptimize(ranges.data());
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * 36'000);
+}
+BENCHMARK(expected_ranges)->Unit(benchmark::kMicrosecond);
+
+void level_map(benchmark::State& state) {
+  const auto map = standing(200).decode();
+  for (auto _ : state) benchmark::DoNotOptimize(map->level_map(2).size());
+}
+BENCHMARK(level_map)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace strata::memory
