@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/bus/endpoint.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+
+#include "components/bus/participant_state.hpp"
+#include "core/base/error.hpp"
+
+namespace strata::bus {
+namespace {
+
+constexpr auto kPublishTimeout = std::chrono::seconds(10);
+
+/// Sets what writers and readers have in common.
+template <typename EndpointQos>
+void apply_profile(const QosProfile& profile, EndpointQos& qos) {
+  qos.reliability().kind =
+      profile.reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
+  qos.durability().kind =
+      profile.transient_local ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = profile.depth == 0 ? dds::KEEP_ALL_HISTORY_QOS : dds::KEEP_LAST_HISTORY_QOS;
+  if (profile.depth > 0) qos.history().depth = profile.depth;
+  // Our types are unbounded: the plain policy would make every write fail.
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.data_sharing().off();
+}
+
+template <typename EndpointQos>
+QosProfile profile_of(const std::string& name, const EndpointQos& qos) {
+  QosProfile result;
+  result.name = name;
+  result.reliable = qos.reliability().kind == dds::RELIABLE_RELIABILITY_QOS;
+  result.transient_local = qos.durability().kind == dds::TRANSIENT_LOCAL_DURABILITY_QOS;
+  result.depth = qos.history().kind == dds::KEEP_ALL_HISTORY_QOS ? 0 : qos.history().depth;
+  return result;
+}
+
+void require_granted(const QosProfile& asked, const QosProfile& granted, const std::string& topic) {
+  if (asked.reliable == granted.reliable && asked.transient_local == granted.transient_local &&
+      asked.depth == granted.depth) {
+    return;
+  }
+  throw OutputError(topic, "the middleware changed the QoS profile '" + asked.name + "'",
+                    "remove XML profiles that override endpoints");
+}
+
+/// How many counterparts are matched, for those who wait.
+class MatchCount {
+ public:
+  explicit MatchCount(std::function<void()> on_match) : on_match_(std::move(on_match)) {}
+  void set(int count) {
+    std::function<void()> notify;
+    {
+      const std::lock_guard lock(mutex_);
+      count_ = count;
+      notify = on_match_;
+    }
+    changed_.notify_all();
+    if (notify) notify();
+  }
+  void stop_notifying() {
+    const std::lock_guard lock(mutex_);
+    on_match_ = nullptr;
+  }
+  [[nodiscard]] int get() const {
+    const std::lock_guard lock(mutex_);
+    return count_;
+  }
+  [[nodiscard]] bool wait(int least, std::chrono::milliseconds timeout) const {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, timeout, [&] { return count_ >= least; });
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  int count_ = 0;
+  std::function<void()> on_match_;
+};
+
+}  // namespace
+
+struct RawWriter::State : dds::DataWriterListener {
+  explicit State(std::function<void()> on_match) : matches(std::move(on_match)) {}
+  void on_publication_matched(dds::DataWriter* /*writer*/,
+                              const dds::PublicationMatchedStatus& status) override {
+    matches.set(status.current_count);
+  }
+  std::shared_ptr<Participant> participant;
+  std::string topic;
+  std::string profile;
+  dds::DataWriter* writer = nullptr;
+  std::atomic<std::uint64_t> count{0};
+  MatchCount matches;
+};
+
+RawWriter::RawWriter(std::shared_ptr<Participant> participant, std::string topic,
+                     const std::string& type, const QosProfile& qos, std::function<void()> on_match)
+    : state_(std::make_unique<State>(std::move(on_match))) {
+  state_->participant = std::move(participant);
+  state_->topic = std::move(topic);
+  state_->profile = qos.name;
+  Participant::State& owner = state_->participant->state();
+  dds::DataWriterQos writer_qos = dds::DATAWRITER_QOS_DEFAULT;
+  apply_profile(qos, writer_qos);
+  writer_qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
+  auto& times = writer_qos.reliable_writer_qos().times;
+  times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0, 100'000'000);
+  times.nackResponseDelay = eprosima::fastrtps::Duration_t(0, 0);
+  if (qos.depth == 0) {
+    times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0, 20'000'000);
+    writer_qos.reliability().max_blocking_time = eprosima::fastrtps::Duration_t(1, 0);
+  }
+  state_->writer =
+      owner.publisher->create_datawriter(owner.topic(state_->topic, type), writer_qos, state_.get(),
+                                         dds::StatusMask::publication_matched());
+  if (state_->writer == nullptr) {
+    throw OutputError(state_->topic, "no writer can be made", "check the QoS profile " + qos.name);
+  }
+  require_granted(qos, granted_qos(), state_->topic);
+  owner.add_local_writer(state_->topic, type);
+}
+
+RawWriter::~RawWriter() {
+  if (state_->writer == nullptr) return;
+  state_->matches.stop_notifying();
+  Participant::State& owner = state_->participant->state();
+  owner.remove_local_writer(state_->topic);
+  state_->writer->set_listener(nullptr);
+  owner.publisher->delete_datawriter(state_->writer);
+}
+
+const std::string& RawWriter::topic() const { return state_->topic; }
+
+void RawWriter::publish(const std::vector<std::uint8_t>& cdr) {
+  // The sample type only reads, but the interface takes a mutable pointer.
+  auto* sample = const_cast<std::vector<std::uint8_t>*>(&cdr);
+  const auto deadline = std::chrono::steady_clock::now() + kPublishTimeout;
+  // A keep-all history that is just full makes one write fail before its time; a second succeeds.
+  while (!state_->writer->write(sample)) {
+    if (std::chrono::steady_clock::now() > deadline) {
+      throw OutputError(state_->topic, "a message cannot be delivered",
+                        "see whether a reader of the topic hangs");
+    }
+  }
+  ++state_->count;
+}
+
+std::uint64_t RawWriter::count() const { return state_->count; }
+int RawWriter::matched() const { return state_->matches.get(); }
+bool RawWriter::wait_for_readers(int readers, std::chrono::milliseconds timeout) const {
+  return state_->matches.wait(readers, timeout);
+}
+QosProfile RawWriter::granted_qos() const {
+  return profile_of(state_->profile, state_->writer->get_qos());
+}
+
+struct RawReader::State : dds::DataReaderListener {
+  State(Callback message_callback, std::function<void()> on_match)
+      : callback(std::move(message_callback)), matches(std::move(on_match)) {}
+
+  void on_data_available(dds::DataReader* from) override {
+    const std::lock_guard lock(mutex);
+    dds::SampleInfo info;
+    RawMessage message;
+    while (callback && from->take_next_sample(&message.cdr, &info) ==
+                           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      const rtps::GUID_t& guid = info.sample_identity.writer_guid();
+      std::copy_n(guid.guidPrefix.value, 12, message.writer.begin());
+      std::copy_n(guid.entityId.value, 4, message.writer.begin() + 12);
+      message.source_stamp_ns = info.source_timestamp.to_ns();
+      callback(std::move(message));
+      message = RawMessage();
+    }
+  }
+  void on_subscription_matched(dds::DataReader* /*from*/,
+                               const dds::SubscriptionMatchedStatus& status) override {
+    matches.set(status.current_count);
+  }
+
+  std::shared_ptr<Participant> participant;
+  std::string topic;
+  std::string profile;
+  dds::DataReader* reader = nullptr;
+  std::mutex mutex;
+  Callback callback;
+  MatchCount matches;
+};
+
+RawReader::RawReader(std::shared_ptr<Participant> participant, std::string topic,
+                     const std::string& type, const QosProfile& qos, Callback callback,
+                     std::function<void()> on_match)
+    : state_(std::make_unique<State>(std::move(callback), std::move(on_match))) {
+  state_->participant = std::move(participant);
+  state_->topic = std::move(topic);
+  state_->profile = qos.name;
+  Participant::State& owner = state_->participant->state();
+  dds::DataReaderQos reader_qos = dds::DATAREADER_QOS_DEFAULT;
+  apply_profile(qos, reader_qos);
+  if (qos.depth == 0) {
+    // 5 ms by default, which is what bounds a reliable reader's rate.
+    reader_qos.reliable_reader_qos().times.heartbeatResponseDelay =
+        eprosima::fastrtps::Duration_t(0, 0);
+  }
+  state_->reader = owner.subscriber->create_datareader(
+      owner.topic(state_->topic, type), reader_qos, state_.get(),
+      dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
+  if (state_->reader == nullptr) {
+    throw OutputError(state_->topic, "no reader can be made", "check the QoS profile " + qos.name);
+  }
+  require_granted(qos, granted_qos(), state_->topic);
+}
+
+RawReader::~RawReader() {
+  if (state_->reader == nullptr) return;
+  state_->matches.stop_notifying();
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->callback = nullptr;
+  }
+  state_->reader->set_listener(nullptr);
+  state_->participant->state().subscriber->delete_datareader(state_->reader);
+}
+
+const std::string& RawReader::topic() const { return state_->topic; }
+int RawReader::matched() const { return state_->matches.get(); }
+bool RawReader::wait_for_writers(int writers, std::chrono::milliseconds timeout) const {
+  return state_->matches.wait(writers, timeout);
+}
+QosProfile RawReader::granted_qos() const {
+  return profile_of(state_->profile, state_->reader->get_qos());
+}
+
+}  // namespace strata::bus

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The ROS 2 name of each message type that generated code brings.
+#pragma once
+
+#include "strata_idl/diagnostic_msgs.h"
+#include "strata_idl/geometry_msgs.h"
+#include "strata_idl/nav2_msgs.h"
+#include "strata_idl/nav_msgs.h"
+#include "strata_idl/octomap_msgs.h"
+#include "strata_idl/rosgraph_msgs.h"
+#include "strata_idl/sensor_msgs.h"
+#include "strata_idl/strata_msgs.h"
+#include "strata_idl/tf2_msgs.h"
+
+namespace strata::bus {
+
+/// MessageType<T>::name is "package/msg/Name".
+template <typename T>
+struct MessageType;
+
+#define STRATA_MESSAGE_TYPE(package, type)                      \
+  template <>                                                   \
+  struct MessageType<package::msg::type> {                      \
+    static constexpr const char* name = #package "/msg/" #type; \
+  }
+
+STRATA_MESSAGE_TYPE(diagnostic_msgs, DiagnosticArray);
+STRATA_MESSAGE_TYPE(geometry_msgs, PoseWithCovarianceStamped);
+STRATA_MESSAGE_TYPE(nav2_msgs, ParticleCloud);
+STRATA_MESSAGE_TYPE(nav_msgs, OccupancyGrid);
+STRATA_MESSAGE_TYPE(nav_msgs, Odometry);
+STRATA_MESSAGE_TYPE(octomap_msgs, Octomap);
+STRATA_MESSAGE_TYPE(rosgraph_msgs, Clock);
+STRATA_MESSAGE_TYPE(sensor_msgs, LaserScan);
+STRATA_MESSAGE_TYPE(tf2_msgs, TFMessage);
+STRATA_MESSAGE_TYPE(strata_msgs, Ack);
+STRATA_MESSAGE_TYPE(strata_msgs, LabeledScan);
+STRATA_MESSAGE_TYPE(strata_msgs, LocalizationHealth);
+STRATA_MESSAGE_TYPE(strata_msgs, NodeMap);
+STRATA_MESSAGE_TYPE(strata_msgs, PatchMap);
+STRATA_MESSAGE_TYPE(strata_msgs, ReflectionGrid);
+STRATA_MESSAGE_TYPE(strata_msgs, ScanPose);
+STRATA_MESSAGE_TYPE(strata_msgs, Step);
+STRATA_MESSAGE_TYPE(strata_msgs, SubmapStates);
+STRATA_MESSAGE_TYPE(strata_msgs, Trajectory);
+
+#undef STRATA_MESSAGE_TYPE
+
+}  // namespace strata::bus

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A process's place on a DDS domain. One a process: each has threads and sockets of its own.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace strata::bus {
+
+enum class Transport {
+  kDefault,          ///< what ROS 2 uses: UDP with multicast discovery, shared memory on one host
+  kLoopback,         ///< UDP on 127.0.0.1 only, no multicast
+  kSharedMemory,     ///< shared memory only: processes of one host
+  kDiscoveryServer,  ///< as default, with the servers that ROS_DISCOVERY_SERVER names
+};
+
+/// "default", "loopback", "shared_memory" or "discovery_server"; throws ConfigError for another.
+[[nodiscard]] Transport transport_from_name(std::string_view name);
+
+struct ParticipantOptions {
+  int domain = 0;  ///< ROS_DOMAIN_ID, 0 to 232
+  Transport transport = Transport::kDefault;
+  std::string enclave = "/";  ///< ROS 2's name of the security enclave, also the participant's name
+};
+
+/// Discovers others and owns the middleware's entities. Thread safe.
+class Participant {
+ public:
+  /// Throws ConfigError for a domain out of range, OutputError when the middleware refuses.
+  explicit Participant(const ParticipantOptions& options);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  [[nodiscard]] const ParticipantOptions& options() const;
+  /// Every ROS 2 topic that some writer of the domain, here or elsewhere, publishes now, with its
+  /// type: "/scan" -> "sensor_msgs/msg/LaserScan".
+  [[nodiscard]] std::map<std::string, std::string> published_topics() const;
+
+  struct State;
+  /// For endpoints.
+  [[nodiscard]] State& state() { return *state_; }
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace strata::bus

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Named quality-of-service profiles, the ones that ROS 2 uses for the same topics.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace strata::bus {
+
+/// How a topic is delivered. History is keep-last `depth`, or keep-all when depth is 0.
+struct QosProfile {
+  std::string name;
+  bool reliable = true;          ///< false: best effort
+  bool transient_local = false;  ///< late readers get the writer's history
+  int depth = 10;
+
+  /// Nothing is ever lost or overwritten: reliable, keep-all; durability stays. What lockstep
+  /// replay uses in place of every profile.
+  [[nodiscard]] QosProfile lossless() const;
+};
+
+/// "default", "sensor_data", "latched", "tf", "tf_static", "clock", "parameters" or "lossless".
+/// Throws ConfigError, which lists the names, for another one.
+[[nodiscard]] QosProfile qos_profile(std::string_view name);
+
+/// The names qos_profile knows.
+[[nodiscard]] std::vector<std::string> qos_profile_names();
+
+}  // namespace strata::bus
