@@ -17,7 +17,7 @@ namespace strata::memory {
 struct VisibilityConfig {
   /// The robot has come from somewhere: where no beam looks, the ground this far around the laser
   /// is taken as free. Without it a scanner of 180 degrees could never fill a node behind it.
-  double own_place_m = 0.75;
+  double own_place_m = 1.0;
   /// Beams further apart than this leave the ground between them unknown.
   double max_gap_rad = 0.06;
   /// A beam without return says that nothing is there up to the scanner's greatest range.

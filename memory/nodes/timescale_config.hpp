@@ -30,6 +30,10 @@ struct TimescaleConfig {
   double travel_m = 0.2;
   double turn_rad = 0.17453292519943295;
 
+  /// Until a node has been observed N / q times, a level takes an observation with probability
+  /// N / (observations so far): the set is then an even sample of all of them, instead of empty for
+  /// the first minutes. The half-life holds from there on.
+  bool warm_up = true;
   bool coupled_eviction = false;
   VisibilityConfig visibility;
   /// Samples survive 3.1, 27 and 693 seconds of presence.
@@ -58,6 +62,8 @@ struct TimescaleConfig {
             {.doc = "... or one per this much travel", .unit = "m", .min = 1e-3});
     v.field("turn_rad", c.turn_rad,
             {.doc = "... or one per this much turning", .unit = "rad", .min = 1e-3});
+    v.field("warm_up", c.warm_up,
+            {.doc = "slow levels fill from the first observations of a node"});
     v.field("coupled_eviction", c.coupled_eviction,
             {.doc = "a sample that leaves takes a pair along, as in the paper"});
     v.group("visibility", c.visibility, "what of a scan a node can see");
@@ -89,6 +95,7 @@ struct TimescaleConfig {
   TimescaleConfig config;
   config.range_bins = 20;
   config.max_range_m = 1.5;
+  config.warm_up = false;
   config.coupled_eviction = true;
   return config;
 }

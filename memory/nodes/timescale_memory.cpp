@@ -56,6 +56,14 @@ int TimescaleMemory::add_node(const Eigen::Vector2d& position_m) {
   return static_cast<int>(nodes_.size()) - 1;
 }
 
+double TimescaleMemory::insertion_probability(const MemoryNode& node, std::size_t level) const {
+  const double steady = insertion_probability_[level];
+  if (!config_.warm_up) return steady;
+  const double even =
+      node.levels[level].capacity() / (static_cast<double>(node.observations) + 1.0);
+  return std::max(steady, std::min(1.0, even));
+}
+
 bool TimescaleMemory::is_due(const MemoryNode& node, const PosedScan& scan) const {
   if (node.observations == 0 || node.last_run != scan.run) return true;
   // Logs exist whose stamps run backwards here and there.
@@ -99,7 +107,7 @@ Observed TimescaleMemory::observe(const PosedScan& scan, const Eigen::Matrix3d* 
   for (std::size_t level = 0; level < node.levels.size(); ++level) {
     RandomStream random(seed_, StreamId::kTimescale, observations_,
                         static_cast<std::uint32_t>(level));
-    if (random.bernoulli(insertion_probability_[level])) {
+    if (random.bernoulli(insertion_probability(node, level))) {
       node.levels[level].insert(virtual_scan_, random);
     }
   }

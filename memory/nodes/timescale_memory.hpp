@@ -92,13 +92,14 @@ class TimescaleMemory {
  private:
   [[nodiscard]] int nearest_node(const Eigen::Vector2d& point_m, double& distance_m) const;
   int add_node(const Eigen::Vector2d& position_m);
+  [[nodiscard]] double insertion_probability(const MemoryNode& node, std::size_t level) const;
   [[nodiscard]] bool is_due(const MemoryNode& node, const PosedScan& scan) const;
   [[nodiscard]] bool is_certain(const Eigen::Matrix3d& covariance) const;
 
   TimescaleConfig config_;
   std::uint64_t seed_;
   std::uint64_t observations_ = 0;
-  std::vector<double> insertion_probability_;  ///< per level
+  std::vector<double> insertion_probability_;  ///< per level, after warming up
   std::vector<MemoryNode> nodes_;
   VirtualScanner scanner_;
   VirtualScan virtual_scan_;

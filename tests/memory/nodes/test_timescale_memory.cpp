@@ -101,8 +101,28 @@ TEST(TimescaleMemory, RemembersNothingFromAnUncertainPose) {
   EXPECT_EQ(memory.observe(lost).outcome, ObserveOutcome::kUncertain);
 }
 
-TEST(TimescaleMemory, FillsItsLevelsAtTheirOwnRates) {
+TEST(TimescaleMemory, WarmsUpToAnEvenSampleOfAllObservations) {
   TimescaleMemory memory;
+  auto share_of_box = [&] {
+    const NodeLevel& level = memory.nodes()[0].levels[2];
+    double with = 0.0;
+    double all = 0.0;
+    for (int a = 0; a < 10; ++a) {  // the box covers these bins
+      for (const float range : level.samples(a)) with += range < 3.0F ? 1.0 : 0.0;
+      all += static_cast<double>(level.samples(a).size());
+    }
+    return with / all;
+  };
+  for (int t = 0; t < 30; ++t) memory.observe(observe({0.0, 0.0, 0.0}, t, false));
+  EXPECT_EQ(memory.nodes()[0].levels[2].insertions(), 30U);
+  for (int t = 30; t < 400; ++t) memory.observe(observe({0.0, 0.0, 0.0}, t, t >= 300));
+  EXPECT_NEAR(share_of_box(), 0.25, 0.1);
+}
+
+TEST(TimescaleMemory, FillsItsLevelsAtTheirOwnRatesWithoutWarmingUp) {
+  TimescaleConfig config;
+  config.warm_up = false;
+  TimescaleMemory memory(config);
   for (int t = 0; t < 2000; ++t) memory.observe(observe({0.0, 0.0, 0.0}, t, false));
   ASSERT_EQ(memory.nodes().size(), 1U);
   const auto& levels = memory.nodes()[0].levels;
