@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/nodes/node_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -92,6 +93,15 @@ float NodeMap::expected_range_m(int level, const Pose2& map_from_laser, double b
 void NodeMap::expected_ranges_m(int level, const Pose2& map_from_laser,
                                 std::span<const double> bearings_rad,
                                 std::span<float> ranges_m) const {
+  for (std::size_t i = 0; i < ranges_m.size(); ++i) {
+    const Eigen::Vector2d direction(std::cos(bearings_rad[i]), std::sin(bearings_rad[i]));
+    expected_ranges_m(level, map_from_laser, std::span(&direction, 1), ranges_m.subspan(i, 1));
+  }
+}
+
+void NodeMap::expected_ranges_m(int level, const Pose2& map_from_laser,
+                                std::span<const Eigen::Vector2d> directions,
+                                std::span<float> ranges_m) const {
   const Eigen::Vector2d laser_m = map_from_laser.translation();
   const int node = node_at(level, laser_m);
   if (node < 0) {
@@ -99,10 +109,13 @@ void NodeMap::expected_ranges_m(int level, const Pose2& map_from_laser,
     return;
   }
   const NodeOutline& outline = this->level(level, node).outline;
-  const Eigen::Vector2d from = laser_m - nodes_[static_cast<std::size_t>(node)].position_m;
+  const NodeOutline::Viewpoint view =
+      outline.view_from(laser_m - nodes_[static_cast<std::size_t>(node)].position_m);
+  const double c = std::cos(map_from_laser.theta);
+  const double s = std::sin(map_from_laser.theta);
   for (std::size_t i = 0; i < ranges_m.size(); ++i) {
-    const double angle = map_from_laser.theta + bearings_rad[i];
-    ranges_m[i] = outline.cast(from, {std::cos(angle), std::sin(angle)});
+    const Eigen::Vector2d& d = directions[i];
+    ranges_m[i] = outline.cast(view, {c * d.x() - s * d.y(), s * d.x() + c * d.y()});
   }
 }
 

@@ -68,6 +68,11 @@ class NodeMap {
   /// ... for many beams of one pose; equal lengths.
   void expected_ranges_m(int level, const Pose2& map_from_laser,
                          std::span<const double> bearings_rad, std::span<float> ranges_m) const;
+  /// ... for beams given by their unit directions in the laser frame: saves the sines and cosines
+  /// when the same beams are asked for at many poses.
+  void expected_ranges_m(int level, const Pose2& map_from_laser,
+                         std::span<const Eigen::Vector2d> directions,
+                         std::span<float> ranges_m) const;
 
   /// Picture of a level: free where a node sees, occupied along its surfaces; where nodes disagree,
   /// the nearer one decides. O(nodes x cells within max_range_m).

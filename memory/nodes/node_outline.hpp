@@ -30,11 +30,22 @@ class NodeOutline {
   /// Whether a point, relative to the node, lies inside.
   [[nodiscard]] bool contains(const Eigen::Vector2d& point_m) const;
 
-  /// Range along a beam from `from_m` (relative to the node) in the direction (unit): where it
-  /// meets a surface; +Inf where the way is open to max_range_m of the node; NaN where it runs into
-  /// the unknown or starts there. O(corners passed): few, since everything within the nearest
-  /// edge's distance is skipped.
-  [[nodiscard]] float cast(const Eigen::Vector2d& from_m, const Eigen::Vector2d& direction) const;
+  /// A place that beams start from, relative to the node; made once for all its beams.
+  struct Viewpoint {
+    Eigen::Vector2d from_m;
+    bool inside = false;        ///< inside the outline
+    bool within_inner = false;  ///< nearer to the node than any edge
+    std::size_t sector = 0;     ///< where the walk begins, unless within_inner
+  };
+  [[nodiscard]] Viewpoint view_from(const Eigen::Vector2d& from_m) const;
+
+  /// Range along a beam in the direction (unit): where it meets a surface; +Inf where the way is
+  /// open to max_range_m of the node; NaN where it runs into the unknown or starts there. O(corners
+  /// passed): few, since everything within the nearest edge's distance is skipped.
+  [[nodiscard]] float cast(const Viewpoint& view, const Eigen::Vector2d& direction) const;
+  [[nodiscard]] float cast(const Eigen::Vector2d& from_m, const Eigen::Vector2d& direction) const {
+    return cast(view_from(from_m), direction);
+  }
 
   [[nodiscard]] std::size_t size() const { return radius_m_.size(); }
   [[nodiscard]] Edge edge(std::size_t a) const { return edge_[a]; }
@@ -45,7 +56,8 @@ class NodeOutline {
 
  private:
   [[nodiscard]] std::size_t next(std::size_t a) const { return a + 1 == size() ? 0 : a + 1; }
-  /// Index of the sector, from corner a to the next, that the direction lies in.
+  /// Index of the sector, from corner a to the next, that the direction lies in; near a corner
+  /// (1e-4 rad) it may be the one beside.
   [[nodiscard]] std::size_t sector_of(double x, double y) const;
   [[nodiscard]] float hit(std::size_t sector, const Eigen::Vector2d& from_m,
                           const Eigen::Vector2d& direction) const;

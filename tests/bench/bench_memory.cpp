@@ -103,12 +103,14 @@ void expected_ranges(benchmark::State& state) {
   for (int i = 0; i < 1000; ++i) {
     particles.push_back({random.normal(0.0, 0.4), random.normal(0.0, 0.4), random.uniform(-3, 3)});
   }
-  std::vector<double> bearings;
-  for (int i = 0; i < 36; ++i) bearings.push_back(-1.57 + 0.087 * i);
-  std::vector<float> ranges(bearings.size());
+  std::vector<Eigen::Vector2d> directions;
+  for (int i = 0; i < 36; ++i) {
+    directions.emplace_back(std::cos(-1.57 + 0.087 * i), std::sin(-1.57 + 0.087 * i));
+  }
+  std::vector<float> ranges(directions.size());
   for (auto _ : state) {
     for (const Pose2& particle : particles) {
-      map->expected_ranges_m(2, particle, bearings, ranges);
+      map->expected_ranges_m(2, particle, directions, ranges);
       benchmark::DoNotOptimize(ranges.data());
     }
   }
