@@ -14,15 +14,17 @@ constexpr std::uint8_t kNoState = 255;
 
 /// Where the samples of one angle bin lie.
 struct RowCounts {
-  std::vector<std::uint8_t> states;              ///< range bins with samples, ascending
+  std::vector<std::uint8_t> states;  ///< range bins with samples, ascending
+  // Only the level's range bins are filled, and one more.
   std::array<std::uint8_t, kMostStates> place;   ///< of a range bin in `states`; kNoState
   std::array<std::uint16_t, kMostStates> count;  ///< samples per range bin
   std::size_t total = 0;
 
   void fill(const NodeLevel& level, int angle_bin) {
     states.clear();
-    place.fill(kNoState);
-    count.fill(0);
+    const int used = level.bins().overflow_bin() + 2;  // and one beyond, which neighbours look at
+    std::fill_n(place.begin(), used, kNoState);
+    std::fill_n(count.begin(), used, std::uint16_t{0});
     total = level.samples(angle_bin).size();
     for (const float range_m : level.samples(angle_bin)) ++count[level.bins().range_bin(range_m)];
     for (int i = 0; i <= level.bins().overflow_bin(); ++i) {
@@ -71,12 +73,15 @@ class EdgeTable {
       });
     }
     const auto all = static_cast<double>(level.pairs(angle_bin).size());
+    extra_.clear();
+    for (const std::uint8_t bin : to.states) {
+      extra_.push_back(tolerant ? config.smoothing * to.smooth_share(bin) : 0.0);
+    }
     for (std::size_t i = 0; i < from.states.size(); ++i) {
       for (std::size_t j = 0; j < width_; ++j) {
         double& p = pairs_[i * width_ + j];
         if (tolerant) {
-          const double extra = config.smoothing * to.smooth_share(to.states[j]);
-          p = ratio(p + extra, row_total_[i] + config.smoothing);
+          p = ratio(p + extra_[j], row_total_[i] + config.smoothing);
         } else {
           p = ratio(p, config.edges == EdgeWeight::kJoint ? all : row_total_[i]);
         }
@@ -94,6 +99,7 @@ class EdgeTable {
   std::size_t width_ = 0;
   std::vector<double> pairs_;
   std::vector<double> row_total_;
+  std::vector<double> extra_;  ///< kappa times the share of each target state
 };
 
 }  // namespace

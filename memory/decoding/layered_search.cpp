@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "memory/decoding/graph.hpp"
+#include "memory/decoding/relax_kernel.hpp"
 
 namespace strata::memory {
 namespace {
@@ -14,67 +15,62 @@ std::size_t narrowest_row(const LayeredGraph& graph) {
   return best;
 }
 
-/// The prior belongs to the state in row 0, wherever the walk begins.
-double prior_cost(const LayeredGraph& graph, std::size_t row, std::size_t state) {
-  return row == 0 ? graph.start_cost()[state] : 0.0;
-}
-
-/// One step for all starts at once: to[j][s] = min over i of from[i][s] + edge(i, j).
-/// The starts lie side by side, so that the compiler makes vector code of the inner loop.
-void relax_row(const LayeredGraph& graph, std::size_t row, std::size_t starts,
-               const std::vector<double>& from, std::vector<double>& to) {
-  const std::size_t next = graph.next(row);
-  const std::size_t width = graph.states(next).size();
-  to.assign(width * starts, kNoEdge);
-  for (std::size_t i = 0; i < graph.states(row).size(); ++i) {
-    const std::span<const double> edges = graph.edges_from(row, i);
-    const double* const source = from.data() + i * starts;
-    for (std::size_t j = 0; j < width; ++j) {
-      const double edge = edges[j] + prior_cost(graph, next, j);
-      if (edge == kNoEdge) continue;
-      double* const target = to.data() + j * starts;
-      for (std::size_t s = 0; s < starts; ++s) {
-        const double cost = source[s] + edge;
-        target[s] = cost < target[s] ? cost : target[s];
-      }
-    }
+/// Edge costs from a row to the next, with the prior of the state they lead to.
+std::span<const double> step_costs(const LayeredGraph& graph, std::size_t row,
+                                   std::vector<double>& scratch) {
+  const std::span<const double> first = graph.edges_from(row, 0);
+  const std::size_t width = first.size();
+  const std::size_t states = graph.states(row).size();
+  if (graph.next(row) != 0) return {first.data(), states * width};
+  scratch.assign(first.data(), first.data() + states * width);
+  for (std::size_t i = 0; i < states; ++i) {
+    for (std::size_t j = 0; j < width; ++j) scratch[i * width + j] += graph.start_cost()[j];
   }
+  return scratch;
 }
 
-/// The cheapest closed path through one state, walked again with the way back noted.
-ClosedPath trace(const LayeredGraph& graph, std::size_t first_row, std::size_t start) {
+/// Costs of all states of all rows from all starts; those of one state lie side by side.
+struct CostTable {
+  std::size_t stride = 0;
+  std::vector<std::size_t> begin;  ///< of each step's row; one more than rows
+  std::vector<double> cost;
+
+  CostTable(const LayeredGraph& graph, std::size_t first_row) {
+    const std::size_t rows = graph.rows();
+    const std::size_t starts = graph.states(first_row).size();
+    stride = (starts + detail::kStartLanes - 1) / detail::kStartLanes * detail::kStartLanes;
+    begin.push_back(0);
+    for (std::size_t step = 0; step <= rows; ++step) {
+      const std::size_t width = graph.states((first_row + step) % rows).size();
+      begin.push_back(begin.back() + width * stride);
+    }
+    cost.resize(begin.back());
+    // Every start costs nothing for itself; padded starts are never reached.
+    std::fill_n(cost.begin(), begin[1], kNoEdge);
+    for (std::size_t s = 0; s < starts; ++s) cost[s * stride + s] = 0.0;
+  }
+  [[nodiscard]] double* row(std::size_t step) { return cost.data() + begin[step]; }
+};
+
+/// Finds the way back to the start: at each step the first state that explains the cost exactly.
+std::vector<std::uint8_t> trace(const LayeredGraph& graph, CostTable& table, std::size_t first_row,
+                                std::size_t start) {
   const std::size_t rows = graph.rows();
-  std::vector<double> from(graph.states(first_row).size(), kNoEdge);
-  from[start] = 0.0;
-  std::vector<double> to;
-  std::vector<std::vector<std::uint8_t>> back(rows);
-  for (std::size_t step = 0; step < rows; ++step) {
-    const std::size_t row = (first_row + step) % rows;
-    const std::size_t next = graph.next(row);
-    to.assign(graph.states(next).size(), kNoEdge);
-    back[step].assign(to.size(), 0);
-    for (std::size_t i = 0; i < from.size(); ++i) {
-      const std::span<const double> edges = graph.edges_from(row, i);
-      for (std::size_t j = 0; j < to.size(); ++j) {
-        const double cost = from[i] + (edges[j] + prior_cost(graph, next, j));
-        if (cost < to[j]) {
-          to[j] = cost;
-          back[step][j] = static_cast<std::uint8_t>(i);
-        }
-      }
-    }
-    std::swap(from, to);
-  }
-  ClosedPath path;
-  path.cost = from[start];
-  path.found = path.cost < kNoEdge;
-  path.states.resize(rows);
+  std::vector<std::uint8_t> states(rows);
+  std::vector<double> scratch;
   std::size_t state = start;
   for (std::size_t step = rows; step-- > 0;) {
-    state = back[step][state];
-    path.states[(first_row + step) % rows] = static_cast<std::uint8_t>(state);
+    const std::size_t row = (first_row + step) % rows;
+    const std::span<const double> edges = step_costs(graph, row, scratch);
+    const std::size_t width = graph.states(graph.next(row)).size();
+    const double* const from = table.row(step);
+    const double cost = table.row(step + 1)[state * table.stride + start];
+    std::size_t i = 0;
+    while (from[i * table.stride + start] + edges[i * width + state] != cost) ++i;
+    state = i;
+    states[row] = static_cast<std::uint8_t>(state);
   }
-  return path;
+  return states;
 }
 
 }  // namespace
@@ -82,20 +78,21 @@ ClosedPath trace(const LayeredGraph& graph, std::size_t first_row, std::size_t s
 ClosedPath search_layered(const LayeredGraph& graph) {
   const std::size_t rows = graph.rows();
   const std::size_t first_row = narrowest_row(graph);
-  const std::size_t starts = graph.states(first_row).size();
-  std::vector<double> from(starts * starts, kNoEdge);
-  for (std::size_t s = 0; s < starts; ++s) from[s * starts + s] = 0.0;
-  std::vector<double> to;
+  CostTable table(graph, first_row);
+  std::vector<double> scratch;
   for (std::size_t step = 0; step < rows; ++step) {
-    relax_row(graph, (first_row + step) % rows, starts, from, to);
-    std::swap(from, to);
+    const std::size_t row = (first_row + step) % rows;
+    detail::relax(table.row(step), step_costs(graph, row, scratch).data(), graph.states(row).size(),
+                  graph.states(graph.next(row)).size(), table.stride, table.row(step + 1));
   }
+  const double* const last = table.row(rows);
   std::size_t best = 0;
-  for (std::size_t s = 1; s < starts; ++s) {
-    if (from[s * starts + s] < from[best * starts + best]) best = s;
+  for (std::size_t s = 1; s < graph.states(first_row).size(); ++s) {
+    if (last[s * table.stride + s] < last[best * table.stride + best]) best = s;
   }
-  if (from[best * starts + best] == kNoEdge) return {};
-  return trace(graph, first_row, best);
+  const double cost = last[best * table.stride + best];
+  if (cost == kNoEdge) return {};
+  return {true, cost, trace(graph, table, first_row, best)};
 }
 
 }  // namespace strata::memory
