@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/grid/counting_map.hpp"
 
+#include "core/grid/count_scans.hpp"
 #include "core/grid/ray_traversal.hpp"
 
 namespace strata {
@@ -8,13 +9,7 @@ namespace strata {
 void CountingMap::add(const PosedScan& scan, const CountingOptions& options, double weight,
                       BeamWeights beams) {
   const double resolution = resolution_m();
-  CellRect needed;
-  for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
-    const Cell a = cell_at(ray.from_m, resolution);
-    const Cell b = cell_at(ray.to_m, resolution);
-    needed = needed.united({{std::min(a.x, b.x), std::min(a.y, b.y)},
-                            {std::max(a.x, b.x) + 1, std::max(a.y, b.y) + 1}});
-  });
+  const CellRect needed = extent_of(scan, resolution, options);
   if (needed.empty()) return;
   cells_.grow(needed);
   const bool weighted =

@@ -112,8 +112,9 @@ class Grid {
   [[nodiscard]] const std::vector<T>& values() const { return values_; }
   [[nodiscard]] const T& fill() const { return fill_; }
 
-  /// Makes the grid cover `needed` too, with room to spare so that growing is O(1) amortized per
-  /// cell; new cells get the fill value. O(area) when it grows.
+  /// Makes the grid cover `needed` too, with 64 cells to spare on the sides that grow, so that a
+  /// robot that drives on rarely makes it grow; new cells get the fill value. O(area) when it
+  /// grows.
   void grow(const CellRect& needed) {
     const CellRect united = rect_.united(needed);
     if (united == rect_) return;

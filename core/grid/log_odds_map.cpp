@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/config.hpp"
+#include "core/grid/count_scans.hpp"
 #include "core/grid/ray_traversal.hpp"
 
 namespace strata {
@@ -23,7 +24,6 @@ LogOddsMap::LogOddsMap(double resolution_m, LogOddsConfig config)
 }
 
 void LogOddsMap::change(const Cell& cell, double by) {
-  cells_.grow({cell, {cell.x + 1, cell.y + 1}});
   float& value = cells_.at(cell);
   value = static_cast<float>(
       std::clamp(static_cast<double>(value) + by, -config_.clamp_log_odds, config_.clamp_log_odds));
@@ -31,6 +31,9 @@ void LogOddsMap::change(const Cell& cell, double by) {
 
 void LogOddsMap::add(const PosedScan& scan, const CountingOptions& options) {
   const double resolution = cells_.resolution_m();
+  const CellRect extent = extent_of(scan, resolution, options);
+  if (extent.empty()) return;
+  cells_.grow(extent);
   for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t beam, const Ray& ray) {
     const Cell end = cell_at(ray.to_m, resolution);
     traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/grid/distance_field.hpp"
+#include "core/random/stream.hpp"
+
+namespace strata {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+DistanceField by_brute_force(const Grid<std::uint8_t>& occupied) {
+  DistanceField field(occupied.resolution_m(), occupied.rect(), kInf);
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    const Cell a = field.cell(i);
+    long best = -1;
+    for (std::size_t k = 0; k < field.size(); ++k) {
+      if (occupied.values()[k] == 0) continue;
+      const Cell b = field.cell(k);
+      const long squared = static_cast<long>(a.x - b.x) * (a.x - b.x) +
+                           static_cast<long>(a.y - b.y) * (a.y - b.y);
+      if (best < 0 || squared < best) best = squared;
+    }
+    if (best < 0) continue;
+    field.values()[i] =
+        static_cast<float>(occupied.resolution_m() * std::sqrt(static_cast<double>(best)));
+  }
+  return field;
+}
+
+TEST(DistanceField, EqualsBruteForceBitForBit) {
+  RandomStream random(1, StreamId::kTest);
+  for (int round = 0; round < 300; ++round) {
+    const int width = 1 + static_cast<int>(random.below(40));
+    const int height = 1 + static_cast<int>(random.below(40));
+    const int x = static_cast<int>(random.below(100)) - 50;
+    Grid<std::uint8_t> occupied(0.05, {{x, -7}, {x + width, height - 7}}, 0);
+    const double density = random.bernoulli(0.3) ? 0.003 : random.uniform(0.0, 0.6);
+    for (auto& cell : occupied.values()) cell = random.bernoulli(density) ? 1 : 0;
+    ASSERT_EQ(make_distance_field(occupied).values(), by_brute_force(occupied).values())
+        << width << " x " << height << " round " << round;
+  }
+}
+
+TEST(DistanceField, IsInfiniteWithoutObstaclesAndEmptyWithoutCells) {
+  const Grid<std::uint8_t> empty(0.05, {{0, 0}, {5, 4}}, 0);
+  const DistanceField field = make_distance_field(empty);
+  for (const float d : field.values()) EXPECT_EQ(d, kInf);
+  EXPECT_EQ(make_distance_field(Grid<std::uint8_t>(0.05, CellRect{})).size(), 0U);
+}
+
+TEST(DistanceField, IsExactBelowItsCut) {
+  RandomStream random(2, StreamId::kTest);
+  Grid<std::uint8_t> occupied(0.1, {{0, 0}, {60, 50}}, 0);
+  for (auto& cell : occupied.values()) cell = random.bernoulli(0.003) ? 1 : 0;
+  const DistanceField whole = make_distance_field(occupied);
+  const DistanceField cut = make_distance_field(occupied, 0.7);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    EXPECT_EQ(cut.values()[i], std::min(whole.values()[i], 0.7F));
+  }
+}
+
+TEST(DistanceField, MeasuresToKnownCellsOfOneHalfAndMore) {
+  ReflectionGrid map = make_reflection_grid(1.0, {{0, 0}, {5, 1}});
+  map.values() = {0.5F, 0.0F, 0.49F, kUnknownReflection, 0.1F};
+  EXPECT_EQ(make_distance_field(map).values(), (std::vector<float>{0.0F, 1.0F, 2.0F, 3.0F, 4.0F}));
+}
+
+TEST(InterpolateDistance, MeetsTheCellCentresAndHasTheSlopeItStates) {
+  RandomStream random(3, StreamId::kTest);
+  Grid<std::uint8_t> occupied(0.05, {{-20, -20}, {20, 20}}, 0);
+  for (auto& cell : occupied.values()) cell = random.bernoulli(0.02) ? 1 : 0;
+  const DistanceField field = make_distance_field(occupied);
+  for (int i = 0; i < 1'000; ++i) {
+    const Cell cell{static_cast<int>(random.below(38)) - 19, static_cast<int>(random.below(38)) - 19};
+    EXPECT_NEAR(interpolate_distance(field, field.center(cell)), field.at(cell), 1e-6);
+    const Eigen::Vector2d point(random.uniform(-0.9, 0.9), random.uniform(-0.9, 0.9));
+    Eigen::Vector2d gradient;
+    const double value = interpolate_distance(field, point, &gradient);
+    constexpr double kStep = 1e-7;
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Vector2d step = Eigen::Vector2d::Unit(k) * kStep;
+      // Within one square between centres the function is smooth.
+      auto square = [](const Eigen::Vector2d& p) { return cell_at(p - Eigen::Vector2d(0.025, 0.025), 0.05); };
+      if (!(square(point + step) == square(point - step))) continue;
+      const double slope = (interpolate_distance(field, point + step) -
+                            interpolate_distance(field, point - step)) / (2.0 * kStep);
+      EXPECT_NEAR(gradient[k], slope, 1e-6);
+    }
+    EXPECT_TRUE(std::isfinite(value));
+  }
+}
+
+TEST(InterpolateDistance, IsInfiniteAndFlatOutside) {
+  const DistanceField field(0.05, CellRect{{0, 0}, {10, 10}}, 1.0F);
+  Eigen::Vector2d gradient(7.0, 7.0);
+  EXPECT_EQ(interpolate_distance(field, {-1.0, 0.2}, &gradient),
+            std::numeric_limits<double>::infinity());
+  EXPECT_EQ(gradient, Eigen::Vector2d(0.0, 0.0));
+}
+
+}  // namespace
+}  // namespace strata
