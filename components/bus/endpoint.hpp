@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "components/bus/cdr.hpp"
 #include "components/bus/message_types.hpp"
 #include "components/bus/participant.hpp"
 #include "components/bus/qos.hpp"
+#include "components/convert/cdr.hpp"
 
 namespace strata::bus {
 
@@ -87,7 +87,7 @@ class Writer {
          std::function<void()> on_match = nullptr)
       : raw_(std::make_shared<RawWriter>(std::move(participant), std::move(topic),
                                          MessageType<T>::name, qos, std::move(on_match))) {}
-  void publish(const T& message) { raw_->publish(to_cdr(message)); }
+  void publish(const T& message) { raw_->publish(convert::to_cdr(message)); }
   [[nodiscard]] RawWriter& raw() { return *raw_; }
   [[nodiscard]] const std::shared_ptr<RawWriter>& share() const { return raw_; }
 
@@ -106,7 +106,7 @@ class Reader {
             std::move(participant), topic, MessageType<T>::name, qos,
             [callback = std::move(callback), topic, this](RawMessage message) {
               try {
-                callback(from_cdr<T>(message.cdr, topic));
+                callback(convert::from_cdr<T>(message.cdr, topic));
               } catch (const InputError&) {
                 ++undecodable_;
               }

@@ -20,6 +20,7 @@ const std::vector<QosProfile>& profiles() {
 QosProfile QosProfile::lossless() const {
   QosProfile result = *this;
   result.reliable = true;
+  result.transient_local = false;
   result.depth = 0;
   return result;
 }

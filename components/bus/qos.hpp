@@ -15,8 +15,8 @@ struct QosProfile {
   bool transient_local = false;  ///< late readers get the writer's history
   int depth = 10;
 
-  /// Nothing is ever lost or overwritten: reliable, keep-all; durability stays. What lockstep
-  /// replay uses in place of every profile.
+  /// Nothing is ever lost or overwritten: reliable, keep-all, volatile (a latched writer would keep
+  /// every message). What lockstep replay uses in place of every profile, once all are matched.
   [[nodiscard]] QosProfile lossless() const;
 };
 

@@ -48,14 +48,14 @@ LaserScan example(int number, std::size_t beams = 360) {
 
 TEST(Cdr, CarriesAMessageThereAndBack) {
   const LaserScan scan = example(3);
-  EXPECT_EQ(from_cdr<LaserScan>(to_cdr(scan), "/scan"), scan);
+  EXPECT_EQ(convert::from_cdr<LaserScan>(convert::to_cdr(scan), "/scan"), scan);
 }
 
 TEST(Cdr, OfAMessageThatEndsEarlyIsAnInputErrorThatNamesTheTopic) {
-  std::vector<std::uint8_t> bytes = to_cdr(example(3));
+  std::vector<std::uint8_t> bytes = convert::to_cdr(example(3));
   bytes.resize(bytes.size() / 2);
   try {
-    (void)from_cdr<LaserScan>(bytes, "/scan");
+    (void)convert::from_cdr<LaserScan>(bytes, "/scan");
     FAIL() << "decoded half a message";
   } catch (const InputError& error) {
     EXPECT_EQ(error.place(), "/scan");

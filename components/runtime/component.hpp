@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What every component is: a named thing with a lifecycle, topics and parameters.
+///
+/// A component works on its own mailbox, one callback at a time. Live, a callback runs when its
+/// message comes. In lockstep, messages wait until the conductor asks for a step and all of the
+/// announced ones are there; then callbacks run topic by topic in the order of `subscribe`, so that
+/// the same log gives the same calls whatever the threads, processes and network do.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+#include "components/bus/endpoint.hpp"
+#include "components/bus/names.hpp"
+#include "components/runtime/executor.hpp"
+#include "components/settings/config_reader.hpp"
+#include "core/base/progress.hpp"
+
+namespace strata::runtime {
+
+enum class FeedMode { kLive, kLockstep };
+
+/// Topics on which the conductor and the components talk in lockstep.
+inline constexpr const char* kStepTopic = "/strata_lockstep/step";
+inline constexpr const char* kAckTopic = "/strata_lockstep/ack";
+
+/// Everything a component is given.
+struct ComponentContext {
+  std::shared_ptr<bus::Participant> participant;
+  std::shared_ptr<Mailbox> mailbox;
+  std::string name;
+  std::string node_namespace = "/";
+  bus::Remappings remappings;
+  YAML::Node parameters;
+  std::string place;  ///< the composition file, for errors
+  FeedMode mode = FeedMode::kLive;
+  std::uint64_t seed = 1;
+  int threads = 1;
+  Progress* progress = nullptr;  ///< cancels long work when the process ends
+  /// Told of an error in a live callback; called on the component's thread.
+  std::function<void(const std::string&)> on_error;
+};
+
+class Component {
+ public:
+  explicit Component(ComponentContext context);
+  virtual ~Component();
+  Component(const Component&) = delete;
+  Component& operator=(const Component&) = delete;
+
+  /// Called by the host from outside the mailbox; each waits until it is done and passes errors on.
+  void configure();
+  void activate();
+  void deactivate();
+  void cleanup();
+
+  /// "/robot1/localizer".
+  [[nodiscard]] const std::string& full_name() const { return full_name_; }
+  /// Live: messages that came faster than they were worked on and were dropped.
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+ protected:
+  /// Read parameters, subscribe, advertise; throws ConfigError and InputError.
+  virtual void on_configure() = 0;
+  virtual void on_activate() {}
+  virtual void on_deactivate() {}
+  virtual void on_cleanup() {}
+  /// The log has ended: do what needs all data and save this component's part into out_dir.
+  virtual void on_finish(const std::filesystem::path& /*out_dir*/) {}
+
+  template <typename T>
+  void subscribe(const std::string& topic, const std::string& qos,
+                 std::function<void(const T&)> callback) {
+    const std::string full = resolve(topic);
+    subscribe_raw(full, bus::MessageType<T>::name, bus::qos_profile(qos),
+                  [full, callback = std::move(callback)](const bus::RawMessage& message) {
+                    callback(convert::from_cdr<T>(message.cdr, full));
+                  });
+  }
+  /// topic: resolved. Callbacks of a topic see its messages in the order they were written.
+  void subscribe_raw(const std::string& full_topic, const std::string& type,
+                     const bus::QosProfile& qos,
+                     std::function<void(const bus::RawMessage&)> callback);
+
+  template <typename T>
+  [[nodiscard]] std::function<void(const T&)> advertise(const std::string& topic,
+                                                        const std::string& qos) {
+    auto writer = advertise_raw(resolve(topic), bus::MessageType<T>::name, bus::qos_profile(qos));
+    return [writer](const T& message) { writer->publish(convert::to_cdr(message)); };
+  }
+  [[nodiscard]] std::shared_ptr<bus::RawWriter> advertise_raw(const std::string& full_topic,
+                                                              const std::string& type,
+                                                              const bus::QosProfile& qos);
+
+  template <typename Config>
+  [[nodiscard]] Config read_parameters() const {
+    return settings::read_config<Config>(context_.parameters, parameters_place());
+  }
+  [[nodiscard]] std::string resolve(const std::string& topic) const;
+  [[nodiscard]] const ComponentContext& context() const { return context_; }
+  [[nodiscard]] bool lockstep() const { return context_.mode == FeedMode::kLockstep; }
+
+ private:
+  struct Subscription {
+    std::string topic;
+    std::size_t depth = 0;  // live: as many messages may wait; 0: all
+    std::function<void(const bus::RawMessage&)> callback;
+    std::mutex mutex;
+    std::deque<bus::RawMessage> waiting;  // under mutex
+    std::uint64_t received = 0;           // under mutex
+    std::unique_ptr<bus::RawReader> reader;
+  };
+
+  [[nodiscard]] std::string parameters_place() const;
+  void take_live(Subscription& subscription);
+  void join_lockstep();
+  void try_step();
+  [[nodiscard]] bool ready_for(const strata_msgs::msg::Step& step);
+  void perform(const strata_msgs::msg::Step& step);
+  void work_off();
+  void acknowledge(const strata_msgs::msg::Step& step, const std::string& error);
+
+  ComponentContext context_;
+  std::string full_name_;
+  bool active_ = false;
+  std::atomic<std::uint64_t> dropped_{0};
+  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+  std::vector<std::shared_ptr<bus::RawWriter>> writers_;
+  std::optional<strata_msgs::msg::Step> step_;
+  std::unique_ptr<bus::RawWriter> ack_writer_;
+  std::unique_ptr<bus::RawReader> step_reader_;
+};
+
+}  // namespace strata::runtime

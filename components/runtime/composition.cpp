@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/runtime/composition.hpp"
+
+#include <set>
+
+#include "components/settings/config_reader.hpp"
+#include "components/settings/yaml_document.hpp"
+#include "core/base/error.hpp"
+
+namespace strata::runtime {
+namespace {
+
+using settings::detail::ReadContext;
+
+/// Reads one map with known keys, and says where things are.
+class Section {
+ public:
+  Section(const YAML::Node& node, std::string place, std::string path,
+          const std::vector<std::string>& known)
+      : node_(node), place_(std::move(place)), path_(std::move(path)) {
+    settings::detail::check_keys(node_, ReadContext{place_, {}}, path_, known);
+  }
+
+  [[nodiscard]] YAML::Node find(const std::string& key) const { return node_[key]; }
+  [[nodiscard]] std::string path_of(const std::string& key) const {
+    return path_.empty() ? key : path_ + "." + key;
+  }
+  [[nodiscard]] std::string place_of(const std::string& key) const {
+    const YAML::Node child = node_[key];
+    return settings::place_of(child.IsDefined() ? child : node_, place_, path_of(key));
+  }
+  template <typename T>
+  [[nodiscard]] T get(const std::string& key, T value) const {
+    if (const YAML::Node child = node_[key]; child.IsDefined()) {
+      settings::detail::read_value(child, place_, path_of(key), value);
+    }
+    return value;
+  }
+  [[nodiscard]] std::string require(const std::string& key, const std::string& example) const {
+    const auto value = get<std::string>(key, "");
+    if (value.empty()) {
+      throw ConfigError(settings::place_of(node_, place_, path_), "'" + key + "' is missing",
+                        "add " + key + ": " + example);
+    }
+    return value;
+  }
+  /// The list below `key`; empty when absent.
+  [[nodiscard]] std::vector<YAML::Node> items(const std::string& key) const {
+    const YAML::Node child = node_[key];
+    if (!child.IsDefined()) return {};
+    settings::detail::require_sequence(child, place_, path_of(key));
+    return {child.begin(), child.end()};
+  }
+  /// Runs `body`; its ConfigError gets the place of `key`.
+  template <typename Body>
+  auto located(const std::string& key, Body&& body) const {
+    try {
+      return body();
+    } catch (const ConfigError& error) {
+      throw ConfigError(place_of(key), error.problem(), error.remedy());
+    }
+  }
+
+ private:
+  const YAML::Node node_;  // const: looking a key up must not make it
+  std::string place_;
+  std::string path_;
+};
+
+bus::Remappings read_remappings(const YAML::Node& node, const std::string& place,
+                                const std::string& path) {
+  bus::Remappings result;
+  if (!node.IsDefined() || node.IsNull()) return result;
+  if (!node.IsMap()) {
+    throw ConfigError(settings::place_of(node, place, path), path + " is not a map",
+                      "write remappings: {scan: /front/scan}");
+  }
+  for (const auto& rule : node) {
+    result[rule.first.as<std::string>()] = rule.second.as<std::string>();
+  }
+  return result;
+}
+
+ComponentEntry read_component(const YAML::Node& node, const std::string& place,
+                              const std::string& path, const std::string& node_namespace) {
+  const Section section(node, place, path,
+                        {"type", "name", "namespace", "remappings", "parameters"});
+  ComponentEntry entry;
+  entry.place = settings::place_of(node, place, path);
+  entry.type = section.require("type", "strata::Localizer");
+  entry.name = section.require("name", "localizer");
+  entry.node_namespace = section.get<std::string>("namespace", node_namespace);
+  section.located("name",
+                  [&] { return bus::expand_name(entry.name, entry.node_namespace, entry.name); });
+  entry.remappings =
+      read_remappings(section.find("remappings"), place, section.path_of("remappings"));
+  entry.parameters = section.find("parameters");
+  if (!entry.parameters.IsDefined()) entry.parameters = YAML::Node(YAML::NodeType::Map);
+  return entry;
+}
+
+ProcessEntry read_process(const YAML::Node& node, const std::string& place, const std::string& path,
+                          const std::string& node_namespace) {
+  const Section section(node, place, path, {"name", "executor", "components"});
+  ProcessEntry entry;
+  entry.name = section.require("name", "mapping");
+  const auto executor = section.get<std::string>("executor", "multi_threaded");
+  if (executor != "multi_threaded" && executor != "single_threaded") {
+    throw ConfigError(section.place_of("executor"), "unknown executor '" + executor + "'",
+                      "use multi_threaded or single_threaded");
+  }
+  entry.executor =
+      executor == "single_threaded" ? ExecutorKind::kSingleThreaded : ExecutorKind::kMultiThreaded;
+  const std::vector<YAML::Node> components = section.items("components");
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    entry.components.push_back(read_component(
+        components[i], place, section.path_of("components") + "[" + std::to_string(i) + "]",
+        node_namespace));
+  }
+  return entry;
+}
+
+void require_different_names(const Composition& composition) {
+  std::set<std::string> processes;
+  std::set<std::string> components;
+  for (const ProcessEntry& process : composition.processes) {
+    if (!processes.insert(process.name).second) {
+      throw ConfigError(composition.place, "two processes are named '" + process.name + "'",
+                        "give each its own name");
+    }
+    for (const ComponentEntry& entry : process.components) {
+      if (!components.insert(bus::expand_name(entry.name, entry.node_namespace, entry.name))
+               .second) {
+        throw ConfigError(entry.place, "a second component is named '" + entry.name + "'",
+                          "give each its own name or namespace");
+      }
+    }
+  }
+  if (components.empty()) {
+    throw ConfigError(composition.place, "no component is listed",
+                      "add processes: [{name: main, components: [...]}]");
+  }
+}
+
+}  // namespace
+
+Composition read_composition(const YAML::Node& document, const std::string& place) {
+  const Section section(document, place, "",
+                        {"domain", "namespace", "use_sim_time", "transport", "processes"});
+  Composition composition;
+  composition.place = place;
+  composition.domain = section.get<int>("domain", 0);
+  composition.node_namespace = section.get<std::string>("namespace", "/");
+  composition.use_sim_time = section.get<bool>("use_sim_time", false);
+  composition.transport = section.located("transport", [&] {
+    return bus::transport_from_name(section.get<std::string>("transport", "default"));
+  });
+  const std::vector<YAML::Node> processes = section.items("processes");
+  for (std::size_t i = 0; i < processes.size(); ++i) {
+    composition.processes.push_back(read_process(
+        processes[i], place, "processes[" + std::to_string(i) + "]", composition.node_namespace));
+  }
+  require_different_names(composition);
+  return composition;
+}
+
+Composition load_composition(const std::filesystem::path& file,
+                             const std::vector<std::string>& overrides) {
+  YAML::Node document = settings::load_document(file);
+  settings::apply_overrides(document, overrides);
+  return read_composition(document, file.string());
+}
+
+}  // namespace strata::runtime

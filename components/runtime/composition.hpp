@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A composition file: which components run where, under which names, with which parameters.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+#include "components/bus/names.hpp"
+#include "components/bus/participant.hpp"
+#include "components/runtime/executor.hpp"
+
+namespace strata::runtime {
+
+struct ComponentEntry {
+  std::string type;  ///< "strata::Localizer"
+  std::string name;
+  std::string node_namespace;  ///< the composition's unless the entry has its own
+  bus::Remappings remappings;
+  YAML::Node parameters;
+  std::string place;  ///< "file:line"
+};
+
+struct ProcessEntry {
+  std::string name;
+  ExecutorKind executor = ExecutorKind::kMultiThreaded;
+  std::vector<ComponentEntry> components;
+};
+
+struct Composition {
+  std::string place;  ///< the file
+  int domain = 0;
+  std::string node_namespace = "/";
+  bool use_sim_time = false;
+  bus::Transport transport = bus::Transport::kDefault;
+  std::vector<ProcessEntry> processes;
+};
+
+/// Throws InputError when the file cannot be read, ConfigError (place: file:line) for an unknown
+/// key ("did you mean"), a wrong type, a missing or doubled name, or a transport, executor or name
+/// that does not exist. Component types and parameters are checked when they are made.
+[[nodiscard]] Composition load_composition(const std::filesystem::path& file,
+                                           const std::vector<std::string>& overrides = {});
+/// The same from a document without its version line.
+[[nodiscard]] Composition read_composition(const YAML::Node& document, const std::string& place);
+
+}  // namespace strata::runtime

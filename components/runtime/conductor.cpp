@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/runtime/conductor.hpp"
+
+#include <chrono>
+
+#include "components/runtime/component.hpp"
+#include "core/base/error.hpp"
+
+namespace strata::runtime {
+
+using strata_msgs::msg::Ack;
+using strata_msgs::msg::Step;
+using strata_msgs::msg::TopicCount;
+
+namespace {
+
+TopicCount topic_count(const std::string& topic, std::uint64_t count) {
+  TopicCount result;
+  result.topic(topic);
+  result.count(count);
+  return result;
+}
+
+}  // namespace
+
+Conductor::Conductor(std::shared_ptr<bus::Participant> participant,
+                     std::vector<std::string> components, std::function<bool()> keep_waiting)
+    : participant_(std::move(participant)),
+      components_(std::move(components)),
+      keep_waiting_(std::move(keep_waiting)) {
+  const bus::QosProfile qos = bus::qos_profile("lossless");
+  step_writer_ =
+      std::make_unique<bus::RawWriter>(participant_, kStepTopic, bus::MessageType<Step>::name, qos);
+  ack_reader_ =
+      std::make_unique<bus::RawReader>(participant_, kAckTopic, bus::MessageType<Ack>::name, qos,
+                                       [this](const bus::RawMessage& message) {
+                                         Ack ack = convert::from_cdr<Ack>(message.cdr, kAckTopic);
+                                         const std::lock_guard lock(mutex_);
+                                         ack_ = std::move(ack);
+                                         changed_.notify_all();
+                                       });
+}
+
+std::shared_ptr<bus::RawWriter> Conductor::advertise(const std::string& full_topic,
+                                                     const std::string& type) {
+  auto writer = std::make_shared<bus::RawWriter>(participant_, full_topic, type,
+                                                 bus::qos_profile("lossless"));
+  writers_.push_back(writer);
+  return writer;
+}
+
+void Conductor::wait(const std::function<bool()>& condition, const std::string& place) {
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, std::chrono::milliseconds(50), condition)) {
+    lock.unlock();
+    if (!keep_waiting_()) throw Cancelled(place);
+    lock.lock();
+  }
+}
+
+void Conductor::connect() {
+  const auto count = static_cast<int>(components_.size());
+  wait([&] { return step_writer_->matched() >= count && ack_reader_->matched() >= count; },
+       "lockstep: waiting for the components");
+  Counts readers;
+  Counts writers;
+  for (const auto& writer : writers_) ++writers[writer->topic()];
+  for (const std::string& component : components_) {
+    Step hello;
+    hello.kind(strata_msgs::msg::STEP_HELLO);
+    hello.target(component);
+    const Ack ack = ask(std::move(hello));
+    for (const TopicCount& topic : ack.subscribed()) {
+      ++readers[topic.topic()];
+      reads_[component].insert(topic.topic());
+    }
+    for (const TopicCount& topic : ack.published()) ++writers[topic.topic()];
+  }
+  for (const auto& writer : writers_) {
+    const auto expected = static_cast<int>(readers[writer->topic()]);
+    wait([&] { return writer->matched() >= expected; }, writer->topic());
+  }
+  for (const std::string& component : components_) {
+    Step match;
+    match.kind(strata_msgs::msg::STEP_MATCH);
+    match.target(component);
+    for (const auto& [topic, number] : writers) {
+      match.expected().push_back(topic_count(topic, number));
+    }
+    for (const auto& [topic, number] : readers) {
+      match.readers().push_back(topic_count(topic, number));
+    }
+    ask(std::move(match));
+  }
+}
+
+void Conductor::cycle() { ask_all(strata_msgs::msg::STEP_CYCLE, ""); }
+
+void Conductor::finish(const std::filesystem::path& out_dir) {
+  ask_all(strata_msgs::msg::STEP_FINISH, out_dir.string());
+}
+
+Conductor::Counts Conductor::published_so_far() const {
+  Counts total;
+  for (const auto& writer : writers_) total[writer->topic()] += writer->count();
+  for (const auto& [component, topics] : published_) {
+    for (const auto& [topic, count] : topics) total[topic] += count;
+  }
+  return total;
+}
+
+void Conductor::ask_all(strata_msgs::msg::StepKind kind, const std::string& out_dir) {
+  for (const std::string& component : components_) {
+    Step step;
+    step.kind(kind);
+    step.target(component);
+    step.out_dir(out_dir);
+    const Counts published = published_so_far();
+    for (const std::string& topic : reads_[component]) {
+      const auto found = published.find(topic);
+      if (found != published.end()) step.expected().push_back(topic_count(topic, found->second));
+    }
+    ask(std::move(step));
+  }
+}
+
+Ack Conductor::ask(Step step) {
+  step.sequence_number(++sequence_);
+  {
+    const std::lock_guard lock(mutex_);
+    ack_.reset();
+  }
+  step_writer_->publish(convert::to_cdr(step));
+  wait([&] { return ack_ && ack_->sequence_number() == sequence_; }, step.target());
+  Ack ack;
+  {
+    const std::lock_guard lock(mutex_);
+    ack = *ack_;
+  }
+  if (!ack.ok()) throw Error(step.target(), ack.error(), "see the component's page");
+  Counts counts;  // a component may have two writers of one topic
+  for (const TopicCount& topic : ack.published()) counts[topic.topic()] += topic.count();
+  published_[ack.component_name()] = std::move(counts);
+  return ack;
+}
+
+}  // namespace strata::runtime

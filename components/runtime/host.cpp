@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/runtime/host.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "components/settings/config_reader.hpp"
+#include "core/base/error.hpp"
+
+namespace strata::runtime {
+
+class Host::Cancellation : public Progress {
+ public:
+  void update(std::string_view /*stage*/, std::size_t /*done*/, std::size_t /*total*/) override {}
+  [[nodiscard]] bool cancelled() const override { return cancelled_; }
+  void cancel() { cancelled_ = true; }
+
+ private:
+  std::atomic<bool> cancelled_{false};
+};
+
+namespace {
+
+const Factory& factory_of(const Registry& registry, const ComponentEntry& entry) {
+  const auto found = registry.factories().find(entry.type);
+  if (found != registry.factories().end()) return found->second;
+  std::string known;
+  for (const auto& [type, factory] : registry.factories()) {
+    known += (known.empty() ? "" : ", ") + type;
+  }
+  throw ConfigError(entry.place, "unknown component type '" + entry.type + "'",
+                    "use one of " + known);
+}
+
+}  // namespace
+
+std::shared_ptr<bus::Participant> make_participant(const Composition& composition) {
+  return std::make_shared<bus::Participant>(
+      bus::ParticipantOptions{composition.domain, composition.transport, "/"});
+}
+
+Host::Host(const Composition& composition, const ProcessEntry& process, const Registry& registry,
+           std::shared_ptr<bus::Participant> participant, const HostOptions& options)
+    : cancellation_(std::make_unique<Cancellation>()),
+      participant_(std::move(participant)),
+      executor_(process.executor) {
+  for (const ComponentEntry& entry : process.components) {
+    const Factory& make = factory_of(registry, entry);
+    ComponentContext context;
+    context.participant = participant_;
+    context.mailbox = executor_.mailbox();
+    context.name = entry.name;
+    context.node_namespace = entry.node_namespace;
+    context.remappings = entry.remappings;
+    context.parameters = entry.parameters;
+    context.place = composition.place;
+    context.mode = options.mode;
+    context.seed = options.seed;
+    context.threads = options.threads;
+    context.progress = cancellation_.get();
+    context.on_error = [this](const std::string& error) {
+      const std::lock_guard lock(mutex_);
+      errors_.push_back(error);
+    };
+    components_.push_back(make(std::move(context)));
+  }
+  try {
+    for (const auto& component : components_) component->configure();
+  } catch (...) {
+    stop();  // the destructor does not run
+    throw;
+  }
+}
+
+Host::~Host() { stop(); }
+
+void Host::activate() {
+  for (const auto& component : components_) component->activate();
+}
+
+void Host::stop() noexcept {
+  if (std::exchange(stopped_, true)) return;
+  cancellation_->cancel();
+  const auto quietly = [](auto&& body) {
+    try {
+      body();
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the rest must stop too
+    }
+  };
+  for (auto it = components_.rbegin(); it != components_.rend(); ++it) {
+    quietly([&] { (*it)->deactivate(); });
+  }
+  for (auto it = components_.rbegin(); it != components_.rend(); ++it) {
+    quietly([&] { (*it)->cleanup(); });
+  }
+  executor_.stop();
+  components_.clear();
+}
+
+std::vector<std::string> Host::take_errors() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(errors_, {});
+}
+
+}  // namespace strata::runtime

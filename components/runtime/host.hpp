@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One process of a composition: its participant, threads and components, from start to stop.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "components/runtime/component.hpp"
+#include "components/runtime/composition.hpp"
+#include "components/runtime/registry.hpp"
+
+namespace strata::runtime {
+
+struct HostOptions {
+  FeedMode mode = FeedMode::kLive;
+  std::uint64_t seed = 1;
+  int threads = 1;
+};
+
+/// The participant that a composition asks for.
+[[nodiscard]] std::shared_ptr<bus::Participant> make_participant(const Composition& composition);
+
+class Host {
+ public:
+  /// Makes and configures the components of `process` in order. Throws ConfigError for an unknown
+  /// type ("did you mean" among the registered) and whatever a component's configuration throws.
+  Host(const Composition& composition, const ProcessEntry& process, const Registry& registry,
+       std::shared_ptr<bus::Participant> participant, const HostOptions& options);
+  /// As stop().
+  ~Host();
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+
+  /// Live: begins to work. In lockstep the conductor activates.
+  void activate();
+  /// Deactivates and cleans up in reverse order; cancels long work under way. Never throws.
+  void stop() noexcept;
+  /// Errors in callbacks since the last call.
+  [[nodiscard]] std::vector<std::string> take_errors();
+
+ private:
+  class Cancellation;
+  std::unique_ptr<Cancellation> cancellation_;
+  std::mutex mutex_;
+  std::vector<std::string> errors_;
+  std::shared_ptr<bus::Participant> participant_;
+  Executor executor_;
+  std::vector<std::unique_ptr<Component>> components_;
+  bool stopped_ = false;
+};
+
+}  // namespace strata::runtime
