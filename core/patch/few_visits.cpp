@@ -76,35 +76,37 @@ class FewVisitsTest {
   }
   /// The cells of a component that agree on when it was occupied and when it was free: for some
   /// pair of visits enough of them support the same pair. Cells of walls that jitter back and forth
-  /// make components whose cells disagree.
+  /// make components whose cells disagree. O(cells^2 pairs^2) of the component.
   [[nodiscard]] std::vector<Cell> coherent_cells(const std::vector<Cell>& component) const {
-    std::vector<Cell> result;
-    if (!is_large(component)) return result;
+    if (!is_large(component)) return {};
     std::vector<std::vector<VisitPair>> pairs(component.size());
     for (std::size_t i = 0; i < component.size(); ++i) find_pairs(component[i], pairs[i]);
     std::vector<std::uint8_t> kept(component.size(), 0);
-    std::vector<Cell> support;
-    for (std::size_t i = 0; i < component.size(); ++i) {
-      for (const auto& [occupied, free] : pairs[i]) {
+    std::vector<std::size_t> support;
+    std::vector<Cell> cells;
+    for (const auto& candidates : pairs) {
+      for (const VisitPair& pair : candidates) {
         support.clear();
-        std::vector<std::size_t> indices;
+        cells.clear();
         for (std::size_t k = 0; k < component.size(); ++k) {
-          const bool agrees =
-              std::any_of(pairs[k].begin(), pairs[k].end(), [&](const VisitPair& other) {
-                return other.first.overlaps(occupied) && other.second.overlaps(free);
-              });
-          if (!agrees) continue;
-          support.push_back(component[k]);
-          indices.push_back(k);
+          if (!supports(pairs[k], pair)) continue;
+          support.push_back(k);
+          cells.push_back(component[k]);
         }
-        if (!is_large(support)) continue;
-        for (const std::size_t k : indices) kept[k] = 1;
+        if (!is_large(cells)) continue;
+        for (const std::size_t k : support) kept[k] = 1;
       }
     }
+    cells.clear();
     for (std::size_t k = 0; k < component.size(); ++k) {
-      if (kept[k] != 0) result.push_back(component[k]);
+      if (kept[k] != 0) cells.push_back(component[k]);
     }
-    return result;
+    return cells;
+  }
+  [[nodiscard]] static bool supports(const std::vector<VisitPair>& pairs, const VisitPair& wanted) {
+    return std::any_of(pairs.begin(), pairs.end(), [&](const VisitPair& pair) {
+      return pair.first.overlaps(wanted.first) && pair.second.overlaps(wanted.second);
+    });
   }
 
   const VisitTable& table_;

@@ -32,8 +32,8 @@ void add_weighted(Grid<CellCounts>& counts, const Grid<CellCounts>& more, double
 
 }  // namespace
 
-PatchLearner::PatchLearner(PatchLearnerConfig config, int threads)
-    : config_(std::move(config)), pool_(threads) {
+PatchLearner::PatchLearner(const PatchLearnerConfig& config, int threads)
+    : config_(config), pool_(threads) {
   require_valid(config_, "patch_learner");
 }
 

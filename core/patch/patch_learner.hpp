@@ -59,7 +59,7 @@ struct PatchLearnerConfig {
 class PatchLearner {
  public:
   /// Throws ConfigError. threads: as WorkerPool.
-  explicit PatchLearner(PatchLearnerConfig config, int threads = 1);
+  explicit PatchLearner(const PatchLearnerConfig& config, int threads = 1);
 
   /// Keeps the scan (about 4 bytes a beam; its static probabilities are not needed). A scan with a
   /// pose that is not finite is left out.
