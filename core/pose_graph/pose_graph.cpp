@@ -187,6 +187,7 @@ PoseGraphResult PoseGraph::optimize() {
   options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.num_threads = 1;
   options.max_num_iterations = config_.max_iterations;
+  options.function_tolerance = 1e-10;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);

@@ -40,6 +40,28 @@ registration::MatchField field_of(const Submap& submap, double resolution_m,
   return field;
 }
 
+/// What the 3 x 3 cells about a point say: occupied when one of them is.
+SurfaceState state_near(const StateGrid& states, const Eigen::Vector2d& point_m) {
+  const Cell cell = states.cell_at(point_m);
+  const SurfaceState own = states.get(cell);
+  if (own == SurfaceState::kUnknown) return own;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      if (states.get({cell.x + dx, cell.y + dy}) == SurfaceState::kOccupied) {
+        return SurfaceState::kOccupied;
+      }
+    }
+  }
+  return own;
+}
+
+Agreement agreement_of(std::size_t surface, std::size_t free, std::size_t all) {
+  const std::size_t seen = surface + free;
+  if (seen == 0) return {};
+  return {static_cast<double>(seen) / static_cast<double>(all),
+          static_cast<double>(surface) / static_cast<double>(seen)};
+}
+
 }  // namespace
 
 struct SubmapGraph::Searchable {
@@ -107,25 +129,69 @@ std::size_t SubmapGraph::add(Submap submap, const std::optional<Pose2Gaussian>& 
 }
 
 Agreement SubmapGraph::agreement(std::size_t a, std::size_t b, const Pose2& a_from_b) const {
-  const StateGrid& states = submaps_[a].states;
   std::size_t surface = 0;
   std::size_t free = 0;
   for (const registration::SurfacePoint& point : submaps_[b].points) {
-    const Eigen::Vector2d at = a_from_b * Eigen::Vector2d(point.x_m, point.y_m);
-    const Cell cell = states.cell_at(at);
-    if (states.get(cell) == SurfaceState::kUnknown) continue;
-    bool on_surface = false;
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        on_surface |= states.get({cell.x + dx, cell.y + dy}) == SurfaceState::kOccupied;
-      }
-    }
-    ++(on_surface ? surface : free);
+    const SurfaceState state =
+        state_near(submaps_[a].states, a_from_b * Eigen::Vector2d(point.x_m, point.y_m));
+    surface += state == SurfaceState::kOccupied ? 1 : 0;
+    free += state == SurfaceState::kFree ? 1 : 0;
   }
-  const std::size_t seen = surface + free;
-  if (seen == 0) return {};
-  return {static_cast<double>(seen) / static_cast<double>(submaps_[b].points.size()),
-          static_cast<double>(surface) / static_cast<double>(seen)};
+  return agreement_of(surface, free, submaps_[b].points.size());
+}
+
+/// A place found among all poses of a building must fit better than one found near a good guess:
+/// most of the sub-map in seen space, and hardly a contradiction with any sub-map there.
+bool SubmapGraph::fits_map(std::size_t index, std::size_t first_of_run) const {
+  constexpr double kOverlap = 0.6;
+  constexpr double kFreeOverlap = 0.6;
+  constexpr double kAgreement = 0.85;
+  const Pose2& pose = graph_.pose(index);
+  const auto state_in_map = [&](const Eigen::Vector2d& in_submap) {
+    const Eigen::Vector2d at = pose * in_submap;
+    SurfaceState state = SurfaceState::kUnknown;
+    for (std::size_t i = 0; i < first_of_run && state != SurfaceState::kOccupied; ++i) {
+      if (!located_[i]) continue;
+      const SurfaceState here = state_near(submaps_[i].states, inverse(graph_.pose(i)) * at);
+      if (here != SurfaceState::kUnknown) state = here;
+    }
+    return state;
+  };
+  std::size_t surface = 0;
+  std::size_t free = 0;
+  for (const registration::SurfacePoint& point : submaps_[index].points) {
+    const SurfaceState state = state_in_map({point.x_m, point.y_m});
+    surface += state == SurfaceState::kOccupied ? 1 : 0;
+    free += state == SurfaceState::kFree ? 1 : 0;
+  }
+  const Agreement forth = agreement_of(surface, free, submaps_[index].points.size());
+  // Walls alone may fit from the wrong side; the space before them must have been seen as well.
+  constexpr std::size_t kStride = 17;
+  std::size_t sampled = 0;
+  std::size_t seen_free = 0;
+  const StateGrid& states = submaps_[index].states;
+  for (std::size_t i = 0; i < states.size(); i += kStride) {
+    if (states.values()[i] != SurfaceState::kFree) continue;
+    ++sampled;
+    const bool also_free = state_in_map(states.center(states.cell(i))) == SurfaceState::kFree;
+    seen_free += also_free ? 1 : 0;
+  }
+  if (static_cast<double>(seen_free) < kFreeOverlap * static_cast<double>(sampled)) return false;
+  surface = 0;
+  free = 0;
+  for (std::size_t i = 0; i < first_of_run; ++i) {
+    if (!located_[i]) continue;
+    const Pose2 index_from_other = between(pose, graph_.pose(i));
+    for (const registration::SurfacePoint& point : submaps_[i].points) {
+      const SurfaceState state = state_near(
+          submaps_[index].states, index_from_other * Eigen::Vector2d(point.x_m, point.y_m));
+      surface += state == SurfaceState::kOccupied ? 1 : 0;
+      free += state == SurfaceState::kFree ? 1 : 0;
+    }
+  }
+  const Agreement back = agreement_of(surface, free, surface + free);
+  return forth.overlap >= kOverlap && forth.agreement >= kAgreement &&
+         back.agreement >= config_.min_agreement;
 }
 
 std::vector<double> SubmapGraph::path_lengths(std::size_t from) const {
@@ -292,7 +358,8 @@ void SubmapGraph::locate_run(std::size_t index) {
     graph_.set_pose(i, map_from_run * submaps_[i].run_from_submap);
   }
   std::size_t verified = 0;
-  for (std::size_t i = 0; i < first; ++i) {
+  const bool fits = fits_map(index, first);
+  for (std::size_t i = 0; i < first && fits; ++i) {
     if (!located_[i]) continue;
     const Pose2 a_from_b = between(graph_.pose(i), graph_.pose(index));
     if (agreement(i, index, a_from_b).overlap < config_.min_overlap) continue;

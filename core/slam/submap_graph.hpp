@@ -60,6 +60,7 @@ class SubmapGraph {
   };
   [[nodiscard]] std::shared_ptr<const Searchable> searchable(std::size_t index);
   [[nodiscard]] Agreement agreement(std::size_t a, std::size_t b, const Pose2& a_from_b) const;
+  [[nodiscard]] bool fits_map(std::size_t index, std::size_t first_of_run) const;
   [[nodiscard]] std::vector<double> path_lengths(std::size_t from) const;
   [[nodiscard]] std::optional<Closure> try_closure(std::size_t a, std::size_t b, const Pose2& guess,
                                                    double window_m, double window_rad);

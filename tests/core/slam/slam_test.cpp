@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/slam.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/random/stream.hpp"
+#include "tests/core/registration/room_world.hpp"
+
+namespace strata::slam {
+namespace {
+
+/// A corridor once round a block of 10 m x 6 m, 2 m wide, with niches that tell its sides apart.
+std::vector<test::Wall> ring() {
+  std::vector<test::Wall> walls{{0.0, 0.0, 14.0, 0.0},   {14.0, 0.0, 14.0, 10.0},
+                                {14.0, 10.0, 0.0, 10.0}, {0.0, 10.0, 0.0, 0.0},
+                                {2.0, 2.0, 12.0, 2.0},   {12.0, 2.0, 12.0, 8.0},
+                                {12.0, 8.0, 2.0, 8.0},   {2.0, 8.0, 2.0, 2.0}};
+  const auto box = [&walls](double x, double y, double w, double h) {
+    walls.push_back({x, y, x + w, y});
+    walls.push_back({x + w, y, x + w, y + h});
+    walls.push_back({x + w, y + h, x, y + h});
+    walls.push_back({x, y + h, x, y});
+  };
+  box(3.0, 0.0, 0.5, 0.3);
+  box(7.0, 1.7, 0.8, 0.3);
+  box(10.0, 0.0, 0.3, 0.4);
+  box(13.6, 3.0, 0.4, 0.7);
+  box(12.0, 6.0, 0.3, 0.5);
+  box(9.0, 9.7, 1.0, 0.3);
+  box(5.0, 8.0, 0.4, 0.3);
+  box(0.0, 7.0, 0.3, 0.6);
+  box(1.7, 4.0, 0.3, 0.9);
+  return walls;
+}
+
+/// Poses every `step_m` along the middle of the ring, turning on the spot at the corners.
+std::vector<Pose2> drive_round(double step_m, double metres) {
+  const double corners[4][2] = {{1.0, 1.0}, {13.0, 1.0}, {13.0, 9.0}, {1.0, 9.0}};
+  std::vector<Pose2> poses;
+  double left = metres;
+  Pose2 pose{1.0, 1.0, 0.0};
+  for (int side = 0; left > 0.0; ++side) {
+    const double* to = corners[(side + 1) % 4];
+    const double heading = wrap_angle(side * std::numbers::pi / 2.0);
+    while (std::abs(angle_difference(heading, pose.theta)) > 1e-9) {
+      const double turn = angle_difference(heading, pose.theta);
+      pose.theta = wrap_angle(pose.theta + std::clamp(turn, -0.15, 0.15));
+      poses.push_back(pose);
+    }
+    double to_go = std::hypot(to[0] - pose.x, to[1] - pose.y);
+    while (to_go > 1e-9 && left > 0.0) {
+      const double step = std::min(step_m, to_go);
+      pose = pose * Pose2{step, 0.0, 0.0};
+      pose.theta = heading;
+      poses.push_back(pose);
+      to_go -= step;
+      left -= step;
+    }
+  }
+  return poses;
+}
+
+/// What a robot on that path records, with odometry that drifts in heading and scale.
+std::vector<Observation> record(const std::vector<test::Wall>& walls,
+                                const std::vector<Pose2>& path, int run, std::uint64_t seed) {
+  std::vector<Observation> log;
+  RandomStream random(seed, StreamId::kTest, 99);
+  Pose2 odom = path.front();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (i > 0) {
+      Pose2 step = between(path[i - 1], path[i]);
+      step.x = step.x * 1.03 + random.normal(0.0, 0.003);
+      step.theta += 0.004 * std::hypot(step.x, step.y) / 0.1 + random.normal(0.0, 0.003);
+      odom = odom * step;
+    }
+    Observation observation;
+    observation.run = run;
+    observation.scan = test::scan_of(walls, path[i], 0.2 * static_cast<double>(i), 0.01, seed);
+    observation.odom_from_robot = odom;
+    log.push_back(std::move(observation));
+  }
+  return log;
+}
+
+/// After one rigid alignment.
+double worst_error(const SlamResult& result, const std::vector<Pose2>& truth, int run) {
+  std::vector<Pose2> found;
+  for (const PosedScan& scan : result.scans) {
+    if (scan.run == run) found.push_back(scan.map_from_robot);
+  }
+  // The map hangs on the first scan alone, whose heading error would count at every other one.
+  const Pose2 truth_from_map = align(found, truth);
+  double worst = 0.0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    worst = std::max(worst, translation_distance(truth_from_map * found[i], truth[i]));
+  }
+  return worst;
+}
+
+SlamResult run_slam(const std::vector<Observation>& log, int threads = 1,
+                    const SlamConfig& config = {}) {
+  Slam slam(config, threads);
+  for (const Observation& observation : log) slam.add(observation);
+  return slam.finish();
+}
+
+TEST(Slam, ClosesALoopThatOdometryMissesByMetres) {
+  const std::vector<Pose2> path = drive_round(0.1, 50.0);
+  const std::vector<Observation> log = record(ring(), path, 0, 1);
+  EXPECT_GT(translation_distance(log.back().odom_from_robot, path.back()), 3.0);
+  const SlamResult result = run_slam(log);
+  ASSERT_EQ(result.scans.size(), path.size());
+  EXPECT_GT(result.loop_closures, 0U);
+  EXPECT_LT(worst_error(result, path, 0), 0.06);
+  EXPECT_EQ(result.skipped_scans, 0U);
+  EXPECT_TRUE(result.unplaced_runs.empty());
+  // The map: a wall cell is occupied, the middle of the corridor is free, the block is unknown.
+  EXPECT_TRUE(is_free(result.occupancy.get(result.occupancy.cell_at({6.0, 1.0}))));
+  EXPECT_FALSE(is_known(result.occupancy.get(result.occupancy.cell_at({7.0, 5.0}))));
+}
+
+TEST(Slam, EmRaisesTheLogLikelihoodAndReturnsTheBestRound) {
+  const SlamResult result = run_slam(record(ring(), drive_round(0.1, 45.0), 0, 2));
+  ASSERT_GE(result.log_likelihood.size(), 2U);
+  const auto best = std::max_element(result.log_likelihood.begin(), result.log_likelihood.end());
+  EXPECT_EQ(best - result.log_likelihood.begin(), result.iterations);
+  EXPECT_GT(*best, result.log_likelihood.front());
+}
+
+TEST(Slam, GivesTheSameBitsForAnyNumberOfThreads) {
+  const std::vector<Observation> log = record(ring(), drive_round(0.15, 45.0), 0, 3);
+  const SlamResult one = run_slam(log, 1);
+  for (const int threads : {2, 8}) {
+    const SlamResult other = run_slam(log, threads);
+    ASSERT_EQ(other.scans.size(), one.scans.size());
+    for (std::size_t i = 0; i < one.scans.size(); ++i) {
+      ASSERT_EQ(other.scans[i].map_from_robot, one.scans[i].map_from_robot);
+      ASSERT_EQ(other.scans[i].static_probability, one.scans[i].static_probability);
+    }
+    ASSERT_EQ(other.log_likelihood, one.log_likelihood);
+    ASSERT_EQ(other.raw.cells().rect(), one.raw.cells().rect());
+    for (std::size_t i = 0; i < one.raw.cells().size(); ++i) {
+      ASSERT_EQ(other.raw.cells().values()[i].hits, one.raw.cells().values()[i].hits);
+      ASSERT_EQ(other.raw.cells().values()[i].misses, one.raw.cells().values()[i].misses);
+    }
+  }
+}
+
+TEST(Slam, WorksWithoutOdometry) {
+  const std::vector<Pose2> path = drive_round(0.1, 20.0);
+  std::vector<Observation> log = record(ring(), path, 0, 4);
+  for (Observation& observation : log) {
+    observation.has_odometry = false;
+    observation.odom_from_robot = {};
+  }
+  const SlamResult result = run_slam(log);
+  ASSERT_EQ(result.scans.size(), path.size());
+  // Without odometry the map begins at the first pose.
+  std::vector<Pose2> truth;
+  for (const Pose2& pose : path) truth.push_back(between(path.front(), pose));
+  EXPECT_LT(worst_error(result, truth, 0), 0.1);
+}
+
+TEST(Slam, FindsALaterRunInTheMapOfTheFirst) {
+  const std::vector<Pose2> first = drive_round(0.1, 45.0);
+  const std::vector<Pose2> all = drive_round(0.1, 40.0);
+  const std::vector<Pose2> second(all.begin() + 170, all.end());
+  std::vector<Observation> log = record(ring(), first, 0, 5);
+  std::vector<Observation> later = record(ring(), second, 1, 6);
+  // Its odometry begins at zero, and its stamps overlap those of the first run.
+  const Pose2 shift = inverse(later.front().odom_from_robot);
+  for (Observation& observation : later) {
+    observation.odom_from_robot = shift * observation.odom_from_robot;
+    log.push_back(observation);
+  }
+  const SlamResult result = run_slam(log);
+  EXPECT_TRUE(result.unplaced_runs.empty());
+  ASSERT_EQ(result.scans.size(), first.size() + second.size());
+  EXPECT_LT(worst_error(result, first, 0), 0.06);
+  EXPECT_LT(worst_error(result, second, 1), 0.06);
+}
+
+TEST(Slam, LeavesOutARunFromAnotherBuilding) {
+  std::vector<Observation> log = record(ring(), drive_round(0.1, 45.0), 0, 7);
+  const std::size_t first_scans = log.size();
+  std::vector<Pose2> elsewhere;
+  for (int i = 0; i < 60; ++i) elsewhere.push_back({3.0 + 0.05 * i, 3.0, 0.0});
+  for (const Observation& observation : record(test::room(), elsewhere, 1, 8)) {
+    log.push_back(observation);
+  }
+  const SlamResult result = run_slam(log);
+  EXPECT_EQ(result.scans.size(), first_scans);
+  EXPECT_EQ(result.unplaced_runs, std::vector<int>{1});
+}
+
+TEST(Slam, KeepsGivenPosesOfASingleRunToTheBit) {
+  const std::vector<Pose2> path = drive_round(0.1, 10.0);
+  const std::vector<Observation> log = record(ring(), path, 0, 9);
+  Slam slam(SlamConfig{});
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    EXPECT_EQ(slam.add(log[i], &path[i]).mean, path[i]);
+  }
+  const SlamResult result = slam.finish();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    ASSERT_EQ(result.scans[i].map_from_robot, path[i]);
+    ASSERT_EQ(result.scans[i].static_probability.size(), log[i].scan.size());
+  }
+}
+
+TEST(Slam, RefinesGivenPosesOfSeveralRunsUntilTheirWallsCoincide) {
+  const std::vector<Pose2> path = drive_round(0.1, 38.0);
+  Slam slam(SlamConfig{});
+  for (int run = 0; run < 3; ++run) {
+    const std::vector<Observation> log =
+        record(ring(), path, run, 10 + static_cast<std::uint64_t>(run));
+    const Pose2 off{0.08 * run, -0.06 * run, 0.004 * run};
+    for (std::size_t i = 0; i < log.size(); ++i) {
+      const Pose2 given = path[i] * off;
+      slam.add(log[i], &given);
+    }
+  }
+  const SlamResult result = slam.finish();
+  ASSERT_EQ(result.scans.size(), 3 * path.size());
+  double apart = 0.0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    for (std::size_t run = 1; run < 3; ++run) {
+      apart += translation_distance(result.scans[i].map_from_robot,
+                                    result.scans[run * path.size() + i].map_from_robot);
+    }
+  }
+  EXPECT_LT(apart / static_cast<double>(2 * path.size()), 0.02);
+}
+
+TEST(Slam, SkipsAndCountsScansThatSayNothingOrComeFromThePast) {
+  const std::vector<Pose2> path = drive_round(0.1, 6.0);
+  std::vector<Observation> log = record(ring(), path, 0, 11);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<Observation> bad(5, log[20]);
+  std::fill(bad[0].scan.ranges_m.begin(), bad[0].scan.ranges_m.end(), kNan);
+  bad[1].scan.ranges_m.clear();
+  bad[2].scan.stamp = log[3].scan.stamp;
+  bad[3].odom_from_robot.x = std::numeric_limits<double>::quiet_NaN();
+  bad[4].odom_from_robot.theta = std::numeric_limits<double>::infinity();
+  const SlamResult clean = run_slam(log);
+  log.insert(log.begin() + 21, bad.begin(), bad.end());
+  const SlamResult result = run_slam(log);
+  EXPECT_EQ(result.skipped_scans, 5U);
+  ASSERT_EQ(result.scans.size(), clean.scans.size());
+  for (std::size_t i = 0; i < clean.scans.size(); ++i) {
+    ASSERT_EQ(result.scans[i].map_from_robot, clean.scans[i].map_from_robot);
+  }
+}
+
+TEST(Slam, AnEmptyLogGivesAnEmptyResult) {
+  Slam slam(SlamConfig{});
+  const SlamResult result = slam.finish();
+  EXPECT_TRUE(result.scans.empty());
+  EXPECT_EQ(result.skipped_scans, 0U);
+}
+
+class CancelAtOnce final : public Progress {
+ public:
+  void update(std::string_view, std::size_t, std::size_t) override {}
+  [[nodiscard]] bool cancelled() const override { return true; }
+};
+
+TEST(Slam, StopsWhenTheUserAsks) {
+  Slam slam(SlamConfig{});
+  for (const Observation& observation : record(ring(), drive_round(0.1, 6.0), 0, 12)) {
+    slam.add(observation);
+  }
+  CancelAtOnce progress;
+  EXPECT_THROW(static_cast<void>(slam.finish(&progress)), Cancelled);
+}
+
+TEST(Slam, RefusesASettingThatCannotWork) {
+  SlamConfig config;
+  config.beam_filter.prior = 0.4;
+  EXPECT_THROW(Slam{config}, ConfigError);
+  config = {};
+  config.tracking.match.levels = 0;
+  EXPECT_THROW(Slam{config}, ConfigError);
+}
+
+}  // namespace
+}  // namespace strata::slam
