@@ -81,6 +81,7 @@ void Slam::State::end_run() {
   if (!tracker) return;
   tracker->finish(records.size());
   take_submaps();
+  graph.end_run();
   tracker.reset();
 }
 

@@ -36,6 +36,9 @@ class SubmapGraph {
   /// poses put it, with that uncertainty. Returns its index.
   std::size_t add(Submap submap, const std::optional<Pose2Gaussian>& given_map_from_submap);
 
+  /// Tells that the run is complete: one that is not located yet is searched for as a whole.
+  void end_run();
+
   /// Lays every pair of overlapping sub-maps on each other anew from the present poses, replaces
   /// all closures by the outcome, and optimizes [lu1997globally]; `rounds` times.
   void tighten(int rounds, Progress* progress);
@@ -60,7 +63,7 @@ class SubmapGraph {
   };
   [[nodiscard]] std::shared_ptr<const Searchable> searchable(std::size_t index);
   [[nodiscard]] Agreement agreement(std::size_t a, std::size_t b, const Pose2& a_from_b) const;
-  [[nodiscard]] bool fits_map(std::size_t index, std::size_t first_of_run) const;
+  [[nodiscard]] bool run_fits_map(std::size_t first, std::size_t last) const;
   [[nodiscard]] std::vector<double> path_lengths(std::size_t from) const;
   [[nodiscard]] std::optional<Closure> try_closure(std::size_t a, std::size_t b, const Pose2& guess,
                                                    double window_m, double window_rad);
@@ -68,7 +71,8 @@ class SubmapGraph {
                                               std::size_t b, const Pose2& guess) const;
   void add_closure(const Closure& closure);
   void search_closures(std::size_t index);
-  void locate_run(std::size_t index);
+  void locate_run(std::size_t last);
+  std::size_t tie_run(std::size_t first, std::size_t last);
   void optimize();
   void rebuild_graph(const std::vector<Closure>& closures);
 
