@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+/// rosbag2 bags as raw messages: SQLite and MCAP, reading and writing.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/time.hpp"
+
+namespace strata::log {
+
+struct BagTopic {
+  std::string name;  ///< "/scan"
+  std::string type;  ///< "sensor_msgs/msg/LaserScan"
+  std::string serialization_format = "cdr";
+  std::string offered_qos_profiles;  ///< YAML text, as rosbag2 keeps it
+};
+
+struct BagMessage {
+  std::size_t topic = 0;  ///< place in BagReader::topics()
+  Stamp stamp;            ///< when it was recorded
+  std::vector<std::uint8_t> data;
+};
+
+/// What reading could not make use of.
+struct BagDamage {
+  std::size_t count = 0;  ///< damaged places: chunks, records, rows
+  std::string first;      ///< where the first one is and why
+  void add(const std::string& place_and_reason) {
+    if (count++ == 0) first = place_and_reason;
+  }
+};
+
+/// Messages in order of their stamps, from a bag folder (with or without metadata.yaml), a .db3 or
+/// a .mcap file; told by content.
+class BagReader {
+ public:
+  BagReader() = default;
+  BagReader(const BagReader&) = delete;
+  BagReader& operator=(const BagReader&) = delete;
+  virtual ~BagReader() = default;
+
+  /// Throws InputError when there is nothing to read at all.
+  [[nodiscard]] static std::unique_ptr<BagReader> open(const std::filesystem::path& path);
+
+  /// Grows while reading damaged MCAP files without summary; places stay valid.
+  [[nodiscard]] virtual const std::vector<BagTopic>& topics() const = 0;
+  /// The next message; false at the end. Damaged parts are skipped and counted.
+  virtual bool next(BagMessage& message) = 0;
+  [[nodiscard]] virtual const BagDamage& damage() const = 0;
+};
+
+enum class BagStorage { kSqlite3, kMcap };
+enum class BagCompression { kNone, kZstd, kLz4 };  ///< of MCAP chunks; SQLite takes kNone
+
+/// Writes a bag folder as it goes: what was written more than a second or a megabyte ago survives
+/// a crash. `close` completes it (summary, metadata.yaml); the destructor does, ignoring errors.
+class BagWriter {
+ public:
+  /// Throws OutputError when the folder exists and is not empty, or cannot be made.
+  BagWriter(const std::filesystem::path& folder, BagStorage storage,
+            BagCompression compression = BagCompression::kNone);
+  ~BagWriter();
+  BagWriter(const BagWriter&) = delete;
+  BagWriter& operator=(const BagWriter&) = delete;
+
+  /// Adding a name again gives its place again.
+  std::size_t add_topic(const BagTopic& topic);
+  /// Throws OutputError (full disk, ...). Any order of stamps.
+  void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr);
+  void close();
+
+  /// One storage file; implemented for SQLite and MCAP.
+  class File {
+   public:
+    File() = default;
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    virtual ~File() = default;
+    virtual void add_topic(const BagTopic& topic) = 0;
+    virtual void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) = 0;
+    virtual void close() = 0;
+  };
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace strata::log

@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/log/carmen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "components/log/text.hpp"
+#include "components/log/whole_file.hpp"
+#include "core/base/error.hpp"
+#include "core/geometry/angle.hpp"
+
+namespace strata::log {
+namespace {
+
+constexpr float kSickMaximum = 80.0F;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr std::size_t kMostBeams = 100'000;
+
+struct RawScan {
+  Observation observation;
+  Pose2 laser_pose;
+  bool states_maximum = false;  ///< ROBOTLASER1
+};
+
+/// The words of one line with a cursor; every failure is remembered, not thrown.
+class Fields {
+ public:
+  explicit Fields(const std::vector<std::string_view>& words) : words_(words) {}
+  [[nodiscard]] std::size_t left() const { return words_.size() - at_; }
+  double number() {
+    const auto value = at_ < words_.size() ? parse_double(words_[at_++]) : std::nullopt;
+    if (!value || !std::isfinite(*value)) ok_ = false;
+    return value.value_or(0.0);
+  }
+  float range() {
+    const auto value = at_ < words_.size() ? parse_float(words_[at_++]) : std::nullopt;
+    if (!value) ok_ = false;
+    return value.value_or(0.0F);
+  }
+  std::size_t count() {
+    const auto value = at_ < words_.size() ? parse_integer(words_[at_++]) : std::nullopt;
+    if (!value || *value < 0 || *value > static_cast<long long>(kMostBeams)) {
+      ok_ = false;
+      return 0;
+    }
+    return static_cast<std::size_t>(*value);
+  }
+  Pose2 pose() {
+    const double x = number();
+    const double y = number();
+    return {x, y, wrap_angle(number())};
+  }
+  Stamp stamp() {
+    const auto value = at_ < words_.size() ? parse_stamp(words_[at_++]) : std::nullopt;
+    if (!value) ok_ = false;
+    return value.value_or(Stamp{});
+  }
+  [[nodiscard]] bool ok() const { return ok_; }
+
+ private:
+  const std::vector<std::string_view>& words_;
+  std::size_t at_ = 1;
+  bool ok_ = true;
+};
+
+void set_flaser_geometry(Scan& scan, double field_of_view_deg) {
+  // n odd (181, 361): the first and last beam are the ends of the field; n even: half a step
+  // inside, 180 beams at -89.5 ... +89.5 (which of the two is stated nowhere, see CONTRACTS).
+  const auto n = static_cast<double>(scan.size());
+  const bool odd = scan.size() % 2 == 1;
+  const double step_deg =
+      odd ? (n > 1 ? field_of_view_deg / (n - 1.0) : 0.0) : field_of_view_deg / n;
+  const double first_deg = -field_of_view_deg / 2.0 + (odd ? 0.0 : step_deg / 2.0);
+  scan.angle_min_rad = static_cast<float>(degrees_to_radians(first_deg));
+  scan.angle_increment_rad = static_cast<float>(degrees_to_radians(step_deg));
+  scan.range_min_m = 0.0F;
+  scan.range_max_m = kSickMaximum;
+}
+
+class CarmenParser {
+ public:
+  CarmenParser(const std::filesystem::path& path, const ReadOptions& options, ReadReport& report)
+      : path_(path), options_(options), report_(report) {}
+
+  LogContent read() {
+    read_lines();
+    if (scans_.empty()) {
+      throw InputError(report_.bad_lines > 0 ? report_.first_bad : path_.string(),
+                       report_.bad_lines > 0 ? "no line with a laser scan can be read"
+                                             : "holds no FLASER or ROBOTLASER1 line",
+                       "check that it is a CARMEN log of a laser scanner");
+    }
+    for (std::size_t i = 1; i < scans_.size(); ++i) {
+      if (stamp(scans_[i]) < stamp(scans_[i - 1])) ++report_.scans_out_of_order;
+    }
+    std::stable_sort(scans_.begin(), scans_.end(),
+                     [](const RawScan& a, const RawScan& b) { return stamp(a) < stamp(b); });
+    replace_no_return_codes();
+    find_mounting();
+    std::stable_sort(content_.odometry.begin(), content_.odometry.end(),
+                     [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
+    for (RawScan& scan : scans_) content_.observations.push_back(std::move(scan.observation));
+    report_.odometry_source = "scan";
+    return std::move(content_);
+  }
+
+ private:
+  static Stamp stamp(const RawScan& scan) { return scan.observation.scan.stamp; }
+
+  void bad(const std::string& place, const std::string& why) {
+    if (report_.bad_lines++ == 0) report_.first_bad = place + ": " + why;
+  }
+
+  void read_lines() {
+    LineReader lines(path_);
+    std::string line;
+    std::vector<std::string_view> words;
+    while (lines.next(line)) {
+      split(line, words);
+      if (words.empty() || words[0].front() == '#') continue;
+      const bool cut = lines.ended_without_newline();
+      if (words[0] == "FLASER") {
+        flaser(words, cut, lines);
+      } else if (words[0] == "ROBOTLASER1") {
+        robot_laser(words, cut, lines);
+      } else if (words[0] == "ODOM") {
+        odometry(words, cut, lines);
+      } else if (words[0] == "PARAM" && words.size() > 2 && words[1] == "robot_frontlaser_offset") {
+        front_laser_offset_ = parse_double(words[2]);
+      }
+      count(words[0]);
+      if (lines.line_number() % 1000 == 0) {
+        report_progress(options_.progress, "read log", lines.line_number(), 0);
+      }
+    }
+    if (!lines.damage().empty()) bad(lines.place(), "the gzip stream is damaged from here on");
+  }
+
+  void count(std::string_view keyword) {
+    // Binary rubbish must not make a key of its own for each line.
+    const bool is_word =
+        keyword.size() <= 40 && std::all_of(keyword.begin(), keyword.end(), [](char c) {
+          return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+        });
+    ++report_.messages[is_word ? std::string(keyword) : std::string("(not a message)")];
+  }
+
+  void flaser(const std::vector<std::string_view>& words, bool cut, const LineReader& lines) {
+    Fields fields(words);
+    RawScan raw;
+    Scan& scan = raw.observation.scan;
+    const std::size_t beams = fields.count();
+    // Behind the beams: two poses and the ipc stamp; host and logger stamp may be missing, but not
+    // where the file is cut.
+    const std::size_t least = beams + (cut ? 9 : 7);
+    if (!fields.ok() || fields.left() < least) return bad(lines.place(), "the line is too short");
+    scan.ranges_m.reserve(beams);
+    for (std::size_t i = 0; i < beams; ++i) scan.ranges_m.push_back(fields.range());
+    raw.laser_pose = fields.pose();
+    raw.observation.odom_from_robot = fields.pose();
+    scan.stamp = fields.stamp();
+    if (!fields.ok()) return bad(lines.place(), "a field is not a number");
+    set_flaser_geometry(scan, options_.flaser_field_of_view_deg);
+    keep(std::move(raw));
+  }
+
+  void robot_laser(const std::vector<std::string_view>& words, bool cut, const LineReader& lines) {
+    Fields fields(words);
+    RawScan raw;
+    raw.states_maximum = true;
+    Scan& scan = raw.observation.scan;
+    fields.number();  // laser type
+    scan.angle_min_rad = fields.range();
+    fields.number();  // field of view
+    scan.angle_increment_rad = fields.range();
+    scan.range_max_m = fields.range();
+    fields.number();  // accuracy
+    fields.number();  // remission mode
+    const std::size_t beams = fields.count();
+    if (!fields.ok() || fields.left() < beams + 1) {
+      return bad(lines.place(), "the line is too short");
+    }
+    for (std::size_t i = 0; i < beams; ++i) scan.ranges_m.push_back(fields.range());
+    const std::size_t remissions = fields.count();
+    if (!fields.ok() || fields.left() < remissions + (cut ? 14 : 12)) {
+      return bad(lines.place(), "the line is too short");
+    }
+    for (std::size_t i = 0; i < remissions; ++i) fields.range();
+    raw.laser_pose = fields.pose();
+    raw.observation.odom_from_robot = fields.pose();
+    for (int i = 0; i < 5; ++i) fields.number();  // velocities, safety distances, turn axis
+    scan.stamp = fields.stamp();
+    if (!fields.ok() || !(scan.range_max_m > 0.0F) || !std::isfinite(scan.angle_min_rad) ||
+        !std::isfinite(scan.angle_increment_rad)) {
+      return bad(lines.place(), "a field is not a number");
+    }
+    keep(std::move(raw));
+  }
+
+  void odometry(const std::vector<std::string_view>& words, bool cut, const LineReader& lines) {
+    Fields fields(words);
+    if (fields.left() < (cut ? 9U : 7U)) return bad(lines.place(), "the line is too short");
+    OdometrySample sample;
+    sample.odom_from_robot = fields.pose();
+    for (int i = 0; i < 3; ++i) fields.number();
+    sample.stamp = fields.stamp();
+    if (!fields.ok()) return bad(lines.place(), "a field is not a number");
+    content_.odometry.push_back(sample);
+  }
+
+  void keep(RawScan raw) {
+    raw.observation.run = options_.run;
+    const auto& ranges = raw.observation.scan.ranges_m;
+    if (std::all_of(ranges.begin(), ranges.end(), [](float r) { return std::isnan(r); })) {
+      ++report_.scans_without_beams;
+      return;
+    }
+    scans_.push_back(std::move(raw));
+  }
+
+  void replace_no_return_codes() {
+    float code = kSickMaximum;
+    std::vector<float> readings;
+    for (const RawScan& raw : scans_) {
+      for (const float range : raw.observation.scan.ranges_m) {
+        if (!raw.states_maximum && range < kSickMaximum && range > 1.0F) readings.push_back(range);
+      }
+    }
+    const bool has_sick_code = std::any_of(scans_.begin(), scans_.end(), [](const RawScan& raw) {
+      return !raw.states_maximum &&
+             std::any_of(raw.observation.scan.ranges_m.begin(), raw.observation.scan.ranges_m.end(),
+                         [](float r) { return r >= kSickMaximum; });
+    });
+    if (!readings.empty() && !has_sick_code) {
+      const float top = *std::max_element(readings.begin(), readings.end());
+      const auto within = [&](float from, float to) {
+        return std::count_if(readings.begin(), readings.end(),
+                             [&](float r) { return r >= from && r < to; });
+      };
+      const auto pile = within(top - 0.1F, top + 1.0F);
+      if (pile >= 20 && pile >= 10 * within(top - 1.1F, top - 0.1F)) {
+        code = top + 1.0F;
+        for (const float r : readings) {
+          if (r >= top - 0.1F) code = std::min(code, r);
+        }
+        report_.warnings.push_back("readings from " + format_number(code) +
+                                   " m on pile up and are taken for no return");
+      }
+    }
+    for (RawScan& raw : scans_) {
+      Scan& scan = raw.observation.scan;
+      if (!raw.states_maximum) scan.range_max_m = code;
+      for (float& range : scan.ranges_m) {
+        if (range >= scan.range_max_m) range = kInfinity;
+      }
+    }
+  }
+
+  void find_mounting() {
+    std::vector<double> x, y, theta;
+    for (const RawScan& raw : scans_) {
+      const Pose2 difference = between(raw.observation.odom_from_robot, raw.laser_pose);
+      x.push_back(difference.x);
+      y.push_back(difference.y);
+      theta.push_back(difference.theta);
+    }
+    // Rounded: the poses carry few decimals, and the mounting of a robot is not known better.
+    const auto median = [](std::vector<double>& values) {
+      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+      std::nth_element(values.begin(), middle, values.end());
+      return std::round(*middle * 1e4) / 1e4 + 0.0;
+    };
+    Pose2 mounting{median(x), median(y), median(theta)};
+    report_.mounting_source = "laser - odometry";
+    const auto differs = [&](const RawScan& raw) {
+      const Pose2 seen = between(raw.observation.odom_from_robot, raw.laser_pose);
+      return translation_distance(seen, mounting) > 0.02 ||
+             std::abs(angle_difference(seen.theta, mounting.theta)) > 0.02;
+    };
+    const auto odd = static_cast<std::size_t>(std::count_if(scans_.begin(), scans_.end(), differs));
+    if (2 * odd > scans_.size()) {
+      mounting = {front_laser_offset_.value_or(0.0), 0.0, 0.0};
+      report_.mounting_source = front_laser_offset_ ? "PARAM robot_frontlaser_offset" : "assumed";
+      report_.warnings.push_back(
+          "laser and odometry poses drift apart (a corrected log?); the laser is taken to be " +
+          format_number(mounting.x) + " m ahead");
+    }
+    for (RawScan& raw : scans_) raw.observation.scan.robot_from_laser = mounting;
+  }
+
+  std::filesystem::path path_;
+  const ReadOptions& options_;
+  ReadReport& report_;
+  std::vector<RawScan> scans_;
+  LogContent content_;
+  std::optional<double> front_laser_offset_;
+};
+
+}  // namespace
+
+LogContent read_carmen(const std::filesystem::path& path, const ReadOptions& options,
+                       ReadReport& report) {
+  report.format = LogFormat::kCarmen;
+  return CarmenParser(path, options, report).read();
+}
+
+namespace {
+
+bool fits_flaser(const Scan& scan) {
+  Scan plain = scan;
+  set_flaser_geometry(plain, 180.0);
+  return scan.size() > 0 && scan.angle_min_rad == plain.angle_min_rad &&
+         scan.angle_increment_rad == plain.angle_increment_rad &&
+         scan.range_max_m == plain.range_max_m;
+}
+
+void write_poses(std::ostream& out, const Observation& observation) {
+  const Pose2 laser = observation.odom_from_robot * observation.scan.robot_from_laser;
+  for (const Pose2& pose : {laser, observation.odom_from_robot}) {
+    out << ' ' << format_number(pose.x) << ' ' << format_number(pose.y) << ' '
+        << format_number(pose.theta);
+  }
+}
+
+void write_ranges(std::ostream& out, const Scan& scan) {
+  out << ' ' << scan.size();
+  const std::string no_return = format_number(std::max(81.83F, scan.range_max_m));
+  for (const float range : scan.ranges_m) {
+    out << ' ' << (range == kInfinity ? no_return : format_number(range));
+  }
+}
+
+void write_scan(std::ostream& out, const Observation& observation) {
+  const Scan& scan = observation.scan;
+  const std::string end = " " + format_stamp(scan.stamp) + " strata " + format_stamp(scan.stamp);
+  if (fits_flaser(scan)) {
+    out << "FLASER";
+    write_ranges(out, scan);
+    write_poses(out, observation);
+  } else {
+    const double field = static_cast<double>(scan.angle_increment_rad) *
+                         static_cast<double>(scan.size() > 0 ? scan.size() - 1 : 0);
+    out << "ROBOTLASER1 0 " << format_number(scan.angle_min_rad) << ' ' << format_number(field)
+        << ' ' << format_number(scan.angle_increment_rad) << ' ' << format_number(scan.range_max_m)
+        << " 0.01 0";
+    write_ranges(out, scan);
+    out << " 0";
+    write_poses(out, observation);
+    out << " 0 0 0 0 0";
+  }
+  out << end << '\n';
+}
+
+}  // namespace
+
+void write_carmen(const std::filesystem::path& path, const LogContent& content) {
+  WholeFile file(path);
+  std::ostream& out = file.stream();
+  out << "# CARMEN log written by strata; metres and radians\n";
+  if (!content.observations.empty()) {
+    const Pose2& mounting = content.observations.front().scan.robot_from_laser;
+    out << "PARAM robot_frontlaser_offset " << format_number(mounting.x) << " strata 0\n";
+  }
+  std::size_t next = 0;
+  // A sample at a scan's stamp says what the scan's line says; reading would count it twice.
+  std::set<std::int64_t> scan_stamps;
+  for (const Observation& o : content.observations) scan_stamps.insert(o.scan.stamp.ns);
+  const auto write_odometry_until = [&](Stamp stamp) {
+    for (; next < content.odometry.size() && content.odometry[next].stamp <= stamp; ++next) {
+      const OdometrySample& sample = content.odometry[next];
+      if (scan_stamps.contains(sample.stamp.ns)) continue;
+      const std::string time = format_stamp(sample.stamp);
+      out << "ODOM " << format_number(sample.odom_from_robot.x) << ' '
+          << format_number(sample.odom_from_robot.y) << ' '
+          << format_number(sample.odom_from_robot.theta) << " 0 0 0 " << time << " strata " << time
+          << '\n';
+    }
+  };
+  for (const Observation& observation : content.observations) {
+    write_odometry_until(observation.scan.stamp);
+    write_scan(out, observation);
+  }
+  write_odometry_until(Stamp{std::numeric_limits<std::int64_t>::max()});
+  file.commit();
+}
+
+}  // namespace strata::log

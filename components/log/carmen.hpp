@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+/// CARMEN logs: FLASER, ODOM, ROBOTLASER1 (old and new format, metres and radians).
+#pragma once
+
+#include <filesystem>
+
+#include "components/log/log_reader.hpp"
+
+namespace strata::log {
+
+/// Reads a log. Scans are sorted by the ipc stamp. Odometry at a scan is the message's own; the
+/// laser's mounting is the median difference of laser and odometry pose, or, when the two drift
+/// apart (a corrected log over raw odometry), PARAM robot_frontlaser_offset.
+///
+/// No-return codes of FLASER: 80 m and above (a SICK sends 81.83, 81.87, 81.91); besides, the
+/// largest reading of the log when it piles up (at least 20 readings within 0.1 m of it, and ten
+/// times as many as in the metre below), as 50 or 51.x do. ROBOTLASER1 states its maximum. All
+/// become +Inf.
+[[nodiscard]] LogContent read_carmen(const std::filesystem::path& path, const ReadOptions& options,
+                                     ReadReport& report);
+
+/// Writes FLASER where it says everything about a scan, ROBOTLASER1 elsewhere, and ODOM between.
+/// Numbers are written so that they read back to the same bits; +Inf becomes 81.83 (or the
+/// scanner's maximum when that is longer), NaN stays "nan". Throws OutputError.
+void write_carmen(const std::filesystem::path& path, const LogContent& content);
+
+}  // namespace strata::log

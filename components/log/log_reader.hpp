@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Any recorded log as scans with odometry, at wire precision.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::log {
+
+enum class LogFormat { kCarmen, kSqlite3, kMcap, kBagFolder };
+
+/// Told by content, never by name. Throws InputError for anything else, with what it looks like.
+[[nodiscard]] LogFormat detect_format(const std::filesystem::path& path);
+[[nodiscard]] const char* format_name(LogFormat format);
+
+struct ReadOptions {
+  int run = 0;  ///< given to every observation
+  /// Seconds from the first scan; scans outside [from_s, to_s] are left out.
+  double from_s = 0.0;
+  double to_s = std::numeric_limits<double>::infinity();
+  bool use_odometry = true;
+  bool undistort = true;  ///< scans with time_increment; the corrected scan has none
+  /// Bags: empty takes the only topic of the type, or /scan and /odom among several.
+  std::string scan_topic;
+  std::string odom_topic;
+  std::string odom_frame = "odom";        ///< when odometry comes from tf
+  std::string robot_frame = "base_link";  ///< when odometry does not name its child frame
+  /// A scan further than this from any odometry is skipped.
+  double max_odometry_gap_s = 1.0;
+  /// CARMEN's FLASER does not say its field of view; it is taken as centred on straight ahead.
+  double flaser_field_of_view_deg = 180.0;
+  Progress* progress = nullptr;
+};
+
+/// What reading met. Nothing is skipped without being counted here.
+struct ReadReport {
+  LogFormat format = LogFormat::kCarmen;
+  std::map<std::string, std::size_t> messages;  ///< per CARMEN keyword or topic
+  std::map<std::string, std::string> types;     ///< per topic of a bag
+  std::size_t bad_lines = 0;                    ///< unreadable lines or messages
+  std::string first_bad;                        ///< where the first one is and why
+  std::size_t scans_without_beams = 0;          ///< skipped: no beams, or NaN in every one
+  std::size_t scans_without_odometry = 0;       ///< skipped: odometry exists but not at that time
+  std::size_t scans_out_of_order = 0;           ///< came later than a younger one; sorted
+  std::string odometry_source;                  ///< "scan", a topic, "tf", or "none"
+  std::string mounting_source;                  ///< "tf_static", "laser - odometry", "assumed"
+  std::vector<std::string> warnings;
+};
+
+/// Odometry between scans; kept so that converting a log loses none.
+struct OdometrySample {
+  Stamp stamp;
+  Pose2 odom_from_robot;
+};
+
+/// A log with everything of it that Strata understands.
+struct LogContent {
+  std::vector<Observation> observations;  ///< by stamp
+  std::vector<OdometrySample> odometry;   ///< by stamp; without the scans' own in CARMEN
+  std::string scan_frame = "laser";
+  std::string robot_frame = "base_link";
+  std::string odom_frame = "odom";
+};
+
+/// Throws InputError when the file cannot be read or holds no usable scan; what is damaged in part
+/// is read up to the damage and counted. O(size of the log).
+[[nodiscard]] LogContent read_log(const std::filesystem::path& path,
+                                  const ReadOptions& options = {}, ReadReport* report = nullptr);
+[[nodiscard]] std::vector<Observation> read_observations(const std::filesystem::path& path,
+                                                         const ReadOptions& options = {},
+                                                         ReadReport* report = nullptr);
+
+}  // namespace strata::log

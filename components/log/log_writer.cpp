@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/log/log_writer.hpp"
+
+#include <algorithm>
+#include <string>
+#include <system_error>
+
+#include "strata_idl/nav_msgs.h"
+#include "strata_idl/sensor_msgs.h"
+#include "strata_idl/tf2_msgs.h"
+#include <unistd.h>
+
+#include "components/convert/cdr.hpp"
+#include "components/convert/geometry_messages.hpp"
+#include "components/convert/scan_messages.hpp"
+#include "components/log/odometry_track.hpp"
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::log {
+namespace {
+
+void write_messages(BagWriter& bag, const LogContent& content) {
+  const std::size_t tf_static =
+      bag.add_topic({"/tf_static", "tf2_msgs/msg/TFMessage", "cdr", recorded_qos(true)});
+  const std::size_t scan_topic =
+      bag.add_topic({"/scan", "sensor_msgs/msg/LaserScan", "cdr", recorded_qos()});
+  const bool has_odometry = !content.odometry.empty() ||
+                            std::any_of(content.observations.begin(), content.observations.end(),
+                                        [](const Observation& o) { return o.has_odometry; });
+  const std::size_t odom =
+      has_odometry ? bag.add_topic({"/odom", "nav_msgs/msg/Odometry", "cdr", recorded_qos()}) : 0;
+  const std::size_t tf =
+      has_odometry ? bag.add_topic({"/tf", "tf2_msgs/msg/TFMessage", "cdr", recorded_qos()}) : 0;
+
+  if (content.observations.empty()) return;
+  const Observation& first = content.observations.front();
+  Stamp begin = first.scan.stamp;
+  if (!content.odometry.empty()) begin = std::min(begin, content.odometry.front().stamp);
+  tf2_msgs::msg::TFMessage mounting;
+  mounting.transforms().push_back(convert::to_transform_stamped(
+      begin, first.scan.robot_from_laser, content.robot_frame, content.scan_frame));
+  bag.write(tf_static, begin, convert::to_cdr(mounting));
+
+  const auto write_odometry = [&](Stamp stamp, const Pose2& pose) {
+    bag.write(odom, stamp,
+              convert::to_cdr(
+                  convert::to_odometry(stamp, pose, content.odom_frame, content.robot_frame)));
+    tf2_msgs::msg::TFMessage message;
+    message.transforms().push_back(
+        convert::to_transform_stamped(stamp, pose, content.odom_frame, content.robot_frame));
+    bag.write(tf, stamp, convert::to_cdr(message));
+  };
+  std::size_t next = 0;
+  const auto write_odometry_before = [&](Stamp stamp) {
+    for (; next < content.odometry.size() && content.odometry[next].stamp < stamp; ++next) {
+      write_odometry(content.odometry[next].stamp, content.odometry[next].odom_from_robot);
+    }
+  };
+  for (const Observation& observation : content.observations) {
+    const Stamp stamp = observation.scan.stamp;
+    write_odometry_before(stamp);
+    if (observation.has_odometry) {
+      write_odometry(stamp, observation.odom_from_robot);
+      while (next < content.odometry.size() && content.odometry[next].stamp == stamp) ++next;
+    }
+    bag.write(scan_topic, stamp,
+              convert::to_cdr(convert::to_message(observation.scan, content.scan_frame)));
+  }
+  if (!content.odometry.empty()) {
+    write_odometry_before(content.odometry.back().stamp + Duration{1});
+  }
+}
+
+}  // namespace
+
+std::string recorded_qos(bool transient_local, bool reliable) {
+  return std::string("- history: 3\n  depth: 0\n  reliability: ") + (reliable ? "1" : "2") +
+         "\n  durability: " + (transient_local ? "1" : "2") +
+         "\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n  lifespan:\n    sec: "
+         "9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n    "
+         "sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false";
+}
+
+void write_bag(const fs::path& folder, const LogContent& content, BagStorage storage,
+               BagCompression compression) {
+  std::error_code error;
+  if (fs::exists(folder, error) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
+    throw OutputError(folder.string(), "exists already", "choose another name or remove it");
+  }
+  fs::path whole = fs::weakly_canonical(fs::absolute(folder));
+  if (!whole.has_filename()) whole = whole.parent_path();
+  const fs::path aside = whole.parent_path() /
+                         ("." + whole.filename().string() + ".partial-" + std::to_string(getpid()));
+  fs::remove_all(aside, error);
+  try {
+    BagWriter bag(aside, storage, compression);
+    write_messages(bag, content);
+    bag.close();
+    fs::remove(whole, error);  // an empty folder of that name
+    fs::rename(aside, whole);
+  } catch (const fs::filesystem_error& failure) {
+    fs::remove_all(aside, error);
+    throw OutputError(folder.string(), std::string("cannot be written: ") + failure.what(),
+                      "choose another place");
+  } catch (...) {
+    fs::remove_all(aside, error);
+    throw;
+  }
+}
+
+}  // namespace strata::log

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+/// MCAP as rosbag2 writes it: chunks plain, zstd or lz4, with CRCs. The data section alone is read;
+/// summary and indexes only repeat it, and are missing when a recording broke off.
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <lz4frame.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include "components/log/bag_storage.hpp"
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::log {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+using View = std::span<const std::uint8_t>;
+
+enum Opcode : std::uint8_t {
+  kHeader = 1,
+  kFooter = 2,
+  kSchema = 3,
+  kChannel = 4,
+  kMessage = 5,
+  kChunk = 6,
+  kDataEnd = 15,
+};
+/// No honest chunk is larger; a damaged length must not take the machine's memory.
+constexpr std::uint64_t kLargestChunk = 512ULL << 20;
+
+/// Little-endian fields one after the other; `ok` turns false when they run out.
+class Cursor {
+ public:
+  explicit Cursor(View bytes) : bytes_(bytes) {}
+  [[nodiscard]] bool ok() const { return ok_; }
+  template <typename T>
+  T number() {
+    T value = 0;
+    const View raw = take(sizeof(T));
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      value = static_cast<T>(value | (static_cast<T>(raw[i]) << (8 * i)));
+    }
+    return value;
+  }
+  View take(std::uint64_t size) {
+    if (!ok_ || size > bytes_.size() - at_) {
+      ok_ = false;
+      return {};
+    }
+    const View part = bytes_.subspan(at_, static_cast<std::size_t>(size));
+    at_ += static_cast<std::size_t>(size);
+    return part;
+  }
+  std::string text() {
+    const View raw = take(number<std::uint32_t>());
+    return {raw.begin(), raw.end()};
+  }
+  std::map<std::string, std::string> text_map() {
+    Cursor inner(take(number<std::uint32_t>()));
+    std::map<std::string, std::string> values;
+    while (inner.left() > 0 && inner.ok()) {
+      std::string key = inner.text();
+      values[std::move(key)] = inner.text();
+    }
+    return values;
+  }
+  View rest() { return take(bytes_.size() - at_); }
+  [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
+
+ private:
+  View bytes_;
+  std::size_t at_ = 0;
+  bool ok_ = true;
+};
+
+/// Empty with a reason when the bytes are not what they should be.
+Bytes decompress(const std::string& method, View packed, std::uint64_t size, std::string& error) {
+  if (method.empty()) return {packed.begin(), packed.end()};
+  Bytes plain(static_cast<std::size_t>(size));
+  if (method == "zstd") {
+    const std::size_t got =
+        ZSTD_decompress(plain.data(), plain.size(), packed.data(), packed.size());
+    if (ZSTD_isError(got) != 0U) error = ZSTD_getErrorName(got);
+    if (error.empty() && got != plain.size()) error = "it unpacks to another length";
+  } else if (method == "lz4") {
+    LZ4F_dctx* context = nullptr;
+    LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
+    std::size_t to = 0;
+    std::size_t from = 0;
+    while (from < packed.size() && error.empty()) {
+      std::size_t room = plain.size() - to;
+      std::size_t given = packed.size() - from;
+      const std::size_t hint =
+          LZ4F_decompress(context, plain.data() + to, &room, packed.data() + from, &given, nullptr);
+      if (LZ4F_isError(hint) != 0U) error = LZ4F_getErrorName(hint);
+      to += room;
+      from += given;
+      if (hint == 0 || (room == 0 && given == 0)) break;
+    }
+    LZ4F_freeDecompressionContext(context);
+    if (error.empty() && to != plain.size()) error = "it unpacks to another length";
+  } else {
+    error = "unknown compression " + method;
+  }
+  if (!error.empty()) plain.clear();
+  return plain;
+}
+
+class McapReader : public BagReader {
+ public:
+  explicit McapReader(const fs::path& file) : file_(file), in_(file, std::ios::binary) {
+    if (!in_) throw InputError(file.string(), "cannot be opened", "check its permissions");
+    size_ = fs::file_size(file);
+    scan_file();
+    std::stable_sort(pieces_.begin(), pieces_.end(),
+                     [](const Piece& a, const Piece& b) { return a.begin_ns < b.begin_ns; });
+    prefetch();
+    if (topics_.empty()) {
+      throw InputError(file.string(),
+                       damage_.count > 0 ? damage_.first : std::string("holds no topics"),
+                       "check that it was copied whole");
+    }
+  }
+
+  const std::vector<BagTopic>& topics() const override { return topics_; }
+  const BagDamage& damage() const override { return damage_; }
+
+  bool next(BagMessage& message) override {
+    prefetch();
+    if (waiting_.empty()) return false;
+    std::pop_heap(waiting_.begin(), waiting_.end(), later);
+    message = std::move(waiting_.back().message);
+    waiting_.pop_back();
+    return true;
+  }
+
+ private:
+  /// A chunk, or a message outside of chunks.
+  struct Piece {
+    std::uint64_t begin_ns;
+    std::uint64_t offset;
+    std::uint64_t size;
+    Opcode opcode;
+  };
+  struct Waiting {
+    BagMessage message;
+    std::uint64_t order;
+  };
+  static bool later(const Waiting& a, const Waiting& b) {
+    return std::pair(a.message.stamp, a.order) > std::pair(b.message.stamp, b.order);
+  }
+
+  [[nodiscard]] std::string place(std::uint64_t offset) const {
+    return file_.string() + ": byte " + std::to_string(offset) + ": ";
+  }
+
+  Bytes read(std::uint64_t offset, std::uint64_t size) {
+    Bytes bytes(static_cast<std::size_t>(size));
+    in_.clear();
+    in_.seekg(static_cast<std::streamoff>(offset));
+    in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+    bytes.resize(static_cast<std::size_t>(in_.gcount()));
+    return bytes;
+  }
+
+  /// Walks over the records of the file without reading chunks.
+  void scan_file() {
+    std::uint64_t at = 8;  // behind the magic
+    while (at < size_) {
+      const Bytes head = read(at, 9);
+      Cursor cursor{View(head)};
+      const auto opcode = cursor.number<std::uint8_t>();
+      const auto length = cursor.number<std::uint64_t>();
+      if (!cursor.ok() || length > size_ - at - 9) {
+        damage_.add(place(at) + "the file is cut here");
+        return;
+      }
+      const std::uint64_t body = at + 9;
+      if (opcode == kDataEnd || opcode == kFooter) return;
+      if (opcode == kChunk || opcode == kMessage) {
+        const Bytes start = read(body, std::min<std::uint64_t>(length, 24));
+        Cursor fields{View(start)};
+        if (opcode == kMessage) fields.take(6);
+        pieces_.push_back({fields.number<std::uint64_t>(), body, length, Opcode(opcode)});
+      } else if (opcode == kSchema || opcode == kChannel) {
+        const Bytes record = read(body, length);
+        take_record(opcode, record, body);
+      } else if (opcode == 0 || (opcode > kDataEnd && opcode < 0x80)) {
+        damage_.add(place(at) + "is not a record; nothing behind it is read");
+        return;
+      }
+      at = body + length;
+    }
+    damage_.add(place(at) + "the file ends without its end mark");
+  }
+
+  /// Loads chunks until every message that could come next is there.
+  void prefetch() {
+    while (
+        next_piece_ < pieces_.size() &&
+        (waiting_.empty() || pieces_[next_piece_].begin_ns <=
+                                 static_cast<std::uint64_t>(waiting_.front().message.stamp.ns))) {
+      const Piece piece = pieces_[next_piece_++];
+      const Bytes bytes = read(piece.offset, piece.size);
+      if (piece.opcode == kMessage) {
+        take_record(kMessage, bytes, piece.offset);
+      } else {
+        load_chunk(bytes, piece.offset);
+      }
+    }
+  }
+
+  void load_chunk(View bytes, std::uint64_t offset) {
+    Cursor cursor(bytes);
+    cursor.number<std::uint64_t>();
+    cursor.number<std::uint64_t>();
+    const auto plain_size = cursor.number<std::uint64_t>();
+    const auto crc = cursor.number<std::uint32_t>();
+    const std::string method = cursor.text();
+    const View packed = cursor.take(cursor.number<std::uint64_t>());
+    std::string error;
+    Bytes plain;
+    if (!cursor.ok() || plain_size > kLargestChunk) {
+      error = "its header is damaged";
+    } else {
+      plain = decompress(method, packed, plain_size, error);
+      if (error.empty() && crc != 0 &&
+          crc32(0, plain.data(), static_cast<unsigned>(plain.size())) != crc) {
+        error = "its checksum does not fit";
+      }
+    }
+    if (!error.empty()) {
+      damage_.add(place(offset) + "a chunk is left out: " + error);
+      return;
+    }
+    Cursor records{View(plain)};
+    while (records.left() > 0) {
+      const auto opcode = records.number<std::uint8_t>();
+      const View body = records.take(records.number<std::uint64_t>());
+      if (!records.ok()) {
+        damage_.add(place(offset) + "a chunk ends inside a record");
+        return;
+      }
+      take_record(opcode, body, offset);
+    }
+  }
+
+  void take_record(std::uint8_t opcode, View body, std::uint64_t offset) {
+    Cursor cursor(body);
+    if (opcode == kSchema) {
+      const auto id = cursor.number<std::uint16_t>();
+      schemas_[id] = cursor.text();
+    } else if (opcode == kChannel) {
+      take_channel(cursor);
+    } else if (opcode == kMessage) {
+      const auto channel = places_.find(cursor.number<std::uint16_t>());
+      cursor.number<std::uint32_t>();
+      const auto stamp = cursor.number<std::uint64_t>();
+      cursor.number<std::uint64_t>();
+      constexpr auto kLatest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+      if (!cursor.ok() || channel == places_.end() || stamp > kLatest) {
+        damage_.add(place(offset) + "a message is not readable or belongs to no topic");
+        return;
+      }
+      const View data = cursor.rest();
+      Waiting entry;
+      entry.message.topic = channel->second;
+      entry.message.stamp = {static_cast<std::int64_t>(stamp)};
+      entry.message.data.assign(data.begin(), data.end());
+      entry.order = order_++;
+      waiting_.push_back(std::move(entry));
+      std::push_heap(waiting_.begin(), waiting_.end(), later);
+      return;
+    }
+    if (!cursor.ok()) damage_.add(place(offset) + "a record is too short");
+  }
+
+  void take_channel(Cursor& cursor) {
+    const auto id = cursor.number<std::uint16_t>();
+    const auto schema = cursor.number<std::uint16_t>();
+    BagTopic topic;
+    topic.name = cursor.text();
+    topic.serialization_format = cursor.text();
+    const auto metadata = cursor.text_map();
+    if (!cursor.ok() || places_.contains(id)) return;
+    topic.type = schemas_[schema];
+    if (const auto qos = metadata.find("offered_qos_profiles"); qos != metadata.end()) {
+      topic.offered_qos_profiles = qos->second;
+    }
+    places_[id] = topics_.size();
+    topics_.push_back(std::move(topic));
+  }
+
+  fs::path file_;
+  std::ifstream in_;
+  std::uint64_t size_ = 0;
+  std::vector<Piece> pieces_;
+  std::size_t next_piece_ = 0;
+  std::map<std::uint16_t, std::string> schemas_;
+  std::map<std::uint16_t, std::size_t> places_;
+  std::vector<BagTopic> topics_;
+  std::vector<Waiting> waiting_;
+  std::uint64_t order_ = 0;
+  BagDamage damage_;
+};
+
+}  // namespace
+
+std::unique_ptr<BagReader> open_mcap(const fs::path& file) {
+  return std::make_unique<McapReader>(file);
+}
+
+}  // namespace strata::log

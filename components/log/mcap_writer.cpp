@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+/// MCAP as rosbag2 reads it: profile ros2, CDR messages in chunks with CRCs, message indexes, and a
+/// summary that repeats schemas and channels.
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <lz4frame.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include "components/log/bag_storage.hpp"
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::log {
+namespace {
+
+using View = std::span<const std::uint8_t>;
+
+constexpr std::string_view kMagic = "\x89MCAP0\r\n";
+constexpr std::size_t kChunkBytes = 1 << 20;
+constexpr std::uint8_t kHeader = 1, kFooter = 2, kSchema = 3, kChannel = 4, kMessage = 5,
+                       kChunk = 6, kMessageIndex = 7, kChunkIndex = 8, kStatistics = 11,
+                       kSummaryOffset = 14, kDataEnd = 15;
+
+/// Little-endian fields.
+class Record {
+ public:
+  template <typename T>
+  Record& number(T value) {
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+    }
+    return *this;
+  }
+  Record& raw(View data) {
+    bytes_.insert(bytes_.end(), data.begin(), data.end());
+    return *this;
+  }
+  Record& text(std::string_view value) {
+    number(static_cast<std::uint32_t>(value.size()));
+    for (const char c : value) bytes_.push_back(static_cast<std::uint8_t>(c));
+    return *this;
+  }
+  /// As a record: opcode, length, content.
+  Record& record(std::uint8_t opcode, const Record& content) {
+    number(opcode);
+    number(static_cast<std::uint64_t>(content.bytes_.size()));
+    return raw(content.bytes_);
+  }
+  void clear() { bytes_.clear(); }
+  [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+std::vector<std::uint8_t> compress(View plain, BagCompression method) {
+  std::vector<std::uint8_t> packed;
+  if (method == BagCompression::kZstd) {
+    packed.resize(ZSTD_compressBound(plain.size()));
+    packed.resize(ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), 3));
+  } else if (method == BagCompression::kLz4) {
+    packed.resize(LZ4F_compressFrameBound(plain.size(), nullptr));
+    packed.resize(
+        LZ4F_compressFrame(packed.data(), packed.size(), plain.data(), plain.size(), nullptr));
+  } else {
+    packed.assign(plain.begin(), plain.end());
+  }
+  return packed;
+}
+
+class McapFile : public BagWriter::File {
+ public:
+  McapFile(const fs::path& file, BagCompression compression)
+      : file_(file), out_(file, std::ios::binary | std::ios::trunc), compression_(compression) {
+    Record start;
+    start.raw(View(reinterpret_cast<const std::uint8_t*>(kMagic.data()), kMagic.size()));
+    start.record(kHeader, Record().text("ros2").text("strata"));
+    put(start);
+  }
+
+  void add_topic(const BagTopic& topic) override {
+    const auto [schema, is_new] =
+        schemas_.try_emplace(topic.type, static_cast<std::uint16_t>(schemas_.size() + 1));
+    if (is_new) {
+      definitions_.record(kSchema, Record()
+                                       .number(schema->second)
+                                       .text(topic.type)
+                                       .text("ros2msg")
+                                       .text(message_definition(topic.type)));
+    }
+    Record metadata;
+    metadata.text("offered_qos_profiles").text(topic.offered_qos_profiles);
+    Record channel;
+    channel.number(channels_).number(schema->second).text(topic.name);
+    channel.text(topic.serialization_format);
+    channel.number(static_cast<std::uint32_t>(metadata.bytes().size())).raw(metadata.bytes());
+    definitions_.record(kChannel, channel);
+    counts_.push_back(0);
+    ++channels_;
+    // Every chunk begins with all topics, so that each can be read alone.
+    flush();
+  }
+
+  void write(std::size_t topic, Stamp stamp, View cdr) override {
+    if (stamp.ns < 0) {
+      throw OutputError(file_.string(), "MCAP has no stamps before 1970",
+                        "write SQLite or shift the stamps");
+    }
+    const auto ns = static_cast<std::uint64_t>(stamp.ns);
+    if (messages_in_chunk_ == 0) {
+      chunk_.clear();
+      chunk_.raw(definitions_.bytes());
+      chunk_begin_ = std::numeric_limits<std::uint64_t>::max();
+      chunk_end_ = 0;
+      chunk_started_ = Clock::now();
+    }
+    index_[static_cast<std::uint16_t>(topic)].emplace_back(ns, chunk_.bytes().size());
+    const auto channel = static_cast<std::uint16_t>(topic);
+    chunk_.number(kMessage).number(static_cast<std::uint64_t>(22 + cdr.size()));
+    chunk_.number(channel).number(static_cast<std::uint32_t>(counts_.at(topic)++));
+    chunk_.number(ns).number(ns).raw(cdr);
+    ++messages_in_chunk_;
+    chunk_begin_ = std::min(chunk_begin_, ns);
+    chunk_end_ = std::max(chunk_end_, ns);
+    if (chunk_.bytes().size() > kChunkBytes ||
+        Clock::now() - chunk_started_ > std::chrono::seconds(1)) {
+      flush();
+    }
+  }
+
+  void close() override {
+    flush();
+    Record end;
+    end.record(kDataEnd, Record().number(std::uint32_t{0}));
+    put(end);
+    const std::uint64_t summary = position_;
+    Record tail;
+    tail.raw(definitions_.bytes());
+    const std::uint64_t statistics_at = summary + tail.bytes().size();
+    tail.record(kStatistics, statistics());
+    const std::uint64_t chunks_at = summary + tail.bytes().size();
+    tail.raw(chunk_indexes_.bytes());
+    const std::uint64_t offsets_at = summary + tail.bytes().size();
+    const auto group = [&](std::uint8_t opcode, std::uint64_t from, std::uint64_t to) {
+      if (to > from) {
+        tail.record(kSummaryOffset, Record().number(opcode).number(from).number(to - from));
+      }
+    };
+    group(kStatistics, statistics_at, chunks_at);
+    group(kChunkIndex, chunks_at, offsets_at);
+    // The CRC covers the summary up to itself.
+    tail.number(kFooter).number(std::uint64_t{20}).number(summary).number(offsets_at);
+    const auto crc = static_cast<std::uint32_t>(
+        crc32(0, tail.bytes().data(), static_cast<unsigned>(tail.bytes().size())));
+    tail.number(crc);
+    tail.raw(View(reinterpret_cast<const std::uint8_t*>(kMagic.data()), kMagic.size()));
+    put(tail);
+    out_.close();
+    if (!out_) fail();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  [[noreturn]] void fail() const {
+    throw OutputError(file_.string(), "cannot be written",
+                      "free some space or choose another place");
+  }
+  void put(const Record& record) {
+    out_.write(reinterpret_cast<const char*>(record.bytes().data()),
+               static_cast<std::streamsize>(record.bytes().size()));
+    position_ += record.bytes().size();
+    if (!out_.flush()) fail();
+  }
+
+  void flush() {
+    if (messages_in_chunk_ == 0) return;
+    const auto& plain = chunk_.bytes();
+    const std::vector<std::uint8_t> packed = compress(plain, compression_);
+    const char* const names[] = {"", "zstd", "lz4"};
+    const std::string_view name = names[static_cast<int>(compression_)];
+    Record body;
+    body.number(chunk_begin_).number(chunk_end_).number(std::uint64_t{plain.size()});
+    body.number(
+        static_cast<std::uint32_t>(crc32(0, plain.data(), static_cast<unsigned>(plain.size()))));
+    body.text(name).number(std::uint64_t{packed.size()}).raw(packed);
+    Record chunk;
+    chunk.record(kChunk, body);
+
+    Record entry;
+    entry.number(chunk_begin_).number(chunk_end_).number(position_);
+    entry.number(std::uint64_t{chunk.bytes().size()});
+    Record offsets;
+    Record indexes;
+    const std::uint64_t indexes_at = position_ + chunk.bytes().size();
+    for (const auto& [channel, entries] : index_) {
+      offsets.number(channel).number(indexes_at + indexes.bytes().size());
+      Record array;
+      for (const auto& [ns, offset] : entries) {
+        array.number(ns).number(static_cast<std::uint64_t>(offset));
+      }
+      Record index;
+      index.number(channel).number(static_cast<std::uint32_t>(array.bytes().size()));
+      index.raw(array.bytes());
+      indexes.record(kMessageIndex, index);
+    }
+    entry.number(static_cast<std::uint32_t>(offsets.bytes().size())).raw(offsets.bytes());
+    entry.number(std::uint64_t{indexes.bytes().size()}).text(name);
+    entry.number(std::uint64_t{packed.size()}).number(std::uint64_t{plain.size()});
+    chunk_indexes_.record(kChunkIndex, entry);
+    put(chunk);
+    put(indexes);
+    begin_ = chunks_ == 0 ? chunk_begin_ : std::min(begin_, chunk_begin_);
+    end_ = std::max(end_, chunk_end_);
+    ++chunks_;
+    index_.clear();
+    messages_in_chunk_ = 0;
+  }
+
+  [[nodiscard]] Record statistics() const {
+    std::uint64_t total = 0;
+    Record counts;
+    for (std::size_t i = 0; i < counts_.size(); ++i) {
+      total += counts_[i];
+      counts.number(static_cast<std::uint16_t>(i)).number(counts_[i]);
+    }
+    Record record;
+    record.number(total).number(static_cast<std::uint16_t>(schemas_.size()));
+    record.number(static_cast<std::uint32_t>(channels_)).number(std::uint32_t{0});
+    record.number(std::uint32_t{0}).number(chunks_).number(begin_).number(end_);
+    record.number(static_cast<std::uint32_t>(counts.bytes().size())).raw(counts.bytes());
+    return record;
+  }
+
+  fs::path file_;
+  std::ofstream out_;
+  BagCompression compression_;
+  std::uint64_t position_ = 0;
+  std::map<std::string, std::uint16_t> schemas_;
+  std::uint16_t channels_ = 0;
+  std::vector<std::uint64_t> counts_;
+  Record definitions_;
+  Record chunk_;
+  std::size_t messages_in_chunk_ = 0;
+  std::uint64_t chunk_begin_ = 0;
+  std::uint64_t chunk_end_ = 0;
+  Clock::time_point chunk_started_;
+  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::size_t>>> index_;
+  Record chunk_indexes_;
+  std::uint32_t chunks_ = 0;
+  std::uint64_t begin_ = 0;
+  std::uint64_t end_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<BagWriter::File> create_mcap(const fs::path& file, BagCompression compression) {
+  return std::make_unique<McapFile>(file, compression);
+}
+
+}  // namespace strata::log

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/log/trajectory_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "components/log/carmen.hpp"
+#include "components/log/text.hpp"
+#include "components/log/whole_file.hpp"
+#include "core/base/error.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/geometry/pose3.hpp"
+
+namespace strata::log {
+namespace {
+
+/// Rows that state a standard deviation above this are unreliable [data of Olin: 103 of 357].
+constexpr double kLargestDeviationM = 0.3;
+
+std::vector<StampedPose> poses_of_corrected_log(const std::filesystem::path& path) {
+  ReadReport report;
+  const LogContent content = read_carmen(path, ReadOptions{}, report);
+  std::vector<StampedPose> poses;
+  for (const Observation& observation : content.observations) {
+    const Scan& scan = observation.scan;
+    poses.push_back({scan.stamp, observation.odom_from_robot});
+  }
+  return poses;
+}
+
+/// A log over raw odometry keeps the corrected pose in the laser fields only.
+std::vector<StampedPose> laser_poses(const std::filesystem::path& path) {
+  LineReader lines(path);
+  std::string line;
+  std::vector<std::string_view> words;
+  std::vector<StampedPose> poses;
+  ReadReport report;
+  const LogContent content = read_carmen(path, ReadOptions{}, report);
+  const Pose2 laser_from_robot = inverse(content.observations.front().scan.robot_from_laser);
+  while (lines.next(line)) {
+    split(line, words);
+    if (words.size() < 10 || words[0] != "FLASER") continue;
+    const auto beams = parse_integer(words[1]);
+    if (!beams || *beams < 0 || words.size() < static_cast<std::size_t>(*beams) + 9) continue;
+    const auto at = [&](std::size_t field) {
+      return words[static_cast<std::size_t>(*beams) + 2 + field];
+    };
+    const auto x = parse_double(at(0));
+    const auto y = parse_double(at(1));
+    const auto theta = parse_double(at(2));
+    const auto stamp = parse_stamp(at(6));
+    if (x && y && theta && stamp) {
+      poses.push_back({*stamp, Pose2{*x, *y, wrap_angle(*theta)} * laser_from_robot});
+    }
+  }
+  // ROBOTLASER1 alone: its robot pose is the corrected one.
+  return poses.empty() ? poses_of_corrected_log(path) : poses;
+}
+
+std::optional<StampedPose> parse_row(const std::vector<std::string_view>& words) {
+  if (words.size() < 4) return std::nullopt;
+  const auto stamp = parse_stamp(words[0]);
+  double values[7] = {};
+  const bool tum = words.size() == 8;
+  for (std::size_t i = 1; i < (tum ? 8U : 4U); ++i) {
+    const auto value = parse_double(words[i]);
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    values[i - 1] = *value;
+  }
+  if (!stamp) return std::nullopt;
+  StampedPose row{*stamp, {values[0], values[1], 0.0}};
+  if (tum) {
+    const Eigen::Quaterniond rotation(values[6], values[3], values[4], values[5]);
+    if (rotation.norm() < 0.5) return std::nullopt;
+    row.pose.theta = heading_of(rotation.normalized());
+  } else {
+    row.pose.theta = wrap_angle(values[2]);
+  }
+  return row;
+}
+
+}  // namespace
+
+std::vector<StampedPose> read_trajectory(const std::filesystem::path& path, double offset_s,
+                                         TrajectoryReport* report) {
+  TrajectoryReport own;
+  TrajectoryReport& used = report != nullptr ? *report : own;
+  used = TrajectoryReport{};
+  std::vector<StampedPose> poses;
+  LineReader lines(path);
+  std::string line;
+  std::vector<std::string_view> words;
+  bool states_deviation = false;
+  while (lines.next(line)) {
+    split(line, words);
+    if (words.empty()) continue;
+    if (words[0].front() == '#') {
+      states_deviation = words.back() == "sd";
+      continue;
+    }
+    if (words[0] == "FLASER" || words[0] == "ROBOTLASER1" || words[0] == "PARAM" ||
+        words[0] == "ODOM") {
+      poses = laser_poses(path);
+      break;
+    }
+    const auto row = parse_row(words);
+    if (!row) {
+      throw InputError(lines.place(), "is not a pose",
+                       "rows are `t x y theta` or TUM `t x y z qx qy qz qw`");
+    }
+    const auto deviation = states_deviation ? parse_double(words.back()) : std::nullopt;
+    if (deviation && !(*deviation <= kLargestDeviationM)) {
+      ++used.unreliable;
+      continue;
+    }
+    poses.push_back(*row);
+  }
+  if (poses.empty()) {
+    throw InputError(path.string(), "holds no usable pose",
+                     "give TUM, `t x y theta` rows or a corrected CARMEN log");
+  }
+  for (StampedPose& pose : poses) pose.stamp = pose.stamp + Duration::from_seconds(offset_s);
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
+  return poses;
+}
+
+void write_trajectory(const std::filesystem::path& path, std::span<const StampedPose> poses) {
+  WholeFile file(path);
+  for (const StampedPose& row : poses) {
+    char text[256];
+    std::snprintf(text, sizeof text, " %.9f %.9f 0 0 0 %.12f %.12f\n", row.pose.x, row.pose.y,
+                  std::sin(row.pose.theta / 2.0), std::cos(row.pose.theta / 2.0));
+    file.stream() << format_stamp(row.stamp) << text;
+  }
+  file.commit();
+}
+
+}  // namespace strata::log
