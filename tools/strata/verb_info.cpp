@@ -1,22 +1,186 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata info LOG`: what is in a log.
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "core/base/error.hpp"
+#include <nlohmann/json.hpp>
+
+#include "components/log/log_reader.hpp"
+#include "core/geometry/angle.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string log;
+  double from_s = 0.0;
+  double to_s = std::numeric_limits<double>::infinity();
+  bool json = false;
+};
+
+double path_length_m(const std::vector<Observation>& observations) {
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < observations.size(); ++i) {
+    length_m +=
+        translation_distance(observations[i - 1].odom_from_robot, observations[i].odom_from_robot);
+  }
+  return length_m;
+}
+
+Json describe_scans(const std::vector<Observation>& observations, double duration_s) {
+  const Scan& first = observations.front().scan;
+  std::size_t least = first.size();
+  std::size_t most = first.size();
+  BeamCounts beams;
+  for (const Observation& observation : observations) {
+    least = std::min(least, observation.scan.size());
+    most = std::max(most, observation.scan.size());
+    const BeamCounts counts = count_beams(observation.scan);
+    beams.hits += counts.hits;
+    beams.no_returns += counts.no_returns;
+    beams.too_close += counts.too_close;
+    beams.invalid += counts.invalid;
+  }
+  const auto intervals = static_cast<double>(observations.size() - 1);
+  Json scans;
+  scans["count"] = observations.size();
+  scans["rate_hz"] = duration_s > 0.0 ? Json(intervals / duration_s) : Json(nullptr);
+  scans["beams"] = most;
+  scans["beams_min"] = least;
+  scans["angle_min_deg"] = radians_to_degrees(static_cast<double>(first.angle_min_rad));
+  scans["angle_step_deg"] = radians_to_degrees(static_cast<double>(first.angle_increment_rad));
+  scans["field_of_view_deg"] = radians_to_degrees(static_cast<double>(first.angle_increment_rad) *
+                                                  static_cast<double>(first.size()));
+  scans["range_min_m"] = first.range_min_m;
+  scans["range_max_m"] = first.range_max_m;
+  const Pose2& mounting = first.robot_from_laser;
+  scans["mounting"] = {mounting.x, mounting.y, mounting.theta};
+  scans["hits"] = beams.hits;
+  scans["no_returns"] = beams.no_returns;
+  scans["too_close"] = beams.too_close;
+  scans["invalid"] = beams.invalid;
+  return scans;
+}
+
+Json describe(const std::string& path, const log::LogContent& content,
+              const log::ReadReport& report) {
+  const auto& observations = content.observations;
+  const Stamp begin = observations.front().scan.stamp;
+  const Stamp end = observations.back().scan.stamp;
+  const double duration_s = (end - begin).seconds();
+  Json info;
+  info["log"] = path;
+  info["format"] = log::format_name(report.format);
+  info["begin_s"] = begin.seconds();
+  info["end_s"] = end.seconds();
+  info["duration_s"] = duration_s;
+  info["path_m"] =
+      observations.front().has_odometry ? Json(path_length_m(observations)) : Json(nullptr);
+  info["scans"] = describe_scans(observations, duration_s);
+  info["odometry"] = {{"source", report.odometry_source}, {"samples", content.odometry.size()}};
+  info["mounting_source"] = report.mounting_source;
+  info["messages"] = Json::object();
+  for (const auto& [name, count] : report.messages) {
+    Json entry{{"count", count}};
+    if (const auto type = report.types.find(name); type != report.types.end()) {
+      entry["type"] = type->second;
+    }
+    entry["rate_hz"] =
+        duration_s > 0.0 ? Json(static_cast<double>(count) / duration_s) : Json(nullptr);
+    info["messages"][name] = entry;
+  }
+  info["bad"] = {{"count", report.bad_lines}, {"first", report.first_bad}};
+  info["skipped_scans"] = {{"without_beams", report.scans_without_beams},
+                           {"without_odometry", report.scans_without_odometry}};
+  info["out_of_order"] = report.scans_out_of_order;
+  info["warnings"] = report.warnings;
+  return info;
+}
+
+std::string number(double value, const char* format) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+void print(const Json& info) {
+  const Json& scans = info["scans"];
+  std::cout << info["log"].get<std::string>() << ": " << info["format"].get<std::string>() << "\n";
+  std::cout << "  duration   " << number(info["duration_s"], "%.1f s") << "\n";
+  if (!info["path_m"].is_null()) {
+    std::cout << "  path       " << number(info["path_m"], "%.1f m") << " by odometry ("
+              << info["odometry"]["source"].get<std::string>() << ")\n";
+  } else {
+    std::cout << "  path       no odometry\n";
+  }
+  std::cout << "  scans      " << scans["count"];
+  if (!scans["rate_hz"].is_null()) std::cout << ", " << number(scans["rate_hz"], "%.2f Hz");
+  std::cout << "\n  beams      " << scans["beams"] << " over "
+            << number(scans["field_of_view_deg"], "%.1f deg") << " from "
+            << number(scans["angle_min_deg"], "%.2f deg") << ", "
+            << number(scans["range_min_m"], "%.2f") << " to "
+            << number(scans["range_max_m"], "%.2f m") << "\n";
+  std::cout << "  readings   " << scans["hits"] << " hits, " << scans["no_returns"]
+            << " without return, " << scans["too_close"] << " too close, " << scans["invalid"]
+            << " invalid\n";
+  const Json& mounting = scans["mounting"];
+  std::cout << "  mounting   " << number(mounting[0], "%.3f m, ") << number(mounting[1], "%.3f m, ")
+            << number(mounting[2], "%.4f rad") << " (" << info["mounting_source"].get<std::string>()
+            << ")\n";
+  std::cout << "  messages\n";
+  for (const auto& [name, entry] : info["messages"].items()) {
+    std::cout << "    " << name << " " << entry["count"];
+    if (!entry["rate_hz"].is_null()) std::cout << ", " << number(entry["rate_hz"], "%.2f Hz");
+    if (entry.contains("type")) std::cout << ", " << entry["type"].get<std::string>();
+    std::cout << "\n";
+  }
+  if (info["bad"]["count"] != 0) {
+    std::cout << "  unreadable " << info["bad"]["count"]
+              << ", first: " << info["bad"]["first"].get<std::string>() << "\n";
+  }
+  for (const auto& [reason, count] : info["skipped_scans"].items()) {
+    if (count != 0) std::cout << "  skipped    " << count << " scans " << reason << "\n";
+  }
+  if (info["out_of_order"] != 0) {
+    std::cout << "  sorted     " << info["out_of_order"] << " scans came out of order\n";
+  }
+  for (const auto& warning : info["warnings"]) {
+    std::cout << "  note       " << warning.get<std::string>() << "\n";
+  }
+}
+
+}  // namespace
 
 void add_info(CLI::App& app, VerbContext& context) {
-  struct Options {
-    std::string log;
-  };
   const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
-      app, context, "info", "what is in a log", "strata info office.log.gz",
-      [options] { throw InputError(options->log, "cannot be read yet", "use a later version"); });
+  CLI::App* verb = add_verb(app, context, "info", "what is in a log", "strata info office.log.gz",
+                            [options, &context] {
+                              log::ReadOptions read;
+                              read.from_s = options->from_s;
+                              read.to_s = options->to_s;
+                              read.undistort = false;
+                              read.progress = context.progress();
+                              log::ReadReport report;
+                              const auto content = log::read_log(options->log, read, &report);
+                              const Json info = describe(options->log, content, report);
+                              if (options->json) {
+                                std::cout << info.dump(2) << "\n";
+                              } else {
+                                print(info);
+                              }
+                            });
   verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
+  verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
+  verb->add_option("--to", options->to_s, "cut, seconds from the first scan");
+  verb->add_flag("--json", options->json, "as JSON on stdout");
 }
 
 }  // namespace strata::tools

@@ -10,11 +10,15 @@ namespace strata::tools {
 
 using AddVerb = void (*)(CLI::App& app, VerbContext& context);
 
+void add_convert(CLI::App& app, VerbContext& context);
+void add_evaluate(CLI::App& app, VerbContext& context);
 void add_info(CLI::App& app, VerbContext& context);
 
 /// In the order of the help text.
 inline constexpr AddVerb kVerbs[] = {
     add_info,
+    add_convert,
+    add_evaluate,
 };
 
 }  // namespace strata::tools

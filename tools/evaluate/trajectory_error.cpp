@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/evaluate/trajectory_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/angle.hpp"
+
+namespace strata::tools {
+namespace {
+
+/// Collects the differences of two motions or poses.
+class Errors {
+ public:
+  void add(const Pose2& estimate, const Pose2& truth) {
+    const Pose2 difference = between(truth, estimate);
+    translation_.push_back(std::hypot(difference.x, difference.y));
+    rotation_.push_back(std::abs(difference.theta));
+  }
+  void add_unmatched() { ++unmatched_; }
+  [[nodiscard]] TrajectoryErrors result() && {
+    TrajectoryErrors errors;
+    errors.matched = translation_.size();
+    errors.unmatched = unmatched_;
+    errors.translation_m = summarize(std::move(translation_));
+    errors.rotation_rad = summarize(std::move(rotation_));
+    return errors;
+  }
+
+ private:
+  std::vector<double> translation_;
+  std::vector<double> rotation_;
+  std::size_t unmatched_ = 0;
+};
+
+}  // namespace
+
+ErrorSummary summarize(std::vector<double> values) {
+  ErrorSummary summary;
+  if (values.empty()) return summary;
+  std::sort(values.begin(), values.end());
+  const auto n = static_cast<double>(values.size());
+  for (const double value : values) {
+    summary.mean += value / n;
+    summary.mean_squared += value * value / n;
+  }
+  for (const double value : values) {
+    summary.stddev += (value - summary.mean) * (value - summary.mean) / n;
+  }
+  summary.stddev = std::sqrt(summary.stddev);
+  summary.rmse = std::sqrt(summary.mean_squared);
+  const std::size_t middle = values.size() / 2;
+  summary.median =
+      values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2.0;
+  const auto rank = static_cast<std::size_t>(std::ceil(0.95 * n));
+  summary.p95 = values[std::min(values.size(), std::max<std::size_t>(rank, 1)) - 1];
+  summary.max = values.back();
+  return summary;
+}
+
+std::optional<Pose2> pose_at(std::span<const log::StampedPose> poses, Stamp stamp,
+                             double max_gap_s) {
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), stamp,
+                       [](const log::StampedPose& pose, Stamp at) { return pose.stamp < at; });
+  if (after != poses.end() && after->stamp == stamp) return after->pose;
+  // Files round stamps to a microsecond or less; the neighbour of the same moment is the pose.
+  const Duration same{2000};
+  if (after != poses.end() && after->stamp - stamp <= same) return after->pose;
+  if (after == poses.begin()) return std::nullopt;
+  const log::StampedPose& before = *(after - 1);
+  if (stamp - before.stamp <= same) return before.pose;
+  if (after == poses.end() || (after->stamp - stamp).seconds() > max_gap_s ||
+      (stamp - before.stamp).seconds() > max_gap_s) {
+    return std::nullopt;
+  }
+  const double t = (stamp - before.stamp).seconds() / (after->stamp - before.stamp).seconds();
+  return interpolate(before.pose, after->pose, t);
+}
+
+Pose2 alignment(std::span<const log::StampedPose> trajectory,
+                std::span<const log::StampedPose> truth) {
+  std::vector<Pose2> source;
+  std::vector<Pose2> target;
+  for (const log::StampedPose& pose : trajectory) {
+    const auto partner = pose_at(truth, pose.stamp);
+    if (!partner) continue;
+    source.push_back(pose.pose);
+    target.push_back(*partner);
+  }
+  return source.empty() ? Pose2{} : align(source, target);
+}
+
+TrajectoryErrors absolute_errors(std::span<const log::StampedPose> trajectory,
+                                 std::span<const log::StampedPose> truth,
+                                 const Pose2& truth_from_trajectory) {
+  Errors errors;
+  for (const log::StampedPose& pose : trajectory) {
+    if (const auto partner = pose_at(truth, pose.stamp)) {
+      errors.add(truth_from_trajectory * pose.pose, *partner);
+    } else {
+      errors.add_unmatched();
+    }
+  }
+  return std::move(errors).result();
+}
+
+TrajectoryErrors relative_errors(std::span<const log::StampedPose> trajectory,
+                                 std::span<const log::StampedPose> truth, double delta_s) {
+  Errors errors;
+  const Duration delta = Duration::from_seconds(delta_s);
+  for (const log::StampedPose& first : trajectory) {
+    const Stamp later = first.stamp + delta;
+    if (trajectory.back().stamp < later) break;
+    const auto second = pose_at(trajectory, later);
+    const auto true_first = pose_at(truth, first.stamp);
+    const auto true_second = pose_at(truth, later);
+    if (second && true_first && true_second) {
+      errors.add(between(first.pose, *second), between(*true_first, *true_second));
+    } else {
+      errors.add_unmatched();
+    }
+  }
+  return std::move(errors).result();
+}
+
+TrajectoryErrors relation_errors(std::span<const log::StampedPose> trajectory,
+                                 std::span<const log::Relation> relations) {
+  Errors errors;
+  for (const log::Relation& relation : relations) {
+    const auto first = pose_at(trajectory, relation.first);
+    const auto second = pose_at(trajectory, relation.second);
+    if (first && second) {
+      errors.add(between(*first, *second), relation.first_from_second);
+    } else {
+      errors.add_unmatched();
+    }
+  }
+  return std::move(errors).result();
+}
+
+}  // namespace strata::tools
