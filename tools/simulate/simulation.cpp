@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/simulate/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "components/settings/settings.hpp"
+#include "tools/simulate/people.hpp"
+#include "tools/simulate/robot.hpp"
+
+namespace strata::simulate {
+namespace {
+
+/// The changeable segments at one moment.
+std::vector<Segment> shapes_at(const std::vector<ChangeableObject>& objects, int day,
+                               double time_s) {
+  std::vector<Segment> segments;
+  for (const ChangeableObject& object : objects) {
+    const auto& shape = object.shapes[object.state_at(day, time_s)];
+    segments.insert(segments.end(), shape.begin(), shape.end());
+  }
+  return segments;
+}
+
+}  // namespace
+
+ScenarioConfig load_scenario(const std::string& file, const std::vector<std::string>& overrides) {
+  YAML::Node document = settings::load_document(file);
+  settings::apply_overrides(document, overrides);
+  return settings::read_config<ScenarioConfig>(document, file);
+}
+
+Simulation simulate(const ScenarioConfig& scenario, std::uint64_t seed, Progress* progress) {
+  require_valid(scenario, scenario.name);
+  Simulation result{scenario, seed, {}, {}, {}};
+  std::vector<std::vector<Pose2>> true_poses;
+  Pose2 start = first_pose(scenario.robot);
+  double longest_s = 0.0;
+  for (int day = 1; day <= scenario.days; ++day) {
+    true_poses.push_back(drive(scenario.robot, start));
+    start = true_poses.back().back();
+    longest_s = std::max(longest_s, static_cast<double>(true_poses.back().size()) * kDriveStep_s);
+  }
+  const World world(scenario, seed, longest_s);
+  result.walls = world.walls();
+  result.objects = world.objects();
+
+  const double period_s = 1.0 / scenario.laser.rate_hz;
+  double day_start_s = scenario.start_s;
+  Pose2 odom_start;
+  std::uint64_t scan_index = 0;
+  for (int day = 1; day <= scenario.days; ++day) {
+    const std::vector<Pose2>& truth = true_poses[static_cast<std::size_t>(day - 1)];
+    const std::vector<Pose2> odom = odometry(scenario.robot, truth, odom_start, seed, day);
+    odom_start = odom.back();
+    const People people(scenario, seed, day);
+    const double length_s = static_cast<double>(truth.size() - 1) * kDriveStep_s;
+    const auto scans = static_cast<std::size_t>(length_s / period_s) + 1;
+    SimulatedDay simulated;
+    for (std::size_t i = 0; i < scans; ++i) {
+      report_progress(progress, "simulate day " + std::to_string(day), i, scans);
+      const double time_s = static_cast<double>(i) * period_s;
+      const double steps = time_s / kDriveStep_s;
+      const auto step = std::min(static_cast<std::size_t>(steps), truth.size() - 1);
+      const std::size_t next = std::min(step + 1, truth.size() - 1);
+      const double share = std::clamp(steps - static_cast<double>(step), 0.0, 1.0);
+      SimulatedScan scan;
+      scan.map_from_robot = interpolate(truth[step], truth[next], share);
+      const Pose2 map_from_laser = scan.map_from_robot * robot_from_laser(scenario.laser);
+      const auto changeable = shapes_at(result.objects, day, time_s);
+      const auto legs = people.legs_at(time_s, scan.map_from_robot.translation());
+      RandomStream random(seed, StreamId::kSimulatorSensor, scan_index++);
+      TrueScan taken =
+          take_scan(scenario.laser, map_from_laser, {result.walls, changeable, legs}, random);
+      // Whole milliseconds: text logs carry them exactly.
+      taken.scan.stamp = Stamp::from_seconds(std::round((day_start_s + time_s) * 1e3) * 1e-3);
+      scan.sources = std::move(taken.sources);
+      scan.observation = {day - 1, std::move(taken.scan),
+                          interpolate(odom[step], odom[next], share), true};
+      simulated.scans.push_back(std::move(scan));
+    }
+    simulated.begin = simulated.scans.front().observation.scan.stamp;
+    simulated.end = simulated.scans.back().observation.scan.stamp;
+    day_start_s = std::ceil(day_start_s + length_s + scenario.night_s);
+    result.days.push_back(std::move(simulated));
+  }
+  return result;
+}
+
+}  // namespace strata::simulate

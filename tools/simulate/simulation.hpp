@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Runs a scenario: every day's drive, its scans, its odometry and the truth about all of it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.hpp"
+#include "core/scan/scan.hpp"
+#include "tools/simulate/laser.hpp"
+#include "tools/simulate/scenario.hpp"
+#include "tools/simulate/world.hpp"
+
+namespace strata::simulate {
+
+/// One scan with what the robot was told and what was true.
+struct SimulatedScan {
+  Observation observation;  ///< run: the day, from 0
+  Pose2 map_from_robot;     ///< true pose
+  std::vector<BeamSource> sources;
+};
+
+struct SimulatedDay {
+  Stamp begin;  ///< of the first scan
+  Stamp end;    ///< of the last
+  std::vector<SimulatedScan> scans;
+};
+
+/// Everything that a run of a scenario gives.
+struct Simulation {
+  ScenarioConfig scenario;
+  std::uint64_t seed = 0;
+  std::vector<Segment> walls;
+  std::vector<ChangeableObject> objects;
+  std::vector<SimulatedDay> days;
+};
+
+/// The same scenario and seed give the same bits. The robot spends the night where it stops, so
+/// truth and odometry go on without a jump and all days make one log. Throws ConfigError for a
+/// scenario that contradicts itself; honours cancellation. O(scans x beams x obstacles).
+[[nodiscard]] Simulation simulate(const ScenarioConfig& scenario, std::uint64_t seed,
+                                  Progress* progress = nullptr);
+
+/// The scenario of a file (version: 1) with --set options on top. Throws InputError, ConfigError.
+[[nodiscard]] ScenarioConfig load_scenario(const std::string& file,
+                                           const std::vector<std::string>& overrides = {});
+
+}  // namespace strata::simulate
