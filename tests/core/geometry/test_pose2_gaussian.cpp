@@ -33,8 +33,7 @@ void expect_monte_carlo(const Pose2Gaussian& expected, Outcome&& outcome) {
   constexpr std::size_t kDraws = 20'000;
   std::vector<Pose2> poses;
   for (std::size_t i = 0; i < kDraws; ++i) poses.push_back(outcome());
-  const Pose2Gaussian sampled =
-      weighted_gaussian(poses, std::vector<double>(kDraws, 1.0));
+  const Pose2Gaussian sampled = weighted_gaussian(poses, std::vector<double>(kDraws, 1.0));
   EXPECT_LT(translation_distance(sampled.mean, expected.mean), 0.005);
   EXPECT_NEAR(angle_difference(sampled.mean.theta, expected.mean.theta), 0.0, 0.001);
   // The standard error of a covariance is about sqrt(2/n) = 1% of its diagonal.

@@ -12,8 +12,8 @@ namespace strata::test {
 /// Length of a segment inside each cell of its bounding box, by clipping it against every cell in
 /// extended precision. A segment that runs along a lattice line belongs to the cells above or right
 /// of it, as half-open cells say.
-inline std::map<Cell, double> clip_lengths(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m,
-                                           double resolution_m) {
+inline std::map<Cell, double> clip_lengths(const Eigen::Vector2d& from_m,
+                                           const Eigen::Vector2d& to_m, double resolution_m) {
   const Cell a = cell_at(from_m, resolution_m);
   const Cell b = cell_at(to_m, resolution_m);
   const long double du = (static_cast<long double>(to_m.x()) - from_m.x()) / resolution_m;

@@ -71,7 +71,9 @@ void count_slowly(const PosedScan& posed, const CountingOptions& options,
 
 void expect_equal(const CountingMap& map, const std::map<Cell, CellCounts>& expected) {
   for (const auto& [cell, counts] : expected) {
-    if (counts.total() > 1e-9) { ASSERT_TRUE(map.cells().contains(cell)); }
+    if (counts.total() > 1e-9) {
+      ASSERT_TRUE(map.cells().contains(cell));
+    }
   }
   for (std::size_t i = 0; i < map.cells().size(); ++i) {
     const auto found = expected.find(map.cells().cell(i));

@@ -21,8 +21,8 @@ DistanceField by_brute_force(const Grid<std::uint8_t>& occupied) {
     for (std::size_t k = 0; k < field.size(); ++k) {
       if (occupied.values()[k] == 0) continue;
       const Cell b = field.cell(k);
-      const long squared = static_cast<long>(a.x - b.x) * (a.x - b.x) +
-                           static_cast<long>(a.y - b.y) * (a.y - b.y);
+      const long squared =
+          static_cast<long>(a.x - b.x) * (a.x - b.x) + static_cast<long>(a.y - b.y) * (a.y - b.y);
       if (best < 0 || squared < best) best = squared;
     }
     if (best < 0) continue;
@@ -76,7 +76,8 @@ TEST(InterpolateDistance, MeetsTheCellCentresAndHasTheSlopeItStates) {
   for (auto& cell : occupied.values()) cell = random.bernoulli(0.02) ? 1 : 0;
   const DistanceField field = make_distance_field(occupied);
   for (int i = 0; i < 1'000; ++i) {
-    const Cell cell{static_cast<int>(random.below(38)) - 19, static_cast<int>(random.below(38)) - 19};
+    const Cell cell{static_cast<int>(random.below(38)) - 19,
+                    static_cast<int>(random.below(38)) - 19};
     EXPECT_NEAR(interpolate_distance(field, field.center(cell)), field.at(cell), 1e-6);
     const Eigen::Vector2d point(random.uniform(-0.9, 0.9), random.uniform(-0.9, 0.9));
     Eigen::Vector2d gradient;
@@ -85,10 +86,13 @@ TEST(InterpolateDistance, MeetsTheCellCentresAndHasTheSlopeItStates) {
     for (int k = 0; k < 2; ++k) {
       const Eigen::Vector2d step = Eigen::Vector2d::Unit(k) * kStep;
       // Within one square between centres the function is smooth.
-      auto square = [](const Eigen::Vector2d& p) { return cell_at(p - Eigen::Vector2d(0.025, 0.025), 0.05); };
+      auto square = [](const Eigen::Vector2d& p) {
+        return cell_at(p - Eigen::Vector2d(0.025, 0.025), 0.05);
+      };
       if (!(square(point + step) == square(point - step))) continue;
-      const double slope = (interpolate_distance(field, point + step) -
-                            interpolate_distance(field, point - step)) / (2.0 * kStep);
+      const double slope =
+          (interpolate_distance(field, point + step) - interpolate_distance(field, point - step)) /
+          (2.0 * kStep);
       EXPECT_NEAR(gradient[k], slope, 1e-6);
     }
     EXPECT_TRUE(std::isfinite(value));

@@ -27,7 +27,8 @@ TEST(CellRect, UnitesAndIntersectsLikeSetsOfCells) {
   auto random_rect = [&] {
     const int x = static_cast<int>(random.below(10));
     const int y = static_cast<int>(random.below(10));
-    return CellRect{{x, y}, {x + static_cast<int>(random.below(6)), y + static_cast<int>(random.below(6))}};
+    return CellRect{{x, y},
+                    {x + static_cast<int>(random.below(6)), y + static_cast<int>(random.below(6))}};
   };
   for (int i = 0; i < 500; ++i) {
     const CellRect a = random_rect();
@@ -38,7 +39,9 @@ TEST(CellRect, UnitesAndIntersectsLikeSetsOfCells) {
       for (int y = -1; y < 17; ++y) {
         const Cell cell{x, y};
         ASSERT_EQ(both.contains(cell), a.contains(cell) && b.contains(cell));
-        if (a.contains(cell) || b.contains(cell)) { ASSERT_TRUE(either.contains(cell)); }
+        if (a.contains(cell) || b.contains(cell)) {
+          ASSERT_TRUE(either.contains(cell));
+        }
       }
     }
   }

@@ -38,7 +38,8 @@ TEST(LikelihoodField, IsAsFarAsItGetsOutsideTheMap) {
 
 TEST(LikelihoodField, IsFlatOverAMapWithoutObstacles) {
   const LikelihoodField field(make_reflection_grid(0.05, {{0, 0}, {10, 10}}), {});
-  for (const float value : field.log_likelihood().values()) EXPECT_NEAR(value, std::log(0.05), 1e-6);
+  for (const float value : field.log_likelihood().values())
+    EXPECT_NEAR(value, std::log(0.05), 1e-6);
 }
 
 TEST(LikelihoodField, RefusesASpreadOfZero) {

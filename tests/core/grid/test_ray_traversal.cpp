@@ -26,8 +26,9 @@ struct Segment {
 
 void walk(const Segment& segment, double resolution, std::vector<Visit>& visits) {
   visits.clear();
-  traverse_ray(segment.from, segment.to, resolution,
-               [&](const Cell& cell, double length) { visits.push_back({cell, length}); });
+  traverse_ray(segment.from, segment.to, resolution, [&](const Cell& cell, double length) {
+    visits.push_back({cell, length});
+  });
 }
 
 /// What must hold of any walk, whatever its lengths. Returns what is wrong, or null.
@@ -163,9 +164,9 @@ TEST(RayTraversal, StaysExactOverTensOfThousandsOfCells) {
     // The entry of each cell lies on the segment, so the sum up to it is its distance.
     double sum = 0.0;
     for (const Visit& visit : visits) {
-      const Eigen::Vector2d entry =
-          segment.from + sum * (segment.to - segment.from).normalized();
-      const Eigen::Vector2d off = entry / 0.05 - Eigen::Vector2d(visit.cell.x + 0.5, visit.cell.y + 0.5);
+      const Eigen::Vector2d entry = segment.from + sum * (segment.to - segment.from).normalized();
+      const Eigen::Vector2d off =
+          entry / 0.05 - Eigen::Vector2d(visit.cell.x + 0.5, visit.cell.y + 0.5);
       ASSERT_LT(off.cwiseAbs().maxCoeff(), 0.5 + 1e-7);
       sum += visit.length_m;
     }

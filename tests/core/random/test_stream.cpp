@@ -36,7 +36,8 @@ TEST(RandomStream, RepeatsWithItsKeyAndDiffersWithAnyPartOfIt) {
   for (std::uint64_t seed : {0ULL, 1ULL, 1ULL << 40U}) {
     for (StreamId id : {StreamId::kTest, StreamId::kMotion, StreamId::kTopology}) {
       for (std::uint64_t step : {0ULL, 1ULL, 1ULL << 33U}) {
-        for (std::uint32_t index : {0U, 1U, 0xffffffffU}) values.insert(first(seed, id, step, index));
+        for (std::uint32_t index : {0U, 1U, 0xffffffffU})
+          values.insert(first(seed, id, step, index));
       }
     }
   }

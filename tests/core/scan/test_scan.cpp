@@ -25,7 +25,8 @@ Scan quarter_turns(std::vector<float> ranges) {
 }
 
 TEST(Scan, TellsTheKindsOfReadingsApart) {
-  const Scan scan = quarter_turns({1.0F, kInf, -kInf, kNan, 10.0F, 11.0F, 0.05F, 0.1F, -1.0F, 0.0F});
+  const Scan scan =
+      quarter_turns({1.0F, kInf, -kInf, kNan, 10.0F, 11.0F, 0.05F, 0.1F, -1.0F, 0.0F});
   const BeamKind expected[] = {BeamKind::kHit,      BeamKind::kNoReturn, BeamKind::kTooClose,
                                BeamKind::kInvalid,  BeamKind::kNoReturn, BeamKind::kNoReturn,
                                BeamKind::kTooClose, BeamKind::kHit,      BeamKind::kTooClose,
