@@ -1,10 +1,12 @@
 # Runs fastddsgen over all IDLs at once: cmake -DFASTDDSGEN=… -DIDLS=a.idl;b.idl -DOUT=dir -P this
-file(MAKE_DIRECTORY ${OUT})
+# Preprocessed files go to a folder of our own: in /tmp, the default, two builds at once would write
+# over each other's.
+file(MAKE_DIRECTORY ${OUT} ${OUT}/preprocessed)
 list(GET IDLS 0 first)
 get_filename_component(folder ${first} DIRECTORY)
 # -cs: names are case-sensitive (else member `pose` meets type `Pose`); -typeros2: ROS 2's type names.
 execute_process(
-  COMMAND ${FASTDDSGEN} -replace -cs -typeros2 -I ${folder} -d ${OUT} ${IDLS}
+  COMMAND ${FASTDDSGEN} -replace -cs -typeros2 -I ${folder} -t ${OUT}/preprocessed -d ${OUT} ${IDLS}
   OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE result)
 # A syntax error is only printed; the exit code stays 0.
 if(result OR output MATCHES "error:")
