@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cinttypes>
 #include <cmath>
-#include <cstdio>
 
 #include <nlohmann/json.hpp>
 
@@ -15,6 +13,9 @@ namespace {
 using Eigen::Vector2d;
 using report::Color;
 using report::Image;
+
+/// Rounds once, so that 1000 s reads as 1000.0.
+double json_seconds(Stamp stamp) { return static_cast<double>(stamp.ns) / 1e9; }
 
 /// From metres, y up, to pixels, y down.
 struct Canvas {
@@ -85,24 +86,6 @@ std::vector<std::pair<Stamp, std::size_t>> timeline(const Simulation& simulation
   return result;
 }
 
-std::string truth_tum(const Simulation& simulation, std::optional<std::size_t> day) {
-  std::string text;
-  std::array<char, 200> line{};
-  for (std::size_t d = 0; d < simulation.days.size(); ++d) {
-    if (day && *day != d) continue;
-    for (const SimulatedScan& scan : simulation.days[d].scans) {
-      const Pose2& pose = scan.map_from_robot;
-      const std::int64_t ns = scan.observation.scan.stamp.ns;
-      const int length = std::snprintf(line.data(), line.size(),
-                                       "%" PRId64 ".%09" PRId64 " %.9f %.9f 0 0 0 %.12f %.12f\n",
-                                       ns / 1'000'000'000, ns % 1'000'000'000, pose.x, pose.y,
-                                       std::sin(0.5 * pose.theta), std::cos(0.5 * pose.theta));
-      text.append(line.data(), static_cast<std::size_t>(length));
-    }
-  }
-  return text;
-}
-
 std::string states_json(const Simulation& simulation) {
   using Json = nlohmann::ordered_json;
   Json json{{"scenario", simulation.scenario.name}, {"seed", simulation.seed}};
@@ -110,8 +93,8 @@ std::string states_json(const Simulation& simulation) {
   for (std::size_t d = 0; d < simulation.days.size(); ++d) {
     const SimulatedDay& day = simulation.days[d];
     json["days"].push_back({{"day", d + 1},
-                            {"begin_s", day.begin.seconds()},
-                            {"end_s", day.end.seconds()},
+                            {"begin_s", json_seconds(day.begin)},
+                            {"end_s", json_seconds(day.end)},
                             {"scans", day.scans.size()}});
   }
   json["objects"] = Json::array();
@@ -122,7 +105,7 @@ std::string states_json(const Simulation& simulation) {
       std::size_t day = 1;
       while (day < simulation.days.size() && simulation.days[day].begin <= stamp) ++day;
       states.push_back(
-          {{"time_s", stamp.seconds()}, {"day", day}, {"state", object.states[state]}});
+          {{"time_s", json_seconds(stamp)}, {"day", day}, {"state", object.states[state]}});
     }
     json["objects"].push_back({{"id", object.id},
                                {"kind", object.kind},

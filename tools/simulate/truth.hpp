@@ -2,7 +2,6 @@
 /// What was true in a simulation, as files: trajectory, states of doors and boxes, a picture.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,11 +18,6 @@ namespace strata::simulate {
 /// each change within a day.
 [[nodiscard]] std::vector<std::pair<Stamp, std::size_t>> timeline(const Simulation& simulation,
                                                                   const ChangeableObject& object);
-
-/// True poses of the robot as TUM lines (time x y z qx qy qz qw), one a scan; of one day (from 0)
-/// or of all.
-[[nodiscard]] std::string truth_tum(const Simulation& simulation,
-                                    std::optional<std::size_t> day = std::nullopt);
 
 /// {"scenario", "seed", "days": [{"day", "begin_s", "end_s", "scans"}], "objects": [{"id", "kind",
 /// "states", "rect": [x0, y0, x1, y1], "timeline": [{"time_s", "day", "state"}]}]}; times are

@@ -13,12 +13,14 @@ using AddVerb = void (*)(CLI::App& app, VerbContext& context);
 void add_convert(CLI::App& app, VerbContext& context);
 void add_evaluate(CLI::App& app, VerbContext& context);
 void add_info(CLI::App& app, VerbContext& context);
+void add_simulate(CLI::App& app, VerbContext& context);
 
 /// In the order of the help text.
 inline constexpr AddVerb kVerbs[] = {
     add_info,
     add_convert,
     add_evaluate,
+    add_simulate,
 };
 
 }  // namespace strata::tools

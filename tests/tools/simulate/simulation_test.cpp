@@ -2,7 +2,6 @@
 #include "tools/simulate/simulation.hpp"
 
 #include <cmath>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -179,30 +178,6 @@ TEST(Truth, RecordsEveryStateOverTime) {
   EXPECT_EQ(door["timeline"][2]["day"], 2);
   EXPECT_EQ(door["timeline"][2]["time_s"], json["days"][1]["begin_s"]);
   EXPECT_EQ(json["objects"][1]["states"], nlohmann::json::parse(R"(["corner", "side", "absent"])"));
-}
-
-TEST(Truth, TrajectoryHasOneLineAScanThatReadsBack) {
-  const Simulation simulation = simulate(small_room(), 1);
-  std::istringstream in(truth_tum(simulation));
-  for (const SimulatedDay& day : simulation.days) {
-    for (const SimulatedScan& scan : day.scans) {
-      double t = 0.0;
-      double x = 0.0;
-      double y = 0.0;
-      double z = 0.0;
-      double qx = 0.0;
-      double qy = 0.0;
-      double qz = 0.0;
-      double qw = 0.0;
-      ASSERT_TRUE(in >> t >> x >> y >> z >> qx >> qy >> qz >> qw);
-      EXPECT_NEAR(t, scan.observation.scan.stamp.seconds(), 1e-6);
-      EXPECT_NEAR(x, scan.map_from_robot.x, 1e-9);
-      EXPECT_NEAR(y, scan.map_from_robot.y, 1e-9);
-      EXPECT_NEAR(angle_difference(2.0 * std::atan2(qz, qw), scan.map_from_robot.theta), 0.0, 1e-9);
-    }
-  }
-  std::string rest;
-  EXPECT_FALSE(in >> rest);
 }
 
 }  // namespace

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata simulate SCENARIO.yaml --out DIR`: a log with ground truth.
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "components/log/carmen.hpp"
+#include "components/log/log_writer.hpp"
+#include "components/log/trajectory_file.hpp"
+#include "core/base/error.hpp"
+#include "tools/report/image.hpp"
+#include "tools/simulate/simulation.hpp"
+#include "tools/simulate/truth.hpp"
+#include "tools/strata/verbs.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+struct Options {
+  std::string scenario;
+  std::string out;
+  std::string storage = "sqlite3";
+  bool per_day = false;
+};
+
+/// Log, bag and true trajectory of the days [first, last).
+void write_logs(const fs::path& folder, const simulate::Simulation& simulation, std::size_t first,
+                std::size_t last, log::BagStorage storage) {
+  log::LogContent content;
+  std::vector<log::StampedPose> truth;
+  for (std::size_t day = first; day < last; ++day) {
+    for (const simulate::SimulatedScan& scan : simulation.days[day].scans) {
+      content.observations.push_back(scan.observation);
+      truth.push_back({scan.observation.scan.stamp, scan.map_from_robot});
+    }
+  }
+  log::write_carmen(folder / "log.clf", content);
+  log::write_bag(
+      folder / "bag", content, storage,
+      storage == log::BagStorage::kMcap ? log::BagCompression::kZstd : log::BagCompression::kNone);
+  log::write_trajectory(folder / "truth.tum", truth);
+}
+
+void run(const Options& options, VerbContext& context) {
+  if (!context.options.config_file.empty()) {
+    throw ConfigError("--config", "does not go with a scenario",
+                      "put the settings into " + options.scenario + ", or use --set");
+  }
+  const simulate::ScenarioConfig scenario =
+      simulate::load_scenario(options.scenario, context.options.overrides);
+  const auto storage =
+      options.storage == "mcap" ? log::BagStorage::kMcap : log::BagStorage::kSqlite3;
+  OutputDirectory out(options.out, context.staged());
+  const simulate::Simulation simulation =
+      simulate::simulate(scenario, context.options.seed, context.progress());
+  const std::size_t days = simulation.days.size();
+  write_logs(out.path(), simulation, 0, days, storage);
+  for (std::size_t day = 0; options.per_day && day < days; ++day) {
+    report_progress(context.progress(), "write days", day, days);
+    const fs::path folder = out.path() / ("day_" + std::to_string(day + 1));
+    fs::create_directories(folder);
+    write_logs(folder, simulation, day, day + 1, storage);
+  }
+  report::write_file(out.path() / "states.json", simulate::states_json(simulation));
+  report::write_file(out.path() / "world.png", report::encode_png(draw_world(simulation)));
+  out.commit();
+  std::size_t scans = 0;
+  for (const simulate::SimulatedDay& day : simulation.days) scans += day.scans.size();
+  context.note(options.out + ": " + std::to_string(scans) + " scans over " + std::to_string(days) +
+               (days == 1 ? " day, " : " days, ") + std::to_string(simulation.objects.size()) +
+               " doors and boxes");
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, VerbContext& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      add_verb(app, context, "simulate",
+               "a log with ground truth from a world with people, doors, moved boxes",
+               "strata simulate tools/simulate/scenarios/office.yaml --out office --seed 3",
+               [options, &context] { run(*options, context); });
+  verb->add_option("SCENARIO", options->scenario, "YAML file (version: 1)")->required();
+  verb->add_option("--out", options->out,
+                   "folder for log.clf, bag/, truth.tum, states.json, world.png")
+      ->required();
+  verb->add_option("--storage", options->storage, "of the bag")
+      ->check(CLI::IsMember({"sqlite3", "mcap"}))
+      ->capture_default_str();
+  verb->add_flag("--per-day", options->per_day,
+                 "also day_1/, day_2/, ... with log, bag and truth of that day alone");
+}
+
+}  // namespace strata::tools
