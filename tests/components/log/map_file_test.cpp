@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/log/map_file.hpp"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "tests/components/log/log_fixture.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::log {
+namespace {
+
+using test::read_text;
+using test::write_text;
+
+TEST(MapFile, AMapReadsBackCellByCell) {
+  const strata::test::TemporaryDirectory folder;
+  ReflectionGrid grid = make_reflection_grid(0.05, {{-7, 3}, {5, 9}});
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (i % 3 != 0) grid.values()[i] = i % 3 == 1 ? 0.0F : 1.0F;
+  }
+  write_map(folder.path() / "m.yaml", grid);
+  const ReflectionGrid back = read_map(folder.path() / "m.yaml");
+  EXPECT_DOUBLE_EQ(back.resolution_m(), 0.05);
+  for (int y = 0; y < 12; ++y) {
+    for (int x = -10; x < 8; ++x) {
+      const float a = grid.get({x, y});
+      const float b = back.get({x, y});
+      EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << x << " " << y;
+    }
+  }
+}
+
+TEST(MapFile, AMissingImageIsNamed) {
+  const strata::test::TemporaryDirectory folder;
+  write_text(folder.path() / "m.yaml", "image: gone.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n");
+  try {
+    (void)read_map(folder.path() / "m.yaml");
+    FAIL() << "a map without image was read";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("gone.pgm"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("missing"));
+  }
+}
+
+TEST(MapFile, DamagedMapsAreRefused) {
+  const strata::test::TemporaryDirectory folder;
+  const auto yaml = folder.path() / "m.yaml";
+  const auto refuses = [&](const std::string& text, const std::string& image) {
+    write_text(yaml, text);
+    write_text(folder.path() / "m.pgm", image);
+    EXPECT_THROW((void)read_map(yaml), InputError) << text << image;
+  };
+  const std::string good = "image: m.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n";
+  const std::string image = "P5\n2 2\n255\n\x01\x02\x03\x04";
+  write_text(yaml, good);
+  write_text(folder.path() / "m.pgm", image);
+  EXPECT_NO_THROW((void)read_map(yaml));
+  refuses("image: m.pgm\n", image);
+  refuses("image: [\n", image);
+  refuses("image: m.pgm\nresolution: -1\norigin: [0, 0, 0]\n", image);
+  refuses("image: m.pgm\nresolution: 0.1\norigin: [0, 0, 1]\n", image);
+  refuses(good + "mode: raw\n", image);
+  refuses(good, "P5\n2 2\n255\n\x01");
+  refuses(good, "P5\n40000 40000\n255\n\x01");
+  refuses(good, "P6\n2 2\n255\n");
+  refuses(good, "");
+}
+
+TEST(MapFile, RealMapsRead) {
+  STRATA_REQUIRE_DATA(wean, "wean_hall/wean_map.yaml");
+  const ReflectionGrid grid = read_map(wean);
+  EXPECT_EQ(grid.width(), 800);
+  EXPECT_EQ(grid.height(), 800);
+  EXPECT_DOUBLE_EQ(grid.resolution_m(), 0.1);
+  STRATA_REQUIRE_DATA(olin, "olin_mac/mac_1st_floor_9_23.yaml");
+  const ReflectionGrid other = read_map(olin);
+  EXPECT_EQ(other.width(), 530);
+  EXPECT_NEAR(other.rect().min.y * 0.03, -27.9, 0.016);
+}
+
+}  // namespace
+}  // namespace strata::log
