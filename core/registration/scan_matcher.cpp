@@ -39,6 +39,10 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
   const double far_cost = -std::log(random_weight);
   double weight_sum = 0.0;
   double explained = 0.0;
+  // One logarithm for several beams of weight 1: their mixtures multiply to at least w_r^8.
+  constexpr int kBatch = 8;
+  double product = 1.0;
+  int in_product = 0;
   double h00 = 0.0, h01 = 0.0, h02 = 0.0, h11 = 0.0, h12 = 0.0, h22 = 0.0;
   double g0 = 0.0, g1 = 0.0, g2 = 0.0;
   for (std::size_t i = 0; i < problem.endpoints.size(); ++i) {
@@ -66,7 +70,16 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
         std::exp(-0.5 * inverse_variance * (across * across + lambda * along * along));
     const double hit = problem.hit_weight * kernel;
     const double sum = hit + random_weight;
-    result.cost -= e * std::log(sum);
+    if (e == 1.0) {
+      product *= sum;
+      if (++in_product == kBatch) {
+        result.cost -= std::log(product);
+        product = 1.0;
+        in_product = 0;
+      }
+    } else {
+      result.cost -= e * std::log(sum);
+    }
     explained += e * kernel;
     if constexpr (kDerivatives) {
       const double w = e * inverse_variance * hit / sum;
@@ -84,6 +97,7 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
       g2 += w * across_theta * across + wl * along_theta * along;
     }
   }
+  result.cost -= std::log(product);
   result.explained = weight_sum > 0.0 ? explained / weight_sum : 0.0;
   if constexpr (kDerivatives) {
     result.gradient = {g0, g1, g2};
@@ -104,7 +118,8 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
 /// Levenberg-Marquardt over three parameters.
 LevelResult minimize_directly(const Problem& problem, const Pose2& start, double hit_stddev_m,
                               int max_iterations) {
-  constexpr double kStepTolerance = 1e-5;  // metres and radians, far below any scanner's noise
+  // Metres and radians: a thousandth of what a beam is trusted.
+  const double step_tolerance = 1e-3 * hit_stddev_m;
   LevelResult result{start, false, 0};
   MatchCost here = evaluate<true>(problem, start, hit_stddev_m);
   double damping = 1e-4;
@@ -126,7 +141,7 @@ LevelResult minimize_directly(const Problem& problem, const Pose2& start, double
     } else {
       damping *= 10.0;
     }
-    if (step.cwiseAbs().maxCoeff() < kStepTolerance || damping > 1e6) {
+    if (step.cwiseAbs().maxCoeff() < step_tolerance || damping > 1e6) {
       result.converged = true;
       return result;
     }

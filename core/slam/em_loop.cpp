@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/beam_filter/beam_filter.hpp"
+#include "core/grid/count_scans.hpp"
 #include "core/registration/scan_matcher.hpp"
 #include "core/slam/surface_map.hpp"
 #include "core/slam/tracker.hpp"
@@ -16,19 +17,27 @@ namespace {
 constexpr double kFall = 0.01;
 constexpr std::size_t kChunk = 64;
 
-CountingMap count_mapped(std::span<const PosedScan> scans, const std::vector<bool>& mapped,
-                         const beam_filter::BeamFilterConfig& filter, Progress* progress) {
-  CountingMap raw(filter.resolution_m);
-  PosedScan bare;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    if (i % 512 == 0) report_progress(progress, "count beams", i, scans.size());
-    if (!mapped[i]) continue;
-    bare.scan = scans[i].scan;
-    bare.map_from_robot = scans[i].map_from_robot;
-    raw.add(bare, filter.counting);
+/// Copies of the scans that enter the map, without labels; `refresh` brings their poses up to date.
+class MappedScans {
+ public:
+  MappedScans(std::span<const PosedScan> scans, const std::vector<bool>& mapped) {
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      if (!mapped[i]) continue;
+      copies_.push_back({scans[i].run, scans[i].scan, scans[i].map_from_robot, {}});
+      from_.push_back(i);
+    }
   }
-  return raw;
-}
+  [[nodiscard]] std::span<const PosedScan> refresh(std::span<const PosedScan> scans) {
+    for (std::size_t k = 0; k < from_.size(); ++k) {
+      copies_[k].map_from_robot = scans[from_[k]].map_from_robot;
+    }
+    return copies_;
+  }
+
+ private:
+  std::vector<PosedScan> copies_;
+  std::vector<std::size_t> from_;
+};
 
 /// Matches every scan that may move to the map of static beams.
 void match_again(std::span<PosedScan> scans, const std::vector<bool>& mapped,
@@ -43,6 +52,8 @@ void match_again(std::span<PosedScan> scans, const std::vector<bool>& mapped,
             tracking.max_range_m);
   }
   map.forget_counts();
+  registration::MatchConfig near = tracking.match;
+  near.levels = 1;  // every scan is near its place
   report_progress(progress, "match again", 0, scans.size());
   pool.for_chunks(scans.size(), kChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -54,7 +65,7 @@ void match_again(std::span<PosedScan> scans, const std::vector<bool>& mapped,
           config.prior_stddev_rad * config.prior_stddev_rad;
       const registration::MatchResult result = registration::match(
           match_endpoints(scan.scan, tracking.max_range_m, tracking.max_beams),
-          scan.static_probability, map.field(), scan.map_from_robot, &prior, tracking.match);
+          scan.static_probability, map.field(), scan.map_from_robot, &prior, near);
       if (result.converged) scan.map_from_robot = result.pose;
     }
   });
@@ -72,13 +83,15 @@ EmResult run_em(std::span<PosedScan> scans, const std::vector<bool>& mapped,
   const int rounds = any_moves && config.match_again ? config.max_iterations : 0;
   std::vector<Pose2> best_poses(scans.size());
   std::vector<double> trace;
+  MappedScans counted(scans, mapped);
   int small_gains = 0;
   for (int round = 0; round <= rounds; ++round) {
     if (round > 0) {
       beam_filter::label_all(scans, best.filtered, filter, pool, progress);
       match_again(scans, mapped, moves, config, tracking, filter.resolution_m, pool, progress);
     }
-    CountingMap raw = count_mapped(scans, mapped, filter, progress);
+    CountingMap raw = count_scans(counted.refresh(scans), filter.resolution_m, filter.counting,
+                                  BeamWeights::kAllStatic, pool, progress);
     beam_filter::CountsResult counts = beam_filter::filter_counts(raw, filter);
     const double now = counts.log_likelihood.empty() ? 0.0 : counts.log_likelihood.back();
     if (trace.empty() || now > *std::max_element(trace.begin(), trace.end())) {

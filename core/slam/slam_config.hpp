@@ -167,7 +167,7 @@ struct GivenPoseConfig {
 struct EmConfig {
   bool match_again = true;
   int max_iterations = 10;
-  double min_gain = 1e-4;
+  double min_gain = 1e-3;
   double prior_stddev_m = 0.1;
   double prior_stddev_rad = 0.02;
   template <class Self, class V>
