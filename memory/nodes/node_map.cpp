@@ -85,17 +85,19 @@ Scan NodeMap::expected_scan(int level, int node) const {
 }
 
 float NodeMap::expected_range_m(int level, const Pose2& map_from_laser, double bearing_rad) const {
-  float range = kUnknownRange;
-  expected_ranges_m(level, map_from_laser, std::span(&bearing_rad, 1), std::span(&range, 1));
-  return range;
+  const Eigen::Vector2d laser_m = map_from_laser.translation();
+  const int node = node_at(level, laser_m);
+  if (node < 0) return kUnknownRange;
+  const double angle = map_from_laser.theta + bearing_rad;
+  const Eigen::Vector2d from = laser_m - nodes_[static_cast<std::size_t>(node)].position_m;
+  return this->level(level, node).outline.cast(from, {std::cos(angle), std::sin(angle)});
 }
 
 void NodeMap::expected_ranges_m(int level, const Pose2& map_from_laser,
                                 std::span<const double> bearings_rad,
                                 std::span<float> ranges_m) const {
   for (std::size_t i = 0; i < ranges_m.size(); ++i) {
-    const Eigen::Vector2d direction(std::cos(bearings_rad[i]), std::sin(bearings_rad[i]));
-    expected_ranges_m(level, map_from_laser, std::span(&direction, 1), ranges_m.subspan(i, 1));
+    ranges_m[i] = expected_range_m(level, map_from_laser, bearings_rad[i]);
   }
 }
 

@@ -62,7 +62,9 @@ class NodeMap {
   [[nodiscard]] Scan expected_scan(int level, int node) const;
 
   /// Range that a beam is expected to measure: where it meets the outline of node_at(level, laser).
-  /// +Inf where it runs free; NaN where nothing is known. bearing_rad in the laser frame. O(1).
+  /// +Inf where it runs free to bins().max_range_m, beyond which nothing is ever known: a sensor
+  /// model should take longer readings for no return. NaN where nothing is known. bearing_rad in
+  /// the laser frame. O(1).
   [[nodiscard]] float expected_range_m(int level, const Pose2& map_from_laser,
                                        double bearing_rad) const;
   /// ... for many beams of one pose; equal lengths.
