@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/likelihood_field_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/config.hpp"
+
+namespace strata::localization {
+namespace {
+constexpr std::size_t kChunk = 256;
+}  // namespace
+
+LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
+                                           const LikelihoodFieldModelConfig& config)
+    : config_(config), field_(map, config.field) {
+  require_valid(config, "likelihood_field_model");
+  const Grid<float>& inner = field_.log_likelihood();
+  table_.width = inner.width() + 2;
+  table_.height = inner.height() + 2;
+  bordered_.assign(static_cast<std::size_t>(table_.width) * static_cast<std::size_t>(table_.height),
+                   inner.fill());
+  for (int row = 0; row < inner.height(); ++row) {
+    std::copy_n(inner.values().begin() + static_cast<std::ptrdiff_t>(row) * inner.width(),
+                inner.width(),
+                bordered_.begin() + static_cast<std::ptrdiff_t>(row + 1) * table_.width + 1);
+  }
+  table_.values = bordered_.data();
+  explained_from_ = static_cast<float>(
+      std::log(config.field.hit_weight * std::exp(-4.5) + (1.0 - config.field.hit_weight)));
+}
+
+Endpoints LikelihoodFieldModel::points_of(const Scan& scan) const {
+  return thin(endpoints_in_robot(scan), static_cast<std::size_t>(config_.max_beams));
+}
+
+std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, double tempering,
+                                                  ParticleSet& particles,
+                                                  std::span<double> log_likelihood,
+                                                  WorkerPool& pool) const {
+  const Endpoints points = points_of(scan);
+  const double scale = 1.0 / field_.log_likelihood().resolution_m();
+  const Cell corner = field_.log_likelihood().rect().min;
+  std::vector<float> px(points.size());
+  std::vector<float> py(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    px[k] = static_cast<float>(points.x_m[k] * scale);
+    py[k] = static_cast<float>(points.y_m[k] * scale);
+  }
+  const FieldPoints field_points{px.data(), py.data(), points.size()};
+  const double factor = 1.0 / tempering;
+  pool.for_chunks(particles.size(), kChunk,
+                  [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+                    std::array<float, kChunk> x;
+                    std::array<float, kChunk> y;
+                    std::array<float, kChunk> c;
+                    std::array<float, kChunk> s;
+                    std::array<float, kChunk> sums;
+                    for (std::size_t i = begin; i < end; ++i) {
+                      // The border shifts the table by one cell.
+                      x[i - begin] = static_cast<float>(particles.x_m[i] * scale - corner.x + 1.0);
+                      y[i - begin] = static_cast<float>(particles.y_m[i] * scale - corner.y + 1.0);
+                      c[i - begin] = static_cast<float>(std::cos(particles.theta_rad[i]));
+                      s[i - begin] = static_cast<float>(std::sin(particles.theta_rad[i]));
+                    }
+                    sum_field(table_, {x.data(), y.data(), c.data(), s.data(), end - begin},
+                              field_points, sums.data());
+                    for (std::size_t i = begin; i < end; ++i) {
+                      log_likelihood[i] = static_cast<double>(sums[i - begin]) * factor;
+                    }
+                  });
+  return points.size();
+}
+
+double LikelihoodFieldModel::explained_share(const Scan& scan, const Pose2& map_from_robot,
+                                             const ParticleSet& /*particles*/) const {
+  const Endpoints points = points_of(scan);
+  if (points.size() == 0) return 1.0;
+  std::size_t explained = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double value = field_.at(map_from_robot * Eigen::Vector2d(points.x_m[k], points.y_m[k]));
+    if (static_cast<float>(value) >= explained_from_) ++explained;
+  }
+  return static_cast<double>(explained) / static_cast<double>(points.size());
+}
+
+}  // namespace strata::localization

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The fast sensor model: how far each end point lies from the nearest obstacle.
+#pragma once
+
+#include <vector>
+
+#include "core/grid/likelihood_field.hpp"
+#include "core/grid/reflection_grid.hpp"
+#include "core/localization/likelihood_field_kernel.hpp"
+#include "core/localization/sensor_model.hpp"
+#include "core/scan/endpoints.hpp"
+
+namespace strata::localization {
+
+struct LikelihoodFieldModelConfig {
+  LikelihoodFieldConfig field;
+  int max_beams = 180;
+  double tempering = 8.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.group("field", c.field, "likelihood of an end point by its distance to the map");
+    v.field("max_beams", c.max_beams,
+            {.doc = "hits in use, spread evenly; 0: all", .unit = "beams", .min = 0});
+    v.field("tempering", c.tempering,
+            {.doc = "the log-likelihood is divided by this, as beams are not independent",
+             .unit = "1",
+             .min = 0.1});
+  }
+};
+
+/// [thrun2005probabilistic, table 6.3]. Cannot punish beams that cross a mapped closed door, so it
+/// is for speed, not for telling configurations apart (SPEC C3). Cells with m >= 0.5 are obstacles.
+class LikelihoodFieldModel final : public SensorModel {
+ public:
+  explicit LikelihoodFieldModel(const ReflectionGrid& map,
+                                const LikelihoodFieldModelConfig& config = {});
+
+  std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
+                              std::span<double> log_likelihood, WorkerPool& pool) const override;
+  [[nodiscard]] double tempering() const override { return config_.tempering; }
+  /// A hit is explained within 3 hit_stddev of an obstacle.
+  [[nodiscard]] double explained_share(const Scan& scan, const Pose2& map_from_robot,
+                                       const ParticleSet& particles) const override;
+
+ private:
+  [[nodiscard]] Endpoints points_of(const Scan& scan) const;
+
+  LikelihoodFieldModelConfig config_;
+  LikelihoodField field_;
+  std::vector<float> bordered_;
+  FieldTable table_;
+  float explained_from_ = 0.0F;  // ln p at 3 standard deviations
+};
+
+}  // namespace strata::localization

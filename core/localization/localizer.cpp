@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/localizer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "core/localization/scan_beams.hpp"
+
+namespace strata::localization {
+namespace {
+
+double position_stddev(const Pose2Gaussian& pose) {
+  return std::sqrt(std::max(0.0, pose.covariance(0, 0) + pose.covariance(1, 1)));
+}
+
+/// A square root of a covariance that may be singular.
+Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+}  // namespace
+
+Localizer::Localizer(const LocalizerConfig& config, std::shared_ptr<const SensorModel> model,
+                     std::uint64_t seed, int threads)
+    : config_(config),
+      model_(std::move(model)),
+      seed_(seed),
+      pool_(std::make_unique<WorkerPool>(threads)),
+      monitor_(config.recovery) {
+  require_valid(config, "localizer");
+}
+
+void Localizer::start(std::size_t count) {
+  // Steps of different starts must not share random numbers.
+  step_ = ++start_count_ << 32U;
+  is_started_ = true;
+  last_.reset();
+  last_weighed_.reset();
+  moved_ = Pose2{};
+  scans_since_weighed_ = 0;
+  monitor_.reset();
+  particles_ = ParticleSet{};
+  particles_.resize(count);
+  if (const PatchStates* states = model_->patch_states()) {
+    states->prepare(particles_);
+    resampled_ = particles_;
+  } else {
+    resampled_ = ParticleSet{};
+  }
+  set_uniform_weights(particles_);
+}
+
+void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
+  start(static_cast<std::size_t>(config_.particles));
+  most_particles_ =
+      static_cast<std::size_t>(config_.adaptive ? config_.kld.max_particles : config_.particles);
+  annealed_updates_ = config_.global_start.annealing_updates;
+  const Eigen::Matrix3d root = square_root(map_from_robot.covariance);
+  const PatchStates* states = model_->patch_states();
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    RandomStream random(seed_, StreamId::kInitialize, step_, static_cast<std::uint32_t>(i));
+    Eigen::Vector3d normal;
+    for (int axis = 0; axis < 3; ++axis) normal(axis) = random.normal();
+    const Eigen::Vector3d pose = map_from_robot.mean.vector() + root * normal;
+    particles_.set_pose(i, {pose.x(), pose.y(), pose.z()});
+    if (states != nullptr) states->draw(particles_, i, random);
+  }
+}
+
+void Localizer::initialize_global(const ReflectionGrid& map) {
+  free_space_ = FreeSpace(map);
+  if (free_space_.empty()) {
+    throw InputError("map", "has no free cell to start from", "use a map that was learned");
+  }
+  const auto wanted = static_cast<std::size_t>(
+      std::ceil(config_.global_start.particles_per_m2 * free_space_.area_m2()));
+  most_particles_ = std::max<std::size_t>(
+      static_cast<std::size_t>(config_.particles),
+      std::min(wanted, static_cast<std::size_t>(config_.global_start.most_particles)));
+  start(most_particles_);
+  annealed_updates_ = 0;
+  const PatchStates* states = model_->patch_states();
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    RandomStream random(seed_, StreamId::kInitialize, step_, static_cast<std::uint32_t>(i));
+    particles_.set_pose(i, free_space_.draw(random));
+    if (states != nullptr) states->draw(particles_, i, random);
+  }
+}
+
+Pose2 Localizer::motion_since_last(const Observation& observation) {
+  Pose2 motion;
+  if (last_ && last_->run == observation.run && last_->has_odometry && observation.has_odometry) {
+    motion = between(last_->odom_from_robot, observation.odom_from_robot);
+    // Damaged odometry must not destroy the filter.
+    if (!is_finite(motion)) motion = Pose2{};
+  }
+  last_.emplace();
+  last_->run = observation.run;
+  last_->has_odometry = observation.has_odometry && is_finite(observation.odom_from_robot);
+  last_->odom_from_robot = observation.odom_from_robot;
+  return motion;
+}
+
+bool Localizer::is_due() const {
+  return !last_weighed_ || scans_since_weighed_ >= config_.gating.every_scans ||
+         std::hypot(moved_.x, moved_.y) >= config_.gating.translation_m ||
+         std::abs(moved_.theta) >= config_.gating.rotation_rad;
+}
+
+LocalizationResult Localizer::update(const Observation& observation) {
+  if (!is_started_) throw std::logic_error("Localizer::update before initialize");
+  const Pose2 motion = motion_since_last(observation);
+  const Pose2 moved_before = moved_;
+  moved_ = moved_ * motion;
+  ++scans_since_weighed_;
+  const bool is_usable = says_something(observation.scan);
+  if (!is_usable) ++unusable_scans_;
+  if (!is_usable || !is_due()) {
+    move_particles(motion, particles_, *pool_);
+    return make_result(false);
+  }
+  weigh(observation, moved_before);
+  return make_result(true);
+}
+
+double Localizer::annealing() const {
+  const int updates = config_.global_start.annealing_updates;
+  if (annealed_updates_ >= updates) return 1.0;
+  // Three steps: factor, its square root, 1 (tau 8, 4, 2 in SPEC C7).
+  const int step = 3 * annealed_updates_ / updates;
+  return std::pow(config_.global_start.annealing_factor, 0.5 * (2 - step));
+}
+
+void Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
+  ++step_;
+  if (last_weighed_) {
+    resample();
+    sample_motions(moved_, moved_before, observation.has_odometry, config_.motion, seed_, step_,
+                   particles_, *pool_);
+  }
+  const Stamp now = observation.scan.stamp;
+  const double dt_s = last_weighed_ ? std::max(0.0, (now - *last_weighed_).seconds()) : 0.0;
+  const PatchStates* states = model_->patch_states();
+  if (states != nullptr) states->predict(dt_s, seed_, step_, particles_, *pool_);
+
+  log_likelihood_.resize(particles_.size());
+  const double tempering = model_->tempering() * annealing();
+  const std::size_t beams =
+      model_->log_likelihoods(observation.scan, tempering, particles_, log_likelihood_, *pool_);
+  const double log_mean = reweigh(particles_, log_likelihood_);
+  const Pose2Gaussian pose = estimate(particles_);
+  if (states != nullptr) states->absorb(pose, particles_);
+  if (beams > 0 && std::isfinite(log_mean)) {
+    monitor_.add(std::exp(log_mean * tempering / static_cast<double>(beams)),
+                 model_->explained_share(observation.scan, pose.mean, particles_),
+                 position_stddev(pose));
+  }
+  last_weighed_ = now;
+  moved_ = Pose2{};
+  scans_since_weighed_ = 0;
+  ++annealed_updates_;
+}
+
+void Localizer::resample() {
+  const bool is_annealed = annealed_updates_ >= config_.global_start.annealing_updates;
+  const double share = is_annealed && !free_space_.empty() ? monitor_.injection_share() : 0.0;
+  const auto count = static_cast<double>(particles_.size());
+  if (share <= 0.0 && effective_sample_size(particles_) >= config_.resample_below * count) return;
+
+  const double offset = RandomStream(seed_, StreamId::kResample, step_).uniform();
+  std::size_t keep = particles_.size();
+  if (config_.adaptive) {
+    draw_low_variance(particles_.weight, keep, offset, drawn_);
+    const std::size_t needed =
+        kld_particle_count(count_bins(particles_, drawn_, config_.kld, bins_), config_.kld.epsilon,
+                           config_.kld.quantile);
+    // A global start may need more than tracking; once the posterior fits, the lower limit holds.
+    if (is_annealed && needed <= static_cast<std::size_t>(config_.kld.max_particles)) {
+      most_particles_ = static_cast<std::size_t>(config_.kld.max_particles);
+    }
+    keep =
+        std::clamp(needed, static_cast<std::size_t>(config_.kld.min_particles),
+                   std::max(most_particles_, static_cast<std::size_t>(config_.kld.min_particles)));
+  } else if (is_annealed) {
+    keep = static_cast<std::size_t>(config_.particles);
+  }
+  std::size_t injected = 0;
+  if (share > 0.0) {
+    keep = std::max(keep, static_cast<std::size_t>(config_.particles));
+    injected = static_cast<std::size_t>(share * static_cast<double>(keep));
+    keep -= injected;
+  }
+  draw_low_variance(particles_.weight, keep, offset, drawn_);
+  resampled_.belief_columns = particles_.belief_columns;
+  resampled_.resize(keep + injected);
+  resampled_.shared_belief = particles_.shared_belief;
+  for (std::size_t j = 0; j < keep; ++j) resampled_.copy_from(particles_, drawn_[j], j);
+  const PatchStates* states = model_->patch_states();
+  for (std::size_t j = keep; j < keep + injected; ++j) {
+    RandomStream random(seed_, StreamId::kRecovery, step_, static_cast<std::uint32_t>(j));
+    resampled_.set_pose(j, free_space_.draw(random));
+    if (states != nullptr) states->draw(resampled_, j, random);
+  }
+  std::swap(particles_, resampled_);
+  set_uniform_weights(particles_);
+}
+
+LocalizationResult Localizer::make_result(bool weighed) const {
+  LocalizationResult result;
+  result.pose = estimate(particles_);
+  result.health = monitor_.health();
+  result.effective_sample_size = effective_sample_size(particles_);
+  result.particles = particles_.size();
+  result.weighed = weighed;
+  result.converged = position_stddev(result.pose) <= config_.recovery.uncertain_stddev_m;
+  if (const PatchStates* states = model_->patch_states()) {
+    result.submaps = states->posterior(particles_);
+  }
+  return result;
+}
+
+}  // namespace strata::localization

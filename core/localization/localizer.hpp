@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Monte-Carlo localization with any sensor model, and with the patch state of particles for maps
+/// that have one [stachniss2005patch, section IV].
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/base/parallel.hpp"
+#include "core/geometry/pose2_gaussian.hpp"
+#include "core/localization/localizer_config.hpp"
+#include "core/localization/particle_set.hpp"
+#include "core/localization/patch_states.hpp"
+#include "core/localization/sensor_model.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::localization {
+
+/// The outcome of one scan.
+struct LocalizationResult {
+  Pose2Gaussian pose;  ///< map_from_robot at the scan's stamp: mean and covariance of all particles
+  LocalizationHealth health;
+  double effective_sample_size = 0.0;
+  std::size_t particles = 0;
+  bool weighed = false;    ///< false: moved by odometry only (gated, or nothing usable in the scan)
+  bool converged = false;  ///< the spread is below recovery.uncertain_stddev_m
+  std::vector<SubmapBelief> submaps;  ///< one a sub-map; empty for maps without
+};
+
+/// Per scan: motion, sub-map transition, weight, estimate; resampling comes first at the next
+/// weighed scan, so that `particles()` always shows the weighted set of which the paper's error is
+/// the mean. Bit-identical for the same (config, model, seed, observations) at any number of
+/// threads.
+class Localizer {
+ public:
+  /// Throws ConfigError. threads as in WorkerPool.
+  Localizer(const LocalizerConfig& config, std::shared_ptr<const SensorModel> model,
+            std::uint64_t seed, int threads = 1);
+
+  /// Starts from a pose: particles drawn from the Gaussian. Forgets everything but the seed.
+  void initialize(const Pose2Gaussian& map_from_robot);
+  /// Starts from nowhere: uniform over the free cells of `map` and all headings, annealed. Throws
+  /// InputError when no cell is free.
+  void initialize_global(const ReflectionGrid& map);
+  /// Where recovery may look for the robot; without it (or a global start) nothing is injected.
+  void set_free_space(const ReflectionGrid& map) { free_space_ = FreeSpace(map); }
+
+  /// One scan. A scan in which no beam says anything (empty, all NaN) only moves the particles and
+  /// is counted. The first scan after initialize, and of a new run, carries no motion. Throws
+  /// std::logic_error when not initialized.
+  LocalizationResult update(const Observation& observation);
+
+  [[nodiscard]] const ParticleSet& particles() const { return particles_; }
+  /// Scans of which nothing was usable so far.
+  [[nodiscard]] std::size_t unusable_scans() const { return unusable_scans_; }
+  [[nodiscard]] const LocalizerConfig& config() const { return config_; }
+
+ private:
+  void start(std::size_t count);
+  [[nodiscard]] bool is_due() const;
+  [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
+  void weigh(const Observation& observation, const Pose2& moved_before);
+  void resample();
+  [[nodiscard]] double annealing() const;
+  [[nodiscard]] LocalizationResult make_result(bool weighed) const;
+
+  LocalizerConfig config_;
+  std::shared_ptr<const SensorModel> model_;
+  std::uint64_t seed_;
+  std::unique_ptr<WorkerPool> pool_;
+  FreeSpace free_space_;
+  HealthMonitor monitor_;
+
+  ParticleSet particles_;
+  ParticleSet resampled_;  // the other half of the double buffer
+  std::vector<double> log_likelihood_;
+  std::vector<std::uint32_t> drawn_;
+  std::vector<std::uint64_t> bins_;
+
+  std::uint64_t start_count_ = 0;  // several starts of one localizer draw different numbers
+  std::uint64_t step_ = 0;
+  bool is_started_ = false;
+  std::size_t most_particles_ = 0;
+  int annealed_updates_ = 0;
+  std::optional<Observation> last_;  // without its ranges
+  std::optional<Stamp> last_weighed_;
+  Pose2 moved_;  // since the last weighed scan
+  int scans_since_weighed_ = 0;
+  std::size_t unusable_scans_ = 0;
+};
+
+}  // namespace strata::localization

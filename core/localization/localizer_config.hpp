@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Everything about the filter that does not depend on the map model.
+#pragma once
+
+#include "core/localization/motion_model.hpp"
+#include "core/localization/recovery.hpp"
+#include "core/localization/resampling.hpp"
+
+namespace strata::localization {
+
+/// When a scan is weighed. Every scan gets a pose: particles always follow the odometry.
+struct GatingConfig {
+  double translation_m = 0.10;
+  double rotation_rad = 0.0873;
+  int every_scans = 10;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("translation_m", c.translation_m,
+            {.doc = "weigh a scan after this much driving", .unit = "m", .min = 0.0});
+    v.field("rotation_rad", c.rotation_rad,
+            {.doc = "or this much turning", .unit = "rad", .min = 0.0});
+    v.field(
+        "every_scans", c.every_scans,
+        {.doc = "or at the latest every so many scans; 1: weigh all", .unit = "scans", .min = 1});
+  }
+};
+
+/// Start without a pose (SPEC C7).
+struct GlobalStartConfig {
+  double particles_per_m2 = 500.0;
+  int most_particles = 60000;
+  int annealing_updates = 16;
+  double annealing_factor = 4.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("particles_per_m2", c.particles_per_m2,
+            {.doc = "particles per free area", .unit = "1/m^2", .min = 1.0});
+    v.field("most_particles", c.most_particles,
+            {.doc = "never more", .unit = "particles", .min = 1});
+    v.field("annealing_updates", c.annealing_updates,
+            {.doc = "weighed scans until the temperature is the one for tracking",
+             .unit = "scans",
+             .min = 0});
+    v.field("annealing_factor", c.annealing_factor,
+            {.doc = "temperature at the start over that for tracking, halved in steps",
+             .unit = "1",
+             .min = 1.0});
+  }
+};
+
+struct LocalizerConfig {
+  int particles = 1000;
+  bool adaptive = true;
+  double resample_below = 0.5;
+  MotionModelConfig motion;
+  GatingConfig gating;
+  KldConfig kld;
+  GlobalStartConfig global_start;
+  RecoveryConfig recovery;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field(
+        "particles", c.particles,
+        {.doc = "at the start, and always when adaptive is off", .unit = "particles", .min = 1});
+    v.field("adaptive", c.adaptive, {.doc = "let the number of particles follow the posterior"});
+    v.field("resample_below", c.resample_below,
+            {.doc = "resample when the effective share of particles falls below",
+             .min = 0.0,
+             .max = 1.0});
+    v.group("motion", c.motion, "noise of the odometry");
+    v.group("gating", c.gating, "which scans are weighed");
+    v.group("kld", c.kld, "how many particles the posterior needs");
+    v.group("global_start", c.global_start, "start without a pose");
+    v.group("recovery", c.recovery, "health and recovery");
+  }
+};
+
+}  // namespace strata::localization

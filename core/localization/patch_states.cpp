@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/patch_states.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace strata::localization {
+namespace {
+constexpr std::size_t kChunk = 256;
+constexpr std::size_t kMostConfigurations = 64;
+}  // namespace
+
+double stay_probability(int configurations, double gamma_per_s, double dt_s) {
+  const double share = 1.0 / configurations;
+  return share + (1.0 - share) * std::exp(-gamma_per_s * std::max(0.0, dt_s));
+}
+
+void update_belief(std::span<float> belief, std::span<const double> factor, double least) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < belief.size(); ++k) sum += static_cast<double>(belief[k]) * factor[k];
+  if (!(sum > 0.0) || !std::isfinite(sum)) return;
+  double clamped = 0.0;
+  for (std::size_t k = 0; k < belief.size(); ++k) {
+    const double b = std::max(least, static_cast<double>(belief[k]) * factor[k] / sum);
+    belief[k] = static_cast<float>(b);
+    clamped += b;
+  }
+  for (float& b : belief) b = static_cast<float>(static_cast<double>(b) / clamped);
+}
+
+PatchStates::PatchStates(std::shared_ptr<const patch::PatchMap> map,
+                         const PatchStatesConfig& config)
+    : map_(std::move(map)), config_(config) {
+  require_valid(config, "patch_states");
+  offsets_.push_back(0);
+  for (const patch::Submap& submap : map_->submaps) {
+    const std::size_t count = submap.configurations.size();
+    if (count == 0 || count > kMostConfigurations) {
+      throw InputError("sub-map " + std::to_string(submap.id),
+                       "has " + std::to_string(count) + " configurations",
+                       "learn it again with 1 to 64");
+    }
+    offsets_.push_back(offsets_.back() + count);
+    uniform_.insert(uniform_.end(), count, 1.0F / static_cast<float>(count));
+  }
+}
+
+void PatchStates::prepare(ParticleSet& particles) const {
+  particles.belief_columns = config_.memory == PatchMemory::kNone ? 0 : columns();
+  particles.beliefs.assign(particles.size() * particles.belief_columns, 0.0F);
+  particles.shared_belief.clear();
+  if (config_.memory == PatchMemory::kShared) particles.shared_belief = uniform_;
+}
+
+void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& random) const {
+  particles.submap[i] = patch::submap_at(*map_, particles.pose(i).translation());
+  particles.patch[i] = -1;
+  if (config_.memory == PatchMemory::kPerParticle) {
+    std::copy(uniform_.begin(), uniform_.end(), particles.belief(i).begin());
+  } else if (config_.memory == PatchMemory::kNone && particles.submap[i] >= 0) {
+    const int configurations = count(static_cast<std::size_t>(particles.submap[i]));
+    particles.patch[i] =
+        static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations)));
+  }
+}
+
+void PatchStates::predict_beliefs(std::span<float> row, double dt_s) const {
+  for (std::size_t s = 0; s + 1 < offsets_.size(); ++s) {
+    const int configurations = count(s);
+    if (configurations == 1) continue;
+    const double keep = std::exp(-config_.forgetting_rate_per_s * std::max(0.0, dt_s));
+    const double add = (1.0 - keep) / configurations;
+    // b a + (1 - b)(1 - a)/(K - 1) of SPEC C5, with a = 1/K + (1 - 1/K) keep.
+    for (float& b : row.subspan(offsets_[s], static_cast<std::size_t>(configurations))) {
+      b = static_cast<float>(static_cast<double>(b) * keep + add);
+    }
+  }
+}
+
+void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
+                          ParticleSet& particles, WorkerPool& pool) const {
+  if (config_.memory == PatchMemory::kShared) predict_beliefs(particles.shared_belief, dt_s);
+  const auto move_one = [&](std::size_t i) {
+    const std::int32_t before = particles.submap[i];
+    const int now = patch::submap_at(*map_, particles.pose(i).translation(), before);
+    particles.submap[i] = now;
+    if (config_.memory == PatchMemory::kPerParticle) predict_beliefs(particles.belief(i), dt_s);
+    if (config_.memory != PatchMemory::kNone || now < 0) {
+      particles.patch[i] = -1;
+      return;
+    }
+    const int configurations = count(static_cast<std::size_t>(now));
+    RandomStream random(seed, StreamId::kPatchTransition, step, static_cast<std::uint32_t>(i));
+    if (now != before || particles.patch[i] < 0) {
+      particles.patch[i] =
+          static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations)));
+    } else if (configurations > 1 && !random.bernoulli(stay_probability(
+                                         configurations, config_.forgetting_rate_per_s, dt_s))) {
+      const auto other =
+          static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations - 1)));
+      particles.patch[i] = other < particles.patch[i] ? other : other + 1;
+    }
+  };
+  pool.for_chunks(particles.size(), kChunk,
+                  [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+                    for (std::size_t i = begin; i < end; ++i) move_one(i);
+                  });
+}
+
+void PatchStates::absorb(const Pose2Gaussian& pose, ParticleSet& particles) const {
+  if (config_.memory != PatchMemory::kShared) return;
+  // A cloud with two heaps is wider than this too, so the spread stands for both gates of SPEC C5.
+  const double spread = std::sqrt(pose.covariance(0, 0) + pose.covariance(1, 1));
+  if (!(spread < config_.shared_max_stddev_m)) return;
+  std::vector<double> factor(columns(), 0.0);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const std::span<const float> row = particles.belief(i);
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      factor[c] += particles.weight[i] * static_cast<double>(row[c]);
+    }
+  }
+  for (std::size_t s = 0; s + 1 < offsets_.size(); ++s) {
+    const auto configurations = static_cast<std::size_t>(count(s));
+    update_belief(std::span<float>(particles.shared_belief).subspan(offsets_[s], configurations),
+                  std::span<const double>(factor).subspan(offsets_[s], configurations),
+                  config_.least_belief);
+  }
+}
+
+std::vector<SubmapBelief> PatchStates::posterior(const ParticleSet& particles) const {
+  std::vector<SubmapBelief> beliefs(offsets_.size() - 1);
+  for (std::size_t s = 0; s < beliefs.size(); ++s) {
+    beliefs[s].submap = static_cast<int>(s);
+    beliefs[s].probability.assign(static_cast<std::size_t>(count(s)), 0.0);
+  }
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const std::int32_t s = particles.submap[i];
+    if (s >= 0) {
+      SubmapBelief& inside = beliefs[static_cast<std::size_t>(s)];
+      inside.mass += particles.weight[i];
+      if (particles.patch[i] >= 0) {
+        inside.probability[static_cast<std::size_t>(particles.patch[i])] += particles.weight[i];
+      }
+    }
+    if (config_.memory != PatchMemory::kPerParticle) continue;
+    const std::span<const float> row = particles.belief(i);
+    for (std::size_t t = 0; t < beliefs.size(); ++t) {
+      for (std::size_t k = 0; k < beliefs[t].probability.size(); ++k) {
+        beliefs[t].probability[k] +=
+            particles.weight[i] * static_cast<double>(row[offsets_[t] + k]);
+      }
+    }
+  }
+  for (std::size_t s = 0; s < beliefs.size(); ++s) {
+    std::vector<double>& p = beliefs[s].probability;
+    if (config_.memory == PatchMemory::kShared) {
+      for (std::size_t k = 0; k < p.size(); ++k) {
+        p[k] = static_cast<double>(particles.shared_belief[offsets_[s] + k]);
+      }
+    }
+    double sum = 0.0;
+    for (const double value : p) sum += value;
+    for (double& value : p) {
+      value = sum > 0.0 ? value / sum : 1.0 / static_cast<double>(p.size());
+    }
+  }
+  return beliefs;
+}
+
+}  // namespace strata::localization

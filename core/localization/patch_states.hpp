@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What particles know of the configurations of sub-maps, and how that changes with time.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/config.hpp"
+#include "core/base/parallel.hpp"
+#include "core/localization/particle_set.hpp"
+#include "core/patch/patch_map.hpp"
+#include "core/random/stream.hpp"
+
+namespace strata::localization {
+
+/// What is kept of sub-maps that the robot is not in (SPEC C5).
+enum class PatchMemory {
+  kNone,         ///< the paper: a particle holds one configuration, of the sub-map it is in
+  kShared,       ///< one belief per sub-map for all particles
+  kPerParticle,  ///< a belief per particle and sub-map (factored posterior)
+};
+
+struct PatchStatesConfig {
+  PatchMemory memory = PatchMemory::kPerParticle;
+  double forgetting_rate_per_s = 1.0 / 600.0;
+  double least_belief = 1e-3;
+  double shared_max_stddev_m = 0.3;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("memory", c.memory, {.doc = "what is kept of sub-maps the robot has left"});
+    v.field("forgetting_rate_per_s", c.forgetting_rate_per_s,
+            {.doc = "rate gamma at which a known configuration becomes unknown",
+             .unit = "1/s",
+             .min = 0.0});
+    v.field("least_belief", c.least_belief,
+            {.doc = "no configuration's probability falls below", .min = 0.0, .max = 0.1});
+    v.field("shared_max_stddev_m", c.shared_max_stddev_m,
+            {.doc = "shared beliefs learn only while the pose is at least this certain",
+             .unit = "m",
+             .min = 0.0});
+  }
+};
+
+/// The posterior over the configurations of one sub-map.
+struct SubmapBelief {
+  int submap = -1;
+  double mass = 0.0;                ///< weight of the particles inside
+  std::vector<double> probability;  ///< per configuration, sums to 1
+};
+
+/// P(same configuration after dt) of the K-state chain that leaves at rate q = gamma (K-1)/K:
+/// 1/K + (1 - 1/K) exp(-gamma dt) (SPEC C2); 1 for K = 1.
+[[nodiscard]] double stay_probability(int configurations, double gamma_per_s, double dt_s);
+
+/// The layout of the beliefs of a patch map, and the map transition p(m_t | x_t, m_{t-1}) of
+/// [stachniss2005patch, eq. (8)].
+class PatchStates {
+ public:
+  /// Throws InputError when a sub-map has no configuration or more than 64.
+  PatchStates(std::shared_ptr<const patch::PatchMap> map, const PatchStatesConfig& config);
+
+  [[nodiscard]] const patch::PatchMap& map() const { return *map_; }
+  [[nodiscard]] PatchMemory memory() const { return config_.memory; }
+  [[nodiscard]] double least_belief() const { return config_.least_belief; }
+  /// Columns of one belief row; those of sub-map s are [offset(s), offset(s) + count(s)).
+  [[nodiscard]] std::size_t columns() const { return uniform_.size(); }
+  [[nodiscard]] std::size_t offset(std::size_t submap) const { return offsets_[submap]; }
+  [[nodiscard]] int count(std::size_t submap) const {
+    return static_cast<int>(offsets_[submap + 1] - offsets_[submap]);
+  }
+  /// The belief of someone who knows nothing.
+  [[nodiscard]] std::span<const float> uniform() const { return uniform_; }
+
+  /// Gives the set the columns it needs and forgets everything.
+  void prepare(ParticleSet& particles) const;
+  /// Particle i knows nothing: its sub-map from its pose, its configuration (without memory) drawn
+  /// uniformly, its belief uniform.
+  void draw(ParticleSet& particles, std::size_t i, RandomStream& random) const;
+  /// After the motion: which sub-map each particle is in, and the change of configurations in dt_s.
+  /// Same sub-map: kept with stay_probability, else one of the others; a new one: uniform [seed].
+  /// With memory the beliefs move towards uniform instead, and no configuration is drawn.
+  void predict(double dt_s, std::uint64_t seed, std::uint64_t step, ParticleSet& particles,
+               WorkerPool& pool) const;
+  /// After the weights: shared beliefs learn, b_s(k) ~ b_s(k) sum_i w_i p(z | x_i, m_s = k), from
+  /// the ratios that the sensor model left in the particles' rows; only while the pose is certain.
+  void absorb(const Pose2Gaussian& pose, ParticleSet& particles) const;
+  /// One entry a sub-map. Without memory P(k) is the weight of particles in s with k over that of
+  /// all in s (SPEC C8), uniform when none is in s.
+  [[nodiscard]] std::vector<SubmapBelief> posterior(const ParticleSet& particles) const;
+
+ private:
+  void predict_beliefs(std::span<float> row, double dt_s) const;
+
+  std::shared_ptr<const patch::PatchMap> map_;
+  PatchStatesConfig config_;
+  std::vector<std::size_t> offsets_;
+  std::vector<float> uniform_;
+};
+
+/// b(k) <- b(k) factor(k), normalized, never below `least`. Zero sums leave b as it is.
+void update_belief(std::span<float> belief, std::span<const double> factor, double least);
+
+}  // namespace strata::localization
+
+template <>
+struct strata::EnumNames<strata::localization::PatchMemory> {
+  static constexpr std::array<std::pair<strata::localization::PatchMemory, const char*>, 3> values{
+      {{strata::localization::PatchMemory::kNone, "none"},
+       {strata::localization::PatchMemory::kShared, "shared"},
+       {strata::localization::PatchMemory::kPerParticle, "per_particle"}}};
+};

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/ray_caster.hpp"
+
+#include <numbers>
+
+namespace strata::localization {
+
+RayWalker::RayWalker(const Grid<std::uint8_t>& marked)
+    : leap_(marked.resolution_m(), marked.rect()) {
+  const DistanceField distances = make_distance_field(marked);
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    if (marked.values()[i] != 0) {
+      leap_.values()[i] = -1.0F;
+      continue;
+    }
+    // Half a diagonal for where the ray is in this cell, half for the marked cell's corner, and a
+    // little for rounding to float.
+    const double cells = static_cast<double>(distances.values()[i]) / marked.resolution_m();
+    const double leap = (cells - std::numbers::sqrt2) * (1.0 - 1e-6) - 1e-6;
+    leap_.values()[i] = static_cast<float>(std::clamp(leap, 0.0, 1e6));
+  }
+}
+
+RayCaster::RayCaster(const ReflectionGrid& map, double max_range_m) : max_range_m_(max_range_m) {
+  Grid<std::uint8_t> occupied(map.resolution_m(), map.rect());
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    occupied.values()[i] = is_occupied(map.values()[i]) ? 1 : 0;
+  }
+  walker_ = RayWalker(occupied);
+}
+
+double RayCaster::expected_range_m(const Pose2& map_from_laser, double bearing_rad) const {
+  const double angle = map_from_laser.theta + bearing_rad;
+  return range_m(map_from_laser.x, map_from_laser.y, std::cos(angle), std::sin(angle),
+                 max_range_m_);
+}
+
+}  // namespace strata::localization

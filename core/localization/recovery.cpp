@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/recovery.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace strata::localization {
+
+void HealthMonitor::add(double likelihood_per_beam, double explained_share,
+                        double position_stddev_m) {
+  ++count_;
+  const double mean_rate = 1.0 / static_cast<double>(count_);
+  const double fast = std::max(config_.fast_rate, mean_rate);
+  const double slow = std::max(config_.slow_rate, mean_rate);
+  likelihood_fast_ += fast * (likelihood_per_beam - likelihood_fast_);
+  likelihood_slow_ += slow * (likelihood_per_beam - likelihood_slow_);
+  LocalizationHealth& h = health_;
+  if (count_ == 1) h.explained_share_fast = h.explained_share_slow = explained_share;
+  h.explained_share = explained_share;
+  h.explained_share_fast += fast * (explained_share - h.explained_share_fast);
+  h.explained_share_slow += slow * (explained_share - h.explained_share_slow);
+  h.likelihood_ratio = likelihood_slow_ > 0.0 ? likelihood_fast_ / likelihood_slow_ : 1.0;
+  h.position_stddev_m = position_stddev_m;
+  if (h.explained_share_fast < config_.lost_share) {
+    h.state = HealthState::kLost;
+  } else if (position_stddev_m > config_.uncertain_stddev_m) {
+    h.state = HealthState::kConverging;
+  } else if (h.explained_share_fast < h.explained_share_slow - config_.outdated_drop) {
+    h.state = HealthState::kMapOutdated;
+  } else {
+    h.state = HealthState::kGood;
+  }
+}
+
+double HealthMonitor::injection_share() const {
+  if (!config_.inject || config_.tolerated_drop >= 1.0) return 0.0;
+  const double share = 1.0 - health_.likelihood_ratio / (1.0 - config_.tolerated_drop);
+  return std::clamp(share, 0.0, config_.most_injected);
+}
+
+FreeSpace::FreeSpace(const ReflectionGrid& map) : resolution_m_(map.resolution_m()) {
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (is_free(map.values()[i])) cells_.push_back(map.cell(i));
+  }
+}
+
+Pose2 FreeSpace::draw(RandomStream& random) const {
+  const Cell cell = cells_[random.below(static_cast<std::uint32_t>(cells_.size()))];
+  const double x = (cell.x + random.uniform()) * resolution_m_;
+  const double y = (cell.y + random.uniform()) * resolution_m_;
+  return {x, y, random.uniform(-std::numbers::pi, std::numbers::pi)};
+}
+
+}  // namespace strata::localization

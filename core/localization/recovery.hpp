@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+/// When the filter is wrong: averages of the likelihood, poses to try, and a verdict.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "core/base/config.hpp"
+#include "core/geometry/pose2.hpp"
+#include "core/grid/reflection_grid.hpp"
+#include "core/random/stream.hpp"
+
+namespace strata::localization {
+
+/// Augmented MCL [thrun2005probabilistic, table 8.3] and the thresholds of the verdict.
+struct RecoveryConfig {
+  bool inject = true;
+  double slow_rate = 0.001;
+  double fast_rate = 0.1;
+  double tolerated_drop = 0.2;
+  double most_injected = 0.5;
+  double lost_share = 0.4;
+  double outdated_drop = 0.15;
+  double uncertain_stddev_m = 0.5;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("inject", c.inject, {.doc = "try random poses when the likelihood drops"});
+    v.field("slow_rate", c.slow_rate,
+            {.doc = "rate of the long average per weighed scan", .min = 0.0, .max = 1.0});
+    v.field("fast_rate", c.fast_rate,
+            {.doc = "rate of the short average per weighed scan", .min = 0.0, .max = 1.0});
+    v.field("tolerated_drop", c.tolerated_drop,
+            {.doc = "relative drop of the likelihood per beam that injects nothing",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("most_injected", c.most_injected,
+            {.doc = "greatest share of random poses", .min = 0.0, .max = 1.0});
+    v.field("lost_share", c.lost_share,
+            {.doc = "lost when fewer beams than this are explained, averaged over a short time",
+             .min = 0.0,
+             .max = 1.0});
+    v.field(
+        "outdated_drop", c.outdated_drop,
+        {.doc = "map outdated here when the explained share is this much below its long average",
+         .min = 0.0,
+         .max = 1.0});
+    v.field("uncertain_stddev_m", c.uncertain_stddev_m,
+            {.doc = "above this spread the pose is not converged", .unit = "m", .min = 0.0});
+    v.require(c.slow_rate < c.fast_rate, "slow_rate", "is not below fast_rate", "lower it");
+  }
+};
+
+/// What the numbers say.
+enum class HealthState {
+  kGood,
+  kConverging,   ///< the particles are spread widely
+  kMapOutdated,  ///< a sure pose, most beams explained, but fewer than usual
+  kLost,         ///< beams are not explained: the pose is wrong, or nothing is as mapped
+};
+
+struct LocalizationHealth {
+  HealthState state = HealthState::kConverging;
+  double explained_share = 1.0;       ///< of this scan, at the mean pose
+  double explained_share_fast = 1.0;  ///< short average
+  double explained_share_slow = 1.0;  ///< long average
+  double likelihood_ratio = 1.0;      ///< short over long average of the likelihood per beam
+  double position_stddev_m = 0.0;     ///< sqrt of the trace of the position's covariance
+};
+
+/// The averages of one run. A first value sets both; early on the long one is the plain mean, so
+/// that it does not keep the memory of the first scan for 1 / slow_rate scans.
+class HealthMonitor {
+ public:
+  explicit HealthMonitor(const RecoveryConfig& config) : config_(config) {}
+
+  void reset() { *this = HealthMonitor(config_); }
+  /// likelihood_per_beam: geometric mean over beams of the likelihood, averaged over the particles.
+  void add(double likelihood_per_beam, double explained_share, double position_stddev_m);
+  [[nodiscard]] const LocalizationHealth& health() const { return health_; }
+  /// Share of particles to replace: max(0, 1 - fast / ((1 - tolerated_drop) slow)).
+  [[nodiscard]] double injection_share() const;
+
+ private:
+  RecoveryConfig config_;
+  LocalizationHealth health_;
+  std::size_t count_ = 0;
+  double likelihood_fast_ = 0.0;
+  double likelihood_slow_ = 0.0;
+};
+
+/// Poses drawn uniformly from the free cells of a map.
+class FreeSpace {
+ public:
+  FreeSpace() = default;
+  explicit FreeSpace(const ReflectionGrid& map);
+
+  [[nodiscard]] bool empty() const { return cells_.empty(); }
+  [[nodiscard]] double area_m2() const {
+    return static_cast<double>(cells_.size()) * resolution_m_ * resolution_m_;
+  }
+  /// Requires !empty().
+  [[nodiscard]] Pose2 draw(RandomStream& random) const;
+
+ private:
+  double resolution_m_ = 0.05;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace strata::localization
+
+template <>
+struct strata::EnumNames<strata::localization::HealthState> {
+  static constexpr std::array<std::pair<strata::localization::HealthState, const char*>, 4> values{
+      {{strata::localization::HealthState::kGood, "good"},
+       {strata::localization::HealthState::kConverging, "converging"},
+       {strata::localization::HealthState::kMapOutdated, "map_outdated"},
+       {strata::localization::HealthState::kLost, "lost"}}};
+};

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/scan_beams.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strata::localization {
+namespace {
+
+double limit_of(const Scan& scan, const BeamSelectionConfig& config) {
+  const auto own = static_cast<double>(scan.range_max_m);
+  const bool has_own = std::isfinite(own) && own > 0.0;
+  if (config.max_range_m > 0.0) {
+    return has_own ? std::min(own, config.max_range_m) : config.max_range_m;
+  }
+  if (has_own) return own;
+  double longest = 0.0;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (scan.kind(i) == BeamKind::kHit) {
+      longest = std::max(longest, static_cast<double>(scan.ranges_m[i]));
+    }
+  }
+  return longest + 1.0;
+}
+
+}  // namespace
+
+ScanBeams select_beams(const Scan& scan, const BeamSelectionConfig& config) {
+  ScanBeams beams;
+  beams.robot_from_laser = scan.robot_from_laser;
+  beams.r_max_m = limit_of(scan, config);
+  const double increment = std::abs(static_cast<double>(scan.angle_increment_rad));
+  // A hair less than the angle, so that 5 degrees of 1 degree beams are every fifth.
+  const std::size_t stride = increment > 0.0
+                                 ? static_cast<std::size_t>(std::max(
+                                       1.0, std::ceil(config.least_angle_rad / increment - 0.01)))
+                                 : 1;
+  for (std::size_t i = 0; i < scan.size(); i += stride) {
+    const BeamKind kind = scan.kind(i);
+    if (kind == BeamKind::kInvalid || kind == BeamKind::kTooClose) continue;
+    const auto range = static_cast<double>(scan.ranges_m[i]);
+    const bool is_hit = kind == BeamKind::kHit && range < beams.r_max_m;
+    beams.bearing_rad.push_back(scan.bearing_rad(i));
+    beams.range_m.push_back(is_hit ? range : beams.r_max_m);
+    beams.is_hit.push_back(is_hit ? 1 : 0);
+  }
+  return beams;
+}
+
+bool says_something(const Scan& scan) {
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const BeamKind kind = scan.kind(i);
+    if (kind == BeamKind::kHit || kind == BeamKind::kNoReturn) return true;
+  }
+  return false;
+}
+
+}  // namespace strata::localization

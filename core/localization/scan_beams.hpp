@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The beams of a scan that a sensor model looks at.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/scan/scan.hpp"
+
+namespace strata::localization {
+
+/// Which beams a beam model uses. Neighbouring beams are not independent: SPEC C3 takes one every
+/// 5 degrees and divides the log-likelihood by a temperature.
+struct BeamSelectionConfig {
+  double least_angle_rad = 0.0873;
+  double max_range_m = 0.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("least_angle_rad", c.least_angle_rad,
+            {.doc = "least angle between two beams in use", .unit = "rad", .min = 0.0});
+    v.field("max_range_m", c.max_range_m,
+            {.doc = "readings from here on count as no return; 0: the scan's own limit",
+             .unit = "m",
+             .min = 0.0});
+  }
+};
+
+/// The beams in use, structure of arrays of equal length. Beams that are invalid or too close are
+/// left out: they say nothing.
+struct ScanBeams {
+  Pose2 robot_from_laser;
+  double r_max_m = 0.0;  ///< beyond: nothing returned
+  std::vector<double> bearing_rad;
+  std::vector<double> range_m;        ///< r_max_m where nothing returned
+  std::vector<unsigned char> is_hit;  ///< 1: range_m was measured
+
+  [[nodiscard]] std::size_t size() const { return range_m.size(); }
+};
+
+/// Every n-th beam, n the least that keeps least_angle_rad. A scan without a usable limit
+/// (range_max not finite or not positive, and none configured) takes 1 m more than its longest
+/// reading. O(beams).
+[[nodiscard]] ScanBeams select_beams(const Scan& scan, const BeamSelectionConfig& config);
+
+/// Whether any beam says something: a hit or no return.
+[[nodiscard]] bool says_something(const Scan& scan);
+
+}  // namespace strata::localization

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a scan says about each particle: the one place where map models differ.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "core/base/parallel.hpp"
+#include "core/localization/particle_set.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::localization {
+
+class PatchStates;
+
+/// A map and how beams behave in it. Const and without hidden state, so that several localizers may
+/// share one; what a model remembers of a run lies in the particles.
+class SensorModel {
+ public:
+  SensorModel() = default;
+  SensorModel(const SensorModel&) = delete;
+  SensorModel& operator=(const SensorModel&) = delete;
+  virtual ~SensorModel() = default;
+
+  /// log_likelihood[i] = ln p(z | particle i) / tempering, up to a constant that is the same for
+  /// all particles [nats]. May read and, with a memory of sub-maps, update the beliefs that the
+  /// particles carry; nothing else of them. One virtual call a scan. The result does not depend on
+  /// the number of threads. Returns how many beams spoke. Requires log_likelihood.size() ==
+  /// particles.size() and tempering > 0.
+  virtual std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
+                                      std::span<double> log_likelihood, WorkerPool& pool) const = 0;
+
+  /// The temperature for tracking: by how much the log-likelihood is divided because neighbouring
+  /// beams, and neighbouring scans, are not independent (SPEC C3).
+  [[nodiscard]] virtual double tempering() const = 0;
+
+  /// Share of the beams in use that the map explains from this pose, in [0, 1]; 1 when no beam
+  /// speaks. `particles` gives what the filter believes of the sub-maps.
+  [[nodiscard]] virtual double explained_share(const Scan& scan, const Pose2& map_from_robot,
+                                               const ParticleSet& particles) const = 0;
+
+  /// The states of the sub-maps, for a model that has any; null otherwise.
+  [[nodiscard]] virtual const PatchStates* patch_states() const { return nullptr; }
+};
+
+}  // namespace strata::localization

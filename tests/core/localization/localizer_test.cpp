@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/localizer.hpp"
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/localization/likelihood_field_model.hpp"
+#include "core/localization/range_provider_model.hpp"
+#include "tests/core/localization/box_world.hpp"
+
+namespace strata::localization {
+namespace {
+
+using test::BoxWorld;
+using test::Drive;
+
+/// A room of 8 m x 5 m without symmetry.
+BoxWorld asymmetric_room() {
+  return {{0.0, 0.0, 8.0, 0.2}, {0.0, 4.8, 8.0, 5.0}, {0.0, 0.0, 0.2, 5.0}, {7.8, 0.0, 8.0, 5.0},
+          {2.5, 0.0, 2.7, 2.0}, {5.0, 3.6, 6.6, 5.0}, {6.8, 0.0, 8.0, 0.8}};
+}
+ReflectionGrid room_map() { return test::rasterize(asymmetric_room(), 0.05, {{0, 0}, {160, 100}}); }
+
+Pose2Gaussian near(const Pose2& pose) {
+  return {pose, Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal()};
+}
+
+/// Circles in the right half of the room.
+Pose2 next_motion() { return {0.12, 0.0, 0.12}; }
+
+double track(const std::shared_ptr<const SensorModel>& model, int scans) {
+  const BoxWorld world = asymmetric_room();
+  Drive drive({4.0, 1.2, 0.0}, 31);
+  Localizer localizer({}, model, 1);
+  localizer.initialize(near(drive.truth()));
+  double sum = 0.0;
+  for (int n = 0; n < scans; ++n) {
+    drive.step(next_motion());
+    const LocalizationResult result = localizer.update(drive.look(world));
+    EXPECT_TRUE(result.pose.covariance.allFinite());
+    if (n >= 20) sum += weighted_error(localizer.particles(), drive.truth());
+  }
+  return sum / (scans - 20);
+}
+
+TEST(Localizer, TracksWithTheLikelihoodField) {
+  EXPECT_LT(track(std::make_shared<LikelihoodFieldModel>(room_map()), 120), 0.06);
+}
+
+TEST(Localizer, TracksWithTheBeamModel) {
+  EXPECT_LT(track(make_grid_beam_model(room_map()), 120), 0.06);
+}
+
+TEST(Localizer, IsBitIdenticalAtOneTwoAndEightThreads) {
+  const BoxWorld world = asymmetric_room();
+  const auto model = make_grid_beam_model(room_map());
+  std::vector<ParticleSet> sets;
+  for (const int threads : {1, 2, 8}) {
+    Drive drive({4.0, 1.2, 0.0}, 31);
+    Localizer localizer({}, model, 1, threads);
+    localizer.initialize(near(drive.truth()));
+    for (int n = 0; n < 30; ++n) {
+      drive.step(next_motion());
+      localizer.update(drive.look(world));
+    }
+    sets.push_back(localizer.particles());
+  }
+  for (std::size_t t = 1; t < sets.size(); ++t) {
+    EXPECT_EQ(sets[t].x_m, sets[0].x_m);
+    EXPECT_EQ(sets[t].theta_rad, sets[0].theta_rad);
+    EXPECT_EQ(sets[t].weight, sets[0].weight);
+  }
+}
+
+TEST(Localizer, ScansWithoutInformationMoveTheParticlesAndAreCounted) {
+  const auto model = std::make_shared<LikelihoodFieldModel>(room_map());
+  Localizer localizer({}, model, 1);
+  localizer.initialize(near({4.0, 1.2, 0.0}));
+  Observation observation;
+  observation.scan.ranges_m.assign(90, std::numeric_limits<float>::quiet_NaN());
+  localizer.update(observation);
+  observation.odom_from_robot = {1.0, 0.0, 0.0};
+  observation.scan.ranges_m.clear();
+  const LocalizationResult result = localizer.update(observation);
+  EXPECT_FALSE(result.weighed);
+  EXPECT_EQ(localizer.unusable_scans(), 2U);
+  EXPECT_NEAR(result.pose.mean.x, 5.0, 0.1);
+}
+
+TEST(Localizer, StandingStillGatesScansButGivesEachAPose) {
+  const BoxWorld world = asymmetric_room();
+  Drive drive({4.0, 1.2, 0.0}, 31);
+  Localizer localizer({}, std::make_shared<LikelihoodFieldModel>(room_map()), 1);
+  localizer.initialize(near(drive.truth()));
+  int weighed = 0;
+  for (int n = 0; n < 31; ++n) weighed += localizer.update(drive.look(world)).weighed ? 1 : 0;
+  EXPECT_EQ(weighed, 4);  // the first, then every tenth
+}
+
+TEST(Localizer, FindsItselfFromNowhere) {
+  const BoxWorld world = asymmetric_room();
+  const ReflectionGrid map = room_map();
+  const auto model = std::make_shared<LikelihoodFieldModel>(map);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Drive drive({4.0, 1.2, 0.0}, 40 + seed);
+    Localizer localizer({}, model, seed);
+    localizer.initialize_global(map);
+    EXPECT_GT(localizer.particles().size(), 12000U);
+    for (int n = 0; n < 50; ++n) {
+      drive.step(next_motion());
+      localizer.update(drive.look(world));
+    }
+    EXPECT_LT(weighted_error(localizer.particles(), drive.truth()), 0.15) << "seed " << seed;
+    EXPECT_LT(localizer.particles().size(), 3000U);
+  }
+}
+
+}  // namespace
+}  // namespace strata::localization

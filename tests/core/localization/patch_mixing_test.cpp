@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/localization/patch_beam_model.hpp"
+#include "core/random/stream.hpp"
+
+namespace strata::localization {
+namespace {
+
+/// Sub-maps of random content on a random base; two of the rectangles may overlap.
+std::shared_ptr<patch::PatchMap> random_map(RandomStream& random, bool overlap) {
+  auto map = std::make_shared<patch::PatchMap>();
+  map->base = ReflectionGrid(0.1, {{0, 0}, {60, 20}}, 0.0F);
+  for (float& m : map->base.values()) m = random.bernoulli(0.01) ? 0.9F : 0.0F;
+  const int starts[] = {8, overlap ? 14 : 22, 36};
+  for (int s = 0; s < 3; ++s) {
+    patch::Submap submap;
+    submap.id = s;
+    submap.rect = {{starts[s], 2}, {starts[s] + 10, 18}};
+    const int configurations = 1 + static_cast<int>(random.below(3));
+    for (int k = 0; k < configurations; ++k) {
+      patch::Configuration configuration;
+      configuration.reflection = ReflectionGrid(0.1, submap.rect, 0.0F);
+      for (float& m : configuration.reflection.values()) m = random.bernoulli(0.04) ? 0.9F : 0.0F;
+      submap.configurations.push_back(configuration);
+    }
+    map->submaps.push_back(submap);
+  }
+  return map;
+}
+
+/// The composed map in which `current` wins overlaps, else the sub-map with the nearest centre.
+ReflectionGrid composed(const patch::PatchMap& map, const std::vector<int>& states, int current) {
+  ReflectionGrid grid = map.base;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const Cell cell = grid.cell(i);
+    int best = -1;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const patch::Submap& s : map.submaps) {
+      if (!s.rect.contains(cell)) continue;
+      const double d = s.id == current
+                           ? -1.0
+                           : std::hypot(cell.x + 0.5 - 0.5 * (s.rect.min.x + s.rect.max.x),
+                                        cell.y + 0.5 - 0.5 * (s.rect.min.y + s.rect.max.y));
+      if (d < nearest) {
+        nearest = d;
+        best = s.id;
+      }
+    }
+    if (best >= 0) {
+      const auto b = static_cast<std::size_t>(best);
+      grid.values()[i] =
+          map.submaps[b].configurations[static_cast<std::size_t>(states[b])].reflection.at(cell);
+    }
+  }
+  return grid;
+}
+
+TEST(PatchMixing, EqualsEnumerationOfAllConfigurations) {
+  RandomStream random(23, StreamId::kTest);
+  const BeamMixture mixture({}, 6.0);
+  for (int round = 0; round < 40; ++round) {
+    const auto map = random_map(random, round % 2 == 0);
+    const PatchStates states(map, {});
+    const PatchRayCaster caster(*map);
+    std::vector<float> belief;
+    for (std::size_t s = 0; s < 3; ++s) {
+      double sum = 0.0;
+      const std::size_t begin = belief.size();
+      for (int k = 0; k < states.count(s); ++k) {
+        belief.push_back(static_cast<float>(random.uniform(0.05, 1.0)));
+        sum += static_cast<double>(belief.back());
+      }
+      for (std::size_t c = begin; c < belief.size(); ++c) {
+        belief[c] = static_cast<float>(static_cast<double>(belief[c]) / sum);
+      }
+    }
+    for (int ray = 0; ray < 10; ++ray) {
+      const Pose2 pose{random.uniform(0.0, 6.0), random.uniform(0.0, 2.0),
+                       random.uniform(-3.2, 3.2)};
+      const int current = patch::submap_at(*map, pose.translation());
+      const int fixed = current >= 0 && ray % 2 == 0 ? 0 : -1;
+      const double z = random.uniform(0.0, 5.0);
+      std::vector<RayEvent> events;
+      caster.events(pose.x, pose.y, std::cos(pose.theta), std::sin(pose.theta), 6.0, current,
+                    events);
+      std::vector<double> values;
+      for (const RayEvent& e : events) values.push_back(mixture.density(z, e.range_m));
+      const double end = mixture.density(z, std::numeric_limits<double>::infinity());
+      const double got =
+          mix_events(events, values, end, states, belief, fixed < 0 ? -1 : current, fixed);
+      double expected = 0.0;
+      std::vector<int> state(3, 0);
+      for (state[0] = 0; state[0] < states.count(0); ++state[0]) {
+        for (state[1] = 0; state[1] < states.count(1); ++state[1]) {
+          for (state[2] = 0; state[2] < states.count(2); ++state[2]) {
+            double p = 1.0;
+            for (std::size_t s = 0; s < 3; ++s) {
+              const auto k = static_cast<std::size_t>(state[s]);
+              if (fixed >= 0 && static_cast<int>(s) == current) {
+                p *= state[s] == fixed ? 1.0 : 0.0;
+              } else {
+                p *= static_cast<double>(belief[states.offset(s) + k]);
+              }
+            }
+            if (p == 0.0) continue;
+            const RayCaster one(composed(*map, state, current), 6.0);
+            expected += p * mixture.density(z, one.expected_range_m(pose, 0.0));
+          }
+        }
+      }
+      EXPECT_NEAR(got, expected, 1e-6);
+    }
+  }
+}
+
+TEST(PatchStates, StayProbabilityIsTheRateForm) {
+  EXPECT_DOUBLE_EQ(stay_probability(1, 0.1, 100.0), 1.0);
+  EXPECT_DOUBLE_EQ(stay_probability(3, 0.1, 0.0), 1.0);
+  EXPECT_NEAR(stay_probability(4, 0.1, 1e4), 0.25, 1e-12);
+  // Two steps of dt/2 are one of dt: P(stay) + P(leave and return).
+  const double half = stay_probability(3, 0.2, 1.5);
+  const double whole = stay_probability(3, 0.2, 3.0);
+  EXPECT_NEAR(half * half + (1.0 - half) * (1.0 - half) / 2.0, whole, 1e-12);
+}
+
+TEST(PatchStates, RedrawsAtTheRateAndUniformlyOnEntering) {
+  RandomStream random(5, StreamId::kTest);
+  auto map = random_map(random, false);
+  map->submaps[0].configurations.resize(3, map->submaps[0].configurations[0]);
+  PatchStatesConfig config;
+  config.memory = PatchMemory::kNone;
+  config.forgetting_rate_per_s = 0.5;
+  const PatchStates states(map, config);
+  ParticleSet particles;
+  particles.resize(20000);
+  for (std::size_t i = 0; i < particles.size(); ++i) particles.set_pose(i, {1.2, 1.0, 0.0});
+  WorkerPool pool(2);
+  states.prepare(particles);
+  states.predict(1.0, 9, 1, particles, pool);
+  const std::vector<std::int32_t> entered = particles.patch;
+  std::vector<double> share(3, 0.0);
+  for (const std::int32_t k : entered) share[static_cast<std::size_t>(k)] += 1.0 / 20000.0;
+  for (const double s : share) EXPECT_NEAR(s, 1.0 / 3.0, 0.015);
+  states.predict(1.0, 9, 2, particles, pool);
+  double kept = 0.0;
+  for (std::size_t i = 0; i < 20000; ++i) kept += particles.patch[i] == entered[i] ? 1.0 : 0.0;
+  EXPECT_NEAR(kept / 20000.0, stay_probability(3, 0.5, 1.0), 0.015);
+  for (std::size_t i = 0; i < 20000; ++i) particles.set_pose(i, {1.95, 1.0, 0.0});
+  states.predict(1.0, 9, 3, particles, pool);
+  EXPECT_EQ(particles.submap[0], -1);
+  EXPECT_EQ(particles.patch[0], -1);
+}
+
+}  // namespace
+}  // namespace strata::localization
