@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The program as users and scripts meet it: exit codes, error lines, files.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include "tests/support/test_data.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+};
+
+/// Runs `strata ARGUMENTS`; the shell may merge stderr into the output.
+Outcome run(const std::string& arguments) {
+  const std::string command = std::string("'" STRATA_PROGRAM "' ") + arguments;
+  Outcome outcome;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  char buffer[4096];
+  for (std::size_t got = 0; (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
+    outcome.out.append(buffer, got);
+  }
+  const int status = pclose(pipe);
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+void write_log(const fs::path& path, int scans) {
+  std::ofstream out(path);
+  for (int i = 0; i < scans; ++i) {
+    out << "ODOM " << 0.1 * i << " 0 0 0 0 0 " << i << ".5 h 0\n";
+    out << "FLASER 4 1 2 3 81.83 " << 0.1 * i + 0.2 << " 0 0 " << 0.1 * i << " 0 0 " << i
+        << ".75 h 0\n";
+  }
+}
+
+TEST(Program, BadUsageEndsWithTwoAndOneLine) {
+  for (const char* arguments : {"info", "info a --nonsense", "nonsense", "info a --threads -1"}) {
+    const Outcome outcome = run(std::string(arguments) + " 2>&1");
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_THAT(outcome.out, ::testing::StartsWith("strata ")) << arguments;
+    EXPECT_THAT(outcome.out, ::testing::HasSubstr(": error: command line: ")) << arguments;
+    EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 1) << outcome.out;
+  }
+  EXPECT_EQ(run("2>/dev/null").code, 2);
+}
+
+TEST(Program, HelpHasAnExampleForEveryVerb) {
+  const Outcome all = run("--help");
+  EXPECT_EQ(all.code, 0);
+  for (const char* verb : {"info", "convert", "evaluate"}) {
+    EXPECT_THAT(all.out, ::testing::HasSubstr(verb));
+    const Outcome help = run(std::string(verb) + " --help");
+    EXPECT_EQ(help.code, 0);
+    EXPECT_THAT(help.out, ::testing::HasSubstr(std::string("Example:\n  strata ") + verb));
+    for (const char* common : {"--config", "--set", "--quiet", "--seed", "--threads"}) {
+      EXPECT_THAT(help.out, ::testing::HasSubstr(common)) << verb;
+    }
+  }
+}
+
+TEST(Program, BadInputEndsWithTwoAndSaysWhere) {
+  const Outcome outcome = run("info /no/such/log 2>&1");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.out, "strata info: error: /no/such/log: does not exist; check the path\n");
+}
+
+TEST(Program, InfoStatesCountsAndGeometryAsJson) {
+  const strata::test::TemporaryDirectory folder;
+  write_log(folder.path() / "a.clf", 11);
+  const Outcome outcome = run("info --json --quiet " + quoted(folder.path() / "a.clf"));
+  ASSERT_EQ(outcome.code, 0);
+  const auto info = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(info["scans"]["count"], 11);
+  EXPECT_EQ(info["scans"]["beams"], 4);
+  EXPECT_EQ(info["scans"]["no_returns"], 11);
+  EXPECT_DOUBLE_EQ(info["scans"]["rate_hz"], 1.0);
+  EXPECT_DOUBLE_EQ(info["duration_s"], 10.0);
+  EXPECT_NEAR(info["path_m"].get<double>(), 1.0, 1e-9);
+  EXPECT_EQ(info["messages"]["ODOM"]["count"], 11);
+  EXPECT_NEAR(info["scans"]["mounting"][0].get<double>(), 0.2, 1e-9);
+}
+
+TEST(Program, ConvertGoesThroughEveryFormatAndBack) {
+  const strata::test::TemporaryDirectory folder;
+  write_log(folder.path() / "a.clf", 5);
+  const auto at = [&](const char* name) { return quoted(folder.path() / name); };
+  EXPECT_EQ(run("convert --quiet " + at("a.clf") + " " + at("b.mcap")).code, 0);
+  EXPECT_EQ(run("convert --quiet " + at("b.mcap") + " " + at("c.db3")).code, 0);
+  EXPECT_EQ(run("convert --quiet " + at("c.db3") + " " + at("d") + " --to mcap").code, 0);
+  EXPECT_EQ(run("convert --quiet " + at("d") + " " + at("e.clf") + " --from 1 --to 3").code, 0);
+  EXPECT_TRUE(fs::exists(folder.path() / "d" / "metadata.yaml"));
+  const auto info = nlohmann::json::parse(run("info --json --quiet " + at("e.clf")).out);
+  EXPECT_EQ(info["scans"]["count"], 3);
+  EXPECT_EQ(info["scans"]["no_returns"], 3);
+}
+
+TEST(Program, AFailedConvertLeavesNothingBehind) {
+  const strata::test::TemporaryDirectory folder;
+  write_log(folder.path() / "a.clf", 5);
+  std::ofstream(folder.path() / "bad.clf") << "FLASER nonsense\n";
+  const std::string good = quoted(folder.path() / "a.clf");
+  EXPECT_EQ(run("convert --quiet " + good + " " + quoted(folder.path() / "x.abc") + " 2>&1").code,
+            2);
+  EXPECT_EQ(run("convert --quiet " + good + " /no/such/folder/x.clf 2>&1").code, 1);
+  EXPECT_EQ(run("convert --quiet " + quoted(folder.path() / "bad.clf") + " " +
+                quoted(folder.path() / "x.mcap") + " 2>&1")
+                .code,
+            2);
+  std::size_t entries = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path())) ++entries;
+  EXPECT_EQ(entries, 2U);
+}
+
+TEST(Program, CtrlCEndsEvenAVerbThatIsStuck) {
+  const strata::test::TemporaryDirectory folder;
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  // Nobody writes into the pipe, so opening it never returns; `timeout` sends SIGINT after a second
+  // and would report 137 had it to kill.
+  const std::string command = "timeout --preserve-status --kill-after=60 --signal=INT 1 '" +
+                              std::string(STRATA_PROGRAM) + "' info " + quoted(pipe) +
+                              " >/dev/null 2>&1";
+  const int status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+}
+
+TEST(Program, EvaluateAlignsBeforeItJudges) {
+  const strata::test::TemporaryDirectory folder;
+  std::ofstream(folder.path() / "a.txt") << "1 0 0 0\n2 1 0 0\n3 2 1 0\n";
+  std::ofstream(folder.path() / "b.txt") << "1 5 0 0\n2 6 0 0\n3 7 1 0\n";
+  const Outcome outcome = run("evaluate --json " + quoted(folder.path() / "a.txt") + " --truth " +
+                              quoted(folder.path() / "b.txt"));
+  ASSERT_EQ(outcome.code, 0);
+  const auto result = nlohmann::json::parse(outcome.out);
+  EXPECT_NEAR(result["absolute"]["error_m"]["mean"].get<double>(), 5.0, 1e-9);
+  EXPECT_NEAR(result["aligned"]["error_m"]["max"].get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(run("evaluate " + quoted(folder.path() / "a.txt") + " 2>/dev/null").code, 2);
+}
+
+}  // namespace
+}  // namespace strata::tools

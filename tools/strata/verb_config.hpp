@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+/// --config and --set of a verb as one document.
+#pragma once
+
+#include <string>
+
+#include <yaml-cpp/yaml.h>
+
+#include "components/settings/yaml_document.hpp"
+#include "tools/strata/verb_context.hpp"
+
+namespace strata::tools {
+
+/// The file named by --config (an empty document without one) with every --set applied, for
+/// settings::read_config. Throws ConfigError or InputError.
+[[nodiscard]] inline YAML::Node load_config(const CommonOptions& options) {
+  YAML::Node document = options.config_file.empty() ? YAML::Node(YAML::NodeType::Map)
+                                                    : settings::load_document(options.config_file);
+  settings::apply_overrides(document, options.overrides);
+  return document;
+}
+/// What to call that document in errors.
+[[nodiscard]] inline std::string config_place(const CommonOptions& options) {
+  return options.config_file.empty() ? std::string("--set") : options.config_file;
+}
+
+}  // namespace strata::tools
