@@ -49,7 +49,7 @@ void match_again(std::span<PosedScan> scans, const std::vector<bool>& mapped,
     if (i % 512 == 0) report_progress(progress, "map static beams", i, scans.size());
     if (!mapped[i]) continue;
     map.add(scans[i].scan, scans[i].map_from_laser(), scans[i].static_probability,
-            tracking.max_range_m);
+            tracking.max_range_m, false);
   }
   map.forget_counts();
   registration::MatchConfig near = tracking.match;

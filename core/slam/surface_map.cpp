@@ -15,7 +15,7 @@ Eigen::Vector2d SurfaceMap::centroid(const Cell& cell, const CellData& data) con
 }
 
 void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
-                     std::span<const float> beam_weights, double max_range_m) {
+                     std::span<const float> beam_weights, double max_range_m, bool carve) {
   const double resolution = cells_.resolution_m();
   const CountingOptions options{.no_return_free_range_m = 0.0, .max_range_m = max_range_m};
   CellRect needed;
@@ -40,12 +40,14 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
   const auto per_metre = static_cast<float>(1.0 / resolution);
   for_each_ray(scan, frame_from_laser, options, [&](std::size_t beam, const Ray& ray) {
     const Cell end = cell_at(ray.to_m, resolution);
-    traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {
-      if (ray.is_hit && cell == end) return;
-      CellData& data = cells_.at(cell);
-      data.misses += per_metre * static_cast<float>(length_m);
-      if (data.point >= 0) changed_.push_back(cell);
-    });
+    if (carve) {
+      traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {
+        if (ray.is_hit && cell == end) return;
+        CellData& data = cells_.at(cell);
+        data.misses += per_metre * static_cast<float>(length_m);
+        if (data.point >= 0) changed_.push_back(cell);
+      });
+    }
     if (!ray.is_hit) return;
     const float weight = beam_weights.empty() ? 1.0F : beam_weights[beam];
     CellData& data = cells_.at(end);

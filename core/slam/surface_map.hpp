@@ -25,9 +25,10 @@ class SurfaceMap {
       : cells_(resolution_m, CellRect{}), field_(resolution_m, config) {}
 
   /// Adds a scan taken at frame_from_laser. beam_weights: e(t,n), empty: 1. Beams longer than
-  /// max_range_m carve free space up to there and end in nothing. O(cells crossed).
+  /// max_range_m carve free space up to there and end in nothing. carve = false: only hits enter,
+  /// for scans whose weights already say what is static. O(cells crossed), or O(beams).
   void add(const Scan& scan, const Pose2& frame_from_laser, std::span<const float> beam_weights,
-           double max_range_m);
+           double max_range_m, bool carve = true);
 
   [[nodiscard]] const registration::MatchField& field() const { return field_; }
   [[nodiscard]] SurfaceState state(const Eigen::Vector2d& point_m) const;
