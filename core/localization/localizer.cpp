@@ -77,19 +77,46 @@ void Localizer::initialize_global(const ReflectionGrid& map) {
   if (free_space_.empty()) {
     throw InputError("map", "has no free cell to start from", "use a map that was learned");
   }
-  const auto wanted = static_cast<std::size_t>(
-      std::ceil(config_.global_start.particles_per_m2 * free_space_.area_m2()));
-  most_particles_ = std::max<std::size_t>(
-      static_cast<std::size_t>(config_.particles),
-      std::min(wanted, static_cast<std::size_t>(config_.global_start.most_particles)));
+  most_particles_ = global_count();
   start(most_particles_);
   annealed_updates_ = 0;
+  fill(particles_, 0, StreamId::kInitialize);
+}
+
+std::size_t Localizer::global_count() const {
+  const auto wanted = static_cast<std::size_t>(
+      std::ceil(config_.global_start.particles_per_m2 * free_space_.area_m2()));
+  return std::max<std::size_t>(
+      static_cast<std::size_t>(config_.particles),
+      std::min(wanted, static_cast<std::size_t>(config_.global_start.most_particles)));
+}
+
+void Localizer::fill(ParticleSet& particles, std::size_t begin, StreamId stream) const {
   const PatchStates* states = model_->patch_states();
-  for (std::size_t i = 0; i < particles_.size(); ++i) {
-    RandomStream random(seed_, StreamId::kInitialize, step_, static_cast<std::uint32_t>(i));
-    particles_.set_pose(i, free_space_.draw(random));
-    if (states != nullptr) states->draw(particles_, i, random);
+  for (std::size_t i = begin; i < particles.size(); ++i) {
+    RandomStream random(seed_, stream, step_, static_cast<std::uint32_t>(i));
+    particles.set_pose(i, free_space_.draw(random));
+    if (states != nullptr) states->draw(particles, i, random);
   }
+}
+
+void Localizer::search_everywhere() {
+  const auto keep = static_cast<std::size_t>(config_.particles);
+  const std::size_t added = global_count();
+  const double offset = RandomStream(seed_, StreamId::kResample, step_).uniform();
+  draw_low_variance(particles_.weight, keep, offset, drawn_);
+  resampled_.belief_columns = particles_.belief_columns;
+  resampled_.resize(keep + added);
+  resampled_.shared_belief = particles_.shared_belief;
+  for (std::size_t j = 0; j < keep; ++j) resampled_.copy_from(particles_, drawn_[j], j);
+  fill(resampled_, keep, StreamId::kRecovery);
+  std::swap(particles_, resampled_);
+  for (std::size_t j = 0; j < particles_.size(); ++j) {
+    particles_.weight[j] = 0.5 / static_cast<double>(j < keep ? keep : added);
+  }
+  most_particles_ = particles_.size();
+  annealed_updates_ = 0;
+  monitor_.search_begins(config_.global_start.annealing_updates);
 }
 
 Pose2 Localizer::motion_since_last(const Observation& observation) {
@@ -122,10 +149,9 @@ LocalizationResult Localizer::update(const Observation& observation) {
   if (!is_usable) ++unusable_scans_;
   if (!is_usable || !is_due()) {
     move_particles(motion, particles_, *pool_);
-    return make_result(false);
+    return make_result(estimate(particles_), false);
   }
-  weigh(observation, moved_before);
-  return make_result(true);
+  return make_result(weigh(observation, moved_before), true);
 }
 
 double Localizer::annealing() const {
@@ -136,10 +162,14 @@ double Localizer::annealing() const {
   return std::pow(config_.global_start.annealing_factor, 0.5 * (2 - step));
 }
 
-void Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
+Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
   ++step_;
   if (last_weighed_) {
-    resample();
+    if (monitor_.wants_restart() && !free_space_.empty()) {
+      search_everywhere();
+    } else {
+      resample();
+    }
     sample_motions(moved_, moved_before, observation.has_odometry, config_.motion, seed_, step_,
                    particles_, *pool_);
   }
@@ -164,6 +194,7 @@ void Localizer::weigh(const Observation& observation, const Pose2& moved_before)
   moved_ = Pose2{};
   scans_since_weighed_ = 0;
   ++annealed_updates_;
+  return pose;
 }
 
 void Localizer::resample() {
@@ -200,19 +231,14 @@ void Localizer::resample() {
   resampled_.resize(keep + injected);
   resampled_.shared_belief = particles_.shared_belief;
   for (std::size_t j = 0; j < keep; ++j) resampled_.copy_from(particles_, drawn_[j], j);
-  const PatchStates* states = model_->patch_states();
-  for (std::size_t j = keep; j < keep + injected; ++j) {
-    RandomStream random(seed_, StreamId::kRecovery, step_, static_cast<std::uint32_t>(j));
-    resampled_.set_pose(j, free_space_.draw(random));
-    if (states != nullptr) states->draw(resampled_, j, random);
-  }
+  fill(resampled_, keep, StreamId::kRecovery);
   std::swap(particles_, resampled_);
   set_uniform_weights(particles_);
 }
 
-LocalizationResult Localizer::make_result(bool weighed) const {
+LocalizationResult Localizer::make_result(const Pose2Gaussian& pose, bool weighed) const {
   LocalizationResult result;
-  result.pose = estimate(particles_);
+  result.pose = pose;
   result.health = monitor_.health();
   result.effective_sample_size = effective_sample_size(particles_);
   result.particles = particles_.size();

@@ -45,7 +45,10 @@ class Localizer {
   /// Starts from nowhere: uniform over the free cells of `map` and all headings, annealed. Throws
   /// InputError when no cell is free.
   void initialize_global(const ReflectionGrid& map);
-  /// Where recovery may look for the robot; without it (or a global start) nothing is injected.
+  /// Where recovery may look for the robot; without it (or a global start) it does nothing. A drop
+  /// of the likelihood replaces some particles by random ones (augmented MCL); when the filter
+  /// stays lost, half of the weight goes to as many as a global start has, and the old ones
+  /// compete.
   void set_free_space(const ReflectionGrid& map) { free_space_ = FreeSpace(map); }
 
   /// One scan. A scan in which no beam says anything (empty, all NaN) only moves the particles and
@@ -60,12 +63,15 @@ class Localizer {
 
  private:
   void start(std::size_t count);
+  [[nodiscard]] std::size_t global_count() const;
+  void search_everywhere();
+  void fill(ParticleSet& particles, std::size_t begin, StreamId stream) const;
   [[nodiscard]] bool is_due() const;
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
-  void weigh(const Observation& observation, const Pose2& moved_before);
+  Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
   void resample();
   [[nodiscard]] double annealing() const;
-  [[nodiscard]] LocalizationResult make_result(bool weighed) const;
+  [[nodiscard]] LocalizationResult make_result(const Pose2Gaussian& pose, bool weighed) const;
 
   LocalizerConfig config_;
   std::shared_ptr<const SensorModel> model_;

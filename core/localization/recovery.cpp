@@ -22,15 +22,16 @@ void HealthMonitor::add(double likelihood_per_beam, double explained_share,
   h.explained_share_slow += slow * (explained_share - h.explained_share_slow);
   h.likelihood_ratio = likelihood_slow_ > 0.0 ? likelihood_fast_ / likelihood_slow_ : 1.0;
   h.position_stddev_m = position_stddev_m;
-  if (h.explained_share_fast < config_.lost_share) {
+  if (h.explained_share_fast < config_.lost_share * h.explained_share_slow) {
     h.state = HealthState::kLost;
   } else if (position_stddev_m > config_.uncertain_stddev_m) {
     h.state = HealthState::kConverging;
-  } else if (h.explained_share_fast < h.explained_share_slow - config_.outdated_drop) {
+  } else if (h.explained_share_fast < config_.outdated_share * h.explained_share_slow) {
     h.state = HealthState::kMapOutdated;
   } else {
     h.state = HealthState::kGood;
   }
+  lost_in_a_row_ = h.state == HealthState::kLost ? lost_in_a_row_ + 1 : 0;
 }
 
 double HealthMonitor::injection_share() const {

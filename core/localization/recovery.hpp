@@ -21,8 +21,9 @@ struct RecoveryConfig {
   double fast_rate = 0.1;
   double tolerated_drop = 0.2;
   double most_injected = 0.5;
-  double lost_share = 0.4;
-  double outdated_drop = 0.15;
+  double lost_share = 0.75;
+  double outdated_share = 0.9;
+  int restart_after = 5;
   double uncertain_stddev_m = 0.5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -37,17 +38,22 @@ struct RecoveryConfig {
              .max = 1.0});
     v.field("most_injected", c.most_injected,
             {.doc = "greatest share of random poses", .min = 0.0, .max = 1.0});
-    v.field("lost_share", c.lost_share,
-            {.doc = "lost when fewer beams than this are explained, averaged over a short time",
-             .min = 0.0,
-             .max = 1.0});
     v.field(
-        "outdated_drop", c.outdated_drop,
-        {.doc = "map outdated here when the explained share is this much below its long average",
+        "lost_share", c.lost_share,
+        {.doc = "lost when the short average of explained beams is below this share of the long",
          .min = 0.0,
          .max = 1.0});
+    v.field("outdated_share", c.outdated_share,
+            {.doc = "map outdated here when it is below this share", .min = 0.0, .max = 1.0});
+    v.field(
+        "restart_after", c.restart_after,
+        {.doc = "weighed scans in a row that are lost until all free space is searched; 0: never",
+         .unit = "scans",
+         .min = 0});
     v.field("uncertain_stddev_m", c.uncertain_stddev_m,
             {.doc = "above this spread the pose is not converged", .unit = "m", .min = 0.0});
+    v.require(c.lost_share <= c.outdated_share, "lost_share", "is above outdated_share",
+              "lower it");
     v.require(c.slow_rate < c.fast_rate, "slow_rate", "is not below fast_rate", "lower it");
   }
 };
@@ -57,7 +63,7 @@ enum class HealthState {
   kGood,
   kConverging,   ///< the particles are spread widely
   kMapOutdated,  ///< a sure pose, most beams explained, but fewer than usual
-  kLost,         ///< beams are not explained: the pose is wrong, or nothing is as mapped
+  kLost,         ///< far fewer beams are explained than usual: most likely the pose is wrong
 };
 
 struct LocalizationHealth {
@@ -81,11 +87,18 @@ class HealthMonitor {
   [[nodiscard]] const LocalizationHealth& health() const { return health_; }
   /// Share of particles to replace: max(0, 1 - fast / ((1 - tolerated_drop) slow)).
   [[nodiscard]] double injection_share() const;
+  /// Whether the verdict has been kLost for restart_after values in a row.
+  [[nodiscard]] bool wants_restart() const {
+    return config_.restart_after > 0 && lost_in_a_row_ >= config_.restart_after;
+  }
+  /// A search has begun: the next one not before this many more values.
+  void search_begins(int updates) { lost_in_a_row_ = -updates; }
 
  private:
   RecoveryConfig config_;
   LocalizationHealth health_;
   std::size_t count_ = 0;
+  int lost_in_a_row_ = 0;
   double likelihood_fast_ = 0.0;
   double likelihood_slow_ = 0.0;
 };

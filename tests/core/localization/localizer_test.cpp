@@ -118,5 +118,29 @@ TEST(Localizer, FindsItselfFromNowhere) {
   }
 }
 
+TEST(Localizer, RecoversFromKidnapping) {
+  const BoxWorld world = asymmetric_room();
+  const ReflectionGrid map = room_map();
+  const auto model = std::make_shared<LikelihoodFieldModel>(map);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Drive drive({4.0, 1.2, 0.0}, 50 + seed);
+    Localizer localizer({}, model, seed);
+    localizer.set_free_space(map);
+    localizer.initialize(near(drive.truth()));
+    bool was_lost = false;
+    for (int n = 0; n < 60 + 75; ++n) {  // 75 scans are 15 s
+      if (n == 60) drive.kidnap({1.3, 3.2, -1.0});
+      drive.step(n < 60 ? next_motion() : Pose2{0.02, 0.0, 0.15});
+      const LocalizationResult result = localizer.update(drive.look(world));
+      if (n < 60) {
+        EXPECT_NE(result.health.state, HealthState::kLost);
+      }
+      was_lost |= result.health.state == HealthState::kLost;
+    }
+    EXPECT_TRUE(was_lost);
+    EXPECT_LT(weighted_error(localizer.particles(), drive.truth()), 0.3) << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace strata::localization

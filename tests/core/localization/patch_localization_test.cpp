@@ -57,7 +57,7 @@ Outcome run(const std::shared_ptr<const SensorModel>& model, int place, std::uin
   world.push_back(box_at(place));
   Drive drive({2.0, 1.8, 0.0}, 100 + seed);
   LocalizerConfig config;
-  config.particles = 500;
+  config.particles = 300;
   config.adaptive = false;
   config.recovery.inject = false;
   Localizer localizer(config, model, seed, 2);
@@ -68,7 +68,7 @@ Outcome run(const std::shared_ptr<const SensorModel>& model, int place, std::uin
     // There, and back and forth beside the box.
     const bool is_there = drive.truth().x > 23.0;
     drive.step({n < 160 && !is_there ? 0.15 : -0.1, 0.0, 0.0});
-    const LocalizationResult result = localizer.update(drive.look(world, 4.0, 48));
+    const LocalizationResult result = localizer.update(drive.look(world, 4.0, 36));
     if (drive.truth().x > 20.0) {
       outcome.error_m += weighted_error(localizer.particles(), drive.truth());
       ++scans;
@@ -88,6 +88,7 @@ TEST(PatchLocalization, BeatsTheFilteredMapAtTheBox) {
   for (int place = 0; place < 3; ++place) {
     filtered_error += run(filtered, place, static_cast<std::uint64_t>(place) + 1).error_m / 3.0;
   }
+  RecordProperty("error_m_filtered", std::to_string(filtered_error));
   for (const PatchMemory memory :
        {PatchMemory::kNone, PatchMemory::kShared, PatchMemory::kPerParticle}) {
     PatchBeamModelConfig config;
@@ -117,7 +118,7 @@ TEST(PatchLocalization, IsBitIdenticalAtOneTwoAndEightThreads) {
     localizer.initialize({drive.truth(), Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal()});
     for (int n = 0; n < 15; ++n) {
       drive.step({0.15, 0.0, 0.0});
-      localizer.update(drive.look(world, 4.0, 48));
+      localizer.update(drive.look(world, 4.0, 36));
     }
     sets.push_back(localizer.particles());
   }
