@@ -12,14 +12,9 @@
 #include "core/pose_graph/pose_graph.hpp"
 #include "core/slam/slam_config.hpp"
 #include "core/slam/submap.hpp"
+#include "core/slam/submap_agreement.hpp"
 
 namespace strata::slam {
-
-/// How two sub-maps lie on each other at a pose.
-struct Agreement {
-  double overlap = 0.0;    ///< share of points that fall into space the other has seen
-  double agreement = 0.0;  ///< of those, the share that falls on surface
-};
 
 /// Pose graph over sub-maps. A new sub-map is tied to its predecessor in the run; then it is
 /// looked for in older sub-maps: those it may overlap given how far the path between them can have

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Whether two sub-maps can lie on each other: what one has on surface, the other must not have
+/// seen as free.
+#pragma once
+
+#include <cstddef>
+
+#include "core/registration/match_field.hpp"
+#include "core/slam/submap.hpp"
+
+namespace strata::slam {
+
+/// How the points of one map lie in the space that another has seen.
+struct Agreement {
+  double overlap = 0.0;    ///< share of points that fall into space the other has seen
+  double agreement = 0.0;  ///< of those, the share that falls on surface
+};
+
+/// From how many of `all` points fall on surface and into free space.
+[[nodiscard]] Agreement agreement_of(std::size_t surface, std::size_t free, std::size_t all);
+
+/// What the 3 x 3 cells about a point say: occupied when one of them is; unknown where the cell of
+/// the point itself is.
+[[nodiscard]] SurfaceState state_near(const StateGrid& states, const Eigen::Vector2d& point_m);
+
+/// A match field over the points of a sub-map, in its frame.
+[[nodiscard]] registration::MatchField field_of(const Submap& submap, double resolution_m,
+                                                const registration::MatchFieldConfig& config);
+
+}  // namespace strata::slam
