@@ -73,8 +73,8 @@ void RayWalker::walk(double x_m, double y_m, double c, double s, double max_rang
   const int step_y = s > 0.0 ? 1 : -1;
   const int line_x = c > 0.0 ? 1 : 0;
   const int line_y = s > 0.0 ? 1 : 0;
-  int i = std::clamp(static_cast<int>(std::floor(x + t * c)), 0, width - 1);
-  int j = std::clamp(static_cast<int>(std::floor(y + t * s)), 0, height - 1);
+  int i = std::clamp(static_cast<int>(x + t * c), 0, width - 1);
+  int j = std::clamp(static_cast<int>(y + t * s), 0, height - 1);
   const float* const leaps = leap_.values().data();
   while (t < end) {
     const std::size_t index =
@@ -82,8 +82,12 @@ void RayWalker::walk(double x_m, double y_m, double c, double s, double max_rang
     const auto leap = static_cast<double>(leaps[index]);
     if (leap > 1.0) {
       t += leap;
-      i = static_cast<int>(std::floor(x + t * c));
-      j = static_cast<int>(std::floor(y + t * s));
+      const double u = x + t * c;
+      const double v = y + t * s;
+      // Truncation is floor from here on, and needs no library call.
+      if (u < 0.0 || v < 0.0) return;
+      i = static_cast<int>(u);
+      j = static_cast<int>(v);
     } else {
       const double next_x = c != 0.0 ? (i + line_x - x) * inverse_c : kNever;
       const double next_y = s != 0.0 ? (j + line_y - y) * inverse_s : kNever;
