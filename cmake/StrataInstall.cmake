@@ -1,2 +1,98 @@
-# cmake --install: libraries, headers and strataConfig.cmake with strata::core, strata::memory and
-# strata::components.
+# cmake --install: libraries, headers and a package for find_package(strata COMPONENTS core memory
+# components) with the targets strata::core, strata::memory, strata::components and one target a
+# room (strata::core_grid, ...). Each component asks only for the packages its rooms link.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/strata)
+
+# The find_dependency call that defines an imported target.
+function(strata_dependency_of target out)
+  set(names Eigen3::Eigen=Eigen3 Threads::Threads=Threads Ceres::ceres=Ceres yaml-cpp=yaml-cpp
+    SQLite::SQLite3=SQLite3 zstd::libzstd_shared=zstd ZLIB::ZLIB=ZLIB PNG::PNG=PNG
+    nlohmann_json::nlohmann_json=nlohmann_json CLI11::CLI11=CLI11 fmt::fmt=fmt spdlog::spdlog=spdlog
+    fastcdr=fastcdr fastrtps=fastrtps hwy::hwy=HWY octomap=octomap)
+  foreach(pair ${names})
+    if(pair MATCHES "^(.+)=(.+)$" AND CMAKE_MATCH_1 STREQUAL target)
+      set(${out} "find_dependency(${CMAKE_MATCH_2})" PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  if(target MATCHES "^PkgConfig::(.+)$")
+    set(prefix ${CMAKE_MATCH_1})
+    set(${out} "find_dependency(PkgConfig)
+if(NOT TARGET ${target})
+  pkg_check_modules(${prefix} REQUIRED IMPORTED_TARGET ${${prefix}_MODULE_NAME})
+endif()" PARENT_SCOPE)
+    if(NOT ${prefix}_MODULE_NAME)
+      message(WARNING "${target}: ${prefix}_MODULE_NAME is not known, so the installed package "
+        "could not find it; use one module a pkg_check_modules")
+    endif()
+    return()
+  endif()
+  message(WARNING "cmake/StrataInstall.cmake: say which package defines ${target}")
+  set(${out} "" PARENT_SCOPE)
+endfunction()
+
+# Every library outside the project that the rooms link, public or private: all are static.
+function(strata_dependencies_of rooms out)
+  set(calls "")
+  foreach(room ${rooms})
+    get_target_property(links ${room} INTERFACE_LINK_LIBRARIES)
+    foreach(link ${links})
+      string(REGEX REPLACE "^\\$<LINK_ONLY:(.*)>$" "\\1" link "${link}")
+      if(NOT link OR link MATCHES "^/|strata_|^\\$<BUILD_INTERFACE|^\\$<LINK_ONLY:>$|^-|^[a-z0-9]+$"
+         AND NOT link MATCHES "^(fastcdr|fastrtps|octomap)$")
+        continue()
+      endif()
+      strata_dependency_of(${link} call)
+      list(APPEND calls "${call}")
+    endforeach()
+  endforeach()
+  list(REMOVE_DUPLICATES calls)
+  string(REPLACE ";" "\n" calls "${calls}")
+  set(${out} "${calls}" PARENT_SCOPE)
+endfunction()
+
+get_property(all_rooms GLOBAL PROPERTY STRATA_ROOMS)
+set(core_rooms ${all_rooms})
+list(FILTER core_rooms INCLUDE REGEX "^strata_core_")
+set(memory_rooms ${all_rooms})
+list(FILTER memory_rooms INCLUDE REGEX "^strata_memory_")
+set(components_rooms ${all_rooms})
+list(FILTER components_rooms EXCLUDE REGEX "^strata_(core|memory|tools)_")
+
+set_target_properties(strata_flags PROPERTIES EXPORT_NAME flags)
+install(TARGETS strata_flags EXPORT strata_core)
+set(installed_components "")
+foreach(component core memory components)
+  if(NOT ${component}_rooms)
+    continue()
+  endif()
+  list(APPEND installed_components ${component})
+  add_library(strata_${component} INTERFACE)
+  add_library(strata::${component} ALIAS strata_${component})
+  set_target_properties(strata_${component} PROPERTIES EXPORT_NAME ${component})
+  target_link_libraries(strata_${component} INTERFACE ${${component}_rooms})
+  install(TARGETS strata_${component} ${${component}_rooms} EXPORT strata_${component}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(EXPORT strata_${component} NAMESPACE strata:: FILE strata-${component}.cmake
+    DESTINATION ${package_dir})
+  install(DIRECTORY ${component} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strata
+    FILES_MATCHING PATTERN "*.hpp")
+  strata_dependencies_of("${${component}_rooms}" ${component}_dependencies)
+  file(WRITE ${CMAKE_BINARY_DIR}/strata-${component}-dependencies.cmake
+    "${${component}_dependencies}\n")
+  install(FILES ${CMAKE_BINARY_DIR}/strata-${component}-dependencies.cmake
+    DESTINATION ${package_dir})
+endforeach()
+if(STRATA_COMPONENTS)
+  install(DIRECTORY ${CMAKE_BINARY_DIR}/idl/include/strata_idl
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strata)
+endif()
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/strataConfig.cmake.in
+  ${CMAKE_BINARY_DIR}/strataConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/strataConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/strataConfig.cmake ${CMAKE_BINARY_DIR}/strataConfigVersion.cmake
+  DESTINATION ${package_dir})
