@@ -24,8 +24,8 @@ struct LinePlot {
   std::string title;
   std::string x_label;  ///< with unit
   std::string y_label;
-  std::vector<Series> series;
-  std::vector<PlotEvent> events;
+  std::vector<Series> series = {};
+  std::vector<PlotEvent> events = {};
   bool equal_axes = false;  ///< one metre is as long in x as in y
   bool from_zero = false;   ///< the y axis begins at 0
   double y_max = 0.0;       ///< > 0: the y axis ends here

@@ -10,17 +10,23 @@ namespace strata::tools {
 
 using AddVerb = void (*)(CLI::App& app, VerbContext& context);
 
+void add_compare(CLI::App& app, VerbContext& context);
 void add_convert(CLI::App& app, VerbContext& context);
 void add_evaluate(CLI::App& app, VerbContext& context);
 void add_info(CLI::App& app, VerbContext& context);
+void add_learn(CLI::App& app, VerbContext& context);
+void add_localize(CLI::App& app, VerbContext& context);
 void add_simulate(CLI::App& app, VerbContext& context);
 
 /// In the order of the help text.
 inline constexpr AddVerb kVerbs[] = {
-    add_info,
-    add_convert,
-    add_evaluate,
-    add_simulate,
+    add_info,      //
+    add_convert,   //
+    add_learn,     //
+    add_localize,  //
+    add_compare,   //
+    add_evaluate,  //
+    add_simulate,  //
 };
 
 }  // namespace strata::tools

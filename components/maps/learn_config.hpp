@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Everything that can be set about learning, one group a part.
+#pragma once
+
+#include "core/patch/patch_learner.hpp"
+#include "core/slam/slam.hpp"
+#include "memory/nodes/timescale_memory.hpp"
+
+namespace strata::maps {
+
+struct LearnConfig {
+  slam::SlamConfig slam;
+  patch::PatchLearnerConfig patch;
+  memory::TimescaleConfig timescale;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.group("slam", c.slam, "poses, beam filter and the two grid maps");
+    v.group("patch", c.patch, "sub-maps and their configurations");
+    v.group("timescale", c.timescale, "the timescale memory");
+  }
+};
+
+}  // namespace strata::maps

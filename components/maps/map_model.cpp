@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/maps/map_model.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "components/maps/timescale_model.hpp"
+#include "core/base/error.hpp"
+#include "core/localization/ray_caster.hpp"
+
+namespace strata::maps {
+namespace {
+
+using localization::ParticleSet;
+using localization::PatchBeamModelConfig;
+using localization::PatchMemory;
+using localization::RayCaster;
+
+constexpr const char* kTimescalePrefix = "timescale_";
+
+template <typename Provider>
+RangeFunction ranges_of(std::shared_ptr<const Provider> provider) {
+  return [provider = std::move(provider)](const Pose2& laser, double bearing_rad) {
+    return static_cast<double>(provider->expected_range_m(laser, bearing_rad));
+  };
+}
+
+[[noreturn]] void fail_not_learned(const std::string& name) {
+  throw InputError("model " + name, "is not in these maps", "learn it first, or choose another");
+}
+
+MapModel grid_model(const std::string& name, const ReflectionGrid& map,
+                    const PatchBeamModelConfig& config) {
+  if (map.size() == 0) fail_not_learned(name);
+  const auto caster = std::make_shared<const RayCaster>(map);
+  MapModel model;
+  model.name = name;
+  model.sensor =
+      std::make_shared<const localization::RangeProviderModel<RayCaster>>(caster, config.beam);
+  model.best_prediction = [ranges = ranges_of(caster)](const ParticleSet&) { return ranges; };
+  model.bytes = map.size();
+  return model;
+}
+
+/// The likeliest configuration of each sub-map, from the first particle's or the shared belief.
+std::vector<int> believed(const localization::PatchStates& states, const ParticleSet& particles) {
+  std::vector<int> chosen;
+  for (const localization::SubmapBelief& belief : states.posterior(particles)) {
+    const auto best = std::max_element(belief.probability.begin(), belief.probability.end());
+    chosen.push_back(static_cast<int>(best - belief.probability.begin()));
+  }
+  return chosen;
+}
+
+MapModel patch_model(const std::string& name, const Maps& maps, PatchBeamModelConfig config) {
+  if (!maps.patches) fail_not_learned(name);
+  if (name == "patch_paper") config.states.memory = PatchMemory::kNone;
+  if (name == "patch_shared") config.states.memory = PatchMemory::kShared;
+  if (name == "patch_per_particle") config.states.memory = PatchMemory::kPerParticle;
+  const auto map = std::make_shared<const patch::PatchMap>(*maps.patches);
+  const auto sensor = std::make_shared<const localization::PatchBeamModel>(map, config);
+  // Few combinations of configurations occur in a run: cast in each composed map once made.
+  using Casters = std::map<std::vector<int>, std::shared_ptr<const RayCaster>>;
+  MapModel model;
+  model.name = name;
+  model.sensor = sensor;
+  model.best_prediction = [map, sensor,
+                           casters = std::make_shared<Casters>()](const ParticleSet& particles) {
+    const std::vector<int> chosen = believed(*sensor->patch_states(), particles);
+    auto& caster = (*casters)[chosen];
+    if (!caster) caster = std::make_shared<const RayCaster>(patch::compose(*map, chosen));
+    return ranges_of(caster);
+  };
+  model.bytes = map->base.size();
+  for (const patch::Submap& submap : map->submaps) {
+    model.bytes += submap.rect.area() * submap.configurations.size();
+  }
+  return model;
+}
+
+MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamModelConfig config) {
+  if (!maps.timescale) fail_not_learned(name);
+  const std::shared_ptr<const memory::NodeMap> nodes = maps.timescale->decode();
+  double& limit_m = config.beam.beams.max_range_m;
+  const double reach_m = maps.timescale->config().max_range_m;
+  limit_m = limit_m > 0.0 ? std::min(limit_m, reach_m) : reach_m;
+  MapModel model;
+  model.name = name;
+  const std::string level_name =
+      name == "timescale" ? "mixture" : name.substr(std::string(kTimescalePrefix).size());
+  const std::size_t levels = nodes->level_names().size();
+  if (level_name == "mixture") {
+    model.sensor = std::make_shared<const LevelMixtureModel>(nodes, config.beam);
+    model.bytes = maps.timescale->bytes();
+    // One number for three opinions: that of the longest memory.
+    const auto longest = std::make_shared<const LevelRanges>(nodes, static_cast<int>(levels) - 1);
+    model.best_prediction = [ranges = ranges_of(longest)](const ParticleSet&) { return ranges; };
+    return model;
+  }
+  const auto level = std::make_shared<const LevelRanges>(nodes, nodes->level_index(level_name));
+  model.sensor =
+      std::make_shared<const localization::RangeProviderModel<LevelRanges>>(level, config.beam);
+  model.best_prediction = [ranges = ranges_of(level)](const ParticleSet&) { return ranges; };
+  model.bytes = maps.timescale->bytes() / levels;
+  return model;
+}
+
+}  // namespace
+
+std::vector<std::string> model_names(const Maps& maps) {
+  std::vector<std::string> names;
+  if (maps.occupancy.size() > 0) names.emplace_back("occupancy");
+  if (maps.filtered.size() > 0) names.emplace_back("filtered");
+  if (maps.patches) {
+    for (const char* name : {"patch", "patch_paper", "patch_shared", "patch_per_particle"}) {
+      names.emplace_back(name);
+    }
+  }
+  if (maps.timescale) {
+    names.emplace_back("timescale");
+    names.emplace_back("timescale_mixture");
+    for (const memory::LevelConfig& level : maps.timescale->config().levels) {
+      names.push_back(kTimescalePrefix + level.name);
+    }
+  }
+  return names;
+}
+
+MapModel make_map_model(const Maps& maps, const std::string& name,
+                        const PatchBeamModelConfig& config) {
+  if (name == "occupancy") return grid_model(name, maps.occupancy, config);
+  if (name == "filtered") return grid_model(name, maps.filtered, config);
+  if (name == "patch" || name.starts_with("patch_")) {
+    if (name == "patch" || name == "patch_paper" || name == "patch_shared" ||
+        name == "patch_per_particle") {
+      return patch_model(name, maps, config);
+    }
+  }
+  if (name == "timescale" || name.starts_with(kTimescalePrefix)) {
+    return timescale_model(name, maps, config);
+  }
+  std::string known;
+  for (const std::string& candidate : model_names(maps)) {
+    known += (known.empty() ? "" : ", ") + candidate;
+  }
+  throw ConfigError("model " + name, "is unknown", "choose one of " + known);
+}
+
+}  // namespace strata::maps

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/maps/maps_folder.hpp"
+
+#include <cstddef>
+#include <fstream>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "components/log/map_file.hpp"
+#include "components/log/trajectory_file.hpp"
+#include "components/maps/summary.hpp"
+#include "core/base/error.hpp"
+#include "memory/store/store.hpp"
+
+namespace strata::maps {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr const char* kSlamKey = "summary/slam";
+constexpr const char* kPatchKey = "summary/submaps";
+constexpr const char* kTimescaleKey = "summary/timescale";
+constexpr const char* kTruthKey = "map_from_truth";
+constexpr const char* kOccupancyGrid = "occupancy";
+constexpr const char* kFilteredGrid = "filtered";
+constexpr const char* kCountsGrid = "counts";
+
+memory::Store open_for_writing(const fs::path& dir) {
+  std::error_code error;
+  fs::create_directories(dir, error);
+  if (error) {
+    throw OutputError(dir.string(), "cannot be created: " + error.message(),
+                      "choose another folder or mend its permissions");
+  }
+  return memory::Store(dir / kStoreFile);
+}
+
+/// The configuration with the largest prior of every sub-map.
+std::vector<int> likeliest(const patch::PatchMap& map) {
+  std::vector<int> chosen;
+  for (const patch::Submap& submap : map.submaps) {
+    std::size_t best = 0;
+    for (std::size_t c = 1; c < submap.configurations.size(); ++c) {
+      if (submap.configurations[c].prior > submap.configurations[best].prior) best = c;
+    }
+    chosen.push_back(static_cast<int>(best));
+  }
+  return chosen;
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  std::ofstream out(path);
+  out << text;
+  out.close();
+  if (!out)
+    throw OutputError(path.string(), "cannot be written", "check the folder and free space");
+}
+
+json part(const memory::Store& store, const char* key, json otherwise) {
+  const auto text = store.find_text(key);
+  return text ? json::parse(*text) : std::move(otherwise);
+}
+
+}  // namespace
+
+void write_grid_maps(const fs::path& dir, const slam::SlamResult& result) {
+  memory::Store store = open_for_writing(dir);
+  log::write_map(dir / "occupancy.yaml", result.occupancy);
+  log::write_map(dir / "filtered.yaml", result.filtered);
+
+  std::map<int, std::vector<memory::TrajectoryPose>> runs;
+  std::vector<log::StampedPose> all;
+  for (const PosedScan& scan : result.scans) {
+    runs[scan.run].push_back({scan.scan.stamp, scan.map_from_robot, std::nullopt});
+    all.push_back({scan.scan.stamp, scan.map_from_robot});
+  }
+  log::write_trajectory(dir / kTrajectoryFile, all);
+  store.transaction([&] {
+    store.save_grid(kOccupancyGrid, result.occupancy);
+    store.save_grid(kFilteredGrid, result.filtered);
+    store.save_grid(kCountsGrid, result.raw.cells());
+    for (const auto& [run, poses] : runs) store.save_trajectory(run, poses);
+    store.save_text(kSlamKey, summarize_slam(result).dump());
+  });
+}
+
+void write_patch_map(const fs::path& dir, const patch::PatchMap& map) {
+  memory::Store store = open_for_writing(dir);
+  log::write_map(dir / "patches.yaml", patch::compose(map, likeliest(map)));
+  const fs::path folder = dir / "patches";
+  fs::create_directories(folder);
+  for (const patch::Submap& submap : map.submaps) {
+    for (std::size_t c = 0; c < submap.configurations.size(); ++c) {
+      const std::string name =
+          "submap" + std::to_string(submap.id) + "_configuration" + std::to_string(c) + ".yaml";
+      log::write_map(folder / name, submap.configurations[c].reflection);
+    }
+  }
+  store.transaction([&] {
+    store.save_patch_map(map);
+    store.save_text(kPatchKey, summarize_patch_map(map).dump());
+  });
+}
+
+void write_timescale(const fs::path& dir, const memory::TimescaleMemory& memory) {
+  memory::Store store = open_for_writing(dir);
+  store.transaction([&] {
+    store.save_timescale(memory);
+    store.save_text(kTimescaleKey, summarize_timescale(memory).dump());
+  });
+}
+
+void write_map_from_truth(const fs::path& dir, const Pose2& map_from_truth) {
+  memory::Store store = open_for_writing(dir);
+  store.save_text(kTruthKey, json{map_from_truth.x, map_from_truth.y, map_from_truth.theta}.dump());
+}
+
+json write_summary(const fs::path& dir, const std::string& log, const JobCost& cost) {
+  const memory::Store store(dir / kStoreFile, {.read_only = true, .check = false});
+  json summary = part(store, kSlamKey, json::object());
+  summary["log"] = log;
+  summary["submaps"] = part(store, kPatchKey, json::array());
+  summary["timescale"] = part(store, kTimescaleKey, nullptr);
+  const double duration_s = summary.value("duration_s", 0.0);
+  summary["cost"] = {{"wall_s", cost.wall_s},
+                     {"cpu_s", cost.cpu_s},
+                     {"real_time_factor", cost.wall_s > 0.0 ? duration_s / cost.wall_s : 0.0},
+                     {"peak_rss_mb", cost.peak_rss_mb}};
+  write_text(dir / kSummaryFile, summary.dump(2) + "\n");
+  return summary;
+}
+
+Maps read_maps(const fs::path& dir) {
+  if (!fs::exists(dir / kStoreFile)) {
+    throw InputError((dir / kStoreFile).string(), "is missing",
+                     "give a folder that `strata learn` wrote");
+  }
+  const memory::Store store(dir / kStoreFile, {.read_only = true});
+  Maps maps;
+  if (store.has_grid(kOccupancyGrid)) maps.occupancy = store.load_reflection_grid(kOccupancyGrid);
+  if (store.has_grid(kFilteredGrid)) maps.filtered = store.load_reflection_grid(kFilteredGrid);
+  if (store.has_patch_map()) maps.patches = store.load_patch_map();
+  if (store.has_timescale()) {
+    maps.timescale = std::make_shared<const memory::TimescaleMemory>(store.load_timescale());
+  }
+  if (const json pose = part(store, kTruthKey, nullptr); pose.is_array()) {
+    maps.map_from_truth = Pose2{pose[0], pose[1], pose[2]};
+  }
+  return maps;
+}
+
+}  // namespace strata::maps

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The MAPS folder: what learning leaves behind and localization starts from.
+///
+/// The parts are written one by one, each by whoever learned it, into strata.db and the files
+/// beside it; the direct path and the DDS components call the same functions, so both leave the
+/// same bytes.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/progress.hpp"
+#include "core/patch/patch_map.hpp"
+#include "core/slam/slam.hpp"
+#include "memory/nodes/timescale_memory.hpp"
+
+namespace strata::maps {
+
+/// The names inside MAPS that the contracts fix.
+inline constexpr const char* kStoreFile = "strata.db";
+inline constexpr const char* kSummaryFile = "summary.json";
+inline constexpr const char* kTrajectoryFile = "trajectory.tum";
+
+/// Writes occupancy.{yaml,pgm}, filtered.{yaml,pgm}, trajectory.tum, and the grids, counts and
+/// trajectories of strata.db. Creates `dir`. Throws OutputError.
+void write_grid_maps(const std::filesystem::path& dir, const slam::SlamResult& result);
+
+/// Writes patches.pgm (base with the likeliest configuration everywhere), patches/ with a
+/// map_server pair per configuration of each sub-map, and the patch map of strata.db.
+void write_patch_map(const std::filesystem::path& dir, const patch::PatchMap& map);
+
+/// Writes the timescale memory of strata.db and the description of its levels.
+void write_timescale(const std::filesystem::path& dir, const memory::TimescaleMemory& memory);
+
+/// The rigid motion from the frame of the ground truth to the map frame, estimated while learning.
+void write_map_from_truth(const std::filesystem::path& dir, const Pose2& map_from_truth);
+
+/// What a job cost, for the summary.
+struct JobCost {
+  double wall_s = 0.0;
+  double cpu_s = 0.0;
+  double peak_rss_mb = 0.0;
+};
+/// Composes summary.json from what the parts left in strata.db, and returns it. Last step of
+/// learning.
+nlohmann::json write_summary(const std::filesystem::path& dir, const std::string& log,
+                             const JobCost& cost);
+
+/// Everything that a MAPS folder holds; parts that were not learned are empty.
+struct Maps {
+  ReflectionGrid occupancy;
+  ReflectionGrid filtered;
+  std::optional<patch::PatchMap> patches;
+  std::shared_ptr<const memory::TimescaleMemory> timescale;
+  std::optional<Pose2> map_from_truth;
+};
+
+/// Reads a MAPS folder. Throws InputError when strata.db is missing or damaged.
+[[nodiscard]] Maps read_maps(const std::filesystem::path& dir);
+
+}  // namespace strata::maps

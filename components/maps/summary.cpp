@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/maps/summary.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <set>
+#include <string>
+
+namespace strata::maps {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kLeastStep_m = 0.1;
+
+struct RunExtent {
+  double duration_s = 0.0;
+  double path_m = 0.0;
+  std::size_t runs = 0;
+};
+
+RunExtent extent_of(const std::vector<PosedScan>& scans) {
+  RunExtent extent;
+  std::set<int> runs;
+  const PosedScan* previous = nullptr;
+  Pose2 counted;
+  for (const PosedScan& scan : scans) {
+    if (runs.insert(scan.run).second) {
+      counted = scan.map_from_robot;
+    } else {
+      extent.duration_s += (scan.scan.stamp - previous->scan.stamp).seconds();
+    }
+    if (const double step_m = translation_distance(counted, scan.map_from_robot);
+        step_m >= kLeastStep_m) {
+      extent.path_m += step_m;
+      counted = scan.map_from_robot;
+    }
+    previous = &scan;
+  }
+  extent.runs = runs.size();
+  return extent;
+}
+
+}  // namespace
+
+json summarize_slam(const slam::SlamResult& result) {
+  const RunExtent extent = extent_of(result.scans);
+  return {{"scans", result.scans.size()},
+          {"skipped_scans", result.skipped_scans},
+          {"duration_s", extent.duration_s},
+          {"path_m", extent.path_m},
+          {"runs", extent.runs},
+          {"em",
+           {{"iterations", result.iterations},
+            {"log_likelihood", result.log_likelihood},
+            {"dynamic_fraction", result.dynamic_fraction}}}};
+}
+
+json summarize_patch_map(const patch::PatchMap& map) {
+  json submaps = json::array();
+  const double resolution_m = map.base.resolution_m();
+  for (const patch::Submap& submap : map.submaps) {
+    // Members: the sequences of each configuration, by their largest membership.
+    std::vector<std::size_t> members(submap.configurations.size(), 0);
+    for (const patch::SequenceInfo& sequence : submap.sequences) {
+      const auto best = std::max_element(sequence.membership.begin(), sequence.membership.end());
+      if (best != sequence.membership.end()) {
+        ++members[static_cast<std::size_t>(best - sequence.membership.begin())];
+      }
+    }
+    const CellRect& rect = submap.rect;
+    submaps.push_back({{"id", submap.id},
+                       {"rect",
+                        {rect.min.x * resolution_m, rect.min.y * resolution_m,
+                         rect.max.x * resolution_m, rect.max.y * resolution_m}},
+                       {"area_m2", static_cast<double>(rect.area()) * resolution_m * resolution_m},
+                       {"sequences", submap.sequences.size()},
+                       {"configurations", submap.configurations.size()},
+                       {"members", members}});
+  }
+  return submaps;
+}
+
+json summarize_timescale(const memory::TimescaleMemory& memory) {
+  json levels = json::array();
+  for (const memory::LevelConfig& level : memory.config().levels) {
+    levels.push_back({{"name", level.name},
+                      {"half_life", level.half_life_s},
+                      {"samples_per_bin", level.samples}});
+  }
+  return {{"levels", levels},
+          {"nodes", memory.nodes().size()},
+          {"observations", memory.observations()},
+          {"bytes", memory.bytes()}};
+}
+
+}  // namespace strata::maps

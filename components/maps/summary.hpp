@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The parts of summary.json, as the contracts name them.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "core/patch/patch_map.hpp"
+#include "core/slam/slam.hpp"
+#include "memory/nodes/timescale_memory.hpp"
+
+namespace strata::maps {
+
+/// {"scans", "duration_s", "path_m", "runs", "skipped_scans", "em": {...}}. duration_s adds up the
+/// runs; path_m adds steps of at least 0.1 m, so that the jitter of a standing robot does not
+/// count.
+[[nodiscard]] nlohmann::json summarize_slam(const slam::SlamResult& result);
+
+/// The array "submaps".
+[[nodiscard]] nlohmann::json summarize_patch_map(const patch::PatchMap& map);
+
+/// The object "timescale".
+[[nodiscard]] nlohmann::json summarize_timescale(const memory::TimescaleMemory& memory);
+
+}  // namespace strata::maps

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Learns on one part of a log and localizes on the rest with every map model (SPEC F).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/maps/learn_config.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "core/base/progress.hpp"
+#include "core/localization/localizer_config.hpp"
+#include "core/localization/patch_beam_model.hpp"
+#include "tools/pipeline/comparison.hpp"
+#include "tools/pipeline/learn.hpp"
+#include "tools/pipeline/runs_input.hpp"
+
+namespace strata::pipeline {
+
+/// How runs begin, and what is compared.
+struct CompareProtocol {
+  std::vector<std::string> models = {"occupancy", "filtered", "patch", "timescale"};
+  double train_share = 0.6;
+  double start_stddev_m = 0.1;
+  double start_stddev_rad = 0.05;
+  int prediction_every = 5;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("models", c.models, {.doc = "map models to compare"});
+    v.field("train_share", c.train_share,
+            {.doc = "share of the time for learning; the rest is for localization",
+             .unit = "1",
+             .min = 0.05,
+             .max = 0.95});
+    v.field("start_stddev_m", c.start_stddev_m,
+            {.doc = "spread of the particles about the true start", .unit = "m", .min = 0.0});
+    v.field("start_stddev_rad", c.start_stddev_rad,
+            {.doc = "... and in heading", .unit = "rad", .min = 0.0});
+    v.field("prediction_every", c.prediction_every,
+            {.doc = "every so many test scans are predicted", .unit = "scans", .min = 1});
+    v.require(!c.models.empty(), "models", "is empty", "name at least one model");
+  }
+};
+
+/// The same localizer, motion, noise, beams, particles, seeds and starts for every model.
+struct CompareConfig {
+  CompareProtocol protocol;
+  maps::LearnConfig learn;
+  localization::LocalizerConfig localizer;
+  localization::PatchBeamModelConfig sensor;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.group("protocol", c.protocol, "what is compared, and how");
+    v.group("learn", c.learn, "how the maps are learned");
+    v.group("localizer", c.localizer, "the particle filter, the same for every model");
+    v.group("sensor", c.sensor, "the beam model, the same for every model");
+  }
+};
+
+/// A comparison with what pictures need.
+struct CompareOutcome {
+  Comparison comparison;
+  LearnResult learned;
+  maps::Maps maps;
+};
+
+/// Splits by time, unless `train_until_s` says where. Errors are measured against, in this order:
+/// given truths (in the map frame by one rigid alignment over the learning part), given poses, or
+/// the trajectory that SLAM gives to the whole log at once, which is labelled as such. Throws
+/// InputError when a part is empty.
+[[nodiscard]] CompareOutcome compare(const Runs& runs, const std::string& log,
+                                     const CompareConfig& config,
+                                     std::optional<double> train_until_s,
+                                     const std::vector<std::uint64_t>& seeds, int threads,
+                                     Progress* progress);
+
+/// The same for runs already divided: the first `train_scans` observations are for learning.
+[[nodiscard]] CompareOutcome compare_split(const Runs& runs, std::size_t train_scans,
+                                           const std::string& log, const CompareConfig& config,
+                                           const std::vector<std::uint64_t>& seeds, int threads,
+                                           Progress* progress);
+
+}  // namespace strata::pipeline

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The direct path of learning: observations in, every map out, by calling core and memory.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "components/maps/learn_config.hpp"
+#include "core/base/progress.hpp"
+#include "core/patch/patch_map.hpp"
+#include "core/scan/scan.hpp"
+#include "core/slam/slam.hpp"
+#include "memory/nodes/timescale_memory.hpp"
+
+namespace strata::pipeline {
+
+/// What to learn beyond the poses and the two grid maps, which everything else stands on.
+struct LearnParts {
+  bool patch = true;
+  bool timescale = true;
+};
+
+struct LearnResult {
+  slam::SlamResult slam;
+  patch::PatchMap patches;
+  std::shared_ptr<memory::TimescaleMemory> timescale;
+};
+
+/// Learns from one or several runs. observations: all runs, one after the other, in time order
+/// within a run. given_poses: empty, or one an observation (nothing where no pose is known),
+/// map_from_robot. Deterministic for a seed at any number of threads. Throws Cancelled.
+[[nodiscard]] LearnResult learn(const std::vector<Observation>& observations,
+                                const std::vector<std::optional<Pose2>>& given_poses,
+                                const maps::LearnConfig& config, const LearnParts& parts,
+                                std::uint64_t seed, int threads, Progress* progress);
+
+}  // namespace strata::pipeline

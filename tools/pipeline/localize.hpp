@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One localization run on recorded observations, without DDS.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "components/log/trajectory_file.hpp"
+#include "components/maps/map_model.hpp"
+#include "core/base/progress.hpp"
+#include "core/localization/localizer.hpp"
+#include "core/scan/scan.hpp"
+#include "tools/pipeline/localization_metrics.hpp"
+
+namespace strata::pipeline {
+
+/// One row of states.csv.
+struct StateRow {
+  Stamp stamp;
+  int submap = 0;
+  int configuration = 0;
+  double probability = 0.0;
+};
+
+struct LocalizationRun {
+  std::vector<log::StampedPose> trajectory;  ///< mean of the particles, one a scan
+  std::vector<StateRow> states;              ///< sub-maps that particles are in, or all with memory
+  std::vector<ScanError> errors;             ///< of the scans whose truth is known
+  std::vector<double> update_ms;
+  std::size_t most_particles = 0;
+  std::size_t unusable_scans = 0;
+  std::vector<localization::HealthState> health;  ///< one a scan
+};
+
+struct LocalizationStart {
+  /// Nothing: global, over the free cells of `free_space`.
+  std::optional<Pose2Gaussian> map_from_robot;
+};
+
+/// truths: empty, or map_from_robot of each observation where known. Deterministic but for
+/// update_ms.
+[[nodiscard]] LocalizationRun localize(std::span<const Observation> observations,
+                                       std::span<const std::optional<Pose2>> truths,
+                                       const maps::MapModel& model,
+                                       const ReflectionGrid& free_space,
+                                       const localization::LocalizerConfig& config,
+                                       const LocalizationStart& start, std::uint64_t seed,
+                                       int threads, Progress* progress);
+
+}  // namespace strata::pipeline

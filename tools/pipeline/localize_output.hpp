@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The files of a localization run: trajectory.tum, states.csv, metrics.json.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/pipeline/cost.hpp"
+#include "tools/pipeline/localize.hpp"
+
+namespace strata::pipeline {
+
+struct LocalizeSummary {
+  std::string model;
+  std::uint64_t seed = 1;
+  int particles = 0;  ///< as configured
+  Cost cost;
+  std::optional<Pose2> map_from_truth;  ///< the alignment that errors were measured with
+};
+
+/// Writes into an existing folder and returns the metrics; error fields are null when no truth was
+/// known. Throws OutputError.
+nlohmann::json write_localization(const std::filesystem::path& folder, const LocalizationRun& run,
+                                  const LocalizeSummary& summary);
+
+}  // namespace strata::pipeline

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/strata/run_options.hpp"
+
+namespace strata::tools {
+
+void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
+  verb.add_option("--poses", input.poses,
+                  "use these poses instead of scan matching; TUM, `t x y theta ...` or a corrected "
+                  "CARMEN log, once per log");
+  verb.add_option("--truth", input.truths, "ground truth, the same formats, once per log");
+  verb.add_option("--truth-offset", input.truth_offset_s, "seconds to add to the truth's stamps");
+  verb.add_option("--from", input.from_s, "seconds from the start of each log");
+  verb.add_option("--to", input.to_s, "seconds from the start of each log");
+  verb.add_flag("!--no-odometry", input.use_odometry, "leave the odometry out");
+}
+
+void note_reports(VerbContext& context, const pipeline::Runs& runs) {
+  for (const log::ReadReport& report : runs.reports) {
+    if (report.bad_lines > 0) {
+      context.note(std::to_string(report.bad_lines) +
+                   " unreadable lines or messages were skipped, the first at " + report.first_bad);
+    }
+    if (report.scans_without_beams > 0) {
+      context.note(std::to_string(report.scans_without_beams) +
+                   " scans without beams were skipped");
+    }
+    if (report.scans_without_odometry > 0) {
+      context.note(std::to_string(report.scans_without_odometry) +
+                   " scans without odometry were skipped");
+    }
+    for (const std::string& warning : report.warnings) context.note(warning);
+  }
+}
+
+}  // namespace strata::tools

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata learn LOG... --out MAPS`: every map from one or several runs in one building.
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "components/maps/maps_folder.hpp"
+#include "components/settings/settings.hpp"
+#include "core/base/error.hpp"
+#include "tools/pipeline/cost.hpp"
+#include "tools/pipeline/learn.hpp"
+#include "tools/strata/run_options.hpp"
+#include "tools/strata/verb_config.hpp"
+#include "tools/strata/verbs.hpp"
+
+namespace strata::tools {
+namespace {
+
+struct Options {
+  pipeline::RunsInput input;
+  std::string out;
+  std::vector<std::string> only;
+};
+
+pipeline::LearnParts parts_of(const std::vector<std::string>& only) {
+  if (only.empty()) return {};
+  for (const std::string& part : only) {
+    if (part != "em" && part != "patch" && part != "timescale") {
+      throw InputError("--only " + part, "is unknown", "choose among em, patch, timescale");
+    }
+  }
+  const auto has = [&](const char* part) {
+    return std::find(only.begin(), only.end(), part) != only.end();
+  };
+  return {.patch = has("patch"), .timescale = has("timescale")};
+}
+
+/// The rigid motion from the truth's frame to the maps'; nothing without truth.
+std::optional<Pose2> map_from_truth(const pipeline::Runs& runs, const slam::SlamResult& result) {
+  std::vector<Pose2> source;
+  std::vector<Pose2> target;
+  std::size_t next = 0;  // both are in the same order; SLAM may have skipped scans
+  for (std::size_t i = 0; i < runs.observations.size() && next < result.scans.size(); ++i) {
+    const PosedScan& scan = result.scans[next];
+    const Observation& observation = runs.observations[i];
+    if (scan.run != observation.run || scan.scan.stamp != observation.scan.stamp) continue;
+    ++next;
+    if (!runs.truths[i]) continue;
+    source.push_back(*runs.truths[i]);
+    target.push_back(scan.map_from_robot);
+  }
+  if (source.empty()) return std::nullopt;
+  return align(source, target);
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : " ") + text;
+  return all;
+}
+
+void run_learn(const Options& options, VerbContext& context) {
+  const pipeline::CostMeter meter;
+  const auto config = settings::read_config<maps::LearnConfig>(load_config(context.options),
+                                                               config_place(context.options));
+  const pipeline::LearnParts parts = parts_of(options.only);
+  const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress());
+  note_reports(context, runs);
+  const pipeline::LearnResult result =
+      pipeline::learn(runs.observations, runs.poses, config, parts, context.options.seed,
+                      context.options.threads, context.progress());
+  for (const int run : result.slam.unplaced_runs) {
+    context.note("run " + std::to_string(run) + " could not be placed in the map of the first: " +
+                 options.input.logs[static_cast<std::size_t>(run)] + " was left out; give --poses");
+  }
+  OutputDirectory out(options.out, context.staged());
+  maps::write_grid_maps(out.path(), result.slam);
+  if (parts.patch) maps::write_patch_map(out.path(), result.patches);
+  if (parts.timescale) maps::write_timescale(out.path(), *result.timescale);
+  if (const auto frame = map_from_truth(runs, result.slam)) {
+    maps::write_map_from_truth(out.path(), *frame);
+  }
+  const pipeline::Cost cost = meter.read();
+  const nlohmann::json summary = maps::write_summary(out.path(), joined(options.input.logs),
+                                                     {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
+  out.commit();
+  if (context.options.quiet) return;
+  std::cout << "learned from " << summary["scans"] << " scans (" << summary["path_m"].get<double>()
+            << " m) in " << cost.wall_s << " s, "
+            << summary["cost"]["real_time_factor"].get<double>() << " times real time; "
+            << result.patches.submaps.size() << " sub-maps; maps in " << options.out << '\n';
+}
+
+}  // namespace
+
+void add_learn(CLI::App& app, VerbContext& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      add_verb(app, context, "learn", "learn all maps from one or several runs in one building",
+               "strata learn monday.clf tuesday.clf --out maps",
+               [options, &context] { run_learn(*options, context); });
+  verb->add_option("LOG", options->input.logs,
+                   "CARMEN log, rosbag2 folder, .db3 or .mcap; in order")
+      ->required();
+  verb->add_option("--out", options->out, "folder for the maps")->required();
+  verb->add_option("--only", options->only, "em, patch, timescale (comma separated)")
+      ->delimiter(',');
+  add_run_options(*verb, options->input);
+}
+
+}  // namespace strata::tools

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata localize LOG --maps MAPS --model M --out DIR`.
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "components/maps/map_model.hpp"
+#include "components/settings/settings.hpp"
+#include "core/base/error.hpp"
+#include "tools/pipeline/cost.hpp"
+#include "tools/pipeline/localize.hpp"
+#include "tools/pipeline/localize_output.hpp"
+#include "tools/strata/run_options.hpp"
+#include "tools/strata/verb_config.hpp"
+#include "tools/strata/verbs.hpp"
+
+namespace strata::tools {
+namespace {
+
+struct Options {
+  pipeline::RunsInput input;
+  std::string log;
+  std::string maps;
+  std::string model = "patch";
+  std::string out;
+  std::string initial_pose;
+  bool global = false;
+};
+
+struct LocalizeConfig {
+  localization::LocalizerConfig localizer;
+  localization::PatchBeamModelConfig sensor;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.group("localizer", c.localizer, "the particle filter");
+    v.group("sensor", c.sensor, "what beams measure in a map");
+  }
+};
+
+constexpr double kStartStddev_m = 0.2;
+constexpr double kStartStddev_rad = 0.1;
+
+Pose2 parse_pose(const std::string& text) {
+  Pose2 pose;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &pose.x, &pose.y, &pose.theta, &rest) != 3 ||
+      !is_finite(pose)) {
+    throw InputError("--initial-pose " + text, "is not x,y,theta",
+                     "give metres, metres, radians, such as 1.5,-2,0.3");
+  }
+  return pose;
+}
+
+/// --initial-pose, else the first true pose, else nowhere: a global start.
+pipeline::LocalizationStart start_of(const Options& options,
+                                     const std::vector<std::optional<Pose2>>& truths,
+                                     VerbContext& context) {
+  if (options.global) return {};
+  std::optional<Pose2> pose;
+  if (!options.initial_pose.empty()) {
+    pose = parse_pose(options.initial_pose);
+  } else if (!truths.empty()) {
+    pose = truths.front();
+  }
+  if (!pose) {
+    context.note("no initial pose is known: starting globally, as with --global");
+    return {};
+  }
+  const double m2 = kStartStddev_m * kStartStddev_m;
+  const double rad2 = kStartStddev_rad * kStartStddev_rad;
+  return {Pose2Gaussian{*pose, Eigen::Vector3d(m2, m2, rad2).asDiagonal()}};
+}
+
+void run_localize(const Options& options, VerbContext& context) {
+  const pipeline::CostMeter meter;
+  const auto config = settings::read_config<LocalizeConfig>(load_config(context.options),
+                                                            config_place(context.options));
+  pipeline::RunsInput input = options.input;
+  input.logs = {options.log};
+  const maps::Maps maps = maps::read_maps(options.maps);
+  const maps::MapModel model = maps::make_map_model(maps, options.model, config.sensor);
+  pipeline::Runs runs = pipeline::read_runs(input, context.progress());
+  note_reports(context, runs);
+  for (auto& truth : runs.truths) {
+    if (truth && maps.map_from_truth) truth = *maps.map_from_truth * *truth;
+  }
+  const pipeline::LocalizationRun run =
+      pipeline::localize(runs.observations, runs.truths, model, maps.filtered, config.localizer,
+                         start_of(options, runs.truths, context), context.options.seed,
+                         context.options.threads, context.progress());
+  OutputDirectory out(options.out, context.staged());
+  pipeline::LocalizeSummary summary{options.model, context.options.seed, config.localizer.particles,
+                                    meter.read(), maps.map_from_truth};
+  const nlohmann::json metrics = pipeline::write_localization(out.path(), run, summary);
+  out.commit();
+  if (!context.options.quiet) std::cout << metrics.dump(2) << '\n';
+}
+
+}  // namespace
+
+void add_localize(CLI::App& app, VerbContext& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, context, "localize", "localize a recorded robot in learned maps",
+                            "strata localize friday.clf --maps maps --model patch --out friday",
+                            [options, &context] { run_localize(*options, context); });
+  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
+  verb->add_option("--maps", options->maps, "folder that `strata learn` wrote")->required();
+  verb->add_option("--model", options->model,
+                   "occupancy, filtered, patch, patch_paper, patch_shared, patch_per_particle, "
+                   "timescale, timescale_mixture, timescale_LEVEL")
+      ->capture_default_str();
+  verb->add_option("--out", options->out, "folder for trajectory.tum, states.csv, metrics.json")
+      ->required();
+  verb->add_option("--initial-pose", options->initial_pose, "x,y,theta in the map frame");
+  verb->add_flag("--global", options->global, "start without a pose");
+  add_run_options(*verb, options->input);
+}
+
+}  // namespace strata::tools
