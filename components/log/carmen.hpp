@@ -19,6 +19,9 @@ namespace strata::log {
 [[nodiscard]] LogContent read_carmen(const std::filesystem::path& path, const ReadOptions& options,
                                      ReadReport& report);
 
+/// The bearings and limits that a FLASER line of that many beams stands for; scan.ranges_m is set.
+void set_flaser_geometry(Scan& scan, double field_of_view_deg);
+
 /// Writes FLASER where it says everything about a scan, ROBOTLASER1 elsewhere, and ODOM between.
 /// Numbers are written so that they read back to the same bits; +Inf becomes 81.83 (or the
 /// scanner's maximum when that is longer), NaN stays "nan". Throws OutputError.
