@@ -16,11 +16,12 @@ inline std::map<Cell, double> clip_lengths(const Eigen::Vector2d& from_m,
                                            const Eigen::Vector2d& to_m, double resolution_m) {
   const Cell a = cell_at(from_m, resolution_m);
   const Cell b = cell_at(to_m, resolution_m);
-  const long double du = (static_cast<long double>(to_m.x()) - from_m.x()) / resolution_m;
-  const long double dv = (static_cast<long double>(to_m.y()) - from_m.y()) / resolution_m;
-  const long double u = static_cast<long double>(from_m.x()) / resolution_m;
-  const long double v = static_cast<long double>(from_m.y()) / resolution_m;
-  const long double length = std::sqrt(du * du + dv * dv) * resolution_m;
+  const auto resolution = static_cast<long double>(resolution_m);
+  const long double u = static_cast<long double>(from_m.x()) / resolution;
+  const long double v = static_cast<long double>(from_m.y()) / resolution;
+  const long double du = static_cast<long double>(to_m.x()) / resolution - u;
+  const long double dv = static_cast<long double>(to_m.y()) / resolution - v;
+  const long double length = std::sqrt(du * du + dv * dv) * resolution;
   auto clip = [](long double start, long double along, int low, long double& t0, long double& t1) {
     if (along == 0.0L) return;  // the bounding box is one cell wide here
     const long double p = (low - start) / along;
