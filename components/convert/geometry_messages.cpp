@@ -1,22 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/convert/geometry_messages.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 
 namespace strata::convert {
 namespace {
 
 constexpr std::int64_t kNsPerS = 1'000'000'000;
 
+/// A value some units in the last place away.
+double nudged(double value, int steps) {
+  for (; steps > 0; --steps) value = std::nextafter(value, 2.0);
+  for (; steps < 0; ++steps) value = std::nextafter(value, -2.0);
+  return value;
+}
+
+/// The quaternion of a heading that reads back as the very same bits: of the few around the rounded
+/// sine and cosine (they differ by 1e-16), the first that does. Without it a heading would drift
+/// each time it travels, and replay over DDS would differ from the direct path.
+Eigen::Quaterniond exact_rotation(double theta_rad) {
+  const double z = std::sin(theta_rad / 2.0);
+  const double w = std::cos(theta_rad / 2.0);
+  constexpr int kReach = 4;
+  for (int ring = 0; ring <= kReach; ++ring) {
+    for (int dz = -ring; dz <= ring; ++dz) {
+      for (int dw = -ring; dw <= ring; ++dw) {
+        if (std::max(std::abs(dz), std::abs(dw)) != ring) continue;
+        const Eigen::Quaterniond candidate(nudged(w, dw), 0.0, 0.0, nudged(z, dz));
+        if (heading_of(candidate) == theta_rad) return candidate;
+      }
+    }
+  }
+  return {w, 0.0, 0.0, z};
+}
+
 template <typename Quaternion>
 Quaternion to_quaternion(double theta_rad) {
+  const Eigen::Quaterniond exact = exact_rotation(theta_rad);
   Quaternion q;
   q.x(0.0);
   q.y(0.0);
-  q.z(std::sin(theta_rad / 2.0));
-  q.w(std::cos(theta_rad / 2.0));
+  q.z(exact.z());
+  q.w(exact.w());
   return q;
 }
 

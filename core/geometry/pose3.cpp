@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "core/geometry/angle.hpp"
+
 namespace strata {
 
 Pose3 operator*(const Pose3& a_from_b, const Pose3& b_from_c) {
@@ -36,6 +38,11 @@ Eigen::Quaterniond rotation_about_z(double theta_rad) {
 }
 
 double heading_of(const Eigen::Quaterniond& rotation) {
+  // In the plane the half angle is there to the last bit, which the rotated axis loses near 90
+  // degrees; a heading that was written as a quaternion must read back as the same bits.
+  if (rotation.x() == 0.0 && rotation.y() == 0.0) {
+    return wrap_angle(2.0 * std::atan2(rotation.z(), rotation.w()));
+  }
   const Eigen::Vector3d x_axis = rotation * Eigen::Vector3d::UnitX();
   return std::atan2(x_axis.y(), x_axis.x());
 }
