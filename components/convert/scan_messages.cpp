@@ -41,7 +41,6 @@ strata_msgs::msg::LabeledScan to_message(const PosedScan& scan, const std::strin
   message.pose().run(scan.run);
   message.pose().map_from_robot().mean(to_message(scan.map_from_robot));
   message.pose().map_from_robot().covariance().fill(0.0);
-  message.pose().converged(true);
   message.scan(to_message(scan.scan, laser_frame));
   message.robot_from_laser(to_message(scan.scan.robot_from_laser));
   message.static_probability(scan.static_probability);

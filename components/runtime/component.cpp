@@ -60,6 +60,17 @@ void Component::cleanup() {
   });
 }
 
+void Component::tick() {
+  context_.mailbox->post([this] {
+    if (!active_) return;
+    try {
+      on_tick();
+    } catch (const std::exception& error) {
+      if (context_.on_error) context_.on_error(full_name_ + ": " + error.what());
+    }
+  });
+}
+
 std::string Component::resolve(const std::string& topic) const {
   return bus::resolve_name(topic, context_.node_namespace, context_.name, context_.remappings);
 }

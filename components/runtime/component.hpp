@@ -64,6 +64,8 @@ class Component {
   void activate();
   void deactivate();
   void cleanup();
+  /// Several times a second while the process lives; returns at once.
+  void tick();
 
   /// "/robot1/localizer".
   [[nodiscard]] const std::string& full_name() const { return full_name_; }
@@ -76,6 +78,8 @@ class Component {
   virtual void on_activate() {}
   virtual void on_deactivate() {}
   virtual void on_cleanup() {}
+  /// Several times a second while active and live.
+  virtual void on_tick() {}
   /// The log has ended: do what needs all data and save this component's part into out_dir.
   virtual void on_finish(const std::filesystem::path& /*out_dir*/) {}
 

@@ -78,6 +78,10 @@ void Host::activate() {
   for (const auto& component : components_) component->activate();
 }
 
+void Host::tick() {
+  for (const auto& component : components_) component->tick();
+}
+
 void Host::stop() noexcept {
   if (std::exchange(stopped_, true)) return;
   cancellation_->cancel();

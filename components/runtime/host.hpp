@@ -37,6 +37,8 @@ class Host {
 
   /// Live: begins to work. In lockstep the conductor activates.
   void activate();
+  /// To be called several times a second.
+  void tick();
   /// Deactivates and cleans up in reverse order; cancels long work under way. Never throws.
   void stop() noexcept;
   /// Errors in callbacks since the last call.

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/beam_filter/beam_filter.hpp"
+
+#include <limits>
+
+#include "components/convert/map_messages.hpp"
+#include "components/convert/scan_messages.hpp"
+#include "core/beam_filter/beam_filter.hpp"
+
+namespace strata::beam_filter {
+
+void BeamFilter::on_configure() {
+  config_ = read_parameters<BeamFilterComponentConfig>();
+  counts_ = CountingMap(config_.filter.resolution_m);
+  filtered_ = make_reflection_grid(config_.filter.resolution_m, {});
+  publish_static_ = advertise<sensor_msgs::msg::LaserScan>("scan_static", "sensor_data");
+  publish_dynamic_ = advertise<sensor_msgs::msg::LaserScan>("scan_dynamic", "sensor_data");
+  publish_labeled_ = advertise<strata_msgs::msg::LabeledScan>("labeled_scan", "default");
+  publish_map_ = advertise<nav_msgs::msg::OccupancyGrid>("map_filtered", "latched");
+  subscribe<strata_msgs::msg::LabeledScan>("posed_scan", "default", [this](const auto& message) {
+    on_scan(convert::from_message(message));
+  });
+  if (lockstep()) {
+    subscribe<strata_msgs::msg::ReflectionGrid>(
+        "reflection_filtered", "latched",
+        [this](const auto& message) { publish_map(convert::from_message(message), Stamp()); });
+  } else {
+    publish_reflection_ =
+        advertise<strata_msgs::msg::ReflectionGrid>("reflection_filtered", "latched");
+  }
+}
+
+void BeamFilter::on_scan(PosedScan scan) {
+  counts_.add(scan, config_.filter.counting);
+  if (scans_++ % static_cast<std::uint64_t>(config_.map_every_scans) == 0) {
+    filtered_ = filter_counts(counts_, config_.filter).filtered;
+    publish_map(filtered_, scan.scan.stamp);
+  }
+  scan.static_probability = label(scan.scan, scan.map_from_laser(), filtered_, config_.filter);
+  publish_labeled_(convert::to_message(scan, config_.map_frame, "laser"));
+  publish_classes(scan);
+}
+
+void BeamFilter::publish_classes(const PosedScan& scan) {
+  sensor_msgs::msg::LaserScan classes[2] = {convert::to_message(scan.scan, "laser"),
+                                            convert::to_message(scan.scan, "laser")};
+  for (std::size_t beam = 0; beam < scan.scan.size(); ++beam) {
+    if (scan.scan.kind(beam) != BeamKind::kHit) continue;
+    const std::size_t other = scan.static_probability[beam] >= 0.5F ? 1 : 0;
+    classes[other].ranges()[beam] = std::numeric_limits<float>::quiet_NaN();
+  }
+  publish_static_(classes[0]);
+  publish_dynamic_(classes[1]);
+}
+
+void BeamFilter::publish_map(const ReflectionGrid& filtered, Stamp stamp) {
+  publish_map_(convert::to_occupancy(filtered, stamp, config_.map_frame));
+  if (publish_reflection_) publish_reflection_(convert::to_message(filtered));
+}
+
+}  // namespace strata::beam_filter

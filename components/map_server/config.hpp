@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Parameters of strata::MapServer.
+#pragma once
+
+#include <string>
+
+#include "core/base/config.hpp"
+
+namespace strata::map_server {
+
+struct MapServerConfig {
+  std::string map;
+  std::string topic = "map";
+  std::string map_frame = "map";
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("map", c.map, {.doc = "the YAML file of a map_server map"});
+    v.require(!c.map.empty(), "map", "is missing", "name a map, as in map: MAPS/filtered.yaml");
+    v.field("topic", c.topic, {.doc = "nav_msgs/OccupancyGrid out, latched"});
+    v.field("map_frame", c.map_frame, {.doc = "frame of the map"});
+  }
+};
+
+}  // namespace strata::map_server

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/player/log_player.hpp"
+
+#include <utility>
+
+#include "components/convert/geometry_messages.hpp"
+#include "components/convert/scan_messages.hpp"
+
+namespace strata::player {
+namespace {
+
+constexpr const char* kRobot = "base_link";
+constexpr const char* kOdometry = "odom";
+constexpr const char* kLaser = "laser";
+
+tf2_msgs::msg::TFMessage single(const geometry_msgs::msg::TransformStamped& transform) {
+  tf2_msgs::msg::TFMessage message;
+  message.transforms().push_back(transform);
+  return message;
+}
+
+}  // namespace
+
+LogPlayer::LogPlayer(std::vector<Observation> observations, Outputs outputs)
+    : observations_(std::move(observations)), outputs_(std::move(outputs)) {}
+
+void LogPlayer::publish(std::size_t index) {
+  const Observation& observation = observations_[index];
+  const Scan& scan = observation.scan;
+  rosgraph_msgs::msg::Clock clock;
+  clock.clock(convert::to_message(scan.stamp));
+  outputs_.clock(clock);
+  if (mounting_ != scan.robot_from_laser) {
+    mounting_ = scan.robot_from_laser;
+    outputs_.tf_static(
+        single(convert::to_transform_stamped(scan.stamp, *mounting_, kRobot, kLaser)));
+  }
+  if (observation.has_odometry) {
+    const Pose2& odom_from_robot = observation.odom_from_robot;
+    outputs_.tf(
+        single(convert::to_transform_stamped(scan.stamp, odom_from_robot, kOdometry, kRobot)));
+    outputs_.odometry(convert::to_odometry(scan.stamp, odom_from_robot, kOdometry, kRobot));
+  }
+  outputs_.scan(convert::to_message(scan, kLaser));
+}
+
+}  // namespace strata::player

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A recorded log as the messages a robot would publish, scan by scan.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "strata_idl/nav_msgs.h"
+#include "strata_idl/rosgraph_msgs.h"
+#include "strata_idl/sensor_msgs.h"
+#include "strata_idl/tf2_msgs.h"
+
+#include "core/scan/scan.hpp"
+
+namespace strata::player {
+
+/// Where the messages go.
+struct Outputs {
+  std::function<void(const rosgraph_msgs::msg::Clock&)> clock;
+  std::function<void(const tf2_msgs::msg::TFMessage&)> tf_static;
+  std::function<void(const tf2_msgs::msg::TFMessage&)> tf;
+  std::function<void(const nav_msgs::msg::Odometry&)> odometry;
+  std::function<void(const sensor_msgs::msg::LaserScan&)> scan;
+};
+
+/// Publishes observations in the frames base_link, odom and laser. What a component puts together
+/// from the messages is the observation with the same bits.
+class LogPlayer {
+ public:
+  LogPlayer(std::vector<Observation> observations, Outputs outputs);
+  [[nodiscard]] const std::vector<Observation>& observations() const { return observations_; }
+  /// Clock, tf_static (first and when the mounting changes), tf and odometry, then the scan.
+  void publish(std::size_t index);
+
+ private:
+  std::vector<Observation> observations_;
+  Outputs outputs_;
+  std::optional<Pose2> mounting_;
+};
+
+}  // namespace strata::player
