@@ -39,12 +39,12 @@ struct SensorInputConfig {
 
 /// Odometry of a scan's very stamp is taken as it is, else it is interpolated. A scan waits until
 /// odometry has reached its stamp and its mounting is known; when too many wait, the oldest goes
-/// on without. Scans with time_increment are undistorted as the log readers do it (in lockstep the player has).
+/// on without. Scans with time_increment are undistorted as the log readers do it (in lockstep the
+/// player has).
 class SensorInput {
  public:
   /// waits: false in lockstep, where everything that belongs to a scan came before it.
-  SensorInput(SensorInputConfig config, bool waits)
-      : config_(std::move(config)), waits_(waits) {}
+  SensorInput(SensorInputConfig config, bool waits) : config_(std::move(config)), waits_(waits) {}
 
   void add(const tf2_msgs::msg::TFMessage& transforms);
   void add(const nav_msgs::msg::Odometry& odometry);

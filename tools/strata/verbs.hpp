@@ -2,6 +2,9 @@
 /// Every verb of `strata`, one a file: verb_<name>.cpp defines add_<name>, which calls add_verb.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 
 #include "tools/strata/verb_context.hpp"
@@ -16,6 +19,9 @@ void add_evaluate(CLI::App& app, VerbContext& context);
 void add_info(CLI::App& app, VerbContext& context);
 void add_learn(CLI::App& app, VerbContext& context);
 void add_localize(CLI::App& app, VerbContext& context);
+void add_record(CLI::App& app, VerbContext& context);
+void add_replay(CLI::App& app, VerbContext& context);
+void add_run(CLI::App& app, VerbContext& context);
 void add_simulate(CLI::App& app, VerbContext& context);
 
 /// In the order of the help text.
@@ -27,6 +33,14 @@ inline constexpr AddVerb kVerbs[] = {
     add_compare,   //
     add_evaluate,  //
     add_simulate,  //
+    add_run,       //
+    add_replay,    //
+    add_record,    //
 };
+
+/// The command line of one process of a composition (verb_run.cpp).
+[[nodiscard]] std::vector<std::string> child_arguments(const std::string& composition,
+                                                       const std::string& process,
+                                                       const VerbContext& context, bool lockstep);
 
 }  // namespace strata::tools

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/strata/all_components.hpp"
+
+#include "components/beam_filter/register.hpp"
+#include "components/map_server/register.hpp"
+#include "components/patch_learner/register.hpp"
+#include "components/player/register.hpp"
+#include "components/recorder/register.hpp"
+#include "components/scan_matcher/register.hpp"
+#include "components/timescale_memory/register.hpp"
+
+namespace strata::tools {
+
+runtime::Registry all_components() {
+  runtime::Registry registry;
+  scan_matcher::register_component(registry);
+  beam_filter::register_component(registry);
+  patch_learner::register_component(registry);
+  timescale_memory::register_component(registry);
+  map_server::register_component(registry);
+  player::register_component(registry);
+  recorder::register_component(registry);
+  return registry;
+}
+
+}  // namespace strata::tools
