@@ -94,8 +94,13 @@ ComponentEntry read_component(const YAML::Node& node, const std::string& place,
                   [&] { return bus::expand_name(entry.name, entry.node_namespace, entry.name); });
   entry.remappings =
       read_remappings(section.find("remappings"), place, section.path_of("remappings"));
-  entry.parameters = section.find("parameters");
-  if (!entry.parameters.IsDefined()) entry.parameters = YAML::Node(YAML::NodeType::Map);
+  const YAML::Node parameters = section.find("parameters");
+  // A node that does not exist cannot be assigned to, so it must not get into the entry.
+  if (parameters.IsDefined()) {
+    entry.parameters = parameters;
+  } else {
+    entry.parameters = YAML::Node(YAML::NodeType::Map);
+  }
   return entry;
 }
 
