@@ -17,7 +17,7 @@ using DistanceField = Grid<float>;
 /// is still exact below). O(cells).
 [[nodiscard]] DistanceField make_distance_field(const Grid<std::uint8_t>& occupied,
                                                 double max_distance_m = 0.0);
-/// Occupied: is_occupied (known and at least 0.5).
+/// Occupied: is_occupied (known and at least kOccupiedReflection).
 [[nodiscard]] DistanceField make_distance_field(const ReflectionGrid& map,
                                                 double max_distance_m = 0.0);
 

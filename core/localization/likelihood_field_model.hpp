@@ -29,7 +29,7 @@ struct LikelihoodFieldModelConfig {
 };
 
 /// [thrun2005probabilistic, table 6.3]. Cannot punish beams that cross a mapped closed door, so it
-/// is for speed, not for telling configurations apart (SPEC C3). Cells with m >= 0.5 are obstacles.
+/// is for speed, not for telling configurations apart (SPEC C3). Obstacles: is_occupied.
 class LikelihoodFieldModel final : public SensorModel {
  public:
   explicit LikelihoodFieldModel(const ReflectionGrid& map,

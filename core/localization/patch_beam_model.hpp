@@ -34,7 +34,7 @@ struct RayEvent {
 /// All first obstacles of all configurations along a ray, near ones first.
 class PatchRayCaster {
  public:
-  /// Occupied: m >= 0.5; unknown is transparent. The static map counts outside the rectangles.
+  /// Occupied: is_occupied; unknown is transparent. The static map counts outside the rectangles.
   /// Throws InputError for grids of different resolution.
   explicit PatchRayCaster(const patch::PatchMap& map);
 

@@ -89,7 +89,7 @@ class RangeProviderModel final : public SensorModel {
   BeamModelConfig config_;
 };
 
-/// Ray casting in one map: occupied means known and m >= 0.5, unknown is transparent.
+/// Ray casting in one map: occupied means is_occupied, unknown is transparent.
 using GridBeamModel = RangeProviderModel<RayCaster>;
 
 [[nodiscard]] inline std::shared_ptr<const GridBeamModel> make_grid_beam_model(

@@ -103,7 +103,7 @@ void RayWalker::walk(double x_m, double y_m, double c, double s, double max_rang
 }
 
 /// Expected ranges in one map: to the middle of the ray's way through the first occupied cell
-/// (m >= 0.5), as a surface lies anywhere in its cell. Unknown cells are transparent.
+/// (is_occupied), as a surface lies anywhere in its cell. Unknown cells are transparent.
 class RayCaster {
  public:
   RayCaster() = default;

@@ -36,6 +36,9 @@ void HealthMonitor::add(double likelihood_per_beam, double explained_share,
 
 double HealthMonitor::injection_share() const {
   if (!config_.inject || config_.tolerated_drop >= 1.0) return 0.0;
+  // A sure pose that explains most beams is not given up for people who pass: a random pose in a
+  // place that looks alike would win by chance, and the filter would jump.
+  if (health_.state == HealthState::kGood) return 0.0;
   const double share = 1.0 - health_.likelihood_ratio / (1.0 - config_.tolerated_drop);
   return std::clamp(share, 0.0, config_.most_injected);
 }
