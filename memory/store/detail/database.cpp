@@ -93,12 +93,16 @@ Database::Database(const std::filesystem::path& path, bool read_only, int busy_t
   if (!std::filesystem::exists(path)) {
     throw InputError(place_, "there is no such file", "check the path, or learn the maps first");
   }
-  open(uri, SQLITE_OPEN_READONLY);
-  // A file in write-ahead mode needs its -shm file; in a folder that may not be written there is
-  // none, and when no log is pending the file alone holds everything.
+  // Opened for writing although nothing may be written through it: only such a connection removes
+  // the -wal and -shm files when it is the last one to close.
+  open(uri, SQLITE_OPEN_READWRITE);
+  // In a folder that may not be written those files cannot be made; when no log is pending the file
+  // alone holds everything.
   const int code =
-      sqlite3_exec(handle(), "SELECT count(*) FROM sqlite_master", nullptr, nullptr, nullptr);
-  if ((code & 0xff) == SQLITE_CANTOPEN && !has_pending_log(path)) {
+      sqlite3_exec(handle(), "SELECT count(*) FROM sqlite_master; PRAGMA query_only = ON", nullptr,
+                   nullptr, nullptr);
+  const int primary = code & 0xff;
+  if ((primary == SQLITE_CANTOPEN || primary == SQLITE_READONLY) && !has_pending_log(path)) {
     open(uri + "?immutable=1", SQLITE_OPEN_READONLY);
   } else if (code != SQLITE_OK) {
     fail("read");

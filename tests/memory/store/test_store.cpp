@@ -249,14 +249,20 @@ TEST(Store, LetsReadersSeeTheOldValueWhileAnotherWrites) {
   EXPECT_EQ(reader.find_text("state"), "new");
 }
 
-TEST(Store, LeavesOneFileWhenClosed) {
+TEST(Store, LeavesOneFileWhenClosedByAWriterOrAReader) {
   const TemporaryDirectory directory;
-  { Store(directory.path() / "strata.db").save_text("a", "b"); }
-  std::size_t files = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(directory.path())) {
-    ++files;
+  const auto path = directory.path() / "strata.db";
+  const auto count_files = [&] {
+    const std::filesystem::directory_iterator entries(directory.path());
+    return std::distance(begin(entries), end(entries));
+  };
+  { Store(path).save_text("a", "b"); }
+  EXPECT_EQ(count_files(), 1);
+  {
+    const Store reader(path, {.read_only = true});
+    EXPECT_EQ(reader.find_text("a"), "b");
   }
-  EXPECT_EQ(files, 1U);
+  EXPECT_EQ(count_files(), 1);
 }
 
 }  // namespace
