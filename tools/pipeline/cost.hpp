@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a job cost: wall clock, processor time, memory.
+/// What a job cost: wall clock, processor time, memory; child processes that have ended count.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@ namespace strata::pipeline {
 struct Cost {
   double wall_s = 0.0;
   double cpu_s = 0.0;
-  double peak_rss_mb = 0.0;  ///< of the whole process so far
+  double peak_rss_mb = 0.0;  ///< of the largest process so far
 };
 
 /// Measures from its construction on.

@@ -6,6 +6,7 @@
 
 #include "components/runtime/host.hpp"
 #include "tools/strata/all_components.hpp"
+#include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -20,6 +21,11 @@ struct RecordOptions {
 };
 
 void record(const RecordOptions& options, VerbContext& context) {
+  refuse_config(context.options, "use the options of `strata record --help`");
+  if (!context.options.overrides.empty()) {
+    throw ConfigError("--set " + context.options.overrides.front(), "does not apply to this verb",
+                      "use the options of `strata record --help`");
+  }
   runtime::Composition composition;
   composition.place = "command line";
   composition.domain = options.domain;

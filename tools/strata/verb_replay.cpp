@@ -2,6 +2,7 @@
 /// `strata replay LOG --composition F --out DIR`: a recorded log through the components in
 /// lockstep.
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -11,8 +12,10 @@
 #include "components/runtime/composition.hpp"
 #include "components/runtime/conductor.hpp"
 #include "components/runtime/host.hpp"
+#include "tools/pipeline/cost.hpp"
 #include "tools/strata/all_components.hpp"
 #include "tools/strata/process_group.hpp"
+#include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -89,6 +92,8 @@ void play(const ReplayOptions& options, VerbContext& context, runtime::Conductor
 }
 
 void replay(const ReplayOptions& options, VerbContext& context) {
+  const pipeline::CostMeter meter;
+  refuse_config(context.options, kConfigRemedy);
   runtime::Composition composition =
       runtime::load_composition(options.composition, context.options.overrides);
   leave_out_players(composition);
@@ -123,7 +128,8 @@ void replay(const ReplayOptions& options, VerbContext& context) {
   if (host) host->stop();
   group.stop();
   if (std::filesystem::exists(out.path() / maps::kStoreFile)) {
-    maps::write_summary(out.path(), options.log, {});
+    const pipeline::Cost cost = meter.read();
+    maps::write_summary(out.path(), options.log, {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
   }
   out.commit();
   context.note("wrote " + options.out);

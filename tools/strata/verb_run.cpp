@@ -10,6 +10,7 @@
 #include "components/runtime/host.hpp"
 #include "tools/strata/all_components.hpp"
 #include "tools/strata/process_group.hpp"
+#include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -86,6 +87,7 @@ void add_run(CLI::App& app, VerbContext& context) {
   CLI::App* verb = add_verb(
       app, context, "run", "Start the components of a composition over DDS until Ctrl-C",
       "strata run components/config/mapping.yaml", [options, &context] {
+        refuse_config(context.options, kConfigRemedy);
         if (options->child) prctl(PR_SET_PDEATHSIG, SIGTERM);
         const runtime::Composition composition =
             runtime::load_composition(options->composition, context.options.overrides);
