@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/runtime/composition.hpp"
+
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/settings/yaml_document.hpp"
+#include "core/base/error.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::runtime {
+namespace {
+
+using ::testing::HasSubstr;
+
+Composition read(const std::string& text) {
+  return read_composition(settings::parse_yaml(text, "c.yaml"), "c.yaml");
+}
+
+/// The one line a user sees.
+std::string complaint_about(const std::string& text) {
+  try {
+    (void)read(text);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+TEST(Composition, TakesWhatItIsToldAndDefaultsForTheRest) {
+  const Composition composition = read(R"(
+domain: 7
+namespace: /robot1
+transport: loopback
+processes:
+  - name: first
+    executor: single_threaded
+    components:
+      - {type: strata::ScanMatcher, name: matcher, remappings: {scan: /front/scan}}
+      - {type: strata::BeamFilter, name: filter, namespace: /robot2, parameters: {map_frame: m}}
+  - name: second
+)");
+  EXPECT_EQ(composition.domain, 7);
+  EXPECT_EQ(composition.transport, bus::Transport::kLoopback);
+  ASSERT_EQ(composition.processes.size(), 2U);
+  EXPECT_EQ(composition.processes[0].executor, ExecutorKind::kSingleThreaded);
+  EXPECT_EQ(composition.processes[1].executor, ExecutorKind::kMultiThreaded);
+  const auto& components = composition.processes[0].components;
+  ASSERT_EQ(components.size(), 2U);
+  EXPECT_EQ(components[0].node_namespace, "/robot1");
+  EXPECT_EQ(components[0].remappings.at("scan"), "/front/scan");
+  EXPECT_TRUE(components[0].parameters.IsMap());
+  EXPECT_EQ(components[1].node_namespace, "/robot2");
+  EXPECT_EQ(components[1].parameters["map_frame"].as<std::string>(), "m");
+}
+
+TEST(Composition, NamesThePlaceOfAnUnknownKeyAndTheLikelyOne) {
+  const std::string top = complaint_about("domian: 3\nprocesses: []\n");
+  EXPECT_THAT(top, HasSubstr("c.yaml:1"));
+  EXPECT_THAT(top, HasSubstr("did you mean 'domain'"));
+  const std::string deep = complaint_about(
+      "processes:\n"
+      "  - name: p\n"
+      "    components:\n"
+      "      - type: strata::Player\n"
+      "        name: player\n"
+      "        remapings: {scan: /s}\n");
+  EXPECT_THAT(deep, HasSubstr("c.yaml:6"));
+  EXPECT_THAT(deep, HasSubstr("did you mean 'remappings'"));
+}
+
+TEST(Composition, RefusesWhatDoesNotExistWithThePlaceOfTheKey) {
+  EXPECT_THAT(complaint_about("domain: 1\ntransport: tcp\n"), HasSubstr("c.yaml:2"));
+  EXPECT_THAT(complaint_about("transport: tcp\n"), HasSubstr("loopback"));
+  EXPECT_THAT(complaint_about("processes:\n  - name: p\n    executor: many\n"),
+              HasSubstr("c.yaml:3: unknown executor 'many'"));
+  EXPECT_THAT(complaint_about("domain: here\n"), HasSubstr("c.yaml:1"));
+  EXPECT_THAT(complaint_about("processes: all\n"), HasSubstr("c.yaml:1"));
+}
+
+TEST(Composition, NeedsTypesAndNamesThatDiffer) {
+  const auto with = [](const std::string& components) {
+    return complaint_about("processes: [{name: p, components: [" + components + "]}]\n");
+  };
+  EXPECT_THAT(with("{name: a}"), HasSubstr("'type' is missing"));
+  EXPECT_THAT(with("{type: t}"), HasSubstr("'name' is missing"));
+  EXPECT_THAT(with("{type: t, name: a b}"), HasSubstr("c.yaml:1"));
+  EXPECT_THAT(with("{type: t, name: a}, {type: u, name: a}"), HasSubstr("named 'a'"));
+  EXPECT_EQ(with("{type: t, name: a, namespace: /x}, {type: t, name: a, namespace: /y}"),
+            "no complaint");
+  EXPECT_THAT(with(""), HasSubstr("no component is listed"));
+  EXPECT_THAT(complaint_about("processes: [{name: p}, {name: p}]\n"),
+              HasSubstr("two processes are named 'p'"));
+}
+
+TEST(Composition, FileNeedsItsVersionAndTakesOverrides) {
+  const strata::test::TemporaryDirectory folder;
+  const auto path = folder.path() / "c.yaml";
+  const std::string body =
+      "processes: [{name: p, components: [{type: strata::Player, name: player}]}]\n";
+  const auto write = [&](const std::string& first_line) {
+    std::ofstream(path) << first_line << '\n' << body;
+  };
+  write("version: 1");
+  EXPECT_EQ(load_composition(path, {"domain=42"}).domain, 42);
+  EXPECT_THROW((void)load_composition(path, {"domian=42"}), ConfigError);
+  const Composition set = load_composition(path, {"processes[0].components[0].parameters.rate=2"});
+  EXPECT_EQ(set.processes[0].components[0].parameters["rate"].as<int>(), 2);
+  write("version: 2");
+  EXPECT_THROW((void)load_composition(path), ConfigError);
+  write("domain: 0");
+  EXPECT_THROW((void)load_composition(path), ConfigError);
+  EXPECT_THROW((void)load_composition(folder.path() / "none.yaml"), InputError);
+}
+
+}  // namespace
+}  // namespace strata::runtime
