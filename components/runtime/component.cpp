@@ -201,7 +201,8 @@ void Component::perform(const Step& step) {
       break;
     case strata_msgs::msg::STEP_FINISH:
       work_off();
-      on_finish(step.out_dir());
+      on_finish(context_.out_folder.empty() ? std::filesystem::path(step.out_dir())
+                                            : step.out_dir() / context_.out_folder);
       break;
   }
 }

@@ -41,6 +41,8 @@ struct ComponentContext {
   std::shared_ptr<Mailbox> mailbox;
   std::string name;
   std::string node_namespace = "/";
+  /// Folder of its own below the folder that all save into; empty: that folder itself.
+  std::filesystem::path out_folder;
   bus::Remappings remappings;
   YAML::Node parameters;
   std::string place;  ///< the composition file, for errors

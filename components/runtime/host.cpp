@@ -2,6 +2,7 @@
 #include "components/runtime/host.hpp"
 
 #include <exception>
+#include <filesystem>
 #include <utility>
 
 #include "components/settings/config_reader.hpp"
@@ -32,6 +33,17 @@ const Factory& factory_of(const Registry& registry, const ComponentEntry& entry)
                     "use one of " + known);
 }
 
+/// Two robots of one composition must not overwrite each other's maps: "/a" saves into a/, what is
+/// in the composition's own namespace at the top.
+std::filesystem::path out_folder_of(const ComponentEntry& entry, const Composition& composition) {
+  const std::filesystem::path own = entry.node_namespace;
+  const std::filesystem::path common = composition.node_namespace;
+  const std::filesystem::path below = own.lexically_relative(common);
+  if (below == ".") return {};
+  if (!below.empty() && *below.begin() != "..") return below;
+  return own.relative_path();
+}
+
 }  // namespace
 
 std::shared_ptr<bus::Participant> make_participant(const Composition& composition) {
@@ -51,6 +63,7 @@ Host::Host(const Composition& composition, const ProcessEntry& process, const Re
     context.mailbox = executor_.mailbox();
     context.name = entry.name;
     context.node_namespace = entry.node_namespace;
+    context.out_folder = out_folder_of(entry, composition);
     context.remappings = entry.remappings;
     context.parameters = entry.parameters;
     context.place = composition.place;

@@ -27,7 +27,7 @@ struct HostOptions {
 class Host {
  public:
   /// Makes and configures the components of `process` in order. Throws ConfigError for an unknown
-  /// type ("did you mean" among the registered) and whatever a component's configuration throws.
+  /// type (its remedy lists the known ones) and whatever a component's configuration throws.
   Host(const Composition& composition, const ProcessEntry& process, const Registry& registry,
        std::shared_ptr<bus::Participant> participant, const HostOptions& options);
   /// As stop().

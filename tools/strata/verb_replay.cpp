@@ -2,9 +2,11 @@
 /// `strata replay LOG --composition F --out DIR`: a recorded log through the components in
 /// lockstep.
 #include <chrono>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "components/log/log_reader.hpp"
 #include "components/maps/maps_folder.hpp"
@@ -91,6 +93,15 @@ void play(const ReplayOptions& options, VerbContext& context, runtime::Conductor
   }
 }
 
+/// The MAPS folders that the components left: the top, or one a namespace.
+std::vector<std::filesystem::path> maps_folders(const std::filesystem::path& out) {
+  std::vector<std::filesystem::path> folders;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(out)) {
+    if (entry.path().filename() == maps::kStoreFile) folders.push_back(entry.path().parent_path());
+  }
+  return folders;
+}
+
 void replay(const ReplayOptions& options, VerbContext& context) {
   const pipeline::CostMeter meter;
   refuse_config(context.options, kConfigRemedy);
@@ -127,9 +138,9 @@ void replay(const ReplayOptions& options, VerbContext& context) {
   conductor.finish(std::filesystem::absolute(out.path()));
   if (host) host->stop();
   group.stop();
-  if (std::filesystem::exists(out.path() / maps::kStoreFile)) {
-    const pipeline::Cost cost = meter.read();
-    maps::write_summary(out.path(), options.log, {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
+  const pipeline::Cost cost = meter.read();
+  for (const std::filesystem::path& folder : maps_folders(out.path())) {
+    maps::write_summary(folder, options.log, {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
   }
   out.commit();
   context.note("wrote " + options.out);
