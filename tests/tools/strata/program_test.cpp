@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The program as users and scripts meet it: exit codes, error lines, files.
+#include "tests/tools/strata/program.hpp"
+
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -20,27 +21,10 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
-struct Outcome {
-  int code = -1;
-  std::string out;
-};
+using test::Outcome;
+using test::quoted;
 
-/// Runs `strata ARGUMENTS`; the shell may merge stderr into the output.
-Outcome run(const std::string& arguments) {
-  const std::string command = std::string("'" STRATA_PROGRAM "' ") + arguments;
-  Outcome outcome;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  char buffer[4096];
-  for (std::size_t got = 0; (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
-    outcome.out.append(buffer, got);
-  }
-  const int status = pclose(pipe);
-  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
-}
-
-std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+Outcome run(const std::string& arguments) { return test::run_strata(arguments); }
 
 void write_log(const fs::path& path, int scans) {
   std::ofstream out(path);

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The built program, run from a test.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include <sys/wait.h>
+
+namespace strata::test {
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+};
+
+/// Runs `strata ARGUMENTS`; the shell may merge stderr into the output.
+inline Outcome run_strata(const std::string& arguments) {
+  const std::string command = std::string("'" STRATA_PROGRAM "' ") + arguments;
+  Outcome outcome;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  char buffer[4096];
+  for (std::size_t got = 0; (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
+    outcome.out.append(buffer, got);
+  }
+  const int status = pclose(pipe);
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+inline std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
+
+}  // namespace strata::test
