@@ -43,10 +43,18 @@ struct CompareProtocol {
   }
 };
 
+/// Learning for a comparison: given poses are the truth that errors are measured against, so they are
+/// kept as they are.
+[[nodiscard]] inline maps::LearnConfig learn_at_given_poses() {
+  maps::LearnConfig config;
+  config.slam.given_poses.refine = false;
+  return config;
+}
+
 /// The same localizer, motion, noise, beams, particles, seeds and starts for every model.
 struct CompareConfig {
   CompareProtocol protocol;
-  maps::LearnConfig learn;
+  maps::LearnConfig learn = learn_at_given_poses();
   localization::LocalizerConfig localizer;
   localization::PatchBeamModelConfig sensor;
   template <class Self, class V>
