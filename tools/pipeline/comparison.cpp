@@ -12,6 +12,8 @@ using nlohmann::json;
 
 constexpr double kAlpha = 0.05;
 constexpr std::uint64_t kBootstrapSeed = 1;
+/// Half a cell of the default map: smaller differences are real at most in the statistical sense.
+constexpr double kLeastThatMatters_m = 0.025;
 
 std::vector<double> run_means(const ModelResult& model) {
   std::vector<double> means;
@@ -122,6 +124,7 @@ std::string verdict(const Comparison& comparison, const std::vector<PairedTest>&
       comparison.models.begin(), comparison.models.end(),
       [](const auto& a, const auto& b) { return mean_error_m(a) < mean_error_m(b); });
   std::string beaten;
+  std::string alike;
   std::string tied;
   for (const ModelResult& model : comparison.models) {
     if (model.model == best->model) continue;
@@ -129,22 +132,26 @@ std::string verdict(const Comparison& comparison, const std::vector<PairedTest>&
       return t.better == best->model && t.worse == model.model;
     });
     const bool significant = test != tests.end() && test->significant;
-    std::string& list = significant ? beaten : tied;
+    const bool matters = significant && test->mean_difference_m >= kLeastThatMatters_m;
+    std::string& list = matters ? beaten : (significant ? alike : tied);
     list += (list.empty() ? "" : ", ") + model.model + " (" + metres(mean_error_m(model)) + ")";
   }
   const std::size_t seeds = best->runs.size();
-  const std::string evidence = " over " + std::to_string(seeds) + (seeds == 1 ? " seed" : " seeds");
-  const std::string lead =
-      best->model + " has the lowest mean error, " + metres(mean_error_m(*best)) + evidence;
-  // With fewer than six pairs no signed-rank test can reach 5%, whatever the data say.
-  const std::string few = seeds < 6 ? " With so few seeds no difference can be significant; use "
-                                      "--seeds 20 to decide."
-                                    : "";
-  if (beaten.empty()) {
-    return lead + "; the difference to " + tied + " is not significant: no difference shown." + few;
+  std::string sentence = best->model + " has the lowest mean error, " +
+                         metres(mean_error_m(*best)) + " over " + std::to_string(seeds) +
+                         (seeds == 1 ? " seed" : " seeds");
+  if (!beaten.empty()) sentence += "; significantly below " + beaten;
+  if (!alike.empty()) {
+    sentence += "; equal for practical purposes, less than half a cell apart: " + alike;
   }
-  if (tied.empty()) return lead + ", significantly below " + beaten + ".";
-  return lead + ", significantly below " + beaten + "; no significant difference to " + tied + ".";
+  if (!tied.empty()) sentence += "; no significant difference to " + tied;
+  if (beaten.empty()) sentence += "; no difference that matters was shown";
+  sentence += ".";
+  // With fewer than six pairs no signed-rank test can reach 5%, whatever the data say.
+  if (seeds < 6) {
+    sentence += " With so few seeds no difference can be significant; use --seeds 20 to decide.";
+  }
+  return sentence;
 }
 
 json to_json(const Comparison& comparison, const std::vector<PairedTest>& tests) {

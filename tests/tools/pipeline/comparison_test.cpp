@@ -41,7 +41,18 @@ TEST(PairedTests, SayNothingOfNoise) {
                                           model_of("b", {0.2, 0.2, 0.3, 0.3, 0.3, 0.2, 0.1})});
   const std::vector<PairedTest> tests = paired_tests(comparison);
   EXPECT_FALSE(tests[0].significant);
-  EXPECT_NE(verdict(comparison, tests).find("no difference shown"), std::string::npos);
+  EXPECT_NE(verdict(comparison, tests).find("no difference that matters"), std::string::npos);
+}
+
+TEST(PairedTests, DifferencesBelowHalfACellAreNoVerdict) {
+  const Comparison comparison =
+      compared({model_of("a", {0.040, 0.041, 0.042, 0.040, 0.041, 0.042, 0.041, 0.040}),
+                model_of("b", {0.033, 0.034, 0.034, 0.033, 0.033, 0.034, 0.034, 0.033})});
+  const std::vector<PairedTest> tests = paired_tests(comparison);
+  EXPECT_TRUE(tests[0].significant);
+  const std::string text = verdict(comparison, tests);
+  EXPECT_NE(text.find("equal for practical purposes"), std::string::npos);
+  EXPECT_NE(text.find("no difference that matters"), std::string::npos);
 }
 
 TEST(PairedTests, FiveSeedsCannotDecideAndTheVerdictSaysSo) {
