@@ -30,17 +30,24 @@ RangeFunction ranges_of(std::shared_ptr<const Provider> provider) {
   throw InputError("model " + name, "is not in these maps", "learn it first, or choose another");
 }
 
-MapModel grid_model(const std::string& name, const ReflectionGrid& map,
-                    const PatchBeamModelConfig& config) {
+/// A grid map whose sensor model is made from its ray caster.
+template <typename MakeSensor>
+MapModel grid_model(const std::string& name, const ReflectionGrid& map, MakeSensor&& make_sensor) {
   if (map.size() == 0) fail_not_learned(name);
   const auto caster = std::make_shared<const RayCaster>(map);
   MapModel model;
   model.name = name;
-  model.sensor =
-      std::make_shared<const localization::RangeProviderModel<RayCaster>>(caster, config.beam);
+  model.sensor = make_sensor(caster);
   model.best_prediction = [ranges = ranges_of(caster)](const ParticleSet&) { return ranges; };
   model.bytes = map.size();
   return model;
+}
+
+MapModel beam_grid_model(const std::string& name, const ReflectionGrid& map,
+                         const PatchBeamModelConfig& config) {
+  return grid_model(name, map, [&](const std::shared_ptr<const RayCaster>& caster) {
+    return std::make_shared<const localization::RangeProviderModel<RayCaster>>(caster, config.beam);
+  });
 }
 
 /// The likeliest configuration of each sub-map, from the first particle's or the shared belief.
@@ -129,8 +136,8 @@ std::vector<std::string> model_names(const Maps& maps) {
 
 MapModel make_map_model(const Maps& maps, const std::string& name,
                         const PatchBeamModelConfig& config) {
-  if (name == "occupancy") return grid_model(name, maps.occupancy, config);
-  if (name == "filtered") return grid_model(name, maps.filtered, config);
+  if (name == "occupancy") return beam_grid_model(name, maps.occupancy, config);
+  if (name == "filtered") return beam_grid_model(name, maps.filtered, config);
   if (name == "patch" || name.starts_with("patch_")) {
     if (name == "patch" || name == "patch_paper" || name == "patch_shared" ||
         name == "patch_per_particle") {
@@ -145,6 +152,18 @@ MapModel make_map_model(const Maps& maps, const std::string& name,
     known += (known.empty() ? "" : ", ") + candidate;
   }
   throw ConfigError("model " + name, "is unknown", "choose one of " + known);
+}
+
+MapModel make_likelihood_field_model(const Maps& maps, const std::string& name,
+                                     const localization::LikelihoodFieldModelConfig& config) {
+  if (name != "occupancy" && name != "filtered") {
+    throw ConfigError("model " + name, "has no likelihood field",
+                      "choose occupancy or filtered, or sensor_model=beam");
+  }
+  const ReflectionGrid& map = name == "occupancy" ? maps.occupancy : maps.filtered;
+  return grid_model(name, map, [&](const std::shared_ptr<const RayCaster>& /*caster*/) {
+    return std::make_shared<const localization::LikelihoodFieldModel>(map, config);
+  });
 }
 
 }  // namespace strata::maps

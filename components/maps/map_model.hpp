@@ -3,13 +3,17 @@
 /// beam is expected to measure differs between them (SPEC F).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/maps/maps_folder.hpp"
+#include "core/base/config.hpp"
+#include "core/localization/likelihood_field_model.hpp"
 #include "core/localization/patch_beam_model.hpp"
 #include "core/localization/sensor_model.hpp"
 
@@ -38,4 +42,20 @@ struct MapModel {
 [[nodiscard]] MapModel make_map_model(const Maps& maps, const std::string& name,
                                       const localization::PatchBeamModelConfig& config);
 
+/// What a scan is compared with: ranges along traced beams, or distances about its end points.
+enum class SensorModelKind { kBeam, kLikelihoodField };
+
+/// The fast model of end points for `occupancy` and `filtered`; sub-maps and levels need beams that
+/// are traced. best_prediction is that of the beam model. Throws as make_map_model.
+[[nodiscard]] MapModel make_likelihood_field_model(
+    const Maps& maps, const std::string& name,
+    const localization::LikelihoodFieldModelConfig& config);
+
 }  // namespace strata::maps
+
+template <>
+struct strata::EnumNames<strata::maps::SensorModelKind> {
+  static constexpr std::array<std::pair<strata::maps::SensorModelKind, const char*>, 2> values{
+      {{strata::maps::SensorModelKind::kBeam, "beam"},
+       {strata::maps::SensorModelKind::kLikelihoodField, "likelihood_field"}}};
+};

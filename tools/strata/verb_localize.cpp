@@ -34,11 +34,17 @@ struct Options {
 
 struct LocalizeConfig {
   localization::LocalizerConfig localizer;
+  maps::SensorModelKind sensor_model = maps::SensorModelKind::kBeam;
   localization::PatchBeamModelConfig sensor;
+  localization::LikelihoodFieldModelConfig likelihood_field;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("localizer", c.localizer, "the particle filter");
+    v.field("sensor_model", c.sensor_model,
+            {.doc = "trace each beam, or look up its end point: faster, for occupancy and filtered "
+                    "only"});
     v.group("sensor", c.sensor, "what beams measure in a map");
+    v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
   }
 };
 
@@ -83,7 +89,10 @@ void run_localize(const Options& options, VerbContext& context) {
   pipeline::RunsInput input = options.input;
   input.logs = {options.log};
   const maps::Maps maps = maps::read_maps(options.maps);
-  const maps::MapModel model = maps::make_map_model(maps, options.model, config.sensor);
+  const maps::MapModel model =
+      config.sensor_model == maps::SensorModelKind::kBeam
+          ? maps::make_map_model(maps, options.model, config.sensor)
+          : maps::make_likelihood_field_model(maps, options.model, config.likelihood_field);
   pipeline::Runs runs = pipeline::read_runs(input, context.progress());
   note_reports(context, runs);
   for (auto& truth : runs.truths) {

@@ -119,5 +119,30 @@ TEST(MapModels, RefuseAMapThatWasNotLearned) {
   }
 }
 
+TEST(MapModels, OfEndPointsPreferTheTruePoseInEitherGrid) {
+  const Maps maps = test_room::make_maps();
+  const Pose2 truth{-1.5, 0.2, 0.2};
+  const Scan scan = memory::test_world::observe(truth, 9000.0, true, 5).scan;
+  WorkerPool pool(1);
+  for (const char* name : {"occupancy", "filtered"}) {
+    SCOPED_TRACE(name);
+    const MapModel model = make_likelihood_field_model(maps, name, {});
+    EXPECT_EQ(model.name, name);
+    ParticleSet particles = particles_at(model, {truth, {-1.1, -0.3, 0.2}});
+    EXPECT_NEAR(model.best_prediction(particles)(truth, std::numbers::pi - truth.theta), 2.5, 0.15);
+    std::vector<double> log_likelihood(2, 0.0);
+    EXPECT_GT(model.sensor->log_likelihoods(scan, 1.0, particles, log_likelihood, pool), 0U);
+    EXPECT_GT(log_likelihood[0], log_likelihood[1]);
+  }
+}
+
+TEST(MapModels, OfEndPointsAreRefusedWhereBeamsMustBeTraced) {
+  const Maps maps = test_room::make_maps();
+  for (const char* name : {"patch", "timescale", "octomap"}) {
+    EXPECT_THROW(static_cast<void>(make_likelihood_field_model(maps, name, {})), ConfigError);
+  }
+  EXPECT_THROW(static_cast<void>(make_likelihood_field_model(Maps{}, "filtered", {})), InputError);
+}
+
 }  // namespace
 }  // namespace strata::maps
