@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/pipeline/compare.hpp"
+
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/tools/pipeline/simulated_room.hpp"
+#include "tools/pipeline/comparison_report.hpp"
+
+namespace strata::pipeline {
+namespace {
+
+using testing::HasSubstr;
+
+const std::vector<std::uint64_t> kSeeds{11, 12, 13};
+
+CompareOutcome compare_room(const Runs& runs, int threads) {
+  return compare(runs, "empty_room", {}, std::nullopt, kSeeds, threads, nullptr);
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+struct Row {
+  std::string model;
+  std::string seed;
+  double error_m = 0.0;
+};
+
+std::vector<Row> read_errors(const std::string& csv) {
+  std::istringstream in(csv);
+  std::string line;
+  std::getline(in, line);
+  EXPECT_EQ(line, "model,seed,time_s,error_m,error_rad");
+  std::vector<Row> rows;
+  while (std::getline(in, line)) {
+    std::istringstream fields(line);
+    Row row;
+    std::string time_s;
+    std::string error_m;
+    std::getline(fields, row.model, ',');
+    std::getline(fields, row.seed, ',');
+    std::getline(fields, time_s, ',');
+    std::getline(fields, error_m, ',');
+    row.error_m = std::stod(error_m);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// Per model: the mean over its seeds of each seed's mean.
+std::map<std::string, double> means_of(const std::vector<Row>& rows) {
+  std::map<std::string, std::map<std::string, std::pair<double, int>>> sums;
+  for (const Row& row : rows) {
+    auto& [sum, count] = sums[row.model][row.seed];
+    sum += row.error_m;
+    ++count;
+  }
+  std::map<std::string, double> means;
+  for (const auto& [model, seeds] : sums) {
+    EXPECT_EQ(seeds.size(), kSeeds.size()) << model;
+    for (const auto& [seed, sum] : seeds) {
+      means[model] += sum.first / sum.second / static_cast<double>(seeds.size());
+    }
+  }
+  return means;
+}
+
+TEST(Compare, WritesAReportWhoseMeansFollowFromItsErrors) {
+  const Runs runs = test_room::simulate_runs(2, 2);
+  const CompareOutcome outcome = compare_room(runs, 2);
+  const test::TemporaryDirectory dir;
+  write_report(outcome, "protocol:\n  train_share: 0.6\n", dir.path());
+
+  const std::string page = read_text(dir.path() / "report.html");
+  const auto json = nlohmann::json::parse(read_text(dir.path() / "comparison.json"));
+  const std::vector<Row> rows = read_errors(read_text(dir.path() / "errors.csv"));
+  const std::map<std::string, double> means = means_of(rows);
+  ASSERT_EQ(means.size(), 4U);
+  std::size_t errors = 0;
+  for (const ModelResult& model : outcome.comparison.models) {
+    SCOPED_TRACE(model.model);
+    ASSERT_EQ(means.count(model.model), 1U);
+    EXPECT_NEAR(json["models"][model.model]["error_m"]["mean"].get<double>(), means.at(model.model),
+                1e-8);
+    EXPECT_THAT(page, HasSubstr(model.model));
+    for (const ModelRun& run : model.runs) errors += run.errors.size();
+  }
+  EXPECT_EQ(rows.size(), errors);
+  EXPECT_THAT(page, HasSubstr("train_share: 0.6"));
+  EXPECT_THAT(page, HasSubstr("Errors are against given poses."));
+  EXPECT_TRUE(std::filesystem::exists(dir.path() / "error_over_time.png"));
+}
+
+TEST(Compare, TestsOnWhatItDidNotLearnFrom) {
+  const Runs runs = test_room::simulate_runs(2, 2);
+  const CompareOutcome outcome = compare_room(runs, 2);
+  const std::vector<double> elapsed = elapsed_seconds(runs.observations);
+  const Stamp last_learned = outcome.learned.slam.scans.back().scan.stamp;
+  const std::size_t learned = outcome.learned.slam.scans.size();
+  EXPECT_EQ(outcome.comparison.train_s[1], elapsed[learned - 1]);
+  EXPECT_EQ(outcome.comparison.test_s[0], elapsed[learned]);
+  EXPECT_LE(elapsed[learned - 1], 0.6 * elapsed.back());
+  EXPECT_GT(elapsed[learned], 0.6 * elapsed.back());
+  for (const ModelResult& model : outcome.comparison.models) {
+    for (std::size_t s = 0; s < kSeeds.size(); ++s) {
+      EXPECT_EQ(model.runs[s].seed, kSeeds[s]);
+      EXPECT_EQ(model.runs[s].errors.size(), runs.observations.size() - learned);
+      EXPECT_GT(model.runs[s].errors.front().stamp, last_learned);
+    }
+  }
+}
+
+TEST(Compare, GivesTheSameErrorsWithAnyNumberOfThreads) {
+  const Runs runs = test_room::simulate_runs(2, 2);
+  const CompareOutcome one = compare_room(runs, 1);
+  const CompareOutcome other = compare_room(runs, 8);
+  ASSERT_EQ(one.comparison.models.size(), other.comparison.models.size());
+  for (std::size_t m = 0; m < one.comparison.models.size(); ++m) {
+    const ModelResult& a = one.comparison.models[m];
+    const ModelResult& b = other.comparison.models[m];
+    EXPECT_EQ(a.prediction.log_likelihood_per_beam, b.prediction.log_likelihood_per_beam);
+    for (std::size_t s = 0; s < kSeeds.size(); ++s) {
+      ASSERT_EQ(a.runs[s].errors.size(), b.runs[s].errors.size());
+      for (std::size_t i = 0; i < a.runs[s].errors.size(); ++i) {
+        ASSERT_EQ(a.runs[s].errors[i].error_m, b.runs[s].errors[i].error_m) << a.model;
+      }
+    }
+  }
+}
+
+TEST(Compare, RefusesASplitThatLeavesNothing) {
+  const Runs runs = test_room::simulate_runs(2, 1);
+  EXPECT_THROW(static_cast<void>(compare(runs, "log", {}, 1e6, kSeeds, 1, nullptr)), InputError);
+  EXPECT_THROW(static_cast<void>(compare(runs, "log", {}, -1.0, kSeeds, 1, nullptr)), InputError);
+}
+
+}  // namespace
+}  // namespace strata::pipeline
