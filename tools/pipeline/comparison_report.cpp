@@ -57,7 +57,8 @@ void add_tables(const Comparison& comparison, const std::vector<PairedTest>& tes
   for (const PairedTest& test : tests) {
     pairs.rows.push_back({test.better, test.worse, fixed(test.mean_difference_m, 3),
                           fixed(test.ci95_m.low, 3) + " to " + fixed(test.ci95_m.high, 3),
-                          fixed(test.p, 4), test.significant ? "yes" : "no"});
+                          test.p < 1e-4 ? std::string("< 0.0001") : fixed(test.p, 4),
+                          test.significant ? "yes" : "no"});
   }
   page.table(pairs);
 }
@@ -87,8 +88,11 @@ void add_errors(const Comparison& comparison, HtmlReport& page) {
     std::sort(all.begin(), all.end());
     Series share{model.model, {}, {}};
     constexpr std::size_t kPoints = 200;
-    for (std::size_t i = 0; i < kPoints && !all.empty(); ++i) {
-      const std::size_t at = i * (all.size() - 1) / (kPoints - 1);
+    // The last percent would stretch the axis until nothing else can be seen; the table tells of
+    // it.
+    const std::size_t shown = all.size() * 99 / 100;
+    for (std::size_t i = 0; i < kPoints && shown > 0; ++i) {
+      const std::size_t at = i * (shown - 1) / (kPoints - 1);
       share.x.push_back(all[at]);
       share.y.push_back(static_cast<double>(at + 1) / static_cast<double>(all.size()));
     }
@@ -98,7 +102,9 @@ void add_errors(const Comparison& comparison, HtmlReport& page) {
       "error_over_time", over_time,
       "As figure 4 of Stachniss and Burgard (2005): the error is the weighted mean distance of "
       "all particles from the truth.");
-  page.plot("error_distribution", shares, "Curves further to the left and higher are better.");
+  page.plot("error_distribution", shares,
+            "Curves further to the left and higher are better; each ends at its 99th "
+            "percentile.");
 }
 
 void add_maps(const CompareOutcome& outcome, HtmlReport& page) {

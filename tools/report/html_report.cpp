@@ -12,14 +12,14 @@ constexpr const char* kStyle = R"(
 :root{--ink:#1d2126;--paper:#fff;--soft:#f2f4f7;--grid:#dde1e6;--accent:#0072b2}
 @media(prefers-color-scheme:dark){:root{--ink:#e8eaed;--paper:#16191d;--soft:#22272e;--grid:#3a414a;--accent:#56b4e9}}
 *{box-sizing:border-box}
-body{margin:0 auto;max-width:66rem;padding:1rem;background:var(--paper);color:var(--ink);font:16px/1.5 'DejaVu Sans',system-ui,sans-serif}
+body{margin:0 auto;max-width:72rem;padding:1rem;background:var(--paper);color:var(--ink);font:16px/1.5 'DejaVu Sans',system-ui,sans-serif}
 h1{font-size:1.6rem;margin:.5rem 0}h2{font-size:1.2rem;margin:2rem 0 .5rem;border-bottom:1px solid var(--grid)}
 .verdict{font-size:1.15rem;background:var(--soft);border-left:.4rem solid var(--accent);padding:.8rem 1rem}
 figure{margin:1rem 0;padding:0}figcaption{font-size:.9rem;opacity:.85;margin-top:.3rem}
 img,svg{max-width:100%;height:auto;display:block}img{border:1px solid var(--grid);image-rendering:pixelated;background:#fff}
 .scroll{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem}
 caption{text-align:left;font-size:.9rem;opacity:.85;padding:.3rem 0}
-th,td{padding:.3rem .6rem;border-bottom:1px solid var(--grid);text-align:right;white-space:nowrap}
+th,td{padding:.3rem .5rem;border-bottom:1px solid var(--grid);text-align:right;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
 pre{background:var(--soft);padding:.8rem;overflow-x:auto;font-size:.8rem}
 .slider{position:relative}.slider .after{position:absolute;inset:0;clip-path:inset(0 0 0 var(--at,50%))}

@@ -12,7 +12,7 @@
 namespace strata::report {
 namespace {
 
-constexpr double kLeft = 62.0;
+constexpr double kLeft = 78.0;
 constexpr double kRight = 16.0;
 constexpr double kTop = 34.0;
 constexpr double kBottom = 46.0;
@@ -102,7 +102,7 @@ void draw_axes(const LinePlot& plot, const Frame& frame, std::ostringstream& out
   out << "<text class='label' text-anchor='middle' x='" << frame.left + 0.5 * frame.width << "' y='"
       << plot.height - 8 << "'>" << escape(plot.x_label) << "</text>\n";
   const double middle = frame.top + 0.5 * frame.height;
-  out << "<text class='label' text-anchor='middle' transform='translate(16 " << middle
+  out << "<text class='label' text-anchor='middle' transform='translate(14 " << middle
       << ") rotate(-90)'>" << escape(plot.y_label) << "</text>\n";
 }
 
