@@ -75,7 +75,7 @@ std::size_t SubmapGraph::add(Submap submap, const std::optional<Pose2Gaussian>& 
     pose = map_from_run(index - 1) * submap.run_from_submap;
   }
   graph_.add_node(pose);
-  if (given) graph_.add_prior({index, given->mean, given->covariance.inverse(), true});
+  if (given) graph_.add_prior({index, given->mean, given->covariance.inverse(), false});
   if (continues) {
     pose_graph::Edge edge;
     edge.from = index - 1;
@@ -251,7 +251,7 @@ void SubmapGraph::rebuild_graph(const std::vector<Closure>& closures) {
   pose_graph::PoseGraph graph(config_.graph);
   for (std::size_t i = 0; i < size(); ++i) {
     graph.add_node(graph_.pose(i));
-    if (given_[i]) graph.add_prior({i, given_[i]->mean, given_[i]->covariance.inverse(), true});
+    if (given_[i]) graph.add_prior({i, given_[i]->mean, given_[i]->covariance.inverse(), false});
   }
   for (const pose_graph::Edge& edge : chain_) graph.add_edge(edge);
   graph_ = std::move(graph);
