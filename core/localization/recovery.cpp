@@ -17,6 +17,7 @@ void HealthMonitor::add(double likelihood_per_beam, double explained_share,
   likelihood_slow_ += slow * (likelihood_per_beam - likelihood_slow_);
   LocalizationHealth& h = health_;
   if (count_ == 1) h.explained_share_fast = h.explained_share_slow = explained_share;
+  h.likelihood_per_beam = likelihood_per_beam;
   h.explained_share = explained_share;
   h.explained_share_fast += fast * (explained_share - h.explained_share_fast);
   h.explained_share_slow += slow * (explained_share - h.explained_share_slow);

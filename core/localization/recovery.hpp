@@ -71,6 +71,7 @@ struct LocalizationHealth {
   double explained_share = 1.0;       ///< of this scan, at the mean pose
   double explained_share_fast = 1.0;  ///< short average
   double explained_share_slow = 1.0;  ///< long average
+  double likelihood_per_beam = 0.0;   ///< of the last weighed scan; 0: none yet
   double likelihood_ratio = 1.0;      ///< short over long average of the likelihood per beam
   double position_stddev_m = 0.0;     ///< sqrt of the trace of the position's covariance
 };

@@ -59,9 +59,9 @@ Pose2 align_truth(const Runs& runs, const Poses& learned) {
 }
 
 /// Traces of the first seed's states, by sub-map.
-std::vector<StateTrace> traces_of(const std::vector<StateRow>& rows, Stamp begin) {
+std::vector<StateTrace> traces_of(const std::vector<maps::StateRow>& rows, Stamp begin) {
   std::map<int, StateTrace> traces;
-  for (const StateRow& row : rows) {
+  for (const maps::StateRow& row : rows) {
     StateTrace& trace = traces[row.submap];
     trace.submap = row.submap;
     const auto configuration = static_cast<std::size_t>(row.configuration);
@@ -104,7 +104,7 @@ ModelResult run_model(const maps::MapModel& model, const TestPart& part,
   result.model = model.name;
   result.map_bytes = model.bytes;
   result.runs.resize(seeds.size());
-  std::vector<StateRow> states;
+  std::vector<maps::StateRow> states;
   // One run a thread: the runs do not depend on each other, nor on how many go at once.
   pool.for_chunks(seeds.size(), 1, [&](std::size_t s, std::size_t, std::size_t) {
     LocalizationRun run = localize(part.observations, part.truths, model, free_space,

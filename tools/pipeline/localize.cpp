@@ -1,23 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/localize.hpp"
 
-#include <algorithm>
 #include <chrono>
 
 namespace strata::pipeline {
-namespace {
-
-void append_states(Stamp stamp, const std::vector<localization::SubmapBelief>& submaps,
-                   std::vector<StateRow>& rows) {
-  for (const localization::SubmapBelief& belief : submaps) {
-    for (std::size_t k = 0; k < belief.probability.size(); ++k) {
-      rows.push_back({stamp, belief.submap, static_cast<int>(k), belief.probability[k]});
-    }
-  }
-}
-
-}  // namespace
-
 LocalizationRun localize(std::span<const Observation> observations,
                          std::span<const std::optional<Pose2>> truths, const maps::MapModel& model,
                          const ReflectionGrid& free_space,
@@ -38,10 +24,7 @@ LocalizationRun localize(std::span<const Observation> observations,
     const localization::LocalizationResult result = localizer.update(observation);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     run.update_ms.push_back(took.count());
-    run.trajectory.push_back({observation.scan.stamp, result.pose.mean});
-    run.health.push_back(result.health.state);
-    run.most_particles = std::max(run.most_particles, result.particles);
-    append_states(observation.scan.stamp, result.submaps, run.states);
+    run.add(observation.scan.stamp, result, localizer);
     if (i < truths.size() && truths[i]) {
       run.errors.push_back(
           {observation.scan.stamp, localization::weighted_error(localizer.particles(), *truths[i]),
@@ -49,7 +32,6 @@ LocalizationRun localize(std::span<const Observation> observations,
     }
     report_progress(progress, "localize", i + 1, observations.size());
   }
-  run.unusable_scans = localizer.unusable_scans();
   return run;
 }
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "components/log/trajectory_file.hpp"
+#include "components/maps/localization_files.hpp"
 #include "components/maps/map_model.hpp"
 #include "core/base/progress.hpp"
 #include "core/localization/localizer.hpp"
@@ -16,22 +16,10 @@
 
 namespace strata::pipeline {
 
-/// One row of states.csv.
-struct StateRow {
-  Stamp stamp;
-  int submap = 0;
-  int configuration = 0;
-  double probability = 0.0;
-};
-
-struct LocalizationRun {
-  std::vector<log::StampedPose> trajectory;  ///< mean of the particles, one a scan
-  std::vector<StateRow> states;              ///< sub-maps that particles are in, or all with memory
-  std::vector<ScanError> errors;             ///< of the scans whose truth is known
+/// The record of a run, and what only the direct path knows.
+struct LocalizationRun : maps::LocalizationRecord {
+  std::vector<ScanError> errors;  ///< of the scans whose truth is known
   std::vector<double> update_ms;
-  std::size_t most_particles = 0;
-  std::size_t unusable_scans = 0;
-  std::vector<localization::HealthState> health;  ///< one a scan
 };
 
 struct LocalizationStart {

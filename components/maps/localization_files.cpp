@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/maps/localization_files.hpp"
+
+#include <algorithm>
+
+#include "components/log/whole_file.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "core/base/config.hpp"
+
+namespace strata::maps {
+namespace {
+
+using nlohmann::json;
+
+void write_states(const std::filesystem::path& path, const std::vector<StateRow>& rows) {
+  log::WholeFile file(path);
+  std::ofstream& out = file.stream();
+  out.setf(std::ios::fixed);
+  out.precision(9);
+  out << "time,submap,configuration,probability\n";
+  for (const StateRow& row : rows) {
+    out << row.stamp.seconds() << ',' << row.submap << ',' << row.configuration << ','
+        << row.probability << '\n';
+  }
+  file.commit();
+}
+
+json health_shares(const std::vector<localization::HealthState>& health) {
+  json shares = json::object();
+  for (const auto& [state, name] : EnumNames<localization::HealthState>::values) {
+    const auto count = std::count(health.begin(), health.end(), state);
+    shares[name] =
+        health.empty() ? 0.0 : static_cast<double>(count) / static_cast<double>(health.size());
+  }
+  return shares;
+}
+
+}  // namespace
+
+void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult& result,
+                             const localization::Localizer& localizer) {
+  trajectory.push_back({stamp, result.pose.mean});
+  health.push_back(result.health.state);
+  most_particles = std::max(most_particles, result.particles);
+  unusable_scans = localizer.unusable_scans();
+  for (const localization::SubmapBelief& belief : result.submaps) {
+    for (std::size_t k = 0; k < belief.probability.size(); ++k) {
+      states.push_back({stamp, belief.submap, static_cast<int>(k), belief.probability[k]});
+    }
+  }
+}
+
+json localization_metrics(const LocalizationRecord& record, const std::string& model,
+                          std::uint64_t seed, int particles) {
+  return {{"model", model},
+          {"seed", seed},
+          {"particles", particles},
+          {"scans", record.trajectory.size()},
+          {"unusable_scans", record.unusable_scans},
+          {"health", health_shares(record.health)},
+          {"error_m", nullptr},
+          {"error_rad", nullptr},
+          {"failure_rate", nullptr},
+          {"lost", nullptr},
+          {"converged_after_s", nullptr},
+          {"cost", nullptr}};
+}
+
+void write_localization_files(const std::filesystem::path& folder, const LocalizationRecord& record,
+                              const json& metrics) {
+  log::write_trajectory(folder / kTrajectoryFile, record.trajectory);
+  write_states(folder / kStatesFile, record.states);
+  log::WholeFile file(folder / kMetricsFile);
+  file.stream() << metrics.dump(2) << '\n';
+  file.commit();
+}
+
+}  // namespace strata::maps

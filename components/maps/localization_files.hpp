@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a localization run leaves behind: trajectory.tum, states.csv and metrics.json. The direct
+/// path and the localizer component both write through here.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "components/log/trajectory_file.hpp"
+#include "core/localization/localizer.hpp"
+
+namespace strata::maps {
+
+inline constexpr const char* kStatesFile = "states.csv";
+inline constexpr const char* kMetricsFile = "metrics.json";
+
+/// One row of states.csv.
+struct StateRow {
+  Stamp stamp;
+  int submap = 0;
+  int configuration = 0;
+  double probability = 0.0;
+};
+
+/// Scan by scan what the localizer said.
+struct LocalizationRecord {
+  std::vector<log::StampedPose> trajectory;       ///< mean of the particles, one a scan
+  std::vector<StateRow> states;                   ///< as LocalizationResult::submaps, one a row
+  std::vector<localization::HealthState> health;  ///< one a scan
+  std::size_t most_particles = 0;
+  std::size_t unusable_scans = 0;  ///< so far
+
+  /// Takes up the result of localizer.update for a scan of that stamp.
+  void add(Stamp stamp, const localization::LocalizationResult& result,
+           const localization::Localizer& localizer);
+};
+
+/// metrics.json without a truth: the error fields, and cost, are null.
+[[nodiscard]] nlohmann::json localization_metrics(const LocalizationRecord& record,
+                                                  const std::string& model, std::uint64_t seed,
+                                                  int particles);
+
+/// Writes the three files into an existing folder, each whole or not at all. Throws OutputError.
+void write_localization_files(const std::filesystem::path& folder, const LocalizationRecord& record,
+                              const nlohmann::json& metrics);
+
+}  // namespace strata::maps
