@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/composition.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "components/settings/config_reader.hpp"
@@ -147,11 +148,56 @@ void require_different_names(const Composition& composition) {
   }
 }
 
+std::vector<std::string> top_keys() {
+  return {"domain", "namespace", "use_sim_time", "transport", "processes"};
+}
+
+/// Where the components of that name stand in the document: "processes[0].components[2]".
+std::vector<std::string> paths_of_component(const YAML::Node& document, const std::string& name) {
+  std::vector<std::string> paths;
+  const YAML::Node processes = document["processes"];
+  if (!processes.IsDefined() || !processes.IsSequence()) return paths;
+  for (std::size_t i = 0; i < processes.size(); ++i) {
+    if (!processes[i].IsMap()) continue;
+    const YAML::Node process = processes[i];
+    const YAML::Node components = process["components"];
+    if (!components.IsDefined() || !components.IsSequence()) continue;
+    for (std::size_t j = 0; j < components.size(); ++j) {
+      if (!components[j].IsMap()) continue;
+      const YAML::Node component = components[j];
+      const YAML::Node found = component["name"];
+      if (!found.IsDefined() || !found.IsScalar() || found.Scalar() != name) continue;
+      paths.push_back("processes[" + std::to_string(i) + "].components[" + std::to_string(j) + "]");
+    }
+  }
+  return paths;
+}
+
+/// "localizer.maps=M" becomes "processes[0].components[0].parameters.maps=M", for each component of
+/// that name; anything else stays.
+void apply_composition_override(YAML::Node& document, const std::string& option) {
+  const std::size_t end = option.find_first_of(".[=");
+  const std::string first = option.substr(0, end);
+  const std::vector<std::string> keys = top_keys();
+  const bool is_key = std::find(keys.begin(), keys.end(), first) != keys.end();
+  if (is_key || end == std::string::npos || option[end] != '.') {
+    settings::apply_override(document, option);
+    return;
+  }
+  const std::vector<std::string> paths = paths_of_component(document, first);
+  if (paths.empty()) {
+    throw ConfigError("--set " + option, "the composition has no component '" + first + "'",
+                      "write --set COMPONENT.parameter=value with the name of a component in it");
+  }
+  for (const std::string& path : paths) {
+    settings::apply_override(document, path + ".parameters" + option.substr(end));
+  }
+}
+
 }  // namespace
 
 Composition read_composition(const YAML::Node& document, const std::string& place) {
-  const Section section(document, place, "",
-                        {"domain", "namespace", "use_sim_time", "transport", "processes"});
+  const Section section(document, place, "", top_keys());
   Composition composition;
   composition.place = place;
   composition.domain = section.get<int>("domain", 0);
@@ -172,7 +218,7 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
 Composition load_composition(const std::filesystem::path& file,
                              const std::vector<std::string>& overrides) {
   YAML::Node document = settings::load_document(file);
-  settings::apply_overrides(document, overrides);
+  for (const std::string& option : overrides) apply_composition_override(document, option);
   return read_composition(document, file.string());
 }
 

@@ -41,6 +41,8 @@ struct Composition {
 /// Throws InputError when the file cannot be read, ConfigError (place: file:line) for an unknown
 /// key ("did you mean"), a wrong type, a missing or doubled name, or a transport, executor or name
 /// that does not exist. Component types and parameters are checked when they are made.
+/// overrides: "COMPONENT.parameter=value" sets a parameter of the components of that name (as
+/// "localizer.maps=MAPS"), "domain=7" a key of the composition.
 [[nodiscard]] Composition load_composition(const std::filesystem::path& file,
                                            const std::vector<std::string>& overrides = {});
 /// The same from a document without its version line.

@@ -156,6 +156,7 @@ void add_replay(CLI::App& app, VerbContext& context) {
       [options, &context] { replay(*options, context); });
   verb->add_option("log", options->log, "CARMEN log, rosbag2 or MCAP")->required();
   verb->add_option("--composition", options->composition, "composition file")->required();
+  verb->get_option("--set")->description(kCompositionSetHelp);
   verb->add_option("--out", options->out, "folder for what the components save")->required();
   verb->add_option("--rate", options->rate, "1: wall-clock; as fast as possible when left out")
       ->check(CLI::PositiveNumber);

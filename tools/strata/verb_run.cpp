@@ -102,6 +102,7 @@ void add_run(CLI::App& app, VerbContext& context) {
         }
       });
   verb->add_option("composition", options->composition, "composition file")->required();
+  verb->get_option("--set")->description(kCompositionSetHelp);
   verb->add_option("--process", options->process, "only this process of the composition");
   verb->add_flag("--check", options->check, "configure all components, then end");
   verb->add_flag("--lockstep", options->lockstep)->group("");
