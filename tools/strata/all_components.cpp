@@ -2,6 +2,7 @@
 #include "tools/strata/all_components.hpp"
 
 #include "components/beam_filter/register.hpp"
+#include "components/localizer/register.hpp"
 #include "components/map_server/register.hpp"
 #include "components/patch_learner/register.hpp"
 #include "components/player/register.hpp"
@@ -16,6 +17,7 @@ runtime::Registry all_components() {
   scan_matcher::register_component(registry);
   beam_filter::register_component(registry);
   patch_learner::register_component(registry);
+  localizer::register_component(registry);
   timescale_memory::register_component(registry);
   map_server::register_component(registry);
   player::register_component(registry);

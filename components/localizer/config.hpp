@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Parameters of strata::Localizer.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "components/runtime/sensor_input.hpp"
+#include "core/localization/localizer_config.hpp"
+#include "core/localization/patch_beam_model.hpp"
+
+namespace strata::localizer {
+
+/// Where the robot is at the start. The defaults are those of `strata localize`.
+struct StartConfig {
+  std::vector<double> pose;
+  double stddev_m = 0.2;
+  double stddev_rad = 0.1;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("pose", c.pose,
+            {.doc = "x, y [m], theta [rad] in the map frame; empty: anywhere, a global start"});
+    v.require(c.pose.empty() || c.pose.size() == 3, "pose", "is not three numbers",
+              "write [x, y, theta]");
+    v.field("stddev_m", c.stddev_m, {.doc = "of x and of y", .unit = "m", .min = 0.0});
+    v.field("stddev_rad", c.stddev_rad, {.doc = "of theta", .unit = "rad", .min = 0.0});
+  }
+};
+
+struct LocalizerComponentConfig {
+  std::string maps;
+  std::string model = "patch";
+  StartConfig start;
+  runtime::SensorInputConfig input;
+  localization::LocalizerConfig localizer;
+  localization::PatchBeamModelConfig sensor;
+  std::string initial_pose_topic = "initialpose";
+  std::string pose_topic = "amcl_pose";
+  std::string particles_topic = "particle_cloud";
+  std::string states_topic = "submap_states";
+  std::string health_topic = "localization_health";
+  std::string map_frame = "map";
+  std::string odometry_frame = "odom";
+  bool publish_tf = true;
+  std::string sensor_qos = "sensor_data";
+  std::string pose_qos = "default";
+  std::string state_qos = "latched";
+  std::string out_subfolder;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("maps", c.maps, {.doc = "folder that `strata learn` or mapping.yaml wrote"});
+    v.require(!c.maps.empty(), "maps", "is missing",
+              "name the folder of the maps, as in maps: MAPS or --set localizer.maps=MAPS");
+    v.field("model", c.model,
+            {.doc = "occupancy, filtered, patch, patch_paper, patch_shared, patch_per_particle, "
+                    "timescale, timescale_mixture or timescale_LEVEL"});
+    v.group("start", c.start, "where the robot is at the start");
+    v.group("input", c.input, "where scans and odometry come from");
+    v.group("localizer", c.localizer, "the particle filter");
+    v.group("sensor", c.sensor, "what beams measure in a map");
+    v.field("initial_pose_topic", c.initial_pose_topic,
+            {.doc = "geometry_msgs/PoseWithCovarianceStamped in: start again from there"});
+    v.field("pose_topic", c.pose_topic,
+            {.doc = "geometry_msgs/PoseWithCovarianceStamped out, one a scan"});
+    v.field("particles_topic", c.particles_topic,
+            {.doc = "nav2_msgs/ParticleCloud out, made when somebody reads it"});
+    v.field("states_topic", c.states_topic, {.doc = "strata_msgs/SubmapStates out"});
+    v.field("health_topic", c.health_topic, {.doc = "strata_msgs/LocalizationHealth out"});
+    v.field("map_frame", c.map_frame, {.doc = "frame of poses in and out"});
+    v.field("odometry_frame", c.odometry_frame, {.doc = "child of map_frame in /tf"});
+    v.field("publish_tf", c.publish_tf, {.doc = "broadcast map_frame -> odometry_frame"});
+    v.field("sensor_qos", c.sensor_qos,
+            {.doc = "QoS profile of scan, odometry and particles: default, sensor_data, ..."});
+    v.field("pose_qos", c.pose_qos, {.doc = "QoS profile of poses in and out"});
+    v.field("state_qos", c.state_qos, {.doc = "QoS profile of sub-map states and health"});
+    v.field("out_subfolder", c.out_subfolder,
+            {.doc = "replay: folder inside --out for this component's files; empty: --out itself"});
+  }
+};
+
+}  // namespace strata::localizer

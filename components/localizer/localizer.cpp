@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/localizer/localizer.hpp"
+
+#include <cmath>
+
+#include "components/convert/geometry_messages.hpp"
+#include "components/maps/maps_folder.hpp"
+
+namespace strata::localizer {
+namespace {
+
+using localization::HealthState;
+
+/// A sub-map counts as the current one when most particles are in it.
+constexpr double kCurrentMass = 0.5;
+
+Eigen::Matrix3d start_covariance(const StartConfig& start) {
+  const double m2 = start.stddev_m * start.stddev_m;
+  const double rad2 = start.stddev_rad * start.stddev_rad;
+  return Eigen::Vector3d(m2, m2, rad2).asDiagonal();
+}
+
+}  // namespace
+
+void Localizer::on_configure() {
+  config_ = read_parameters<LocalizerComponentConfig>();
+  input_.emplace(config_.input, !lockstep());
+  load_maps();
+  advertise_topics();
+  subscribe_topics();
+}
+
+void Localizer::load_maps() {
+  const maps::Maps maps = maps::read_maps(config_.maps);
+  model_ = maps::make_map_model(maps, config_.model, config_.sensor);
+  localizer_ = std::make_unique<localization::Localizer>(config_.localizer, model_.sensor,
+                                                         context().seed, context().threads);
+  localizer_->set_free_space(maps.filtered);
+  const std::vector<double>& pose = config_.start.pose;
+  if (pose.empty()) {
+    localizer_->initialize_global(maps.filtered);
+  } else {
+    localizer_->initialize({Pose2{pose[0], pose[1], pose[2]}, start_covariance(config_.start)});
+  }
+}
+
+void Localizer::advertise_topics() {
+  publish_pose_ = advertise<geometry_msgs::msg::PoseWithCovarianceStamped>(config_.pose_topic,
+                                                                           config_.pose_qos);
+  publish_tf_ = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
+  publish_states_ =
+      advertise<strata_msgs::msg::SubmapStates>(config_.states_topic, config_.state_qos);
+  publish_health_ =
+      advertise<strata_msgs::msg::LocalizationHealth>(config_.health_topic, config_.state_qos);
+  particle_writer_ = advertise_raw(resolve(config_.particles_topic),
+                                   bus::MessageType<nav2_msgs::msg::ParticleCloud>::name,
+                                   bus::qos_profile(config_.sensor_qos));
+}
+
+void Localizer::subscribe_topics() {
+  subscribe<geometry_msgs::msg::PoseWithCovarianceStamped>(
+      config_.initial_pose_topic, config_.pose_qos,
+      [this](const auto& message) { restart(message); });
+  subscribe<tf2_msgs::msg::TFMessage>("/tf_static", "tf_static", [this](const auto& message) {
+    input_->add(message);
+    take_observations();
+  });
+  subscribe<nav_msgs::msg::Odometry>(config_.input.odometry_topic, config_.sensor_qos,
+                                     [this](const auto& message) {
+                                       input_->add(message);
+                                       // In lockstep the scan comes after its odometry.
+                                       if (!lockstep()) take_observations();
+                                     });
+  subscribe<sensor_msgs::msg::LaserScan>(config_.input.scan_topic, config_.sensor_qos,
+                                         [this](const auto& message) {
+                                           input_->add(message);
+                                           take_observations();
+                                         });
+}
+
+void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message) {
+  const std::string& frame = message.header().frame_id();
+  if (!frame.empty() && frame != config_.map_frame && frame != "/" + config_.map_frame) {
+    throw InputError(resolve(config_.initial_pose_topic),
+                     "the pose is in the frame '" + frame + "'", "give it in " + config_.map_frame);
+  }
+  Pose2Gaussian pose = convert::from_message(message.pose());
+  if (!is_finite(pose.mean) || !pose.covariance.allFinite() ||
+      pose.covariance.diagonal().minCoeff() < 0.0) {
+    throw InputError(resolve(config_.initial_pose_topic),
+                     "the pose is not finite or has a negative variance", "send another");
+  }
+  // All zero means unknown, as many tools leave it.
+  if (pose.covariance.isZero(0.0)) pose.covariance = start_covariance(config_.start);
+  localizer_->initialize(pose);
+}
+
+void Localizer::take_observations() {
+  for (const Observation& observation : input_->take()) localize(observation);
+}
+
+void Localizer::localize(const Observation& observation) {
+  const Stamp stamp = observation.scan.stamp;
+  const auto begin = std::chrono::steady_clock::now();
+  const localization::LocalizationResult result = localizer_->update(observation);
+  const auto update_time = std::chrono::steady_clock::now() - begin;
+  if (lockstep()) record_.add(stamp, result, *localizer_);
+  publish_pose(observation, result.pose);
+  publish_particles(stamp);
+  if (!result.submaps.empty()) publish_states(stamp, result.submaps);
+  publish_health(stamp, result, update_time);
+}
+
+void Localizer::publish_pose(const Observation& observation, const Pose2Gaussian& pose) {
+  const Stamp stamp = observation.scan.stamp;
+  geometry_msgs::msg::PoseWithCovarianceStamped message;
+  message.header(convert::make_header(stamp, config_.map_frame));
+  message.pose(convert::to_pose_with_covariance(pose));
+  publish_pose_(message);
+  if (!config_.publish_tf || !observation.has_odometry) return;
+  const Pose2 map_from_odom = pose.mean * inverse(observation.odom_from_robot);
+  tf2_msgs::msg::TFMessage tf;
+  tf.transforms().push_back(convert::to_transform_stamped(stamp, map_from_odom, config_.map_frame,
+                                                          config_.odometry_frame));
+  publish_tf_(tf);
+}
+
+void Localizer::publish_particles(Stamp stamp) {
+  if (particle_writer_->matched() == 0) return;
+  const localization::ParticleSet& particles = localizer_->particles();
+  nav2_msgs::msg::ParticleCloud cloud;
+  cloud.header(convert::make_header(stamp, config_.map_frame));
+  cloud.particles().resize(particles.size());
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    cloud.particles()[i].pose(convert::to_pose(particles.pose(i)));
+    cloud.particles()[i].weight(particles.weight[i]);
+  }
+  particle_writer_->publish(convert::to_cdr(cloud));
+}
+
+void Localizer::publish_states(Stamp stamp,
+                               const std::vector<localization::SubmapBelief>& submaps) {
+  strata_msgs::msg::SubmapStates message;
+  message.header(convert::make_header(stamp, config_.map_frame));
+  message.current(-1);
+  for (const localization::SubmapBelief& belief : submaps) {
+    if (belief.mass > kCurrentMass) message.current(belief.submap);
+    strata_msgs::msg::SubmapState state;
+    state.submap(belief.submap);
+    state.probability(belief.probability);
+    message.states().push_back(state);
+  }
+  publish_states_(message);
+}
+
+void Localizer::publish_health(Stamp stamp, const localization::LocalizationResult& result,
+                               std::chrono::duration<double> update_time) {
+  const localization::LocalizationHealth& health = result.health;
+  strata_msgs::msg::LocalizationHealth message;
+  message.header(convert::make_header(stamp, config_.map_frame));
+  message.model(config_.model);
+  message.localized(result.converged && health.state != HealthState::kLost);
+  message.lost(health.state == HealthState::kLost);
+  message.particles(static_cast<std::uint32_t>(result.particles));
+  message.effective_sample_size(result.effective_sample_size);
+  message.position_std(std::sqrt(result.pose.covariance.topLeftCorner<2, 2>().trace()));
+  message.heading_std(std::sqrt(result.pose.covariance(2, 2)));
+  message.log_likelihood_per_beam(std::log(health.likelihood_per_beam));
+  message.update_time(update_time.count());
+  publish_health_(message);
+}
+
+void Localizer::on_finish(const std::filesystem::path& out_dir) {
+  const std::filesystem::path folder = out_dir / config_.out_subfolder;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw OutputError(folder.string(), "cannot be made: " + error.message(),
+                      "check out_subfolder and the permissions");
+  }
+  maps::write_localization_files(folder, record_,
+                                 maps::localization_metrics(record_, config_.model, context().seed,
+                                                            config_.localizer.particles));
+}
+
+}  // namespace strata::localizer

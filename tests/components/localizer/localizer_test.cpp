@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The localizer over DDS does what the direct path does.
+#include "components/localizer/localizer.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "components/convert/geometry_messages.hpp"
+#include "components/localizer/register.hpp"
+#include "components/player/log_player.hpp"
+#include "components/runtime/composition.hpp"
+#include "components/runtime/conductor.hpp"
+#include "components/runtime/host.hpp"
+#include "components/settings/yaml_document.hpp"
+#include "core/base/error.hpp"
+#include "tests/components/bus/domain.hpp"
+#include "tests/support/test_data.hpp"
+#include "tools/pipeline/learn.hpp"
+#include "tools/pipeline/localize.hpp"
+#include "tools/pipeline/localize_output.hpp"
+#include "tools/simulate/simulation.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::localizer {
+namespace {
+
+constexpr std::uint64_t kSeed = 7;
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// Maps of the small room's first day, and the second day to be localized on.
+struct Room {
+  test::TemporaryDirectory folder;
+  std::vector<Observation> observations;
+  Pose2 start;
+};
+
+const Room& room() {
+  static const std::unique_ptr<const Room> made = [] {
+    auto room = std::make_unique<Room>();
+    const simulate::Simulation simulation =
+        simulate::simulate(simulate::load_scenario(STRATA_SCENARIO_DIR "/empty_room.yaml"), 1);
+    std::vector<Observation> before;
+    std::vector<std::optional<Pose2>> poses;
+    for (const auto& scan : simulation.days[0].scans) {
+      before.push_back(scan.observation);
+      poses.emplace_back(scan.map_from_robot);
+    }
+    for (const auto& scan : simulation.days[1].scans) {
+      room->observations.push_back(scan.observation);
+    }
+    room->start = simulation.days[1].scans.front().map_from_robot;
+    const pipeline::LearnResult learned =
+        pipeline::learn(before, poses, {}, {.patch = true, .timescale = true}, kSeed, 1, nullptr);
+    maps::write_grid_maps(room->folder.path(), learned.slam);
+    maps::write_patch_map(room->folder.path(), learned.patches);
+    maps::write_timescale(room->folder.path(), *learned.timescale);
+    return room;
+  }();
+  return *made;
+}
+
+runtime::Composition composition_of(const std::string& parameters) {
+  return runtime::read_composition(
+      settings::parse_yaml("{domain: " + std::to_string(test::own_domain()) +
+                               ", transport: loopback, processes: [{name: main, components: "
+                               "[{type: strata::Localizer, name: localizer, parameters: " +
+                               parameters + "}]}]}",
+                           "test"),
+      "test");
+}
+
+std::string parameters_of(const std::string& model, bool global) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "{maps: '" << room().folder.path().string() << "', model: " << model;
+  const Pose2& start = room().start;
+  if (!global) {
+    text << ", start: {pose: [" << start.x << ", " << start.y << ", " << start.theta << "]}";
+  } else {
+    text << ", localizer: {global_start: {most_particles: 3000}}";
+  }
+  text << "}";
+  return text.str();
+}
+
+/// Replays the second day in lockstep; before the scan `restart_at`, somebody publishes a pose.
+void replay(const std::string& parameters, const fs::path& out, int threads,
+            std::optional<std::size_t> restart_at = {}) {
+  const runtime::Composition composition = composition_of(parameters);
+  const auto participant = runtime::make_participant(composition);
+  runtime::Registry registry;
+  register_component(registry);
+  runtime::Host host(composition, composition.processes[0], registry, participant,
+                     {runtime::FeedMode::kLockstep, kSeed, threads});
+  runtime::Conductor conductor(participant, {"/localizer"}, [] { return true; });
+  player::Outputs outputs;
+  outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
+  outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");
+  outputs.tf = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf");
+  outputs.odometry = conductor.advertise<nav_msgs::msg::Odometry>("/odom");
+  outputs.scan = conductor.advertise<sensor_msgs::msg::LaserScan>("/scan");
+  const auto initial_pose =
+      conductor.advertise<geometry_msgs::msg::PoseWithCovarianceStamped>("/initialpose");
+  player::LogPlayer player(room().observations, outputs);
+  conductor.connect();
+  for (std::size_t i = 0; i < room().observations.size(); ++i) {
+    if (restart_at == i) {
+      geometry_msgs::msg::PoseWithCovarianceStamped message;
+      message.header().frame_id("map");
+      message.pose(convert::to_pose_with_covariance(
+          {Pose2{5.5, 3.5, 2.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()}));
+      initial_pose(message);
+    }
+    player.publish(i);
+    conductor.cycle();
+  }
+  conductor.finish(out);
+  host.stop();
+}
+
+void localize_directly(const std::string& model, bool global, const fs::path& out) {
+  const maps::Maps maps = maps::read_maps(room().folder.path());
+  localization::LocalizerConfig config;
+  pipeline::LocalizationStart start;
+  if (global) {
+    config.global_start.most_particles = 3000;
+  } else {
+    start.map_from_robot =
+        Pose2Gaussian{room().start, Eigen::Vector3d(0.2 * 0.2, 0.2 * 0.2, 0.1 * 0.1).asDiagonal()};
+  }
+  const pipeline::LocalizationRun run =
+      pipeline::localize(room().observations, {}, maps::make_map_model(maps, model, {}),
+                         maps.filtered, config, start, kSeed, 1, nullptr);
+  fs::create_directories(out);
+  pipeline::write_localization(out, run, {model, kSeed, config.particles, {}, {}});
+}
+
+class LocalizerReplay : public ::testing::TestWithParam<std::pair<const char*, bool>> {};
+
+TEST_P(LocalizerReplay, WritesTheVeryFilesOfTheDirectPath) {
+  const auto& [model, global] = GetParam();
+  const test::TemporaryDirectory out;
+  localize_directly(model, global, out.path() / "direct");
+  for (const int threads : {1, 2}) {
+    const fs::path replayed = out.path() / ("replay" + std::to_string(threads));
+    fs::create_directories(replayed);
+    replay(parameters_of(model, global), replayed, threads);
+    for (const char* file : {"trajectory.tum", "states.csv"}) {
+      const std::string direct = bytes_of(out.path() / "direct" / file);
+      EXPECT_FALSE(direct.empty());
+      EXPECT_EQ(bytes_of(replayed / file), direct) << file << ", threads " << threads;
+    }
+    auto expected = nlohmann::json::parse(bytes_of(out.path() / "direct" / "metrics.json"));
+    expected["cost"] = nullptr;
+    EXPECT_EQ(nlohmann::json::parse(bytes_of(replayed / "metrics.json")), expected);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, LocalizerReplay,
+                         ::testing::Values(std::pair{"patch", false}, std::pair{"filtered", true},
+                                           std::pair{"timescale", false}));
+
+TEST(Localizer, StartsAgainFromAPublishedPose) {
+  const test::TemporaryDirectory out;
+  const std::size_t middle = room().observations.size() / 2;
+  fs::create_directories(out.path() / "a");
+  replay(parameters_of("filtered", false), out.path() / "a", 1);
+  replay(parameters_of("filtered", false), out.path(), 1, middle);
+  const auto undisturbed = log::read_trajectory(out.path() / "a" / "trajectory.tum");
+  const auto restarted = log::read_trajectory(out.path() / "trajectory.tum");
+  ASSERT_EQ(restarted.size(), undisturbed.size());
+  EXPECT_EQ(restarted[middle - 1].pose, undisturbed[middle - 1].pose);
+  EXPECT_LT(translation_distance(restarted[middle].pose, Pose2{5.5, 3.5, 2.0}), 0.1);
+}
+
+/// Takes a private hold of what goes out.
+class Listener {
+ public:
+  explicit Listener(const std::shared_ptr<bus::Participant>& participant) {
+    const bus::QosProfile qos = bus::qos_profile("lossless");
+    pose_ = std::make_unique<bus::RawReader>(
+        participant, "/amcl_pose", "geometry_msgs/msg/PoseWithCovarianceStamped", qos,
+        [this](const bus::RawMessage& message) {
+          const std::lock_guard lock(mutex_);
+          poses.push_back(convert::from_cdr<geometry_msgs::msg::PoseWithCovarianceStamped>(
+              message.cdr, "test"));
+        });
+    tf_ = std::make_unique<bus::RawReader>(
+        participant, "/tf", "tf2_msgs/msg/TFMessage", qos, [this](const bus::RawMessage& message) {
+          const auto tf = convert::from_cdr<tf2_msgs::msg::TFMessage>(message.cdr, "test");
+          const std::lock_guard lock(mutex_);
+          if (tf.transforms().at(0).child_frame_id() == "odom") {
+            transforms.push_back(tf.transforms()[0]);
+          }
+        });
+  }
+  [[nodiscard]] std::size_t count() {
+    const std::lock_guard lock(mutex_);
+    return std::min(poses.size(), transforms.size());
+  }
+
+  std::vector<geometry_msgs::msg::PoseWithCovarianceStamped> poses;
+  std::vector<geometry_msgs::msg::TransformStamped> transforms;
+
+ private:
+  std::mutex mutex_;
+  std::unique_ptr<bus::RawReader> pose_;
+  std::unique_ptr<bus::RawReader> tf_;
+};
+
+TEST(Localizer, TransformFromMapToOdometryCarriesTheOdometryToThePose) {
+  const test::TemporaryDirectory out;
+  const auto participant = test::make_participant();
+  Listener listener(participant);
+  replay(parameters_of("patch", false), out.path(), 1);
+  // The conductor does not wait for a reader that is no component: all but the last may be seen.
+  const std::size_t seen = listener.count();
+  ASSERT_GT(seen, 0U);
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < seen; ++i) {
+    const Stamp stamp = convert::from_message(listener.poses[i].header().stamp());
+    ASSERT_EQ(convert::from_message(listener.transforms[i].header().stamp()), stamp);
+    for (const Observation& observation : room().observations) {
+      if (observation.scan.stamp != stamp) continue;
+      const Pose2 carried = planar(convert::from_message(listener.transforms[i].transform())) *
+                            observation.odom_from_robot;
+      const Pose2 pose = planar(convert::from_message(listener.poses[i].pose().pose()));
+      EXPECT_NEAR(carried.x, pose.x, 1e-9);
+      EXPECT_NEAR(carried.y, pose.y, 1e-9);
+      EXPECT_NEAR(std::remainder(carried.theta - pose.theta, 2.0 * M_PI), 0.0, 1e-9);
+      ++compared;
+    }
+  }
+  EXPECT_EQ(compared, seen);
+}
+
+TEST(Localizer, WithoutMapsTheConfigurationSaysHowToGiveThem) {
+  const runtime::Composition composition = composition_of("{model: patch}");
+  runtime::Registry registry;
+  register_component(registry);
+  try {
+    const runtime::Host host(composition, composition.processes[0], registry,
+                             runtime::make_participant(composition), {});
+    FAIL() << "must throw";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("--set localizer.maps=MAPS"));
+  }
+}
+
+TEST(CompositionOverride, ReachesTheParametersOfTheNamedComponent) {
+  const test::TemporaryDirectory folder;
+  const fs::path file = folder.path() / "c.yaml";
+  std::ofstream(file) << "version: 1\nprocesses:\n  - name: main\n    components:\n"
+                         "      - {type: strata::Player, name: player}\n"
+                         "      - {type: strata::Localizer, name: localizer, "
+                         "parameters: {maps: old, model: filtered}}\n";
+  const runtime::Composition composition =
+      runtime::load_composition(file, {"localizer.maps=new", "player.start.speed=2", "domain=42"});
+  EXPECT_EQ(composition.domain, 42);
+  const auto& components = composition.processes.at(0).components;
+  EXPECT_EQ(components.at(0).parameters["start"]["speed"].as<int>(), 2);
+  EXPECT_EQ(components.at(1).parameters["maps"].as<std::string>(), "new");
+  EXPECT_EQ(components.at(1).parameters["model"].as<std::string>(), "filtered");
+  EXPECT_THROW((void)runtime::load_composition(file, {"localiser.maps=new"}), ConfigError);
+}
+
+}  // namespace
+}  // namespace strata::localizer
