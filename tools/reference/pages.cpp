@@ -4,7 +4,15 @@
 #include <fstream>
 #include <sstream>
 
+#include "components/beam_filter/config.hpp"
+#include "components/localizer/config.hpp"
+#include "components/map_server/config.hpp"
+#include "components/patch_learner/config.hpp"
+#include "components/player/config.hpp"
+#include "components/recorder/config.hpp"
+#include "components/scan_matcher/config.hpp"
 #include "components/settings/reference_page.hpp"
+#include "components/timescale_memory/config.hpp"
 #include "core/base/error.hpp"
 #include "core/patch/patch_learner.hpp"
 #include "core/slam/slam.hpp"
@@ -23,10 +31,28 @@ Page page(const std::string& file, const std::string& title, const std::string& 
                     settings::reference_markdown<Config>()};
 }
 
+/// The parameters of strata::TYPE, as a composition gives them.
+template <typename Config>
+Page component_page(const std::string& room, const std::string& type) {
+  return page<Config>("component_" + room + ".md", "Parameters of strata::" + type,
+                      "What stands below `parameters:` of the component in a composition "
+                      "(`components/" +
+                          room + "`); on the command line `--set NAME.parameter=value`.");
+}
+
 }  // namespace
 
 std::vector<Page> make_pages() {
   return {
+      component_page<scan_matcher::ScanMatcherConfig>("scan_matcher", "ScanMatcher"),
+      component_page<beam_filter::BeamFilterComponentConfig>("beam_filter", "BeamFilter"),
+      component_page<patch_learner::PatchLearnerComponentConfig>("patch_learner", "PatchLearner"),
+      component_page<localizer::LocalizerComponentConfig>("localizer", "Localizer"),
+      component_page<timescale_memory::TimescaleMemoryConfig>("timescale_memory",
+                                                              "TimescaleMemory"),
+      component_page<map_server::MapServerConfig>("map_server", "MapServer"),
+      component_page<player::PlayerConfig>("player", "Player"),
+      component_page<recorder::RecorderConfig>("recorder", "Recorder"),
       page<slam::SlamConfig>("slam.md", "Settings of mapping",
                              "How scans become poses, beam labels and maps (`core/slam`)."),
       page<patch::PatchLearnerConfig>(
