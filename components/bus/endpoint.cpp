@@ -127,14 +127,15 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, std::string topic
     throw OutputError(state_->topic, "no writer can be made", "check the QoS profile " + qos.name);
   }
   require_granted(qos, granted_qos(), state_->topic);
-  owner.add_local_writer(state_->topic, type);
+  owner.add_local_writer(state_->writer->guid(), state_->topic,
+                         {type, qos.reliable, qos.transient_local});
 }
 
 RawWriter::~RawWriter() {
   if (state_->writer == nullptr) return;
   state_->matches.stop_notifying();
   Participant::State& owner = state_->participant->state();
-  owner.remove_local_writer(state_->topic);
+  owner.remove_local_writer(state_->writer->guid());
   state_->writer->set_listener(nullptr);
   owner.publisher->delete_datawriter(state_->writer);
 }

@@ -124,13 +124,16 @@ Participant::~Participant() {
 
 const ParticipantOptions& Participant::options() const { return state_->options; }
 
-std::map<std::string, std::string> Participant::published_topics() const {
+std::map<std::string, PublishedTopic> Participant::published_topics() const {
   const std::lock_guard lock(state_->mutex);
-  std::map<std::string, std::string> result;
-  for (const auto& [topic, published] : state_->local) {
-    if (published.writers > 0) result[topic] = published.type;
+  std::map<std::string, PublishedTopic> result;
+  for (const auto& [guid, writer] : state_->writers) {
+    const auto [entry, is_first] = result.insert(writer);
+    if (is_first) continue;
+    PublishedTopic& published = entry->second;
+    published.reliable = published.reliable && writer.second.reliable;
+    published.transient_local = published.transient_local && writer.second.transient_local;
   }
-  for (const auto& [guid, entry] : state_->remote) result[entry.first] = entry.second;
   return result;
 }
 
@@ -158,16 +161,15 @@ dds::Topic* Participant::State::topic(const std::string& full_name, const std::s
   return made;
 }
 
-void Participant::State::add_local_writer(const std::string& full_name, const std::string& type) {
+void Participant::State::add_local_writer(const rtps::GUID_t& guid, const std::string& full_name,
+                                          const PublishedTopic& published) {
   const std::lock_guard lock(mutex);
-  Published& published = local[full_name];
-  published.type = type;
-  ++published.writers;
+  writers[guid] = {full_name, published};
 }
 
-void Participant::State::remove_local_writer(const std::string& full_name) {
+void Participant::State::remove_local_writer(const rtps::GUID_t& guid) {
   const std::lock_guard lock(mutex);
-  --local[full_name].writers;
+  writers.erase(guid);
 }
 
 void Participant::State::on_publisher_discovery(dds::DomainParticipant* /*participant*/,
@@ -177,9 +179,12 @@ void Participant::State::on_publisher_discovery(dds::DomainParticipant* /*partic
   if (topic.empty() || type.empty()) return;
   const std::lock_guard lock(mutex);
   if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
-    remote.erase(info.info.guid());
+    writers.erase(info.info.guid());
   } else {
-    remote[info.info.guid()] = {topic, type};
+    const auto& qos = info.info.m_qos;
+    writers[info.info.guid()] = {topic,
+                                 {type, qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS,
+                                  qos.m_durability.kind >= dds::TRANSIENT_LOCAL_DURABILITY_QOS}};
   }
 }
 

@@ -25,6 +25,13 @@ struct ParticipantOptions {
   std::string enclave = "/";  ///< ROS 2's name of the security enclave, also the participant's name
 };
 
+/// What the writers of a topic offer.
+struct PublishedTopic {
+  std::string type;              ///< "sensor_msgs/msg/LaserScan"
+  bool reliable = false;         ///< all of them
+  bool transient_local = false;  ///< all of them
+};
+
 /// Discovers others and owns the middleware's entities. Thread safe.
 class Participant {
  public:
@@ -35,9 +42,8 @@ class Participant {
   Participant& operator=(const Participant&) = delete;
 
   [[nodiscard]] const ParticipantOptions& options() const;
-  /// Every ROS 2 topic that some writer of the domain, here or elsewhere, publishes now, with its
-  /// type: "/scan" -> "sensor_msgs/msg/LaserScan".
-  [[nodiscard]] std::map<std::string, std::string> published_topics() const;
+  /// Every ROS 2 topic that some writer of the domain, here or elsewhere, publishes now.
+  [[nodiscard]] std::map<std::string, PublishedTopic> published_topics() const;
 
   struct State;
   /// For endpoints.

@@ -26,20 +26,17 @@ struct Participant::State : dds::DomainParticipantListener {
   dds::Subscriber* subscriber = nullptr;
   /// The topic's entity, made at its first use and kept: Fast DDS allows one a name.
   dds::Topic* topic(const std::string& full_name, const std::string& type);
-  void add_local_writer(const std::string& full_name, const std::string& type);
-  void remove_local_writer(const std::string& full_name);
+  void add_local_writer(const rtps::GUID_t& guid, const std::string& full_name,
+                        const PublishedTopic& published);
+  void remove_local_writer(const rtps::GUID_t& guid);
 
   void on_publisher_discovery(dds::DomainParticipant* participant,
                               rtps::WriterDiscoveryInfo&& info) override;
 
-  struct Published {
-    std::string type;
-    int writers = 0;
-  };
   mutable std::mutex mutex;
   std::map<std::string, dds::Topic*> topics;
-  std::map<std::string, Published> local;  // by full name: Fast DDS announces only remote writers
-  std::map<rtps::GUID_t, std::pair<std::string, std::string>> remote;
+  /// Own and others' writers: Fast DDS announces only those of others.
+  std::map<rtps::GUID_t, std::pair<std::string, PublishedTopic>> writers;
 };
 
 }  // namespace strata::bus

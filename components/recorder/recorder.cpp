@@ -13,28 +13,31 @@ void Recorder::on_configure() {
     const std::size_t colon = topic.find(':');
     const std::string type = colon == std::string::npos ? "" : topic.substr(colon + 1);
     topic = resolve(topic.substr(0, colon));
-    if (!type.empty()) record(topic, type);
+    // Nobody may publish it yet: best effort and volatile, which matches every writer.
+    if (!type.empty()) record(topic, {type, false, false});
   }
   on_tick();
 }
 
 void Recorder::on_tick() {
-  for (const auto& [topic, type] : context().participant->published_topics()) {
+  for (const auto& [topic, published] : context().participant->published_topics()) {
     if (topic.rfind("/strata_lockstep/", 0) == 0) continue;
     const bool wanted =
         config_.topics.empty() ||
         std::find(config_.topics.begin(), config_.topics.end(), topic) != config_.topics.end();
-    if (wanted) record(topic, type);
+    if (wanted) record(topic, published);
   }
 }
 
-void Recorder::record(const std::string& topic, const std::string& type) {
+void Recorder::record(const std::string& topic, const bus::PublishedTopic& published) {
   if (recorded_.count(topic) > 0) return;
-  const std::size_t place = bag_->add_topic({topic, type, "cdr", ""});
+  const std::size_t place = bag_->add_topic({topic, published.type, "cdr", ""});
   recorded_[topic] = place;
   bus::QosProfile qos = bus::qos_profile("sensor_data");
+  qos.reliable = published.reliable;
+  qos.transient_local = published.transient_local;  // the laser's mounting was sent long ago
   qos.depth = 1000;  // a burst must not push messages out before they are written
-  subscribe_raw(topic, type, qos, [this, place](const bus::RawMessage& message) {
+  subscribe_raw(topic, published.type, qos, [this, place](const bus::RawMessage& message) {
     bag_->write(place, Stamp{message.source_stamp_ns}, message.cdr);
   });
 }

@@ -12,7 +12,8 @@
 
 namespace strata::recorder {
 
-/// Reads best effort, which matches every writer, or losslessly in lockstep.
+/// Reads as the writers that are there offer: reliably when all do, latched messages too;
+/// losslessly in lockstep.
 class Recorder final : public runtime::Component {
  public:
   using Component::Component;
@@ -22,7 +23,7 @@ class Recorder final : public runtime::Component {
   void on_tick() override;
   void on_deactivate() override;
   void on_cleanup() override;
-  void record(const std::string& topic, const std::string& type);
+  void record(const std::string& topic, const bus::PublishedTopic& published);
 
   RecorderConfig config_;
   std::unique_ptr<log::BagWriter> bag_;

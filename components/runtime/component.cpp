@@ -37,6 +37,11 @@ void Component::activate() {
     if (active_) return;
     active_ = true;
     on_activate();
+    if (lockstep()) return;
+    for (const auto& subscription : subscriptions_) {
+      while (take_live(*subscription)) {
+      }
+    }
   });
 }
 
@@ -89,6 +94,7 @@ void Component::subscribe_raw(const std::string& full_topic, const std::string& 
   subscription.callback = std::move(callback);
   const bus::QosProfile used = lockstep() ? qos.lossless() : qos;
   subscription.depth = static_cast<std::size_t>(used.depth);
+  subscription.latched = used.transient_local;
   const auto on_message = [this, &subscription](bus::RawMessage message) {
     {
       const std::lock_guard lock(subscription.mutex);
@@ -121,20 +127,23 @@ std::shared_ptr<bus::RawWriter> Component::advertise_raw(const std::string& full
   return writer;
 }
 
-void Component::take_live(Subscription& subscription) {
+bool Component::take_live(Subscription& subscription) {
+  // Who publishes a latched message does it once: it must not be lost before we are active.
+  if (!active_ && subscription.latched) return false;
   bus::RawMessage message;
   {
     const std::lock_guard lock(subscription.mutex);
-    if (subscription.waiting.empty()) return;
+    if (subscription.waiting.empty()) return false;
     message = std::move(subscription.waiting.front());
     subscription.waiting.pop_front();
   }
-  if (!active_) return;
+  if (!active_) return true;
   try {
     subscription.callback(message);
   } catch (const std::exception& error) {
     if (context_.on_error) context_.on_error(full_name_ + ": " + error.what());
   }
+  return true;
 }
 
 void Component::join_lockstep() {

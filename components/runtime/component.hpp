@@ -121,6 +121,7 @@ class Component {
   struct Subscription {
     std::string topic;
     std::size_t depth = 0;  // live: as many messages may wait; 0: all
+    bool latched = false;   // live: messages wait until the component is active
     std::function<void(const bus::RawMessage&)> callback;
     std::mutex mutex;
     std::deque<bus::RawMessage> waiting;  // under mutex
@@ -129,7 +130,8 @@ class Component {
   };
 
   [[nodiscard]] std::string parameters_place() const;
-  void take_live(Subscription& subscription);
+  /// Works on the message that waits longest; false when none does.
+  bool take_live(Subscription& subscription);
   void join_lockstep();
   void try_step();
   [[nodiscard]] bool ready_for(const strata_msgs::msg::Step& step);

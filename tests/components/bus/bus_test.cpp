@@ -151,11 +151,28 @@ TEST(Bus, ListsTopicsOfOwnAndOtherParticipantsByTheirRos2Names) {
   Inbox inbox;
   Reader<LaserScan> witness(here, "/other", qos_profile("default"), inbox.callback());
   ASSERT_TRUE(witness.raw().wait_for_writers(1, seconds(20)));
-  EXPECT_THAT(
-      here->published_topics(),
-      testing::IsSupersetOf(
-          {testing::Pair(std::string("/own"), std::string("sensor_msgs/msg/LaserScan")),
-           testing::Pair(std::string("/other"), std::string("sensor_msgs/msg/LaserScan"))}));
+  const auto topics = here->published_topics();
+  EXPECT_EQ(topics.at("/own").type, "sensor_msgs/msg/LaserScan");
+  EXPECT_EQ(topics.at("/other").type, "sensor_msgs/msg/LaserScan");
+}
+
+TEST(Bus, TellsWhatAllWritersOfATopicOffer) {
+  const auto here = test::make_participant();
+  const auto there = test::make_participant();
+  Writer<LaserScan> latched(there, "/l", qos_profile("latched"));
+  Writer<LaserScan> sure(here, "/s", qos_profile("default"));
+  Inbox inbox;
+  Reader<LaserScan> witness(here, "/l", qos_profile("latched"), inbox.callback());
+  ASSERT_TRUE(witness.raw().wait_for_writers(1, seconds(20)));
+  EXPECT_TRUE(here->published_topics().at("/l").reliable);
+  EXPECT_TRUE(here->published_topics().at("/l").transient_local);
+  EXPECT_TRUE(here->published_topics().at("/s").reliable);
+  EXPECT_FALSE(here->published_topics().at("/s").transient_local);
+  {
+    Writer<LaserScan> careless(here, "/s", qos_profile("sensor_data"));
+    EXPECT_FALSE(here->published_topics().at("/s").reliable);
+  }
+  EXPECT_TRUE(here->published_topics().at("/s").reliable);
 }
 
 TEST(Bus, ComplainsOfUnknownNames) {

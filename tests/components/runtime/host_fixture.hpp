@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One component in a process of its own participant, and readers that tests can wait on.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "components/bus/endpoint.hpp"
+#include "components/runtime/host.hpp"
+#include "components/settings/yaml_document.hpp"
+#include "tests/components/bus/domain.hpp"
+
+namespace strata::test {
+
+/// A live host with the one component that `entry` (a YAML flow map) describes.
+inline std::unique_ptr<runtime::Host> make_host(const std::string& entry,
+                                                const runtime::Registry& registry,
+                                                std::shared_ptr<bus::Participant> participant) {
+  const std::string text = "processes: [{name: p, components: [" + entry + "]}]\n";
+  const auto composition =
+      runtime::read_composition(settings::parse_yaml(text, "test.yaml"), "test.yaml");
+  return std::make_unique<runtime::Host>(composition, composition.processes[0], registry,
+                                         std::move(participant), runtime::HostOptions{});
+}
+
+/// Reads a topic and keeps what comes.
+template <typename T>
+class Collector {
+ public:
+  Collector(std::shared_ptr<bus::Participant> participant, const std::string& topic,
+            const std::string& qos)
+      : reader_(std::move(participant), topic, bus::qos_profile(qos), [this](const T& message) {
+          const std::lock_guard lock(mutex_);
+          messages_.push_back(message);
+          changed_.notify_all();
+        }) {}
+
+  /// At least so many messages, or as many as came within 20 s.
+  [[nodiscard]] std::vector<T> wait_for(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(20), [&] { return messages_.size() >= count; });
+    return messages_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<T> messages_;
+  bus::Reader<T> reader_;  // last: its callback uses the others
+};
+
+}  // namespace strata::test
