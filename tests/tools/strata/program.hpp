@@ -15,9 +15,9 @@ struct Outcome {
   std::string out;
 };
 
-/// Runs `strata ARGUMENTS`; the shell may merge stderr into the output.
-inline Outcome run_strata(const std::string& arguments) {
-  const std::string command = std::string("'" STRATA_PROGRAM "' ") + arguments;
+/// Runs `PREFIX strata ARGUMENTS`; the shell may merge stderr into the output.
+inline Outcome run_strata_under(const std::string& prefix, const std::string& arguments) {
+  const std::string command = prefix + " '" STRATA_PROGRAM "' " + arguments;
   Outcome outcome;
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return outcome;
@@ -29,6 +29,8 @@ inline Outcome run_strata(const std::string& arguments) {
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return outcome;
 }
+
+inline Outcome run_strata(const std::string& arguments) { return run_strata_under("", arguments); }
 
 inline std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
 

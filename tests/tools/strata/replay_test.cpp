@@ -158,6 +158,38 @@ TEST_F(Replay, RefusesSettingsThatWouldNotApply) {
   EXPECT_THAT(typo.out, testing::HasSubstr("slam.resolutionm is an unknown key"));
 }
 
+/// `timeout` sends SIGINT after three seconds and would report 137 had it to kill.
+test::Outcome interrupted(const std::string& arguments) {
+  return test::run_strata_under("timeout --preserve-status --kill-after=60 --signal=INT 3",
+                                arguments + " 2>&1");
+}
+
+TEST_F(Replay, RunOfAPlayerAndARecorderEndsWithCtrlCAndLeavesAReadableBag) {
+  std::ofstream(at("record.yaml"))
+      << "version: 1\ntransport: loopback\nprocesses:\n  - name: p\n    components:\n"
+         "      - {type: strata::Recorder, name: recorder, parameters: {out: "
+      << at("bag").string()
+      << ", topics: ['/scan:sensor_msgs/msg/LaserScan', '/odom:nav_msgs/msg/Odometry']}}\n"
+         "      - {type: strata::Player, name: player, parameters: {rate: 20, log: "
+      << log().string() << "}}\n";
+  const test::Outcome run = interrupted("run --quiet " + quoted(at("record.yaml")) +
+                                        " --set domain=" + std::to_string(test::own_domain()));
+  EXPECT_EQ(run.code, 0) << run.out;
+  const test::Outcome info = test::run_strata("info --json --quiet " + quoted(at("bag")));
+  ASSERT_EQ(info.code, 0);
+  const auto read = nlohmann::json::parse(info.out);
+  EXPECT_GT(read["scans"]["count"].get<int>(), 0);
+  EXPECT_GT(read["messages"]["/odom"]["count"].get<int>(), 0);
+}
+
+TEST_F(Replay, RecordEndsWithCtrlCAndLeavesACompleteBag) {
+  const test::Outcome record =
+      interrupted("record --quiet --transport loopback --out " + quoted(at("bag")) + " --domain " +
+                  std::to_string(test::own_domain()));
+  EXPECT_EQ(record.code, 0) << record.out;
+  EXPECT_TRUE(fs::exists(at("bag") / "metadata.yaml"));
+}
+
 TEST(ReplayOfARealLog, GivesTheMapsOfTheDirectCall) {
   STRATA_REQUIRE_DATA(log, "fr079/fr079.clf.gz");
   const strata::test::TemporaryDirectory folder;
