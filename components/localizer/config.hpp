@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "components/maps/map_model.hpp"
 #include "components/runtime/sensor_input.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "core/localization/patch_beam_model.hpp"
@@ -33,7 +34,9 @@ struct LocalizerComponentConfig {
   StartConfig start;
   runtime::SensorInputConfig input;
   localization::LocalizerConfig localizer;
+  maps::SensorModelKind sensor_model = maps::SensorModelKind::kBeam;
   localization::PatchBeamModelConfig sensor;
+  localization::LikelihoodFieldModelConfig likelihood_field;
   std::string initial_pose_topic = "initialpose";
   std::string pose_topic = "amcl_pose";
   std::string particles_topic = "particle_cloud";
@@ -57,7 +60,10 @@ struct LocalizerComponentConfig {
     v.group("start", c.start, "where the robot is at the start");
     v.group("input", c.input, "where scans and odometry come from");
     v.group("localizer", c.localizer, "the particle filter");
+    v.field("sensor_model", c.sensor_model,
+            {.doc = "trace each beam, or look up its end point: for occupancy and filtered only"});
     v.group("sensor", c.sensor, "what beams measure in a map");
+    v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
     v.field("initial_pose_topic", c.initial_pose_topic,
             {.doc = "geometry_msgs/PoseWithCovarianceStamped in: start again from there"});
     v.field("pose_topic", c.pose_topic,

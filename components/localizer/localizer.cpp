@@ -32,7 +32,9 @@ void Localizer::on_configure() {
 
 void Localizer::load_maps() {
   const maps::Maps maps = maps::read_maps(config_.maps);
-  model_ = maps::make_map_model(maps, config_.model, config_.sensor);
+  model_ = config_.sensor_model == maps::SensorModelKind::kBeam
+               ? maps::make_map_model(maps, config_.model, config_.sensor)
+               : maps::make_likelihood_field_model(maps, config_.model, config_.likelihood_field);
   localizer_ = std::make_unique<localization::Localizer>(config_.localizer, model_.sensor,
                                                          context().seed, context().threads);
   localizer_->set_free_space(maps.filtered);
