@@ -43,8 +43,8 @@ struct CompareProtocol {
   }
 };
 
-/// Learning for a comparison: given poses are the truth that errors are measured against, so they are
-/// kept as they are.
+/// Learning for a comparison: given poses are the truth that errors are measured against, so they
+/// are kept as they are.
 [[nodiscard]] inline maps::LearnConfig learn_at_given_poses() {
   maps::LearnConfig config;
   config.slam.given_poses.refine = false;
