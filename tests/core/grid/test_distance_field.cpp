@@ -64,9 +64,9 @@ TEST(DistanceField, IsExactBelowItsCut) {
   }
 }
 
-TEST(DistanceField, MeasuresToKnownCellsOfOneHalfAndMore) {
+TEST(DistanceField, MeasuresToKnownCellsOfOneQuarterAndMore) {
   ReflectionGrid map = make_reflection_grid(1.0, {{0, 0}, {5, 1}});
-  map.values() = {0.5F, 0.0F, 0.49F, kUnknownReflection, 0.1F};
+  map.values() = {0.25F, 0.0F, 0.249F, kUnknownReflection, 0.1F};
   EXPECT_EQ(make_distance_field(map).values(), (std::vector<float>{0.0F, 1.0F, 2.0F, 3.0F, 4.0F}));
 }
 

@@ -93,8 +93,8 @@ TEST(ReflectionGrid, UnknownIsNeitherFreeNorOccupied) {
   EXPECT_FALSE(is_known(map.at({0, 0})));
   EXPECT_FALSE(is_free(map.at({0, 0})) || is_occupied(map.at({0, 0})));
   EXPECT_FALSE(is_known(map.get({5, 5})));
-  EXPECT_TRUE(is_occupied(0.5F));
-  EXPECT_TRUE(is_free(0.4999F));
+  EXPECT_TRUE(is_occupied(0.25F));
+  EXPECT_TRUE(is_free(0.2499F));
 }
 
 }  // namespace
