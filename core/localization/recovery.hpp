@@ -15,15 +15,17 @@
 namespace strata::localization {
 
 /// Augmented MCL [thrun2005probabilistic, table 8.3] and the thresholds of the verdict.
+/// Both ways of recovering are off by default, as in nav2's AMCL: in a building that changed much
+/// since it was mapped they give up correct poses. `kidnapping_recovery` turns them on.
 struct RecoveryConfig {
-  bool inject = true;
+  bool inject = false;
   double slow_rate = 0.001;
   double fast_rate = 0.1;
   double tolerated_drop = 0.2;
   double most_injected = 0.5;
   double lost_share = 0.75;
   double outdated_share = 0.9;
-  int restart_after = 5;
+  int restart_after = 0;
   double uncertain_stddev_m = 0.5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -57,6 +59,15 @@ struct RecoveryConfig {
     v.require(c.slow_rate < c.fast_rate, "slow_rate", "is not below fast_rate", "lower it");
   }
 };
+
+/// For robots that are carried about: random poses when the likelihood drops, and a search of all
+/// free space after five lost scans.
+[[nodiscard]] inline RecoveryConfig kidnapping_recovery() {
+  RecoveryConfig config;
+  config.inject = true;
+  config.restart_after = 5;
+  return config;
+}
 
 /// What the numbers say.
 enum class HealthState {

@@ -124,7 +124,9 @@ TEST(Localizer, RecoversFromKidnapping) {
   const auto model = std::make_shared<LikelihoodFieldModel>(map);
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Drive drive({4.0, 1.2, 0.0}, 50 + seed);
-    Localizer localizer({}, model, seed);
+    LocalizerConfig config;
+    config.recovery = kidnapping_recovery();
+    Localizer localizer(config, model, seed);
     localizer.set_free_space(map);
     localizer.initialize(near(drive.truth()));
     bool was_lost = false;
