@@ -63,7 +63,7 @@ class BranchAndBound {
     turns_ = static_cast<int>(std::ceil(reach / turn_step_));
     reach_x_ = static_cast<int>(std::ceil(window.x_m / resolution));
     reach_y_ = static_cast<int>(std::ceil(window.y_m / resolution));
-    const auto rotations = static_cast<std::size_t>(2 * turns_ + 1);
+    const auto rotations = 2 * static_cast<std::size_t>(turns_) + 1;
     cells_.resize(rotations * endpoints.size());
     for (int turn = -turns_; turn <= turns_; ++turn) rotate(turn);
   }

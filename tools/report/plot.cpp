@@ -128,8 +128,9 @@ void draw_legend(const LinePlot& plot, const Frame& frame, std::ostringstream& o
   if (plot.series.size() < 2) return;
   const double column = frame.width / 4.0;
   for (std::size_t s = 0; s < plot.series.size(); ++s) {
+    const std::size_t row = s / 4;
     const double x = frame.left + column * static_cast<double>(s % 4);
-    const double y = kTop + kLegendRow * static_cast<double>(s / 4);
+    const double y = kTop + kLegendRow * static_cast<double>(row);
     out << "<line class='line s" << s % kColors << "' x1='" << x << "' x2='" << x + 18.0 << "' y1='"
         << y << "' y2='" << y << "'/><text class='tick' x='" << x + 23.0 << "' y='" << y + 4.0
         << "'>" << escape(plot.series[s].name) << "</text>\n";
