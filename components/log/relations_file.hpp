@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Hand-verified relative poses [kuemmerle2009measuring].
+/// Hand-verified relative poses [kummerle2009measuring].
 #pragma once
 
 #include <filesystem>

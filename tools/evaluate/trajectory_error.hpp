@@ -53,7 +53,7 @@ struct TrajectoryErrors {
                                                std::span<const log::StampedPose> truth,
                                                double delta_s);
 
-/// Kümmerle et al. [kuemmerle2009measuring, eq. (2)]: motions between the pairs of moments that the
+/// Kümmerle et al. [kummerle2009measuring, eq. (2)]: motions between the pairs of moments that the
 /// relations name, each compared with the relation; translation and rotation apart.
 [[nodiscard]] TrajectoryErrors relation_errors(std::span<const log::StampedPose> trajectory,
                                                std::span<const log::Relation> relations);
