@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/recovery.hpp"
+
+#include <gtest/gtest.h>
+
+namespace strata::localization {
+namespace {
+
+/// A monitor that has seen a good pose for a while, and then `explained_share` at a low likelihood.
+HealthMonitor after_a_drop(const RecoveryConfig& config, double explained_share) {
+  HealthMonitor monitor(config);
+  for (int n = 0; n < 50; ++n) monitor.add(1.0, 0.95, 0.05);
+  for (int n = 0; n < 20; ++n) monitor.add(0.1, explained_share, 0.05);
+  return monitor;
+}
+
+TEST(HealthMonitor, InjectsWhenLikelihoodDropsAndBeamsAreNotExplained) {
+  EXPECT_GT(after_a_drop(kidnapping_recovery(), 0.2).injection_share(), 0.0);
+}
+
+TEST(HealthMonitor, KeepsASurePoseThatExplainsItsBeams) {
+  const HealthMonitor monitor = after_a_drop(kidnapping_recovery(), 0.95);
+  EXPECT_LT(monitor.health().likelihood_ratio, 0.8);
+  EXPECT_EQ(monitor.injection_share(), 0.0);
+}
+
+TEST(HealthMonitor, NeverRecoversUnlessAsked) {
+  const HealthMonitor monitor = after_a_drop({}, 0.2);
+  EXPECT_EQ(monitor.health().state, HealthState::kLost);
+  EXPECT_EQ(monitor.injection_share(), 0.0);
+  EXPECT_FALSE(monitor.wants_restart());
+}
+
+}  // namespace
+}  // namespace strata::localization
