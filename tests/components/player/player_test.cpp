@@ -80,6 +80,32 @@ TEST(Player, GivesReadersTheScansAndOdometryOfABag) {
   EXPECT_TRUE(host->take_errors().empty());
 }
 
+TEST(Player, TwoInOneProcessPlayTheirOwnLogsIntoTheirOwnNamespaces) {
+  const test::TemporaryDirectory folder;
+  write_bag(folder.path() / "a", 50);
+  write_bag(folder.path() / "b", 30);
+  const auto participant = test::make_participant();
+  test::Collector<LaserScan> scans_a(participant, "/a/scan", "lossless");
+  test::Collector<LaserScan> scans_b(participant, "/b/scan", "lossless");
+  runtime::Registry registry;
+  register_component(registry);
+  const auto entry = [&](const std::string& scope) {
+    return "{type: strata::Player, name: player, namespace: /" + scope + ", parameters: {log: '" +
+           (folder.path() / scope).string() + "', rate: 1000000}}";
+  };
+  const auto host = test::make_host(entry("a") + ", " + entry("b"), registry, participant);
+  host->activate();
+  const auto a = scans_a.wait_for(50);
+  const auto b = scans_b.wait_for(30);
+  ASSERT_EQ(a.size(), 50U);
+  ASSERT_EQ(b.size(), 30U);
+  EXPECT_FLOAT_EQ(a.back().ranges()[2], 3.0F + 49.0F);
+  EXPECT_FLOAT_EQ(b.back().ranges()[2], 3.0F + 29.0F);
+  host->stop();
+  EXPECT_EQ(scans_b.wait_for(30).size(), 30U);
+  EXPECT_TRUE(host->take_errors().empty());
+}
+
 TEST(Player, StopsInTheMiddleOfALog) {
   const test::TemporaryDirectory folder;
   write_bag(folder.path() / "bag", 50);

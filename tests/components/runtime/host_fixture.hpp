@@ -16,7 +16,7 @@
 
 namespace strata::test {
 
-/// A live host with the one component that `entry` (a YAML flow map) describes.
+/// A live host with the component that `entry` (a YAML flow map, or several with commas) describes.
 inline std::unique_ptr<runtime::Host> make_host(const std::string& entry,
                                                 const runtime::Registry& registry,
                                                 std::shared_ptr<bus::Participant> participant) {

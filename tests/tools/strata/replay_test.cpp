@@ -1,95 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata replay` against `strata learn`: over DDS the same maps come out, bit for bit.
+#include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <map>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/components/bus/domain.hpp"
-#include "tests/support/test_data.hpp"
-#include "tests/tools/strata/program.hpp"
+#include "tests/tools/strata/replay_fixture.hpp"
 
 namespace fs = std::filesystem;
 
 namespace strata::tools {
 namespace {
 
+using test::content;
+using test::expect_same_maps;
+using test::kCompositions;
 using test::quoted;
 
-const fs::path kSource = STRATA_SOURCE_DIR;
-const fs::path kCompositions = kSource / "components" / "config";
-
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// Every file below a folder except summary.json, which tells the cost. strata.db is compared as
-/// the file it is: both ways make the same saves in the same order.
-std::map<std::string, std::string> contents(const fs::path& folder) {
-  std::map<std::string, std::string> result;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file() || entry.path().filename() == "summary.json") continue;
-    result[entry.path().lexically_relative(folder).string()] = content(entry.path());
-  }
-  return result;
-}
-
-nlohmann::json summary_without_cost(const fs::path& folder) {
-  nlohmann::json summary = nlohmann::json::parse(content(folder / "summary.json"));
-  summary.erase("cost");
-  return summary;
-}
-
-void expect_same_maps(const fs::path& a, const fs::path& b) {
-  const auto expected = contents(a);
-  const auto got = contents(b);
-  for (const char* file :
-       {"strata.db", "occupancy.pgm", "filtered.pgm", "patches.pgm", "trajectory.tum"}) {
-    EXPECT_EQ(expected.count(file), 1U) << file;
-  }
-  for (const auto& [name, bytes] : expected) {
-    const auto found = got.find(name);
-    ASSERT_NE(found, got.end()) << name;
-    EXPECT_TRUE(found->second == bytes) << name << " differs";
-  }
-  EXPECT_EQ(got.size(), expected.size());
-  EXPECT_EQ(summary_without_cost(a), summary_without_cost(b));
-}
-
-class Replay : public testing::Test {
- protected:
-  void SetUp() override {
-    const auto scenario = kSource / "tools" / "simulate" / "scenarios" / "empty_room.yaml";
-    ASSERT_EQ(
-        test::run_strata("simulate --quiet " + quoted(scenario) + " --out " + quoted(at("sim")))
-            .code,
-        0);
-    learn(log());
-  }
-  [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
-  [[nodiscard]] fs::path log() const { return at("sim") / "log.clf"; }
-
-  void learn(const fs::path& log) const {
-    ASSERT_EQ(
-        test::run_strata("learn --quiet " + quoted(log) + " --out " + quoted(at("direct"))).code,
-        0);
-  }
-  /// Several test programs run at a time: each on a domain of its own.
-  [[nodiscard]] test::Outcome replay(const fs::path& log, const fs::path& composition,
-                                     const std::string& out, const std::string& more = "") const {
-    return test::run_strata("replay --quiet " + quoted(log) + " --composition " +
-                            quoted(composition) + " --out " + quoted(at(out)) + " --set domain=" +
-                            std::to_string(test::own_domain()) + " " + more + " 2>&1");
-  }
-
- private:
-  strata::test::TemporaryDirectory folder_;
-};
+class Replay : public test::ReplayFixture {};
 
 TEST_F(Replay, InOneProcessGivesTheMapsOfTheDirectCall) {
   const test::Outcome outcome = replay(log(), kCompositions / "mapping.yaml", "one");
@@ -117,22 +48,6 @@ TEST_F(Replay, MeasuresWhatItCost) {
   for (const char* key : {"wall_s", "cpu_s", "peak_rss_mb", "real_time_factor"}) {
     EXPECT_GT(cost[key].get<double>(), 0.0) << key;
   }
-}
-
-TEST_F(Replay, OfTwoInstancesOfEveryComponentInOneProcessGivesBothTheSameMaps) {
-  std::ofstream composition(at("two.yaml"));
-  composition << "version: 1\ntransport: loopback\nprocesses:\n  - name: p\n    components:\n";
-  for (const char* scope : {"/a", "/b"}) {
-    for (const char* type : {"ScanMatcher", "BeamFilter", "PatchLearner", "TimescaleMemory"}) {
-      composition << "      - {type: strata::" << type << ", name: " << type
-                  << ", namespace: " << scope << ", remappings: {scan: /scan, odom: /odom}}\n";
-    }
-  }
-  composition.close();
-  const test::Outcome outcome = replay(log(), at("two.yaml"), "two");
-  ASSERT_EQ(outcome.code, 0) << outcome.out;
-  expect_same_maps(at("direct"), at("two") / "a");
-  expect_same_maps(at("direct"), at("two") / "b");
 }
 
 TEST_F(Replay, ThatFailsSaysWhichComponentAndLeavesNothing) {
