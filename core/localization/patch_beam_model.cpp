@@ -12,27 +12,10 @@ namespace {
 constexpr std::size_t kChunk = 64;
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
-/// Sub-maps whose rectangle holds the cell, nearest centre first.
-std::vector<std::size_t> submaps_of(const patch::PatchMap& map, const Cell& cell) {
-  std::vector<std::pair<std::int64_t, std::size_t>> found;
-  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
-    const CellRect& rect = map.submaps[s].rect;
-    if (!rect.contains(cell)) continue;
-    const std::int64_t dx = 2LL * cell.x + 1 - rect.min.x - rect.max.x;
-    const std::int64_t dy = 2LL * cell.y + 1 - rect.min.y - rect.max.y;
-    found.emplace_back(dx * dx + dy * dy, s);
-  }
-  std::sort(found.begin(), found.end());
-  std::vector<std::size_t> order;
-  for (const auto& entry : found) order.push_back(entry.second);
-  return order;
-}
-
-std::uint64_t occupied_mask(const patch::Submap& submap, const Cell& cell) {
+std::uint64_t occupied_mask(const patch::PatchMap& map, std::size_t s, const Cell& cell) {
   std::uint64_t mask = 0;
-  for (std::size_t k = 0; k < submap.configurations.size(); ++k) {
-    const ReflectionGrid& grid = submap.configurations[k].reflection;
-    if (grid.contains(cell) && is_occupied(grid.at(cell))) mask |= std::uint64_t{1} << k;
+  for (std::size_t k = 0; k < map.submaps[s].configurations.size(); ++k) {
+    if (is_occupied(patch::reflection_at(map, s, k, cell))) mask |= std::uint64_t{1} << k;
   }
   return mask;
 }
@@ -68,8 +51,8 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
     }
     std::vector<Owner> owners;
     std::uint64_t any = 0;
-    for (const std::size_t s : submaps_of(map, cell)) {
-      owners.push_back({static_cast<std::int32_t>(s), occupied_mask(map.submaps[s], cell), false});
+    for (const std::size_t s : patch::submaps_at(map, cell)) {
+      owners.push_back({static_cast<std::int32_t>(s), occupied_mask(map, s, cell), false});
       any |= owners.back().mask;
     }
     if (any == 0) continue;

@@ -1,40 +1,79 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/patch/patch_map.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <utility>
 
 namespace strata::patch {
+namespace {
+
+/// Squared distance of the cell's centre to the rectangle's, in half cells: exact.
+std::int64_t squared_to_center(const CellRect& rect, const Cell& cell) {
+  const std::int64_t dx = 2LL * cell.x + 1 - rect.min.x - rect.max.x;
+  const std::int64_t dy = 2LL * cell.y + 1 - rect.min.y - rect.max.y;
+  return dx * dx + dy * dy;
+}
+
+}  // namespace
+
+std::vector<std::size_t> submaps_at(const PatchMap& map, const Cell& cell) {
+  std::vector<std::pair<std::int64_t, std::size_t>> found;
+  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+    const CellRect& rect = map.submaps[s].rect;
+    if (rect.contains(cell)) found.emplace_back(squared_to_center(rect, cell), s);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::size_t> order;
+  order.reserve(found.size());
+  for (const auto& entry : found) order.push_back(entry.second);
+  return order;
+}
 
 int submap_at(const PatchMap& map, const Eigen::Vector2d& point_m, int current) {
-  const double resolution = map.base.resolution_m();
-  const Cell cell = cell_at(point_m, resolution);
+  const Cell cell = cell_at(point_m, map.base.resolution_m());
   if (current >= 0 && map.submaps[static_cast<std::size_t>(current)].rect.contains(cell)) {
     return current;
   }
   int best = -1;
-  double best_squared = std::numeric_limits<double>::infinity();
-  for (const Submap& submap : map.submaps) {
-    if (!submap.rect.contains(cell)) continue;
-    const Eigen::Vector2d center(0.5 * resolution * (submap.rect.min.x + submap.rect.max.x),
-                                 0.5 * resolution * (submap.rect.min.y + submap.rect.max.y));
-    const double squared = (center - point_m).squaredNorm();
-    if (squared < best_squared) {
-      best_squared = squared;
-      best = submap.id;
-    }
+  std::int64_t best_squared = std::numeric_limits<std::int64_t>::max();
+  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+    const CellRect& rect = map.submaps[s].rect;
+    if (!rect.contains(cell)) continue;
+    const std::int64_t squared = squared_to_center(rect, cell);
+    if (squared >= best_squared) continue;
+    best_squared = squared;
+    best = static_cast<int>(s);
   }
   return best;
 }
 
-ReflectionGrid compose(const PatchMap& map, const std::vector<int>& configurations) {
+float reflection_at(const PatchMap& map, std::size_t s, std::size_t k, const Cell& cell) {
+  const float m = map.submaps[s].configurations[k].reflection.get(cell);
+  return is_known(m) ? m : map.base.get(cell);
+}
+
+ReflectionGrid compose(const PatchMap& map, const std::vector<int>& configurations, int current) {
   ReflectionGrid result = map.base;
+  // How near the winner of each cell is; the sub-map the robot is in beats every other.
+  CellRect all;
+  for (const Submap& submap : map.submaps) all = all.united(submap.rect);
+  Grid<std::int64_t> nearest(map.base.resolution_m(), all,
+                             std::numeric_limits<std::int64_t>::max());
+  result.grow(all);
   for (std::size_t s = 0; s < map.submaps.size(); ++s) {
     if (configurations[s] < 0) continue;
-    const ReflectionGrid& patch =
-        map.submaps[s].configurations[static_cast<std::size_t>(configurations[s])].reflection;
-    result.grow(patch.rect());
-    for (std::size_t i = 0; i < patch.size(); ++i) {
-      if (is_known(patch.values()[i])) result.at(patch.cell(i)) = patch.values()[i];
+    const CellRect& rect = map.submaps[s].rect;
+    for (int y = rect.min.y; y < rect.max.y; ++y) {
+      for (int x = rect.min.x; x < rect.max.x; ++x) {
+        const Cell cell{x, y};
+        const std::int64_t squared =
+            static_cast<int>(s) == current ? -1 : squared_to_center(rect, cell);
+        if (squared >= nearest.at(cell)) continue;
+        nearest.at(cell) = squared;
+        result.at(cell) = reflection_at(map, s, static_cast<std::size_t>(configurations[s]), cell);
+      }
     }
   }
   return result;

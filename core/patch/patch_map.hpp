@@ -47,13 +47,23 @@ struct PatchMap {
   std::vector<Submap> submaps;
 };
 
-/// The sub-map that a point belongs to: of those whose rectangle contains it, the one with the
-/// nearest centre (SPEC C2); -1 for none. `current`, when it still contains the point, wins.
-/// O(sub-maps).
+/// The sub-maps whose rectangle contains the cell, the one it belongs to first. The one rule for
+/// overlaps: the nearest centre wins (SPEC C2), of equally near ones the lower id. O(sub-maps).
+[[nodiscard]] std::vector<std::size_t> submaps_at(const PatchMap& map, const Cell& cell);
+
+/// The sub-map that a point belongs to: `current` while it contains the point, else the first of
+/// submaps_at its cell; -1 for none. O(sub-maps), no allocation.
 [[nodiscard]] int submap_at(const PatchMap& map, const Eigen::Vector2d& point_m, int current = -1);
 
+/// What configuration k of sub-map s says of a cell in its rectangle; where it knows nothing, what
+/// the base says. Requires valid places.
+[[nodiscard]] float reflection_at(const PatchMap& map, std::size_t s, std::size_t k,
+                                  const Cell& cell);
+
 /// The base map with the given configuration pasted into each sub-map (-1: leave the base). Where
-/// sub-maps overlap, the later one wins. Requires one entry a sub-map. O(cells).
-[[nodiscard]] ReflectionGrid compose(const PatchMap& map, const std::vector<int>& configurations);
+/// sub-maps overlap, `current` wins, then the rule of submaps_at: the map that the sensor model
+/// casts rays in. Requires one entry a sub-map. O(cells + cells of overlaps x sub-maps).
+[[nodiscard]] ReflectionGrid compose(const PatchMap& map, const std::vector<int>& configurations,
+                                     int current = -1);
 
 }  // namespace strata::patch

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -116,6 +117,52 @@ TEST(PatchMixing, EqualsEnumerationOfAllConfigurations) {
       EXPECT_NEAR(got, expected, 1e-6);
     }
   }
+}
+
+TEST(PatchMixing, BeamsMeetTheComposedMapWhereSubmapsOverlap) {
+  RandomStream random(41, StreamId::kTest);
+  int differ = 0;
+  for (int round = 0; round < 60; ++round) {
+    const auto map = random_map(random, true);
+    for (patch::Submap& submap : map->submaps) {
+      for (patch::Configuration& configuration : submap.configurations) {
+        for (float& m : configuration.reflection.values()) {
+          if (random.bernoulli(0.3)) m = kUnknownReflection;
+        }
+      }
+    }
+    std::vector<int> states;
+    for (const patch::Submap& submap : map->submaps) {
+      states.push_back(
+          static_cast<int>(random.below(static_cast<std::uint32_t>(submap.configurations.size()))));
+    }
+    const PatchRayCaster caster(*map);
+    for (const int current : {-1, 0, 1}) {
+      const RayCaster reference(patch::compose(*map, states, current), 6.0);
+      for (int ray = 0; ray < 20; ++ray) {
+        const Pose2 pose{random.uniform(0.0, 6.0), random.uniform(0.0, 2.0),
+                         random.uniform(-3.2, 3.2)};
+        std::vector<RayEvent> events;
+        caster.events(pose.x, pose.y, std::cos(pose.theta), std::sin(pose.theta), 6.0, current,
+                      events);
+        double range = std::numeric_limits<double>::infinity();
+        for (const RayEvent& event : events) {
+          const bool ends =
+              event.submap < 0 ||
+              (event.mask >> states[static_cast<std::size_t>(event.submap)] & 1U) != 0;
+          if (ends) range = std::min(range, event.range_m);
+        }
+        EXPECT_EQ(range, reference.expected_range_m(pose, 0.0));
+        differ +=
+            current == 0 &&
+                    range !=
+                        RayCaster(patch::compose(*map, states, 1), 6.0).expected_range_m(pose, 0.0)
+                ? 1
+                : 0;
+      }
+    }
+  }
+  EXPECT_GT(differ, 20);  // the overlaps decide some of the rays
 }
 
 TEST(PatchStates, StayProbabilityIsTheRateForm) {

@@ -35,11 +35,14 @@ TEST(SubmapAt, PrefersTheCurrentOneThenTheNearestCentre) {
   EXPECT_EQ(submap_at(map, {39.0 * 0.05, 0.5}, 1), -1);
 }
 
-TEST(Compose, PastesConfigurationsLaterOnesOnTop) {
+TEST(Compose, PastesConfigurationsTheNearestCentreOnTop) {
   const PatchMap map = overlapping_map();
   const ReflectionGrid both = compose(map, {1, 0});
   EXPECT_EQ(both.get({5, 5}), 1.0F);
-  EXPECT_EQ(both.get({17, 5}), 0.5F);
+  EXPECT_EQ(both.get({17, 5}), 1.0F);
+  EXPECT_EQ(both.get({18, 5}), 0.5F);
+  EXPECT_EQ(compose(map, {1, 0}, 1).get({17, 5}), 0.5F);
+  EXPECT_EQ(compose(map, {1, 0}, 0).get({18, 5}), 1.0F);
   EXPECT_EQ(both.get({38, 5}), 0.25F);
   const ReflectionGrid first = compose(map, {1, -1});
   EXPECT_EQ(first.get({17, 5}), 1.0F);
