@@ -3,113 +3,28 @@
 // 360-beam scans to 10 m): motion, weights, resampling and estimate with a fixed number of
 // particles on one thread, and the bare kernels beside it.
 #include <cmath>
-#include <fstream>
 #include <memory>
-#include <sstream>
-#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
-#include <zlib.h>
 
 #include "core/localization/likelihood_field_kernel.hpp"
 #include "core/localization/likelihood_field_model.hpp"
 #include "core/localization/localizer.hpp"
 #include "core/localization/range_provider_model.hpp"
-#include "tests/support/test_data.hpp"
+#include "tests/bench/peers_scenario.hpp"
 
 namespace strata::localization {
 namespace {
 
-struct Scenario {
-  ReflectionGrid map;
-  std::vector<Pose2> truth;
-  std::vector<Observation> observations;
-  bool found = false;
-};
+using bench::fixed_particles;
 
-ReflectionGrid read_pgm(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string magic;
-  int width = 0;
-  int height = 0;
-  int depth = 0;
-  file >> magic >> width >> height >> depth;
-  file.get();
-  std::vector<char> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  file.read(pixels.data(), static_cast<std::streamsize>(pixels.size()));
-  ReflectionGrid map(0.05, {{0, 0}, {width, height}}, 0.0F);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {  // the first row of the image is the top
-      const auto i = static_cast<std::size_t>(height - 1 - y) * static_cast<std::size_t>(width) +
-                     static_cast<std::size_t>(x);
-      map.at({x, y}) = static_cast<unsigned char>(pixels[i]) < 128 ? 1.0F : 0.0F;
-    }
-  }
-  return map;
-}
-
-std::vector<std::vector<double>> read_rows(const std::string& path) {
-  std::string text;
-  gzFile file = gzopen(path.c_str(), "rb");
-  std::vector<char> buffer(1U << 16U);
-  for (int n = 0; (n = gzread(file, buffer.data(), 1U << 16U)) > 0;) {
-    text.append(buffer.data(), static_cast<std::size_t>(n));
-  }
-  gzclose(file);
-  std::vector<std::vector<double>> rows;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    rows.emplace_back();
-    std::istringstream fields(line);
-    for (std::string field; std::getline(fields, field, ',');) {
-      rows.back().push_back(std::stod(field));
-    }
-  }
-  return rows;
-}
-
-const Scenario& scenario() {
-  static const Scenario loaded = [] {
-    Scenario s;
-    const auto folder = test::find_data("peers_scenario");
-    if (!folder) return s;
-    s.map = read_pgm((*folder / "map.pgm").string());
-    for (const auto& row : read_rows((*folder / "steps.csv.gz").string())) {
-      Observation observation;
-      observation.odom_from_robot = {row[3], row[4], row[5]};
-      Scan& scan = observation.scan;
-      scan.stamp = Stamp::from_seconds(0.2 * static_cast<double>(s.truth.size()));
-      scan.angle_min_rad = -3.14159265F;
-      scan.angle_increment_rad = 0.0174532925F;
-      scan.range_max_m = 10.0F;
-      for (std::size_t k = 6; k < row.size(); ++k) {
-        scan.ranges_m.push_back(static_cast<float>(row[k]));
-      }
-      s.truth.push_back({row[0], row[1], row[2]});
-      s.observations.push_back(std::move(observation));
-    }
-    s.found = true;
-    return s;
-  }();
-  return loaded;
-}
-
-LocalizerConfig fixed(int particles) {
-  LocalizerConfig config;
-  config.particles = particles;
-  config.adaptive = false;
-  config.resample_below = 1.0;
-  config.gating.every_scans = 1;
-  config.recovery.inject = false;
-  return config;
-}
+const bench::PeersScenario& scenario() { return bench::peers_scenario(); }
 
 void update(benchmark::State& state, const std::shared_ptr<const SensorModel>& model) {
   const auto& observations = scenario().observations;
   const auto particles = static_cast<int>(state.range(0));
-  Localizer localizer(fixed(particles), model, 1);
+  Localizer localizer(fixed_particles(particles), model, 1);
   std::size_t n = 0;
   double error = 0.0;
   std::size_t runs = 0;

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Hot loops against the bare form of the same loop on the same machine in the same run: each
+/// iteration runs both, and `ratio` is the median of the quotients of their CPU times.
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "core/grid/distance_field.hpp"
+#include "core/grid/likelihood_field.hpp"
+#include "core/grid/ray_traversal.hpp"
+#include "core/localization/likelihood_field_model.hpp"
+#include "core/localization/localizer.hpp"
+#include "core/localization/ray_caster.hpp"
+#include "core/random/stream.hpp"
+#include "tests/bench/limits/limits.hpp"
+#include "tests/bench/peers_scenario.hpp"
+
+namespace strata {
+namespace {
+
+using bench::peers_scenario;
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+template <typename Body>
+double seconds_of(Body&& body) {
+  const double begin = cpu_seconds();
+  body();
+  return cpu_seconds() - begin;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// items: what `ours` and `limit` do at a time; figures are nanoseconds for one.
+template <typename Ours, typename Limit>
+void compare(benchmark::State& state, double items, Ours&& ours, Limit&& limit) {
+  std::vector<double> a;
+  std::vector<double> b;
+  std::vector<double> ratios;
+  for (auto _ : state) {
+    a.push_back(seconds_of(ours));
+    b.push_back(seconds_of(limit));
+    ratios.push_back(a.back() / b.back());
+  }
+  state.counters["ours_ns"] = median(std::move(a)) / items * 1e9;
+  state.counters["limit_ns"] = median(std::move(b)) / items * 1e9;
+  state.counters["ratio"] = median(std::move(ratios));
+}
+
+/// End points of a scan in cells, at most `most`.
+struct CellPoints {
+  std::vector<float> x, y;
+  explicit CellPoints(const Scan& scan, std::size_t most) {
+    const Endpoints points = thin(endpoints_in_robot(scan), most);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      x.push_back(static_cast<float>(points.x_m[k] / 0.05));
+      y.push_back(static_cast<float>(points.y_m[k] / 0.05));
+    }
+  }
+  [[nodiscard]] limit::Points points() const { return {x.data(), y.data(), x.size()}; }
+};
+
+limit::Field limit_field(const Grid<float>& table) {
+  return {table.width(), table.height(), table.values().data()};
+}
+
+void place(limit::Particles& particles, const Pose2& pose) {
+  RandomStream random(1, StreamId::kTest);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const double theta = pose.theta + 0.05 * random.normal();
+    particles.x[i] = static_cast<float>((pose.x + 0.1 * random.normal()) / 0.05);
+    particles.y[i] = static_cast<float>((pose.y + 0.1 * random.normal()) / 0.05);
+    particles.theta[i] = static_cast<float>(theta);
+    particles.cosine[i] = static_cast<float>(std::cos(theta));
+    particles.sine[i] = static_cast<float>(std::sin(theta));
+  }
+}
+
+/// One whole update: motion, weights, resampling, estimate. Arguments: particles, beams.
+void update(benchmark::State& state) {
+  const auto& scenario = peers_scenario();
+  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
+  const auto count = static_cast<std::size_t>(state.range(0));
+  const auto beams = static_cast<std::size_t>(state.range(1));
+  localization::LikelihoodFieldModelConfig config;
+  config.max_beams = static_cast<int>(beams);
+  const auto model = std::make_shared<localization::LikelihoodFieldModel>(scenario.map, config);
+  localization::Localizer localizer(bench::fixed_particles(static_cast<int>(count)), model, 1);
+  const LikelihoodField field(scenario.map, {});
+  std::vector<CellPoints> points;
+  for (const Observation& observation : scenario.observations) {
+    points.emplace_back(observation.scan, beams);
+  }
+  limit::Mcl mcl(count);
+  const auto start = [&] {
+    localizer.initialize({scenario.truth[0], Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal()});
+    localizer.update(scenario.observations[0]);
+    place(mcl.particles(), scenario.truth[0]);
+  };
+  start();
+  std::size_t n = 1;
+  const auto ours = [&] { benchmark::DoNotOptimize(localizer.update(scenario.observations[n])); };
+  const auto bare = [&] {
+    const Pose2 motion = between(scenario.observations[n - 1].odom_from_robot,
+                                 scenario.observations[n].odom_from_robot);
+    const limit::Motion bare_motion{0.0F, static_cast<float>(motion.x / 0.05),
+                                    static_cast<float>(motion.theta), 0.02F, 0.4F};
+    benchmark::DoNotOptimize(
+        mcl.update(bare_motion, limit_field(field.log_likelihood()), points[n].points(), 8.0F));
+    if (++n == scenario.observations.size()) {
+      n = 1;
+      start();
+    }
+  };
+  compare(state, static_cast<double>(count * beams), ours, bare);
+}
+BENCHMARK(update)->ArgsProduct({{500, 1000, 2000, 10000, 100000}, {60, 180, 360}});
+
+/// The weights alone, per beam and particle.
+void weights(benchmark::State& state) {
+  const auto& scenario = peers_scenario();
+  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
+  const auto count = static_cast<std::size_t>(state.range(0));
+  const CellPoints points(scenario.observations[40].scan, 180);
+  limit::Particles particles(count);
+  place(particles, scenario.truth[40]);
+  const LikelihoodField field(scenario.map, {});
+  const limit::Field bare_field = limit_field(field.log_likelihood());
+  const localization::FieldTable table{bare_field.width, bare_field.height, bare_field.values};
+  std::vector<float> sums(count);
+  const auto ours = [&] {
+    localization::sum_field(table,
+                            {particles.x.data(), particles.y.data(), particles.cosine.data(),
+                             particles.sine.data(), count},
+                            {points.x.data(), points.y.data(), points.x.size()}, sums.data());
+    benchmark::DoNotOptimize(sums.data());
+  };
+  const bool is_plain = state.range(1) != 0;
+  const auto bare = [&] {
+    (is_plain ? limit::weigh_plain : limit::weigh_gather)(bare_field, points.points(), particles);
+    benchmark::DoNotOptimize(particles.sum.data());
+  };
+  compare(state, static_cast<double>(count * points.x.size()), ours, bare);
+}
+BENCHMARK(weights)->ArgNames({"", "plain"})->ArgsProduct({{2000, 100000}, {0, 1}});
+
+/// Rays of 1 to 12 m in all directions, in a map of 26 m: what 361 beams of an office look like.
+std::vector<Eigen::Vector4d> rays() {
+  RandomStream random(3, StreamId::kTest);
+  std::vector<Eigen::Vector4d> result;
+  for (int n = 0; n < 5000; ++n) {
+    const double angle = random.uniform(-3.14, 3.14);
+    const double range = random.uniform(1.0, 12.0);
+    const Eigen::Vector2d from(13.0 + random.uniform(-1.0, 1.0), 13.0 + random.uniform(-1.0, 1.0));
+    const Eigen::Vector2d to = from + range * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    result.emplace_back(from.x(), from.y(), to.x(), to.y());
+  }
+  return result;
+}
+
+/// Exact traversal with a sum of lengths and a count per cell; per cell.
+void traversal(benchmark::State& state) {
+  const auto segments = rays();
+  std::vector<limit::Segment> bare_segments;
+  for (const Eigen::Vector4d& s : segments) {
+    const Eigen::Vector4f cells = (s / 0.05).cast<float>();
+    bare_segments.push_back({cells[0], cells[1], cells[2], cells[3]});
+  }
+  const int width = 540;
+  Grid<limit::CellSum> grid(0.05, {{0, 0}, {width, width}});
+  std::vector<limit::CellSum> cells(grid.size());
+  const auto visited = limit::traverse(bare_segments, width, cells.data());
+  const auto ours = [&] {
+    for (const Eigen::Vector4d& s : segments) {
+      traverse_ray({s[0], s[1]}, {s[2], s[3]}, 0.05, [&](const Cell& cell, double length_m) {
+        limit::CellSum& sum = grid.at(cell);
+        sum.length += static_cast<float>(length_m);
+        ++sum.count;
+      });
+    }
+    benchmark::ClobberMemory();
+  };
+  const auto bare = [&] {
+    benchmark::DoNotOptimize(limit::traverse(bare_segments, width, cells.data()));
+    benchmark::ClobberMemory();
+  };
+  compare(state, static_cast<double>(visited), ours, bare);
+}
+BENCHMARK(traversal);
+
+/// Expected ranges from the true poses of the scenario, 360 beams each; per ray.
+void ray_query(benchmark::State& state) {
+  const auto& scenario = peers_scenario();
+  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
+  const localization::RayCaster caster(scenario.map, 10.0);
+  Grid<float> distances = make_distance_field(scenario.map);
+  for (float& distance : distances.values()) distance /= 0.05F;
+  std::vector<float> x, y, c, s, ranges(360);
+  for (std::size_t i = 0; i < 360; ++i) {
+    const double angle = 0.0174532925 * static_cast<double>(i);
+    c.push_back(static_cast<float>(std::cos(angle)));
+    s.push_back(static_cast<float>(std::sin(angle)));
+  }
+  x.resize(360);
+  y.resize(360);
+  const auto ours = [&] {
+    for (const Pose2& pose : scenario.truth) {
+      for (std::size_t i = 0; i < 360; ++i) {
+        benchmark::DoNotOptimize(caster.range_m(pose.x, pose.y, static_cast<double>(c[i]),
+                                                static_cast<double>(s[i]), 10.0));
+      }
+    }
+  };
+  const auto bare = [&] {
+    for (const Pose2& pose : scenario.truth) {
+      std::fill(x.begin(), x.end(), static_cast<float>(pose.x / 0.05));
+      std::fill(y.begin(), y.end(), static_cast<float>(pose.y / 0.05));
+      limit::cast(limit_field(distances), x.data(), y.data(), c.data(), s.data(), 352, 200.0F,
+                  ranges.data());
+      benchmark::DoNotOptimize(ranges.data());
+    }
+  };
+  compare(state, static_cast<double>(360 * scenario.truth.size()), ours, bare);
+}
+BENCHMARK(ray_query);
+
+}  // namespace
+}  // namespace strata
