@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Everything that must survive, in one SQLite file (strata.db): grids, the patch map, the
-/// timescale memory, trajectories, and texts.
+/// timescale memory, trajectories, scans, and texts.
 ///
 /// Each save is one transaction: after a crash a reader finds the old value or the new one, never a
 /// mixture. Several programs may write to one file, one after the other; a writer waits for the
@@ -22,6 +22,7 @@
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/patch/patch_map.hpp"
+#include "core/scan/scan.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
 namespace strata::memory {
@@ -89,6 +90,14 @@ class Store {
   [[nodiscard]] std::vector<TrajectoryPose> load_trajectory(int run) const;
   /// The runs that have a trajectory, sorted.
   [[nodiscard]] std::vector<int> runs() const;
+
+  /// The scans of one run with their poses and beam labels, in the given order, so that learning
+  /// can go on from them; replaces what the run had. About 1 byte a beam; O(beams).
+  void save_scans(int run, std::span<const PosedScan> scans);
+  /// Empty for a run that is not there, and in stores of before version 2.
+  [[nodiscard]] std::vector<PosedScan> load_scans(int run) const;
+  /// The runs that have scans, sorted.
+  [[nodiscard]] std::vector<int> runs_with_scans() const;
 
  private:
   struct Impl;

@@ -50,6 +50,13 @@ CREATE TABLE timescale_level (
   FOREIGN KEY (map, node) REFERENCES timescale_node(map, node) ON DELETE CASCADE);
 )sql";
 
+/// New in version 2: the scans that the maps were learned from.
+constexpr const char* kScanTables = R"sql(
+CREATE TABLE scan_chunk (
+  run INTEGER NOT NULL, place INTEGER NOT NULL, scans INTEGER NOT NULL, begin_ns INTEGER NOT NULL,
+  end_ns INTEGER NOT NULL, data BLOB NOT NULL, PRIMARY KEY (run, place));
+)sql";
+
 /// Holds the write lock while the tables are made, so that two programs may open a new file at
 /// once.
 void create_tables(Database& database) {
@@ -57,9 +64,18 @@ void create_tables(Database& database) {
   database.execute("BEGIN IMMEDIATE");
   if (database.query_integer("PRAGMA user_version") == 0) {
     database.execute(kTables);
+    database.execute(kScanTables);
     database.execute(("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());
     database.execute(("PRAGMA user_version = " + std::to_string(kSchemaVersion)).c_str());
   }
+  database.execute("COMMIT");
+}
+
+/// Brings the tables of an older version up to the present one, in one transaction.
+void upgrade(Database& database) {
+  database.execute("BEGIN IMMEDIATE");
+  if (database.query_integer("PRAGMA user_version") < 2) database.execute(kScanTables);
+  database.execute(("PRAGMA user_version = " + std::to_string(kSchemaVersion)).c_str());
   database.execute("COMMIT");
 }
 
@@ -82,6 +98,7 @@ void prepare_schema(Database& database) {
                      "update Strata, or learn the maps again with this version");
   }
   if (!database.read_only()) {
+    if (version < kSchemaVersion) upgrade(database);
     database.execute("PRAGMA foreign_keys = ON");
     // With write-ahead logging this survives a crash of the program; a power cut may lose the last
     // transactions but never damages the file.

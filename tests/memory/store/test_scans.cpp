@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstring>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "core/base/error.hpp"
+#include "core/random/stream.hpp"
+#include "memory/store/store.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::memory {
+namespace {
+
+using test::TemporaryDirectory;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// Scans of every shape: beam counts that change, no beams, readings that are no numbers.
+std::vector<PosedScan> random_scans(int run, std::size_t count) {
+  RandomStream random(3, StreamId::kTest);
+  std::vector<PosedScan> scans;
+  for (std::size_t i = 0; i < count; ++i) {
+    PosedScan& posed = scans.emplace_back();
+    posed.run = run;
+    posed.map_from_robot = {random.normal(), random.normal(), random.uniform()};
+    posed.scan.stamp = {static_cast<std::int64_t>(i) * 25'000'001};
+    posed.scan.robot_from_laser = {0.1, -0.0, 0.01};
+    posed.scan.angle_min_rad = -1.5F;
+    posed.scan.angle_increment_rad = 0.01F;
+    posed.scan.time_increment_s = 1e-5F;
+    posed.scan.scan_time_s = 0.025F;
+    posed.scan.range_min_m = 0.05F;
+    posed.scan.range_max_m = std::numeric_limits<float>::infinity();
+    posed.scan.ranges_m.resize(i % 7 * 10);
+    for (float& range : posed.scan.ranges_m) range = static_cast<float>(random.exponential(5.0));
+    if (!posed.scan.ranges_m.empty()) {
+      posed.scan.ranges_m.front() = std::numeric_limits<float>::quiet_NaN();
+    }
+    if (i % 2 == 0) {
+      posed.static_probability.assign(posed.scan.size(), static_cast<float>(random.uniform()));
+    }
+  }
+  return scans;
+}
+
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
+}
+
+void execute(const std::filesystem::path& path, const char* sql) {
+  sqlite3* handle = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &handle), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr), SQLITE_OK)
+      << sqlite3_errmsg(handle);
+  sqlite3_close(handle);
+}
+
+TEST(StoredScans, ComeBackBitForBit) {
+  const TemporaryDirectory dir;
+  const std::vector<PosedScan> saved = random_scans(4, 600);
+  {
+    Store store(dir.path() / "strata.db");
+    store.save_scans(4, saved);
+  }
+  const Store store(dir.path() / "strata.db", {.read_only = true});
+  EXPECT_THAT(store.runs_with_scans(), ElementsAre(4));
+  const std::vector<PosedScan> loaded = store.load_scans(4);
+  ASSERT_EQ(loaded.size(), saved.size());
+  for (std::size_t i = 0; i < saved.size(); ++i) {
+    const Scan& a = saved[i].scan;
+    const Scan& b = loaded[i].scan;
+    EXPECT_EQ(loaded[i].run, 4);
+    EXPECT_EQ(a.stamp, b.stamp);
+    EXPECT_EQ(saved[i].map_from_robot, loaded[i].map_from_robot);
+    EXPECT_EQ(a.robot_from_laser, b.robot_from_laser);
+    EXPECT_EQ(a.angle_min_rad, b.angle_min_rad);
+    EXPECT_EQ(a.angle_increment_rad, b.angle_increment_rad);
+    EXPECT_EQ(a.time_increment_s, b.time_increment_s);
+    EXPECT_EQ(a.scan_time_s, b.scan_time_s);
+    EXPECT_EQ(a.range_min_m, b.range_min_m);
+    EXPECT_EQ(a.range_max_m, b.range_max_m);
+    EXPECT_TRUE(same_bits(a.ranges_m, b.ranges_m)) << "scan " << i;
+    EXPECT_TRUE(same_bits(saved[i].static_probability, loaded[i].static_probability)) << i;
+  }
+}
+
+TEST(StoredScans, OfARunAreReplacedAsAWhole) {
+  const TemporaryDirectory dir;
+  Store store(dir.path() / "strata.db");
+  store.save_scans(0, random_scans(0, 600));
+  store.save_scans(1, random_scans(1, 3));
+  store.save_scans(0, random_scans(0, 5));
+  EXPECT_EQ(store.load_scans(0).size(), 5U);
+  EXPECT_EQ(store.load_scans(1).size(), 3U);
+  EXPECT_THAT(store.load_scans(2), IsEmpty());
+  EXPECT_THAT(store.runs_with_scans(), ElementsAre(0, 1));
+}
+
+TEST(StoredScans, ThatDoNotAddUpAreRefusedByPlace) {
+  const TemporaryDirectory dir;
+  { Store(dir.path() / "strata.db").save_scans(0, random_scans(0, 10)); }
+  execute(dir.path() / "strata.db", "UPDATE scan_chunk SET scans = 9");
+  const Store store(dir.path() / "strata.db");
+  try {
+    (void)store.load_scans(0);
+    FAIL() << "read";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("scans of run 0, chunk 0"));
+  }
+}
+
+TEST(StoredScans, AreAddedToAStoreOfVersionOne) {
+  const TemporaryDirectory dir;
+  { Store(dir.path() / "strata.db").save_text("kept", "yes"); }
+  execute(dir.path() / "strata.db", "DROP TABLE scan_chunk; PRAGMA user_version = 1");
+  {
+    const Store reader(dir.path() / "strata.db", {.read_only = true});
+    EXPECT_THAT(reader.runs_with_scans(), IsEmpty());
+    EXPECT_THAT(reader.load_scans(0), IsEmpty());
+  }
+  Store store(dir.path() / "strata.db");
+  store.save_scans(0, random_scans(0, 2));
+  EXPECT_EQ(store.load_scans(0).size(), 2U);
+  EXPECT_EQ(store.find_text("kept"), "yes");
+}
+
+}  // namespace
+}  // namespace strata::memory
