@@ -44,7 +44,8 @@ class BagReader {
   BagReader& operator=(const BagReader&) = delete;
   virtual ~BagReader() = default;
 
-  /// Throws InputError when there is nothing to read at all.
+  /// Throws InputError when there is nothing to read at all. What rosbag2 compressed (whole files
+  /// or single messages, zstd or lz4) is unpacked, told by content.
   [[nodiscard]] static std::unique_ptr<BagReader> open(const std::filesystem::path& path);
 
   /// Grows while reading damaged MCAP files without summary; places stay valid.
@@ -52,18 +53,35 @@ class BagReader {
   /// The next message; false at the end. Damaged parts are skipped and counted.
   virtual bool next(BagMessage& message) = 0;
   [[nodiscard]] virtual const BagDamage& damage() const = 0;
+  /// How it is stored, for people: "2 files, SQLite schema 3 (humble), files packed with zstd".
+  [[nodiscard]] virtual std::string description() const = 0;
 };
 
 enum class BagStorage { kSqlite3, kMcap };
-enum class BagCompression { kNone, kZstd, kLz4 };  ///< of MCAP chunks; SQLite takes kNone
+enum class BagCompression { kNone, kZstd, kLz4 };
+/// What rosbag2 calls compression_mode; always zstd, the only one that it can read everywhere.
+enum class BagPacking { kNone, kFile, kMessage };
+
+struct BagOptions {
+  BagStorage storage = BagStorage::kSqlite3;
+  BagCompression chunks = BagCompression::kNone;  ///< of MCAP; SQLite has none
+  BagPacking packing = BagPacking::kNone;
+  int sqlite_schema = 3;  ///< 3 as Humble, 4 as Iron and later, with message definitions
+  /// A file that holds this much (before packing), or spans this time, is followed by another; 0
+  /// does not split.
+  std::uint64_t split_bytes = 0;
+  Duration split_after{0};
+};
 
 /// Writes a bag folder as it goes: what was written more than a second or a megabyte ago survives
 /// a crash. `close` completes it (summary, metadata.yaml); the destructor does, ignoring errors.
 class BagWriter {
  public:
   /// Throws OutputError when the folder exists and is not empty, or cannot be made.
+  BagWriter(const std::filesystem::path& folder, const BagOptions& options);
   BagWriter(const std::filesystem::path& folder, BagStorage storage,
-            BagCompression compression = BagCompression::kNone);
+            BagCompression compression = BagCompression::kNone)
+      : BagWriter(folder, BagOptions{.storage = storage, .chunks = compression}) {}
   ~BagWriter();
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
@@ -72,6 +90,9 @@ class BagWriter {
   std::size_t add_topic(const BagTopic& topic);
   /// Throws OutputError (full disk, ...). Any order of stamps.
   void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr);
+  /// Brings everything written so far to the file, for whoever waits longer than a second between
+  /// two messages.
+  void flush();
   void close();
 
   /// One storage file; implemented for SQLite and MCAP.
@@ -83,6 +104,7 @@ class BagWriter {
     virtual ~File() = default;
     virtual void add_topic(const BagTopic& topic) = 0;
     virtual void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) = 0;
+    virtual void flush() = 0;
     virtual void close() = 0;
   };
 

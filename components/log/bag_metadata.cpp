@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cctype>
 #include <fstream>
+#include <limits>
 #include <system_error>
 
 #include <yaml-cpp/yaml.h>
@@ -21,26 +23,75 @@ bool begins_with(const fs::path& file, std::string_view magic) {
   return in && head == magic;
 }
 
-std::vector<fs::path> files_of_metadata(const fs::path& folder) {
+/// Throws InputError for a compression that cannot be unpacked here.
+bool packs_messages(const YAML::Node& info, const fs::path& metadata) {
+  auto mode = info["compression_mode"].as<std::string>("");
+  auto format = info["compression_format"].as<std::string>("");
+  std::transform(mode.begin(), mode.end(), mode.begin(),
+                 [](unsigned char c) { return std::toupper(c); });
+  if (mode.empty() || mode == "NONE") return false;
+  if (!format.empty() && format != "zstd" && format != "lz4") {
+    throw InputError(metadata.string(),
+                     "the bag is compressed with " + format + ", which is not known here",
+                     "convert it with `ros2 bag convert` to one with zstd or without");
+  }
+  return mode == "MESSAGE";
+}
+
+/// The name as it is, below the folder (bags before Dashing name the folder too), and with or
+/// without the ending of a compression: not every release gives the ending to packed files.
+fs::path find_file(const fs::path& folder, const fs::path& name) {
+  for (const fs::path& base : {folder / name, folder / name.filename()}) {
+    if (fs::exists(base)) return base;
+    const std::string ending = base.extension().string();
+    if ((ending == ".zstd" || ending == ".lz4") && fs::exists(fs::path(base).replace_extension())) {
+      return fs::path(base).replace_extension();
+    }
+    for (const char* more : {".zstd", ".lz4"}) {
+      if (fs::exists(base.string() + more)) return base.string() + more;
+    }
+  }
+  return folder / name.filename();
+}
+
+BagFolderFiles files_of_metadata(const fs::path& folder) {
   const fs::path path = folder / "metadata.yaml";
-  std::vector<fs::path> files;
-  if (!fs::exists(path)) return files;
+  BagFolderFiles found;
+  if (!fs::exists(path)) return found;
   try {
     const YAML::Node info = YAML::LoadFile(path.string())["rosbag2_bagfile_information"];
-    const auto mode = info["compression_mode"].as<std::string>("");
-    if (!mode.empty() && mode != "NONE" && mode != "none") {
-      throw InputError(path.string(), "the bag is compressed by rosbag2 (mode " + mode + ")",
-                       "convert it with `ros2 bag convert` to one without, or to MCAP with zstd");
-    }
+    found.packed_messages = packs_messages(info, path);
     for (const YAML::Node& entry : info["relative_file_paths"]) {
-      const fs::path name(entry.as<std::string>());
-      // Bags before Dashing name the folder too.
-      files.push_back(fs::exists(folder / name) ? folder / name : folder / name.filename());
+      found.files.push_back(find_file(folder, entry.as<std::string>()));
     }
   } catch (const YAML::Exception&) {
-    files.clear();  // a damaged metadata.yaml costs nothing: the files say it all again
+    found.files.clear();  // a damaged metadata.yaml costs nothing: the files say it all again
   }
-  return files;
+  // Names that lead nowhere are those of a bag that was renamed.
+  if (std::none_of(found.files.begin(), found.files.end(),
+                   [](const fs::path& file) { return fs::exists(file); })) {
+    found.files.clear();
+  }
+  return found;
+}
+
+bool is_storage_file(const fs::path& file) {
+  const std::string ending = file.extension().string();
+  const bool packed = ending == ".zstd" || ending == ".lz4";
+  const std::string inner = packed ? file.stem().extension().string() : ending;
+  return inner == ".db3" || inner == ".mcap";
+}
+
+/// bag_2 before bag_10.
+bool by_number(const fs::path& a, const fs::path& b) {
+  const auto key = [](const fs::path& path) {
+    const std::string stem = path.filename().string().substr(0, path.filename().string().find('.'));
+    const auto digits = std::find_if(stem.rbegin(), stem.rend(),
+                                     [](unsigned char c) { return std::isdigit(c) == 0; });
+    const auto split = static_cast<std::size_t>(stem.rend() - digits);
+    return std::tuple(stem.substr(0, split), stem.size() - split, stem.substr(split));
+  };
+  return key(a) < key(b);
 }
 
 }  // namespace
@@ -50,42 +101,31 @@ bool is_sqlite(const fs::path& file) {
 }
 bool is_mcap(const fs::path& file) { return begins_with(file, "\x89MCAP0\r\n"); }
 
-std::vector<fs::path> bag_files(const fs::path& folder) {
-  std::vector<fs::path> files = files_of_metadata(folder);
-  if (files.empty()) {
+BagFolderFiles bag_files(const fs::path& folder) {
+  BagFolderFiles found = files_of_metadata(folder);
+  if (found.files.empty()) {
     for (const auto& entry : fs::directory_iterator(folder)) {
-      const std::string ending = entry.path().extension().string();
-      if (ending == ".db3" || ending == ".mcap") files.push_back(entry.path());
+      if (is_storage_file(entry.path())) found.files.push_back(entry.path());
     }
-    std::sort(files.begin(), files.end());
+    std::sort(found.files.begin(), found.files.end(), by_number);
   }
-  if (files.empty()) {
+  if (found.files.empty()) {
     throw InputError(folder.string(), "is a folder without a bag in it",
                      "name a folder with metadata.yaml, .db3 or .mcap files");
   }
-  return files;
+  return found;
 }
 
-void write_bag_metadata(const fs::path& folder, const BagSummary& summary) {
-  std::size_t total = 0;
-  for (const std::size_t count : summary.counts) total += count;
-  YAML::Emitter out;
-  const auto duration = [&] {
-    out << YAML::Key << "duration" << YAML::Value << YAML::BeginMap << YAML::Key << "nanoseconds"
-        << YAML::Value << (summary.end - summary.begin).ns << YAML::EndMap;
-  };
-  const auto begin = [&] {
-    out << YAML::Key << "starting_time" << YAML::Value << YAML::BeginMap << YAML::Key
-        << "nanoseconds_since_epoch" << YAML::Value << summary.begin.ns << YAML::EndMap;
-  };
-  out << YAML::BeginMap << YAML::Key << "rosbag2_bagfile_information" << YAML::Value
-      << YAML::BeginMap;
-  out << YAML::Key << "version" << YAML::Value << 5;
-  out << YAML::Key << "storage_identifier" << YAML::Value
-      << (summary.storage == BagStorage::kMcap ? "mcap" : "sqlite3");
-  duration();
-  begin();
-  out << YAML::Key << "message_count" << YAML::Value << total;
+namespace {
+
+void emit_span(YAML::Emitter& out, Stamp begin, Stamp end) {
+  out << YAML::Key << "starting_time" << YAML::Value << YAML::BeginMap << YAML::Key
+      << "nanoseconds_since_epoch" << YAML::Value << begin.ns << YAML::EndMap;
+  out << YAML::Key << "duration" << YAML::Value << YAML::BeginMap << YAML::Key << "nanoseconds"
+      << YAML::Value << (end - begin).ns << YAML::EndMap;
+}
+
+void emit_topics(YAML::Emitter& out, const BagSummary& summary) {
   out << YAML::Key << "topics_with_message_count" << YAML::Value << YAML::BeginSeq;
   for (std::size_t i = 0; i < summary.topics.size(); ++i) {
     const BagTopic& topic = summary.topics[i];
@@ -97,15 +137,50 @@ void write_bag_metadata(const fs::path& folder, const BagSummary& summary) {
         << "message_count" << YAML::Value << summary.counts[i] << YAML::EndMap;
   }
   out << YAML::EndSeq;
-  out << YAML::Key << "compression_format" << YAML::Value << YAML::DoubleQuoted << "";
-  out << YAML::Key << "compression_mode" << YAML::Value << YAML::DoubleQuoted << "";
-  out << YAML::Key << "relative_file_paths" << YAML::Value << YAML::BeginSeq << summary.file
-      << YAML::EndSeq;
-  out << YAML::Key << "files" << YAML::Value << YAML::BeginSeq << YAML::BeginMap << YAML::Key
-      << "path" << YAML::Value << summary.file;
-  begin();
-  duration();
-  out << YAML::Key << "message_count" << YAML::Value << total << YAML::EndMap << YAML::EndSeq;
+}
+
+void emit_files(YAML::Emitter& out, const BagSummary& summary) {
+  out << YAML::Key << "relative_file_paths" << YAML::Value << YAML::BeginSeq;
+  for (const auto& file : summary.files) out << file.name;
+  out << YAML::EndSeq;
+  out << YAML::Key << "files" << YAML::Value << YAML::BeginSeq;
+  for (const auto& file : summary.files) {
+    out << YAML::BeginMap << YAML::Key << "path" << YAML::Value << file.name;
+    emit_span(out, file.begin, file.end);
+    out << YAML::Key << "message_count" << YAML::Value << file.messages << YAML::EndMap;
+  }
+  out << YAML::EndSeq;
+}
+
+}  // namespace
+
+void write_bag_metadata(const fs::path& folder, const BagSummary& summary) {
+  std::size_t total = 0;
+  Stamp begin{std::numeric_limits<std::int64_t>::max()};
+  Stamp end{std::numeric_limits<std::int64_t>::min()};
+  for (const auto& file : summary.files) {
+    if (file.messages == 0) continue;
+    total += file.messages;
+    begin = std::min(begin, file.begin);
+    end = std::max(end, file.end);
+  }
+  if (total == 0) begin = end = Stamp{};
+  const bool packed = summary.packing != BagPacking::kNone;
+  const char* const modes[] = {"", "FILE", "MESSAGE"};
+  YAML::Emitter out;
+  out << YAML::BeginMap << YAML::Key << "rosbag2_bagfile_information" << YAML::Value
+      << YAML::BeginMap;
+  out << YAML::Key << "version" << YAML::Value << 5;
+  out << YAML::Key << "storage_identifier" << YAML::Value
+      << (summary.storage == BagStorage::kMcap ? "mcap" : "sqlite3");
+  emit_span(out, begin, end);
+  out << YAML::Key << "message_count" << YAML::Value << total;
+  emit_topics(out, summary);
+  out << YAML::Key << "compression_format" << YAML::Value << YAML::DoubleQuoted
+      << (packed ? "zstd" : "");
+  out << YAML::Key << "compression_mode" << YAML::Value << YAML::DoubleQuoted
+      << modes[static_cast<std::size_t>(summary.packing)];
+  emit_files(out, summary);
   out << YAML::EndMap << YAML::EndMap;
   WholeFile file(folder / "metadata.yaml");
   file.stream() << out.c_str() << '\n';

@@ -102,6 +102,7 @@ class BagParser {
       }
       if (++done % 1000 == 0) report_progress(options_.progress, "read log", done, 0);
     }
+    report_.storage = reader->description();
     const BagDamage& damage = reader->damage();
     if (damage.count > 0) {
       if (report_.bad_lines == 0) report_.first_bad = damage.first;

@@ -11,9 +11,14 @@
 
 namespace strata::log {
 
-[[nodiscard]] std::unique_ptr<BagReader> open_sqlite_bag(const std::filesystem::path& file);
-[[nodiscard]] std::unique_ptr<BagReader> open_mcap(const std::filesystem::path& file);
-[[nodiscard]] std::unique_ptr<BagWriter::File> create_sqlite_bag(const std::filesystem::path& file);
+/// `shown` is the name in messages, where `file` is a temporary copy of it.
+[[nodiscard]] std::unique_ptr<BagReader> open_sqlite_bag(const std::filesystem::path& file,
+                                                         const std::filesystem::path& shown);
+[[nodiscard]] std::unique_ptr<BagReader> open_mcap(const std::filesystem::path& file,
+                                                   const std::filesystem::path& shown);
+/// Schema 3 or 4.
+[[nodiscard]] std::unique_ptr<BagWriter::File> create_sqlite_bag(const std::filesystem::path& file,
+                                                                 int schema);
 [[nodiscard]] std::unique_ptr<BagWriter::File> create_mcap(const std::filesystem::path& file,
                                                            BagCompression compression);
 
@@ -22,18 +27,29 @@ namespace strata::log {
 
 /// What metadata.yaml of a written bag says.
 struct BagSummary {
+  struct File {
+    std::string name;
+    Stamp begin;
+    Stamp end;
+    std::size_t messages = 0;
+  };
   BagStorage storage = BagStorage::kSqlite3;
-  std::string file;
+  BagPacking packing = BagPacking::kNone;
+  std::vector<File> files;
   std::vector<BagTopic> topics;
   std::vector<std::size_t> counts;  ///< per topic
-  Stamp begin;
-  Stamp end;
 };
 /// In the form of Humble (version 5). Throws OutputError.
 void write_bag_metadata(const std::filesystem::path& folder, const BagSummary& summary);
-/// The storage files of a bag folder in order; without a usable metadata.yaml every .db3 and .mcap
-/// in it by name. Throws InputError when there is none, or when messages are compressed one by one.
-[[nodiscard]] std::vector<std::filesystem::path> bag_files(const std::filesystem::path& folder);
+
+struct BagFolderFiles {
+  std::vector<std::filesystem::path> files;  ///< in order; one that metadata names may be missing
+  bool packed_messages = false;              ///< metadata says that messages are compressed
+};
+/// The storage files of a bag folder; without a usable metadata.yaml every .db3 and .mcap in it
+/// (packed ones too) by name, numbers in it by value. Throws InputError when there is none, or when
+/// metadata names a compression that is not known here.
+[[nodiscard]] BagFolderFiles bag_files(const std::filesystem::path& folder);
 
 /// The .msg text of a type with its dependencies as MCAP keeps it; empty for types we do not know.
 [[nodiscard]] std::string message_definition(const std::string& type);

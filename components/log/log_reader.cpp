@@ -9,6 +9,7 @@
 #include "components/log/bag_observations.hpp"
 #include "components/log/bag_storage.hpp"
 #include "components/log/carmen.hpp"
+#include "components/log/compression.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
 
@@ -65,6 +66,7 @@ LogFormat detect_format(const fs::path& path) {
   if (fs::is_directory(path, error)) return LogFormat::kBagFolder;
   if (is_mcap(path)) return LogFormat::kMcap;
   if (is_sqlite(path)) return LogFormat::kSqlite3;
+  if (compression_of_file(path) != BagCompression::kNone) return LogFormat::kPackedFile;
   return detect_text(path);
 }
 
@@ -78,6 +80,8 @@ const char* format_name(LogFormat format) {
       return "MCAP file";
     case LogFormat::kBagFolder:
       return "rosbag2 folder";
+    case LogFormat::kPackedFile:
+      return "packed rosbag2 file";
   }
   return "?";
 }

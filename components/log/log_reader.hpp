@@ -14,7 +14,7 @@
 
 namespace strata::log {
 
-enum class LogFormat { kCarmen, kSqlite3, kMcap, kBagFolder };
+enum class LogFormat { kCarmen, kSqlite3, kMcap, kBagFolder, kPackedFile };
 
 /// Told by content, never by name. Throws InputError for anything else, with what it looks like.
 [[nodiscard]] LogFormat detect_format(const std::filesystem::path& path);
@@ -42,6 +42,7 @@ struct ReadOptions {
 /// What reading met. Nothing is skipped without being counted here.
 struct ReadReport {
   LogFormat format = LogFormat::kCarmen;
+  std::string storage;                          ///< how a bag is stored, for people
   std::map<std::string, std::size_t> messages;  ///< per CARMEN keyword or topic
   std::map<std::string, std::string> types;     ///< per topic of a bag
   std::size_t bad_lines = 0;                    ///< unreadable lines or messages

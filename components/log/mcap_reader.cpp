@@ -10,11 +10,11 @@
 #include <string_view>
 #include <utility>
 
-#include <lz4frame.h>
 #include <zlib.h>
-#include <zstd.h>
 
 #include "components/log/bag_storage.hpp"
+#include "components/log/compression.hpp"
+#include "components/log/mcap_records.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -22,110 +22,37 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-using View = std::span<const std::uint8_t>;
-
-enum Opcode : std::uint8_t {
-  kHeader = 1,
-  kFooter = 2,
-  kSchema = 3,
-  kChannel = 4,
-  kMessage = 5,
-  kChunk = 6,
-  kDataEnd = 15,
-};
 /// No honest chunk is larger; a damaged length must not take the machine's memory.
 constexpr std::uint64_t kLargestChunk = 512ULL << 20;
 
-/// Little-endian fields one after the other; `ok` turns false when they run out.
-class Cursor {
- public:
-  explicit Cursor(View bytes) : bytes_(bytes) {}
-  [[nodiscard]] bool ok() const { return ok_; }
-  template <typename T>
-  T number() {
-    T value = 0;
-    const View raw = take(sizeof(T));
-    for (std::size_t i = 0; i < raw.size(); ++i) {
-      value = static_cast<T>(value | (static_cast<T>(raw[i]) << (8 * i)));
-    }
-    return value;
-  }
-  View take(std::uint64_t size) {
-    if (!ok_ || size > bytes_.size() - at_) {
-      ok_ = false;
-      return {};
-    }
-    const View part = bytes_.subspan(at_, static_cast<std::size_t>(size));
-    at_ += static_cast<std::size_t>(size);
-    return part;
-  }
-  std::string text() {
-    const View raw = take(number<std::uint32_t>());
-    return {raw.begin(), raw.end()};
-  }
-  std::map<std::string, std::string> text_map() {
-    Cursor inner(take(number<std::uint32_t>()));
-    std::map<std::string, std::string> values;
-    while (inner.left() > 0 && inner.ok()) {
-      std::string key = inner.text();
-      values[std::move(key)] = inner.text();
-    }
-    return values;
-  }
-  View rest() { return take(bytes_.size() - at_); }
-  [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
-
- private:
-  View bytes_;
-  std::size_t at_ = 0;
-  bool ok_ = true;
-};
-
 /// Empty with a reason when the bytes are not what they should be.
-Bytes decompress(const std::string& method, View packed, std::uint64_t size, std::string& error) {
+Bytes unpack(const std::string& method, View packed, std::uint64_t size, std::string& error) {
   if (method.empty()) return {packed.begin(), packed.end()};
-  Bytes plain(static_cast<std::size_t>(size));
-  if (method == "zstd") {
-    const std::size_t got =
-        ZSTD_decompress(plain.data(), plain.size(), packed.data(), packed.size());
-    if (ZSTD_isError(got) != 0U) error = ZSTD_getErrorName(got);
-    if (error.empty() && got != plain.size()) error = "it unpacks to another length";
-  } else if (method == "lz4") {
-    LZ4F_dctx* context = nullptr;
-    LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
-    std::size_t to = 0;
-    std::size_t from = 0;
-    while (from < packed.size() && error.empty()) {
-      std::size_t room = plain.size() - to;
-      std::size_t given = packed.size() - from;
-      const std::size_t hint =
-          LZ4F_decompress(context, plain.data() + to, &room, packed.data() + from, &given, nullptr);
-      if (LZ4F_isError(hint) != 0U) error = LZ4F_getErrorName(hint);
-      to += room;
-      from += given;
-      if (hint == 0 || (room == 0 && given == 0)) break;
-    }
-    LZ4F_freeDecompressionContext(context);
-    if (error.empty() && to != plain.size()) error = "it unpacks to another length";
-  } else {
+  const auto compression = method == "zstd"  ? BagCompression::kZstd
+                           : method == "lz4" ? BagCompression::kLz4
+                                             : BagCompression::kNone;
+  if (compression == BagCompression::kNone) {
     error = "unknown compression " + method;
+    return {};
   }
+  Bytes plain = decompress(packed, compression, size, error);
+  if (error.empty() && plain.size() != size) error = "it unpacks to another length";
   if (!error.empty()) plain.clear();
   return plain;
 }
 
 class McapReader : public BagReader {
  public:
-  explicit McapReader(const fs::path& file) : file_(file), in_(file, std::ios::binary) {
-    if (!in_) throw InputError(file.string(), "cannot be opened", "check its permissions");
+  McapReader(const fs::path& file, fs::path shown)
+      : file_(std::move(shown)), in_(file, std::ios::binary) {
+    if (!in_) throw InputError(file_.string(), "cannot be opened", "check its permissions");
     size_ = fs::file_size(file);
     scan_file();
     std::stable_sort(pieces_.begin(), pieces_.end(),
                      [](const Piece& a, const Piece& b) { return a.begin_ns < b.begin_ns; });
     prefetch();
     if (topics_.empty()) {
-      throw InputError(file.string(),
+      throw InputError(file_.string(),
                        damage_.count > 0 ? damage_.first : std::string("holds no topics"),
                        "check that it was copied whole");
     }
@@ -133,6 +60,9 @@ class McapReader : public BagReader {
 
   const std::vector<BagTopic>& topics() const override { return topics_; }
   const BagDamage& damage() const override { return damage_; }
+  std::string description() const override {
+    return "MCAP" + (compression_.empty() ? std::string() : ", chunks packed with " + compression_);
+  }
 
   bool next(BagMessage& message) override {
     prefetch();
@@ -149,7 +79,7 @@ class McapReader : public BagReader {
     std::uint64_t begin_ns;
     std::uint64_t offset;
     std::uint64_t size;
-    Opcode opcode;
+    McapOpcode opcode;
   };
   struct Waiting {
     BagMessage message;
@@ -177,7 +107,7 @@ class McapReader : public BagReader {
     std::uint64_t at = 8;  // behind the magic
     while (at < size_) {
       const Bytes head = read(at, 9);
-      Cursor cursor{View(head)};
+      McapCursor cursor{View(head)};
       const auto opcode = cursor.number<std::uint8_t>();
       const auto length = cursor.number<std::uint64_t>();
       if (!cursor.ok() || length > size_ - at - 9) {
@@ -188,9 +118,9 @@ class McapReader : public BagReader {
       if (opcode == kDataEnd || opcode == kFooter) return;
       if (opcode == kChunk || opcode == kMessage) {
         const Bytes start = read(body, std::min<std::uint64_t>(length, 24));
-        Cursor fields{View(start)};
+        McapCursor fields{View(start)};
         if (opcode == kMessage) fields.take(6);
-        pieces_.push_back({fields.number<std::uint64_t>(), body, length, Opcode(opcode)});
+        pieces_.push_back({fields.number<std::uint64_t>(), body, length, McapOpcode(opcode)});
       } else if (opcode == kSchema || opcode == kChannel) {
         const Bytes record = read(body, length);
         take_record(opcode, record, body);
@@ -220,19 +150,20 @@ class McapReader : public BagReader {
   }
 
   void load_chunk(View bytes, std::uint64_t offset) {
-    Cursor cursor(bytes);
+    McapCursor cursor(bytes);
     cursor.number<std::uint64_t>();
     cursor.number<std::uint64_t>();
     const auto plain_size = cursor.number<std::uint64_t>();
     const auto crc = cursor.number<std::uint32_t>();
     const std::string method = cursor.text();
     const View packed = cursor.take(cursor.number<std::uint64_t>());
+    if (cursor.ok()) compression_ = method;
     std::string error;
     Bytes plain;
     if (!cursor.ok() || plain_size > kLargestChunk) {
       error = "its header is damaged";
     } else {
-      plain = decompress(method, packed, plain_size, error);
+      plain = unpack(method, packed, plain_size, error);
       if (error.empty() && crc != 0 &&
           crc32(0, plain.data(), static_cast<unsigned>(plain.size())) != crc) {
         error = "its checksum does not fit";
@@ -242,7 +173,7 @@ class McapReader : public BagReader {
       damage_.add(place(offset) + "a chunk is left out: " + error);
       return;
     }
-    Cursor records{View(plain)};
+    McapCursor records{View(plain)};
     while (records.left() > 0) {
       const auto opcode = records.number<std::uint8_t>();
       const View body = records.take(records.number<std::uint64_t>());
@@ -255,7 +186,7 @@ class McapReader : public BagReader {
   }
 
   void take_record(std::uint8_t opcode, View body, std::uint64_t offset) {
-    Cursor cursor(body);
+    McapCursor cursor(body);
     if (opcode == kSchema) {
       const auto id = cursor.number<std::uint16_t>();
       schemas_[id] = cursor.text();
@@ -284,7 +215,7 @@ class McapReader : public BagReader {
     if (!cursor.ok()) damage_.add(place(offset) + "a record is too short");
   }
 
-  void take_channel(Cursor& cursor) {
+  void take_channel(McapCursor& cursor) {
     const auto id = cursor.number<std::uint16_t>();
     const auto schema = cursor.number<std::uint16_t>();
     BagTopic topic;
@@ -310,13 +241,14 @@ class McapReader : public BagReader {
   std::vector<BagTopic> topics_;
   std::vector<Waiting> waiting_;
   std::uint64_t order_ = 0;
+  std::string compression_;  ///< of the last chunk
   BagDamage damage_;
 };
 
 }  // namespace
 
-std::unique_ptr<BagReader> open_mcap(const fs::path& file) {
-  return std::make_unique<McapReader>(file);
+std::unique_ptr<BagReader> open_mcap(const fs::path& file, const fs::path& shown) {
+  return std::make_unique<McapReader>(file, shown);
 }
 
 }  // namespace strata::log

@@ -10,11 +10,11 @@
 #include <string_view>
 #include <utility>
 
-#include <lz4frame.h>
 #include <zlib.h>
-#include <zstd.h>
 
 #include "components/log/bag_storage.hpp"
+#include "components/log/compression.hpp"
+#include "components/log/mcap_records.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -22,14 +22,7 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using View = std::span<const std::uint8_t>;
-
-constexpr std::string_view kMagic = "\x89MCAP0\r\n";
 constexpr std::size_t kChunkBytes = 1 << 20;
-constexpr std::uint8_t kHeader = 1, kFooter = 2, kSchema = 3, kChannel = 4, kMessage = 5,
-                       kChunk = 6, kMessageIndex = 7, kChunkIndex = 8, kStatistics = 11,
-                       kSummaryOffset = 14, kDataEnd = 15;
-
 /// Little-endian fields.
 class Record {
  public:
@@ -62,27 +55,12 @@ class Record {
   std::vector<std::uint8_t> bytes_;
 };
 
-std::vector<std::uint8_t> compress(View plain, BagCompression method) {
-  std::vector<std::uint8_t> packed;
-  if (method == BagCompression::kZstd) {
-    packed.resize(ZSTD_compressBound(plain.size()));
-    packed.resize(ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), 3));
-  } else if (method == BagCompression::kLz4) {
-    packed.resize(LZ4F_compressFrameBound(plain.size(), nullptr));
-    packed.resize(
-        LZ4F_compressFrame(packed.data(), packed.size(), plain.data(), plain.size(), nullptr));
-  } else {
-    packed.assign(plain.begin(), plain.end());
-  }
-  return packed;
-}
-
 class McapFile : public BagWriter::File {
  public:
   McapFile(const fs::path& file, BagCompression compression)
       : file_(file), out_(file, std::ios::binary | std::ios::trunc), compression_(compression) {
     Record start;
-    start.raw(View(reinterpret_cast<const std::uint8_t*>(kMagic.data()), kMagic.size()));
+    start.raw(View(reinterpret_cast<const std::uint8_t*>(kMcapMagic.data()), kMcapMagic.size()));
     start.record(kHeader, Record().text("ros2").text("strata"));
     put(start);
   }
@@ -107,7 +85,7 @@ class McapFile : public BagWriter::File {
     counts_.push_back(0);
     ++channels_;
     // Every chunk begins with all topics, so that each can be read alone.
-    flush();
+    end_chunk();
   }
 
   void write(std::size_t topic, Stamp stamp, View cdr) override {
@@ -133,12 +111,12 @@ class McapFile : public BagWriter::File {
     chunk_end_ = std::max(chunk_end_, ns);
     if (chunk_.bytes().size() > kChunkBytes ||
         Clock::now() - chunk_started_ > std::chrono::seconds(1)) {
-      flush();
+      end_chunk();
     }
   }
 
   void close() override {
-    flush();
+    end_chunk();
     Record end;
     end.record(kDataEnd, Record().number(std::uint32_t{0}));
     put(end);
@@ -162,11 +140,13 @@ class McapFile : public BagWriter::File {
     const auto crc = static_cast<std::uint32_t>(
         crc32(0, tail.bytes().data(), static_cast<unsigned>(tail.bytes().size())));
     tail.number(crc);
-    tail.raw(View(reinterpret_cast<const std::uint8_t*>(kMagic.data()), kMagic.size()));
+    tail.raw(View(reinterpret_cast<const std::uint8_t*>(kMcapMagic.data()), kMcapMagic.size()));
     put(tail);
     out_.close();
     if (!out_) fail();
   }
+
+  void flush() override { end_chunk(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -182,12 +162,11 @@ class McapFile : public BagWriter::File {
     if (!out_.flush()) fail();
   }
 
-  void flush() {
+  void end_chunk() {
     if (messages_in_chunk_ == 0) return;
     const auto& plain = chunk_.bytes();
-    const std::vector<std::uint8_t> packed = compress(plain, compression_);
-    const char* const names[] = {"", "zstd", "lz4"};
-    const std::string_view name = names[static_cast<int>(compression_)];
+    const Bytes packed = compress(plain, compression_);
+    const std::string_view name = compression_name(compression_);
     Record body;
     body.number(chunk_begin_).number(chunk_end_).number(std::uint64_t{plain.size()});
     body.number(

@@ -79,6 +79,7 @@ Json describe(const std::string& path, const log::LogContent& content,
   Json info;
   info["log"] = path;
   info["format"] = log::format_name(report.format);
+  if (!report.storage.empty()) info["storage"] = report.storage;
   info["begin_s"] = begin.seconds();
   info["end_s"] = end.seconds();
   info["duration_s"] = duration_s;
@@ -113,7 +114,9 @@ std::string number(double value, const char* format) {
 
 void print(const Json& info) {
   const Json& scans = info["scans"];
-  std::cout << info["log"].get<std::string>() << ": " << info["format"].get<std::string>() << "\n";
+  std::cout << info["log"].get<std::string>() << ": " << info["format"].get<std::string>();
+  if (info.contains("storage")) std::cout << " (" << info["storage"].get<std::string>() << ")";
+  std::cout << "\n";
   std::cout << "  duration   " << number(info["duration_s"], "%.1f s") << "\n";
   if (!info["path_m"].is_null()) {
     std::cout << "  path       " << number(info["path_m"], "%.1f m") << " by odometry ("

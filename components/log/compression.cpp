@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/log/compression.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <system_error>
+
+#include <lz4frame.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::log {
+namespace {
+
+constexpr std::size_t kBlockBytes = 1 << 18;
+
+struct FreeZstd {
+  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+};
+struct FreeLz4 {
+  void operator()(LZ4F_dctx* context) const { LZ4F_freeDecompressionContext(context); }
+};
+
+/// Unpacks piece by piece.
+class FrameDecoder {
+ public:
+  explicit FrameDecoder(BagCompression compression) {
+    if (compression == BagCompression::kZstd) {
+      zstd_.reset(ZSTD_createDCtx());
+    } else {
+      LZ4F_dctx* context = nullptr;
+      LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
+      lz4_.reset(context);
+    }
+  }
+  /// Takes from the front of `in` and fills the front of `out`; returns how much was filled.
+  std::size_t step(View& in, std::span<std::uint8_t> out) {
+    std::size_t taken = in.size();
+    std::size_t filled = out.size();
+    std::size_t hint = 0;
+    if (zstd_) {
+      ZSTD_inBuffer from{in.data(), in.size(), 0};
+      ZSTD_outBuffer to{out.data(), out.size(), 0};
+      hint = ZSTD_decompressStream(zstd_.get(), &to, &from);
+      if (ZSTD_isError(hint) != 0U) error_ = ZSTD_getErrorName(hint);
+      taken = from.pos;
+      filled = to.pos;
+    } else {
+      hint = LZ4F_decompress(lz4_.get(), out.data(), &filled, in.data(), &taken, nullptr);
+      if (LZ4F_isError(hint) != 0U) {
+        error_ = LZ4F_getErrorName(hint);
+        filled = 0;
+      }
+    }
+    in = in.subspan(std::min(taken, in.size()));
+    finished_ = error_.empty() && hint == 0;
+    return filled;
+  }
+  /// Whether a frame has come to its end.
+  [[nodiscard]] bool finished() const { return finished_; }
+  [[nodiscard]] const std::string& error() const { return error_; }
+
+ private:
+  std::unique_ptr<ZSTD_DCtx, FreeZstd> zstd_;
+  std::unique_ptr<LZ4F_dctx, FreeLz4> lz4_;
+  bool finished_ = false;
+  std::string error_;
+};
+
+/// Unpacks all frames of `in` behind one another into `out`; returns why it ends early.
+std::string unpack(std::istream& in, BagCompression compression, std::ostream& out) {
+  FrameDecoder decoder(compression);
+  Bytes packed(kBlockBytes);
+  Bytes plain(kBlockBytes);
+  while (in && out) {
+    in.read(reinterpret_cast<char*>(packed.data()), static_cast<std::streamsize>(packed.size()));
+    View rest(packed.data(), static_cast<std::size_t>(in.gcount()));
+    bool more = !rest.empty();
+    while (more && out) {
+      const std::size_t filled = decoder.step(rest, plain);
+      out.write(reinterpret_cast<const char*>(plain.data()), static_cast<std::streamsize>(filled));
+      if (!decoder.error().empty()) return decoder.error();
+      more = !rest.empty() || filled == plain.size();
+    }
+  }
+  return decoder.finished() ? "" : "it is cut";
+}
+
+}  // namespace
+
+std::string_view compression_name(BagCompression compression) {
+  constexpr std::string_view names[] = {"", "zstd", "lz4"};
+  return names[static_cast<std::size_t>(compression)];
+}
+
+BagCompression compression_of(View bytes) {
+  constexpr std::uint8_t zstd[] = {0x28, 0xB5, 0x2F, 0xFD};
+  constexpr std::uint8_t lz4[] = {0x04, 0x22, 0x4D, 0x18};
+  if (bytes.size() < 4) return BagCompression::kNone;
+  if (std::equal(std::begin(zstd), std::end(zstd), bytes.begin())) return BagCompression::kZstd;
+  if (std::equal(std::begin(lz4), std::end(lz4), bytes.begin())) return BagCompression::kLz4;
+  return BagCompression::kNone;
+}
+
+BagCompression compression_of_file(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  Bytes head(4);
+  in.read(reinterpret_cast<char*>(head.data()), 4);
+  return in ? compression_of(head) : BagCompression::kNone;
+}
+
+Bytes compress(View plain, BagCompression compression) {
+  Bytes packed;
+  if (compression == BagCompression::kZstd) {
+    packed.resize(ZSTD_compressBound(plain.size()));
+    packed.resize(ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), 3));
+  } else if (compression == BagCompression::kLz4) {
+    packed.resize(LZ4F_compressFrameBound(plain.size(), nullptr));
+    packed.resize(
+        LZ4F_compressFrame(packed.data(), packed.size(), plain.data(), plain.size(), nullptr));
+  } else {
+    packed.assign(plain.begin(), plain.end());
+  }
+  return packed;
+}
+
+Bytes decompress(View packed, BagCompression compression, std::uint64_t limit, std::string& error) {
+  error.clear();
+  if (compression == BagCompression::kNone) return {packed.begin(), packed.end()};
+  FrameDecoder decoder(compression);
+  const auto most = static_cast<std::size_t>(limit);
+  Bytes plain(std::min(most, 4 * packed.size() + 64));
+  std::size_t size = 0;
+  while (true) {
+    const std::size_t before = packed.size();
+    const std::size_t filled = decoder.step(packed, std::span(plain).subspan(size));
+    size += filled;
+    error = decoder.error();
+    if (!error.empty() || decoder.finished()) break;
+    if (size == plain.size() && size < most) {
+      plain.resize(std::min(most, 2 * plain.size()));
+    } else if (filled == 0 && packed.size() == before) {
+      error = size == most && !packed.empty() ? "it unpacks to more than it says" : "it is cut";
+      break;
+    }
+  }
+  plain.resize(size);
+  return plain;
+}
+
+UnpackedFile::UnpackedFile(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(file.string(), "cannot be opened", "check its permissions");
+  std::string pattern = (fs::temp_directory_path() / "strata-unpacked-XXXXXX").string();
+  const int descriptor = mkstemp(pattern.data());
+  if (descriptor >= 0) ::close(descriptor);
+  path_ = pattern;
+  std::ofstream out(path_, std::ios::binary);
+  if (descriptor >= 0 && out) {
+    const std::string why = unpack(in, compression_of_file(file), out);
+    if (!why.empty()) damage_ = file.string() + ": its compressed content ends early: " + why;
+    out.close();
+  }
+  if (descriptor < 0 || !out) {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+    throw InputError(file.string(), "cannot be unpacked into " + path_.parent_path().string(),
+                     "free some space there, or set TMPDIR to another folder");
+  }
+}
+
+UnpackedFile::~UnpackedFile() {
+  std::error_code ignored;
+  fs::remove(path_, ignored);
+}
+
+void pack_file(const fs::path& file, const fs::path& packed) {
+  std::ifstream in(file, std::ios::binary);
+  std::ofstream out(packed, std::ios::binary | std::ios::trunc);
+  const std::unique_ptr<ZSTD_CCtx, FreeZstd> context(ZSTD_createCCtx());
+  Bytes plain(kBlockBytes);
+  Bytes frame(ZSTD_CStreamOutSize());
+  bool last = false;
+  while (!last && out) {
+    in.read(reinterpret_cast<char*>(plain.data()), static_cast<std::streamsize>(plain.size()));
+    last = !in;
+    ZSTD_inBuffer from{plain.data(), static_cast<std::size_t>(in.gcount()), 0};
+    std::size_t left = 1;
+    while (left > 0 && out) {
+      ZSTD_outBuffer to{frame.data(), frame.size(), 0};
+      left = ZSTD_compressStream2(context.get(), &to, &from, last ? ZSTD_e_end : ZSTD_e_continue);
+      if (ZSTD_isError(left) != 0U) out.setstate(std::ios::failbit);
+      out.write(reinterpret_cast<const char*>(frame.data()), static_cast<std::streamsize>(to.pos));
+      if (!last && from.pos == from.size) break;
+    }
+  }
+  out.close();
+  if (!out || in.bad()) {
+    throw OutputError(packed.string(), "cannot be written",
+                      "free some space or choose another place");
+  }
+}
+
+}  // namespace strata::log

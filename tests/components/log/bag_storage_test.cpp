@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The files of a bag: schemas that others wrote, splits, and folders that lost something.
+#include "components/log/bag_storage.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "components/log/bag.hpp"
+#include "core/base/error.hpp"
+#include "tests/components/log/log_fixture.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::log {
+namespace {
+
+struct Content {
+  std::vector<std::int64_t> stamps;
+  std::vector<BagTopic> topics;
+  BagDamage damage;
+  std::string description;
+};
+
+Content read_all(const fs::path& path) {
+  const auto reader = BagReader::open(path);
+  Content content;
+  BagMessage message;
+  while (reader->next(message)) content.stamps.push_back(message.stamp.ns);
+  content.topics = reader->topics();
+  content.damage = reader->damage();
+  content.description = reader->description();
+  return content;
+}
+
+std::vector<std::int64_t> numbers(std::int64_t count) {
+  std::vector<std::int64_t> all;
+  for (std::int64_t i = 0; i < count; ++i) all.push_back(i);
+  return all;
+}
+
+class BagFilesTest : public ::testing::Test {
+ protected:
+  void execute(const fs::path& file, const std::string& sql) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+    char* error = nullptr;
+    sqlite3_exec(database, sql.c_str(), nullptr, nullptr, &error);
+    EXPECT_EQ(error, nullptr) << error;
+    sqlite3_free(error);
+    sqlite3_close(database);
+  }
+  /// `count` messages of 1,000 bytes, one a nanosecond.
+  fs::path write(const BagOptions& options, std::int64_t count) {
+    const fs::path bag = folder_.path() / "bag";
+    BagWriter writer(bag, options);
+    const auto topic = writer.add_topic({"/a", "std_msgs/msg/String", "cdr", ""});
+    const std::vector<std::uint8_t> data(1000, 0);
+    for (std::int64_t i = 0; i < count; ++i) writer.write(topic, {i}, data);
+    writer.close();
+    return bag;
+  }
+  strata::test::TemporaryDirectory folder_;
+};
+
+constexpr const char* kTopicsBefore4 =
+    "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,"
+    "serialization_format TEXT NOT NULL,offered_qos_profiles TEXT NOT NULL);"
+    "INSERT INTO topics VALUES(3,'/a','std_msgs/msg/String','cdr','- history: 3');";
+constexpr const char* kMessages =
+    "CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT "
+    "NULL,data BLOB NOT NULL);"
+    "CREATE INDEX timestamp_idx ON messages (timestamp ASC);"
+    "INSERT INTO messages VALUES(1,3,20,x'00010000');"
+    "INSERT INTO messages VALUES(2,3,10,x'00010000');";
+constexpr const char* kSchemaTables =
+    "CREATE TABLE schema(schema_version INTEGER PRIMARY KEY,ros_distro TEXT NOT NULL);"
+    "CREATE TABLE metadata(id INTEGER PRIMARY KEY,metadata_version INTEGER NOT NULL,"
+    "metadata TEXT NOT NULL);";
+
+/// As each release of rosbag2 makes its database; written by hand, not by our writer.
+TEST_F(BagFilesTest, TheSchemasOfEveryReleaseRead) {
+  const std::string schema3 =
+      std::string(kSchemaTables) + "INSERT INTO schema VALUES (3,'humble');" + kTopicsBefore4;
+  const std::string schema4 =
+      std::string(kSchemaTables) +
+      "INSERT INTO schema VALUES (4,'jazzy');"
+      "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,"
+      "serialization_format TEXT NOT NULL,offered_qos_profiles TEXT NOT NULL,"
+      "type_description_hash TEXT NOT NULL);"
+      "CREATE TABLE message_definitions(id INTEGER PRIMARY KEY,topic_type TEXT NOT NULL,"
+      "encoding TEXT NOT NULL,encoded_message_definition TEXT NOT NULL,"
+      "type_description_hash TEXT NOT NULL);"
+      "INSERT INTO topics VALUES(3,'/a','std_msgs/msg/String','cdr','- history: 3',"
+      "'RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18');";
+  const std::pair<std::string, const char*> cases[] = {
+      {kTopicsBefore4, "before 3"}, {schema3, "schema 3 (humble)"}, {schema4, "schema 4 (jazzy)"}};
+  for (const auto& [sql, description] : cases) {
+    const fs::path file = folder_.path() / "bag.db3";
+    fs::remove(file);
+    execute(file, sql + kMessages);
+    const Content content = read_all(file);
+    EXPECT_THAT(content.stamps, ::testing::ElementsAre(10, 20)) << description;
+    ASSERT_EQ(content.topics.size(), 1U);
+    EXPECT_EQ(content.topics[0].name, "/a");
+    EXPECT_EQ(content.topics[0].offered_qos_profiles, "- history: 3");
+    EXPECT_EQ(content.damage.count, 0U);
+    EXPECT_THAT(content.description, ::testing::HasSubstr(description));
+  }
+}
+
+TEST_F(BagFilesTest, SchemaFourCarriesTheDefinitionOfEachTypeOnce) {
+  const fs::path bag = folder_.path() / "bag";
+  BagWriter writer(bag, BagOptions{.sqlite_schema = 4});
+  writer.add_topic({"/a", "std_msgs/msg/String", "cdr", ""});
+  writer.add_topic({"/b", "std_msgs/msg/String", "cdr", ""});
+  writer.close();
+  EXPECT_THAT(read_all(bag).description, ::testing::HasSubstr("schema 4"));
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((bag / "bag_0.db3").c_str(), &database), SQLITE_OK);
+  sqlite3_stmt* rows = nullptr;
+  ASSERT_EQ(sqlite3_prepare_v2(database,
+                               "SELECT topic_type, encoding, encoded_message_definition FROM "
+                               "message_definitions",
+                               -1, &rows, nullptr),
+            SQLITE_OK);
+  ASSERT_EQ(sqlite3_step(rows), SQLITE_ROW);
+  const auto text = [&](int column) {
+    return std::string(reinterpret_cast<const char*>(sqlite3_column_text(rows, column)));
+  };
+  EXPECT_EQ(text(0), "std_msgs/msg/String");
+  EXPECT_EQ(text(1), "ros2msg");
+  EXPECT_EQ(text(2), message_definition("std_msgs/msg/String"));
+  EXPECT_THAT(text(2), ::testing::HasSubstr("string data"));
+  EXPECT_EQ(sqlite3_step(rows), SQLITE_DONE);
+  sqlite3_finalize(rows);
+  sqlite3_close(database);
+}
+
+TEST_F(BagFilesTest, ABagOfManyFilesIsOneBag) {
+  for (const auto storage : {BagStorage::kSqlite3, BagStorage::kMcap}) {
+    const fs::path bag = write({.storage = storage, .split_bytes = 10'000}, 120);
+    const char* ending = storage == BagStorage::kMcap ? ".mcap" : ".db3";
+    EXPECT_TRUE(fs::exists(bag / (std::string("bag_11") + ending)));
+    EXPECT_FALSE(fs::exists(bag / (std::string("bag_12") + ending)));
+    const Content content = read_all(bag);
+    EXPECT_EQ(content.stamps, numbers(120));
+    EXPECT_EQ(content.topics.size(), 1U);
+    EXPECT_THAT(content.description, ::testing::HasSubstr("12 files"));
+    // Without metadata.yaml the numbers in the names say the order: 2 before 10.
+    fs::remove(bag / "metadata.yaml");
+    EXPECT_EQ(read_all(bag).stamps, numbers(120));
+    fs::remove_all(bag);
+  }
+}
+
+TEST_F(BagFilesTest, ABagIsSplitByTimeToo) {
+  const fs::path bag = write({.storage = BagStorage::kMcap, .split_after = Duration{30}}, 90);
+  EXPECT_TRUE(fs::exists(bag / "bag_2.mcap"));
+  EXPECT_FALSE(fs::exists(bag / "bag_3.mcap"));
+  EXPECT_EQ(read_all(bag).stamps, numbers(90));
+  EXPECT_EQ(read_all(bag / "bag_1.mcap").stamps.front(), 30);
+}
+
+TEST_F(BagFilesTest, AFileThatIsMissingOrDestroyedCostsItselfAndIsCounted) {
+  const fs::path bag = write({.storage = BagStorage::kMcap, .split_bytes = 10'000}, 40);
+  fs::remove(bag / "bag_1.mcap");
+  test::write_text(bag / "bag_2.mcap", "not a bag at all");
+  const Content content = read_all(bag);
+  EXPECT_EQ(content.stamps.size(), 20U);
+  EXPECT_EQ(content.damage.count, 2U);
+  EXPECT_THAT(content.damage.first, ::testing::HasSubstr("bag_1.mcap"));
+}
+
+TEST_F(BagFilesTest, ABrokenOrForeignMetadataFileCostsNothing) {
+  const fs::path bag = write({.storage = BagStorage::kMcap}, 5);
+  for (const char* text :
+       {"rosbag2_bagfile_information: [", "", "- 1\n- 2\n",
+        "rosbag2_bagfile_information:\n  relative_file_paths: [renamed_0.mcap]\n"}) {
+    test::write_text(bag / "metadata.yaml", text);
+    EXPECT_EQ(read_all(bag).stamps, numbers(5)) << text;
+  }
+}
+
+TEST_F(BagFilesTest, AFolderWithoutABagAndAnEmptyFileAreRefused) {
+  EXPECT_THROW((void)BagReader::open(folder_.path()), InputError);
+  test::write_text(folder_.path() / "empty.db3", "");
+  EXPECT_THROW((void)BagReader::open(folder_.path()), InputError);
+  EXPECT_THROW((void)BagReader::open(folder_.path() / "none.mcap"), InputError);
+}
+
+TEST_F(BagFilesTest, WhatWasFlushedSurvivesACrash) {
+  for (const auto storage : {BagStorage::kSqlite3, BagStorage::kMcap}) {
+    const fs::path bag = folder_.path() / (storage == BagStorage::kMcap ? "m" : "s");
+    BagWriter writer(bag, storage);
+    const auto topic = writer.add_topic({"/a", "std_msgs/msg/String", "cdr", ""});
+    const std::vector<std::uint8_t> data(10, 0);
+    for (std::int64_t i = 0; i < 3; ++i) writer.write(topic, {i}, data);
+    writer.flush();
+    const fs::path copy = bag.string() + "_copy";
+    fs::copy(bag, copy);  // what a crash would leave
+    EXPECT_EQ(read_all(copy).stamps, numbers(3));
+    writer.write(topic, {3}, data);
+    writer.close();
+    EXPECT_EQ(read_all(bag).stamps, numbers(4));
+  }
+}
+
+}  // namespace
+}  // namespace strata::log
