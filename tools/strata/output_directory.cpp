@@ -23,6 +23,12 @@ void StagedPaths::forget(const fs::path& path) {
   paths_.erase(path);
 }
 
+void StagedPaths::put_in_place(const fs::path& path, const std::function<void()>& put) {
+  const std::lock_guard lock(mutex_);
+  put();
+  paths_.erase(path);
+}
+
 void StagedPaths::remove_all() noexcept {
   const std::lock_guard lock(mutex_);
   std::error_code ignored;
@@ -60,6 +66,11 @@ OutputDirectory::~OutputDirectory() {
 }
 
 void OutputDirectory::commit() {
+  staged_.put_in_place(path_, [this] { put_in_place(); });
+  committed_ = true;
+}
+
+void OutputDirectory::put_in_place() const {
   std::error_code error;
   if (!fs::exists(target_)) {
     fs::rename(path_, target_, error);
@@ -76,8 +87,6 @@ void OutputDirectory::commit() {
     throw OutputError(target_.string(), "cannot be put in place: " + error.message(),
                       "choose another --out or mend its permissions");
   }
-  committed_ = true;
-  staged_.forget(path_);
 }
 
 }  // namespace strata::tools

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <set>
 
@@ -13,6 +14,9 @@ class StagedPaths {
  public:
   void add(const std::filesystem::path& path);
   void forget(const std::filesystem::path& path);
+  /// Runs `put`, which moves `path` to where it belongs, and forgets the path when it succeeded;
+  /// meanwhile remove_all waits, so that a hard end cannot come between two renames.
+  void put_in_place(const std::filesystem::path& path, const std::function<void()>& put);
   /// Removes everything under way; errors are ignored.
   void remove_all() noexcept;
 
@@ -38,6 +42,7 @@ class OutputDirectory {
   void commit();
 
  private:
+  void put_in_place() const;
   std::filesystem::path target_;
   std::filesystem::path path_;
   StagedPaths& staged_;

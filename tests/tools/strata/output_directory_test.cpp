@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <string>
 
@@ -65,6 +66,22 @@ TEST(OutputDirectory, AHardEndRemovesWhatIsUnderWay) {
   write(out.path() / "a", "1");
   staged.remove_all();
   EXPECT_EQ(entries(folder.path()), 0U);
+}
+
+TEST(OutputDirectory, AHardEndWaitsUntilWhatIsBeingPutInPlaceIsThere) {
+  const strata::test::TemporaryDirectory folder;
+  StagedPaths staged;
+  const fs::path path = folder.path() / "aside";
+  write(path, "1");
+  staged.add(path);
+  std::future<void> hard_end;
+  staged.put_in_place(path, [&] {
+    hard_end = std::async(std::launch::async, [&] { staged.remove_all(); });
+    EXPECT_EQ(hard_end.wait_for(std::chrono::milliseconds(50)), std::future_status::timeout);
+    fs::rename(path, folder.path() / "there");
+  });
+  hard_end.get();
+  EXPECT_EQ(read(folder.path() / "there"), "1");
 }
 
 TEST(OutputDirectory, AFileInTheWayIsNamed) {
