@@ -71,8 +71,10 @@ void write_grid_maps(const fs::path& dir, const slam::SlamResult& result) {
   log::write_map(dir / "filtered.yaml", result.filtered);
 
   std::map<int, std::vector<memory::TrajectoryPose>> runs;
+  std::map<int, std::vector<PosedScan>> scans;
   std::vector<log::StampedPose> all;
   for (const PosedScan& scan : result.scans) {
+    scans[scan.run].push_back(scan);
     runs[scan.run].push_back({scan.scan.stamp, scan.map_from_robot, std::nullopt});
     all.push_back({scan.scan.stamp, scan.map_from_robot});
   }
@@ -82,6 +84,7 @@ void write_grid_maps(const fs::path& dir, const slam::SlamResult& result) {
     store.save_grid(kFilteredGrid, result.filtered);
     store.save_grid(kCountsGrid, result.raw.cells());
     for (const auto& [run, poses] : runs) store.save_trajectory(run, poses);
+    for (const auto& [run, of_run] : scans) store.save_scans(run, of_run);
     store.save_text(kSlamKey, summarize_slam(result).dump());
   });
 }
@@ -132,12 +135,22 @@ json write_summary(const fs::path& dir, const std::string& log, const JobCost& c
   return summary;
 }
 
-Maps read_maps(const fs::path& dir) {
+memory::Store open_for_reading(const fs::path& dir) {
   if (!fs::exists(dir / kStoreFile)) {
     throw InputError((dir / kStoreFile).string(), "is missing",
                      "give a folder that `strata learn` wrote");
   }
-  const memory::Store store(dir / kStoreFile, {.read_only = true});
+  return memory::Store(dir / kStoreFile, {.read_only = true});
+}
+
+std::optional<Pose2> read_map_from_truth(const memory::Store& store) {
+  const json pose = part(store, kTruthKey, nullptr);
+  if (!pose.is_array()) return std::nullopt;
+  return Pose2{pose[0], pose[1], pose[2]};
+}
+
+Maps read_maps(const fs::path& dir) {
+  const memory::Store store = open_for_reading(dir);
   Maps maps;
   if (store.has_grid(kOccupancyGrid)) maps.occupancy = store.load_reflection_grid(kOccupancyGrid);
   if (store.has_grid(kFilteredGrid)) maps.filtered = store.load_reflection_grid(kFilteredGrid);
@@ -145,9 +158,7 @@ Maps read_maps(const fs::path& dir) {
   if (store.has_timescale()) {
     maps.timescale = std::make_shared<const memory::TimescaleMemory>(store.load_timescale());
   }
-  if (const json pose = part(store, kTruthKey, nullptr); pose.is_array()) {
-    maps.map_from_truth = Pose2{pose[0], pose[1], pose[2]};
-  }
+  maps.map_from_truth = read_map_from_truth(store);
   return maps;
 }
 

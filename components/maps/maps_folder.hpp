@@ -17,6 +17,7 @@
 #include "core/patch/patch_map.hpp"
 #include "core/slam/slam.hpp"
 #include "memory/nodes/timescale_memory.hpp"
+#include "memory/store/store.hpp"
 
 namespace strata::maps {
 
@@ -25,8 +26,8 @@ inline constexpr const char* kStoreFile = "strata.db";
 inline constexpr const char* kSummaryFile = "summary.json";
 inline constexpr const char* kTrajectoryFile = "trajectory.tum";
 
-/// Writes occupancy.{yaml,pgm}, filtered.{yaml,pgm}, trajectory.tum, and the grids, counts and
-/// trajectories of strata.db. Creates `dir`. Throws OutputError.
+/// Writes occupancy.{yaml,pgm}, filtered.{yaml,pgm}, trajectory.tum, and the grids, counts,
+/// trajectories and scans of strata.db. Creates `dir`. Throws OutputError.
 void write_grid_maps(const std::filesystem::path& dir, const slam::SlamResult& result);
 
 /// Writes patches.pgm (base with the likeliest configuration everywhere), patches/ with a
@@ -58,6 +59,12 @@ struct Maps {
   std::shared_ptr<const memory::TimescaleMemory> timescale;
   std::optional<Pose2> map_from_truth;
 };
+
+/// The store of a MAPS folder. Throws InputError when strata.db is missing or damaged.
+[[nodiscard]] memory::Store open_for_reading(const std::filesystem::path& dir);
+
+/// What write_map_from_truth left; nothing when there was no truth.
+[[nodiscard]] std::optional<Pose2> read_map_from_truth(const memory::Store& store);
 
 /// Reads a MAPS folder. Throws InputError when strata.db is missing or damaged.
 [[nodiscard]] Maps read_maps(const std::filesystem::path& dir);

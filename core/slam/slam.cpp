@@ -14,11 +14,16 @@
 namespace strata::slam {
 namespace {
 
+/// How far a sub-map of scans that are placed may give way: hardly.
+constexpr double kPlacedStddevM = 0.005;
+constexpr double kPlacedStddevRad = 0.001;
+
 /// One accepted scan and what is known of its pose.
 struct Record {
   PosedScan posed;
   Pose2 run_from_robot;
   std::optional<Pose2> given;
+  bool placed = false;  // given by an earlier job, and final
   bool key = false;
   std::size_t submap = 0;
 };
@@ -53,12 +58,17 @@ struct Slam::State {
   std::vector<std::size_t> run_begins;
   Pose2 map_from_run;  // as the newest sub-map of the run has it
 
+  Pose2Gaussian add(const Observation& observation, const Pose2* given_pose, bool placed);
   void start_run(const Observation& observation, const Pose2* given_pose);
   void end_run();
   void take_submaps();
   void place_scans();
   [[nodiscard]] std::optional<Pose2Gaussian> given_submap(const Submap& submap) const;
-  [[nodiscard]] bool keep_given() const { return runs <= 1 || !config.given_poses.refine; }
+  /// Whether the scan keeps the pose it came with.
+  [[nodiscard]] bool stays(const Record& record) const {
+    const bool keep_given = runs <= 1 || !config.given_poses.refine;
+    return record.given && (record.placed || keep_given);
+  }
 };
 
 void Slam::State::start_run(const Observation& observation, const Pose2* given_pose) {
@@ -102,8 +112,9 @@ std::optional<Pose2Gaussian> Slam::State::given_submap(const Submap& submap) con
   }
   const std::vector<double> weights(corrections.size(), 1.0);
   Pose2Gaussian result = weighted_gaussian(corrections, weights);
-  const double sigma_m = config.given_poses.stddev_m;
-  const double sigma_rad = config.given_poses.stddev_rad;
+  const bool placed = records[submap.first_scan].placed;
+  const double sigma_m = placed ? kPlacedStddevM : config.given_poses.stddev_m;
+  const double sigma_rad = placed ? kPlacedStddevRad : config.given_poses.stddev_rad;
   result.covariance.setZero();
   result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
   return result;
@@ -130,36 +141,46 @@ Slam::~Slam() = default;
 std::size_t Slam::skipped_scans() const { return state_->skipped; }
 
 Pose2Gaussian Slam::add(const Observation& observation, const Pose2* given_pose) {
-  State& s = *state_;
-  const bool new_run = !s.tracker || observation.run != s.run;
-  const bool backwards = !new_run && !s.records.empty() && observation.scan.stamp < s.last_stamp;
+  return state_->add(observation, given_pose, false);
+}
+
+void Slam::add_placed(const PosedScan& posed) {
+  const Observation observation{posed.run, posed.scan, {}, false};
+  state_->add(observation, &posed.map_from_robot, true);
+}
+
+Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* given_pose,
+                               bool placed) {
+  const bool new_run = !tracker || observation.run != run;
+  const bool backwards = !new_run && !records.empty() && observation.scan.stamp < last_stamp;
   if (backwards || !usable(observation, given_pose)) {
-    ++s.skipped;
-    if (s.records.empty()) return {};
-    return {s.records.back().posed.map_from_robot, Eigen::Matrix3d::Identity()};
+    ++skipped;
+    if (records.empty()) return {};
+    return {records.back().posed.map_from_robot, Eigen::Matrix3d::Identity()};
   }
-  if (new_run) s.start_run(observation, given_pose);
-  s.last_stamp = observation.scan.stamp;
+  if (new_run) start_run(observation, given_pose);
+  last_stamp = observation.scan.stamp;
   const Pose2* step = observation.has_odometry ? &observation.odom_from_robot : given_pose;
-  const TrackedScan tracked = s.tracker->add(observation.scan, step, s.records.size());
+  const TrackedScan tracked = tracker->add(observation.scan, step, records.size());
   Record record;
   record.posed.run = observation.run;
   record.posed.scan = observation.scan;
   record.run_from_robot = tracked.run_from_robot.mean;
   record.key = tracked.key;
   if (given_pose != nullptr) record.given = *given_pose;
+  record.placed = placed;
   Pose2Gaussian result =
-      Pose2Gaussian{s.map_from_run, Eigen::Matrix3d::Zero()} * tracked.run_from_robot;
+      Pose2Gaussian{map_from_run, Eigen::Matrix3d::Zero()} * tracked.run_from_robot;
   if (given_pose != nullptr) {
-    const double sigma_m = s.config.given_poses.stddev_m;
-    const double sigma_rad = s.config.given_poses.stddev_rad;
+    const double sigma_m = config.given_poses.stddev_m;
+    const double sigma_rad = config.given_poses.stddev_rad;
     result.mean = *given_pose;
     result.covariance.setZero();
     result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
   }
   record.posed.map_from_robot = result.mean;
-  s.records.push_back(std::move(record));
-  s.take_submaps();
+  records.push_back(std::move(record));
+  take_submaps();
   return result;
 }
 
@@ -168,7 +189,7 @@ Pose2Gaussian Slam::add(const Observation& observation, const Pose2* given_pose)
 void Slam::State::place_scans() {
   for (std::size_t i = 0; i < records.size(); ++i) {
     Record& record = records[i];
-    if (record.given && keep_given()) {
+    if (stays(record)) {
       record.posed.map_from_robot = *record.given;
       continue;
     }
@@ -193,10 +214,9 @@ void Slam::State::place_scans() {
 SlamResult Slam::finish(Progress* progress) {
   State& s = *state_;
   s.end_run();
-  const bool all_given =
-      s.keep_given() && std::all_of(s.records.begin(), s.records.end(),
-                                    [](const Record& record) { return record.given.has_value(); });
-  if (!all_given) s.graph.tighten(2, progress);
+  const bool all_stay = std::all_of(s.records.begin(), s.records.end(),
+                                    [&](const Record& record) { return s.stays(record); });
+  if (!all_stay) s.graph.tighten(2, progress);
   s.place_scans();
   SlamResult result;
   result.skipped_scans = s.skipped;
@@ -204,7 +224,7 @@ SlamResult Slam::finish(Progress* progress) {
   std::vector<bool> mapped;
   std::vector<bool> moves;
   for (Record& record : s.records) {
-    const bool stays = record.given && s.keep_given();
+    const bool stays = s.stays(record);
     if (!stays && !s.graph.located(record.submap)) {
       if (result.unplaced_runs.empty() || result.unplaced_runs.back() != record.posed.run) {
         result.unplaced_runs.push_back(record.posed.run);

@@ -64,6 +64,11 @@ class Slam {
   /// not finite is skipped and counted. Returns map_from_robot as known now; `finish` may move it.
   Pose2Gaussian add(const Observation& observation, const Pose2* given_pose = nullptr);
 
+  /// The next scan of a run that an earlier job placed, in the order of its runs and before any
+  /// other: its pose is final, and scans added later are placed in the map of it. Its labels are
+  /// estimated anew.
+  void add_placed(const PosedScan& posed);
+
   /// Ends the last run and makes the maps. Call once. Throws Cancelled.
   [[nodiscard]] SlamResult finish(Progress* progress = nullptr);
 

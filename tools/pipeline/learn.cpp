@@ -8,9 +8,15 @@ namespace strata::pipeline {
 LearnResult learn(const std::vector<Observation>& observations,
                   const std::vector<std::optional<Pose2>>& given_poses,
                   const maps::LearnConfig& config, const LearnParts& parts, std::uint64_t seed,
-                  int threads, Progress* progress) {
+                  int threads, Progress* progress, maps::EarlierRuns* earlier) {
   LearnResult result;
   slam::Slam slam(config.slam, threads);
+  const std::vector<PosedScan> none;
+  const std::vector<PosedScan>& placed = earlier != nullptr ? earlier->scans : none;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    slam.add_placed(placed[i]);
+    report_progress(progress, "match earlier scans", i + 1, placed.size());
+  }
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const bool given = i < given_poses.size() && given_poses[i].has_value();
     slam.add(observations[i], given ? &*given_poses[i] : nullptr);
@@ -27,9 +33,12 @@ LearnResult learn(const std::vector<Observation>& observations,
   }
 
   if (parts.timescale) {
-    result.timescale = std::make_shared<memory::TimescaleMemory>(config.timescale, seed);
+    const bool goes_on = earlier != nullptr && earlier->timescale != nullptr;
+    result.timescale = goes_on ? earlier->timescale
+                               : std::make_shared<memory::TimescaleMemory>(config.timescale, seed);
     for (std::size_t i = 0; i < result.slam.scans.size(); ++i) {
-      result.timescale->observe(result.slam.scans[i]);
+      const PosedScan& scan = result.slam.scans[i];
+      if (!goes_on || scan.run >= earlier->next_run) result.timescale->observe(scan);
       report_progress(progress, "remember scans", i + 1, result.slam.scans.size());
     }
   }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "components/maps/earlier_runs.hpp"
 #include "components/maps/learn_config.hpp"
 #include "core/base/progress.hpp"
 #include "core/patch/patch_map.hpp"
@@ -32,10 +33,13 @@ struct LearnResult {
 
 /// Learns from one or several runs. observations: all runs, one after the other, in time order
 /// within a run. given_poses: empty, or one an observation (nothing where no pose is known),
-/// map_from_robot. Deterministic for a seed at any number of threads. Throws Cancelled.
+/// map_from_robot. earlier: runs learned before (or null), whose poses stay, whose map the new runs
+/// are placed in, and whose timescale memory goes on, with its own settings; run ids must be
+/// larger. Deterministic for a seed at any number of threads. Throws Cancelled.
 [[nodiscard]] LearnResult learn(const std::vector<Observation>& observations,
                                 const std::vector<std::optional<Pose2>>& given_poses,
                                 const maps::LearnConfig& config, const LearnParts& parts,
-                                std::uint64_t seed, int threads, Progress* progress);
+                                std::uint64_t seed, int threads, Progress* progress,
+                                maps::EarlierRuns* earlier = nullptr);
 
 }  // namespace strata::pipeline

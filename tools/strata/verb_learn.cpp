@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
@@ -21,6 +22,7 @@ namespace {
 struct Options {
   pipeline::RunsInput input;
   std::string out;
+  std::string update;
   std::vector<std::string> only;
 };
 
@@ -41,10 +43,13 @@ pipeline::LearnParts parts_of(const std::vector<std::string>& only) {
 std::optional<Pose2> map_from_truth(const pipeline::Runs& runs, const slam::SlamResult& result) {
   std::vector<Pose2> source;
   std::vector<Pose2> target;
-  std::size_t next = 0;  // both are in the same order; SLAM may have skipped scans
-  for (std::size_t i = 0; i < runs.observations.size() && next < result.scans.size(); ++i) {
-    const PosedScan& scan = result.scans[next];
+  // Both are in the same order; SLAM may have skipped scans, and has those of earlier jobs.
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < runs.observations.size(); ++i) {
     const Observation& observation = runs.observations[i];
+    while (next < result.scans.size() && result.scans[next].run < observation.run) ++next;
+    if (next == result.scans.size()) break;
+    const PosedScan& scan = result.scans[next];
     if (scan.run != observation.run || scan.scan.stamp != observation.scan.stamp) continue;
     ++next;
     if (!runs.truths[i]) continue;
@@ -66,25 +71,32 @@ void run_learn(const Options& options, VerbContext& context) {
   const auto config = settings::read_config<maps::LearnConfig>(load_config(context.options),
                                                                config_place(context.options));
   const pipeline::LearnParts parts = parts_of(options.only);
-  const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress());
+  std::optional<maps::EarlierRuns> earlier;
+  if (!options.update.empty()) earlier = maps::read_earlier_runs(options.update);
+  const int first_run = earlier ? earlier->next_run : 0;
+  const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress(), first_run);
   note_reports(context, runs);
   const pipeline::LearnResult result =
       pipeline::learn(runs.observations, runs.poses, config, parts, context.options.seed,
-                      context.options.threads, context.progress());
+                      context.options.threads, context.progress(), earlier ? &*earlier : nullptr);
   for (const int run : result.slam.unplaced_runs) {
     context.note("run " + std::to_string(run) + " could not be placed in the map of the first: " +
-                 options.input.logs[static_cast<std::size_t>(run)] + " was left out; give --poses");
+                 options.input.logs[static_cast<std::size_t>(run - first_run)] +
+                 " was left out; give --poses");
   }
   OutputDirectory out(options.out, context.staged());
   maps::write_grid_maps(out.path(), result.slam);
   if (parts.patch) maps::write_patch_map(out.path(), result.patches);
   if (parts.timescale) maps::write_timescale(out.path(), *result.timescale);
-  if (const auto frame = map_from_truth(runs, result.slam)) {
-    maps::write_map_from_truth(out.path(), *frame);
-  }
+  // The frame of the truth is that of the first truth given: later ones are in it too.
+  const auto frame = earlier && earlier->map_from_truth ? earlier->map_from_truth
+                                                        : map_from_truth(runs, result.slam);
+  if (frame) maps::write_map_from_truth(out.path(), *frame);
   const pipeline::Cost cost = meter.read();
-  const nlohmann::json summary = maps::write_summary(out.path(), joined(options.input.logs),
-                                                     {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
+  std::vector<std::string> logs = options.input.logs;
+  if (earlier) logs.insert(logs.begin(), earlier->log);
+  const nlohmann::json summary =
+      maps::write_summary(out.path(), joined(logs), {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
   out.commit();
   if (context.options.quiet) return;
   std::cout << "learned from " << summary["scans"] << " scans (" << summary["path_m"].get<double>()
@@ -105,6 +117,8 @@ void add_learn(CLI::App& app, VerbContext& context) {
                    "CARMEN log, rosbag2 folder, .db3 or .mcap; in order")
       ->required();
   verb->add_option("--out", options->out, "folder for the maps")->required();
+  verb->add_option("--update", options->update,
+                   "folder of maps learned before: go on from them; their runs come first");
   verb->add_option("--only", options->only, "em, patch, timescale (comma separated)")
       ->delimiter(',');
   add_run_options(*verb, options->input);

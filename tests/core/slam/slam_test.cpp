@@ -238,6 +238,28 @@ TEST(Slam, RefinesGivenPosesOfSeveralRunsUntilTheirWallsCoincide) {
   EXPECT_LT(apart / static_cast<double>(2 * path.size()), 0.02);
 }
 
+TEST(Slam, PlacesALaterRunAmongScansWhosePosesAreFinal) {
+  const std::vector<Pose2> first = drive_round(0.1, 45.0);
+  const std::vector<Pose2> all = drive_round(0.1, 40.0);
+  const std::vector<Pose2> second(all.begin() + 170, all.end());
+  const SlamResult before = run_slam(record(ring(), first, 0, 5));
+  std::vector<Observation> later = record(ring(), second, 1, 6);
+  const Pose2 shift = inverse(later.front().odom_from_robot);
+  Slam slam(SlamConfig{});
+  for (const PosedScan& scan : before.scans) slam.add_placed(scan);
+  for (Observation& observation : later) {
+    observation.odom_from_robot = shift * observation.odom_from_robot;
+    slam.add(observation);
+  }
+  const SlamResult result = slam.finish();
+  EXPECT_TRUE(result.unplaced_runs.empty());
+  ASSERT_EQ(result.scans.size(), first.size() + second.size());
+  for (std::size_t i = 0; i < before.scans.size(); ++i) {
+    ASSERT_EQ(result.scans[i].map_from_robot, before.scans[i].map_from_robot) << i;
+  }
+  EXPECT_LT(worst_error(result, second, 1), 0.06);
+}
+
 TEST(Slam, SkipsAndCountsScansThatSayNothingOrComeFromThePast) {
   const std::vector<Pose2> path = drive_round(0.1, 6.0);
   std::vector<Observation> log = record(ring(), path, 0, 11);

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/maps/earlier_runs.hpp"
+
+#include <fstream>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "components/maps/maps_folder.hpp"
+#include "core/base/error.hpp"
+#include "memory/store/store.hpp"
+
+namespace strata::maps {
+namespace {
+
+/// The logs named in summary.json; empty when it is missing or unreadable: they are for people.
+std::string log_names(const std::filesystem::path& summary) {
+  std::ifstream in(summary);
+  const nlohmann::json json = nlohmann::json::parse(in, nullptr, false);
+  return json.is_object() && json.contains("log") && json["log"].is_string()
+             ? json["log"].get<std::string>()
+             : std::string();
+}
+
+}  // namespace
+
+EarlierRuns read_earlier_runs(const std::filesystem::path& dir) {
+  const memory::Store store = open_for_reading(dir);
+  EarlierRuns earlier;
+  earlier.log = log_names(dir / kSummaryFile);
+  earlier.map_from_truth = read_map_from_truth(store);
+  if (store.has_timescale()) {
+    earlier.timescale = std::make_shared<memory::TimescaleMemory>(store.load_timescale());
+  }
+  for (const int run : store.runs_with_scans()) {
+    std::vector<PosedScan> scans = store.load_scans(run);
+    earlier.scans.insert(earlier.scans.end(), std::make_move_iterator(scans.begin()),
+                         std::make_move_iterator(scans.end()));
+    earlier.next_run = run + 1;
+  }
+  if (earlier.scans.empty()) {
+    throw InputError((dir / kStoreFile).string(), "holds no scans to go on from",
+                     "learn its logs again with this version, or learn them together with the new "
+                     "ones");
+  }
+  return earlier;
+}
+
+}  // namespace strata::maps

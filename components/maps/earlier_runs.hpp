@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a MAPS folder keeps so that learning can go on from it (`learn --update`).
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/pose2.hpp"
+#include "core/scan/scan.hpp"
+#include "memory/nodes/timescale_memory.hpp"
+
+namespace strata::maps {
+
+struct EarlierRuns {
+  std::string log;                                     ///< names of the logs, as in summary.json
+  std::vector<PosedScan> scans;                        ///< of all runs, in order, in the map frame
+  std::shared_ptr<memory::TimescaleMemory> timescale;  ///< null when none was learned
+  std::optional<Pose2> map_from_truth;
+  int next_run = 0;  ///< the run id that no scan has yet
+};
+
+/// Reads them. Throws InputError when the folder has no strata.db, is damaged, or was written by a
+/// version that kept no scans. O(beams of all runs).
+[[nodiscard]] EarlierRuns read_earlier_runs(const std::filesystem::path& dir);
+
+}  // namespace strata::maps

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Going on from maps learned before, as `learn --update` does.
+#include <gtest/gtest.h>
+
+#include "components/maps/earlier_runs.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "core/base/error.hpp"
+#include "memory/store/store.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/tools/pipeline/simulated_room.hpp"
+#include "tools/pipeline/learn.hpp"
+
+namespace strata::pipeline {
+namespace {
+
+constexpr std::uint64_t kSeed = 5;
+
+std::vector<Observation> of_days(const Runs& runs, int first, int end) {
+  std::vector<Observation> part;
+  for (const Observation& observation : runs.observations) {
+    if (observation.run >= first && observation.run < end) part.push_back(observation);
+  }
+  return part;
+}
+
+/// Two days learned and written to a folder; the third is still to come.
+class Update : public testing::Test {
+ protected:
+  void SetUp() override {
+    before = learn(of_days(runs, 0, 2), {}, {}, {}, kSeed, 2, nullptr);
+    maps::write_grid_maps(folder.path(), before.slam);
+    maps::write_timescale(folder.path(), *before.timescale);
+    maps::write_map_from_truth(folder.path(), {1.0, 2.0, 0.5});
+    maps::write_summary(folder.path(), "monday tuesday", {});
+  }
+  [[nodiscard]] LearnResult go_on() const {
+    maps::EarlierRuns earlier = maps::read_earlier_runs(folder.path());
+    return learn(of_days(runs, 2, 3), {}, {}, {}, kSeed, 2, nullptr, &earlier);
+  }
+  const Runs runs = test_room::simulate_runs(kSeed, 3);
+  const test::TemporaryDirectory folder;
+  LearnResult before;
+};
+
+TEST_F(Update, ReadsBackWhatLearningLeft) {
+  const maps::EarlierRuns earlier = maps::read_earlier_runs(folder.path());
+  EXPECT_EQ(earlier.log, "monday tuesday");
+  EXPECT_EQ(earlier.next_run, 2);
+  EXPECT_EQ(earlier.map_from_truth, (Pose2{1.0, 2.0, 0.5}));
+  ASSERT_EQ(earlier.scans.size(), before.slam.scans.size());
+  for (std::size_t i = 0; i < earlier.scans.size(); ++i) {
+    ASSERT_EQ(earlier.scans[i].run, before.slam.scans[i].run);
+    ASSERT_EQ(earlier.scans[i].map_from_robot, before.slam.scans[i].map_from_robot);
+    ASSERT_EQ(earlier.scans[i].scan.ranges_m, before.slam.scans[i].scan.ranges_m);
+  }
+}
+
+TEST_F(Update, KeepsEarlierPosesAndPlacesTheNewRunInTheirMap) {
+  const LearnResult after = go_on();
+  EXPECT_TRUE(after.slam.unplaced_runs.empty());
+  ASSERT_EQ(after.slam.scans.size(), runs.observations.size());
+  for (std::size_t i = 0; i < before.slam.scans.size(); ++i) {
+    ASSERT_EQ(after.slam.scans[i].map_from_robot, before.slam.scans[i].map_from_robot) << i;
+  }
+  std::vector<Pose2> truth;
+  std::vector<Pose2> map;
+  for (std::size_t i = 0; i < before.slam.scans.size(); ++i) {
+    truth.push_back(*runs.truths[i]);
+    map.push_back(before.slam.scans[i].map_from_robot);
+  }
+  const Pose2 map_from_truth = align(truth, map);
+  for (std::size_t i = before.slam.scans.size(); i < after.slam.scans.size(); ++i) {
+    ASSERT_LT(
+        translation_distance(after.slam.scans[i].map_from_robot, map_from_truth * *runs.truths[i]),
+        0.1)
+        << i;
+  }
+}
+
+TEST_F(Update, ShowsTheTimescaleMemoryTheNewScansOnly) {
+  const LearnResult after = go_on();
+  EXPECT_NE(after.timescale->state(), before.timescale->state());
+  for (const PosedScan& scan : after.slam.scans) {
+    if (scan.run == 2) before.timescale->observe(scan);
+  }
+  EXPECT_EQ(after.timescale->state(), before.timescale->state());
+}
+
+TEST_F(Update, RefusesMapsThatKeptNoScans) {
+  memory::Store(folder.path() / maps::kStoreFile).save_scans(0, {});
+  memory::Store(folder.path() / maps::kStoreFile).save_scans(1, {});
+  EXPECT_THROW((void)maps::read_earlier_runs(folder.path()), InputError);
+  EXPECT_THROW((void)maps::read_earlier_runs(folder.path() / "elsewhere"), InputError);
+}
+
+}  // namespace
+}  // namespace strata::pipeline
