@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/config.hpp"
+#include "core/localization/particle_kernels.hpp"
 
 namespace strata::localization {
 namespace {
@@ -19,12 +20,21 @@ LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
   const Grid<float>& inner = field_.log_likelihood();
   table_.width = inner.width() + 2;
   table_.height = inner.height() + 2;
+  // 0 is the greatest log-likelihood there is.
+  float least = inner.fill();
+  for (const float value : inner.values()) least = std::min(least, value);
+  quantum_ = std::max(1e-12, -static_cast<double>(least) / 65535.0);
+  const auto steps = [&](float value) {
+    return static_cast<std::uint16_t>(
+        std::lround(std::clamp(-static_cast<double>(value) / quantum_, 0.0, 65535.0)));
+  };
   bordered_.assign(static_cast<std::size_t>(table_.width) * static_cast<std::size_t>(table_.height),
-                   inner.fill());
+                   steps(inner.fill()));
   for (int row = 0; row < inner.height(); ++row) {
-    std::copy_n(inner.values().begin() + static_cast<std::ptrdiff_t>(row) * inner.width(),
-                inner.width(),
-                bordered_.begin() + static_cast<std::ptrdiff_t>(row + 1) * table_.width + 1);
+    const auto from = inner.values().begin() + static_cast<std::ptrdiff_t>(row) * inner.width();
+    std::transform(from, from + inner.width(),
+                   bordered_.begin() + static_cast<std::ptrdiff_t>(row + 1) * table_.width + 1,
+                   steps);
   }
   table_.values = bordered_.data();
   explained_from_ = static_cast<float>(
@@ -49,21 +59,20 @@ std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, double tempe
     py[k] = static_cast<float>(points.y_m[k] * scale);
   }
   const FieldPoints field_points{px.data(), py.data(), points.size()};
-  const double factor = 1.0 / tempering;
+  const double factor = -quantum_ / tempering;
+  // The border shifts the table by one cell.
+  const double offset_x = 1.0 - corner.x;
+  const double offset_y = 1.0 - corner.y;
   pool.for_chunks(particles.size(), kChunk,
                   [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
                     std::array<float, kChunk> x;
                     std::array<float, kChunk> y;
                     std::array<float, kChunk> c;
                     std::array<float, kChunk> s;
-                    std::array<float, kChunk> sums;
-                    for (std::size_t i = begin; i < end; ++i) {
-                      // The border shifts the table by one cell.
-                      x[i - begin] = static_cast<float>(particles.x_m[i] * scale - corner.x + 1.0);
-                      y[i - begin] = static_cast<float>(particles.y_m[i] * scale - corner.y + 1.0);
-                      c[i - begin] = static_cast<float>(std::cos(particles.theta_rad[i]));
-                      s[i - begin] = static_cast<float>(std::sin(particles.theta_rad[i]));
-                    }
+                    std::array<std::uint32_t, kChunk> sums;
+                    to_cells({particles.x_m.data() + begin, particles.y_m.data() + begin,
+                              particles.theta_rad.data() + begin, nullptr, end - begin},
+                             scale, offset_x, offset_y, {x.data(), y.data(), c.data(), s.data()});
                     sum_field(table_, {x.data(), y.data(), c.data(), s.data(), end - begin},
                               field_points, sums.data());
                     for (std::size_t i = begin; i < end; ++i) {

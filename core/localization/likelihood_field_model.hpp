@@ -2,6 +2,7 @@
 /// The fast sensor model: how far each end point lies from the nearest obstacle.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/grid/likelihood_field.hpp"
@@ -29,7 +30,9 @@ struct LikelihoodFieldModelConfig {
 };
 
 /// [thrun2005probabilistic, table 6.3]. Cannot punish beams that cross a mapped closed door, so it
-/// is for speed, not for telling configurations apart (SPEC C3). Obstacles: is_occupied.
+/// is for speed, not for telling configurations apart (SPEC C3). Obstacles: is_occupied. The field
+/// is tabulated in 65,535 steps from its least value to 0, so the sum over 180 beams is within
+/// 0.005 nats of the exact one.
 class LikelihoodFieldModel final : public SensorModel {
  public:
   explicit LikelihoodFieldModel(const ReflectionGrid& map,
@@ -47,8 +50,9 @@ class LikelihoodFieldModel final : public SensorModel {
 
   LikelihoodFieldModelConfig config_;
   LikelihoodField field_;
-  std::vector<float> bordered_;
+  std::vector<std::uint16_t> bordered_;  // -ln p in steps of quantum_
   FieldTable table_;
+  double quantum_ = 1.0;         // nats
   float explained_from_ = 0.0F;  // ln p at 3 standard deviations
 };
 

@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "core/geometry/angle.hpp"
+#include "core/localization/motion_kernel.hpp"
+#include "core/random/stream_key.hpp"
 
 namespace strata::localization {
 namespace {
@@ -57,16 +59,6 @@ MotionSpread motion_spread(const MotionParts& parts, const MotionModelConfig& co
   return spread;
 }
 
-Pose2 sample_motion(const MotionParts& parts, const MotionSpread& spread, RandomStream& random) {
-  const double r1 = parts.rotation1_rad + spread.rotation1_rad * random.normal();
-  const double along = parts.translation_m + spread.translation_m * random.normal();
-  const double across = spread.across_m * random.normal();
-  const double r2 = parts.rotation2_rad + spread.rotation2_rad * random.normal();
-  const double c = std::cos(r1);
-  const double s = std::sin(r1);
-  return {c * along - s * across, s * along + c * across, wrap_angle(r1 + r2)};
-}
-
 void move_particles(const Pose2& before_from_after, ParticleSet& particles, WorkerPool& pool) {
   if (before_from_after == Pose2{}) return;
   pool.for_chunks(particles.size(), kChunk,
@@ -82,16 +74,23 @@ void sample_motions(const Pose2& motion, const Pose2& already_moved, bool has_od
                     ParticleSet& particles, WorkerPool& pool) {
   const MotionParts parts = take_apart(motion);
   const MotionSpread spread = motion_spread(parts, config, has_odometry);
-  const Pose2 back = inverse(already_moved);
-  pool.for_chunks(
-      particles.size(), kChunk, [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
-        for (std::size_t i = begin; i < end; ++i) {
-          RandomStream random(seed, StreamId::kMotion, step, static_cast<std::uint32_t>(i));
-          const Pose2 start =
-              already_moved == Pose2{} ? particles.pose(i) : particles.pose(i) * back;
-          particles.set_pose(i, start * sample_motion(parts, spread, random));
-        }
-      });
+  MotionDraw draw;
+  if (!(already_moved == Pose2{})) draw.back = inverse(already_moved);
+  draw.rotation1_rad = parts.rotation1_rad;
+  draw.translation_m = parts.translation_m;
+  draw.rotation2_rad = parts.rotation2_rad;
+  draw.rotation1_stddev_rad = spread.rotation1_rad;
+  draw.translation_stddev_m = spread.translation_m;
+  draw.across_stddev_m = spread.across_m;
+  draw.rotation2_stddev_rad = spread.rotation2_rad;
+  draw.key = stream_key(seed, StreamId::kMotion);
+  draw.step = step;
+  pool.for_chunks(particles.size(), kChunk,
+                  [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+                    draw_motions(draw, begin,
+                                 {particles.x_m.data() + begin, particles.y_m.data() + begin,
+                                  particles.theta_rad.data() + begin, end - begin});
+                  });
 }
 
 }  // namespace strata::localization

@@ -7,7 +7,6 @@
 #include "core/base/parallel.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/localization/particle_set.hpp"
-#include "core/random/stream.hpp"
 
 namespace strata::localization {
 
@@ -65,18 +64,14 @@ struct MotionSpread {
 [[nodiscard]] MotionSpread motion_spread(const MotionParts& parts, const MotionModelConfig& config,
                                          bool has_odometry = true);
 
-/// One draw of the motion: rotation1 + noise, (translation + noise, noise across), rotation2 +
-/// noise. Four normals.
-[[nodiscard]] Pose2 sample_motion(const MotionParts& parts, const MotionSpread& spread,
-                                  RandomStream& random);
-
 /// x_i <- x_i * motion, for every particle, without noise.
 void move_particles(const Pose2& before_from_after, ParticleSet& particles, WorkerPool& pool);
 
 /// x_i <- x_i * inverse(already_moved) * sample(motion): particles that were moved by
 /// `already_moved` without noise since the last draw get the noise of the whole motion at once. So
 /// the noise depends on how far the robot went between two weighed scans, not on how many scans lay
-/// in between. Particle i draws from (seed, kMotion, step, i).
+/// in between. sample(motion): rotation1 + noise, (translation + noise, noise across), rotation2 +
+/// noise. Particle i draws from (seed, kMotion, step, i), as motion_kernel.hpp says.
 void sample_motions(const Pose2& motion, const Pose2& already_moved, bool has_odometry,
                     const MotionModelConfig& config, std::uint64_t seed, std::uint64_t step,
                     ParticleSet& particles, WorkerPool& pool);

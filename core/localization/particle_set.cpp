@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/geometry/angle.hpp"
+#include "core/localization/particle_kernels.hpp"
 
 namespace strata::localization {
 
@@ -39,8 +40,7 @@ void ParticleSet::copy_from(const ParticleSet& other, std::size_t from, std::siz
 }
 
 double effective_sample_size(const ParticleSet& particles) {
-  double squares = 0.0;
-  for (const double w : particles.weight) squares += w * w;
+  const double squares = sum_of_squares(particles.weight.data(), particles.size());
   return squares > 0.0 ? 1.0 / squares : 0.0;
 }
 
@@ -50,44 +50,26 @@ void set_uniform_weights(ParticleSet& particles) {
 }
 
 double reweigh(ParticleSet& particles, std::span<const double> log_likelihood) {
-  constexpr double kNever = -std::numeric_limits<double>::infinity();
-  double largest = kNever;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    if (particles.weight[i] > 0.0) largest = std::max(largest, log_likelihood[i]);
-  }
-  if (!std::isfinite(largest)) return kNever;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    const double factor = std::exp(log_likelihood[i] - largest);
-    particles.weight[i] = std::isfinite(factor) ? particles.weight[i] * factor : 0.0;
-    sum += particles.weight[i];
-  }
+  double* const weight = particles.weight.data();
+  const double greatest = greatest_log(weight, log_likelihood.data(), particles.size());
+  if (!std::isfinite(greatest)) return -std::numeric_limits<double>::infinity();
+  const double sum = multiply_weights(log_likelihood.data(), greatest, weight, particles.size());
   for (double& w : particles.weight) w /= sum;
-  return largest + std::log(sum);
+  return greatest + std::log(sum);
 }
 
 Pose2Gaussian estimate(const ParticleSet& particles) {
-  double sum = 0.0;
-  double x = 0.0;
-  double y = 0.0;
-  double c = 0.0;
-  double s = 0.0;
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    const double w = particles.weight[i];
-    sum += w;
-    x += w * particles.x_m[i];
-    y += w * particles.y_m[i];
-    c += w * std::cos(particles.theta_rad[i]);
-    s += w * std::sin(particles.theta_rad[i]);
-  }
+  const WeighedPoses poses{particles.x_m.data(), particles.y_m.data(), particles.theta_rad.data(),
+                           particles.weight.data(), particles.size()};
+  const PoseSums sums = sum_poses(poses);
   Pose2Gaussian result;
-  if (sum <= 0.0) return result;
-  result.mean = {x / sum, y / sum, std::atan2(s, c)};
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    const Eigen::Vector3d d(particles.x_m[i] - result.mean.x, particles.y_m[i] - result.mean.y,
-                            angle_difference(particles.theta_rad[i], result.mean.theta));
-    result.covariance += (particles.weight[i] / sum) * d * d.transpose();
-  }
+  if (sums.weight <= 0.0) return result;
+  result.mean = {sums.x / sums.weight, sums.y / sums.weight, std::atan2(sums.sine, sums.cosine)};
+  const SpreadSums spread = sum_spread(poses, result.mean);
+  result.covariance << spread.xx, spread.xy, spread.xt,  //
+      spread.xy, spread.yy, spread.yt,                   //
+      spread.xt, spread.yt, spread.tt;
+  result.covariance /= sums.weight;
   return result;
 }
 

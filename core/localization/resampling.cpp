@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "core/localization/particle_kernels.hpp"
+
 namespace strata::localization {
 namespace {
 
@@ -24,8 +26,7 @@ std::uint64_t bin_of(const ParticleSet& particles, std::size_t i, const KldConfi
 void draw_low_variance(const std::vector<double>& weights, std::size_t count, double offset,
                        std::vector<std::uint32_t>& indices) {
   indices.resize(count);
-  double total = 0.0;
-  for (const double w : weights) total += w;
+  const double total = sum_of(weights.data(), weights.size());
   const double step = total / static_cast<double>(count);
   std::size_t i = 0;
   double cumulated = weights.empty() ? 0.0 : weights[0];

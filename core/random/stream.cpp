@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/random/stream_key.hpp"
+
 namespace strata {
 namespace {
 
@@ -36,10 +38,14 @@ std::array<std::uint32_t, 4> philox4x32_10(std::array<std::uint32_t, 4> counter,
   return counter;
 }
 
+std::array<std::uint32_t, 2> stream_key(std::uint64_t seed, StreamId stream) {
+  const std::uint64_t key = mix(seed ^ mix(static_cast<std::uint64_t>(stream)));
+  return {static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32U)};
+}
+
 RandomStream::RandomStream(std::uint64_t seed, StreamId stream, std::uint64_t step,
                            std::uint32_t index) {
-  const std::uint64_t key = mix(seed ^ mix(static_cast<std::uint64_t>(stream)));
-  key_ = {static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32U)};
+  key_ = stream_key(seed, stream);
   // counter[0] counts blocks; the rest says who draws.
   counter_ = {0, index, static_cast<std::uint32_t>(step), static_cast<std::uint32_t>(step >> 32U)};
 }

@@ -71,7 +71,8 @@ void weights(benchmark::State& state, bool is_scalar) {
   const LikelihoodField field(scenario().map, {});
   const Grid<float>& table = field.log_likelihood();
   const Endpoints points = thin(endpoints_in_robot(scenario().observations[40].scan), 180);
-  std::vector<float> px, py, x, y, c, s, sums(count);
+  std::vector<float> px, py, x, y, c, s;
+  std::vector<std::uint32_t> sums(count);
   for (std::size_t k = 0; k < points.size(); ++k) {
     px.push_back(static_cast<float>(points.x_m[k] / 0.05));
     py.push_back(static_cast<float>(points.y_m[k] / 0.05));
@@ -85,7 +86,11 @@ void weights(benchmark::State& state, bool is_scalar) {
     c.push_back(static_cast<float>(std::cos(theta)));
     s.push_back(static_cast<float>(std::sin(theta)));
   }
-  const FieldTable field_table{table.width(), table.height(), table.values().data()};
+  std::vector<std::uint16_t> steps;
+  for (const float value : table.values()) {
+    steps.push_back(static_cast<std::uint16_t>(-value * 20000.0F));
+  }
+  const FieldTable field_table{table.width(), table.height(), steps.data()};
   const FieldPoses poses{x.data(), y.data(), c.data(), s.data(), count};
   const FieldPoints field_points{px.data(), py.data(), px.size()};
   for (auto _ : state) {

@@ -138,8 +138,12 @@ void weights(benchmark::State& state) {
   place(particles, scenario.truth[40]);
   const LikelihoodField field(scenario.map, {});
   const limit::Field bare_field = limit_field(field.log_likelihood());
-  const localization::FieldTable table{bare_field.width, bare_field.height, bare_field.values};
-  std::vector<float> sums(count);
+  std::vector<std::uint16_t> steps;
+  for (const float value : field.log_likelihood().values()) {
+    steps.push_back(static_cast<std::uint16_t>(-value * 20000.0F));
+  }
+  const localization::FieldTable table{bare_field.width, bare_field.height, steps.data()};
+  std::vector<std::uint32_t> sums(count);
   const auto ours = [&] {
     localization::sum_field(table,
                             {particles.x.data(), particles.y.data(), particles.cosine.data(),

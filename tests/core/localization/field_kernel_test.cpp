@@ -3,23 +3,25 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "core/localization/likelihood_field_kernel.hpp"
 #include "core/localization/likelihood_field_model.hpp"
 #include "core/random/stream.hpp"
+#include "tests/core/localization/every_target.hpp"
 
 namespace strata::localization {
 namespace {
 
-TEST(FieldKernel, EverySimdTargetGivesTheBitsOfTheScalarReference) {
+TEST(FieldKernel, EverySimdTargetGivesTheNumbersOfTheScalarReference) {
   RandomStream random(11, StreamId::kTest);
-  std::vector<float> values(70 * 50);
-  for (float& v : values) v = static_cast<float>(random.uniform(-3.0, 0.0));
+  std::vector<std::uint16_t> values(70 * 50);
+  for (std::uint16_t& v : values) v = static_cast<std::uint16_t>(random.below(65536));
   const FieldTable table{70, 50, values.data()};
-  for (const std::size_t count :
-       {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{101}}) {
-    std::vector<float> x(count), y(count), c(count), s(count), expected(count), got(count);
+  // More points than one block of the kernel, a block and less than a vector, and fewer than any.
+  for (const std::size_t beams : {1300, 517, 181, 16, 3}) {
+    const std::size_t count = 21;
+    std::vector<float> x(count), y(count), c(count), s(count);
+    std::vector<std::uint32_t> expected(count), got(count);
     for (std::size_t i = 0; i < count; ++i) {
       const double angle = random.uniform(-4.0, 4.0);
       x[i] = static_cast<float>(random.uniform(-20.0, 90.0));
@@ -27,7 +29,7 @@ TEST(FieldKernel, EverySimdTargetGivesTheBitsOfTheScalarReference) {
       c[i] = static_cast<float>(std::cos(angle));
       s[i] = static_cast<float>(std::sin(angle));
     }
-    std::vector<float> px(181), py(181);
+    std::vector<float> px(beams), py(beams);
     for (std::size_t k = 0; k < px.size(); ++k) {
       px[k] = static_cast<float>(random.uniform(-60.0, 60.0));
       py[k] = static_cast<float>(random.uniform(-60.0, 60.0));
@@ -35,19 +37,10 @@ TEST(FieldKernel, EverySimdTargetGivesTheBitsOfTheScalarReference) {
     const FieldPoses poses{x.data(), y.data(), c.data(), s.data(), count};
     const FieldPoints points{px.data(), py.data(), px.size()};
     sum_field_scalar(table, poses, points, expected.data());
-    int targets = 0;
-    for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-      const std::int64_t target = left & -left;
-      if ((target & HWY_TARGETS) == 0) continue;
-      hwy::SetSupportedTargetsForTest(target);
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    test::for_every_target([&] {
       sum_field(table, poses, points, got.data());
-      hwy::SetSupportedTargetsForTest(0);
-      EXPECT_EQ(got, expected) << hwy::TargetName(target);
-      ++targets;
-    }
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    EXPECT_GE(targets, 1);
+      EXPECT_EQ(got, expected);
+    });
   }
 }
 

@@ -7,19 +7,26 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/angle.hpp"
+#include "core/random/stream.hpp"
 
 namespace strata::localization {
 namespace {
 
 TEST(MotionModel, WithoutNoiseIsTheMotionItself) {
   RandomStream random(3, StreamId::kTest);
+  const MotionModelConfig noiseless{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  WorkerPool pool(1);
   for (int n = 0; n < 200; ++n) {
     const Pose2 motion{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0),
                        random.uniform(-3.0, 3.0)};
-    const Pose2 sampled = sample_motion(take_apart(motion), MotionSpread{}, random);
-    EXPECT_NEAR(sampled.x, motion.x, 1e-12);
-    EXPECT_NEAR(sampled.y, motion.y, 1e-12);
-    EXPECT_NEAR(angle_difference(sampled.theta, motion.theta), 0.0, 1e-12);
+    ParticleSet particles;
+    particles.resize(9);
+    sample_motions(motion, Pose2{}, true, noiseless, 1, 1, particles, pool);
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+      EXPECT_NEAR(particles.x_m[i], motion.x, 1e-12);
+      EXPECT_NEAR(particles.y_m[i], motion.y, 1e-12);
+      EXPECT_NEAR(angle_difference(particles.theta_rad[i], motion.theta), 0.0, 1e-12);
+    }
   }
 }
 
@@ -46,9 +53,12 @@ TEST(MotionModel, MomentsAreThoseOfTheClosedForm) {
   double sum_x = 0.0;
   double sum_xx = 0.0;
   double sum_tt = 0.0;
+  ParticleSet particles;
+  particles.resize(static_cast<std::size_t>(n));
+  WorkerPool pool(1);
+  sample_motions({0.8, 0.3, 0.5}, Pose2{}, true, config, 5, 1, particles, pool);
   for (int i = 0; i < n; ++i) {
-    RandomStream random(5, StreamId::kMotion, 1, static_cast<std::uint32_t>(i));
-    const Pose2 p = sample_motion(parts, spread, random);
+    const Pose2 p = particles.pose(static_cast<std::size_t>(i));
     sum_x += p.x;
     sum_xx += p.x * p.x;
     sum_tt += std::pow(angle_difference(p.theta, 0.5), 2);

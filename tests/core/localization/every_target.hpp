@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Runs a test once for each SIMD target that the machine has and the program holds, the one
+/// without SIMD included.
+#pragma once
+
+#include <cstdint>
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+namespace strata::localization::test {
+
+/// Calls body() with dispatch set to each target in turn; at least two.
+template <typename Body>
+void for_every_target(Body&& body) {
+  int targets = 0;
+  for (std::int64_t left = hwy::SupportedTargets() & HWY_TARGETS; left != 0; left &= left - 1) {
+    const std::int64_t target = left & -left;
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    const ::testing::ScopedTrace trace(__FILE__, __LINE__, hwy::TargetName(target));
+    body();
+    hwy::SetSupportedTargetsForTest(0);
+    ++targets;
+  }
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  EXPECT_GE(targets, 2);
+}
+
+}  // namespace strata::localization::test
