@@ -5,7 +5,8 @@
 /// Two tests, and a cell is contradictory when one of them says so:
 /// - many visits: a G-test of homogeneity per cell, with capped evidence and tolerance to jitter;
 /// - few visits: no single cell has enough evidence, so neighbouring cells are pooled: a connected
-///   component that one visit saw occupied and another saw free, all over at least 0.2 m.
+///   component that one visit saw occupied and another saw free, all over at least
+///   few_min_extent_m.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +23,7 @@ struct ContradictionConfig {
   double prior = 0.9;
   double tolerance_m = 0.15;
   double displaced_reach_m = 0.25;
-  double max_displaced_share = 0.8;
+  double max_displaced_share = 0.7;
   // Many visits.
   double max_evidence = 4.0;
   double min_evidence = 0.5;
@@ -31,10 +32,10 @@ struct ContradictionConfig {
   int min_block_cells = 3;
   // Few visits.
   int few_max_visits = 5;
-  double few_min_extent_m = 0.2;
-  int few_min_cells = 4;
+  double few_min_extent_m = 0.3;
+  int few_min_cells = 8;
   double few_min_beams = 3.0;
-  double few_occupied_share = 0.8;
+  double few_occupied_share = 0.6;
   double few_free_share = 0.1;
 
   template <class Self, class V>
@@ -57,8 +58,8 @@ struct ContradictionConfig {
              .max = 1.0});
     v.field("max_displaced_share", c.max_displaced_share,
             {.doc = "a change is dropped when at least this share of where it was free lies within "
-                    "displaced_reach_m of what was hit then: the same surface, displaced; above 1 "
-                    "nothing is dropped",
+                    "displaced_reach_m of what was hit then (the same surface, displaced), or of "
+                    "surfaces that no visit found free; above 1 nothing is dropped",
              .unit = "1",
              .min = 0.0,
              .max = 1.1});

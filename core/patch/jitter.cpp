@@ -5,6 +5,31 @@
 #include <cmath>
 
 namespace strata::patch {
+namespace {
+
+bool is_free_in(const Visit& visit, const ContradictionConfig& config) {
+  return visit.total() >= config.min_evidence &&
+         static_cast<double>(visit.hits) <= config.few_free_share * visit.total();
+}
+
+/// Hit by two visits or more, and by none found free: a wall, whatever else moves.
+bool is_permanent(std::span<const Visit> visits, const ContradictionConfig& config) {
+  int hit = 0;
+  for (const Visit& visit : visits) {
+    if (is_free_in(visit, config)) return false;
+    if (static_cast<double>(visit.hits) > 0.5) ++hit;
+  }
+  return hit >= 2;
+}
+
+bool is_permanent_nearby(const VisitTable& table, const Cell& cell, std::span<const Cell> offsets,
+                         const ContradictionConfig& config) {
+  return std::any_of(offsets.begin(), offsets.end(), [&](const Cell& offset) {
+    return is_permanent(table.at({cell.x + offset.x, cell.y + offset.y}), config);
+  });
+}
+
+}  // namespace
 
 std::vector<Cell> disc_offsets(double radius_m, double resolution_m) {
   const double radius = std::max(radius_m / resolution_m + 1e-9, 1.5);
@@ -57,15 +82,18 @@ void drop_displaced_surfaces(const VisitTable& table, const ContradictionConfig&
     const std::vector<Cell> component = take_component(left, left.cell(i));
     std::size_t free = 0;
     std::size_t near = 0;
+    std::size_t beside = 0;
     for (const Cell& cell : component) {
+      if (is_permanent_nearby(table, cell, around, config)) ++beside;
       for (const Visit& visit : table.at(cell)) {
-        if (visit.total() < config.min_evidence) continue;
-        if (static_cast<double>(visit.hits) > config.few_free_share * visit.total()) continue;
+        if (!is_free_in(visit, config)) continue;
         ++free;
         if (was_hit_nearby(table, cell, visit, around)) ++near;
       }
     }
-    if (static_cast<double>(near) < config.max_displaced_share * static_cast<double>(free)) {
+    if (static_cast<double>(near) < config.max_displaced_share * static_cast<double>(free) &&
+        static_cast<double>(beside) <
+            config.max_displaced_share * static_cast<double>(component.size())) {
       continue;
     }
     for (const Cell& cell : component) mask.at(cell) = 0;

@@ -35,11 +35,11 @@ namespace strata::patch {
 
 struct SequenceConfig {
   SequenceMode mode = SequenceMode::kVisibility;
-  int min_beams_per_scan = 20;
+  int min_beams_per_scan = 5;
   double entry_margin_m = 1.0;
   double hysteresis_s = 1.0;
   double max_duration_s = 30.0;
-  int min_scans = 10;
+  int min_scans = 5;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {

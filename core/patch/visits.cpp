@@ -46,6 +46,15 @@ Grid<std::int32_t> make_slots(std::span<const PosedScan> scans, double resolutio
   return slots;
 }
 
+/// Where the part of a beam that says "free" ends.
+Eigen::Vector2d clear_end(const Ray& ray, double end_reach_m) {
+  if (!ray.is_hit || end_reach_m <= 0.0) return ray.to_m;
+  const Eigen::Vector2d along = ray.to_m - ray.from_m;
+  const double length_m = along.norm();
+  if (length_m <= end_reach_m) return ray.from_m;
+  return ray.from_m + (1.0 - end_reach_m / length_m) * along;
+}
+
 /// Appends visits per slot while the scans go by.
 class VisitCollector {
  public:
@@ -131,7 +140,8 @@ VisitTable find_visits(std::span<const PosedScan> scans, double resolution_m,
     const PosedScan& posed = scans[t];
     for_each_ray(posed.scan, posed.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
       const Cell end = cell_at(ray.to_m, resolution_m);
-      traverse_ray(ray.from_m, ray.to_m, resolution_m, [&](const Cell& cell, double length_m) {
+      const Eigen::Vector2d clear = clear_end(ray, config.end_reach_m);
+      traverse_ray(ray.from_m, clear, resolution_m, [&](const Cell& cell, double length_m) {
         const std::int32_t slot = slots.get(cell);
         if (slot < 0 || (ray.is_hit && cell == end)) return;
         collector.current(slot, scan).misses += static_cast<float>(length_m / resolution_m);

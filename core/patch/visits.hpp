@@ -68,6 +68,7 @@ class VisitTable {
 struct VisitConfig {
   double gap_s = 10.0;
   double max_range_m = 8.0;
+  double end_reach_m = 0.2;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field(
@@ -76,6 +77,11 @@ struct VisitConfig {
     v.field("max_range_m", c.max_range_m,
             {.doc = "contradictions are looked for this far from the laser; errors of heading "
                     "displace what lies farther; 0: no limit",
+             .unit = "m",
+             .min = 0.0});
+    v.field("end_reach_m", c.end_reach_m,
+            {.doc = "the last piece of a beam before it ends says nothing about free space: with "
+                    "errors of pose it lies inside the surface that the beam met",
              .unit = "m",
              .min = 0.0});
   }

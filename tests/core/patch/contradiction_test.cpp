@@ -132,9 +132,32 @@ TEST(FewVisits, TwoOppositeVisitsOfALineAreEnough) {
   EXPECT_EQ(count(test_many_visits(changing_line(2, 10).build(), {})), 0);
 }
 
-TEST(FewVisits, NeedsAnExtentOfTwentyCentimetres) {
-  EXPECT_EQ(count(test_few_visits(changing_line(2, 4).build(), {})), 4);
-  EXPECT_EQ(count(test_few_visits(changing_line(2, 3).build(), {})), 0);
+TEST(FewVisits, NeedsTheLeastNumberOfCellsAndTheLeastExtent) {
+  EXPECT_EQ(count(test_few_visits(changing_line(2, 8).build(), {})), 8);
+  EXPECT_EQ(count(test_few_visits(changing_line(2, 7).build(), {})), 0);
+  ContradictionConfig config;
+  config.few_min_cells = 1;
+  EXPECT_EQ(count(test_few_visits(changing_line(2, 6).build(), config)), 6);
+  EXPECT_EQ(count(test_few_visits(changing_line(2, 5).build(), config)), 0) << "25 cm";
+}
+
+/// A wall of 12 cells that every visit sees, and a line beside it, `rows` away, that changes.
+int changes_beside_a_wall(int rows, int wall_visits) {
+  TableBuilder table({{0, 0}, {20, 24}});
+  for (int x = 0; x < 12; ++x) {
+    std::vector<VisitEvidence> wall(4, VisitEvidence{0, 0});
+    for (int v = 0; v < wall_visits; ++v) wall[static_cast<std::size_t>(v)] = {6, 0};
+    table.set({4 + x, 4}, wall);
+    // Free in the last visit, which does not see the wall: from its other side, say.
+    table.set({4 + x, 4 + rows}, {{6, 0}, {6, 0}, {6, 0}, {0, 6}});
+  }
+  return static_cast<int>(count(find_contradictions(table.build(), {})));
+}
+
+TEST(Contradictions, NextToASurfaceThatNeverChangesAreThatSurfaceDisplaced) {
+  EXPECT_EQ(changes_beside_a_wall(3, 3), 0);
+  EXPECT_EQ(changes_beside_a_wall(8, 3), 12) << "0.4 m away it is something else";
+  EXPECT_EQ(changes_beside_a_wall(3, 1), 12) << "seen once, the surface is no wall yet";
 }
 
 TEST(FewVisits, ToleratesAWallDisplacedWithinTheTolerance) {

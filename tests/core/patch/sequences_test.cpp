@@ -83,8 +83,8 @@ TEST(Sequences, EndWithTheRunAndAtPauses) {
 }
 
 TEST(Sequences, ShortOnesAreDropped) {
-  const auto scans = standing(1.7, 0.2);
-  ASSERT_EQ(scans.size(), 9U);
+  const auto scans = standing(0.7, 0.2);
+  ASSERT_EQ(scans.size(), 4U);
   const std::vector<CellRect> rects{kBeside};
   EXPECT_TRUE(find_sequences(scans, rects, kResolution, {}, {})[0].empty());
 }

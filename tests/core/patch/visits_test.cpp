@@ -45,6 +45,15 @@ TEST(Visits, CountPassingBeamsByLengthAndOnlyWhereSomethingWasHit) {
   EXPECT_EQ(table.cells().size(), 2U);
 }
 
+TEST(Visits, TheLastPieceOfABeamSaysNothingAboutFreeSpace) {
+  const std::vector<PosedScan> scans{beam(1.0, 0.0), beam(1.175, 0.1), beam(2.0, 0.2)};
+  VisitConfig config;
+  config.end_reach_m = 0.2;
+  EXPECT_NEAR(find_visits(scans, 0.05, config, {}).at({20, 0})[0].misses, 1.0F, 1e-5F);
+  config.end_reach_m = 0.0;
+  EXPECT_NEAR(find_visits(scans, 0.05, config, {}).at({20, 0})[0].misses, 2.0F, 1e-5F);
+}
+
 TEST(Visits, EndAtTheRangeLimit) {
   VisitConfig config;
   config.max_range_m = 1.0;
