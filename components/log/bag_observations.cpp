@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "strata_idl/nav_msgs.h"
@@ -17,6 +19,7 @@
 #include "components/log/odometry_track.hpp"
 #include "components/log/transform_tree.hpp"
 #include "core/base/error.hpp"
+#include "core/registration/sweep_timing.hpp"
 #include "core/scan/undistort.hpp"
 
 namespace strata::log {
@@ -203,49 +206,70 @@ class BagParser {
     return Pose3{};
   }
 
-  void add_observations(const std::vector<Scan>& scans, const Pose3& mounting,
+  void add_observations(const std::vector<Scan>& recorded, const Pose3& mounting,
                         const OdometryTrack& track, LogContent& content) {
-    const bool upside_down = is_upside_down(mounting);
-    for (const Scan& recorded : scans) {
+    std::vector<Scan> scans = recorded;
+    for (Scan& scan : scans) {
+      scan.robot_from_laser = planar(mounting);
+      if (is_upside_down(mounting)) turn_over(scan);
+    }
+    std::stable_sort(scans.begin(), scans.end(),
+                     [](const Scan& a, const Scan& b) { return a.stamp < b.stamp; });
+    // Turning a scan over turned the order of its beams.
+    report_.sweep = {.reversed = is_upside_down(mounting), .delay_s = 0.0};
+    if (options_.undistort && !track.empty()) find_sweep_timing(scans, track);
+    for (Scan& scan : scans) {
       Observation observation;
       observation.run = options_.run;
-      Scan& scan = observation.scan;
-      scan = recorded;
-      scan.robot_from_laser = planar(mounting);
-      if (upside_down) turn_over(scan);
+      observation.scan = std::move(scan);
       observation.has_odometry = !track.empty();
       if (!track.empty()) {
-        const auto pose = track.at(scan.stamp, options_.max_odometry_gap_s);
+        const auto pose = odometry_at(track, observation.scan.stamp - delay());
         if (!pose) {
           ++report_.scans_without_odometry;
           continue;
         }
         observation.odom_from_robot = *pose;
       }
-      if (options_.undistort && scan.time_increment_s != 0.0F) undistort_scan(observation, track);
+      if (options_.undistort) undistort_scan(observation, track);
       content.observations.push_back(std::move(observation));
     }
-    std::stable_sort(content.observations.begin(), content.observations.end(),
-                     [](const auto& a, const auto& b) { return a.scan.stamp < b.scan.stamp; });
   }
 
   static void turn_over(Scan& scan) {
     const double last = scan.size() == 0 ? 0.0 : scan.bearing_rad(scan.size() - 1);
     std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
     scan.angle_min_rad = static_cast<float>(-last);
-    // Time now runs backwards over the beams, which undistortion cannot say; the sweep is kept.
-    scan.time_increment_s = 0.0F;
+  }
+
+  [[nodiscard]] std::optional<Pose2> odometry_at(const OdometryTrack& track, Stamp stamp) const {
+    return track.at(stamp, options_.max_odometry_gap_s);
+  }
+  [[nodiscard]] Duration delay() const { return Duration::from_seconds(report_.sweep.delay_s); }
+
+  void find_sweep_timing(const std::vector<Scan>& scans, const OdometryTrack& track) {
+    const auto estimate = registration::estimate_sweep_timing(
+        scans, [&](Stamp stamp) { return odometry_at(track, stamp); }, report_.sweep);
+    if (!estimate.certain) return;
+    const bool turned = estimate.timing.reversed != report_.sweep.reversed;
+    report_.sweep = estimate.timing;
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(2) << "the scans contradict their time stamps: beams "
+         << (turned ? "are in the opposite order of time, " : "") << "begin "
+         << std::abs(report_.sweep.delay_s) << " s "
+         << (report_.sweep.delay_s >= 0.0 ? "before" : "after")
+         << " the stamp by odometry's clock; corrected";
+    report_.warnings.push_back(text.str());
   }
 
   void undistort_scan(Observation& observation, const OdometryTrack& track) {
     Scan& scan = observation.scan;
-    const double sweep_s = static_cast<double>(scan.time_increment_s) *
-                           static_cast<double>(scan.size() > 0 ? scan.size() - 1 : 0);
-    // A driver's nonsense (seconds for one sweep, nanoseconds taken for seconds) corrects nothing.
-    if (observation.has_odometry && std::abs(sweep_s) < 2.0) {
-      const auto end =
-          track.at(scan.stamp + Duration::from_seconds(sweep_s), options_.max_odometry_gap_s);
-      if (end) scan = undistort(scan, between(observation.odom_from_robot, *end));
+    const Duration sweep = sweep_duration(scan);
+    if (observation.has_odometry && sweep.ns != 0) {
+      const auto end = odometry_at(track, scan.stamp - delay() + sweep);
+      if (end) {
+        scan = undistort(scan, between(observation.odom_from_robot, *end), report_.sweep.reversed);
+      }
     }
     scan.time_increment_s = 0.0F;
   }

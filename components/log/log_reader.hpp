@@ -11,6 +11,7 @@
 
 #include "core/base/progress.hpp"
 #include "core/scan/scan.hpp"
+#include "core/scan/undistort.hpp"
 
 namespace strata::log {
 
@@ -51,6 +52,7 @@ struct ReadReport {
   std::size_t scans_without_odometry = 0;       ///< skipped: odometry exists but not at that time
   std::size_t scans_out_of_order = 0;           ///< came later than a younger one; sorted
   std::string odometry_source;                  ///< "scan", a topic, "tf", or "none"
+  SweepTiming sweep;                            ///< how scans were undistorted
   std::string mounting_source;                  ///< "tf_static", "laser - odometry", "assumed"
   std::vector<std::string> warnings;
 };

@@ -8,7 +8,13 @@
 
 namespace strata {
 
-Scan undistort(const Scan& scan, const Pose2& start_from_end) {
+Duration sweep_duration(const Scan& scan) {
+  const double beams = scan.size() > 0 ? static_cast<double>(scan.size() - 1) : 0.0;
+  const double sweep_s = static_cast<double>(scan.time_increment_s) * beams;
+  return std::abs(sweep_s) < kLongestSweepS ? Duration::from_seconds(sweep_s) : Duration{};
+}
+
+Scan undistort(const Scan& scan, const Pose2& start_from_end, bool reversed) {
   if (scan.time_increment_s == 0.0F || scan.size() < 2 || scan.angle_increment_rad == 0.0F) {
     return scan;
   }
@@ -22,8 +28,8 @@ Scan undistort(const Scan& scan, const Pose2& start_from_end) {
   const auto last = static_cast<double>(scan.size() - 1);
   for (std::size_t beam = 0; beam < scan.size(); ++beam) {
     if (scan.kind(beam) != BeamKind::kHit) continue;
-    const Pose2 start_from_robot =
-        interpolate(Pose2{}, start_from_end, static_cast<double>(beam) / last);
+    const double taken = static_cast<double>(reversed ? scan.size() - 1 - beam : beam) / last;
+    const Pose2 start_from_robot = interpolate(Pose2{}, start_from_end, taken);
     const Pose2 laser_from_laser = laser_from_robot * start_from_robot * scan.robot_from_laser;
     const double range_m = static_cast<double>(scan.ranges_m[beam]);
     const double bearing = scan.bearing_rad(beam);

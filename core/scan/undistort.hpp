@@ -6,12 +6,24 @@
 
 namespace strata {
 
-/// The scan as if every beam had been taken at scan.stamp (the time of beam 0), for a robot that
-/// moves by start_from_end during the whole sweep at constant velocity. Bearings change a little
-/// with the motion; each corrected point is put on the nearest beam of the same geometry, the
-/// closer one where two meet, and beams left without a point become NaN. A scan with
-/// time_increment_s of 0 is returned as it is. start_from_end: pose of the robot at the last beam,
-/// in its frame at beam 0. O(beams).
-[[nodiscard]] Scan undistort(const Scan& scan, const Pose2& start_from_end);
+/// When the beams of a sweep were taken, where that differs from what the message states.
+struct SweepTiming {
+  bool reversed = false;  ///< the last beam was taken first
+  double delay_s = 0.0;   ///< the stamp lies this long after the first beam, by odometry's clock
+};
+
+/// Longer sweeps are a driver's nonsense (nanoseconds taken for seconds).
+inline constexpr double kLongestSweepS = 2.0;
+
+/// From the first beam to the last; zero where the message states nonsense.
+[[nodiscard]] Duration sweep_duration(const Scan& scan);
+
+/// The scan as if every beam had been taken at the time of the first one, for a robot that moves by
+/// start_from_end during the whole sweep at constant velocity. Beam 0 is taken first, or the last
+/// beam when the sweep is reversed. Bearings change a little with the motion; each corrected point
+/// is put on the nearest beam of the same geometry, the closer one where two meet, and beams left
+/// without a point become NaN. A scan with time_increment_s of 0 is returned as it is.
+/// start_from_end: pose of the robot at the end of the sweep, in its frame at the start. O(beams).
+[[nodiscard]] Scan undistort(const Scan& scan, const Pose2& start_from_end, bool reversed = false);
 
 }  // namespace strata

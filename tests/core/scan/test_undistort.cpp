@@ -64,6 +64,20 @@ TEST(Undistort, PutsTheWallsBackWhereTheyWereAtTheStart) {
   EXPECT_GT(count_beams(corrected).hits, 9 * kBeams / 10);
 }
 
+TEST(Undistort, KnowsSweepsWhoseLastBeamIsTakenFirst) {
+  const Pose2 motion{0.10, 0.02, 0.08};
+  const Pose2 mounting{0.3, -0.1, 0.2};
+  Scan reversed = sweep(motion, mounting);
+  for (std::size_t i = 0; i < kBeams; ++i) {
+    const double t = 1.0 - static_cast<double>(i) / (kBeams - 1);
+    const Pose2 laser = interpolate(Pose2{}, motion, t) * mounting;
+    reversed.ranges_m[i] = static_cast<float>(
+        range_in_square(laser.x, laser.y, laser.theta + reversed.bearing_rad(i)));
+  }
+  ASSERT_GT(wall_error(undistort(reversed, motion)), 0.2);
+  EXPECT_LT(wall_error(undistort(reversed, motion, true)), 0.035);
+}
+
 TEST(Undistort, ChangesNothingForARobotThatStands) {
   const Scan scan = sweep({}, {0.3, -0.1, 0.2});
   const Scan corrected = undistort(scan, {});

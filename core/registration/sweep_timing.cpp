@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/registration/sweep_timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/geometry/angle.hpp"
+#include "core/registration/match_field.hpp"
+#include "core/registration/scan_matcher.hpp"
+#include "core/scan/endpoints.hpp"
+
+namespace strata::registration {
+namespace {
+
+constexpr std::size_t kMostPairs = 24;
+constexpr std::size_t kLeastPairs = 8;
+constexpr double kLeastTurnRad = 0.03;
+constexpr double kLongestGapS = 1.0;
+constexpr int kDelaysPerSweep = 4;
+constexpr double kLeastGain = 0.1;
+constexpr std::size_t kMostBeams = 180;
+/// Odometry between two consecutive scans is good to this.
+constexpr double kOdometryStddevM = 0.02;
+constexpr double kOdometryStddevRad = 0.01;
+
+struct Pair {
+  std::size_t first = 0;
+  double signal_rad = 0.0;
+};
+
+/// Pairs of consecutive scans that say most: turning distorts, changes of turning tell the delay.
+std::vector<Pair> turning_pairs(std::span<const Scan> scans, const OdometryAt& odometry) {
+  std::vector<Pair> pairs;
+  double last_turn = 0.0;
+  for (std::size_t i = 0; i + 1 < scans.size(); ++i) {
+    const double gap_s = (scans[i + 1].stamp - scans[i].stamp).seconds();
+    const auto here = odometry(scans[i].stamp);
+    const auto next = odometry(scans[i + 1].stamp);
+    if (!here || !next || gap_s <= 0.0 || gap_s > kLongestGapS) continue;
+    const double turn = angle_difference(next->theta, here->theta);
+    const double signal = std::abs(turn) + std::abs(turn - last_turn);
+    last_turn = turn;
+    if (std::abs(turn) >= kLeastTurnRad) pairs.push_back({i, signal});
+  }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Pair& a, const Pair& b) { return a.signal_rad > b.signal_rad; });
+  if (pairs.size() > kMostPairs) pairs.resize(kMostPairs);
+  return pairs;
+}
+
+struct Placed {
+  Scan scan;
+  Pose2 odom_from_robot;
+};
+
+std::optional<Placed> placed(const Scan& scan, const OdometryAt& odometry,
+                             const SweepTiming& timing) {
+  const Stamp start = scan.stamp - Duration::from_seconds(timing.delay_s);
+  const auto here = odometry(start);
+  const auto end = odometry(start + sweep_duration(scan));
+  if (!here || !end) return std::nullopt;
+  return Placed{undistort(scan, between(*here, *end), timing.reversed), *here};
+}
+
+MatchField field_of(const Scan& scan) {
+  MatchField field(0.05, {.radius_m = 0.4});
+  const Endpoints endpoints = endpoints_in_robot(scan);
+  std::vector<NormalScatter> normals;
+  normals_in_sweep(endpoints, std::abs(static_cast<double>(scan.angle_increment_rad)), normals);
+  for (std::size_t i = 0; i < endpoints.size(); ++i) {
+    SurfacePoint point;
+    point.x_m = endpoints.x_m[i];
+    point.y_m = endpoints.y_m[i];
+    set_surface_direction(point, normals[i]);
+    field.add(point);
+  }
+  return field;
+}
+
+/// Cost of matching each pair under a timing [nats]; pairs without odometry cost nothing.
+std::vector<double> costs_of(std::span<const Scan> scans, const std::vector<Pair>& pairs,
+                             const OdometryAt& odometry, const SweepTiming& timing) {
+  std::vector<double> costs;
+  for (const Pair& pair : pairs) {
+    costs.push_back(0.0);
+    const auto first = placed(scans[pair.first], odometry, timing);
+    const auto second = placed(scans[pair.first + 1], odometry, timing);
+    if (!first || !second) continue;
+    Pose2Gaussian prior{between(first->odom_from_robot, second->odom_from_robot),
+                        Eigen::Matrix3d::Zero()};
+    prior.covariance.diagonal() << kOdometryStddevM * kOdometryStddevM,
+        kOdometryStddevM * kOdometryStddevM, kOdometryStddevRad * kOdometryStddevRad;
+    const MatchResult result = match(thin(endpoints_in_robot(second->scan), kMostBeams), {},
+                                     field_of(first->scan), prior.mean, &prior);
+    costs.back() = result.cost;
+  }
+  return costs;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+/// Where the parabola through three equidistant values has its least, in steps from the middle.
+double lowest_of_three(double before, double middle, double after) {
+  const double bend = before - 2.0 * middle + after;
+  return bend > 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0;
+}
+
+}  // namespace
+
+SweepTimingEstimate estimate_sweep_timing(std::span<const Scan> scans, const OdometryAt& odometry,
+                                          const SweepTiming& stated_timing) {
+  SweepTimingEstimate result;
+  result.timing = stated_timing;
+  if (scans.empty()) return result;
+  const double sweep_s = sweep_duration(scans[scans.size() / 2]).seconds();
+  if (sweep_s <= 0.0) return result;
+  const std::vector<Pair> pairs = turning_pairs(scans, odometry);
+  result.pairs = pairs.size();
+  if (pairs.size() < kLeastPairs) return result;
+
+  const std::vector<double> stated = costs_of(scans, pairs, odometry, stated_timing);
+  result.stated_cost = mean_of(stated);
+  result.estimate_cost = result.stated_cost;
+  std::vector<double> best = stated;
+  SweepTiming timing = stated_timing;
+  for (const bool reversed : {false, true}) {
+    std::vector<double> means;
+    int lowest = 0;
+    for (int step = -kDelaysPerSweep; step <= 2 * kDelaysPerSweep; ++step) {
+      const SweepTiming candidate{reversed, sweep_s * step / kDelaysPerSweep};
+      std::vector<double> costs = costs_of(scans, pairs, odometry, candidate);
+      means.push_back(mean_of(costs));
+      if (means.back() >= result.estimate_cost) continue;
+      result.estimate_cost = means.back();
+      best = std::move(costs);
+      timing = candidate;
+      lowest = static_cast<int>(means.size()) - 1;
+    }
+    if (lowest > 0 && timing.reversed == reversed && lowest + 1 < static_cast<int>(means.size())) {
+      const auto at = static_cast<std::size_t>(lowest);
+      timing.delay_s +=
+          sweep_s / kDelaysPerSweep * lowest_of_three(means[at - 1], means[at], means[at + 1]);
+    }
+  }
+  std::size_t better = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) better += best[i] < stated[i] ? 1 : 0;
+  result.certain = result.estimate_cost < (1.0 - kLeastGain) * result.stated_cost &&
+                   4 * better >= 3 * pairs.size();
+  if (result.certain) result.timing = timing;
+  return result;
+}
+
+}  // namespace strata::registration
