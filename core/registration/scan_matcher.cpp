@@ -160,12 +160,41 @@ Problem make_problem(const Endpoints& endpoints, std::span<const float> beam_wei
   return problem;
 }
 
+/// The information that the scan itself holds, per beam counted once. The Hessian holds the nearest
+/// surface fixed: along a bare wall it sees the gaps between the wall's cells as if they were
+/// shape. So the least certain direction is tried out: how much the cost really rises on the way.
+Eigen::Matrix3d scan_information(const Problem& problem, const Pose2& pose, const MatchCost& at,
+                                 const MatchConfig& config) {
+  constexpr double kTrialSteps = 3.0;  // standard deviations of a beam
+  Eigen::Matrix3d information = at.hessian - problem.prior_information;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(information.topLeftCorner<2, 2>());
+  const double analytic = axes.eigenvalues()(0);
+  const Eigen::Vector2d weak = axes.eigenvectors().col(0);
+  Problem alone = problem;
+  alone.has_prior = false;
+  const double step_m = kTrialSteps * config.hit_stddev_m;
+  const auto cost_at = [&](double along_m) {
+    return evaluate<false>(alone,
+                           {pose.x + along_m * weak.x(), pose.y + along_m * weak.y(), pose.theta},
+                           config.hit_stddev_m)
+        .cost;
+  };
+  const double rise = 0.5 * (cost_at(step_m) + cost_at(-step_m)) - cost_at(0.0);
+  const double tried = std::max(0.0, 2.0 * rise / (step_m * step_m));
+  if (tried >= analytic || analytic <= 0.0) return information;
+  // Shrinks the weak axis and its couplings alike, so that the matrix stays positive.
+  const double scale = std::sqrt(tried / analytic) - 1.0;
+  Eigen::Matrix3d shrink = Eigen::Matrix3d::Identity();
+  shrink.topLeftCorner<2, 2>() += scale * weak * weak.transpose();
+  return shrink * information * shrink;
+}
+
 /// Covariance from the curvature, with correlated beams counted as few (`effective_beams`).
-Eigen::Matrix3d covariance_of(const Problem& problem, const MatchCost& at,
+Eigen::Matrix3d covariance_of(const Problem& problem, const Pose2& pose, const MatchCost& at,
                               const MatchConfig& config) {
   const double share =
       std::min(1.0, config.effective_beams / static_cast<double>(problem.endpoints.size()));
-  Eigen::Matrix3d information = (at.hessian - problem.prior_information) * share;
+  Eigen::Matrix3d information = scan_information(problem, pose, at, config) * share;
   information += problem.prior_information;
   // A direction that nothing measures is uncertain by kilometres, not by infinity.
   information.diagonal().array() += 1e-6;
@@ -211,7 +240,7 @@ MatchResult match(const Endpoints& endpoints, std::span<const float> beam_weight
   }
   result.cost = there.cost;
   result.explained = there.explained;
-  result.covariance = covariance_of(problem, there, config);
+  result.covariance = covariance_of(problem, result.pose, there, config);
   const Eigen::Matrix2d position = result.covariance.topLeftCorner<2, 2>();
   const double worst = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position).eigenvalues()(1);
   result.converged = level.converged && improved && result.explained >= config.min_explained &&

@@ -53,6 +53,7 @@ struct Slam::State {
   std::vector<Record> records;
   int run = 0;
   int runs = 0;
+  bool run_is_given = false;  // the run's frame is that of its given poses
   Stamp last_stamp;
   std::size_t skipped = 0;
   std::vector<std::size_t> run_begins;
@@ -64,6 +65,8 @@ struct Slam::State {
   void take_submaps();
   void place_scans();
   [[nodiscard]] std::optional<Pose2Gaussian> given_submap(const Submap& submap) const;
+  /// A given pose, or one that an earlier job placed, as far as it is believed.
+  [[nodiscard]] Pose2Gaussian believed(const Pose2& given, bool placed) const;
   /// Whether the scan keeps the pose it came with.
   [[nodiscard]] bool stays(const Record& record) const {
     const bool keep_given = runs <= 1 || !config.given_poses.refine;
@@ -76,6 +79,7 @@ void Slam::State::start_run(const Observation& observation, const Pose2* given_p
   run = observation.run;
   ++runs;
   run_begins.push_back(records.size());
+  run_is_given = given_pose != nullptr;
   Pose2 start;
   if (given_pose != nullptr) {
     start = *given_pose;
@@ -95,6 +99,14 @@ void Slam::State::end_run() {
   tracker.reset();
 }
 
+Pose2Gaussian Slam::State::believed(const Pose2& given, bool placed) const {
+  const double sigma_m = placed ? kPlacedStddevM : config.given_poses.stddev_m;
+  const double sigma_rad = placed ? kPlacedStddevRad : config.given_poses.stddev_rad;
+  Pose2Gaussian result{given, Eigen::Matrix3d::Zero()};
+  result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
+  return result;
+}
+
 std::optional<Pose2Gaussian> Slam::State::given_submap(const Submap& submap) const {
   std::vector<Pose2> tracked;
   std::vector<Pose2> given;
@@ -111,13 +123,7 @@ std::optional<Pose2Gaussian> Slam::State::given_submap(const Submap& submap) con
     corrections.push_back(given[i] * inverse(tracked[i]) * submap.run_from_submap);
   }
   const std::vector<double> weights(corrections.size(), 1.0);
-  Pose2Gaussian result = weighted_gaussian(corrections, weights);
-  const bool placed = records[submap.first_scan].placed;
-  const double sigma_m = placed ? kPlacedStddevM : config.given_poses.stddev_m;
-  const double sigma_rad = placed ? kPlacedStddevRad : config.given_poses.stddev_rad;
-  result.covariance.setZero();
-  result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
-  return result;
+  return believed(weighted_gaussian(corrections, weights).mean, records[submap.first_scan].placed);
 }
 
 void Slam::State::take_submaps() {
@@ -161,7 +167,11 @@ Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* give
   if (new_run) start_run(observation, given_pose);
   last_stamp = observation.scan.stamp;
   const Pose2* step = observation.has_odometry ? &observation.odom_from_robot : given_pose;
-  const TrackedScan tracked = tracker->add(observation.scan, step, records.size());
+  const Pose2Gaussian given =
+      given_pose != nullptr ? believed(*given_pose, placed) : Pose2Gaussian{};
+  const TrackedScan tracked =
+      tracker->add(observation.scan, step, records.size(),
+                   run_is_given && given_pose != nullptr ? &given : nullptr);
   Record record;
   record.posed.run = observation.run;
   record.posed.scan = observation.scan;
@@ -169,15 +179,10 @@ Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* give
   record.key = tracked.key;
   if (given_pose != nullptr) record.given = *given_pose;
   record.placed = placed;
-  Pose2Gaussian result =
-      Pose2Gaussian{map_from_run, Eigen::Matrix3d::Zero()} * tracked.run_from_robot;
-  if (given_pose != nullptr) {
-    const double sigma_m = config.given_poses.stddev_m;
-    const double sigma_rad = config.given_poses.stddev_rad;
-    result.mean = *given_pose;
-    result.covariance.setZero();
-    result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
-  }
+  const Pose2Gaussian result =
+      given_pose != nullptr
+          ? given
+          : Pose2Gaussian{map_from_run, Eigen::Matrix3d::Zero()} * tracked.run_from_robot;
   record.posed.map_from_robot = result.mean;
   records.push_back(std::move(record));
   take_submaps();

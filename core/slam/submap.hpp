@@ -21,6 +21,8 @@ struct Submap {
   std::size_t first_scan = 0;  ///< index of the first scan that belongs to it
   std::size_t last_scan = 0;   ///< ... and one past the last
   Pose2 run_from_submap;       ///< in the drifting frame of its run
+  /// How uncertain its pose is seen from the sub-map before it in the run (frame of that one).
+  Eigen::Matrix3d from_previous = Eigen::Matrix3d::Zero();
   std::vector<registration::SurfacePoint> points;
   StateGrid states;
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  ///< mean of the points

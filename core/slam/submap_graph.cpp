@@ -23,6 +23,10 @@ constexpr double kWrongClosure = 50.0;
 /// Closures count as this much path, so that places closed once are searched narrowly later.
 constexpr double kClosurePathM = 0.5;
 
+Eigen::Matrix3d symmetric(const Eigen::Matrix3d& matrix) {
+  return 0.5 * (matrix + matrix.transpose());
+}
+
 Endpoints cloud_of(const Submap& submap, int max_points) {
   Endpoints cloud;
   for (std::size_t i = 0; i < submap.points.size(); ++i) {
@@ -84,9 +88,11 @@ std::size_t SubmapGraph::add(Submap submap, const std::optional<Pose2Gaussian>& 
     const double length_m = std::hypot(edge.from_from_to.x, edge.from_from_to.y);
     const double sigma_m = config_.chain_floor_m + config_.chain_per_metre_m * length_m;
     const double sigma_rad = config_.chain_floor_rad + config_.chain_per_metre_rad * length_m;
-    edge.information = Eigen::Vector3d(1.0 / (sigma_m * sigma_m), 1.0 / (sigma_m * sigma_m),
-                                       1.0 / (sigma_rad * sigma_rad))
-                           .asDiagonal();
+    // Where the matches were ambiguous (along a bare corridor) the chain gives way.
+    Eigen::Matrix3d covariance = submap.from_previous;
+    covariance.diagonal() +=
+        Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
+    edge.information = symmetric(covariance.inverse());
     graph_.add_edge(edge);
     chain_.push_back(edge);
   }
@@ -179,8 +185,7 @@ void SubmapGraph::add_closure(const Closure& closure) {
   edge.from = closure.a;
   edge.to = closure.b;
   edge.from_from_to = closure.a_from_b.mean;
-  const Eigen::Matrix3d information = closure.a_from_b.covariance.inverse();
-  edge.information = 0.5 * (information + information.transpose());
+  edge.information = symmetric(closure.a_from_b.covariance.inverse());
   edge.robust = true;
   graph_.add_edge(edge);
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "core/geometry/angle.hpp"
 #include "core/registration/correlative_search.hpp"
 #include "core/registration/scan_matcher.hpp"
@@ -23,6 +25,35 @@ Pose2Gaussian step_from_odometry(const Pose2& step, const OdometryNoiseConfig& n
   Pose2Gaussian result{step, Eigen::Matrix3d::Zero()};
   result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
   return result;
+}
+
+/// How odometry drifts over many steps; its errors from step to step (OdometryNoiseConfig) are
+/// allowed to be larger, since each match corrects them.
+constexpr double kDriftM = 0.1;     // per square root of a metre
+constexpr double kDriftRad = 0.02;  // per square root of a metre or radian
+
+/// Covariance after a measurement of that information; the information may be singular.
+Eigen::Matrix3d shrunk(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& information) {
+  return (Eigen::Matrix3d::Identity() + covariance * information).inverse() * covariance;
+}
+
+/// Two independent opinions about one pose.
+Pose2Gaussian fused(const Pose2Gaussian& a, const Pose2Gaussian& b) {
+  const Eigen::Matrix3d gain = a.covariance * (a.covariance + b.covariance).inverse();
+  const Eigen::Vector3d difference(b.mean.x - a.mean.x, b.mean.y - a.mean.y,
+                                   angle_difference(b.mean.theta, a.mean.theta));
+  const Eigen::Vector3d moved = gain * difference;
+  return {{a.mean.x + moved.x(), a.mean.y + moved.y(), wrap_angle(a.mean.theta + moved.z())},
+          (Eigen::Matrix3d::Identity() - gain) * a.covariance};
+}
+
+/// A covariance of (x, y, theta) in axes turned by `turn`.
+Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Pose2& turn) {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  const double c = std::cos(turn.theta);
+  const double s = std::sin(turn.theta);
+  axes.topLeftCorner<2, 2>() << c, -s, s, c;
+  return axes * covariance * axes.transpose();
 }
 
 Endpoints within(const Endpoints& endpoints, double max_range_m) {
@@ -73,7 +104,8 @@ std::vector<Pose2> Tracker::other_guesses(const Pose2Gaussian& guess) const {
   return {pose_.mean * between(last_pose_, pose_.mean), pose_.mean * turned, pose_.mean * reversed};
 }
 
-bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian& found) const {
+bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian& found,
+                     Eigen::Matrix3d& information) const {
   constexpr double kMargin = 0.02;  // by how much another start must explain more
   const Endpoints endpoints = match_endpoints(scan, config_.max_range_m, config_.max_beams);
   if (endpoints.size() == 0) return false;
@@ -84,11 +116,14 @@ bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian
   Pose2Gaussian wide{guess.mean, Eigen::Matrix3d::Zero()};
   wide.covariance.diagonal() << kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
       kBlindStddevRad * kBlindStddevRad;
+  const Pose2Gaussian* prior = &guess;
   auto try_from = [&](const Pose2& start) {
     wide.mean = start;
     const registration::MatchResult other =
         registration::match(endpoints, {}, field, start, &wide, config_.match);
-    if (other.converged && other.explained > result.explained + kMargin) result = other;
+    if (!other.converged || other.explained <= result.explained + kMargin) return;
+    result = other;
+    prior = &wide;
   };
   if (result.explained < config_.good_match) {
     for (const Pose2& start : other_guesses(guess)) try_from(start);
@@ -103,15 +138,37 @@ bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian
   }
   if (!result.converged) return false;
   found = result.gaussian();
+  information = result.covariance.inverse() - prior->covariance.inverse();
   return true;
 }
 
-TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index) {
-  const Pose2Gaussian guess = predict(scan, odom_from_robot);
+void Tracker::grow_drift(const Pose2& step, const Pose2Gaussian* given) {
+  const double distance_m = std::hypot(step.x, step.y);
+  const double variance_m = kDriftM * kDriftM * distance_m;
+  const double variance_rad = kDriftRad * kDriftRad * (distance_m + std::abs(step.theta));
+  // A turn now is an offset later: the lever of heading over the step.
+  Eigen::Matrix3d carry = Eigen::Matrix3d::Identity();
+  const double c = std::cos(pose_.mean.theta);
+  const double s = std::sin(pose_.mean.theta);
+  carry(0, 2) = -(s * step.x + c * step.y);
+  carry(1, 2) = c * step.x - s * step.y;
+  drift_ = carry * drift_ * carry.transpose();
+  drift_.diagonal() += Eigen::Vector3d(variance_m, variance_m, variance_rad);
+  // Given poses hold the run: two of them differ by at most twice their variance.
+  if (given != nullptr) drift_ = shrunk(drift_, (2.0 * given->covariance).inverse());
+}
+
+TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index,
+                         const Pose2Gaussian* given) {
+  Pose2Gaussian guess = predict(scan, odom_from_robot);
+  if (started_ && given != nullptr) guess = fused(guess, *given);
   TrackedScan result;
   result.run_from_robot = guess;
   if (started_) {
-    result.matched = locate(scan, guess, result.run_from_robot);
+    grow_drift(between(pose_.mean, guess.mean), given);
+    Eigen::Matrix3d information;
+    result.matched = locate(scan, guess, result.run_from_robot, information);
+    if (result.matched) drift_ = shrunk(drift_, information);
   }
   last_pose_ = pose_.mean;
   last_step_s_ = started_ ? (scan.stamp - last_stamp_).seconds() : 0.0;
@@ -135,11 +192,15 @@ void Tracker::insert(const Scan& scan, std::size_t scan_index) {
     active_.push_back({SurfaceMap(resolution_m_, config_.field), 0});
     owned_from_ = scan_index;
     owned_pose_ = pose_.mean;
+    drift_.setZero();
   }
   if (active_.back().keys >= config_.submap_keys) {
     if (active_.size() == 2) {
+      const Pose2 back{0.0, 0.0, -owned_pose_.theta};
       close_oldest(scan_index);
       owned_pose_ = pose_.mean;
+      owned_drift_ = turned(drift_, back);
+      drift_.setZero();
     }
     active_.push_back({SurfaceMap(resolution_m_, config_.field), 0});
   }
@@ -151,6 +212,7 @@ void Tracker::insert(const Scan& scan, std::size_t scan_index) {
 
 void Tracker::close_oldest(std::size_t end_scan) {
   finished_.push_back(make_submap(active_.front().map, run_, owned_pose_, owned_from_, end_scan));
+  finished_.back().from_previous = owned_drift_;
   active_.erase(active_.begin());
   owned_from_ = end_scan;
 }

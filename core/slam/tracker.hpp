@@ -33,9 +33,12 @@ class Tracker {
   Tracker(const TrackingConfig& config, double resolution_m, int run, const Pose2& start);
 
   /// odom_from_robot: null without odometry; then the last motion is continued. scan_index: the
-  /// caller's number of the scan, used for the sub-maps' ranges. Scans without usable hits move by
-  /// odometry. O(beams x iterations), plus O(cells crossed) for key scans.
-  TrackedScan add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index);
+  /// caller's number of the scan, used for the sub-maps' ranges. given: null, or a pose that came
+  /// with the log, in the run's frame; where the scan is ambiguous (a bare corridor) it rules.
+  /// Scans without usable hits move by odometry. O(beams x iterations), plus O(cells crossed) for
+  /// key scans.
+  TrackedScan add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index,
+                  const Pose2Gaussian* given = nullptr);
 
   /// Sub-maps that were finished since the last call, in order; takes them out.
   [[nodiscard]] std::vector<Submap> take_finished();
@@ -49,8 +52,9 @@ class Tracker {
   };
   [[nodiscard]] Pose2Gaussian predict(const Scan& scan, const Pose2* odom_from_robot) const;
   [[nodiscard]] std::vector<Pose2> other_guesses(const Pose2Gaussian& guess) const;
-  [[nodiscard]] bool locate(const Scan& scan, const Pose2Gaussian& guess,
-                            Pose2Gaussian& found) const;
+  [[nodiscard]] bool locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian& found,
+                            Eigen::Matrix3d& information) const;
+  void grow_drift(const Pose2& step, const Pose2Gaussian* given);
   void insert(const Scan& scan, std::size_t scan_index);
   void close_oldest(std::size_t end_scan);
 
@@ -65,6 +69,10 @@ class Tracker {
   std::optional<Pose2> last_odom_;
   std::optional<Pose2> last_key_;
   std::vector<Active> active_;
+  // Uncertainty of the pose against the beginning of the oldest active sub-map, in the run's frame:
+  // grows with the motion, shrinks by what each match sees of the map.
+  Eigen::Matrix3d drift_ = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d owned_drift_ = Eigen::Matrix3d::Zero();  // drift_ when that sub-map took over
   std::size_t owned_from_ = 0;  // first scan that belongs to the oldest active sub-map
   Pose2 owned_pose_;            // robot's pose there
   std::vector<Submap> finished_;
