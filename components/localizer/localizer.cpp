@@ -170,6 +170,24 @@ void Localizer::publish_health(Stamp stamp, const localization::LocalizationResu
   message.log_likelihood_per_beam(std::log(health.likelihood_per_beam));
   message.update_time(update_time.count());
   publish_health_(message);
+  health_ = message;
+}
+
+void Localizer::on_diagnose(runtime::Health& health) const {
+  if (!health_) {
+    health.warn("no scan has come yet");
+    return;
+  }
+  if (health_->lost()) {
+    health.fail("lost");
+  } else if (!health_->localized()) {
+    health.warn("not localized yet");
+  }
+  health.add("model", health_->model());
+  health.add("particles", std::uint64_t{health_->particles()});
+  health.add("position_std_m", health_->position_std());
+  health.add("heading_std_rad", health_->heading_std());
+  health.add("update_time_s", health_->update_time());
 }
 
 void Localizer::on_finish(const std::filesystem::path& out_dir) {

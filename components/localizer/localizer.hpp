@@ -26,6 +26,7 @@ class Localizer final : public runtime::Component {
 
  private:
   void on_configure() override;
+  void on_diagnose(runtime::Health& health) const override;
   void on_finish(const std::filesystem::path& out_dir) override;
   void load_maps();
   void advertise_topics();
@@ -43,6 +44,7 @@ class Localizer final : public runtime::Component {
   std::optional<runtime::SensorInput> input_;
   maps::MapModel model_;
   std::unique_ptr<localization::Localizer> localizer_;
+  std::optional<strata_msgs::msg::LocalizationHealth> health_;  // as of the last scan
   maps::LocalizationRecord record_;  // lockstep only: live it would grow without end
   std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
   std::function<void(const tf2_msgs::msg::TFMessage&)> publish_tf_;

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/component.hpp"
 
-#include <algorithm>
+#include <chrono>
 
 namespace strata::runtime {
 namespace {
 
-using strata_msgs::msg::Ack;
-using strata_msgs::msg::Step;
-using strata_msgs::msg::TopicCount;
-
-TopicCount topic_count(const std::string& topic, std::uint64_t count) {
-  TopicCount result;
-  result.topic(topic);
-  result.count(count);
-  return result;
+Stamp wall_clock_now() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return {std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count()};
 }
 
 }  // namespace
@@ -25,55 +19,124 @@ Component::Component(ComponentContext context)
 
 Component::~Component() = default;
 
-void Component::configure() {
-  context_.mailbox->call([this] {
-    on_configure();
-    if (lockstep()) join_lockstep();
+void Component::request(std::uint8_t id) {
+  context_.mailbox->call([this, id] {
+    if (const LifecycleTransition* found = find_transition(state_, id)) perform(*found);
   });
 }
 
-void Component::activate() {
+void Component::configure() { request(1); }
+void Component::activate() { request(3); }
+void Component::deactivate() { request(4); }
+void Component::cleanup() { request(2); }
+
+void Component::shutdown() {
   context_.mailbox->call([this] {
-    if (active_) return;
-    active_ = true;
-    on_activate();
-    if (lockstep()) return;
+    if (const LifecycleTransition* found = find_transition(state_, 0, "shutdown")) perform(*found);
+  });
+}
+
+void Component::perform(const LifecycleTransition& transition) {
+  switch (transition.id) {
+    case 1:
+      do_configure();
+      break;
+    case 2:
+      do_cleanup();
+      break;
+    case 3:
+      do_activate();
+      break;
+    case 4:
+      on_deactivate();
+      break;
+    default:  // shutdown goes through the states between, whatever they throw
+      guarded([&] {
+        if (is_active()) on_deactivate();
+      });
+      guarded([&] {
+        if (state_ != LifecycleState::kUnconfigured) do_cleanup();
+      });
+      state_ = transition.goal;
+      diagnose();
+      diagnostics_.reset();
+      return;
+  }
+  state_ = transition.goal;
+  if (is_active() && !lockstep()) {
     for (const auto& subscription : subscriptions_) {
       while (take_live(*subscription)) {
       }
     }
-  });
+  }
+  diagnose();
 }
 
-void Component::deactivate() {
-  context_.mailbox->call([this] {
-    if (!active_) return;
-    active_ = false;
-    on_deactivate();
-  });
+void Component::do_configure() {
+  if (!diagnostics_) diagnostics_ = std::make_unique<Diagnostics>(context_.participant, full_name_);
+  try {
+    on_configure();
+    if (lockstep()) join_lockstep();
+  } catch (...) {
+    release();
+    throw;
+  }
 }
 
-void Component::cleanup() {
-  // Readers first, outside the mailbox: they wait for callbacks that may post to it.
+void Component::do_activate() { on_activate(); }
+
+void Component::do_cleanup() { release(); }
+
+void Component::release() {
   step_reader_.reset();
-  context_.mailbox->call([this] { step_.reset(); });
+  step_.reset();
   for (const auto& subscription : subscriptions_) subscription->reader.reset();
-  context_.mailbox->call([this] {
-    on_cleanup();
-    writers_.clear();
-    ack_writer_.reset();
-  });
+  guarded([&] { on_cleanup(); });
+  subscriptions_.clear();
+  writers_.clear();
+  ack_writer_.reset();
 }
 
 void Component::tick() {
+  // A component that works on something long must not find a heap of ticks afterwards.
+  if (tick_waits_.exchange(true)) return;
   context_.mailbox->post([this] {
-    if (!active_) return;
-    try {
-      on_tick();
-    } catch (const std::exception& error) {
-      if (context_.on_error) context_.on_error(full_name_ + ": " + error.what());
-    }
+    tick_waits_ = false;
+    if (is_active()) guarded([&] { on_tick(); });
+    diagnose();
   });
+}
+
+void Component::guarded(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (const std::exception& error) {
+    ++failed_;
+    last_error_ = error.what();
+    if (context_.on_error) context_.on_error(full_name_ + ": " + error.what());
+  }
+}
+
+void Component::diagnose() {
+  if (!diagnostics_) return;
+  Health health;
+  if (failed_ > told_failed_) health.fail(last_error_);
+  if (dropped_ > told_dropped_) health.warn("messages come faster than they are worked on");
+  health.add("state", std::string(lifecycle_label(state_)));
+  health.add("processed", processed_);
+  health.add("skipped", failed_);
+  health.add("dropped", dropped_.load());
+  if (!last_error_.empty()) health.add("last_error", last_error_);
+  for (const auto& subscription : subscriptions_) {
+    const std::lock_guard lock(subscription->mutex);
+    health.add("received " + subscription->topic, subscription->received);
+  }
+  for (const auto& writer : writers_) health.add("published " + writer->topic(), writer->count());
+  if (is_active()) on_diagnose(health);
+  const bool is_told = diagnostics_->publish(health, lockstep() ? Stamp() : wall_clock_now());
+  if (!is_told) return;
+  told_failed_ = failed_;
+  told_dropped_ = dropped_;
 }
 
 std::string Component::resolve(const std::string& topic) const {
@@ -87,21 +150,23 @@ std::string Component::parameters_place() const {
 void Component::subscribe_raw(const std::string& full_topic, const std::string& type,
                               const bus::QosProfile& qos,
                               std::function<void(const bus::RawMessage&)> callback) {
-  auto owned = std::make_unique<Subscription>();
-  Subscription& subscription = *owned;
-  subscriptions_.push_back(std::move(owned));
-  subscription.topic = full_topic;
-  subscription.callback = std::move(callback);
+  const auto subscription = std::make_shared<Subscription>();
+  subscription->topic = full_topic;
+  subscription->callback = std::move(callback);
   const bus::QosProfile used = lockstep() ? qos.lossless() : qos;
-  subscription.depth = static_cast<std::size_t>(used.depth);
-  subscription.latched = used.transient_local;
-  const auto on_message = [this, &subscription](bus::RawMessage message) {
+  subscription->depth = static_cast<std::size_t>(used.depth);
+  subscription->latched = used.transient_local;
+  // The reader is the subscription's, so its callback holds it weakly.
+  const std::weak_ptr<Subscription> weak = subscription;
+  const auto on_message = [this, weak](bus::RawMessage message) {
+    const auto held = weak.lock();
+    if (!held) return;
     {
-      const std::lock_guard lock(subscription.mutex);
-      ++subscription.received;
-      subscription.waiting.push_back(std::move(message));
-      if (subscription.depth > 0 && subscription.waiting.size() > subscription.depth) {
-        subscription.waiting.pop_front();
+      const std::lock_guard lock(held->mutex);
+      ++held->received;
+      held->waiting.push_back(std::move(message));
+      if (held->depth > 0 && held->waiting.size() > held->depth) {
+        held->waiting.pop_front();
         ++dropped_;
         return;  // the task of the dropped one takes this one
       }
@@ -109,12 +174,13 @@ void Component::subscribe_raw(const std::string& full_topic, const std::string& 
     if (lockstep()) {
       context_.mailbox->post([this] { try_step(); });
     } else {
-      context_.mailbox->post([this, &subscription] { take_live(subscription); });
+      context_.mailbox->post([this, held] { take_live(*held); });
     }
   };
   const auto on_match = [this] { context_.mailbox->post([this] { try_step(); }); };
-  subscription.reader = std::make_unique<bus::RawReader>(context_.participant, full_topic, type,
-                                                         used, on_message, on_match);
+  subscriptions_.push_back(subscription);
+  subscription->reader = std::make_unique<bus::RawReader>(context_.participant, full_topic, type,
+                                                          used, on_message, on_match);
 }
 
 std::shared_ptr<bus::RawWriter> Component::advertise_raw(const std::string& full_topic,
@@ -129,7 +195,7 @@ std::shared_ptr<bus::RawWriter> Component::advertise_raw(const std::string& full
 
 bool Component::take_live(Subscription& subscription) {
   // Who publishes a latched message does it once: it must not be lost before we are active.
-  if (!active_ && subscription.latched) return false;
+  if (!is_active() && subscription.latched) return false;
   bus::RawMessage message;
   {
     const std::lock_guard lock(subscription.mutex);
@@ -137,110 +203,11 @@ bool Component::take_live(Subscription& subscription) {
     message = std::move(subscription.waiting.front());
     subscription.waiting.pop_front();
   }
-  if (!active_) return true;
-  try {
-    subscription.callback(message);
-  } catch (const std::exception& error) {
-    if (context_.on_error) context_.on_error(full_name_ + ": " + error.what());
-  }
+  if (!is_active()) return true;
+  const std::uint64_t failed_before = failed_;
+  guarded([&] { subscription.callback(message); });
+  if (failed_ == failed_before) ++processed_;
   return true;
-}
-
-void Component::join_lockstep() {
-  const bus::QosProfile qos = bus::qos_profile("lossless");
-  ack_writer_ = std::make_unique<bus::RawWriter>(context_.participant, kAckTopic,
-                                                 bus::MessageType<Ack>::name, qos);
-  step_reader_ = std::make_unique<bus::RawReader>(
-      context_.participant, kStepTopic, bus::MessageType<Step>::name, qos,
-      [this](const bus::RawMessage& message) {
-        Step step = convert::from_cdr<Step>(message.cdr, kStepTopic);
-        if (step.target() != full_name_) return;
-        context_.mailbox->post([this, step = std::move(step)] {
-          step_ = step;
-          try_step();
-        });
-      });
-}
-
-void Component::try_step() {
-  if (!step_ || !ack_writer_ || !ready_for(*step_)) return;
-  const Step step = *step_;
-  step_.reset();
-  std::string error;
-  try {
-    perform(step);
-  } catch (const std::exception& caught) {
-    error = caught.what();
-    if (error.empty()) error = "unknown error";
-  }
-  acknowledge(step, error);
-}
-
-bool Component::ready_for(const Step& step) {
-  const auto has_come = [&](const TopicCount& expected) {
-    return std::all_of(subscriptions_.begin(), subscriptions_.end(), [&](const auto& entry) {
-      if (entry->topic != expected.topic()) return true;
-      if (step.kind() == strata_msgs::msg::STEP_MATCH) {
-        return entry->reader->matched() >= static_cast<int>(expected.count());
-      }
-      const std::lock_guard lock(entry->mutex);
-      return entry->received >= expected.count();
-    });
-  };
-  const auto is_read = [&](const TopicCount& expected) {
-    return std::all_of(writers_.begin(), writers_.end(), [&](const auto& writer) {
-      return writer->topic() != expected.topic() ||
-             writer->matched() >= static_cast<int>(expected.count());
-    });
-  };
-  return std::all_of(step.expected().begin(), step.expected().end(), has_come) &&
-         std::all_of(step.readers().begin(), step.readers().end(), is_read);
-}
-
-void Component::perform(const Step& step) {
-  switch (step.kind()) {
-    case strata_msgs::msg::STEP_HELLO:
-      break;
-    case strata_msgs::msg::STEP_MATCH:
-      active_ = true;
-      on_activate();
-      break;
-    case strata_msgs::msg::STEP_CYCLE:
-      work_off();
-      break;
-    case strata_msgs::msg::STEP_FINISH:
-      work_off();
-      on_finish(context_.out_folder.empty() ? std::filesystem::path(step.out_dir())
-                                            : step.out_dir() / context_.out_folder);
-      break;
-  }
-}
-
-void Component::work_off() {
-  for (const auto& subscription : subscriptions_) {
-    std::deque<bus::RawMessage> batch;
-    {
-      const std::lock_guard lock(subscription->mutex);
-      batch.swap(subscription->waiting);
-    }
-    for (const bus::RawMessage& message : batch) subscription->callback(message);
-  }
-}
-
-void Component::acknowledge(const Step& step, const std::string& error) {
-  Ack ack;
-  ack.sequence_number(step.sequence_number());
-  ack.component_name(full_name_);
-  ack.ok(error.empty());
-  ack.error(error);
-  for (const auto& writer : writers_) {
-    ack.published().push_back(topic_count(writer->topic(), writer->count()));
-  }
-  for (const auto& subscription : subscriptions_) {
-    const std::lock_guard lock(subscription->mutex);
-    ack.subscribed().push_back(topic_count(subscription->topic, subscription->received));
-  }
-  ack_writer_->publish(convert::to_cdr(ack));
 }
 
 }  // namespace strata::runtime

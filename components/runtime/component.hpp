@@ -23,7 +23,9 @@
 
 #include "components/bus/endpoint.hpp"
 #include "components/bus/names.hpp"
+#include "components/runtime/diagnostics.hpp"
 #include "components/runtime/executor.hpp"
+#include "components/runtime/lifecycle.hpp"
 #include "components/settings/config_reader.hpp"
 #include "core/base/progress.hpp"
 
@@ -62,26 +64,34 @@ class Component {
   Component& operator=(const Component&) = delete;
 
   /// Called by the host from outside the mailbox; each waits until it is done and passes errors on.
+  /// They do nothing when the state is not the one they start from.
   void configure();
   void activate();
   void deactivate();
   void cleanup();
+  /// From any state to the last one; the name leaves the domain.
+  void shutdown();
   /// Several times a second while the process lives; returns at once.
   void tick();
 
   /// "/robot1/localizer".
   [[nodiscard]] const std::string& full_name() const { return full_name_; }
+  [[nodiscard]] LifecycleState state() const { return state_; }
   /// Live: messages that came faster than they were worked on and were dropped.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  protected:
-  /// Read parameters, subscribe, advertise; throws ConfigError and InputError.
+  /// Read parameters, subscribe, advertise; throws ConfigError and InputError. Runs again after a
+  /// cleanup.
   virtual void on_configure() = 0;
   virtual void on_activate() {}
   virtual void on_deactivate() {}
+  /// Give up what on_configure made; called also when that failed halfway.
   virtual void on_cleanup() {}
   /// Several times a second while active and live.
   virtual void on_tick() {}
+  /// Adds what only this component knows to its status on /diagnostics.
+  virtual void on_diagnose(Health& /*health*/) const {}
   /// The log has ended: do what needs all data and save this component's part into out_dir.
   virtual void on_finish(const std::filesystem::path& /*out_dir*/) {}
 
@@ -129,9 +139,24 @@ class Component {
     std::unique_ptr<bus::RawReader> reader;
   };
 
+  [[nodiscard]] bool is_active() const { return state_ == LifecycleState::kActive; }
+  /// On the mailbox: does the transition out of the present state; throws what the hook throws, and
+  /// then the state is as before.
+  void perform(const LifecycleTransition& transition);
+  /// From outside the mailbox: the transition `id`, when the state is the one it starts from.
+  void request(std::uint8_t id);
+  void do_configure();
+  void do_activate();
+  void do_cleanup();
+  void release();
   [[nodiscard]] std::string parameters_place() const;
   /// Works on the message that waits longest; false when none does.
   bool take_live(Subscription& subscription);
+  /// Runs `body`; an error is counted and told.
+  void guarded(const std::function<void()>& body);
+  void diagnose();
+
+  // Lockstep (component_lockstep.cpp).
   void join_lockstep();
   void try_step();
   [[nodiscard]] bool ready_for(const strata_msgs::msg::Step& step);
@@ -141,9 +166,17 @@ class Component {
 
   ComponentContext context_;
   std::string full_name_;
-  bool active_ = false;
+  std::atomic<LifecycleState> state_{LifecycleState::kUnconfigured};
+  std::atomic<bool> tick_waits_{false};
   std::atomic<std::uint64_t> dropped_{0};
-  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+  std::uint64_t processed_ = 0;
+  std::uint64_t failed_ = 0;
+  std::string last_error_;
+  std::uint64_t told_dropped_ = 0;  // as of the last status
+  std::uint64_t told_failed_ = 0;
+  std::unique_ptr<Diagnostics> diagnostics_;
+  // Shared with the tasks that wait in the mailbox.
+  std::vector<std::shared_ptr<Subscription>> subscriptions_;
   std::vector<std::shared_ptr<bus::RawWriter>> writers_;
   std::optional<strata_msgs::msg::Step> step_;
   std::unique_ptr<bus::RawWriter> ack_writer_;

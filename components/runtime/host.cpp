@@ -108,7 +108,7 @@ void Host::stop() noexcept {
     quietly([&] { (*it)->deactivate(); });
   }
   for (auto it = components_.rbegin(); it != components_.rend(); ++it) {
-    quietly([&] { (*it)->cleanup(); });
+    quietly([&] { (*it)->shutdown(); });
   }
   executor_.stop();
   components_.clear();
