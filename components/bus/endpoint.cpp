@@ -5,6 +5,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <set>
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -53,15 +54,41 @@ void require_granted(const QosProfile& asked, const QosProfile& granted, const s
                     "remove XML profiles that override endpoints");
 }
 
+Guid guid_of(const dds::InstanceHandle_t& handle) { return to_guid(rtps::iHandle2GUID(handle)); }
+
+SampleIdentity from_wire(const rtps::SampleIdentity& identity) {
+  const rtps::SequenceNumber_t& number = identity.sequence_number();
+  if (identity.writer_guid() == rtps::GUID_t::unknown()) return {};
+  return {to_guid(identity.writer_guid()), static_cast<std::int64_t>(number.to64long())};
+}
+
+rtps::SampleIdentity to_wire(const SampleIdentity& identity) {
+  rtps::GUID_t guid;
+  std::copy_n(identity.writer.begin(), 12, guid.guidPrefix.value);
+  std::copy_n(identity.writer.begin() + 12, 4, guid.entityId.value);
+  rtps::SampleIdentity result;
+  result.writer_guid(guid);
+  result.sequence_number(
+      rtps::SequenceNumber_t(static_cast<std::int32_t>(identity.sequence_number >> 32),
+                             static_cast<std::uint32_t>(identity.sequence_number & 0xFFFFFFFF)));
+  return result;
+}
+
 /// How many counterparts are matched, for those who wait.
 class MatchCount {
  public:
   explicit MatchCount(std::function<void()> on_match) : on_match_(std::move(on_match)) {}
-  void set(int count) {
+  /// other: the counterpart that came or went.
+  void set(int count, const Guid& other, bool came) {
     std::function<void()> notify;
     {
       const std::lock_guard lock(mutex_);
       count_ = count;
+      if (came) {
+        others_.insert(other);
+      } else {
+        others_.erase(other);
+      }
       notify = on_match_;
     }
     changed_.notify_all();
@@ -75,6 +102,11 @@ class MatchCount {
     const std::lock_guard lock(mutex_);
     return count_;
   }
+  [[nodiscard]] bool has(const Guid& participant) const {
+    const std::lock_guard lock(mutex_);
+    return std::any_of(others_.begin(), others_.end(),
+                       [&](const Guid& other) { return same_participant(other, participant); });
+  }
   [[nodiscard]] bool wait(int least, std::chrono::milliseconds timeout) const {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, timeout, [&] { return count_ >= least; });
@@ -84,6 +116,7 @@ class MatchCount {
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   int count_ = 0;
+  std::set<Guid> others_;
   std::function<void()> on_match_;
 };
 
@@ -93,7 +126,8 @@ struct RawWriter::State : dds::DataWriterListener {
   explicit State(std::function<void()> on_match) : matches(std::move(on_match)) {}
   void on_publication_matched(dds::DataWriter* /*writer*/,
                               const dds::PublicationMatchedStatus& status) override {
-    matches.set(status.current_count);
+    matches.set(status.current_count, guid_of(status.last_subscription_handle),
+                status.current_count_change > 0);
   }
   std::shared_ptr<Participant> participant;
   std::string topic;
@@ -103,11 +137,11 @@ struct RawWriter::State : dds::DataWriterListener {
   MatchCount matches;
 };
 
-RawWriter::RawWriter(std::shared_ptr<Participant> participant, std::string topic,
+RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
                      const std::string& type, const QosProfile& qos, std::function<void()> on_match)
     : state_(std::make_unique<State>(std::move(on_match))) {
   state_->participant = std::move(participant);
-  state_->topic = std::move(topic);
+  state_->topic = topic.full;
   state_->profile = qos.name;
   Participant::State& owner = state_->participant->state();
   dds::DataWriterQos writer_qos = dds::DATAWRITER_QOS_DEFAULT;
@@ -120,34 +154,37 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, std::string topic
     times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0, 20'000'000);
     writer_qos.reliability().max_blocking_time = eprosima::fastrtps::Duration_t(1, 0);
   }
-  state_->writer =
-      owner.publisher->create_datawriter(owner.topic(state_->topic, type), writer_qos, state_.get(),
-                                         dds::StatusMask::publication_matched());
+  state_->writer = owner.publisher->create_datawriter(
+      owner.topic(topic, type), writer_qos, state_.get(), dds::StatusMask::publication_matched());
   if (state_->writer == nullptr) {
     throw OutputError(state_->topic, "no writer can be made", "check the QoS profile " + qos.name);
   }
   require_granted(qos, granted_qos(), state_->topic);
-  owner.add_local_writer(state_->writer->guid(), state_->topic,
-                         {type, qos.reliable, qos.transient_local});
+  owner.add_endpoint(
+      {guid(), true, wire_topic(topic), wire_type(type), qos.reliable, qos.transient_local, 0.0});
 }
 
 RawWriter::~RawWriter() {
   if (state_->writer == nullptr) return;
   state_->matches.stop_notifying();
   Participant::State& owner = state_->participant->state();
-  owner.remove_local_writer(state_->writer->guid());
+  owner.remove_endpoint(guid());
   state_->writer->set_listener(nullptr);
   owner.publisher->delete_datawriter(state_->writer);
 }
 
 const std::string& RawWriter::topic() const { return state_->topic; }
 
-void RawWriter::publish(const std::vector<std::uint8_t>& cdr) {
+void RawWriter::publish(const std::vector<std::uint8_t>& cdr, const SampleIdentity& related) {
   // The sample type only reads, but the interface takes a mutable pointer.
   auto* sample = const_cast<std::vector<std::uint8_t>*>(&cdr);
   const auto deadline = std::chrono::steady_clock::now() + kPublishTimeout;
   // A keep-all history that is just full makes one write fail before its time; a second succeeds.
-  while (!state_->writer->write(sample)) {
+  rtps::WriteParams parameters;
+  if (related.sequence_number != 0 || related.writer != Guid{}) {
+    parameters.related_sample_identity(to_wire(related));
+  }
+  while (!state_->writer->write(sample, parameters)) {
     if (std::chrono::steady_clock::now() > deadline) {
       throw OutputError(state_->topic, "a message cannot be delivered",
                         "see whether a reader of the topic hangs");
@@ -157,7 +194,11 @@ void RawWriter::publish(const std::vector<std::uint8_t>& cdr) {
 }
 
 std::uint64_t RawWriter::count() const { return state_->count; }
+Guid RawWriter::guid() const { return to_guid(state_->writer->guid()); }
 int RawWriter::matched() const { return state_->matches.get(); }
+bool RawWriter::is_matched_with(const Guid& participant) const {
+  return state_->matches.has(participant);
+}
 bool RawWriter::wait_for_readers(int readers, std::chrono::milliseconds timeout) const {
   return state_->matches.wait(readers, timeout);
 }
@@ -176,9 +217,8 @@ struct RawReader::State : dds::DataReaderListener {
     while (callback && from->take_next_sample(&message.cdr, &info) ==
                            eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
-      const rtps::GUID_t& guid = info.sample_identity.writer_guid();
-      std::copy_n(guid.guidPrefix.value, 12, message.writer.begin());
-      std::copy_n(guid.entityId.value, 4, message.writer.begin() + 12);
+      message.identity = from_wire(info.sample_identity);
+      message.related = from_wire(info.related_sample_identity);
       message.source_stamp_ns = info.source_timestamp.to_ns();
       callback(std::move(message));
       message = RawMessage();
@@ -186,7 +226,8 @@ struct RawReader::State : dds::DataReaderListener {
   }
   void on_subscription_matched(dds::DataReader* /*from*/,
                                const dds::SubscriptionMatchedStatus& status) override {
-    matches.set(status.current_count);
+    matches.set(status.current_count, guid_of(status.last_publication_handle),
+                status.current_count_change > 0);
   }
 
   std::shared_ptr<Participant> participant;
@@ -198,12 +239,12 @@ struct RawReader::State : dds::DataReaderListener {
   MatchCount matches;
 };
 
-RawReader::RawReader(std::shared_ptr<Participant> participant, std::string topic,
+RawReader::RawReader(std::shared_ptr<Participant> participant, TopicName topic,
                      const std::string& type, const QosProfile& qos, Callback callback,
                      std::function<void()> on_match)
     : state_(std::make_unique<State>(std::move(callback), std::move(on_match))) {
   state_->participant = std::move(participant);
-  state_->topic = std::move(topic);
+  state_->topic = topic.full;
   state_->profile = qos.name;
   Participant::State& owner = state_->participant->state();
   dds::DataReaderQos reader_qos = dds::DATAREADER_QOS_DEFAULT;
@@ -214,16 +255,19 @@ RawReader::RawReader(std::shared_ptr<Participant> participant, std::string topic
         eprosima::fastrtps::Duration_t(0, 0);
   }
   state_->reader = owner.subscriber->create_datareader(
-      owner.topic(state_->topic, type), reader_qos, state_.get(),
+      owner.topic(topic, type), reader_qos, state_.get(),
       dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
   if (state_->reader == nullptr) {
     throw OutputError(state_->topic, "no reader can be made", "check the QoS profile " + qos.name);
   }
   require_granted(qos, granted_qos(), state_->topic);
+  owner.add_endpoint(
+      {guid(), false, wire_topic(topic), wire_type(type), qos.reliable, qos.transient_local, 0.0});
 }
 
 RawReader::~RawReader() {
   if (state_->reader == nullptr) return;
+  state_->participant->state().remove_endpoint(guid());
   state_->matches.stop_notifying();
   {
     const std::lock_guard lock(state_->mutex);
@@ -234,6 +278,7 @@ RawReader::~RawReader() {
 }
 
 const std::string& RawReader::topic() const { return state_->topic; }
+Guid RawReader::guid() const { return to_guid(state_->reader->guid()); }
 int RawReader::matched() const { return state_->matches.get(); }
 bool RawReader::wait_for_writers(int writers, std::chrono::milliseconds timeout) const {
   return state_->matches.wait(writers, timeout);

@@ -4,7 +4,6 @@
 /// layer above.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -14,17 +13,25 @@
 #include <vector>
 
 #include "components/bus/message_types.hpp"
+#include "components/bus/names.hpp"
 #include "components/bus/participant.hpp"
 #include "components/bus/qos.hpp"
 #include "components/convert/cdr.hpp"
 
 namespace strata::bus {
 
+/// What a message is known by: its writer and its number there.
+struct SampleIdentity {
+  Guid writer{};  ///< zero: unknown
+  std::int64_t sequence_number = 0;
+};
+
 /// One message as it came.
 struct RawMessage {
-  std::vector<std::uint8_t> cdr;          ///< with its four-byte header
-  std::array<std::uint8_t, 16> writer{};  ///< GUID of the writer
-  std::int64_t source_stamp_ns = 0;       ///< when it was written, by the writer's clock
+  std::vector<std::uint8_t> cdr;     ///< with its four-byte header
+  SampleIdentity identity;           ///< its own
+  SampleIdentity related;            ///< of the message that it answers, if it says so
+  std::int64_t source_stamp_ns = 0;  ///< when it was written, by the writer's clock
 };
 
 /// Publishes CDR bytes. Thread safe.
@@ -33,7 +40,7 @@ class RawWriter {
   /// topic: full name ("/scan"); type: "sensor_msgs/msg/LaserScan". on_match: called, on a thread
   /// of the middleware, when the number of matched readers changes. Throws OutputError when the
   /// middleware refuses or grants another QoS.
-  RawWriter(std::shared_ptr<Participant> participant, std::string topic, const std::string& type,
+  RawWriter(std::shared_ptr<Participant> participant, TopicName topic, const std::string& type,
             const QosProfile& qos, std::function<void()> on_match = nullptr);
   ~RawWriter();
   RawWriter(const RawWriter&) = delete;
@@ -42,10 +49,15 @@ class RawWriter {
   [[nodiscard]] const std::string& topic() const;
   /// Throws OutputError when the message cannot be handed over within 10 s (a reliable reader that
   /// does not keep up).
-  void publish(const std::vector<std::uint8_t>& cdr);
+  void publish(const std::vector<std::uint8_t>& cdr) { publish(cdr, {}); }
+  /// The same, saying to which message it belongs.
+  void publish(const std::vector<std::uint8_t>& cdr, const SampleIdentity& related);
   /// How many messages were published.
   [[nodiscard]] std::uint64_t count() const;
+  [[nodiscard]] Guid guid() const;
   [[nodiscard]] int matched() const;
+  /// Whether a reader of that participant is matched.
+  [[nodiscard]] bool is_matched_with(const Guid& participant) const;
   /// Whether at least `readers` are matched before the timeout.
   [[nodiscard]] bool wait_for_readers(int readers, std::chrono::milliseconds timeout) const;
   /// The QoS in force, read back from the middleware.
@@ -62,7 +74,7 @@ class RawReader {
   using Callback = std::function<void(RawMessage)>;
   /// callback: called on a thread of the middleware or, for a writer of the same process, on the
   /// thread that writes; never twice at a time. It must return soon and not publish.
-  RawReader(std::shared_ptr<Participant> participant, std::string topic, const std::string& type,
+  RawReader(std::shared_ptr<Participant> participant, TopicName topic, const std::string& type,
             const QosProfile& qos, Callback callback, std::function<void()> on_match = nullptr);
   /// After this no callback runs.
   ~RawReader();
@@ -70,6 +82,7 @@ class RawReader {
   RawReader& operator=(const RawReader&) = delete;
 
   [[nodiscard]] const std::string& topic() const;
+  [[nodiscard]] Guid guid() const;
   [[nodiscard]] int matched() const;
   [[nodiscard]] bool wait_for_writers(int writers, std::chrono::milliseconds timeout) const;
   [[nodiscard]] QosProfile granted_qos() const;
@@ -83,7 +96,7 @@ class RawReader {
 template <typename T>
 class Writer {
  public:
-  Writer(std::shared_ptr<Participant> participant, std::string topic, const QosProfile& qos,
+  Writer(std::shared_ptr<Participant> participant, TopicName topic, const QosProfile& qos,
          std::function<void()> on_match = nullptr)
       : raw_(std::make_shared<RawWriter>(std::move(participant), std::move(topic),
                                          MessageType<T>::name, qos, std::move(on_match))) {}

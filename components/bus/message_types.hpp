@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The ROS 2 name of each message type that generated code brings.
+/// The ROS 2 name of each message and service type that generated code brings.
 #pragma once
 
 #include "strata_idl/diagnostic_msgs.h"
 #include "strata_idl/geometry_msgs.h"
+#include "strata_idl/lifecycle_msgs.h"
 #include "strata_idl/nav2_msgs.h"
 #include "strata_idl/nav_msgs.h"
 #include "strata_idl/octomap_msgs.h"
+#include "strata_idl/rcl_interfaces.h"
 #include "strata_idl/rosgraph_msgs.h"
 #include "strata_idl/sensor_msgs.h"
 #include "strata_idl/strata_msgs.h"
@@ -26,10 +28,12 @@ struct MessageType;
 
 STRATA_MESSAGE_TYPE(diagnostic_msgs, DiagnosticArray);
 STRATA_MESSAGE_TYPE(geometry_msgs, PoseWithCovarianceStamped);
+STRATA_MESSAGE_TYPE(lifecycle_msgs, TransitionEvent);
 STRATA_MESSAGE_TYPE(nav2_msgs, ParticleCloud);
 STRATA_MESSAGE_TYPE(nav_msgs, OccupancyGrid);
 STRATA_MESSAGE_TYPE(nav_msgs, Odometry);
 STRATA_MESSAGE_TYPE(octomap_msgs, Octomap);
+STRATA_MESSAGE_TYPE(rcl_interfaces, ParameterEvent);
 STRATA_MESSAGE_TYPE(rosgraph_msgs, Clock);
 STRATA_MESSAGE_TYPE(sensor_msgs, LaserScan);
 STRATA_MESSAGE_TYPE(tf2_msgs, TFMessage);
@@ -45,5 +49,34 @@ STRATA_MESSAGE_TYPE(strata_msgs, SubmapStates);
 STRATA_MESSAGE_TYPE(strata_msgs, Trajectory);
 
 #undef STRATA_MESSAGE_TYPE
+
+/// ServiceType<S> has the name, "package/srv/Name", and the generated classes Request and Response
+/// of the service that the tag struct S in bus::srv stands for.
+template <typename S>
+struct ServiceType;
+
+#define STRATA_SERVICE_TYPE(package, type)                      \
+  namespace srv {                                               \
+  struct type;                                                  \
+  }                                                             \
+  template <>                                                   \
+  struct ServiceType<srv::type> {                               \
+    static constexpr const char* name = #package "/srv/" #type; \
+    using Request = package::srv::type##_Request;               \
+    using Response = package::srv::type##_Response;             \
+  }
+
+STRATA_SERVICE_TYPE(lifecycle_msgs, ChangeState);
+STRATA_SERVICE_TYPE(lifecycle_msgs, GetState);
+STRATA_SERVICE_TYPE(lifecycle_msgs, GetAvailableStates);
+STRATA_SERVICE_TYPE(lifecycle_msgs, GetAvailableTransitions);
+STRATA_SERVICE_TYPE(rcl_interfaces, DescribeParameters);
+STRATA_SERVICE_TYPE(rcl_interfaces, GetParameters);
+STRATA_SERVICE_TYPE(rcl_interfaces, GetParameterTypes);
+STRATA_SERVICE_TYPE(rcl_interfaces, ListParameters);
+STRATA_SERVICE_TYPE(rcl_interfaces, SetParameters);
+STRATA_SERVICE_TYPE(rcl_interfaces, SetParametersAtomically);
+
+#undef STRATA_SERVICE_TYPE
 
 }  // namespace strata::bus

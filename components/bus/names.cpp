@@ -53,7 +53,19 @@ std::string resolve_name(const std::string& name, const std::string& node_namesp
   return full;
 }
 
-std::string wire_topic(std::string_view full_name) { return "rt" + std::string(full_name); }
+std::string wire_topic(const TopicName& name) {
+  switch (name.kind) {
+    case TopicKind::kTopic:
+      return "rt" + name.full;
+    case TopicKind::kRequest:
+      return "rq" + name.full + "Request";
+    case TopicKind::kReply:
+      return "rr" + name.full + "Reply";
+    case TopicKind::kPlain:
+      break;
+  }
+  return name.full;
+}
 
 std::string topic_from_wire(std::string_view wire_name) {
   return wire_name.substr(0, 3) == "rt/" ? std::string(wire_name.substr(2)) : std::string();

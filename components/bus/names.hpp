@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace strata::bus {
 
@@ -20,8 +21,27 @@ using Remappings = std::map<std::string, std::string>;
 [[nodiscard]] std::string resolve_name(const std::string& name, const std::string& node_namespace,
                                        const std::string& node_name, const Remappings& remappings);
 
+enum class TopicKind {
+  kTopic,    ///< "rt" in front
+  kRequest,  ///< what a service is asked: "rq" in front, "Request" behind
+  kReply,    ///< what it answers: "rr" in front, "Reply" behind
+  kPlain     ///< as it is: not a ROS 2 topic by its name
+};
+
+/// What an endpoint is on: a full name, "/robot1/scan", and what kind of topic that is.
+struct TopicName {
+  TopicName(std::string full_name, TopicKind topic_kind = TopicKind::kTopic)  // NOLINT: implicit
+      : full(std::move(full_name)), kind(topic_kind) {}
+  TopicName(const char* full_name) : full(full_name) {}  // NOLINT(google-explicit-constructor)
+  [[nodiscard]] static TopicName plain(std::string name) {
+    return {std::move(name), TopicKind::kPlain};
+  }
+  std::string full;
+  TopicKind kind = TopicKind::kTopic;
+};
+
 /// "rt/robot1/scan" for "/robot1/scan".
-[[nodiscard]] std::string wire_topic(std::string_view full_name);
+[[nodiscard]] std::string wire_topic(const TopicName& name);
 /// "/robot1/scan" for "rt/robot1/scan"; empty for a name that is not a ROS 2 topic.
 [[nodiscard]] std::string topic_from_wire(std::string_view wire_name);
 

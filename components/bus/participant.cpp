@@ -85,6 +85,15 @@ dds::DomainParticipantQos participant_qos(const ParticipantOptions& options) {
   return qos;
 }
 
+/// "enclave=/robot;" -> "/robot".
+std::string enclave_of(const std::string& user_data) {
+  const std::string key = "enclave=";
+  const std::size_t begin = user_data.find(key);
+  if (begin == std::string::npos) return {};
+  const std::size_t first = begin + key.size();
+  return user_data.substr(first, user_data.find(';', first) - first);
+}
+
 }  // namespace
 
 Transport transport_from_name(std::string_view name) {
@@ -124,24 +133,42 @@ Participant::~Participant() {
 
 const ParticipantOptions& Participant::options() const { return state_->options; }
 
+Guid Participant::guid() const { return to_guid(state_->participant->guid()); }
+
 std::map<std::string, PublishedTopic> Participant::published_topics() const {
   const std::lock_guard lock(state_->mutex);
   std::map<std::string, PublishedTopic> result;
-  for (const auto& [guid, writer] : state_->writers) {
-    const auto [entry, is_first] = result.insert(writer);
+  for (const auto& [guid, endpoint] : state_->endpoints) {
+    const std::string topic = topic_from_wire(endpoint.wire_topic);
+    const std::string type = type_from_wire(endpoint.wire_type);
+    if (!endpoint.writes || topic.empty() || type.empty()) continue;
+    const PublishedTopic offered{type, endpoint.reliable, endpoint.transient_local};
+    const auto [entry, is_first] = result.insert({topic, offered});
     if (is_first) continue;
     PublishedTopic& published = entry->second;
-    published.reliable = published.reliable && writer.second.reliable;
-    published.transient_local = published.transient_local && writer.second.transient_local;
+    published.reliable = published.reliable && offered.reliable;
+    published.transient_local = published.transient_local && offered.transient_local;
   }
   return result;
 }
 
-dds::Topic* Participant::State::topic(const std::string& full_name, const std::string& type) {
+DomainView Participant::view() const {
+  const std::lock_guard lock(state_->mutex);
+  DomainView view;
+  view.participants.push_back({guid(), state_->options.enclave, state_->options.enclave});
+  for (const auto& [guid, participant] : state_->participants) {
+    view.participants.push_back(participant);
+  }
+  for (const auto& [guid, endpoint] : state_->endpoints) view.endpoints.push_back(endpoint);
+  return view;
+}
+
+dds::Topic* Participant::State::topic(const TopicName& name, const std::string& type) {
   const std::lock_guard lock(mutex);
-  if (const auto found = topics.find(full_name); found != topics.end()) {
+  const std::string wire_name = wire_topic(name);
+  if (const auto found = topics.find(wire_name); found != topics.end()) {
     if (found->second->get_type_name() != wire_type(type)) {
-      throw ConfigError(full_name,
+      throw ConfigError(name.full,
                         "carries " + type_from_wire(found->second->get_type_name()) +
                             " and is asked for as " + type,
                         "remap one of the two topics");
@@ -152,39 +179,53 @@ dds::Topic* Participant::State::topic(const std::string& full_name, const std::s
   if (participant->find_type(type_name).empty()) {
     participant->register_type(dds::TypeSupport(new RawType(type_name)));
   }
-  dds::Topic* made =
-      participant->create_topic(wire_topic(full_name), type_name, dds::TOPIC_QOS_DEFAULT);
+  dds::Topic* made = participant->create_topic(wire_name, type_name, dds::TOPIC_QOS_DEFAULT);
   if (made == nullptr) {
-    throw OutputError(full_name, "the topic cannot be made", "check its name and type " + type);
+    throw OutputError(name.full, "the topic cannot be made", "check its name and type " + type);
   }
-  topics[full_name] = made;
+  topics[wire_name] = made;
   return made;
 }
 
-void Participant::State::add_local_writer(const rtps::GUID_t& guid, const std::string& full_name,
-                                          const PublishedTopic& published) {
+void Participant::State::add_endpoint(const DiscoveredEndpoint& endpoint) {
   const std::lock_guard lock(mutex);
-  writers[guid] = {full_name, published};
+  endpoints[endpoint.guid] = endpoint;
 }
 
-void Participant::State::remove_local_writer(const rtps::GUID_t& guid) {
+void Participant::State::remove_endpoint(const Guid& guid) {
   const std::lock_guard lock(mutex);
-  writers.erase(guid);
+  endpoints.erase(guid);
+}
+
+void Participant::State::on_participant_discovery(dds::DomainParticipant* /*participant*/,
+                                                  rtps::ParticipantDiscoveryInfo&& info) {
+  using Info = rtps::ParticipantDiscoveryInfo;
+  const Guid guid = to_guid(info.info.m_guid);
+  const std::lock_guard lock(mutex);
+  if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
+    participants.erase(guid);
+    return;
+  }
+  const std::vector<rtps::octet>& data = info.info.m_userData.getValue();
+  participants[guid] = {guid, info.info.m_participantName.to_string(),
+                        enclave_of(std::string(data.begin(), data.end()))};
 }
 
 void Participant::State::on_publisher_discovery(dds::DomainParticipant* /*participant*/,
                                                 rtps::WriterDiscoveryInfo&& info) {
-  const std::string topic = topic_from_wire(info.info.topicName().to_string());
-  const std::string type = type_from_wire(info.info.typeName().to_string());
-  if (topic.empty() || type.empty()) return;
-  const std::lock_guard lock(mutex);
   if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
-    writers.erase(info.info.guid());
+    remove_endpoint(to_guid(info.info.guid()));
   } else {
-    const auto& qos = info.info.m_qos;
-    writers[info.info.guid()] = {topic,
-                                 {type, qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS,
-                                  qos.m_durability.kind >= dds::TRANSIENT_LOCAL_DURABILITY_QOS}};
+    add_endpoint(describe_endpoint(info.info, true));
+  }
+}
+
+void Participant::State::on_subscriber_discovery(dds::DomainParticipant* /*participant*/,
+                                                 rtps::ReaderDiscoveryInfo&& info) {
+  if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
+    remove_endpoint(to_guid(info.info.guid()));
+  } else {
+    add_endpoint(describe_endpoint(info.info, false));
   }
 }
 

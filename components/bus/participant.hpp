@@ -6,6 +6,9 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "components/bus/domain_view.hpp"
 
 namespace strata::bus {
 
@@ -23,6 +26,7 @@ struct ParticipantOptions {
   int domain = 0;  ///< ROS_DOMAIN_ID, 0 to 232
   Transport transport = Transport::kDefault;
   std::string enclave = "/";  ///< ROS 2's name of the security enclave, also the participant's name
+  std::string ros_distro = "jazzy";  ///< whose layout ros_discovery_info has
 };
 
 /// What the writers of a topic offer.
@@ -42,8 +46,11 @@ class Participant {
   Participant& operator=(const Participant&) = delete;
 
   [[nodiscard]] const ParticipantOptions& options() const;
+  [[nodiscard]] Guid guid() const;
   /// Every ROS 2 topic that some writer of the domain, here or elsewhere, publishes now.
   [[nodiscard]] std::map<std::string, PublishedTopic> published_topics() const;
+  /// Everything that discovery knows now, this participant and its endpoints included.
+  [[nodiscard]] DomainView view() const;
 
   struct State;
   /// For endpoints.

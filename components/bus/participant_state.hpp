@@ -2,7 +2,9 @@
 /// What the bus keeps of Fast DDS; for the bus's own .cpp files only.
 #pragma once
 
+#include <algorithm>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 
@@ -12,6 +14,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 
+#include "components/bus/names.hpp"
 #include "components/bus/participant.hpp"
 
 namespace strata::bus {
@@ -19,24 +22,57 @@ namespace strata::bus {
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 
+class GraphWriter;
+
+[[nodiscard]] inline Guid to_guid(const rtps::GUID_t& guid) {
+  Guid result{};
+  std::copy_n(guid.guidPrefix.value, 12, result.begin());
+  std::copy_n(guid.entityId.value, 4, result.begin() + 12);
+  return result;
+}
+
+/// The endpoint as it announces itself; info: a reader's or writer's proxy data.
+template <typename ProxyData>
+[[nodiscard]] DiscoveredEndpoint describe_endpoint(const ProxyData& info, bool writes) {
+  DiscoveredEndpoint endpoint;
+  endpoint.guid = to_guid(info.guid());
+  endpoint.writes = writes;
+  endpoint.wire_topic = info.topicName().to_string();
+  endpoint.wire_type = info.typeName().to_string();
+  endpoint.reliable = info.m_qos.m_reliability.kind == dds::RELIABLE_RELIABILITY_QOS;
+  endpoint.transient_local = info.m_qos.m_durability.kind >= dds::TRANSIENT_LOCAL_DURABILITY_QOS;
+  const auto& period = info.m_qos.m_deadline.period;
+  if (period != eprosima::fastrtps::c_TimeInfinite) {
+    endpoint.deadline_s = static_cast<double>(period.to_ns()) * 1e-9;
+  }
+  return endpoint;
+}
+
 struct Participant::State : dds::DomainParticipantListener {
   ParticipantOptions options;
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
   /// The topic's entity, made at its first use and kept: Fast DDS allows one a name.
-  dds::Topic* topic(const std::string& full_name, const std::string& type);
-  void add_local_writer(const rtps::GUID_t& guid, const std::string& full_name,
-                        const PublishedTopic& published);
-  void remove_local_writer(const rtps::GUID_t& guid);
+  dds::Topic* topic(const TopicName& name, const std::string& type);
+  /// Fast DDS announces only the endpoints of others.
+  void add_endpoint(const DiscoveredEndpoint& endpoint);
+  void remove_endpoint(const Guid& guid);
 
+  void on_participant_discovery(dds::DomainParticipant* participant,
+                                rtps::ParticipantDiscoveryInfo&& info) override;
   void on_publisher_discovery(dds::DomainParticipant* participant,
                               rtps::WriterDiscoveryInfo&& info) override;
+  void on_subscriber_discovery(dds::DomainParticipant* participant,
+                               rtps::ReaderDiscoveryInfo&& info) override;
 
   mutable std::mutex mutex;
-  std::map<std::string, dds::Topic*> topics;
-  /// Own and others' writers: Fast DDS announces only those of others.
-  std::map<rtps::GUID_t, std::pair<std::string, PublishedTopic>> writers;
+  std::map<std::string, dds::Topic*> topics;           // by wire name
+  std::map<Guid, DiscoveredParticipant> participants;  // of others
+  std::map<Guid, DiscoveredEndpoint> endpoints;        // own and others'
+
+  std::mutex graph_mutex;
+  std::weak_ptr<GraphWriter> graph;  // lives with the nodes it announces
 };
 
 }  // namespace strata::bus

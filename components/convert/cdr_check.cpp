@@ -34,6 +34,12 @@ class Walker {
     at_ += count * size;
   }
   void text() { skip(number(), 1); }
+  /// Nothing but padding is left.
+  [[nodiscard]] bool at_end() const { return ok_ && at_ <= body_.size() && body_.size() - at_ < 4; }
+  void gids(std::size_t gid_bytes) {
+    const std::uint32_t count = number();
+    for (std::uint32_t i = 0; i < count && ok_; ++i) skip(gid_bytes, 1);
+  }
   void header() {
     skip(2, 4);
     text();
@@ -52,7 +58,32 @@ class Walker {
   bool ok_ = true;
 };
 
+bool graph_fits(std::span<const std::uint8_t> bytes, std::size_t gid_bytes) {
+  Walker walk(bytes);
+  walk.skip(gid_bytes, 1);
+  const std::uint32_t count = walk.number();
+  for (std::uint32_t i = 0; i < count && walk.ok(); ++i) {
+    walk.text();
+    walk.text();
+    walk.gids(gid_bytes);
+    walk.gids(gid_bytes);
+  }
+  return walk.at_end();
+}
+
 }  // namespace
+
+template <>
+bool sequences_fit<rmw_dds_common::msg::ParticipantEntitiesInfo>(
+    std::span<const std::uint8_t> bytes) {
+  return graph_fits(bytes, 16);
+}
+
+template <>
+bool sequences_fit<rmw_dds_common_24::msg::ParticipantEntitiesInfo>(
+    std::span<const std::uint8_t> bytes) {
+  return graph_fits(bytes, 24);
+}
 
 template <>
 bool sequences_fit<sensor_msgs::msg::LaserScan>(std::span<const std::uint8_t> bytes) {

@@ -12,6 +12,12 @@
 namespace nav_msgs::msg {
 class Odometry;
 }
+namespace rmw_dds_common::msg {
+class ParticipantEntitiesInfo;
+}
+namespace rmw_dds_common_24::msg {
+class ParticipantEntitiesInfo;
+}
 namespace sensor_msgs::msg {
 class LaserScan;
 }
@@ -32,5 +38,12 @@ template <>
 [[nodiscard]] bool sequences_fit<nav_msgs::msg::Odometry>(std::span<const std::uint8_t> bytes);
 template <>
 [[nodiscard]] bool sequences_fit<tf2_msgs::msg::TFMessage>(std::span<const std::uint8_t> bytes);
+/// These two say whether the bytes end where the content does: the same type name stands for both.
+template <>
+[[nodiscard]] bool sequences_fit<rmw_dds_common::msg::ParticipantEntitiesInfo>(
+    std::span<const std::uint8_t> bytes);
+template <>
+[[nodiscard]] bool sequences_fit<rmw_dds_common_24::msg::ParticipantEntitiesInfo>(
+    std::span<const std::uint8_t> bytes);
 
 }  // namespace strata::convert

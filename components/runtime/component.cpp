@@ -60,6 +60,7 @@ void Component::perform(const LifecycleTransition& transition) {
       state_ = transition.goal;
       diagnose();
       diagnostics_.reset();
+      node_.reset();
       return;
   }
   state_ = transition.goal;
@@ -69,10 +70,15 @@ void Component::perform(const LifecycleTransition& transition) {
       }
     }
   }
+  announce();
   diagnose();
 }
 
 void Component::do_configure() {
+  if (!node_) {
+    node_ =
+        std::make_unique<bus::Node>(context_.participant, context_.node_namespace, context_.name);
+  }
   if (!diagnostics_) diagnostics_ = std::make_unique<Diagnostics>(context_.participant, full_name_);
   try {
     on_configure();
@@ -103,6 +109,7 @@ void Component::tick() {
   context_.mailbox->post([this] {
     tick_waits_ = false;
     if (is_active()) guarded([&] { on_tick(); });
+    announce();  // a recorder finds topics as it goes
     diagnose();
   });
 }
@@ -115,6 +122,16 @@ void Component::guarded(const std::function<void()>& body) {
     last_error_ = error.what();
     if (context_.on_error) context_.on_error(full_name_ + ": " + error.what());
   }
+}
+
+void Component::announce() {
+  if (!node_) return;
+  std::vector<bus::Guid> readers;
+  std::vector<bus::Guid> writers;
+  for (const auto& subscription : subscriptions_) readers.push_back(subscription->reader->guid());
+  for (const auto& writer : writers_) writers.push_back(writer->guid());
+  if (diagnostics_) writers.push_back(diagnostics_->writer().guid());
+  node_->announce(std::move(readers), std::move(writers));
 }
 
 void Component::diagnose() {

@@ -23,6 +23,7 @@
 
 #include "components/bus/endpoint.hpp"
 #include "components/bus/names.hpp"
+#include "components/bus/node.hpp"
 #include "components/runtime/diagnostics.hpp"
 #include "components/runtime/executor.hpp"
 #include "components/runtime/lifecycle.hpp"
@@ -155,6 +156,8 @@ class Component {
   /// Runs `body`; an error is counted and told.
   void guarded(const std::function<void()>& body);
   void diagnose();
+  /// Tells ROS 2's graph which endpoints are ours now.
+  void announce();
 
   // Lockstep (component_lockstep.cpp).
   void join_lockstep();
@@ -174,6 +177,7 @@ class Component {
   std::string last_error_;
   std::uint64_t told_dropped_ = 0;  // as of the last status
   std::uint64_t told_failed_ = 0;
+  std::unique_ptr<bus::Node> node_;
   std::unique_ptr<Diagnostics> diagnostics_;
   // Shared with the tasks that wait in the mailbox.
   std::vector<std::shared_ptr<Subscription>> subscriptions_;

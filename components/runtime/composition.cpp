@@ -2,8 +2,10 @@
 #include "components/runtime/composition.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 
+#include "components/bus/node.hpp"
 #include "components/settings/config_reader.hpp"
 #include "components/settings/yaml_document.hpp"
 #include "core/base/error.hpp"
@@ -149,7 +151,7 @@ void require_different_names(const Composition& composition) {
 }
 
 std::vector<std::string> top_keys() {
-  return {"domain", "namespace", "use_sim_time", "transport", "processes"};
+  return {"domain", "namespace", "use_sim_time", "transport", "ros_distro", "processes"};
 }
 
 /// Where the components of that name stand in the document: "processes[0].components[2]".
@@ -194,6 +196,12 @@ void apply_composition_override(YAML::Node& document, const std::string& option)
   }
 }
 
+/// A sourced ROS 2 says what it is.
+std::string ros_distro_of_environment() {
+  const char* value = std::getenv("ROS_DISTRO");
+  return value != nullptr && *value != '\0' ? value : "jazzy";
+}
+
 }  // namespace
 
 Composition read_composition(const YAML::Node& document, const std::string& place) {
@@ -206,6 +214,8 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
   composition.transport = section.located("transport", [&] {
     return bus::transport_from_name(section.get<std::string>("transport", "default"));
   });
+  composition.ros_distro = section.get<std::string>("ros_distro", ros_distro_of_environment());
+  section.located("ros_distro", [&] { return bus::gid_bytes_of(composition.ros_distro); });
   const std::vector<YAML::Node> processes = section.items("processes");
   for (std::size_t i = 0; i < processes.size(); ++i) {
     composition.processes.push_back(read_process(

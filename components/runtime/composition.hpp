@@ -35,6 +35,7 @@ struct Composition {
   std::string node_namespace = "/";
   bool use_sim_time = false;
   bus::Transport transport = bus::Transport::kDefault;
+  std::string ros_distro = "jazzy";  ///< the ROS 2 release of the robot; see bus::gid_bytes_of
   std::vector<ProcessEntry> processes;
 };
 

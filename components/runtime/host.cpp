@@ -47,8 +47,8 @@ std::filesystem::path out_folder_of(const ComponentEntry& entry, const Compositi
 }  // namespace
 
 std::shared_ptr<bus::Participant> make_participant(const Composition& composition) {
-  return std::make_shared<bus::Participant>(
-      bus::ParticipantOptions{composition.domain, composition.transport, "/"});
+  return std::make_shared<bus::Participant>(bus::ParticipantOptions{
+      composition.domain, composition.transport, "/", composition.ros_distro});
 }
 
 Host::Host(const Composition& composition, const ProcessEntry& process, const Registry& registry,
