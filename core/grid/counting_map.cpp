@@ -15,16 +15,18 @@ void CountingMap::add(const PosedScan& scan, const CountingOptions& options, dou
   const bool weighted =
       beams == BeamWeights::kStaticProbability && !scan.static_probability.empty();
   const double per_cell = weight / resolution;
+  std::vector<CellCounts>& counts = cells_.values();
   for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t beam, const Ray& ray) {
-    const Cell end = cell_at(ray.to_m, resolution);
-    traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {
-      if (ray.is_hit && cell == end) return;
-      cells_.at(cell).misses += per_cell * length_m;
+    CellCounts& end = counts[cells_.index(cell_at(ray.to_m, resolution))];
+    const double before = end.misses;
+    traverse_ray(cells_, ray.from_m, ray.to_m, [&](std::size_t index, double length_m) {
+      counts[index].misses += per_cell * length_m;
     });
     if (!ray.is_hit) return;
     const double e = weighted ? static_cast<double>(scan.static_probability[beam]) : 1.0;
-    cells_.at(end).hits += weight * e;
-    cells_.at(end).misses += weight * (1.0 - e);
+    // The cell where the beam ends gets no miss from it.
+    end.misses = before + weight * (1.0 - e);
+    end.hits += weight * e;
   });
 }
 
