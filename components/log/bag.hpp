@@ -17,7 +17,11 @@ struct BagTopic {
   std::string name;  ///< "/scan"
   std::string type;  ///< "sensor_msgs/msg/LaserScan"
   std::string serialization_format = "cdr";
-  std::string offered_qos_profiles;  ///< YAML text, as rosbag2 keeps it
+  std::string offered_qos_profiles = {};  ///< YAML text, as rosbag2 keeps it
+  /// What the bag itself says about the type; empty where it says nothing. A writer puts the
+  /// definition of the types in idl/ itself.
+  std::string definition = {};
+  std::string definition_encoding = "ros2msg";  ///< or "ros2idl"
 };
 
 struct BagMessage {

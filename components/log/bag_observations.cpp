@@ -74,6 +74,7 @@ class BagParser {
                            : "holds no readable scan on " + options_.scan_topic,
                        "see `strata info` for its topics");
     }
+    report_.scan_topic = scans->first;
     LogContent content;
     content.scan_frame = scans->second.frame;
     content.robot_frame = options_.robot_frame;

@@ -53,5 +53,11 @@ struct BagFolderFiles {
 
 /// The .msg text of a type with its dependencies as MCAP keeps it; empty for types we do not know.
 [[nodiscard]] std::string message_definition(const std::string& type);
+struct TypeDefinition {
+  std::string encoding;
+  std::string text;
+};
+/// What the topic brings from another bag, else what we know.
+[[nodiscard]] TypeDefinition definition_of(const BagTopic& topic);
 
 }  // namespace strata::log

@@ -51,6 +51,7 @@ struct ReadReport {
   std::size_t scans_without_beams = 0;          ///< skipped: no beams, or NaN in every one
   std::size_t scans_without_odometry = 0;       ///< skipped: odometry exists but not at that time
   std::size_t scans_out_of_order = 0;           ///< came later than a younger one; sorted
+  std::string scan_topic;                       ///< of a bag: the one that was used
   std::string odometry_source;                  ///< "scan", a topic, "tf", or "none"
   SweepTiming sweep;                            ///< how scans were undistorted
   std::string mounting_source;                  ///< "tf_static", "laser - odometry", "assumed"

@@ -3,18 +3,16 @@
 
 #include <algorithm>
 #include <string>
-#include <system_error>
 
 #include "strata_idl/nav_msgs.h"
 #include "strata_idl/sensor_msgs.h"
 #include "strata_idl/tf2_msgs.h"
-#include <unistd.h>
 
 #include "components/convert/cdr.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/log/odometry_track.hpp"
-#include "core/base/error.hpp"
+#include "components/log/whole_folder.hpp"
 
 namespace fs = std::filesystem;
 
@@ -83,31 +81,12 @@ std::string recorded_qos(bool transient_local, bool reliable) {
          "sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false";
 }
 
-void write_bag(const fs::path& folder, const LogContent& content, BagStorage storage,
-               BagCompression compression) {
-  std::error_code error;
-  if (fs::exists(folder, error) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
-    throw OutputError(folder.string(), "exists already", "choose another name or remove it");
-  }
-  fs::path whole = fs::weakly_canonical(fs::absolute(folder));
-  if (!whole.has_filename()) whole = whole.parent_path();
-  const fs::path aside = whole.parent_path() /
-                         ("." + whole.filename().string() + ".partial-" + std::to_string(getpid()));
-  fs::remove_all(aside, error);
-  try {
-    BagWriter bag(aside, storage, compression);
-    write_messages(bag, content);
-    bag.close();
-    fs::remove(whole, error);  // an empty folder of that name
-    fs::rename(aside, whole);
-  } catch (const fs::filesystem_error& failure) {
-    fs::remove_all(aside, error);
-    throw OutputError(folder.string(), std::string("cannot be written: ") + failure.what(),
-                      "choose another place");
-  } catch (...) {
-    fs::remove_all(aside, error);
-    throw;
-  }
+void write_bag(const fs::path& folder, const LogContent& content, const BagOptions& format) {
+  WholeFolder whole(folder);
+  BagWriter bag(whole.aside(), format);
+  write_messages(bag, content);
+  bag.close();
+  whole.commit();
 }
 
 }  // namespace strata::log

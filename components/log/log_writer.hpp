@@ -12,8 +12,12 @@ namespace strata::log {
 /// A bag folder with /scan, /odom, /tf and /tf_static, written aside and renamed. Odometry at each
 /// scan's stamp is written too, so that reading finds the very pose. Throws OutputError when the
 /// folder exists and is not empty.
-void write_bag(const std::filesystem::path& folder, const LogContent& content, BagStorage storage,
-               BagCompression compression = BagCompression::kNone);
+void write_bag(const std::filesystem::path& folder, const LogContent& content,
+               const BagOptions& format);
+inline void write_bag(const std::filesystem::path& folder, const LogContent& content,
+                      BagStorage storage, BagCompression compression = BagCompression::kNone) {
+  write_bag(folder, content, BagOptions{.storage = storage, .chunks = compression});
+}
 
 /// The QoS profile that rosbag2 (up to Humble) stores for a topic of a robot's driver.
 [[nodiscard]] std::string recorded_qos(bool transient_local = false, bool reliable = true);

@@ -81,6 +81,11 @@ class McapReader : public BagReader {
     std::uint64_t size;
     McapOpcode opcode;
   };
+  struct Schema {
+    std::string type;
+    std::string encoding;
+    std::string definition;
+  };
   struct Waiting {
     BagMessage message;
     std::uint64_t order;
@@ -189,7 +194,10 @@ class McapReader : public BagReader {
     McapCursor cursor(body);
     if (opcode == kSchema) {
       const auto id = cursor.number<std::uint16_t>();
-      schemas_[id] = cursor.text();
+      Schema& schema = schemas_[id];
+      schema.type = cursor.text();
+      schema.encoding = cursor.text();
+      schema.definition = cursor.text();
     } else if (opcode == kChannel) {
       take_channel(cursor);
     } else if (opcode == kMessage) {
@@ -223,7 +231,9 @@ class McapReader : public BagReader {
     topic.serialization_format = cursor.text();
     const auto metadata = cursor.text_map();
     if (!cursor.ok() || places_.contains(id)) return;
-    topic.type = schemas_[schema];
+    topic.type = schemas_[schema].type;
+    topic.definition = schemas_[schema].definition;
+    topic.definition_encoding = schemas_[schema].encoding;
     if (const auto qos = metadata.find("offered_qos_profiles"); qos != metadata.end()) {
       topic.offered_qos_profiles = qos->second;
     }
@@ -236,7 +246,7 @@ class McapReader : public BagReader {
   std::uint64_t size_ = 0;
   std::vector<Piece> pieces_;
   std::size_t next_piece_ = 0;
-  std::map<std::uint16_t, std::string> schemas_;
+  std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, std::size_t> places_;
   std::vector<BagTopic> topics_;
   std::vector<Waiting> waiting_;

@@ -69,11 +69,12 @@ class McapFile : public BagWriter::File {
     const auto [schema, is_new] =
         schemas_.try_emplace(topic.type, static_cast<std::uint16_t>(schemas_.size() + 1));
     if (is_new) {
+      const TypeDefinition definition = definition_of(topic);
       definitions_.record(kSchema, Record()
                                        .number(schema->second)
                                        .text(topic.type)
-                                       .text("ros2msg")
-                                       .text(message_definition(topic.type)));
+                                       .text(definition.encoding)
+                                       .text(definition.text));
     }
     Record metadata;
     metadata.text("offered_qos_profiles").text(topic.offered_qos_profiles);
@@ -97,6 +98,7 @@ class McapFile : public BagWriter::File {
     if (messages_in_chunk_ == 0) {
       chunk_.clear();
       chunk_.raw(definitions_.bytes());
+      defined_bytes_ = definitions_.bytes().size();
       chunk_begin_ = std::numeric_limits<std::uint64_t>::max();
       chunk_end_ = 0;
       chunk_started_ = Clock::now();
@@ -118,6 +120,8 @@ class McapFile : public BagWriter::File {
   void close() override {
     end_chunk();
     Record end;
+    // Topics without a message, which no chunk has named yet.
+    if (defined_bytes_ < definitions_.bytes().size()) end.raw(definitions_.bytes());
     end.record(kDataEnd, Record().number(std::uint32_t{0}));
     put(end);
     const std::uint64_t summary = position_;
@@ -228,6 +232,7 @@ class McapFile : public BagWriter::File {
   std::uint16_t channels_ = 0;
   std::vector<std::uint64_t> counts_;
   Record definitions_;
+  std::size_t defined_bytes_ = 0;  ///< of definitions_ as the last chunk has them
   Record chunk_;
   std::size_t messages_in_chunk_ = 0;
   std::uint64_t chunk_begin_ = 0;

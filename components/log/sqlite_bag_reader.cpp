@@ -112,6 +112,22 @@ class SqliteBagReader : public BagReader {
           {column_text(rows, 1), column_text(rows, 2), column_text(rows, 3), column_text(rows, 4)});
     }
     if (code != SQLITE_DONE) refuse();
+    read_definitions();
+  }
+
+  /// From schema 4 on.
+  void read_definitions() {
+    const Statement rows = prepare_statement(
+        database_.get(),
+        "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions");
+    while (rows && sqlite3_step(rows.get()) == SQLITE_ROW) {
+      const std::string type = column_text(rows.get(), 0);
+      for (BagTopic& topic : topics_) {
+        if (topic.type != type) continue;
+        topic.definition_encoding = column_text(rows.get(), 1);
+        topic.definition = column_text(rows.get(), 2);
+      }
+    }
   }
 
   /// Stamps by a scan of the table, not of the index: what a damaged file still has comes out.

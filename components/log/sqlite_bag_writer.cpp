@@ -60,7 +60,7 @@ class SqliteBagFile : public BagWriter::File {
       sqlite3_bind_text(statement, i + 2, texts[i]->c_str(), -1, SQLITE_TRANSIENT);
     }
     if (sqlite3_step(statement) != SQLITE_DONE) fail();
-    if (with_definitions_ && defined_.insert(topic.type).second) define(topic.type);
+    if (with_definitions_ && defined_.insert(topic.type).second) define(topic);
   }
 
   void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) override {
@@ -94,15 +94,15 @@ class SqliteBagFile : public BagWriter::File {
                       std::string("cannot be written: ") + sqlite3_errmsg(database_.get()),
                       "free some space or choose another place");
   }
-  void define(const std::string& type) {
-    const std::string text = message_definition(type);
+  void define(const BagTopic& topic) {
+    const auto [known, text] = definition_of(topic);
     const Statement statement = prepare_statement(
         database_.get(),
         "INSERT INTO message_definitions (topic_type, encoding, encoded_message_definition, "
         "type_description_hash) VALUES (?,?,?,'')");
     if (!statement) fail();
-    const std::string encoding = text.empty() ? "unknown" : "ros2msg";
-    const std::string* const values[] = {&type, &encoding, &text};
+    const std::string encoding = text.empty() ? "unknown" : known;
+    const std::string* const values[] = {&topic.type, &encoding, &text};
     for (int i = 0; i < 3; ++i) {
       sqlite3_bind_text(statement.get(), i + 1, values[i]->c_str(), -1, SQLITE_TRANSIENT);
     }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata convert IN OUT`: CARMEN, rosbag2 SQLite and MCAP into each other.
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "components/log/bag_copy.hpp"
 #include "components/log/carmen.hpp"
 #include "components/log/log_reader.hpp"
 #include "components/log/log_writer.hpp"
@@ -25,6 +27,8 @@ struct Options {
   std::vector<std::string> to_values;  ///< as given: --to is a format here, and a cut everywhere
   std::string to;
   std::string compression = "zstd";
+  std::string compression_mode = "none";
+  int sqlite_schema = 3;
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
 };
@@ -40,18 +44,26 @@ std::string target_format(const Options& options) {
                    "end it in .clf, .log, .db3 or .mcap, or give --to");
 }
 
-/// A bag is a folder. For an OUT that names a storage file the file alone is put there.
-void write_bag_or_file(const Options& options, const log::LogContent& content,
-                       log::BagStorage storage, StagedPaths& staged) {
-  auto compression = log::BagCompression::kNone;
-  if (storage == log::BagStorage::kMcap) {
-    if (options.compression == "zstd") compression = log::BagCompression::kZstd;
-    if (options.compression == "lz4") compression = log::BagCompression::kLz4;
+log::BagOptions bag_format(const Options& options, const std::string& format) {
+  log::BagOptions bag;
+  bag.storage = format == "mcap" ? log::BagStorage::kMcap : log::BagStorage::kSqlite3;
+  bag.sqlite_schema = options.sqlite_schema;
+  if (options.compression_mode == "file") bag.packing = log::BagPacking::kFile;
+  if (options.compression_mode == "message") bag.packing = log::BagPacking::kMessage;
+  if (format == "mcap" && bag.packing == log::BagPacking::kNone) {
+    if (options.compression == "zstd") bag.chunks = log::BagCompression::kZstd;
+    if (options.compression == "lz4") bag.chunks = log::BagCompression::kLz4;
   }
-  const fs::path out = options.out;
+  return bag;
+}
+
+/// A bag is a folder. For an OUT that names a storage file the file alone is put there; `write`
+/// fills a folder.
+void write_bag_or_file(const fs::path& out, StagedPaths& staged,
+                       const std::function<void(const fs::path&)>& write) {
   const std::string ending = out.extension().string();
   if (ending != ".db3" && ending != ".mcap") {
-    log::write_bag(out, content, storage, compression);
+    write(out);
     return;
   }
   fs::path aside = out;
@@ -61,9 +73,9 @@ void write_bag_or_file(const Options& options, const log::LogContent& content,
   }
   staged.add(aside);
   try {
-    log::write_bag(aside, content, storage, compression);
+    write(aside);
     for (const auto& entry : fs::directory_iterator(aside)) {
-      if (entry.path().extension() == ending) fs::rename(entry.path(), out);
+      if (entry.path().extension() != ".yaml") fs::rename(entry.path(), out);
     }
     fs::remove_all(aside);
   } catch (...) {
@@ -88,9 +100,41 @@ void sort_out_to(Options& options) {
   }
 }
 
-void run(Options& options, VerbContext& context) {
-  sort_out_to(options);
-  const std::string format = target_format(options);
+/// Bag to bag: every message of every topic, as it is.
+void copy(const Options& options, const std::string& format, VerbContext& context) {
+  const log::CopyOptions cut{options.from_s, options.to_s, context.progress()};
+  log::CopyReport report;
+  write_bag_or_file(options.out, context.staged(), [&](const fs::path& folder) {
+    report = log::copy_bag(options.in, folder, bag_format(options, format), cut);
+  });
+  if (report.damage.count > 0) {
+    context.note("note: " + std::to_string(report.damage.count) +
+                 " unreadable places left out, first: " + report.damage.first);
+  }
+  std::size_t messages = 0;
+  for (const auto& [topic, count] : report.messages) messages += count;
+  context.note(options.out + ": " + std::to_string(messages) + " messages on " +
+               std::to_string(report.messages.size()) + " topics");
+}
+
+/// What the target has no place for, by name and number.
+std::string left_out(const log::ReadReport& report) {
+  std::string text;
+  for (const auto& [name, count] : report.messages) {
+    const auto type = report.types.find(name);
+    const bool carried = type != report.types.end()
+                             ? name == report.scan_topic || name == report.odometry_source ||
+                                   type->second == "tf2_msgs/msg/TFMessage"
+                             : name == "FLASER" || name == "ROBOTLASER1" || name == "ODOM";
+    if (carried) continue;
+    text += (text.empty() ? "" : ", ") + name + " (" + std::to_string(count) +
+            (type != report.types.end() ? " " + type->second : "") + ")";
+  }
+  return text;
+}
+
+/// Through scans and odometry, where one side is CARMEN.
+void translate(const Options& options, const std::string& format, VerbContext& context) {
   log::ReadOptions read;
   read.from_s = options.from_s;
   read.to_s = options.to_s;
@@ -103,15 +147,37 @@ void run(Options& options, VerbContext& context) {
     context.note("note: " + std::to_string(report.bad_lines) +
                  " unreadable places left out, first: " + report.first_bad);
   }
+  const std::size_t unused = report.scans_without_beams + report.scans_without_odometry;
+  if (unused > 0) {
+    context.note("note: " + std::to_string(unused) + " scans without beams or odometry left out");
+  }
+  if (const std::string names = left_out(report); !names.empty()) {
+    context.note("note: left out, the target has no place for it: " + names);
+  }
   if (format == "carmen") {
     log::write_carmen(options.out, content);
   } else {
-    write_bag_or_file(options, content,
-                      format == "mcap" ? log::BagStorage::kMcap : log::BagStorage::kSqlite3,
-                      context.staged());
+    write_bag_or_file(options.out, context.staged(), [&](const fs::path& folder) {
+      log::write_bag(folder, content, bag_format(options, format));
+    });
   }
   context.note(options.out + ": " + std::to_string(content.observations.size()) + " scans, " +
                std::to_string(content.odometry.size()) + " odometry samples");
+}
+
+void run(Options& options, VerbContext& context) {
+  sort_out_to(options);
+  const std::string format = target_format(options);
+  if (options.compression_mode != "none" && format == "carmen") {
+    throw InputError("--compression-mode", "is for bags, and CARMEN logs are text",
+                     "leave it out, or write a bag");
+  }
+  const bool from_bag = log::detect_format(options.in) != log::LogFormat::kCarmen;
+  if (from_bag && format != "carmen") {
+    copy(options, format, context);
+  } else {
+    translate(options, format, context);
+  }
 }
 
 }  // namespace
@@ -132,6 +198,14 @@ void add_convert(CLI::App& app, VerbContext& context) {
       ->allow_extra_args(false);
   verb->add_option("--compression", options->compression, "of MCAP chunks")
       ->check(CLI::IsMember({"none", "zstd", "lz4"}))
+      ->capture_default_str();
+  verb->add_option("--compression-mode", options->compression_mode,
+                   "rosbag2's: pack whole files or single messages with zstd")
+      ->check(CLI::IsMember({"none", "file", "message"}))
+      ->capture_default_str();
+  verb->add_option("--sqlite-schema", options->sqlite_schema,
+                   "3 as Humble, 4 as Iron and later (with message definitions)")
+      ->check(CLI::IsMember({3, 4}))
       ->capture_default_str();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
 }
