@@ -70,11 +70,11 @@ class McapFile : public BagWriter::File {
         schemas_.try_emplace(topic.type, static_cast<std::uint16_t>(schemas_.size() + 1));
     if (is_new) {
       const TypeDefinition definition = definition_of(topic);
-      definitions_.record(kSchema, Record()
-                                       .number(schema->second)
-                                       .text(topic.type)
-                                       .text(definition.encoding)
-                                       .text(definition.text));
+      Record content;
+      content.number(schema->second).text(topic.type);
+      content.text(definition.encoding).text(definition.text);
+      definitions_.record(kSchema, content);
+      schema_records_.record(kSchema, content);
     }
     Record metadata;
     metadata.text("offered_qos_profiles").text(topic.offered_qos_profiles);
@@ -83,6 +83,7 @@ class McapFile : public BagWriter::File {
     channel.text(topic.serialization_format);
     channel.number(static_cast<std::uint32_t>(metadata.bytes().size())).raw(metadata.bytes());
     definitions_.record(kChannel, channel);
+    channel_records_.record(kChannel, channel);
     counts_.push_back(0);
     ++channels_;
     // Every chunk begins with all topics, so that each can be read alone.
@@ -126,7 +127,9 @@ class McapFile : public BagWriter::File {
     put(end);
     const std::uint64_t summary = position_;
     Record tail;
-    tail.raw(definitions_.bytes());
+    tail.raw(schema_records_.bytes());
+    const std::uint64_t channels_at = summary + tail.bytes().size();
+    tail.raw(channel_records_.bytes());
     const std::uint64_t statistics_at = summary + tail.bytes().size();
     tail.record(kStatistics, statistics());
     const std::uint64_t chunks_at = summary + tail.bytes().size();
@@ -137,6 +140,8 @@ class McapFile : public BagWriter::File {
         tail.record(kSummaryOffset, Record().number(opcode).number(from).number(to - from));
       }
     };
+    group(kSchema, summary, channels_at);
+    group(kChannel, channels_at, statistics_at);
     group(kStatistics, statistics_at, chunks_at);
     group(kChunkIndex, chunks_at, offsets_at);
     // The CRC covers the summary up to itself.
@@ -231,7 +236,9 @@ class McapFile : public BagWriter::File {
   std::map<std::string, std::uint16_t> schemas_;
   std::uint16_t channels_ = 0;
   std::vector<std::uint64_t> counts_;
-  Record definitions_;
+  Record definitions_;     ///< schemas and channels as they came, for the data section
+  Record schema_records_;  ///< the same apart, for the summary, which groups its records
+  Record channel_records_;
   std::size_t defined_bytes_ = 0;  ///< of definitions_ as the last chunk has them
   Record chunk_;
   std::size_t messages_in_chunk_ = 0;
