@@ -97,7 +97,9 @@ class Database {
     this.path = path;
   }
   async open() {
-    const SQL = await initSqlJs();
+    // Given as bytes: the library would fetch it by address, as in a browser.
+    const wasmBinary = await readFile(require.resolve("@foxglove/sql.js/dist/sql-wasm.wasm"));
+    const SQL = await initSqlJs({ wasmBinary });
     this.db = new SQL.Database(new Uint8Array(await readFile(this.path)));
   }
   async close() {
