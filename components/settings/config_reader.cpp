@@ -189,7 +189,10 @@ void throw_problems_with_places(const Problems& problems, const ReadContext& con
   const std::string first_place = place_of_problem(problems.front());
   std::string what;
   std::string remedy;
+  std::set<std::string> told;
   for (const Problem& problem : problems) {
+    // A value out of its range often breaks a requirement too, which says no more.
+    if (!told.insert(problem.path).second) continue;
     const std::string place = place_of_problem(problem);
     if (!what.empty()) what += ", and ";
     if (place != first_place) what += "at " + place + " ";

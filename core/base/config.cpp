@@ -2,6 +2,7 @@
 #include "core/base/config.hpp"
 
 #include <cmath>
+#include <set>
 #include <sstream>
 
 namespace strata::detail {
@@ -37,7 +38,10 @@ void check_range(double value, const FieldInfo& info, const std::string& path, P
 void throw_problems(const Problems& problems, const std::string& place) {
   std::string what;
   std::string remedy;
+  std::set<std::string> told;
   for (const Problem& problem : problems) {
+    // A value out of its range often breaks a requirement too, which says no more.
+    if (!told.insert(problem.path).second) continue;
     if (!what.empty()) what += ", and ";
     what += problem.path + " " + problem.what;
     if (remedy.find(problem.remedy) != std::string::npos) continue;

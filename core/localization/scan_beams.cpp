@@ -4,16 +4,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/scan/range_limit.hpp"
+
 namespace strata::localization {
 namespace {
 
 double limit_of(const Scan& scan, const BeamSelectionConfig& config) {
-  const auto own = static_cast<double>(scan.range_max_m);
-  const bool has_own = std::isfinite(own) && own > 0.0;
+  const float own = scan.range_max_m;
+  const bool has_own = own < kLongestRangeM && own > 0.0F;
   if (config.max_range_m > 0.0) {
-    return has_own ? std::min(own, config.max_range_m) : config.max_range_m;
+    return has_own ? std::min(static_cast<double>(own), config.max_range_m) : config.max_range_m;
   }
-  if (has_own) return own;
+  if (has_own) return static_cast<double>(own);
   double longest = 0.0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (scan.kind(i) == BeamKind::kHit) {

@@ -3,12 +3,14 @@
 
 #include <cmath>
 
+#include "core/scan/range_limit.hpp"
+
 namespace strata {
 
 BeamKind Scan::kind(std::size_t beam) const {
   const float range_m = ranges_m[beam];
   if (std::isnan(range_m)) return BeamKind::kInvalid;
-  if (range_m >= range_max_m) return BeamKind::kNoReturn;
+  if (range_m >= range_limit_m(range_max_m)) return BeamKind::kNoReturn;
   // Zero is what many drivers send for a beam without an answer; it lies at the scanner itself.
   if (range_m < range_min_m || range_m <= 0.0F) return BeamKind::kTooClose;
   return BeamKind::kHit;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/scan/range_limit.hpp"
+
 namespace strata::memory {
 namespace {
 
@@ -27,8 +29,9 @@ Reach reach_of(const PosedScan& scan, std::size_t beam, const VisibilityConfig& 
   }
   if (kind == BeamKind::kHit) return {static_cast<double>(scan.scan.ranges_m[beam]), true};
   if (kind == BeamKind::kNoReturn && config.trust_no_return) {
-    const double range_max = static_cast<double>(scan.scan.range_max_m);
-    return {std::isfinite(range_max) && range_max > 0.0 ? range_max : far_m, false};
+    const float range_max = scan.scan.range_max_m;
+    const bool is_told = range_max > 0.0F && range_max < kLongestRangeM;
+    return {is_told ? static_cast<double>(range_max) : far_m, false};
   }
   return {};
 }

@@ -103,5 +103,30 @@ TEST(EnumName, NamesValuesAndMarksThoseWithoutAName) {
   EXPECT_STREQ(enum_name(Colour::kUnnamed), "?");
 }
 
+struct PriorConfig {
+  double prior = 0.9;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("prior", c.prior, {.doc = "above one half", .min = 0.5, .max = 1.0});
+    v.require(c.prior > 0.5, "prior", "is 0.5, where nothing is learned", "choose 0.9");
+  }
+};
+
+TEST(Config, TellsOneProblemOfAKey) {
+  try {
+    require_valid(PriorConfig{0.2}, "--set");
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--set: prior is 0.2, below the least value 0.5; choose a value of at least 0.5");
+  }
+  try {
+    require_valid(PriorConfig{0.5}, "--set");
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "--set: prior is 0.5, where nothing is learned; choose 0.9");
+  }
+}
+
 }  // namespace
 }  // namespace strata

@@ -207,5 +207,20 @@ TEST(LogOddsMap, RefusesProbabilitiesThatSayEverything) {
   EXPECT_THROW(LogOddsMap(kResolution, config), ConfigError);
 }
 
+TEST(CountScans, ReadingsThatNoScannerGivesDoNotGrowTheMap) {
+  PosedScan scan;
+  scan.scan.angle_increment_rad = 0.5F;
+  scan.scan.range_max_m = kInf;
+  scan.scan.ranges_m = {2.0F, 1e30F, 3e38F, 1e7F, kInf, std::numeric_limits<float>::quiet_NaN()};
+  CountingOptions options;
+  options.no_return_free_range_m = 3.0;
+  WorkerPool pool(1);
+  const CountingMap map = count_scans(std::vector<PosedScan>{scan}, kResolution, options,
+                                      BeamWeights::kStaticProbability, pool);
+  EXPECT_LE(map.cells().rect().width(), 70);
+  EXPECT_LE(map.cells().rect().height(), 70);
+  EXPECT_EQ(map.cells().get({20, 0}).hits, 1.0);
+}
+
 }  // namespace
 }  // namespace strata

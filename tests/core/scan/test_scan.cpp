@@ -45,6 +45,17 @@ TEST(Scan, TakesAZeroRangeForNoHitEvenWithoutALeastRange) {
   EXPECT_EQ(scan.kind(0), BeamKind::kTooClose);
 }
 
+TEST(Scan, TakesAReadingThatNoScannerGivesForNoReturnWhateverItsLimit) {
+  for (const float range_max : {kInf, 1e30F, kNan}) {
+    Scan scan = quarter_turns({1e30F, 3e38F, 5000.0F, 900.0F, kInf, kNan, -1e30F});
+    scan.range_max_m = range_max;
+    const BeamKind expected[] = {BeamKind::kNoReturn, BeamKind::kNoReturn, BeamKind::kNoReturn,
+                                 BeamKind::kHit,      BeamKind::kNoReturn, BeamKind::kInvalid,
+                                 BeamKind::kTooClose};
+    for (std::size_t i = 0; i < scan.size(); ++i) EXPECT_EQ(scan.kind(i), expected[i]) << i;
+  }
+}
+
 TEST(PosedScan, PlacesTheLaserByItsMounting) {
   PosedScan posed;
   posed.map_from_robot = {1.0, 2.0, std::numbers::pi / 2.0};
