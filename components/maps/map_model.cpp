@@ -50,6 +50,36 @@ MapModel beam_grid_model(const std::string& name, const ReflectionGrid& map,
   });
 }
 
+/// Ranges in a map that lies elsewhere than the map frame.
+class MovedRanges {
+ public:
+  MovedRanges(const ReflectionGrid& map, const Pose2& given_from_map)
+      : caster_(map), given_from_map_(given_from_map) {}
+  [[nodiscard]] double expected_range_m(const Pose2& map_from_laser, double bearing_rad) const {
+    return caster_.expected_range_m(given_from_map_ * map_from_laser, bearing_rad);
+  }
+
+ private:
+  RayCaster caster_;
+  Pose2 given_from_map_;
+};
+
+MapModel given_model(const std::string& name, const Maps& maps,
+                     const PatchBeamModelConfig& config) {
+  if (maps.given.size() == 0) {
+    throw InputError("model " + name, "needs a map that was not learned here",
+                     "give its YAML file with --map");
+  }
+  const auto ranges = std::make_shared<const MovedRanges>(maps.given, maps.given_from_map);
+  MapModel model;
+  model.name = name;
+  model.sensor =
+      std::make_shared<const localization::RangeProviderModel<MovedRanges>>(ranges, config.beam);
+  model.best_prediction = [moved = ranges_of(ranges)](const ParticleSet&) { return moved; };
+  model.bytes = maps.given.size();
+  return model;
+}
+
 /// The likeliest configuration of each sub-map, from the first particle's or the shared belief.
 std::vector<int> believed(const localization::PatchStates& states, const ParticleSet& particles) {
   std::vector<int> chosen;
@@ -88,7 +118,8 @@ MapModel patch_model(const std::string& name, const Maps& maps, PatchBeamModelCo
 
 MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamModelConfig config) {
   if (!maps.timescale) fail_not_learned(name);
-  const std::shared_ptr<const memory::NodeMap> nodes = maps.timescale->decode();
+  const std::shared_ptr<const memory::NodeMap> nodes =
+      maps.nodes ? maps.nodes : maps.timescale->decode();
   double& limit_m = config.beam.beams.max_range_m;
   const double reach_m = maps.timescale->config().max_range_m;
   limit_m = limit_m > 0.0 ? std::min(limit_m, reach_m) : reach_m;
@@ -131,6 +162,7 @@ std::vector<std::string> model_names(const Maps& maps) {
       names.push_back(kTimescalePrefix + level.name);
     }
   }
+  if (maps.given.size() > 0) names.emplace_back("map");
   return names;
 }
 
@@ -138,6 +170,7 @@ MapModel make_map_model(const Maps& maps, const std::string& name,
                         const PatchBeamModelConfig& config) {
   if (name == "occupancy") return beam_grid_model(name, maps.occupancy, config);
   if (name == "filtered") return beam_grid_model(name, maps.filtered, config);
+  if (name == "map") return given_model(name, maps, config);
   if (name == "patch" || name.starts_with("patch_")) {
     if (name == "patch" || name == "patch_paper" || name == "patch_shared" ||
         name == "patch_per_particle") {

@@ -32,7 +32,7 @@ struct MapModel {
 };
 
 /// Names that make_map_model accepts for these maps: occupancy, filtered, patch, patch_paper,
-/// patch_shared, patch_per_particle, timescale, timescale_mixture, timescale_LEVEL.
+/// patch_shared, patch_per_particle, timescale, timescale_mixture, timescale_LEVEL, map (given).
 [[nodiscard]] std::vector<std::string> model_names(const Maps& maps);
 
 /// `patch` has the memory that `config` names, patch_paper none; `timescale` is timescale_mixture.

@@ -57,7 +57,12 @@ struct Maps {
   ReflectionGrid filtered;
   std::optional<patch::PatchMap> patches;
   std::shared_ptr<const memory::TimescaleMemory> timescale;
+  /// What `timescale` expects, when a snapshot was made already; null: made when needed.
+  std::shared_ptr<const memory::NodeMap> nodes;
   std::optional<Pose2> map_from_truth;
+  /// A map that was not learned here (a map_server file), and where it lies.
+  ReflectionGrid given;
+  Pose2 given_from_map;
 };
 
 /// The store of a MAPS folder. Throws InputError when strata.db is missing or damaged.

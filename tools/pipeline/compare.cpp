@@ -2,11 +2,14 @@
 #include "tools/pipeline/compare.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <mutex>
 #include <utility>
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
+#include "tools/pipeline/changes.hpp"
 #include "tools/pipeline/localize.hpp"
 #include "tools/pipeline/scan_prediction.hpp"
 
@@ -42,13 +45,13 @@ Poses joint_trajectory(const Runs& runs, const CompareConfig& config, int thread
   return poses_of(all.slam, runs.observations);
 }
 
-/// map_from_truth, from the learning part.
-Pose2 align_truth(const Runs& runs, const Poses& learned) {
+/// map_from_truth, from the learning part; one entry a learned observation.
+Pose2 align_truth(const Poses& truths, const Poses& learned) {
   std::vector<Pose2> source;
   std::vector<Pose2> target;
   for (std::size_t i = 0; i < learned.size(); ++i) {
-    if (!runs.truths[i] || !learned[i]) continue;
-    source.push_back(*runs.truths[i]);
+    if (!truths[i] || !learned[i]) continue;
+    source.push_back(*truths[i]);
     target.push_back(*learned[i]);
   }
   if (source.empty()) {
@@ -74,119 +77,352 @@ std::vector<StateTrace> traces_of(const std::vector<maps::StateRow>& rows, Stamp
   return result;
 }
 
-/// What is the same for every model.
-struct TestPart {
-  std::span<const Observation> observations;
-  std::span<const std::optional<Pose2>> truths;
-  Pose2Gaussian start;
-};
+template <typename T>
+std::vector<T> pick(const std::vector<T>& values, std::span<const std::size_t> places) {
+  std::vector<T> picked;
+  picked.reserve(places.size());
+  for (const std::size_t place : places) picked.push_back(values[place]);
+  return picked;
+}
 
-TestPart make_test_part(const Runs& runs, std::size_t train_scans, const Poses& truths,
-                        const CompareProtocol& protocol) {
-  std::size_t first = train_scans;
-  while (first < truths.size() && !truths[first]) ++first;
-  if (first >= truths.size()) {
-    throw InputError("test part", "has no scan with a known pose",
-                     "choose another split with --train-until");
+/// What is learned from. A run whose middle is missing becomes two, so that nothing takes the gap
+/// for motion.
+std::vector<Observation> learning_part(const Runs& runs, const Split& split) {
+  std::vector<Observation> part = pick(runs.observations, split.train);
+  int shift = 0;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    if (i > 0 &&
+        runs.observations[split.train[i]].run == runs.observations[split.train[i - 1]].run &&
+        split.train[i] != split.train[i - 1] + 1) {
+      ++shift;
+    }
+    part[i].run += shift;
   }
-  TestPart part{std::span(runs.observations).subspan(first), std::span(truths).subspan(first), {}};
-  part.start.mean = *truths[first];
-  const double m = protocol.start_stddev_m;
-  const double rad = protocol.start_stddev_rad;
-  part.start.covariance = Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal();
   return part;
 }
 
-ModelResult run_model(const maps::MapModel& model, const TestPart& part,
-                      const ReflectionGrid& free_space, const CompareConfig& config,
-                      const std::vector<std::uint64_t>& seeds, WorkerPool& pool) {
-  ModelResult result;
-  result.model = model.name;
-  result.map_bytes = model.bytes;
-  result.runs.resize(seeds.size());
-  std::vector<maps::StateRow> states;
-  // One run a thread: the runs do not depend on each other, nor on how many go at once.
-  pool.for_chunks(seeds.size(), 1, [&](std::size_t s, std::size_t, std::size_t) {
-    LocalizationRun run = localize(part.observations, part.truths, model, free_space,
-                                   config.localizer, {part.start}, seeds[s], 1, nullptr);
-    ModelRun& kept = result.runs[s];
-    kept.seed = seeds[s];
+/// Maps of one split, and the truth in their frame.
+struct Learned {
+  LearnResult result;
+  maps::Maps maps;
+  Poses truths;  ///< map_from_robot, one an observation of the runs
+};
+
+Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
+                    const CompareConfig& config, const CompareJob& job) {
+  Learned learned;
+  const std::vector<Observation> train = learning_part(runs, split);
+  learned.result = learn(train, pick(poses, split.train), config.learn, {}, job.seeds.front(),
+                         job.threads, job.progress);
+  learned.truths = poses;
+  maps::Maps& maps = learned.maps;
+  maps.given = job.given_map;
+  if (any_known(runs.truths)) {
+    const Pose2 map_from_truth =
+        align_truth(pick(runs.truths, split.train), poses_of(learned.result.slam, train));
+    learned.truths = runs.truths;
+    for (auto& truth : learned.truths) {
+      if (truth) truth = map_from_truth * *truth;
+    }
+    maps.map_from_truth = map_from_truth;
+    maps.given_from_map = inverse(map_from_truth);
+  }
+  maps.occupancy = learned.result.slam.occupancy;
+  maps.filtered = learned.result.slam.filtered;
+  maps.patches = learned.result.patches;
+  maps.timescale = learned.result.timescale;
+  if (maps.timescale) maps.nodes = maps.timescale->decode();
+  return learned;
+}
+
+/// One drive to localize in: the same for every model.
+struct TestPart {
+  TestPartInfo info;
+  std::vector<Observation> observations;
+  Poses truths;
+  Pose2Gaussian start;
+  Changes changes;
+};
+
+/// The runs of the test part, each from its first scan with a known pose on; runs without any are
+/// left out.
+std::vector<TestPart> make_test_parts(const Runs& runs, const Split& split,
+                                      const std::vector<double>& elapsed, const Poses& truths,
+                                      const CompareProtocol& protocol) {
+  std::vector<TestPart> parts;
+  bool is_open = false;
+  int run = -1;
+  for (const std::size_t i : split.test) {
+    if (runs.observations[i].run != run) is_open = false;
+    run = runs.observations[i].run;
+    if (!is_open && !truths[i]) continue;
+    if (!is_open) {
+      TestPart part;
+      part.info.train_s = {elapsed[split.train.front()], elapsed[split.train.back()]};
+      part.info.test_s = {elapsed[i], elapsed[i]};
+      part.start.mean = *truths[i];
+      const double m = protocol.start_stddev_m;
+      const double rad = protocol.start_stddev_rad;
+      part.start.covariance = Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal();
+      parts.push_back(std::move(part));
+      is_open = true;
+    }
+    TestPart& part = parts.back();
+    part.info.test_s[1] = elapsed[i];
+    part.observations.push_back(runs.observations[i]);
+    part.truths.push_back(truths[i]);
+  }
+  if (parts.empty()) {
+    throw InputError("test part", "has no scan with a known pose",
+                     "choose another split with --train-until");
+  }
+  for (TestPart& part : parts) {
+    part.info.name = split.name;
+    if (parts.size() > 1) {
+      part.info.name += ", run " + std::to_string(part.observations.front().run + 1);
+    }
+    part.info.scans = part.observations.size();
+  }
+  return parts;
+}
+
+void look_for_changes(const Learned& learned, const CompareConfig& config, TestPart& part) {
+  part.changes =
+      find_changes(learned.result.slam.scans, part.observations, part.truths, learned.maps.filtered,
+                   config.learn.patch, config.sensor.beam.beams.max_range_m);
+  const Stamp begin = part.observations.front().scan.stamp;
+  for (const ChangeEvent& event : part.changes.events) {
+    const Stamp first_seen = part.observations[event.views.front().scan].scan.stamp;
+    part.info.changes.push_back({(first_seen - begin).seconds(), event.center_m, event.views.size(),
+                                 event.is_old_state, event.appeared_share});
+  }
+  for (std::size_t i = 0; i < part.observations.size(); ++i) {
+    part.info.changed_scans += part.truths[i] && part.changes.sees_change(i) ? 1 : 0;
+  }
+}
+
+/// The errors where it changed; run.errors has an entry for each scan with a known pose.
+void judge_changed_places(const TestPart& part, ModelRun& run) {
+  double sum = 0.0;
+  std::size_t failures = 0;
+  std::size_t count = 0;
+  std::size_t e = 0;
+  for (std::size_t i = 0; i < part.observations.size(); ++i) {
+    if (!part.truths[i]) continue;
+    const double error_m = run.errors[e++].error_m;
+    if (!part.changes.sees_change(i)) continue;
+    ++count;
+    sum += error_m;
+    failures += error_m > kFailureDistance_m ? 1 : 0;
+  }
+  if (count == 0) return;
+  run.changed_error_m = sum / static_cast<double>(count);
+  run.changed_failure_rate = static_cast<double>(failures) / static_cast<double>(count);
+}
+
+/// Progress that several threads report to.
+class SharedProgress {
+ public:
+  SharedProgress(Progress* progress, std::size_t total) : progress_(progress), total_(total) {}
+  void one_done() {
+    const std::lock_guard lock(mutex_);
+    report_progress(progress_, "localize with every model", ++done_, total_);
+  }
+
+ private:
+  Progress* progress_;
+  std::size_t total_;
+  std::mutex mutex_;
+  std::size_t done_ = 0;
+};
+
+/// Every seed of every model in one part. One run a thread: the runs depend neither on each other
+/// nor on how many go at once.
+void run_models(const std::vector<maps::MapModel>& models, const TestPart& part,
+                std::size_t part_index, const ReflectionGrid& free_space,
+                const CompareConfig& config, const std::vector<std::uint64_t>& seeds,
+                WorkerPool& pool, SharedProgress& progress, Comparison& comparison) {
+  std::vector<ModelRun> runs(models.size() * seeds.size());
+  std::vector<std::vector<maps::StateRow>> states(models.size());
+  pool.for_chunks(runs.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    const std::size_t m = i / seeds.size();
+    LocalizationRun run =
+        localize(part.observations, part.truths, models[m], free_space, config.localizer,
+                 {part.start}, seeds[i % seeds.size()], 1, nullptr);
+    ModelRun& kept = runs[i];
+    kept.part = part_index;
+    kept.seed = seeds[i % seeds.size()];
     kept.metrics = evaluate_run(run.errors);
     kept.errors = std::move(run.errors);
     kept.update_ms = std::move(run.update_ms);
-    if (s == 0) states = std::move(run.states);
+    judge_changed_places(part, kept);
+    if (i % seeds.size() == 0) states[m] = std::move(run.states);
+    progress.one_done();
   });
-  result.states = traces_of(states, part.observations.front().scan.stamp);
-  result.prediction = predict_scans(part.observations, part.truths, model, config.sensor.beam,
-                                    config.protocol.prediction_every);
-  return result;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    ModelResult& result = comparison.models[m];
+    if (part_index == 0) {
+      result.map_bytes = models[m].bytes;
+      result.states = traces_of(states[m], part.observations.front().scan.stamp);
+    }
+    const auto first = runs.begin() + static_cast<std::ptrdiff_t>(m * seeds.size());
+    std::move(first, first + static_cast<std::ptrdiff_t>(seeds.size()),
+              std::back_inserter(result.runs));
+  }
+}
+
+bool follows_timescale(const std::string& model) { return model.starts_with("timescale"); }
+
+/// Held-out fit and adaptation of every model. The timescale memory goes on learning for the
+/// latter, as it would on the robot; grids are what they are, and patch models follow by beliefs.
+void predict_with_models(const std::vector<maps::MapModel>& models, const TestPart& part,
+                         const maps::Maps& maps, const CompareConfig& config, WorkerPool& pool,
+                         Comparison& comparison) {
+  const TestScans test{part.observations, part.truths, &part.changes};
+  std::vector<PredictionScore> scores(models.size());
+  pool.for_chunks(models.size(), 1, [&](std::size_t m, std::size_t, std::size_t) {
+    scores[m] =
+        score_predictions(test, models[m], config.sensor.beam, config.protocol.prediction_every);
+  });
+  std::vector<std::string> names;
+  for (const maps::MapModel& model : models) {
+    if (follows_timescale(model.name)) names.push_back(model.name);
+  }
+  if (!names.empty() && !part.changes.events.empty()) {
+    const auto followed = follow_timescale(test, maps, names, config.sensor);
+    std::size_t next = 0;
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      if (!follows_timescale(models[m].name)) continue;
+      for (std::size_t e = 0; e < followed[next].size(); ++e) {
+        scores[m].events[e].adapted_after_scans = followed[next][e].adapted_after_scans;
+        scores[m].events[e].adapted_after_s = followed[next][e].adapted_after_s;
+      }
+      ++next;
+    }
+  }
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    comparison.models[m].scores.push_back(std::move(scores[m]));
+  }
+}
+
+std::vector<maps::MapModel> make_models(const maps::Maps& maps, const CompareConfig& config) {
+  std::vector<maps::MapModel> models;
+  for (const std::string& name : config.protocol.models) {
+    models.push_back(maps::make_map_model(maps, name, config.sensor));
+  }
+  return models;
+}
+
+/// Runs to localize in, over all splits.
+std::size_t count_drives(const Runs& runs, const std::vector<Split>& splits) {
+  std::size_t drives = 0;
+  for (const Split& split : splits) {
+    int run = -1;
+    for (const std::size_t i : split.test) {
+      drives += runs.observations[i].run != run ? 1 : 0;
+      run = runs.observations[i].run;
+    }
+  }
+  return drives;
+}
+
+void require_parts(const Split& split, const CompareJob& job) {
+  if (!split.train.empty() && !split.test.empty()) return;
+  throw InputError(job.log, "leaves nothing to learn from or nothing to test on",
+                   "choose another split with --train-until");
 }
 
 }  // namespace
 
-CompareOutcome compare(const Runs& runs, const std::string& log, const CompareConfig& config,
-                       std::optional<double> train_until_s, const std::vector<std::uint64_t>& seeds,
-                       int threads, Progress* progress) {
+Split split_by_time(const Runs& runs, const std::string& log, double train_until_s) {
   const std::vector<double> elapsed = elapsed_seconds(runs.observations);
-  const double until_s = train_until_s.value_or(config.protocol.train_share * elapsed.back());
-  const auto split = std::upper_bound(elapsed.begin(), elapsed.end(), until_s);
-  return compare_split(runs, static_cast<std::size_t>(split - elapsed.begin()), log, config, seeds,
-                       threads, progress);
+  Split split;
+  split.name = log;
+  for (std::size_t i = 0; i < elapsed.size(); ++i) {
+    (elapsed[i] <= train_until_s ? split.train : split.test).push_back(i);
+  }
+  return split;
 }
 
-CompareOutcome compare_split(const Runs& runs, std::size_t train_scans, const std::string& log,
-                             const CompareConfig& config, const std::vector<std::uint64_t>& seeds,
-                             int threads, Progress* progress) {
-  require_valid(config, "compare");
-  if (train_scans == 0 || train_scans >= runs.observations.size()) {
-    throw InputError(log, "leaves nothing to learn from or nothing to test on",
-                     "choose another split with --train-until");
+Split split_by_run(const Runs& runs, const std::vector<std::string>& logs, int train_runs) {
+  Split split;
+  for (std::size_t i = 0; i < runs.observations.size(); ++i) {
+    (runs.observations[i].run < train_runs ? split.train : split.test).push_back(i);
   }
-  const std::vector<Observation> train(
-      runs.observations.begin(),
-      runs.observations.begin() + static_cast<std::ptrdiff_t>(train_scans));
+  for (std::size_t i = static_cast<std::size_t>(train_runs); i < logs.size(); ++i) {
+    split.name += (split.name.empty() ? "" : " ") + logs[i];
+  }
+  return split;
+}
+
+std::vector<Split> make_folds(const Runs& runs, const std::vector<std::string>& logs, int k) {
+  if (k < 2) throw InputError("--folds", "is below 2", "give at least 2");
+  const bool by_run = logs.size() > 1;
+  if (by_run && logs.size() < static_cast<std::size_t>(k)) {
+    throw InputError("--folds", "is more than there are logs", "give at most one fold a log");
+  }
+  const std::vector<double> elapsed = elapsed_seconds(runs.observations);
+  std::vector<Split> splits(static_cast<std::size_t>(k));
+  for (std::size_t i = 0; i < elapsed.size(); ++i) {
+    const double share = elapsed.back() > 0.0 ? elapsed[i] / elapsed.back() : 0.0;
+    const int fold = by_run ? runs.observations[i].run % k
+                            : std::min(k - 1, static_cast<int>(share * static_cast<double>(k)));
+    for (int f = 0; f < k; ++f) {
+      Split& split = splits[static_cast<std::size_t>(f)];
+      (f == fold ? split.test : split.train).push_back(i);
+    }
+  }
+  for (int f = 0; f < k; ++f) {
+    Split& split = splits[static_cast<std::size_t>(f)];
+    if (!by_run) split.name = "piece " + std::to_string(f + 1) + " of " + std::to_string(k);
+    for (std::size_t i = static_cast<std::size_t>(f); by_run && i < logs.size();
+         i += static_cast<std::size_t>(k)) {
+      split.name += (split.name.empty() ? "" : " ") + logs[i];
+    }
+  }
+  return splits;
+}
+
+CompareOutcome compare(const Runs& runs, const CompareConfig& config, const CompareJob& job) {
+  require_valid(config, "compare");
+  for (const Split& split : job.splits) require_parts(split, job);
   const bool has_truth = any_known(runs.truths);
   const bool has_poses = any_known(runs.poses);
-  Poses truths = runs.poses;
-  if (!has_truth && !has_poses) truths = joint_trajectory(runs, config, threads, progress);
-
-  CompareOutcome outcome;
-  Poses given(truths.begin(), truths.begin() + static_cast<std::ptrdiff_t>(train_scans));
-  outcome.learned = learn(train, given, config.learn, {}, seeds.front(), threads, progress);
-  if (has_truth) {
-    const Pose2 map_from_truth = align_truth(runs, poses_of(outcome.learned.slam, train));
-    truths = runs.truths;
-    for (auto& truth : truths) {
-      if (truth) truth = map_from_truth * *truth;
-    }
-    outcome.maps.map_from_truth = map_from_truth;
-  }
-  outcome.maps.occupancy = outcome.learned.slam.occupancy;
-  outcome.maps.filtered = outcome.learned.slam.filtered;
-  outcome.maps.patches = outcome.learned.patches;
-  outcome.maps.timescale = outcome.learned.timescale;
-
-  const TestPart part = make_test_part(runs, train_scans, truths, config.protocol);
-  localization::PatchBeamModelConfig sensor = config.sensor;
-  if (sensor.beam.beams.max_range_m == 0.0) {
-    // The same reach for all: timescale nodes know nothing beyond theirs.
-    sensor.beam.beams.max_range_m = config.learn.timescale.max_range_m;
+  Poses poses = runs.poses;
+  if (!has_poses && (!has_truth || job.splits.size() > 1)) {
+    poses = joint_trajectory(runs, config, job.threads, job.progress);
   }
   CompareConfig same_for_all = config;
-  same_for_all.sensor = sensor;
-  const std::vector<double> elapsed = elapsed_seconds(runs.observations);
+  if (double& reach_m = same_for_all.sensor.beam.beams.max_range_m; reach_m == 0.0) {
+    // The same reach for all: timescale nodes know nothing beyond theirs.
+    reach_m = config.learn.timescale.max_range_m;
+  }
+  CompareOutcome outcome;
   Comparison& comparison = outcome.comparison;
-  comparison.log = log;
-  comparison.train_s = {0.0, elapsed[train_scans - 1]};
-  comparison.test_s = {elapsed[train_scans], elapsed.back()};
+  comparison.log = job.log;
+  comparison.seeds = job.seeds.size();
   comparison.truth = has_truth || has_poses ? TruthKind::kGiven : TruthKind::kJointTrajectory;
-  WorkerPool pool(threads);
-  const auto& models = config.protocol.models;
-  for (std::size_t m = 0; m < models.size(); ++m) {
-    const maps::MapModel model = maps::make_map_model(outcome.maps, models[m], sensor);
-    comparison.models.push_back(
-        run_model(model, part, outcome.maps.filtered, same_for_all, seeds, pool));
-    report_progress(progress, "localize with every model", m + 1, models.size());
+  const std::vector<std::string>& models = config.protocol.models;
+  comparison.models.resize(models.size());
+  for (std::size_t m = 0; m < models.size(); ++m) comparison.models[m].model = models[m];
+  const std::vector<double> elapsed = elapsed_seconds(runs.observations);
+  WorkerPool pool(job.jobs > 0 ? job.jobs : job.threads);
+  SharedProgress progress(job.progress,
+                          count_drives(runs, job.splits) * models.size() * job.seeds.size());
+  for (std::size_t s = 0; s < job.splits.size(); ++s) {
+    Learned learned = learn_split(runs, job.splits[s], poses, config, job);
+    const std::vector<maps::MapModel> map_models = make_models(learned.maps, same_for_all);
+    for (TestPart& part :
+         make_test_parts(runs, job.splits[s], elapsed, learned.truths, config.protocol)) {
+      look_for_changes(learned, same_for_all, part);
+      run_models(map_models, part, comparison.parts.size(), learned.maps.filtered, same_for_all,
+                 job.seeds, pool, progress, comparison);
+      predict_with_models(map_models, part, learned.maps, same_for_all, pool, comparison);
+      comparison.parts.push_back(part.info);
+    }
+    if (s > 0) continue;
+    outcome.learned = std::move(learned.result);
+    outcome.maps = std::move(learned.maps);
   }
   return outcome;
 }

@@ -66,27 +66,49 @@ struct CompareConfig {
   }
 };
 
-/// A comparison with what pictures need.
+/// Which observations belong to learning, and which to localization in what was learned.
+struct Split {
+  std::string name;
+  std::vector<std::size_t> train;  ///< places in Runs::observations, in order
+  std::vector<std::size_t> test;
+};
+
+/// The first `train_until_s` seconds are for learning; all logs count as one.
+[[nodiscard]] Split split_by_time(const Runs& runs, const std::string& log, double train_until_s);
+/// The first `train_runs` runs are for learning.
+[[nodiscard]] Split split_by_run(const Runs& runs, const std::vector<std::string>& logs,
+                                 int train_runs);
+/// k splits: each fold is localized in maps of all others. Several logs: fold i is every k-th of
+/// them, from i on; one log: the i-th of k equal pieces of its time. Throws InputError when there
+/// are fewer logs, or scans, than folds, or k < 2.
+[[nodiscard]] std::vector<Split> make_folds(const Runs& runs, const std::vector<std::string>& logs,
+                                            int k);
+
+/// A comparison with what pictures need; learned and maps are of the first split.
 struct CompareOutcome {
   Comparison comparison;
   LearnResult learned;
   maps::Maps maps;
 };
 
-/// Splits by time, unless `train_until_s` says where. Errors are measured against, in this order:
-/// given truths (in the map frame by one rigid alignment over the learning part), given poses, or
-/// the trajectory that SLAM gives to the whole log at once, which is labelled as such. Throws
-/// InputError when a part is empty.
-[[nodiscard]] CompareOutcome compare(const Runs& runs, const std::string& log,
-                                     const CompareConfig& config,
-                                     std::optional<double> train_until_s,
-                                     const std::vector<std::uint64_t>& seeds, int threads,
-                                     Progress* progress);
+/// What a comparison is made of, besides the runs.
+struct CompareJob {
+  std::string log;  ///< for people
+  std::vector<Split> splits;
+  std::vector<std::uint64_t> seeds;
+  /// A map for the model `map`, in the frame of the truth, or of the poses when there is no truth.
+  ReflectionGrid given_map;
+  int threads = 1;  ///< for learning
+  int jobs = 0;     ///< runs of the localizer at once; 0: as threads. Results do not depend on it
+  Progress* progress = nullptr;
+};
 
-/// The same for runs already divided: the first `train_scans` observations are for learning.
-[[nodiscard]] CompareOutcome compare_split(const Runs& runs, std::size_t train_scans,
-                                           const std::string& log, const CompareConfig& config,
-                                           const std::vector<std::uint64_t>& seeds, int threads,
-                                           Progress* progress);
+/// Learns on the first part of each split and localizes in each run of the second with every model
+/// and seed. Errors are measured against, in this order: given truths (in the map frame by one
+/// rigid alignment over the learning part), given poses, or the trajectory that SLAM gives to the
+/// whole log at once, which is labelled as such. With several splits learning takes the poses
+/// given, else those of SLAM over everything. Throws InputError when a part is empty.
+[[nodiscard]] CompareOutcome compare(const Runs& runs, const CompareConfig& config,
+                                     const CompareJob& job);
 
 }  // namespace strata::pipeline

@@ -10,9 +10,11 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
 #include "tools/pipeline/localization_metrics.hpp"
+#include "tools/pipeline/scan_prediction.hpp"
 #include "tools/statistics/statistics.hpp"
 
 namespace strata::pipeline {
@@ -20,19 +22,16 @@ namespace strata::pipeline {
 /// Where the poses that errors are measured against come from.
 enum class TruthKind { kGiven, kJointTrajectory };
 
-/// How well a map predicts scans that it was not learned from, at the true poses (SPEC F).
-struct ScanPrediction {
-  double log_likelihood_per_beam = 0.0;  ///< nats
-  double median_abs_error_m = 0.0;
-  std::size_t beams = 0;
-};
-
-/// One model with one seed.
+/// One model with one seed in one test part: the unit of all statistics.
 struct ModelRun {
+  std::size_t part = 0;  ///< place in Comparison::parts
   std::uint64_t seed = 0;
   std::vector<ScanError> errors;
   std::vector<double> update_ms;
   LocalizationMetrics metrics;
+  /// Over the scans that see a place that changed; nothing when there are none.
+  std::optional<double> changed_error_m;
+  std::optional<double> changed_failure_rate;
 };
 
 /// P(configuration | data) of one sub-map over the test part.
@@ -44,28 +43,53 @@ struct StateTrace {
 
 struct ModelResult {
   std::string model;
-  std::size_t map_bytes = 0;
-  ScanPrediction prediction;
-  std::vector<ModelRun> runs;      ///< in the order of the seeds, the same for every model
-  std::vector<StateTrace> states;  ///< of the first seed; patch models only
+  std::size_t map_bytes = 0;            ///< of the first split
+  std::vector<PredictionScore> scores;  ///< one a part
+  std::vector<ModelRun> runs;           ///< part by part, seeds in order, the same for every model
+  std::vector<StateTrace> states;       ///< of the first part and seed; patch models only
+};
+
+/// A change that the robot met, for the figure of errors over time and the table of events.
+struct MetChange {
+  double time_s = 0.0;  ///< since the part began, when the change was first seen
+  Eigen::Vector2d center_m;
+  std::size_t scans = 0;
+  bool is_old_state = false;
+  double appeared_share = 0.0;
+};
+
+/// One drive that was localized in: maps that did not learn from it.
+struct TestPartInfo {
+  std::string name;
+  std::array<double, 2> train_s{};  ///< seconds from the start of the log
+  std::array<double, 2> test_s{};
+  std::size_t scans = 0;
+  std::size_t changed_scans = 0;  ///< that see a place that changed
+  std::vector<MetChange> changes;
 };
 
 struct Comparison {
   std::string log;
-  std::array<double, 2> train_s{};  ///< seconds from the start of the log
-  std::array<double, 2> test_s{};
+  std::size_t seeds = 0;
   TruthKind truth = TruthKind::kGiven;
+  std::vector<TestPartInfo> parts;
   std::vector<ModelResult> models;
 };
 
-/// A model against another on the mean error of each seed.
+/// A model against another, paired over the units (part, seed).
 struct PairedTest {
   std::string better;
   std::string worse;
   double mean_difference_m = 0.0;  ///< worse minus better
-  statistics::Interval ci95_m;
-  double p = 1.0;  ///< Wilcoxon, Holm-adjusted over all pairs
+  double median_difference_m = 0.0;
+  statistics::Interval ci95_m;  ///< of the mean difference
+  double p = 1.0;               ///< Wilcoxon, Holm-adjusted over all pairs
+  double cliffs_delta = 0.0;    ///< of the errors, worse against better
   bool significant = false;
+  /// Units in which only one of the two was lost, and McNemar's p, Holm-adjusted over all pairs.
+  std::size_t lost_only_better = 0;
+  std::size_t lost_only_worse = 0;
+  double p_lost = 1.0;
 };
 
 /// Every pair of models; differences that the interval and the test both support are significant.
@@ -79,9 +103,27 @@ struct PairedTest {
 [[nodiscard]] nlohmann::json to_json(const Comparison& comparison,
                                      const std::vector<PairedTest>& tests);
 
-/// Mean over seeds of each run's mean error.
+/// Mean over units of each run's mean error.
 [[nodiscard]] double mean_error_m(const ModelResult& model);
-/// Mean over seeds of the failure rate.
+/// Mean over units of the failure rate.
 [[nodiscard]] double mean_failure_rate(const ModelResult& model);
+
+/// What a model did with all changes of all parts.
+struct AdaptationSummary {
+  std::size_t events = 0;
+  std::size_t adapted = 0;
+  /// Medians over the events, where one that was never adapted to is the longest; nothing when that
+  /// is the median.
+  std::optional<double> scans;
+  std::optional<double> s;
+  std::size_t old_states = 0;
+  std::optional<double> recall_old_state;        ///< mean over the old states that came back
+  std::optional<double> true_state_probability;  ///< likewise
+};
+[[nodiscard]] AdaptationSummary summarize_adaptation(const ModelResult& model);
+
+/// All parts together: beams weigh the same, the median is that of the parts' medians.
+[[nodiscard]] ScanPrediction pool_predictions(const ModelResult& model,
+                                              ScanPrediction PredictionScore::*which);
 
 }  // namespace strata::pipeline

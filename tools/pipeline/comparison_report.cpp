@@ -40,14 +40,15 @@ void add_tables(const Comparison& comparison, const std::vector<PairedTest>& tes
   const nlohmann::json json = to_json(comparison, tests);
   for (const ModelResult& model : comparison.models) {
     const nlohmann::json& m = json["models"][model.model];
-    const bool predicted = model.prediction.beams > 0;
+    const ScanPrediction prediction = pool_predictions(model, &PredictionScore::overall);
+    const bool predicted = prediction.beams > 0;
     table.rows.push_back(
         {model.model, fixed(m["error_m"]["mean"], 3),
          fixed(m["error_m"]["ci95"][0], 3) + " to " + fixed(m["error_m"]["ci95"][1], 3),
          fixed(m["error_m"]["p95"], 3), fixed(100.0 * mean_failure_rate(model), 1) + "%",
          std::to_string(m["lost_runs"].get<int>()) + " of " + std::to_string(model.runs.size()),
-         predicted ? fixed(model.prediction.log_likelihood_per_beam, 3) : "-",
-         predicted ? fixed(model.prediction.median_abs_error_m, 3) : "-",
+         predicted ? fixed(prediction.log_likelihood_per_beam, 3) : "-",
+         predicted ? fixed(prediction.median_abs_error_m, 3) : "-",
          fixed(static_cast<double>(model.map_bytes) / 1024.0, 0) + " kB"});
   }
   page.table(table);
@@ -235,12 +236,12 @@ void add_timescale(const CompareOutcome& outcome, HtmlReport& page) {
 void write_errors(const Comparison& comparison, const std::filesystem::path& path) {
   std::ostringstream out;
   out.precision(9);
-  out << "model,seed,time_s,error_m,error_rad\n";
+  out << "model,part,seed,time_s,error_m,error_rad\n";
   for (const ModelResult& model : comparison.models) {
     for (const ModelRun& run : model.runs) {
       for (const ScanError& error : run.errors) {
-        out << model.model << ',' << run.seed << ',' << error.stamp.seconds() << ','
-            << error.error_m << ',' << error.error_rad << '\n';
+        out << model.model << ',' << run.part << ',' << run.seed << ',' << error.stamp.seconds()
+            << ',' << error.error_m << ',' << error.error_rad << '\n';
       }
     }
   }
@@ -255,9 +256,10 @@ void write_report(const CompareOutcome& outcome, const std::string& settings,
   const std::vector<PairedTest> tests = paired_tests(comparison);
   HtmlReport page(folder, "Which map for this building?");
   page.verdict(verdict(comparison, tests));
-  page.paragraph("Log " + comparison.log + ": learned on the first " +
-                 fixed(comparison.train_s[1], 0) + " s, localized on " +
-                 fixed(comparison.test_s[1] - comparison.test_s[0], 0) + " s. " +
+  const TestPartInfo& part = comparison.parts.front();
+  page.paragraph("Log " + comparison.log + ": learned on " +
+                 fixed(part.train_s[1] - part.train_s[0], 0) + " s, localized on " +
+                 fixed(part.test_s[1] - part.test_s[0], 0) + " s. " +
                  (comparison.truth == TruthKind::kGiven
                       ? "Errors are against given poses."
                       : "No ground truth was given: errors are against the trajectory that SLAM "

@@ -8,7 +8,6 @@
 namespace strata::pipeline {
 namespace {
 
-constexpr double kFailureDistance_m = 0.5;
 constexpr double kLostDistance_m = 1.0;
 constexpr double kHold_s = 5.0;
 

@@ -11,6 +11,9 @@
 
 namespace strata::pipeline {
 
+/// A scan further than this from the truth has failed (CONTRACTS).
+inline constexpr double kFailureDistance_m = 0.5;
+
 /// Error of one scan: the weighted mean distance of all particles from the truth
 /// [stachniss2005patch, section V], before resampling.
 struct ScanError {

@@ -3,61 +3,294 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <limits>
+#include <utility>
 
-#include "core/base/parallel.hpp"
 #include "core/localization/scan_beams.hpp"
+#include "core/patch/patch_map.hpp"
+#include "tools/pipeline/onlooker.hpp"
 #include "tools/statistics/statistics.hpp"
 
 namespace strata::pipeline {
+namespace {
 
-ScanPrediction predict_scans(std::span<const Observation> observations,
-                             std::span<const std::optional<Pose2>> truths,
-                             const maps::MapModel& model,
-                             const localization::BeamModelConfig& config, int every) {
-  const localization::PatchStates* states = model.sensor->patch_states();
-  if (states != nullptr && states->memory() != localization::PatchMemory::kPerParticle) return {};
-  constexpr std::uint64_t kSeed = 1;  // beliefs are exact: nothing is drawn
-  WorkerPool pool(1);
-  localization::ParticleSet robot;
-  robot.resize(1);
-  robot.weight[0] = 1.0;
-  if (states != nullptr) {
-    states->prepare(robot);
-    RandomStream random(kSeed, StreamId::kPatchTransition);
-    states->draw(robot, 0, random);
+using localization::ScanBeams;
+
+constexpr double kAdaptedShare = 0.9;
+constexpr std::size_t kAdaptedWindow = 5;
+constexpr std::size_t kRecallScans = 10;
+/// A configuration that agrees with fewer of the changed cells is another state.
+constexpr double kSameConfiguration = 0.8;
+
+/// Sums of a ScanPrediction.
+class Fit {
+ public:
+  void add(const Onlooker::Likelihood& likelihood) {
+    nats_ += likelihood.nats;
+    beams_ += likelihood.beams;
   }
-  double log_likelihood = 0.0;
-  ScanPrediction prediction;
-  std::vector<double> deviations;
-  std::optional<Stamp> previous;
-  for (std::size_t i = 0; i < observations.size(); i += static_cast<std::size_t>(every)) {
-    if (!truths[i]) continue;
-    const Scan& scan = observations[i].scan;
-    robot.set_pose(0, *truths[i]);
-    if (states != nullptr) {
-      const double step_s = previous ? std::max(0.0, (scan.stamp - *previous).seconds()) : 0.0;
-      states->predict(step_s, kSeed, i, robot, pool);
-    }
-    previous = scan.stamp;
-
-    const localization::ScanBeams beams = localization::select_beams(scan, config.beams);
-    const maps::RangeFunction expected_range = model.best_prediction(robot);
-    const Pose2 laser = *truths[i] * beams.robot_from_laser;
+  void add_deviations(const ScanBeams& beams, const Pose2& map_from_robot,
+                      const maps::RangeFunction& expected_range) {
+    const Pose2 laser = map_from_robot * beams.robot_from_laser;
     for (std::size_t k = 0; k < beams.size(); ++k) {
       if (beams.is_hit[k] == 0) continue;
       const double expected_m =
           std::min(expected_range(laser, beams.bearing_rad[k]), beams.r_max_m);
-      deviations.push_back(std::abs(beams.range_m[k] - expected_m));
+      deviations_.push_back(std::abs(beams.range_m[k] - expected_m));
     }
-    double value = 0.0;
-    prediction.beams += model.sensor->log_likelihoods(scan, 1.0, robot, std::span(&value, 1), pool);
-    log_likelihood += value;
   }
-  if (prediction.beams == 0 || deviations.empty()) return {};
-  prediction.log_likelihood_per_beam = log_likelihood / static_cast<double>(prediction.beams);
-  prediction.median_abs_error_m = statistics::median(std::move(deviations));
-  return prediction;
+  [[nodiscard]] ScanPrediction result() {
+    if (beams_ == 0 || deviations_.empty()) return {};
+    return {nats_ / static_cast<double>(beams_), statistics::median(std::move(deviations_)),
+            beams_};
+  }
+
+ private:
+  double nats_ = 0.0;
+  std::size_t beams_ = 0;
+  std::vector<double> deviations_;
+};
+
+/// The scan with all beams but these turned invalid: sensor models choose among what is left.
+Scan only_beams(const Scan& scan, const std::vector<std::uint32_t>& beams) {
+  Scan result = scan;
+  std::fill(result.ranges_m.begin(), result.ranges_m.end(),
+            std::numeric_limits<float>::quiet_NaN());
+  for (const std::uint32_t beam : beams) result.ranges_m[beam] = scan.ranges_m[beam];
+  return result;
+}
+
+/// How many of the changed bins of a view are predicted.
+std::size_t count_predicted(const Observation& observation, const Pose2& map_from_robot,
+                            const ChangeView& view, const maps::RangeFunction& expected_range,
+                            double limit_m) {
+  const Scan& scan = observation.scan;
+  const Pose2 laser = map_from_robot * scan.robot_from_laser;
+  std::size_t predicted = 0;
+  for (const std::uint32_t beam : view.beams) {
+    const bool is_hit = scan.kind(beam) == BeamKind::kHit;
+    const double measured_m =
+        is_hit ? std::min(static_cast<double>(scan.ranges_m[beam]), limit_m) : limit_m;
+    const double expected_m = std::min(expected_range(laser, scan.bearing_rad(beam)), limit_m);
+    predicted += std::abs(expected_m - measured_m) <= kBinTolerance_m ? 1 : 0;
+  }
+  return predicted;
+}
+
+/// The configuration of a sub-map that shows the changed cells as they are, and its sub-map.
+std::optional<std::pair<std::size_t, std::size_t>> configuration_like(const ChangeEvent& event,
+                                                                      const patch::PatchMap& map) {
+  std::optional<std::pair<std::size_t, std::size_t>> best;
+  double best_share = kSameConfiguration;
+  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+    const patch::Submap& submap = map.submaps[s];
+    for (std::size_t k = 0; k < submap.configurations.size(); ++k) {
+      const ReflectionGrid& shown = submap.configurations[k].reflection;
+      std::size_t inside = 0;
+      std::size_t same = 0;
+      for (std::size_t c = 0; c < event.changed.size(); ++c) {
+        if (!submap.rect.contains(event.changed[c])) continue;
+        ++inside;
+        same += is_occupied(shown.get(event.changed[c])) == (event.occupied[c] != 0) ? 1 : 0;
+      }
+      if (2 * inside < event.changed.size()) continue;
+      const double share = static_cast<double>(same) / static_cast<double>(inside);
+      if (share <= best_share) continue;
+      best_share = share;
+      best = {s, k};
+    }
+  }
+  return best;
+}
+
+/// Follows the events of the test part: which one a scan shows, and what came of it.
+class EventFollower {
+ public:
+  EventFollower(const TestScans& test, double limit_m)
+      : test_(test), limit_m_(limit_m), outcomes_(test.changes ? test.changes->events.size() : 0) {
+    views_.resize(test.observations.size());
+    for (std::size_t e = 0; e < outcomes_.size(); ++e) {
+      const auto& views = test.changes->events[e].views;
+      predicted_.emplace_back(views.size(), 0);
+      for (std::size_t v = 0; v < views.size(); ++v) views_[views[v].scan].emplace_back(e, v);
+    }
+  }
+  /// (event, view) pairs of a scan.
+  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& views_of(
+      std::size_t scan) const {
+    return views_[scan];
+  }
+  /// Keeps how much of the change the prediction made before the scan has right.
+  void see(std::size_t scan, const maps::RangeFunction& expected_range) {
+    for (const auto& [e, v] : views_[scan]) {
+      const Observation& observation = test_.observations[scan];
+      predicted_[e][v] =
+          count_predicted(observation, *test_.truths[scan], test_.changes->events[e].views[v],
+                          expected_range, limit_of(observation.scan));
+    }
+  }
+  [[nodiscard]] EventOutcome& outcome(std::size_t event) { return outcomes_[event]; }
+  /// The outcomes, adaptation included.
+  [[nodiscard]] std::vector<EventOutcome> take() {
+    for (std::size_t e = 0; e < outcomes_.size(); ++e) judge_adaptation(e);
+    return std::move(outcomes_);
+  }
+
+ private:
+  /// The first view from which on, over kAdaptedWindow views, 90% of the changed bins are
+  /// predicted: a single scan often shows three bins of a change, which chance can predict.
+  void judge_adaptation(std::size_t e) {
+    const std::vector<ChangeView>& views = test_.changes->events[e].views;
+    const std::size_t window = std::min(kAdaptedWindow, views.size());
+    for (std::size_t v = 0; v + window <= views.size(); ++v) {
+      std::size_t bins = 0;
+      std::size_t predicted = 0;
+      for (std::size_t w = v; w < v + window; ++w) {
+        bins += views[w].beams.size();
+        predicted += predicted_[e][w];
+      }
+      if (static_cast<double>(predicted) < kAdaptedShare * static_cast<double>(bins)) continue;
+      const auto stamp_of = [&](std::size_t view) {
+        return test_.observations[views[view].scan].scan.stamp;
+      };
+      outcomes_[e].adapted_after_scans = static_cast<double>(v);
+      outcomes_[e].adapted_after_s = (stamp_of(v) - stamp_of(0)).seconds();
+      return;
+    }
+  }
+  [[nodiscard]] double limit_of(const Scan& scan) const {
+    const auto own_m = static_cast<double>(scan.range_max_m);
+    if (!std::isfinite(own_m) || own_m <= 0.0) return limit_m_ > 0.0 ? limit_m_ : 100.0;
+    return limit_m_ > 0.0 ? std::min(own_m, limit_m_) : own_m;
+  }
+
+  const TestScans& test_;
+  double limit_m_;
+  std::vector<EventOutcome> outcomes_;
+  std::vector<std::vector<std::pair<std::size_t, std::size_t>>> views_;
+  std::vector<std::vector<std::size_t>> predicted_;  ///< per event and view
+};
+
+/// Fit per beam of a scan in the map as it was.
+double oracle_fit(const ChangeEvent& event, const Scan& scan, const Pose2& map_from_robot,
+                  const localization::BeamModelConfig& config) {
+  const localization::GridBeamModel oracle(event.oracle, config);
+  localization::ParticleSet robot;
+  robot.resize(1);
+  robot.set_pose(0, map_from_robot);
+  double nats = 0.0;
+  WorkerPool pool(1);
+  const std::size_t beams = oracle.log_likelihoods(scan, 1.0, robot, std::span(&nats, 1), pool);
+  return beams == 0 ? 0.0 : nats / static_cast<double>(beams);
+}
+
+/// Sums of the recall of each event, and the belief at its end.
+class Recall {
+ public:
+  Recall(const TestScans& test, const maps::MapModel& model,
+         const localization::BeamModelConfig& config, std::size_t events)
+      : test_(test), model_(model), config_(config), sums_(events, 0.0), counts_(events, 0) {}
+
+  void see(std::size_t scan, const Onlooker& onlooker, EventFollower& follower) {
+    const Scan& seen = test_.observations[scan].scan;
+    for (const auto& [e, v] : follower.views_of(scan)) {
+      const ChangeEvent& event = test_.changes->events[e];
+      if (!event.is_old_state || v >= kRecallScans) continue;
+      const Onlooker::Likelihood likelihood = onlooker.likelihood(seen);
+      if (likelihood.beams == 0) continue;
+      sums_[e] += likelihood.nats / static_cast<double>(likelihood.beams) -
+                  oracle_fit(event, seen, *test_.truths[scan], config_);
+      ++counts_[e];
+      follower.outcome(e).recall = sums_[e] / static_cast<double>(counts_[e]);
+    }
+  }
+  void learned(std::size_t scan, const Onlooker& onlooker, EventFollower& follower) const {
+    const localization::PatchStates* states = model_.sensor->patch_states();
+    if (states == nullptr) return;
+    for (const auto& [e, v] : follower.views_of(scan)) {
+      const ChangeEvent& event = test_.changes->events[e];
+      if (!event.is_old_state || v >= kRecallScans) continue;
+      const auto true_state = configuration_like(event, states->map());
+      if (!true_state) continue;
+      follower.outcome(e).true_state_probability =
+          onlooker.beliefs()[true_state->first].probability[true_state->second];
+    }
+  }
+
+ private:
+  const TestScans& test_;
+  const maps::MapModel& model_;
+  const localization::BeamModelConfig& config_;
+  std::vector<double> sums_;
+  std::vector<std::size_t> counts_;
+};
+
+}  // namespace
+
+PredictionScore score_predictions(const TestScans& test, const maps::MapModel& model,
+                                  const localization::BeamModelConfig& config, int every) {
+  Onlooker onlooker(model);
+  EventFollower follower(test, config.beams.max_range_m);
+  Recall recall(test, model, config, test.changes ? test.changes->events.size() : 0);
+  Fit overall;
+  Fit changed;
+  for (std::size_t i = 0; i < test.observations.size(); ++i) {
+    if (!test.truths[i]) continue;
+    const Scan& scan = test.observations[i].scan;
+    onlooker.go_to(*test.truths[i], scan.stamp);
+    const bool is_due = i % static_cast<std::size_t>(every) == 0;
+    const bool sees_change = test.changes != nullptr && test.changes->sees_change(i);
+    if (is_due || sees_change || !follower.views_of(i).empty()) {
+      const maps::RangeFunction expected_range = onlooker.expected_range();
+      if (is_due) {
+        overall.add(onlooker.likelihood(scan));
+        overall.add_deviations(localization::select_beams(scan, config.beams), *test.truths[i],
+                               expected_range);
+      }
+      if (sees_change) {
+        const Scan reaching = only_beams(scan, test.changes->place_beams[i]);
+        changed.add(onlooker.likelihood(reaching));
+        changed.add_deviations(localization::select_beams(reaching, config.beams), *test.truths[i],
+                               expected_range);
+      }
+      follower.see(i, expected_range);
+      recall.see(i, onlooker, follower);
+    }
+    onlooker.learn(scan);
+    recall.learned(i, onlooker, follower);
+  }
+  return {overall.result(), changed.result(), follower.take()};
+}
+
+std::vector<std::vector<EventOutcome>> follow_timescale(
+    const TestScans& test, const maps::Maps& maps, const std::vector<std::string>& names,
+    const localization::PatchBeamModelConfig& sensor) {
+  // A memory of its own that goes on learning.
+  std::vector<memory::TimescaleMemory::NodeState> nodes;
+  for (std::size_t n = 0; n < maps.timescale->nodes().size(); ++n) {
+    nodes.push_back(maps.timescale->node_state(n));
+  }
+  auto live = std::make_shared<memory::TimescaleMemory>(
+      memory::TimescaleMemory::restore(maps.timescale->head_state(), nodes, "timescale memory"));
+  maps::Maps now;
+  now.timescale = live;
+  std::vector<EventFollower> followers(names.size(),
+                                       EventFollower(test, sensor.beam.beams.max_range_m));
+  for (std::size_t i = 0; i < test.observations.size() && !names.empty(); ++i) {
+    if (!test.truths[i]) continue;
+    const Observation& observation = test.observations[i];
+    if (!followers.front().views_of(i).empty()) {
+      now.nodes = live->decode({}, now.nodes.get());
+      for (std::size_t m = 0; m < names.size(); ++m) {
+        const maps::MapModel model = maps::make_map_model(now, names[m], sensor);
+        followers[m].see(i, model.best_prediction({}));
+      }
+    }
+    live->observe({observation.run, observation.scan, *test.truths[i], {}});
+  }
+  std::vector<std::vector<EventOutcome>> outcomes;
+  for (EventFollower& follower : followers) outcomes.push_back(follower.take());
+  return outcomes;
 }
 
 }  // namespace strata::pipeline

@@ -1,24 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How well a map predicts scans it was not learned from, at the true poses (SPEC F, held-out fit).
+/// How well a map predicts scans it was not learned from, at the true poses, and how soon it
+/// follows a change (SPEC F: held-out fit, adaptation delay, old-state recall).
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "components/maps/map_model.hpp"
+#include "components/maps/maps_folder.hpp"
 #include "core/localization/patch_beam_model.hpp"
 #include "core/scan/scan.hpp"
-#include "tools/pipeline/comparison.hpp"
+#include "tools/pipeline/changes.hpp"
 
 namespace strata::pipeline {
 
-/// Mean log-likelihood per beam in use, not tempered, and the median of |z - expected| over the
-/// hits. What a patch model believes of its sub-maps follows the scans as they come, so that each
-/// scan is predicted from those before it. truths: map_from_robot; scans without one are left out.
-/// A model that samples configurations gives no likelihood for a single pose: beams is 0.
-[[nodiscard]] ScanPrediction predict_scans(std::span<const Observation> observations,
-                                           std::span<const std::optional<Pose2>> truths,
-                                           const maps::MapModel& model,
-                                           const localization::BeamModelConfig& config, int every);
+/// Fit of a map to scans (SPEC F).
+struct ScanPrediction {
+  double log_likelihood_per_beam = 0.0;  ///< nats, not tempered
+  double median_abs_error_m = 0.0;       ///< of |z - expected| over the hits
+  std::size_t beams = 0;
+};
+
+/// What became of one change.
+struct EventOutcome {
+  /// Scans that show the change before the first one from which on at least 90% of the changed bins
+  /// are predicted within kBinTolerance_m, over five such scans together; 0: from the first on.
+  /// Nothing: not in this visit.
+  std::optional<double> adapted_after_scans;
+  std::optional<double> adapted_after_s;
+  /// Held-out fit per beam over the first ten scans that show the change, less that of the map as
+  /// it was then; for old states only.
+  std::optional<double> recall;
+  /// Probability of the configuration that looks most like the place did, after those scans; for
+  /// patch models whose sub-maps cover the change and have such a configuration.
+  std::optional<double> true_state_probability;
+};
+
+struct PredictionScore {
+  ScanPrediction overall;
+  ScanPrediction changed;  ///< over the beams that reach places that changed
+  std::vector<EventOutcome> events;
+};
+
+/// Scans, poses and changes of the test part; equal lengths.
+struct TestScans {
+  std::span<const Observation> observations;
+  std::span<const std::optional<Pose2>> truths;  ///< map_from_robot; scans without are left out
+  const Changes* changes = nullptr;              ///< null: nothing is known of changes
+};
+
+/// Follows the test scans in order with what the model believes, so that each scan is predicted
+/// from those before it; every `every`-th counts for the overall fit, all that see a changed place
+/// for the rest.
+[[nodiscard]] PredictionScore score_predictions(const TestScans& test, const maps::MapModel& model,
+                                                const localization::BeamModelConfig& config,
+                                                int every);
+
+/// The adaptation of timescale models while the memory goes on learning at the true poses: each
+/// scan is predicted before the memory observes it. One entry a name, one outcome an event; recall
+/// and state probability stay empty.
+[[nodiscard]] std::vector<std::vector<EventOutcome>> follow_timescale(
+    const TestScans& test, const maps::Maps& maps, const std::vector<std::string>& names,
+    const localization::PatchBeamModelConfig& sensor);
 
 }  // namespace strata::pipeline

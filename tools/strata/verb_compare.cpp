@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "components/log/map_file.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/compare.hpp"
@@ -24,13 +25,22 @@ struct Options {
   std::vector<std::string> models;
   std::string out;
   std::optional<double> train_until_s;
+  std::string map;
+  int folds = 0;
   int seeds = 20;
+  int jobs = 0;
 };
 
 std::vector<std::uint64_t> seeds_of(const Options& options, std::uint64_t first) {
   std::vector<std::uint64_t> seeds;
   for (int i = 0; i < options.seeds; ++i) seeds.push_back(first + static_cast<std::uint64_t>(i));
   return seeds;
+}
+
+std::string join(const std::vector<std::string>& names) {
+  std::string joined;
+  for (const std::string& name : names) joined += (joined.empty() ? "" : " ") + name;
+  return joined;
 }
 
 void require_one_way(const Options& options) {
@@ -44,12 +54,22 @@ void require_one_way(const Options& options) {
   if (!divided && options.input.logs.empty()) {
     throw InputError("LOG", "is missing", "give a log, or --train and --test");
   }
+  if (options.folds > 0 && (divided || options.train_until_s)) {
+    throw InputError("--folds", "divides the logs by itself",
+                     "leave out --train, --test and --train-until");
+  }
 }
 
-std::size_t scans_before_run(const std::vector<Observation>& observations, int run) {
-  std::size_t count = 0;
-  for (const Observation& observation : observations) count += observation.run < run ? 1 : 0;
-  return count;
+std::vector<pipeline::Split> make_splits(const Options& options, const pipeline::Runs& runs,
+                                         const std::vector<std::string>& logs,
+                                         const pipeline::CompareProtocol& protocol) {
+  if (options.folds > 0) return pipeline::make_folds(runs, logs, options.folds);
+  if (!options.train.empty()) {
+    return {pipeline::split_by_run(runs, logs, static_cast<int>(options.train.size()))};
+  }
+  const double length_s = pipeline::elapsed_seconds(runs.observations).back();
+  return {pipeline::split_by_time(runs, join(logs),
+                                  options.train_until_s.value_or(protocol.train_share * length_s))};
 }
 
 void run_compare(const Options& options, VerbContext& context) {
@@ -63,17 +83,21 @@ void run_compare(const Options& options, VerbContext& context) {
   }
   const pipeline::Runs runs = pipeline::read_runs(input, context.progress());
   note_reports(context, runs);
-  const auto seeds = seeds_of(options, context.options.seed);
-  std::string name;
-  for (const std::string& log : input.logs) name += (name.empty() ? "" : " ") + log;
-  const int threads = context.options.threads;
-  const pipeline::CompareOutcome outcome =
-      options.train.empty()
-          ? pipeline::compare(runs, name, config, options.train_until_s, seeds, threads,
-                              context.progress())
-          : pipeline::compare_split(
-                runs, scans_before_run(runs.observations, static_cast<int>(options.train.size())),
-                name, config, seeds, threads, context.progress());
+  if (runs.observations.empty()) {
+    throw InputError(join(input.logs), "holds no scan in that time", "check --from and --to");
+  }
+  pipeline::CompareJob job;
+  job.log = join(input.logs);
+  job.splits = make_splits(options, runs, input.logs, config.protocol);
+  job.seeds = seeds_of(options, context.options.seed);
+  job.threads = context.options.threads;
+  job.jobs = options.jobs;
+  job.progress = context.progress();
+  if (!options.map.empty()) {
+    job.given_map = log::read_map(options.map);
+    if (options.models.empty()) config.protocol.models.emplace_back("map");
+  }
+  const pipeline::CompareOutcome outcome = pipeline::compare(runs, config, job);
   OutputDirectory out(options.out, context.staged());
   pipeline::write_report(outcome, settings::write_yaml(config), out.path());
   out.commit();
@@ -97,6 +121,17 @@ void add_compare(CLI::App& app, VerbContext& context) {
   verb->add_option("--models", options->models, "models to compare (comma separated)")
       ->delimiter(',');
   verb->add_option("--train-until", options->train_until_s, "seconds that belong to learning");
+  verb->add_option("--folds", options->folds,
+                   "cut into this many parts (logs, or pieces of one log); localize in each with "
+                   "maps of the others")
+      ->check(CLI::Range(2, 100));
+  verb->add_option("--map", options->map,
+                   "map_server YAML of a map to compare with, as model `map`; in the frame of the "
+                   "truth, or of the poses");
+  verb->add_option("--jobs", options->jobs,
+                   "runs of the localizer at once; the results do not depend on it (default: as "
+                   "--threads)")
+      ->check(CLI::Range(1, 256));
   verb->add_option("--seeds", options->seeds, "runs of the localizer per model")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));

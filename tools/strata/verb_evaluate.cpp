@@ -92,7 +92,12 @@ Json evaluate(const Options& options) {
     result["relative"]["delta_s"] = options.delta_s;
   }
   if (!options.relations.empty()) {
-    const auto relations = log::read_relations(options.relations);
+    auto relations = log::read_relations(options.relations);
+    const Duration offset = Duration::from_seconds(options.truth_offset_s);
+    for (log::Relation& relation : relations) {
+      relation.first = relation.first + offset;
+      relation.second = relation.second + offset;
+    }
     const TrajectoryErrors errors = relation_errors(trajectory, relations);
     require_matches(errors, options.relations);
     result["relations_file"] = options.relations;
@@ -143,7 +148,7 @@ void add_evaluate(CLI::App& app, VerbContext& context) {
       ->required();
   verb->add_option("--truth", options->truth, "poses to compare with, same formats");
   verb->add_option("--truth-offset", options->truth_offset_s,
-                   "seconds added to the truth's stamps");
+                   "seconds added to the stamps of the truth and of the relations");
   verb->add_option("--relations", options->relations, "hand-verified relative poses");
   verb->add_option("--frame", options->frame, "whose poses truth and relations are")
       ->check(CLI::IsMember({"robot", "laser"}))

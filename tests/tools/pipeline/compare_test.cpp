@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/compare.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -21,7 +22,13 @@ using testing::HasSubstr;
 const std::vector<std::uint64_t> kSeeds{11, 12, 13};
 
 CompareOutcome compare_room(const Runs& runs, int threads) {
-  return compare(runs, "empty_room", {}, std::nullopt, kSeeds, threads, nullptr);
+  CompareJob job;
+  job.log = "empty_room";
+  job.splits = {split_by_time(runs, "room", 0.6 * elapsed_seconds(runs.observations).back())};
+  job.seeds = kSeeds;
+  job.threads = threads;
+  job.jobs = threads;
+  return compare(runs, {}, job);
 }
 
 std::string read_text(const std::filesystem::path& path) {
@@ -41,14 +48,16 @@ std::vector<Row> read_errors(const std::string& csv) {
   std::istringstream in(csv);
   std::string line;
   std::getline(in, line);
-  EXPECT_EQ(line, "model,seed,time_s,error_m,error_rad");
+  EXPECT_EQ(line, "model,part,seed,time_s,error_m,error_rad");
   std::vector<Row> rows;
   while (std::getline(in, line)) {
     std::istringstream fields(line);
     Row row;
+    std::string part;
     std::string time_s;
     std::string error_m;
     std::getline(fields, row.model, ',');
+    std::getline(fields, part, ',');
     std::getline(fields, row.seed, ',');
     std::getline(fields, time_s, ',');
     std::getline(fields, error_m, ',');
@@ -108,8 +117,8 @@ TEST(Compare, TestsOnWhatItDidNotLearnFrom) {
   const std::vector<double> elapsed = elapsed_seconds(runs.observations);
   const Stamp last_learned = outcome.learned.slam.scans.back().scan.stamp;
   const std::size_t learned = outcome.learned.slam.scans.size();
-  EXPECT_EQ(outcome.comparison.train_s[1], elapsed[learned - 1]);
-  EXPECT_EQ(outcome.comparison.test_s[0], elapsed[learned]);
+  EXPECT_EQ(outcome.comparison.parts.at(0).train_s[1], elapsed[learned - 1]);
+  EXPECT_EQ(outcome.comparison.parts.at(0).test_s[0], elapsed[learned]);
   EXPECT_LE(elapsed[learned - 1], 0.6 * elapsed.back());
   EXPECT_GT(elapsed[learned], 0.6 * elapsed.back());
   for (const ModelResult& model : outcome.comparison.models) {
@@ -129,7 +138,8 @@ TEST(Compare, GivesTheSameErrorsWithAnyNumberOfThreads) {
   for (std::size_t m = 0; m < one.comparison.models.size(); ++m) {
     const ModelResult& a = one.comparison.models[m];
     const ModelResult& b = other.comparison.models[m];
-    EXPECT_EQ(a.prediction.log_likelihood_per_beam, b.prediction.log_likelihood_per_beam);
+    EXPECT_EQ(a.scores[0].overall.log_likelihood_per_beam,
+              b.scores[0].overall.log_likelihood_per_beam);
     for (std::size_t s = 0; s < kSeeds.size(); ++s) {
       ASSERT_EQ(a.runs[s].errors.size(), b.runs[s].errors.size());
       for (std::size_t i = 0; i < a.runs[s].errors.size(); ++i) {
@@ -141,8 +151,52 @@ TEST(Compare, GivesTheSameErrorsWithAnyNumberOfThreads) {
 
 TEST(Compare, RefusesASplitThatLeavesNothing) {
   const Runs runs = test_room::simulate_runs(2, 1);
-  EXPECT_THROW(static_cast<void>(compare(runs, "log", {}, 1e6, kSeeds, 1, nullptr)), InputError);
-  EXPECT_THROW(static_cast<void>(compare(runs, "log", {}, -1.0, kSeeds, 1, nullptr)), InputError);
+  CompareJob job;
+  job.seeds = kSeeds;
+  for (const double until_s : {1e6, -1.0}) {
+    job.splits = {split_by_time(runs, "log", until_s)};
+    EXPECT_THROW(static_cast<void>(compare(runs, {}, job)), InputError);
+  }
+}
+
+TEST(Folds, TestEachScanOnceOnMapsOfTheOthers) {
+  const Runs runs = test_room::simulate_runs(2, 3);
+  const std::vector<std::vector<std::string>> ways{{"one"}, {"one", "two", "three"}};
+  for (const auto& logs : ways) {
+    std::vector<int> tested(runs.observations.size(), 0);
+    for (const Split& split : make_folds(runs, logs, 3)) {
+      EXPECT_EQ(split.train.size() + split.test.size(), runs.observations.size());
+      EXPECT_FALSE(split.test.empty());
+      for (const std::size_t i : split.test) {
+        ++tested[i];
+        EXPECT_FALSE(std::binary_search(split.train.begin(), split.train.end(), i));
+      }
+    }
+    EXPECT_EQ(std::count(tested.begin(), tested.end(), 1),
+              static_cast<std::ptrdiff_t>(tested.size()));
+  }
+  EXPECT_THROW(static_cast<void>(make_folds(runs, {"one", "two"}, 3)), InputError);
+}
+
+TEST(Folds, GiveOneUnitAFoldAndSeed) {
+  Runs runs = test_room::simulate_runs(2, 2);
+  runs.poses = runs.truths;
+  CompareConfig config;
+  config.protocol.models = {"occupancy", "timescale_mixture"};
+  CompareJob job;
+  job.splits = make_folds(runs, {"one", "two"}, 2);
+  job.seeds = {1, 2};
+  job.jobs = 2;
+  const Comparison comparison = compare(runs, config, job).comparison;
+  ASSERT_EQ(comparison.parts.size(), 2U);
+  EXPECT_EQ(comparison.parts[0].name, "one");
+  EXPECT_EQ(comparison.parts[1].name, "two");
+  for (const ModelResult& model : comparison.models) {
+    ASSERT_EQ(model.runs.size(), 4U);
+    EXPECT_EQ(model.runs[2].part, 1U);
+    EXPECT_EQ(model.runs[2].seed, 1U);
+    EXPECT_LT(mean_error_m(model), 0.5);
+  }
 }
 
 }  // namespace

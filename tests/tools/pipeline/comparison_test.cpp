@@ -21,6 +21,8 @@ ModelResult model_of(const std::string& name, const std::vector<double>& means_m
 Comparison compared(std::vector<ModelResult> models) {
   Comparison comparison;
   comparison.models = std::move(models);
+  comparison.seeds = comparison.models.front().runs.size();
+  comparison.parts.resize(1);
   return comparison;
 }
 
@@ -65,8 +67,8 @@ TEST(PairedTests, FiveSeedsCannotDecideAndTheVerdictSaysSo) {
 
 TEST(ComparisonJson, HasTheShapeOfTheContract) {
   Comparison comparison = compared({model_of("patch", {0.1, 0.2})});
-  comparison.train_s = {0.0, 60.0};
-  comparison.test_s = {60.0, 100.0};
+  comparison.parts[0].train_s = {0.0, 60.0};
+  comparison.parts[0].test_s = {60.0, 100.0};
   const nlohmann::json json = to_json(comparison, paired_tests(comparison));
   EXPECT_EQ(json["train"][1], 60.0);
   EXPECT_EQ(json["seeds"], 2);
@@ -80,6 +82,40 @@ TEST(ComparisonJson, HasTheShapeOfTheContract) {
     EXPECT_TRUE(patch.contains(key)) << key;
   }
   EXPECT_TRUE(json.contains("wins"));
+}
+
+TEST(PairedTests, CountTheUnitsThatOnlyOneModelLost) {
+  Comparison comparison = compared({model_of("a", {0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1}),
+                                    model_of("b", {2.0, 2.1, 2.2, 2.3, 2.4, 2.5, 2.6, 2.7})});
+  for (ModelRun& run : comparison.models[1].runs) run.metrics.lost = true;
+  comparison.models[0].runs[0].metrics.lost = true;
+  const PairedTest test = paired_tests(comparison).front();
+  EXPECT_EQ(test.lost_only_better, 0U);
+  EXPECT_EQ(test.lost_only_worse, 7U);
+  EXPECT_NEAR(test.p_lost, 2.0 / 128.0, 1e-12);
+  EXPECT_EQ(test.cliffs_delta, 1.0);
+}
+
+EventOutcome outcome_after(std::optional<double> scans) {
+  EventOutcome outcome;
+  outcome.adapted_after_scans = scans;
+  if (scans) outcome.adapted_after_s = 0.2 * *scans;
+  return outcome;
+}
+
+TEST(Adaptation, NeverIsLongerThanAnyDelay) {
+  ModelResult model = model_of("patch", {0.1});
+  model.scores.resize(2);
+  model.scores[0].events = {outcome_after(0.0), outcome_after(4.0)};
+  model.scores[1].events = {outcome_after(std::nullopt)};
+  AdaptationSummary summary = summarize_adaptation(model);
+  EXPECT_EQ(summary.events, 3U);
+  EXPECT_EQ(summary.adapted, 2U);
+  EXPECT_EQ(summary.scans, 4.0);
+  EXPECT_NEAR(*summary.s, 0.8, 1e-12);
+  model.scores[1].events.push_back(outcome_after(std::nullopt));
+  summary = summarize_adaptation(model);
+  EXPECT_FALSE(summary.scans.has_value());  // half never: the median is not reached
 }
 
 }  // namespace

@@ -140,5 +140,19 @@ TEST(Program, EvaluateAlignsBeforeItJudges) {
   EXPECT_EQ(run("evaluate " + quoted(folder.path() / "a.txt") + " 2>/dev/null").code, 2);
 }
 
+TEST(Program, EvaluateShiftsRelationsWithTheTruth) {
+  const strata::test::TemporaryDirectory folder;
+  std::ofstream(folder.path() / "a.txt") << "1 0 0 0\n2 1 0 0\n3 2 1 0\n";
+  std::ofstream(folder.path() / "r.txt") << "101 102 1 0 0 0 0 0\n102 103 1 1 0 0 0 0\n";
+  const std::string command = "evaluate --json " + quoted(folder.path() / "a.txt") +
+                              " --relations " + quoted(folder.path() / "r.txt");
+  const Outcome shifted = run(command + " --truth-offset=-100");
+  ASSERT_EQ(shifted.code, 0);
+  const auto result = nlohmann::json::parse(shifted.out);
+  EXPECT_EQ(result["relations"]["matched"], 2);
+  EXPECT_NEAR(result["relations"]["error_m"]["max"].get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(run(command + " 2>/dev/null").code, 2);
+}
+
 }  // namespace
 }  // namespace strata::tools
