@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/convert/cdr_check.hpp"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace strata::convert {
@@ -13,7 +14,25 @@ class Walker {
       : body_(bytes.subspan(4)), little_(bytes[1] == 1) {}
 
   [[nodiscard]] bool ok() const { return ok_; }
-  /// Reads a uint32.
+  /// Nothing but padding is left.
+  [[nodiscard]] bool at_end() const { return ok_ && at_ <= body_.size() && body_.size() - at_ < 4; }
+
+  void message(const MessageLayout& layout) {
+    for (const MessageLayout::Field& field : layout.fields) {
+      const std::size_t count = field.is_sequence ? number() : field.count;
+      if (!ok_) return;
+      if (field.size > 0) {
+        skip(count, field.size);
+      } else {
+        // Every message and string takes a byte at least, so this ends with the bytes.
+        for (std::size_t i = 0; i < count && ok_; ++i) {
+          field.part != nullptr ? message(*field.part) : skip(number(), 1);
+        }
+      }
+    }
+  }
+
+ private:
   std::uint32_t number() {
     align(4);
     if (!has(4)) return 0;
@@ -33,19 +52,6 @@ class Walker {
     }
     at_ += count * size;
   }
-  void text() { skip(number(), 1); }
-  /// Nothing but padding is left.
-  [[nodiscard]] bool at_end() const { return ok_ && at_ <= body_.size() && body_.size() - at_ < 4; }
-  void gids(std::size_t gid_bytes) {
-    const std::uint32_t count = number();
-    for (std::uint32_t i = 0; i < count && ok_; ++i) skip(gid_bytes, 1);
-  }
-  void header() {
-    skip(2, 4);
-    text();
-  }
-
- private:
   void align(std::size_t size) { at_ = (at_ + size - 1) / size * size; }
   [[nodiscard]] bool has(std::size_t bytes) {
     if (at_ > body_.size() || bytes > body_.size() - at_) ok_ = false;
@@ -58,62 +64,13 @@ class Walker {
   bool ok_ = true;
 };
 
-bool graph_fits(std::span<const std::uint8_t> bytes, std::size_t gid_bytes) {
-  Walker walk(bytes);
-  walk.skip(gid_bytes, 1);
-  const std::uint32_t count = walk.number();
-  for (std::uint32_t i = 0; i < count && walk.ok(); ++i) {
-    walk.text();
-    walk.text();
-    walk.gids(gid_bytes);
-    walk.gids(gid_bytes);
-  }
-  return walk.at_end();
-}
-
 }  // namespace
 
-template <>
-bool sequences_fit<rmw_dds_common::msg::ParticipantEntitiesInfo>(
-    std::span<const std::uint8_t> bytes) {
-  return graph_fits(bytes, 16);
-}
-
-template <>
-bool sequences_fit<rmw_dds_common_24::msg::ParticipantEntitiesInfo>(
-    std::span<const std::uint8_t> bytes) {
-  return graph_fits(bytes, 24);
-}
-
-template <>
-bool sequences_fit<sensor_msgs::msg::LaserScan>(std::span<const std::uint8_t> bytes) {
+LayoutFit fit(const MessageLayout& layout, std::span<const std::uint8_t> bytes) {
   Walker walk(bytes);
-  walk.header();
-  walk.skip(7, 4);
-  walk.skip(walk.number(), 4);
-  walk.skip(walk.number(), 4);
-  return walk.ok();
-}
-
-template <>
-bool sequences_fit<nav_msgs::msg::Odometry>(std::span<const std::uint8_t> bytes) {
-  Walker walk(bytes);
-  walk.header();
-  walk.text();
-  walk.skip(7 + 36 + 6 + 36, 8);
-  return walk.ok();
-}
-
-template <>
-bool sequences_fit<tf2_msgs::msg::TFMessage>(std::span<const std::uint8_t> bytes) {
-  Walker walk(bytes);
-  const std::uint32_t count = walk.number();
-  for (std::uint32_t i = 0; i < count && walk.ok(); ++i) {
-    walk.header();
-    walk.text();
-    walk.skip(7, 8);
-  }
-  return walk.ok();
+  walk.message(layout);
+  if (!walk.ok()) return LayoutFit::kTooShort;
+  return walk.at_end() ? LayoutFit::kExact : LayoutFit::kMoreBehind;
 }
 
 }  // namespace strata::convert

@@ -51,8 +51,6 @@ struct BagFolderFiles {
 /// metadata names a compression that is not known here.
 [[nodiscard]] BagFolderFiles bag_files(const std::filesystem::path& folder);
 
-/// The .msg text of a type with its dependencies as MCAP keeps it; empty for types we do not know.
-[[nodiscard]] std::string message_definition(const std::string& type);
 struct TypeDefinition {
   std::string encoding;
   std::string text;

@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include "components/convert/message_definitions.hpp"
 #include "components/log/bag.hpp"
 #include "components/log/bag_storage.hpp"
 #include "components/log/compression.hpp"
@@ -54,6 +55,11 @@ struct BagWriter::State {
            (options.split_after.ns > 0 && stamp - current.begin >= options.split_after);
   }
 };
+
+TypeDefinition definition_of(const BagTopic& topic) {
+  if (!topic.definition.empty()) return {topic.definition_encoding, topic.definition};
+  return {"ros2msg", convert::message_definition(topic.type)};
+}
 
 BagWriter::BagWriter(const fs::path& folder, const BagOptions& options)
     : state_(std::make_unique<State>()) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include "components/convert/message_definitions.hpp"
 #include "components/log/bag.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/log/log_fixture.hpp"
@@ -135,7 +136,7 @@ TEST_F(BagFilesTest, SchemaFourCarriesTheDefinitionOfEachTypeOnce) {
   };
   EXPECT_EQ(text(0), "std_msgs/msg/String");
   EXPECT_EQ(text(1), "ros2msg");
-  EXPECT_EQ(text(2), message_definition("std_msgs/msg/String"));
+  EXPECT_EQ(text(2), convert::message_definition("std_msgs/msg/String"));
   EXPECT_THAT(text(2), ::testing::HasSubstr("string data"));
   EXPECT_EQ(sqlite3_step(rows), SQLITE_DONE);
   sqlite3_finalize(rows);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// ROS 2 message definitions for MCAP schemas, which viewers need to decode messages; made from our
-/// own IDL, so that they cannot differ from what is on the wire.
+#include "components/convert/message_definitions.hpp"
+
 #include <algorithm>
 #include <cctype>
 #include <map>
@@ -8,15 +8,15 @@
 #include <string_view>
 #include <vector>
 
-#include "components/log/bag_storage.hpp"
-#include "components/log/idl_texts.hpp"
+#include "components/convert/idl_texts.hpp"
 
-namespace strata::log {
+namespace strata::convert {
 namespace {
 
 struct Definition {
   std::string text;               ///< as in a .msg file
   std::vector<std::string> uses;  ///< other messages, "std_msgs/Header"
+  MessageLayout layout;
 };
 using Definitions = std::map<std::string, Definition>;
 
@@ -96,26 +96,33 @@ class IdlReader {
     if (type == "sequence") {
       next();  // <
       const std::string element = read_type(definition);
+      definition.layout.fields.back().is_sequence = true;
       next();  // >
       return element + "[]";
     }
-    static const std::map<std::string, std::string> scalars = {
-        {"boolean", "bool"},   {"octet", "byte"},  {"char", "char"},     {"float", "float32"},
-        {"double", "float64"}, {"int8", "int8"},   {"uint8", "uint8"},   {"int16", "int16"},
-        {"uint16", "uint16"},  {"int32", "int32"}, {"uint32", "uint32"}, {"int64", "int64"},
-        {"uint64", "uint64"},  {"long", "int32"},  {"string", "string"}};
-    if (type == "unsigned") {
-      next();  // long
-      return "uint32";
+    struct Scalar {
+      const char* name;
+      std::size_t size;
+    };
+    static const std::map<std::string, Scalar> scalars = {
+        {"boolean", {"bool", 1}},  {"octet", {"byte", 1}},     {"char", {"char", 1}},
+        {"int8", {"int8", 1}},     {"uint8", {"uint8", 1}},    {"int16", {"int16", 2}},
+        {"uint16", {"uint16", 2}}, {"int32", {"int32", 4}},    {"uint32", {"uint32", 4}},
+        {"long", {"int32", 4}},    {"int64", {"int64", 8}},    {"uint64", {"uint64", 8}},
+        {"float", {"float32", 4}}, {"double", {"float64", 8}}, {"string", {"string", 0}}};
+    if (const auto scalar = scalars.find(type); scalar != scalars.end()) {
+      definition.layout.fields.push_back({scalar->second.size});
+      return scalar->second.name;
     }
-    if (const auto scalar = scalars.find(type); scalar != scalars.end()) return scalar->second;
     if (const auto values = enums_.find(type); values != enums_.end()) {
       for (std::size_t i = 0; i < values->second.size(); ++i) {
         definition.text += "uint32 " + values->second[i] + "=" + std::to_string(i) + "\n";
       }
+      definition.layout.fields.push_back({4});
       return "uint32";
     }
     definition.uses.push_back(message_name(type));
+    definition.layout.fields.push_back({0, &definitions_[definition.uses.back()].layout});
     return definition.uses.back();
   }
 
@@ -126,7 +133,9 @@ class IdlReader {
       std::string type = read_type(definition);
       const std::string field = next();
       if (skip("[")) {
-        type += "[" + next() + "]";
+        const std::string count = next();
+        definition.layout.fields.back().count = std::stoul(count);
+        type += "[" + count + "]";
         next();  // ]
       }
       definition.text += type + " " + field + "\n";
@@ -156,11 +165,18 @@ void collect(const std::string& name, std::vector<std::string>& order) {
   for (const std::string& used : definitions().at(name).uses) collect(used, order);
 }
 
+/// "std_msgs/Header" of "std_msgs/msg/Header".
+std::string short_name(std::string_view type) {
+  const std::size_t first = std::min(type.find('/'), type.size());
+  const std::size_t last = type.rfind('/');
+  return std::string(type.substr(0, first)) +
+         (last == std::string_view::npos ? "" : std::string(type.substr(last)));
+}
+
 }  // namespace
 
-std::string message_definition(const std::string& type) {
-  std::string name = type;
-  if (const auto at = name.find("/msg/"); at != std::string::npos) name.erase(at, 4);
+std::string message_definition(std::string_view type) {
+  const std::string name = short_name(type);
   if (!definitions().contains(name)) return {};
   std::vector<std::string> order;
   collect(name, order);
@@ -171,9 +187,9 @@ std::string message_definition(const std::string& type) {
   return text;
 }
 
-TypeDefinition definition_of(const BagTopic& topic) {
-  if (!topic.definition.empty()) return {topic.definition_encoding, topic.definition};
-  return {"ros2msg", message_definition(topic.type)};
+const MessageLayout* message_layout(std::string_view type) {
+  const auto found = definitions().find(short_name(type));
+  return found == definitions().end() ? nullptr : &found->second.layout;
 }
 
-}  // namespace strata::log
+}  // namespace strata::convert

@@ -4,9 +4,9 @@
 #include <span>
 #include <string_view>
 
-namespace strata::log {
+namespace strata::convert {
 
 /// The files of idl/, built into the library by CMakeLists.txt.
 [[nodiscard]] std::span<const std::string_view> idl_texts();
 
-}  // namespace strata::log
+}  // namespace strata::convert

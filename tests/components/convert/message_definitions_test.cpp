@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "components/convert/message_definitions.hpp"
+
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "components/log/bag_storage.hpp"
-#include "components/log/idl_texts.hpp"
+#include "components/convert/idl_texts.hpp"
 
-namespace strata::log {
+namespace strata::convert {
 namespace {
 
 TEST(MessageDefinitions, AreWrittenAsRos2WritesThem) {
@@ -59,4 +60,4 @@ TEST(MessageDefinitions, AForeignTypeHasNone) {
 }
 
 }  // namespace
-}  // namespace strata::log
+}  // namespace strata::convert
