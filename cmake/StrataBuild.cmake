@@ -35,3 +35,11 @@ if(STRATA_SANITIZE)
   add_compile_options(-fsanitize=${STRATA_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${STRATA_SANITIZE})
 endif()
+
+# The fuzzers' own main comes with -fsanitize=fuzzer at their link (tests/fuzz).
+if(STRATA_FUZZ)
+  set(fuzz_flags -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined)
+  add_compile_options(${fuzz_flags} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+  target_compile_options(strata_warnings INTERFACE -Wno-error)  # our compiler for products is g++
+endif()

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Relations between poses.
+#include "components/log/relations_file.hpp"
+#include "tests/fuzz/fuzz_target.hpp"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace strata;
+  static const fuzz::ScratchFolder scratch;
+  return fuzz::expect_value_or_error([&] {
+    (void)log::read_relations(scratch.write("relations", {data, size}));
+  });
+}
