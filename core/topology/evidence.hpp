@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How well a topology explains the measurements: the landmark locations integrated out by
+/// Laplace's method [ranganathan2006rao, eqs. (8), (12), (17)].
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/geometry/pose2_gaussian.hpp"
+#include "core/topology/config.hpp"
+#include "core/topology/partition.hpp"
+#include "core/topology/patch_matcher.hpp"
+
+namespace strata::topology {
+
+/// The way from one visit to the next: from_from_to with its covariance, (x, y, theta) in `from`.
+using OdometryFactor = Pose2Gaussian;
+/// way_m: length of the path driven, at least the distance between the two.
+[[nodiscard]] OdometryFactor odometry_factor(const Pose2& from_from_to, double way_m,
+                                             const OdometryNoiseConfig& config);
+
+/// Two visits of one landmark whose local maps were laid on each other.
+struct ScanFactor {
+  std::size_t from = 0;
+  std::size_t to = 0;
+  PlaceMatch match;  ///< a = from, b = to
+};
+
+/// Everything measured about n visits.
+struct Measurements {
+  std::span<const OdometryFactor> odometry;  ///< n - 1, between visit i and i + 1
+  std::span<const double> log_new_density;   ///< n, of a new landmark's pose [1/(m^2 rad)]
+};
+
+struct Evidence {
+  bool converged = false;
+  double log_evidence = 0.0;
+  /// Most probable pose of every visit in the frame of the first, map_from_robot.
+  std::vector<Pose2> poses;
+  /// Covariance of the newest pose, zero for the first visit.
+  Eigen::Matrix3d newest_covariance = Eigen::Matrix3d::Zero();
+};
+
+/// ln of the integral over all poses but the first, which is the origin, of the product of
+/// - the odometry, Gaussian, normalized;
+/// - for a visit of a known landmark: its position Gaussian around that landmark's first visit,
+///   its heading uniform, since a place is entered from any side;
+/// - for a visit of a new landmark: a uniform density over the area, times exp(-penalty) for every
+///   other landmark near it. The paper leaves the uniform density out; without it "new" and "known"
+///   are not comparable;
+/// - the scan factors: exp(gain) times a Gaussian pull, not normalized.
+/// start: a first guess of the poses. labels: canonical, one a visit. Where the curvature of the
+/// penalties makes the Hessian indefinite it is left out (an error of at most 0.6 nats for position
+/// uncertainties below 2 m). O(n^1.5 x iterations) about.
+[[nodiscard]] Evidence evaluate(const Labels& labels, const Measurements& measurements,
+                                std::span<const ScanFactor> scans, std::vector<Pose2> start,
+                                const LocationPriorConfig& config);
+
+/// The covariance of every visit's pose at `poses`, the optimum that evaluate gave. O(n^2).
+[[nodiscard]] std::vector<Eigen::Matrix3d> marginal_covariances(const Labels& labels,
+                                                                const Measurements& measurements,
+                                                                std::span<const ScanFactor> scans,
+                                                                std::span<const Pose2> poses,
+                                                                const LocationPriorConfig& config);
+
+}  // namespace strata::topology

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/patch_matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "core/geometry/angle.hpp"
+
+namespace strata::topology {
+namespace {
+
+constexpr std::size_t kMinPoints = 10;
+/// Of the gate, from one round to the next.
+constexpr double kGateShrink = 0.8;
+
+struct Normal {
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  // sum of w J' J
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  // sum of w J' r
+  std::size_t matched = 0;
+};
+
+/// Normal equations of sum w (n' (T p - q))^2, Cauchy weights, at T = a_from_b.
+Normal normal_equations(const PlacePatch& a, const PlacePatch& b, const NearestPoint& nearest,
+                        const Pose2& a_from_b, double gate_m, double robust_scale_m) {
+  Normal normal;
+  const double cosine = std::cos(a_from_b.theta);
+  const double sine = std::sin(a_from_b.theta);
+  for (const Eigen::Vector2d& point : b.points_m) {
+    const Eigen::Vector2d turned(cosine * point.x() - sine * point.y(),
+                                 sine * point.x() + cosine * point.y());
+    const Eigen::Vector2d at = turned + a_from_b.translation();
+    const std::size_t i = nearest.find(at, gate_m);
+    if (i == NearestPoint::kNone) continue;
+    const Eigen::Vector2d& n = a.normals[i];
+    const double residual = n.dot(at - a.points_m[i]);
+    const double scaled = residual / robust_scale_m;
+    const double weight = 1.0 / (1.0 + scaled * scaled);
+    const Eigen::Vector3d jacobian(n.x(), n.y(), -n.x() * turned.y() + n.y() * turned.x());
+    normal.matrix += weight * jacobian * jacobian.transpose();
+    normal.vector += weight * residual * jacobian;
+    ++normal.matched;
+  }
+  return normal;
+}
+
+Pose2 refine(const PlacePatch& a, const PlacePatch& b, const NearestPoint& nearest,
+             const Pose2& start, const PatchMatchConfig& config) {
+  Pose2 pose = start;
+  double gate_m = config.first_gate_m;
+  for (int i = 0; i < config.max_iterations; ++i) {
+    const Normal normal = normal_equations(a, b, nearest, pose, gate_m, config.robust_scale_m);
+    if (normal.matched < kMinPoints) return pose;
+    // A direction that no surface fixes must not run away.
+    const Eigen::Matrix3d damped =
+        normal.matrix + 1e-3 * static_cast<double>(normal.matched) * Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d step = damped.ldlt().solve(-normal.vector);
+    pose = {pose.x + step.x(), pose.y + step.y(), wrap_angle(pose.theta + step.z())};
+    const bool at_last_gate = gate_m <= config.last_gate_m;
+    if (at_last_gate && step.norm() < 1e-4) break;
+    gate_m = std::max(config.last_gate_m, kGateShrink * gate_m);
+  }
+  return pose;
+}
+
+/// Gain, overlap and information at an alignment.
+PlaceMatch judge(const PlacePatch& a, const PlacePatch& b, const NearestPoint& nearest,
+                 const Pose2& pose, const PatchMatchConfig& config) {
+  PlaceMatch match;
+  match.a_from_b = pose;
+  const double tempering = std::min(1.0, config.effective_points / static_cast<double>(b.size()));
+  const double peak = config.hit_share * config.max_distance_m /
+                      (config.noise_m * std::sqrt(2.0 * std::numbers::pi));
+  double gain = 0.0;
+  std::size_t on_surface = 0;
+  for (const Eigen::Vector2d& point : b.points_m) {
+    const Eigen::Vector2d at = pose * point;
+    const std::size_t i = nearest.find(at, config.first_gate_m);
+    double density = 1.0 - config.hit_share;
+    if (i != NearestPoint::kNone) {
+      const double rho = a.normals[i].dot(at - a.points_m[i]) / config.noise_m;
+      const double apart = (at - a.points_m[i]).norm();
+      // Beside the end of a wall the plane goes on, the surface does not.
+      const double beside = std::max(0.0, apart - config.last_gate_m) / config.noise_m;
+      density += peak * std::exp(-0.5 * (rho * rho + beside * beside));
+      on_surface += apart <= config.last_gate_m ? 1 : 0;
+    }
+    gain += std::log(density);
+  }
+  match.gain = tempering * gain;
+  match.overlap = static_cast<double>(on_surface) / static_cast<double>(b.size());
+  const Normal normal =
+      normal_equations(a, b, nearest, pose, config.last_gate_m, config.robust_scale_m);
+  match.information = tempering / (config.noise_m * config.noise_m) * normal.matrix;
+  match.converged = match.overlap >= config.min_overlap && normal.matched >= kMinPoints;
+  return match;
+}
+
+}  // namespace
+
+PlaceMatch match_patches(const PlacePatch& a, const PlacePatch& b,
+                         std::span<const Pose2> starts_a_from_b, const PatchMatchConfig& config) {
+  PlaceMatch best;
+  best.gain = config.failure_gain;
+  if (a.size() < kMinPoints || b.size() < kMinPoints) return best;
+  const NearestPoint nearest(a.points_m, config.first_gate_m);
+  for (const Pose2& start : starts_a_from_b) {
+    const PlaceMatch match = judge(a, b, nearest, refine(a, b, nearest, start, config), config);
+    if (match.converged && (!best.converged || match.gain > best.gain)) best = match;
+  }
+  return best;
+}
+
+}  // namespace strata::topology

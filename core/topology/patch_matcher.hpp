@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Lays one local map on another, point to plane [chen1992object].
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include "core/geometry/pose2.hpp"
+#include "core/topology/config.hpp"
+#include "core/topology/place_patch.hpp"
+
+namespace strata::topology {
+
+/// What two local maps say about their visits being at one landmark.
+struct PlaceMatch {
+  bool converged = false;
+  Pose2 a_from_b;
+  /// Of (x, y, theta) of a_from_b in frame a; singular where the place does not say (a corridor),
+  /// zero when not converged.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  /// Log likelihood of b's points given the same place, against points of some other place [nats].
+  double gain = 0.0;
+  double overlap = 0.0;  ///< share of b's points that lie on a surface of a
+};
+
+/// The best of the alignments found from every start; deterministic. Not converged (with the
+/// config's failure gain) when the overlap stays too small, or a patch has too few points.
+/// The points of a patch are correlated: information and gain count as if it had
+/// config.effective_points. O(starts x iterations x points).
+[[nodiscard]] PlaceMatch match_patches(const PlacePatch& a, const PlacePatch& b,
+                                       std::span<const Pose2> starts_a_from_b,
+                                       const PatchMatchConfig& config);
+
+}  // namespace strata::topology

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/place_patch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+namespace strata::topology {
+
+NearestPoint::NearestPoint(const std::vector<Eigen::Vector2d>& points_m, double reach_m)
+    : points_m_(points_m), reach_m_(reach_m) {
+  if (points_m.empty()) return;
+  min_ = points_m.front();
+  Eigen::Vector2d max = min_;
+  for (const Eigen::Vector2d& point : points_m) {
+    min_ = min_.cwiseMin(point);
+    max = max.cwiseMax(point);
+  }
+  width_ = static_cast<int>((max.x() - min_.x()) / reach_m) + 1;
+  height_ = static_cast<int>((max.y() - min_.y()) / reach_m) + 1;
+  const auto bucket = [&](const Eigen::Vector2d& point) {
+    const int x = static_cast<int>((point.x() - min_.x()) / reach_m_);
+    const int y = static_cast<int>((point.y() - min_.y()) / reach_m_);
+    return static_cast<std::size_t>(y * width_ + x);
+  };
+  begin_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) + 1, 0);
+  for (const Eigen::Vector2d& point : points_m) ++begin_[bucket(point) + 1];
+  for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
+  order_.resize(points_m.size());
+  std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+  for (std::size_t i = 0; i < points_m.size(); ++i) order_[next[bucket(points_m[i])]++] = i;
+}
+
+template <typename Visit>
+void NearestPoint::for_near(const Eigen::Vector2d& at, Visit&& visit) const {
+  const Eigen::Vector2d place = (at - min_) / reach_m_;
+  if (!(place.x() > -1.0 && place.y() > -1.0 && place.x() < width_ + 1.0 &&
+        place.y() < height_ + 1.0)) {
+    return;
+  }
+  const int x = static_cast<int>(std::floor(place.x()));
+  const int y = static_cast<int>(std::floor(place.y()));
+  for (int by = std::max(0, y - 1); by <= std::min(height_ - 1, y + 1); ++by) {
+    for (int bx = std::max(0, x - 1); bx <= std::min(width_ - 1, x + 1); ++bx) {
+      const auto bucket = static_cast<std::size_t>(by * width_ + bx);
+      for (std::size_t k = begin_[bucket]; k < begin_[bucket + 1]; ++k) visit(order_[k]);
+    }
+  }
+}
+
+std::size_t NearestPoint::find(const Eigen::Vector2d& at, double gate_m) const {
+  const double gate = std::min(gate_m, reach_m_);
+  double best = gate * gate;
+  std::size_t nearest = kNone;
+  for_near(at, [&](std::size_t i) {
+    const double squared = (points_m_[i] - at).squaredNorm();
+    if (squared > best || (squared == best && nearest != kNone && i > nearest)) return;
+    best = squared;
+    nearest = i;
+  });
+  return nearest;
+}
+
+void NearestPoint::within(const Eigen::Vector2d& at, std::vector<std::size_t>& found) const {
+  found.clear();
+  for_near(at, [&](std::size_t i) {
+    if ((points_m_[i] - at).squaredNorm() <= reach_m_ * reach_m_) found.push_back(i);
+  });
+}
+
+PlacePatch with_normals(std::span<const Eigen::Vector2d> points_m, int neighbours) {
+  constexpr double kReachM = 1.0;
+  std::vector<Eigen::Vector2d> finite;
+  for (const Eigen::Vector2d& point : points_m) {
+    if (point.allFinite()) finite.push_back(point);
+  }
+  const NearestPoint nearest(finite, kReachM);
+  PlacePatch patch;
+  std::vector<std::size_t> found;
+  for (const Eigen::Vector2d& point : finite) {
+    nearest.within(point, found);
+    if (found.size() < 2) continue;
+    const auto distance = [&](std::size_t i) { return (finite[i] - point).squaredNorm(); };
+    const std::size_t used =
+        std::min(found.size(), static_cast<std::size_t>(neighbours) + 1);  // with itself
+    std::partial_sort(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(used), found.end(),
+                      [&](std::size_t a, std::size_t b) {
+                        return std::pair(distance(a), a) < std::pair(distance(b), b);
+                      });
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (std::size_t k = 0; k < used; ++k) mean += finite[found[k]];
+    mean /= static_cast<double>(used);
+    Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+    for (std::size_t k = 0; k < used; ++k) {
+      const Eigen::Vector2d off = finite[found[k]] - mean;
+      scatter += off * off.transpose();
+    }
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+    axes.computeDirect(scatter);
+    patch.points_m.push_back(point);
+    patch.normals.push_back(axes.eigenvectors().col(0));
+  }
+  return patch;
+}
+
+PlacePatch make_place_patch(std::span<const PosedScan> scans, const Pose2& landmark,
+                            const PlacePatchConfig& config) {
+  struct Sum {
+    Eigen::Vector2d total = Eigen::Vector2d::Zero();
+    double count = 0.0;
+  };
+  std::map<std::pair<int, int>, Sum> cells;  // ordered: the points come out the same everywhere
+  for (const PosedScan& posed : scans) {
+    const Pose2 landmark_from_robot = between(landmark, posed.map_from_robot);
+    if (landmark_from_robot.translation().norm() > config.path_radius_m) continue;
+    const Pose2 landmark_from_laser = landmark_from_robot * posed.scan.robot_from_laser;
+    for (std::size_t beam = 0; beam < posed.scan.size(); ++beam) {
+      if (posed.scan.kind(beam) != BeamKind::kHit) continue;
+      const auto range_m = static_cast<double>(posed.scan.ranges_m[beam]);
+      const double bearing = posed.scan.bearing_rad(beam);
+      const Eigen::Vector2d at = landmark_from_laser * Eigen::Vector2d(range_m * std::cos(bearing),
+                                                                       range_m * std::sin(bearing));
+      if (!(at.norm() <= config.point_radius_m)) continue;
+      Sum& sum = cells[{static_cast<int>(std::floor(at.x() / config.cell_m)),
+                        static_cast<int>(std::floor(at.y() / config.cell_m))}];
+      sum.total += at;
+      sum.count += 1.0;
+    }
+  }
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(cells.size());
+  for (const auto& [cell, sum] : cells) points.push_back(sum.total / sum.count);
+  return with_normals(points, config.neighbours);
+}
+
+}  // namespace strata::topology

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The local map around one visit of a landmark: surface points with normals.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/config.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::topology {
+
+struct PlacePatchConfig {
+  double path_radius_m = 3.0;
+  double point_radius_m = 6.0;
+  double cell_m = 0.1;
+  int neighbours = 5;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field(
+        "path_radius_m", c.path_radius_m,
+        {.doc = "scans taken this near the landmark make its local map", .unit = "m", .min = 0.1});
+    v.field("point_radius_m", c.point_radius_m,
+            {.doc = "points this near the landmark belong to it", .unit = "m", .min = 0.5});
+    v.field("cell_m", c.cell_m,
+            {.doc = "points are averaged over cells of this size", .unit = "m", .min = 0.01});
+    v.field("neighbours", c.neighbours, {.doc = "points that a normal is fitted to", .min = 2});
+  }
+};
+
+/// Points and unit normals (of either sign) in the frame of the visit; equal lengths.
+struct PlacePatch {
+  std::vector<Eigen::Vector2d> points_m;
+  std::vector<Eigen::Vector2d> normals;
+
+  [[nodiscard]] std::size_t size() const { return points_m.size(); }
+  [[nodiscard]] bool empty() const { return points_m.empty(); }
+};
+
+/// Points with normals by principal axes of each point and its nearest neighbours. Points that are
+/// not finite or have no neighbour within a metre are left out. O(n log n) about.
+[[nodiscard]] PlacePatch with_normals(std::span<const Eigen::Vector2d> points_m, int neighbours);
+
+/// The hits of all scans within the radii of the config, thinned. scans: map_from_robot in any
+/// common frame; landmark: the visit's pose in that frame.
+[[nodiscard]] PlacePatch make_place_patch(std::span<const PosedScan> scans, const Pose2& landmark,
+                                          const PlacePatchConfig& config);
+
+/// Nearest points within a fixed reach, by buckets.
+class NearestPoint {
+ public:
+  /// reach_m > 0; keeps a reference to the points.
+  NearestPoint(const std::vector<Eigen::Vector2d>& points_m, double reach_m);
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  /// Index of the nearest point within min(reach_m, gate_m), or kNone; the first of equals.
+  [[nodiscard]] std::size_t find(const Eigen::Vector2d& at, double gate_m) const;
+  /// Indices of all points within the reach, in no particular order; replaces `found`.
+  void within(const Eigen::Vector2d& at, std::vector<std::size_t>& found) const;
+
+ private:
+  template <typename Visit>
+  void for_near(const Eigen::Vector2d& at, Visit&& visit) const;
+  const std::vector<Eigen::Vector2d>& points_m_;
+  double reach_m_;
+  Eigen::Vector2d min_{0.0, 0.0};
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<std::size_t> begin_;  // of each bucket in order_
+  std::vector<std::size_t> order_;
+};
+
+}  // namespace strata::topology

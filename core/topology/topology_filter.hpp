@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The posterior over topologies, one landmark visit after the other [ranganathan2006rao,
+/// algorithm 1].
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/geometry/pose2_gaussian.hpp"
+#include "core/topology/config.hpp"
+#include "core/topology/evidence.hpp"
+#include "core/topology/partition.hpp"
+#include "core/topology/place_patch.hpp"
+
+namespace strata::topology {
+
+/// The robot has come to a landmark: some landmark, it does not know which.
+struct LandmarkVisit {
+  Stamp stamp;
+  Pose2 odom_from_robot;  ///< odometry at the visit
+  double way_m = 0.0;     ///< path driven since the visit before
+  PlacePatch patch;       ///< local map in the frame of the robot; empty: only odometry counts
+};
+
+/// One topology with its probability and what it says about the landmarks.
+struct Hypothesis {
+  Labels labels;
+  double probability = 0.0;
+  double log_evidence = 0.0;
+  /// Most probable pose of every visit, map_from_robot; the map frame is the odometry frame at the
+  /// first visit.
+  std::vector<Pose2> poses;
+  std::vector<ScanFactor> scans;  ///< local maps laid on each other
+};
+
+/// What did not go as it should.
+struct TopologyCounts {
+  std::size_t skipped_visits = 0;  ///< out of order, or odometry that is not finite
+  std::size_t empty_patches = 0;   ///< visits without a usable local map
+  std::size_t failed_matches = 0;  ///< pairs of visits whose local maps did not fit
+  std::size_t not_converged = 0;   ///< optimizations that did not converge; their label is dropped
+};
+
+/// Rao-Blackwellized particle filter: a particle is a topology with a Gaussian over the landmark
+/// locations. Particles of equal topologies are one with their sum of weights, since everything
+/// else of them is equal too. Departures from the paper: the weight contains the normalizer of the
+/// proposal, which differs between particles (`weighting: paper` leaves it out as printed); a new
+/// landmark is evaluated like a known one; by default the most probable topologies are kept exactly
+/// (`expansion: particles` draws them, as the paper does): fifty drawn ones often lose the truth
+/// where a loop closes late, the fifty best hold it; with as many as there are topologies it
+/// enumerates. Not thread-safe; two objects are independent. The same bits at any number of
+/// threads.
+class TopologyFilter {
+ public:
+  /// Throws ConfigError.
+  explicit TopologyFilter(const TopologyConfig& config, std::uint64_t seed = 1, int threads = 1);
+  ~TopologyFilter();
+  TopologyFilter(const TopologyFilter&) = delete;
+  TopologyFilter& operator=(const TopologyFilter&) = delete;
+
+  /// Adds a visit; false when it was skipped (a stamp before the last one, odometry or way that is
+  /// not finite). O(unique topologies x labels near the robot x optimization).
+  bool add(LandmarkVisit visit);
+
+  /// All topologies kept, most probable first; probabilities sum to one. Empty before the first
+  /// visit.
+  [[nodiscard]] const std::vector<Hypothesis>& posterior() const;
+  /// The landmark locations of a hypothesis of the posterior: pose of each visit, with covariance.
+  [[nodiscard]] std::vector<Pose2Gaussian> locations(const Hypothesis& hypothesis) const;
+  [[nodiscard]] std::size_t visits() const;
+  [[nodiscard]] const TopologyCounts& counts() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace strata::topology

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// All visits so far with what is measured between them, and the matches of their local maps.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "core/topology/evidence.hpp"
+#include "core/topology/topology_filter.hpp"
+
+namespace strata::topology {
+
+/// Shared by all hypotheses. `match` may be called by several threads at once.
+class VisitLog {
+ public:
+  explicit VisitLog(const TopologyConfig& config) : config_(config) {}
+
+  /// Whether the visit may follow the ones before.
+  [[nodiscard]] bool accepts(const LandmarkVisit& visit) const;
+  /// Requires accepts(visit).
+  void add(LandmarkVisit visit);
+
+  [[nodiscard]] std::size_t size() const { return visits_.size(); }
+  [[nodiscard]] const LandmarkVisit& visit(std::size_t index) const { return visits_[index]; }
+  /// Of the first `count` visits.
+  [[nodiscard]] Measurements measurements(std::size_t count) const;
+
+  /// The local map of visit b laid on that of visit a from about the guess a_from_b. Guesses are
+  /// rounded, so that hypotheses that differ little share one match, whoever asks first.
+  [[nodiscard]] PlaceMatch match(std::size_t a, std::size_t b, const Pose2& guess_a_from_b);
+  /// How many different matches have failed.
+  [[nodiscard]] std::size_t failed_matches() const;
+
+ private:
+  using Key = std::array<long, 5>;
+  TopologyConfig config_;
+  std::vector<LandmarkVisit> visits_;
+  std::vector<OdometryFactor> odometry_;
+  std::vector<double> log_new_density_;
+  Eigen::Vector2d min_{0.0, 0.0};
+  Eigen::Vector2d max_{0.0, 0.0};
+  mutable std::mutex mutex_;
+  std::map<Key, PlaceMatch> matches_;
+};
+
+}  // namespace strata::topology

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/patch_matcher.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tests/core/topology/junction_world.hpp"
+
+namespace strata::topology {
+namespace {
+
+/// The walls of a kind seen from a pose, with the noise of a laser.
+PlacePatch seen_from(int kind, const Pose2& place_from_robot, std::uint64_t seed) {
+  RandomStream random(seed, StreamId::kTest, 7);
+  std::vector<Eigen::Vector2d> points;
+  for (const Eigen::Vector2d& point : test_world::wall_points(kind)) {
+    points.push_back(inverse(place_from_robot) * point +
+                     Eigen::Vector2d(random.normal(0.0, 0.02), random.normal(0.0, 0.02)));
+  }
+  return with_normals(points, 5);
+}
+
+TEST(PlacePatch, NormalsStandOnTheirWalls) {
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 20; ++i) points.emplace_back(0.1 * i, 2.0);
+  points.emplace_back(std::numeric_limits<double>::quiet_NaN(), 0.0);
+  points.emplace_back(50.0, 50.0);  // alone: no normal
+  const PlacePatch patch = with_normals(points, 5);
+  ASSERT_EQ(patch.size(), 20U);
+  for (const Eigen::Vector2d& normal : patch.normals) {
+    EXPECT_NEAR(std::abs(normal.y()), 1.0, 1e-9);
+  }
+}
+
+TEST(NearestPoint, FindsWhatAPlainSearchFinds) {
+  RandomStream random(5, StreamId::kTest);
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 300; ++i) {
+    points.emplace_back(random.uniform(-4.0, 4.0), random.uniform(-2.0, 3.0));
+  }
+  const NearestPoint nearest(points, 0.5);
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector2d at(random.uniform(-6.0, 6.0), random.uniform(-4.0, 5.0));
+    const double gate_m = random.uniform(0.05, 0.8);
+    std::size_t expected = NearestPoint::kNone;
+    double best = std::min(gate_m, 0.5);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      if ((points[k] - at).norm() > best) continue;
+      best = (points[k] - at).norm();
+      expected = k;
+    }
+    EXPECT_EQ(nearest.find(at, gate_m), expected);
+  }
+  EXPECT_EQ(NearestPoint({}, 0.5).find({0.0, 0.0}, 0.5), NearestPoint::kNone);
+}
+
+TEST(PatchMatcher, FindsThePoseOfASecondVisit) {
+  RandomStream random(9, StreamId::kTest);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Pose2 first{random.normal(0.0, 0.2), random.normal(0.0, 0.2), random.uniform(-3.0, 3.0)};
+    const Pose2 second{random.normal(0.0, 0.2), random.normal(0.0, 0.2), random.uniform(-3.0, 3.0)};
+    const Pose2 truth = between(first, second);
+    const Pose2 guess =
+        truth * Pose2{random.normal(0.0, 0.1), random.normal(0.0, 0.1), random.normal(0.0, 0.1)};
+    const PlaceMatch match =
+        match_patches(seen_from(7, first, 1), seen_from(7, second, 2), {{guess}}, {});
+    ASSERT_TRUE(match.converged);
+    EXPECT_LT(translation_distance(match.a_from_b, truth), 0.02);
+    EXPECT_NEAR(angle_difference(match.a_from_b.theta, truth.theta), 0.0, 0.01);
+    EXPECT_GT(match.gain, 20.0);
+    EXPECT_GT(match.overlap, 0.9);
+  }
+}
+
+TEST(PatchMatcher, GainsLessFromAnotherKindOfPlace) {
+  const PlacePatch here = seen_from(7, {}, 1);
+  const double same = match_patches(here, seen_from(7, {}, 2), {{Pose2{}}}, {}).gain;
+  const double other = match_patches(here, seen_from(16 + 13, {}, 3), {{Pose2{}}}, {}).gain;
+  EXPECT_GT(same, other + 20.0);
+}
+
+TEST(PatchMatcher, SaysThatACorridorFixesOnlyItsWidthAndHeading) {
+  const PlacePatch corridor = seen_from(5, {}, 1);
+  PlacePatch walls;  // the long walls only
+  for (std::size_t i = 0; i < corridor.size(); ++i) {
+    if (std::abs(corridor.normals[i].y()) < 0.9) continue;
+    walls.points_m.push_back(corridor.points_m[i]);
+    walls.normals.emplace_back(0.0, 1.0);
+  }
+  const PlaceMatch match = match_patches(walls, walls, {{Pose2{}}}, {});
+  ASSERT_TRUE(match.converged);
+  EXPECT_NEAR(match.information(0, 0), 0.0, 1e-6);
+  EXPECT_GT(match.information(1, 1), 1000.0);
+  EXPECT_GT(match.information(2, 2), 100.0);
+}
+
+TEST(PatchMatcher, CountsAsManyPointsAsTheConfigSaysHoweverDense) {
+  const PlacePatch thin = seen_from(15, {}, 1);
+  PlacePatch dense = thin;
+  for (int copy = 0; copy < 3; ++copy) {
+    dense.points_m.insert(dense.points_m.end(), thin.points_m.begin(), thin.points_m.end());
+    dense.normals.insert(dense.normals.end(), thin.normals.begin(), thin.normals.end());
+  }
+  const PlaceMatch one = match_patches(thin, thin, {{Pose2{}}}, {});
+  const PlaceMatch four = match_patches(thin, dense, {{Pose2{}}}, {});
+  EXPECT_NEAR(one.gain, four.gain, 1e-6);
+  EXPECT_TRUE(one.information.isApprox(four.information, 1e-6));
+}
+
+TEST(PatchMatcher, FailsOpenlyWithoutPointsOrOverlap) {
+  const PlacePatch here = seen_from(7, {}, 1);
+  const PatchMatchConfig config;
+  const PlaceMatch empty = match_patches(here, {}, {{Pose2{}}}, config);
+  EXPECT_FALSE(empty.converged);
+  EXPECT_EQ(empty.gain, config.failure_gain);
+  const PlaceMatch apart = match_patches(here, here, {{Pose2{40.0, 0.0, 0.0}}}, config);
+  EXPECT_FALSE(apart.converged);
+  EXPECT_EQ(apart.gain, config.failure_gain);
+  EXPECT_TRUE(apart.information.isZero());
+}
+
+}  // namespace
+}  // namespace strata::topology

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/topology_filter.hpp"
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "tests/core/topology/junction_world.hpp"
+
+namespace strata::topology {
+namespace {
+
+using test_world::Drive;
+
+std::vector<Hypothesis> posterior_of(const std::vector<LandmarkVisit>& visits,
+                                     const TopologyConfig& config, std::uint64_t seed = 1,
+                                     int threads = 1) {
+  TopologyFilter filter(config, seed, threads);
+  for (const LandmarkVisit& visit : visits) EXPECT_TRUE(filter.add(visit));
+  return filter.posterior();
+}
+
+double total_variation(const std::vector<Hypothesis>& a, const std::vector<Hypothesis>& b) {
+  std::map<Labels, double> difference;
+  for (const Hypothesis& hypothesis : a) difference[hypothesis.labels] += hypothesis.probability;
+  for (const Hypothesis& hypothesis : b) difference[hypothesis.labels] -= hypothesis.probability;
+  double sum = 0.0;
+  for (const auto& [labels, value] : difference) sum += std::abs(value);
+  return 0.5 * sum;
+}
+
+double sum_of(const std::vector<Hypothesis>& posterior) {
+  double sum = 0.0;
+  for (const Hypothesis& hypothesis : posterior) sum += hypothesis.probability;
+  return sum;
+}
+
+/// Every partition, none left out.
+TopologyConfig enumeration() {
+  TopologyConfig config;
+  config.expansion = Expansion::kBest;
+  config.particles = 1000;
+  config.negligible = 1e6;
+  return config;
+}
+
+/// Seven visits known by odometry alone, so that several topologies are left.
+Drive ambiguous_drive(std::uint64_t seed) {
+  const std::vector<test_world::Junction> junctions{
+      {0.0, 0.0, 15}, {6.0, 0.0, 15}, {6.0, 6.0, 15}, {0.0, 6.0, 15}};
+  Drive drive = test_world::drive(junctions, {0, 1, 2, 3, 0, 1, 2}, {}, seed);
+  for (LandmarkVisit& visit : drive.visits) visit.patch = {};
+  return drive;
+}
+
+TEST(TopologyFilter, KeepsTheMostProbableFirstAndSumsToOne) {
+  const Drive drive =
+      test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(), {}, 3);
+  TopologyFilter filter({}, 1);
+  EXPECT_TRUE(filter.posterior().empty());
+  for (const LandmarkVisit& visit : drive.visits) {
+    ASSERT_TRUE(filter.add(visit));
+    const std::vector<Hypothesis>& posterior = filter.posterior();
+    EXPECT_NEAR(sum_of(posterior), 1.0, 1e-12);
+    for (std::size_t i = 1; i < posterior.size(); ++i) {
+      EXPECT_GE(posterior[i - 1].probability, posterior[i].probability);
+      EXPECT_TRUE(is_canonical(posterior[i].labels));
+    }
+  }
+}
+
+// SPEC E9 (a): mean over runs of 50 particles, up to 7 visits.
+TEST(TopologyFilter, IsNearTheExactPosterior) {
+  double corrected = 0.0;
+  double as_printed = 0.0;
+  constexpr int kRuns = 20;
+  for (int run = 0; run < kRuns; ++run) {
+    const auto seed = static_cast<std::uint64_t>(run + 1);
+    const Drive drive = ambiguous_drive(seed);
+    const std::vector<Hypothesis> exact = posterior_of(drive.visits, enumeration());
+    TopologyConfig config;
+    config.expansion = Expansion::kParticles;
+    corrected += total_variation(posterior_of(drive.visits, config, seed), exact) / kRuns;
+    config.weighting = Weighting::kPaper;
+    as_printed += total_variation(posterior_of(drive.visits, config, seed), exact) / kRuns;
+  }
+  RecordProperty("corrected", std::to_string(corrected));
+  RecordProperty("as_printed", std::to_string(as_printed));
+  EXPECT_LE(corrected, 0.05);
+  EXPECT_LT(corrected, as_printed);
+}
+
+TEST(TopologyFilter, BestFirstExpansionIsAlmostExactWithFiftyTopologies) {
+  const Drive drive = ambiguous_drive(4);
+  EXPECT_LE(
+      total_variation(posterior_of(drive.visits, {}), posterior_of(drive.visits, enumeration())),
+      0.05);
+}
+
+struct Tally {
+  int truth_first = 0;
+  int above_80_percent = 0;
+};
+
+Tally tally(const std::vector<test_world::Junction>& junctions, const std::vector<int>& order,
+            const OdometryNoiseConfig& noise, const TopologyConfig& config, int seeds) {
+  Tally result;
+  for (int i = 0; i < seeds; ++i) {
+    const auto seed = static_cast<std::uint64_t>(100 + i);
+    const Drive drive = test_world::drive(junctions, order, noise, seed);
+    const std::vector<Hypothesis> posterior = posterior_of(drive.visits, config, seed, 2);
+    const bool first = posterior.front().labels == drive.truth;
+    result.truth_first += first ? 1 : 0;
+    result.above_80_percent += first && posterior.front().probability > 0.8 ? 1 : 0;
+  }
+  return result;
+}
+
+// SPEC E9 (b): twelve visits over 120 m, three looks of three junctions each.
+TEST(TopologyFilter, FindsTheTruthAmongLookAlikes) {
+  const Tally result = tally(test_world::nine_junctions(), test_world::twelve_visits(), {}, {}, 4);
+  EXPECT_EQ(result.above_80_percent, 4);
+}
+
+// SPEC E9 (c): 60 m wide, twenty visits of fourteen junctions, odometry that is 8% off.
+TEST(TopologyFilter, FindsTheTruthInALargeBuildingWhereDrawnParticlesLoseIt) {
+  TopologyConfig config;
+  config.odometry.per_metre_m = 0.08;
+  const std::vector<test_world::Junction> junctions = test_world::fourteen_junctions();
+  const std::vector<int> order = test_world::twenty_visits();
+  EXPECT_EQ(tally(junctions, order, config.odometry, config, 1).truth_first, 1);
+  config.expansion = Expansion::kParticles;
+  EXPECT_EQ(tally(junctions, order, config.odometry, config, 1).truth_first, 0);
+}
+
+TEST(TopologyFilter, GivesTheSameBitsForAnyNumberOfThreads) {
+  const Drive drive =
+      test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(), {}, 5);
+  TopologyConfig config;
+  config.expansion = Expansion::kParticles;
+  const std::vector<Hypothesis> one = posterior_of(drive.visits, config, 7, 1);
+  for (const int threads : {2, 8}) {
+    const std::vector<Hypothesis> other = posterior_of(drive.visits, config, 7, threads);
+    ASSERT_EQ(other.size(), one.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(other[i].labels, one[i].labels);
+      EXPECT_EQ(other[i].probability, one[i].probability);
+      EXPECT_EQ(other[i].poses, one[i].poses);
+    }
+  }
+}
+
+TEST(TopologyFilter, PutsTheLandmarksWhereTheyAre) {
+  const Drive drive =
+      test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(), {}, 11);
+  TopologyFilter filter({}, 1);
+  for (const LandmarkVisit& visit : drive.visits) filter.add(visit);
+  const std::vector<Pose2Gaussian> locations = filter.locations(filter.posterior().front());
+  ASSERT_EQ(locations.size(), drive.poses.size());
+  for (std::size_t i = 1; i < locations.size(); ++i) {
+    // Four standard deviations and a little: 36 numbers, one seed.
+    EXPECT_LT(mahalanobis_squared(locations[i], drive.poses[i]), 30.0) << "visit " << i;
+  }
+}
+
+TEST(TopologyFilter, SkipsAndCountsVisitsThatCannotBe) {
+  Drive drive = test_world::drive(test_world::nine_junctions(), {0, 1, 2}, {}, 2);
+  TopologyFilter filter({}, 1);
+  EXPECT_TRUE(filter.add(drive.visits[0]));
+  EXPECT_TRUE(filter.add(drive.visits[1]));
+  EXPECT_FALSE(filter.add(drive.visits[0]));  // older than the last
+  LandmarkVisit broken = drive.visits[2];
+  broken.odom_from_robot.x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(filter.add(broken));
+  broken = drive.visits[2];
+  broken.way_m = -1.0;
+  EXPECT_FALSE(filter.add(broken));
+  broken = drive.visits[2];
+  broken.patch = {};
+  EXPECT_TRUE(filter.add(broken));
+  EXPECT_EQ(filter.counts().skipped_visits, 3U);
+  EXPECT_EQ(filter.counts().empty_patches, 1U);
+  EXPECT_EQ(filter.visits(), 3U);
+  EXPECT_NEAR(sum_of(filter.posterior()), 1.0, 1e-12);
+}
+
+TEST(TopologyFilter, StaysNormalizedWithTwoLandmarksWithinAMetre) {
+  const std::vector<test_world::Junction> junctions{{0.0, 0.0, 15}, {0.6, 0.0, 7}, {9.0, 0.0, 13}};
+  const Drive drive = test_world::drive(junctions, {0, 1, 2, 1, 0}, {}, 8);
+  const std::vector<Hypothesis> posterior = posterior_of(drive.visits, {});
+  EXPECT_NEAR(sum_of(posterior), 1.0, 1e-12);
+  for (const Hypothesis& hypothesis : posterior) {
+    EXPECT_TRUE(std::isfinite(hypothesis.log_evidence));
+    EXPECT_EQ(hypothesis.poses.size(), drive.visits.size());
+  }
+}
+
+TEST(TopologyFilter, RefusesASettingThatCannotWork) {
+  TopologyConfig config;
+  config.concentration = 0.0;
+  EXPECT_THROW(TopologyFilter(config, 1), ConfigError);
+}
+
+}  // namespace
+}  // namespace strata::topology
