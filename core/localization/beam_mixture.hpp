@@ -55,6 +55,13 @@ class BeamMixture {
   /// Throws ConfigError for invalid constants. Requires r_max_m > 0.
   BeamMixture(const BeamMixtureConfig& config, double r_max_m);
 
+  /// The same with another limit; cheap, for every scan has its own.
+  [[nodiscard]] BeamMixture limited_to(double r_max_m) const {
+    BeamMixture result = *this;
+    result.r_max_m_ = r_max_m;
+    return result;
+  }
+  [[nodiscard]] const BeamMixtureConfig& config() const { return config_; }
   [[nodiscard]] double r_max_m() const { return r_max_m_; }
   /// Density at z in [0, r_max) [1/m]; any expected range, +infinity for none.
   [[nodiscard]] double density(double range_m, double expected_m) const;

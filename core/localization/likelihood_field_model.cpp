@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "core/base/config.hpp"
 #include "core/localization/particle_kernels.hpp"
@@ -41,57 +42,75 @@ LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
       std::log(config.field.hit_weight * std::exp(-4.5) + (1.0 - config.field.hit_weight)));
 }
 
-Endpoints LikelihoodFieldModel::points_of(const Scan& scan) const {
-  return thin(endpoints_in_robot(scan), static_cast<std::size_t>(config_.max_beams));
+void LikelihoodFieldModel::find_points(const Scan& scan, Points& points) const {
+  points.beams.clear();
+  points.x.clear();
+  points.y.clear();
+  for (std::size_t beam = 0; beam < scan.size(); ++beam) {
+    if (scan.kind(beam) == BeamKind::kHit) points.beams.push_back(static_cast<std::uint32_t>(beam));
+  }
+  const std::size_t hits = points.beams.size();
+  const auto most = static_cast<std::size_t>(config_.max_beams);
+  const std::size_t count = most == 0 ? hits : std::min(most, hits);
+  const double scale = 1.0 / field_.log_likelihood().resolution_m();
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t beam = points.beams[k * hits / count];
+    const auto range_m = static_cast<double>(scan.ranges_m[beam]);
+    const double bearing = scan.bearing_rad(beam);
+    const Eigen::Vector2d point =
+        scan.robot_from_laser *
+        Eigen::Vector2d(range_m * std::cos(bearing), range_m * std::sin(bearing));
+    points.x.push_back(static_cast<float>(point.x() * scale));
+    points.y.push_back(static_cast<float>(point.y() * scale));
+  }
 }
 
 std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, double tempering,
                                                   ParticleSet& particles,
                                                   std::span<double> log_likelihood,
                                                   WorkerPool& pool) const {
-  const Endpoints points = points_of(scan);
+  const auto points = points_.borrow();
+  find_points(scan, *points);
+  const FieldPoints field_points{points->x.data(), points->y.data(), points->x.size()};
   const double scale = 1.0 / field_.log_likelihood().resolution_m();
   const Cell corner = field_.log_likelihood().rect().min;
-  std::vector<float> px(points.size());
-  std::vector<float> py(points.size());
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    px[k] = static_cast<float>(points.x_m[k] * scale);
-    py[k] = static_cast<float>(points.y_m[k] * scale);
-  }
-  const FieldPoints field_points{px.data(), py.data(), points.size()};
   const double factor = -quantum_ / tempering;
   // The border shifts the table by one cell.
   const double offset_x = 1.0 - corner.x;
   const double offset_y = 1.0 - corner.y;
-  pool.for_chunks(particles.size(), kChunk,
-                  [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
-                    std::array<float, kChunk> x;
-                    std::array<float, kChunk> y;
-                    std::array<float, kChunk> c;
-                    std::array<float, kChunk> s;
-                    std::array<std::uint32_t, kChunk> sums;
-                    to_cells({particles.x_m.data() + begin, particles.y_m.data() + begin,
-                              particles.theta_rad.data() + begin, nullptr, end - begin},
-                             scale, offset_x, offset_y, {x.data(), y.data(), c.data(), s.data()});
-                    sum_field(table_, {x.data(), y.data(), c.data(), s.data(), end - begin},
-                              field_points, sums.data());
-                    for (std::size_t i = begin; i < end; ++i) {
-                      log_likelihood[i] = static_cast<double>(sums[i - begin]) * factor;
-                    }
-                  });
-  return points.size();
+  const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+    std::array<float, kChunk> x;
+    std::array<float, kChunk> y;
+    std::array<float, kChunk> c;
+    std::array<float, kChunk> s;
+    std::array<std::uint32_t, kChunk> sums;
+    to_cells({particles.x_m.data() + begin, particles.y_m.data() + begin,
+              particles.theta_rad.data() + begin, nullptr, end - begin},
+             scale, offset_x, offset_y, {x.data(), y.data(), c.data(), s.data()});
+    sum_field(table_, {x.data(), y.data(), c.data(), s.data(), end - begin}, field_points,
+              sums.data());
+    for (std::size_t i = begin; i < end; ++i) {
+      log_likelihood[i] = static_cast<double>(sums[i - begin]) * factor;
+    }
+  };
+  pool.for_chunks(particles.size(), kChunk, std::cref(weigh));
+  return points->x.size();
 }
 
 double LikelihoodFieldModel::explained_share(const Scan& scan, const Pose2& map_from_robot,
                                              const ParticleSet& /*particles*/) const {
-  const Endpoints points = points_of(scan);
-  if (points.size() == 0) return 1.0;
+  const auto points = points_.borrow();
+  find_points(scan, *points);
+  const std::size_t count = points->x.size();
+  if (count == 0) return 1.0;
+  const double resolution = field_.log_likelihood().resolution_m();
   std::size_t explained = 0;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const double value = field_.at(map_from_robot * Eigen::Vector2d(points.x_m[k], points.y_m[k]));
-    if (static_cast<float>(value) >= explained_from_) ++explained;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Eigen::Vector2d point(static_cast<double>(points->x[k]) * resolution,
+                                static_cast<double>(points->y[k]) * resolution);
+    if (static_cast<float>(field_.at(map_from_robot * point)) >= explained_from_) ++explained;
   }
-  return static_cast<double>(explained) / static_cast<double>(points.size());
+  return static_cast<double>(explained) / static_cast<double>(count);
 }
 
 }  // namespace strata::localization

@@ -7,9 +7,9 @@
 
 #include "core/grid/likelihood_field.hpp"
 #include "core/grid/reflection_grid.hpp"
+#include "core/localization/lender.hpp"
 #include "core/localization/likelihood_field_kernel.hpp"
 #include "core/localization/sensor_model.hpp"
-#include "core/scan/endpoints.hpp"
 
 namespace strata::localization {
 
@@ -46,7 +46,13 @@ class LikelihoodFieldModel final : public SensorModel {
                                        const ParticleSet& particles) const override;
 
  private:
-  [[nodiscard]] Endpoints points_of(const Scan& scan) const;
+  /// End points in the robot frame, in cells.
+  struct Points {
+    std::vector<std::uint32_t> beams;
+    std::vector<float> x;
+    std::vector<float> y;
+  };
+  void find_points(const Scan& scan, Points& points) const;
 
   LikelihoodFieldModelConfig config_;
   LikelihoodField field_;
@@ -54,6 +60,7 @@ class LikelihoodFieldModel final : public SensorModel {
   FieldTable table_;
   double quantum_ = 1.0;         // nats
   float explained_from_ = 0.0F;  // ln p at 3 standard deviations
+  Lender<Points> points_;
 };
 
 }  // namespace strata::localization

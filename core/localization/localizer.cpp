@@ -139,7 +139,7 @@ bool Localizer::is_due() const {
          std::abs(moved_.theta) >= config_.gating.rotation_rad;
 }
 
-LocalizationResult Localizer::update(const Observation& observation) {
+const LocalizationResult& Localizer::update(const Observation& observation) {
   if (!is_started_) throw std::logic_error("Localizer::update before initialize");
   const Pose2 motion = motion_since_last(observation);
   const Pose2 moved_before = moved_;
@@ -236,18 +236,17 @@ void Localizer::resample() {
   set_uniform_weights(particles_);
 }
 
-LocalizationResult Localizer::make_result(const Pose2Gaussian& pose, bool weighed) const {
-  LocalizationResult result;
-  result.pose = pose;
-  result.health = monitor_.health();
-  result.effective_sample_size = effective_sample_size(particles_);
-  result.particles = particles_.size();
-  result.weighed = weighed;
-  result.converged = position_stddev(result.pose) <= config_.recovery.uncertain_stddev_m;
+const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool weighed) {
+  result_.pose = pose;
+  result_.health = monitor_.health();
+  result_.effective_sample_size = effective_sample_size(particles_);
+  result_.particles = particles_.size();
+  result_.weighed = weighed;
+  result_.converged = position_stddev(result_.pose) <= config_.recovery.uncertain_stddev_m;
   if (const PatchStates* states = model_->patch_states()) {
-    result.submaps = states->posterior(particles_);
+    states->posterior(particles_, result_.submaps);
   }
-  return result;
+  return result_;
 }
 
 }  // namespace strata::localization

@@ -53,8 +53,9 @@ class Localizer {
 
   /// One scan. A scan in which no beam says anything (empty, all NaN) only moves the particles and
   /// is counted. The first scan after initialize, and of a new run, carries no motion. Throws
-  /// std::logic_error when not initialized.
-  LocalizationResult update(const Observation& observation);
+  /// std::logic_error when not initialized. The result is overwritten by the next call. Allocates
+  /// nothing once it has seen scans as long and particles as many.
+  const LocalizationResult& update(const Observation& observation);
 
   [[nodiscard]] const ParticleSet& particles() const { return particles_; }
   /// Scans of which nothing was usable so far.
@@ -71,7 +72,7 @@ class Localizer {
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
   void resample();
   [[nodiscard]] double annealing() const;
-  [[nodiscard]] LocalizationResult make_result(const Pose2Gaussian& pose, bool weighed) const;
+  const LocalizationResult& make_result(const Pose2Gaussian& pose, bool weighed);
 
   LocalizerConfig config_;
   std::shared_ptr<const SensorModel> model_;
@@ -85,6 +86,7 @@ class Localizer {
   std::vector<double> log_likelihood_;
   std::vector<std::uint32_t> drawn_;
   std::vector<std::uint64_t> bins_;
+  LocalizationResult result_;
 
   std::uint64_t start_count_ = 0;  // several starts of one localizer draw different numbers
   std::uint64_t step_ = 0;

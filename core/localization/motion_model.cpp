@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "core/geometry/angle.hpp"
@@ -61,12 +62,12 @@ MotionSpread motion_spread(const MotionParts& parts, const MotionModelConfig& co
 
 void move_particles(const Pose2& before_from_after, ParticleSet& particles, WorkerPool& pool) {
   if (before_from_after == Pose2{}) return;
-  pool.for_chunks(particles.size(), kChunk,
-                  [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
-                    for (std::size_t i = begin; i < end; ++i) {
-                      particles.set_pose(i, particles.pose(i) * before_from_after);
-                    }
-                  });
+  const auto move = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+    for (std::size_t i = begin; i < end; ++i) {
+      particles.set_pose(i, particles.pose(i) * before_from_after);
+    }
+  };
+  pool.for_chunks(particles.size(), kChunk, std::cref(move));
 }
 
 void sample_motions(const Pose2& motion, const Pose2& already_moved, bool has_odometry,
@@ -85,12 +86,12 @@ void sample_motions(const Pose2& motion, const Pose2& already_moved, bool has_od
   draw.rotation2_stddev_rad = spread.rotation2_rad;
   draw.key = stream_key(seed, StreamId::kMotion);
   draw.step = step;
-  pool.for_chunks(particles.size(), kChunk,
-                  [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
-                    draw_motions(draw, begin,
-                                 {particles.x_m.data() + begin, particles.y_m.data() + begin,
-                                  particles.theta_rad.data() + begin, end - begin});
-                  });
+  const auto move = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+    draw_motions(draw, begin,
+                 {particles.x_m.data() + begin, particles.y_m.data() + begin,
+                  particles.theta_rad.data() + begin, end - begin});
+  };
+  pool.for_chunks(particles.size(), kChunk, std::cref(move));
 }
 
 }  // namespace strata::localization

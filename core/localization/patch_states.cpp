@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 
 namespace strata::localization {
@@ -102,10 +103,10 @@ void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
       particles.patch[i] = other < particles.patch[i] ? other : other + 1;
     }
   };
-  pool.for_chunks(particles.size(), kChunk,
-                  [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
-                    for (std::size_t i = begin; i < end; ++i) move_one(i);
-                  });
+  const auto move = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+    for (std::size_t i = begin; i < end; ++i) move_one(i);
+  };
+  pool.for_chunks(particles.size(), kChunk, std::cref(move));
 }
 
 void PatchStates::absorb(const Pose2Gaussian& pose, ParticleSet& particles) const {
@@ -113,7 +114,9 @@ void PatchStates::absorb(const Pose2Gaussian& pose, ParticleSet& particles) cons
   // A cloud with two heaps is wider than this too, so the spread stands for both gates of SPEC C5.
   const double spread = std::sqrt(pose.covariance(0, 0) + pose.covariance(1, 1));
   if (!(spread < config_.shared_max_stddev_m)) return;
-  std::vector<double> factor(columns(), 0.0);
+  const auto loan = factors_.borrow();
+  std::vector<double>& factor = *loan;
+  factor.assign(columns(), 0.0);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const std::span<const float> row = particles.belief(i);
     for (std::size_t c = 0; c < row.size(); ++c) {
@@ -129,9 +132,17 @@ void PatchStates::absorb(const Pose2Gaussian& pose, ParticleSet& particles) cons
 }
 
 std::vector<SubmapBelief> PatchStates::posterior(const ParticleSet& particles) const {
-  std::vector<SubmapBelief> beliefs(offsets_.size() - 1);
+  std::vector<SubmapBelief> beliefs;
+  posterior(particles, beliefs);
+  return beliefs;
+}
+
+void PatchStates::posterior(const ParticleSet& particles,
+                            std::vector<SubmapBelief>& beliefs) const {
+  beliefs.resize(offsets_.size() - 1);
   for (std::size_t s = 0; s < beliefs.size(); ++s) {
     beliefs[s].submap = static_cast<int>(s);
+    beliefs[s].mass = 0.0;
     beliefs[s].probability.assign(static_cast<std::size_t>(count(s)), 0.0);
   }
   for (std::size_t i = 0; i < particles.size(); ++i) {
@@ -165,7 +176,6 @@ std::vector<SubmapBelief> PatchStates::posterior(const ParticleSet& particles) c
       value = sum > 0.0 ? value / sum : 1.0 / static_cast<double>(p.size());
     }
   }
-  return beliefs;
 }
 
 }  // namespace strata::localization

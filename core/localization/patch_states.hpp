@@ -11,6 +11,7 @@
 
 #include "core/base/config.hpp"
 #include "core/base/parallel.hpp"
+#include "core/localization/lender.hpp"
 #include "core/localization/particle_set.hpp"
 #include "core/patch/patch_map.hpp"
 #include "core/random/stream.hpp"
@@ -91,6 +92,8 @@ class PatchStates {
   /// One entry a sub-map. Without memory P(k) is the weight of particles in s with k over that of
   /// all in s (SPEC C8), uniform when none is in s.
   [[nodiscard]] std::vector<SubmapBelief> posterior(const ParticleSet& particles) const;
+  /// The same into `beliefs`, whose memory is kept.
+  void posterior(const ParticleSet& particles, std::vector<SubmapBelief>& beliefs) const;
 
  private:
   void predict_beliefs(std::span<float> row, double dt_s) const;
@@ -99,6 +102,7 @@ class PatchStates {
   PatchStatesConfig config_;
   std::vector<std::size_t> offsets_;
   std::vector<float> uniform_;
+  Lender<std::vector<double>> factors_;
 };
 
 /// b(k) <- b(k) factor(k), normalized, never below `least`. Zero sums leave b as it is.

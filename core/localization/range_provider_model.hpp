@@ -2,15 +2,23 @@
 /// The beam model for any map that can say how far a beam should go.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <utility>
 
 #include "core/base/config.hpp"
 #include "core/localization/beam_mixture.hpp"
+#include "core/localization/lender.hpp"
+#include "core/localization/particle_kernels.hpp"
 #include "core/localization/ray_caster.hpp"
 #include "core/localization/scan_beams.hpp"
+#include "core/localization/scan_mixture.hpp"
 #include "core/localization/sensor_model.hpp"
 
 namespace strata::localization {
@@ -37,6 +45,13 @@ struct BeamModelConfig {
   }
 };
 
+/// A provider that predicts many beams at once.
+template <typename T>
+concept FanProvider = requires(const T& provider, const RayFan& fan, double* range_m,
+                               std::int32_t* cell) {
+  provider.expected_ranges_m(fan, range_m, cell);
+};
+
 /// ln p(z | x) = 1/tau sum over beams ln p(z_n | expected range). Every map model that localizes
 /// with it has the same mixture, beams and temperature; only the provider differs (SPEC F).
 template <RangeProvider Provider>
@@ -44,49 +59,95 @@ class RangeProviderModel final : public SensorModel {
  public:
   explicit RangeProviderModel(std::shared_ptr<const Provider> provider,
                               const BeamModelConfig& config = {})
-      : provider_(std::move(provider)), config_(config) {
+      : provider_(std::move(provider)), config_(config), mixture_(config.mixture, 1.0) {
     require_valid(config, "beam_model");
   }
 
   std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override {
-    const ScanBeams beams = select_beams(scan, config_.beams);
-    const BeamMixture mixture(config_.mixture, beams.r_max_m);
+    const auto scratch = scratch_.borrow();
+    prepare(scan, *scratch);
     constexpr std::size_t kChunk = 64;
-    pool.for_chunks(
-        particles.size(), kChunk, [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
-          for (std::size_t i = begin; i < end; ++i) {
-            const Pose2 laser = particles.pose(i) * beams.robot_from_laser;
-            double sum = 0.0;
-            for (std::size_t k = 0; k < beams.size(); ++k) {
-              const double expected = provider_->expected_range_m(laser, beams.bearing_rad[k]);
-              sum += std::log(mixture.likelihood(beams.is_hit[k] != 0, beams.range_m[k], expected));
-            }
-            log_likelihood[i] = sum / tempering;
-          }
-        });
-    return beams.size();
+    const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Pose2 laser = particles.pose(i) * scratch->beams.robot_from_laser;
+        log_likelihood[i] = log_likelihood_at(laser, *scratch) / tempering;
+      }
+    };
+    pool.for_chunks(particles.size(), kChunk, std::cref(weigh));
+    return scratch->beams.size();
   }
 
   [[nodiscard]] double tempering() const override { return config_.tempering; }
 
   [[nodiscard]] double explained_share(const Scan& scan, const Pose2& map_from_robot,
                                        const ParticleSet& /*particles*/) const override {
-    const ScanBeams beams = select_beams(scan, config_.beams);
+    const auto scratch = scratch_.borrow();
+    select_beams(scan, config_.beams, scratch->beams);
+    const ScanBeams& beams = scratch->beams;
     if (beams.size() == 0) return 1.0;
-    const BeamMixture mixture(config_.mixture, beams.r_max_m);
+    const BeamMixture mixture = mixture_.limited_to(beams.r_max_m);
     const Pose2 laser = map_from_robot * beams.robot_from_laser;
     std::size_t explained = 0;
-    for (std::size_t k = 0; k < beams.size(); ++k) {
-      const double expected = provider_->expected_range_m(laser, beams.bearing_rad[k]);
-      if (mixture.explains(beams.is_hit[k] != 0, beams.range_m[k], expected)) ++explained;
+    std::array<double, kBlock> expected;
+    for (std::size_t begin = 0; begin < beams.size(); begin += kBlock) {
+      const std::size_t count = std::min(kBlock, beams.size() - begin);
+      expect(laser, beams, begin, count, expected.data());
+      for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t beam = begin + k;
+        if (mixture.explains(beams.is_hit[beam] != 0, beams.range_m[beam], expected[k])) {
+          ++explained;
+        }
+      }
     }
     return static_cast<double>(explained) / static_cast<double>(beams.size());
   }
 
  private:
+  static constexpr std::size_t kBlock = 256;
+  struct Scratch {
+    ScanBeams beams;
+    ScanMixture mixture;
+  };
+
+  void prepare(const Scan& scan, Scratch& scratch) const {
+    select_beams(scan, config_.beams, scratch.beams);
+    scratch.mixture.prepare(mixture_.limited_to(scratch.beams.r_max_m), scratch.beams);
+  }
+
+  /// Expected ranges of beams begin, begin + 1, ... count <= kBlock of them.
+  void expect(const Pose2& laser, const ScanBeams& beams, std::size_t begin, std::size_t count,
+              double* expected) const {
+    if constexpr (FanProvider<Provider>) {
+      std::array<std::int32_t, kBlock> cells;
+      provider_->expected_ranges_m(
+          {laser.x, laser.y, std::cos(laser.theta), std::sin(laser.theta),
+           beams.cosine.data() + begin, beams.sine.data() + begin, count, beams.r_max_m},
+          expected, cells.data());
+    } else {
+      for (std::size_t k = 0; k < count; ++k) {
+        expected[k] = provider_->expected_range_m(laser, beams.bearing_rad[begin + k]);
+      }
+    }
+  }
+
+  double log_likelihood_at(const Pose2& laser, const Scratch& scratch) const {
+    std::array<double, kBlock> expected;
+    std::array<double, kBlock> logs;
+    double sum = 0.0;
+    for (std::size_t begin = 0; begin < scratch.beams.size(); begin += kBlock) {
+      const std::size_t count = std::min(kBlock, scratch.beams.size() - begin);
+      expect(laser, scratch.beams, begin, count, expected.data());
+      scratch.mixture.log_likelihoods(begin, count, expected.data(), logs.data());
+      sum += sum_of(logs.data(), count);
+    }
+    return sum;
+  }
+
   std::shared_ptr<const Provider> provider_;
   BeamModelConfig config_;
+  BeamMixture mixture_;  // its limit is set for every scan
+  Lender<Scratch> scratch_;
 };
 
 /// Ray casting in one map: occupied means is_occupied, unknown is transparent.

@@ -13,6 +13,7 @@
 #include "core/grid/distance_field.hpp"
 #include "core/grid/grid.hpp"
 #include "core/grid/reflection_grid.hpp"
+#include "core/localization/ray_kernel.hpp"
 
 namespace strata::localization {
 
@@ -26,6 +27,16 @@ class RayWalker {
 
   [[nodiscard]] const CellRect& rect() const { return leap_.rect(); }
   [[nodiscard]] double resolution_m() const { return leap_.resolution_m(); }
+
+  /// The same for kernels.
+  [[nodiscard]] RayTable table() const {
+    return {leap_.values().data(),
+            leap_.width(),
+            leap_.height(),
+            static_cast<double>(rect().min.x),
+            static_cast<double>(rect().min.y),
+            resolution_m()};
+  }
 
   /// Calls visit(index of the cell in the grid, entry_m, exit_m) for each marked cell on the ray,
   /// in order, until it returns false, the ray is max_range_m long, or leaves the grid. Rays that
@@ -112,6 +123,13 @@ class RayCaster {
 
   /// Metres along the beam, or +infinity when it meets nothing within the limit. 20 to 100 ns.
   [[nodiscard]] double expected_range_m(const Pose2& map_from_laser, double bearing_rad) const;
+  /// The same for many beams at once: those of `fan`, no further than its limit and this one's.
+  /// range_m, cell: fan.count places; cell is rubbish to the caller.
+  void expected_ranges_m(const RayFan& fan, double* range_m, std::int32_t* cell) const {
+    RayFan limited = fan;
+    limited.max_range_m = std::min(fan.max_range_m, max_range_m_);
+    cast_rays(walker_.table(), limited, range_m, cell);
+  }
   /// The same for a direction given by its cosine and sine.
   [[nodiscard]] double range_m(double x_m, double y_m, double c, double s,
                                double max_range_m) const {

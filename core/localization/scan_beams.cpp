@@ -29,6 +29,16 @@ double limit_of(const Scan& scan, const BeamSelectionConfig& config) {
 
 ScanBeams select_beams(const Scan& scan, const BeamSelectionConfig& config) {
   ScanBeams beams;
+  select_beams(scan, config, beams);
+  return beams;
+}
+
+void select_beams(const Scan& scan, const BeamSelectionConfig& config, ScanBeams& beams) {
+  beams.bearing_rad.clear();
+  beams.cosine.clear();
+  beams.sine.clear();
+  beams.range_m.clear();
+  beams.is_hit.clear();
   beams.robot_from_laser = scan.robot_from_laser;
   beams.r_max_m = limit_of(scan, config);
   const double increment = std::abs(static_cast<double>(scan.angle_increment_rad));
@@ -42,11 +52,13 @@ ScanBeams select_beams(const Scan& scan, const BeamSelectionConfig& config) {
     if (kind == BeamKind::kInvalid || kind == BeamKind::kTooClose) continue;
     const auto range = static_cast<double>(scan.ranges_m[i]);
     const bool is_hit = kind == BeamKind::kHit && range < beams.r_max_m;
-    beams.bearing_rad.push_back(scan.bearing_rad(i));
+    const double bearing = scan.bearing_rad(i);
+    beams.bearing_rad.push_back(bearing);
+    beams.cosine.push_back(std::cos(bearing));
+    beams.sine.push_back(std::sin(bearing));
     beams.range_m.push_back(is_hit ? range : beams.r_max_m);
     beams.is_hit.push_back(is_hit ? 1 : 0);
   }
-  return beams;
 }
 
 bool says_something(const Scan& scan) {

@@ -31,6 +31,8 @@ struct ScanBeams {
   Pose2 robot_from_laser;
   double r_max_m = 0.0;  ///< beyond: nothing returned
   std::vector<double> bearing_rad;
+  std::vector<double> cosine;  ///< of the bearing
+  std::vector<double> sine;
   std::vector<double> range_m;        ///< r_max_m where nothing returned
   std::vector<unsigned char> is_hit;  ///< 1: range_m was measured
 
@@ -41,6 +43,9 @@ struct ScanBeams {
 /// (range_max not finite or not positive, and none configured) takes 1 m more than its longest
 /// reading. O(beams).
 [[nodiscard]] ScanBeams select_beams(const Scan& scan, const BeamSelectionConfig& config);
+
+/// The same into `beams`, whose memory is kept.
+void select_beams(const Scan& scan, const BeamSelectionConfig& config, ScanBeams& beams);
 
 /// Whether any beam says something: a hit or no return.
 [[nodiscard]] bool says_something(const Scan& scan);

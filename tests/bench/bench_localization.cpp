@@ -12,6 +12,7 @@
 #include "core/localization/likelihood_field_model.hpp"
 #include "core/localization/localizer.hpp"
 #include "core/localization/range_provider_model.hpp"
+#include "core/scan/endpoints.hpp"
 #include "tests/bench/peers_scenario.hpp"
 
 namespace strata::localization {

@@ -14,8 +14,10 @@
 #include "core/grid/ray_traversal.hpp"
 #include "core/localization/likelihood_field_model.hpp"
 #include "core/localization/localizer.hpp"
-#include "core/localization/ray_caster.hpp"
+#include "core/localization/patch_beam_model.hpp"
+#include "core/localization/range_provider_model.hpp"
 #include "core/random/stream.hpp"
+#include "core/scan/endpoints.hpp"
 #include "tests/bench/limits/limits.hpp"
 #include "tests/bench/peers_scenario.hpp"
 
@@ -205,41 +207,158 @@ void traversal(benchmark::State& state) {
 }
 BENCHMARK(traversal);
 
-/// Expected ranges from the true poses of the scenario, 360 beams each; per ray.
+/// Directions of the scenario's beams.
+struct Fan {
+  std::vector<double> cosine, sine;
+  std::vector<float> cosine_f, sine_f;
+  Fan() {
+    for (std::size_t i = 0; i < 360; ++i) {
+      const double angle = 0.0174532925 * static_cast<double>(i);
+      cosine.push_back(std::cos(angle));
+      sine.push_back(std::sin(angle));
+      cosine_f.push_back(static_cast<float>(cosine.back()));
+      sine_f.push_back(static_cast<float>(sine.back()));
+    }
+  }
+};
+
+/// Ranges of 352 beams from every pose, the bare way.
+class BareCaster {
+ public:
+  explicit BareCaster(const ReflectionGrid& map)
+      : distances_(make_distance_field(map)), x_(360), y_(360), ranges_(360) {
+    for (float& distance : distances_.values()) distance /= 0.05F;
+  }
+  void cast(const Pose2& pose, const Fan& fan) {
+    std::fill(x_.begin(), x_.end(), static_cast<float>(pose.x / 0.05));
+    std::fill(y_.begin(), y_.end(), static_cast<float>(pose.y / 0.05));
+    limit::cast(limit_field(distances_), x_.data(), y_.data(), fan.cosine_f.data(),
+                fan.sine_f.data(), 352, 200.0F, ranges_.data());
+    benchmark::DoNotOptimize(ranges_.data());
+  }
+
+ private:
+  Grid<float> distances_;
+  std::vector<float> x_, y_, ranges_;
+};
+
+/// Expected ranges from the true poses of the scenario, 352 beams each; per ray.
 void ray_query(benchmark::State& state) {
   const auto& scenario = peers_scenario();
   if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
   const localization::RayCaster caster(scenario.map, 10.0);
-  Grid<float> distances = make_distance_field(scenario.map);
-  for (float& distance : distances.values()) distance /= 0.05F;
-  std::vector<float> x, y, c, s, ranges(360);
-  for (std::size_t i = 0; i < 360; ++i) {
-    const double angle = 0.0174532925 * static_cast<double>(i);
-    c.push_back(static_cast<float>(std::cos(angle)));
-    s.push_back(static_cast<float>(std::sin(angle)));
-  }
-  x.resize(360);
-  y.resize(360);
+  const Fan fan;
+  BareCaster bare_caster(scenario.map);
+  std::vector<double> ranges(352);
+  std::vector<std::int32_t> cells(352);
   const auto ours = [&] {
     for (const Pose2& pose : scenario.truth) {
-      for (std::size_t i = 0; i < 360; ++i) {
-        benchmark::DoNotOptimize(caster.range_m(pose.x, pose.y, static_cast<double>(c[i]),
-                                                static_cast<double>(s[i]), 10.0));
-      }
-    }
-  };
-  const auto bare = [&] {
-    for (const Pose2& pose : scenario.truth) {
-      std::fill(x.begin(), x.end(), static_cast<float>(pose.x / 0.05));
-      std::fill(y.begin(), y.end(), static_cast<float>(pose.y / 0.05));
-      limit::cast(limit_field(distances), x.data(), y.data(), c.data(), s.data(), 352, 200.0F,
-                  ranges.data());
+      caster.expected_ranges_m(
+          {pose.x, pose.y, 1.0, 0.0, fan.cosine.data(), fan.sine.data(), 352, 10.0}, ranges.data(),
+          cells.data());
       benchmark::DoNotOptimize(ranges.data());
     }
   };
-  compare(state, static_cast<double>(360 * scenario.truth.size()), ours, bare);
+  const auto bare = [&] {
+    for (const Pose2& pose : scenario.truth) bare_caster.cast(pose, fan);
+  };
+  compare(state, static_cast<double>(352 * scenario.truth.size()), ours, bare);
 }
 BENCHMARK(ray_query);
+
+/// 500 particles about the true pose of each tenth scan.
+std::vector<localization::ParticleSet> clouds() {
+  RandomStream random(5, StreamId::kTest);
+  std::vector<localization::ParticleSet> sets;
+  for (std::size_t n = 0; n < peers_scenario().truth.size(); n += 10) {
+    localization::ParticleSet set;
+    set.resize(500);
+    const Pose2& truth = peers_scenario().truth[n];
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      set.set_pose(i, {truth.x + 0.1 * random.normal(), truth.y + 0.1 * random.normal(),
+                       truth.theta + 0.03 * random.normal()});
+    }
+    localization::set_uniform_weights(set);
+    sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
+/// Weighs all clouds; returns how many beams and particles that were.
+double weigh(const localization::SensorModel& model, std::vector<localization::ParticleSet>& sets) {
+  std::vector<double> log(500);
+  WorkerPool pool(1);
+  double pairs = 0.0;
+  for (std::size_t n = 0; n < sets.size(); ++n) {
+    const Scan& scan = peers_scenario().observations[10 * n].scan;
+    pairs += 500.0 * static_cast<double>(model.log_likelihoods(scan, 1.0, sets[n], log, pool));
+    benchmark::DoNotOptimize(log.data());
+  }
+  return pairs;
+}
+
+/// The beam model, one beam every 5 degrees, per beam and particle; the limit is its ray query.
+void beam_model(benchmark::State& state) {
+  const auto& scenario = peers_scenario();
+  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
+  const auto model = localization::make_grid_beam_model(scenario.map);
+  auto sets = clouds();
+  const double pairs = weigh(*model, sets);
+  const Fan fan;
+  BareCaster bare_caster(scenario.map);
+  const auto fans = static_cast<std::size_t>(pairs / 352.0);
+  const auto bare = [&] {
+    for (std::size_t n = 0; n < fans; ++n) {
+      bare_caster.cast(scenario.truth[n % scenario.truth.size()], fan);
+    }
+  };
+  compare(
+      state, pairs, [&] { weigh(*model, sets); }, bare);
+}
+BENCHMARK(beam_model);
+
+/// The beam model with a sub-map of 4 m x 4 m and two configurations at every third cloud, against
+/// the same without: what the patch state costs. Argument: PatchMemory.
+void patch_state(benchmark::State& state) {
+  const auto& scenario = peers_scenario();
+  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
+  auto map = std::make_shared<patch::PatchMap>();
+  map->base = scenario.map;
+  for (std::size_t n = 0; n < scenario.truth.size(); n += 30) {
+    const Cell cell = scenario.map.cell_at(scenario.truth[n].translation());
+    patch::Submap submap;
+    submap.id = static_cast<int>(map->submaps.size());
+    submap.rect =
+        CellRect{cell, {cell.x + 1, cell.y + 1}}.inflated(40).intersected(scenario.map.rect());
+    for (int k = 0; k < 2; ++k) {
+      patch::Configuration configuration;
+      configuration.reflection = scenario.map.cropped(submap.rect);
+      configuration.prior = 0.5;
+      const CellRect box =
+          CellRect{{cell.x + 20, cell.y - 8}, {cell.x + 30, cell.y + 8}}.intersected(submap.rect);
+      for (int y = box.min.y; y < box.max.y && k == 1; ++y) {
+        for (int x = box.min.x; x < box.max.x; ++x) configuration.reflection.at({x, y}) = 1.0F;
+      }
+      submap.configurations.push_back(std::move(configuration));
+    }
+    map->submaps.push_back(std::move(submap));
+  }
+  localization::PatchBeamModelConfig config;
+  config.states.memory = static_cast<localization::PatchMemory>(state.range(0));
+  const localization::PatchBeamModel model(map, config);
+  const auto grid = localization::make_grid_beam_model(scenario.map);
+  auto sets = clouds();
+  auto patched = sets;
+  RandomStream random(6, StreamId::kTest);
+  for (localization::ParticleSet& set : patched) {
+    model.patch_states()->prepare(set);
+    for (std::size_t i = 0; i < set.size(); ++i) model.patch_states()->draw(set, i, random);
+  }
+  const double pairs = weigh(*grid, sets);
+  compare(
+      state, pairs, [&] { weigh(model, patched); }, [&] { weigh(*grid, sets); });
+}
+BENCHMARK(patch_state)->ArgName("memory")->DenseRange(0, 2);
 
 }  // namespace
 }  // namespace strata

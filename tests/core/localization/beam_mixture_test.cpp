@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/beam_mixture.hpp"
 
+#include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/base/config.hpp"
+#include "core/localization/scan_mixture.hpp"
+#include "core/random/stream.hpp"
+#include "tests/core/localization/every_target.hpp"
 
 namespace strata::localization {
 namespace {
@@ -36,6 +41,45 @@ TEST(BeamMixture, PrefersTheExpectedRange) {
   // Something in the way is likelier than a beam through the wall.
   EXPECT_GT(mixture.density(1.0, 3.0), mixture.density(5.0, 3.0));
   EXPECT_GT(mixture.no_return(std::numeric_limits<double>::infinity()), mixture.no_return(3.0));
+}
+
+TEST(ScanMixture, EveryTargetGivesTheLogarithmsOfTheMixture) {
+  RandomStream random(4, StreamId::kTest);
+  BeamMixtureConfig config;
+  BeamMixtureConfig no_random;  // far from everything the likelihood is 0
+  no_random.random_weight = 0.0;
+  no_random.short_weight = 0.18;
+  for (const BeamMixtureConfig& constants : {config, no_random}) {
+    const BeamMixture mixture(constants, 8.0);
+    ScanBeams beams;
+    std::vector<double> expected;
+    for (int k = 0; k < 501; ++k) {
+      const bool is_hit = k % 4 != 0;
+      beams.range_m.push_back(is_hit ? random.uniform(0.0, 7.99) : 8.0);
+      beams.is_hit.push_back(is_hit ? 1 : 0);
+      expected.push_back(k % 11 == 0 ? std::numeric_limits<double>::infinity()
+                                     : (k % 13 == 0 ? 0.0 : random.uniform(0.0, 9.0)));
+    }
+    ScanMixture scan;
+    scan.prepare(mixture, beams);
+    std::vector<double> first;
+    test::for_every_target([&] {
+      std::vector<double> logs(expected.size());
+      scan.log_likelihoods(0, 500, expected.data(), logs.data());
+      scan.log_likelihoods(500, 1, expected.data() + 500, logs.data() + 500);
+      for (std::size_t k = 0; k < logs.size(); ++k) {
+        const double slow =
+            std::log(mixture.likelihood(beams.is_hit[k] != 0, beams.range_m[k], expected[k]));
+        if (std::isinf(slow)) {
+          EXPECT_EQ(logs[k], slow);
+        } else {
+          EXPECT_NEAR(logs[k], slow, 1e-8);
+        }
+      }
+      if (first.empty()) first = logs;
+      EXPECT_EQ(logs, first);
+    });
+  }
 }
 
 }  // namespace

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/grid/ray_traversal.hpp"
 #include "core/random/stream.hpp"
+#include "tests/core/localization/every_target.hpp"
 
 namespace strata::localization {
 namespace {
@@ -49,6 +51,56 @@ TEST(RayCaster, EqualsTheExactTraversal) {
       } else {
         EXPECT_NEAR(got, expected, 1e-9);
       }
+    }
+  }
+}
+
+TEST(RayKernel, EveryTargetGivesTheBitsOfTheScalarWalk) {
+  RandomStream random(19, StreamId::kTest);
+  for (const double density : {0.0, 0.002, 0.03, 0.3}) {
+    Grid<std::uint8_t> marked(0.05, {{-60, -50}, {80, 70}});
+    for (std::uint8_t& m : marked.values()) m = random.bernoulli(density) ? 1 : 0;
+    const RayWalker walker(marked);
+    for (int n = 0; n < 400; ++n) {
+      // Inside, outside, on lattice lines; straight along the axes too.
+      RayFan fan;
+      fan.x_m = n % 7 == 0 ? 0.05 * random.below(40) : random.uniform(-4.0, 5.0);
+      fan.y_m = random.uniform(-3.5, 4.5);
+      fan.max_range_m = random.uniform(0.5, 9.0);
+      if (n % 3 == 0) {
+        const double heading = random.uniform(-4.0, 4.0);
+        fan.heading_cosine = std::cos(heading);
+        fan.heading_sine = std::sin(heading);
+      }
+      std::vector<double> cosine{1.0, 0.0, -1.0, 0.0};
+      std::vector<double> sine{0.0, 1.0, 0.0, -1.0};
+      for (int k = 0; k < 15; ++k) {
+        const double angle = random.uniform(-4.0, 4.0);
+        cosine.push_back(std::cos(angle));
+        sine.push_back(std::sin(angle));
+      }
+      fan.cosine = cosine.data();
+      fan.sine = sine.data();
+      fan.count = cosine.size();
+      std::vector<double> expected(fan.count, std::numeric_limits<double>::infinity());
+      std::vector<std::int32_t> expected_cell(fan.count, -1);
+      for (std::size_t k = 0; k < fan.count; ++k) {
+        const double c = fan.heading_cosine * cosine[k] - fan.heading_sine * sine[k];
+        const double s = fan.heading_sine * cosine[k] + fan.heading_cosine * sine[k];
+        walker.walk(fan.x_m, fan.y_m, c, s, fan.max_range_m,
+                    [&](std::size_t index, double entry_m, double exit_m) {
+                      expected[k] = 0.5 * (entry_m + exit_m);
+                      expected_cell[k] = static_cast<std::int32_t>(index);
+                      return false;
+                    });
+      }
+      test::for_every_target([&] {
+        std::vector<double> range(fan.count);
+        std::vector<std::int32_t> cell(fan.count);
+        cast_rays(walker.table(), fan, range.data(), cell.data());
+        ASSERT_EQ(range, expected);
+        ASSERT_EQ(cell, expected_cell);
+      });
     }
   }
 }

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// Highway compiles this file once for each SIMD target and picks one at run time.
+#include "core/localization/ray_kernel.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/localization/ray_kernel.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace strata::localization::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t kMostLanes = 8;
+using Tag = hn::CappedTag<double, kMostLanes>;
+using Lanes = hn::Vec<Tag>;
+using Floats = hn::Rebind<float, Tag>;
+using Places = hn::Rebind<std::int32_t, Tag>;
+
+/// One axis of the rays: where they start and how they cross the lattice lines. All in cells,
+/// relative to the table's corner.
+struct Axis {
+  Lanes start, direction, inverse, step, line, size;
+
+  HWY_INLINE Axis(double start_cells, Lanes along, std::int32_t cells) {
+    const Tag d;
+    const auto zero = hn::Zero(d);
+    start = hn::Set(d, start_cells);
+    direction = along;
+    size = hn::Set(d, static_cast<double>(cells));
+    const auto is_still = hn::Eq(along, zero);
+    const auto is_up = hn::Gt(along, zero);
+    inverse = hn::IfThenElseZero(hn::Not(is_still), hn::Div(hn::Set(d, 1.0), along));
+    step = hn::IfThenElse(is_up, hn::Set(d, 1.0), hn::Set(d, -1.0));
+    line = hn::IfThenElseZero(is_up, hn::Set(d, 1.0));
+  }
+  /// Cuts [t0, t1] to where the ray is inside the table.
+  HWY_INLINE void clip(Lanes& t0, Lanes& t1) const {
+    const Tag d;
+    const auto zero = hn::Zero(d);
+    const auto a = hn::Div(hn::Sub(zero, start), direction);
+    const auto b = hn::Div(hn::Sub(size, start), direction);
+    const auto is_still = hn::Eq(direction, zero);
+    const auto is_outside = hn::Or(hn::Lt(start, zero), hn::Ge(start, size));
+    const auto still_end = hn::IfThenElse(is_outside, hn::Set(d, -1.0), t1);
+    t0 = hn::IfThenElse(is_still, t0, hn::Max(t0, hn::Min(a, b)));
+    t1 = hn::IfThenElse(is_still, still_end, hn::Min(t1, hn::Max(a, b)));
+  }
+  [[nodiscard]] HWY_INLINE Lanes at(Lanes t) const { return hn::Add(start, hn::Mul(t, direction)); }
+  [[nodiscard]] HWY_INLINE Lanes first_cell(Lanes t) const {
+    const Tag d;
+    const auto last = hn::Sub(size, hn::Set(d, 1.0));
+    return hn::Min(hn::Max(hn::Floor(at(t)), hn::Zero(d)), last);
+  }
+  /// When the ray leaves cell i.
+  [[nodiscard]] HWY_INLINE Lanes crossing(Lanes i) const {
+    const Tag d;
+    const auto crossing = hn::Mul(hn::Sub(hn::Add(i, line), start), inverse);
+    return hn::IfThenElse(hn::Eq(direction, hn::Zero(d)),
+                          hn::Set(d, std::numeric_limits<double>::infinity()), crossing);
+  }
+  [[nodiscard]] HWY_INLINE hn::Mask<Tag> holds(Lanes i) const {
+    return hn::And(hn::Ge(i, hn::Zero(Tag())), hn::Lt(i, size));
+  }
+};
+
+/// A vector of rays, each lane at its own place.
+struct Rays {
+  Axis x, y;
+  Lanes t, end, i, j, range, found;
+  hn::Mask<Tag> is_active;
+
+  HWY_INLINE Rays(const RayTable& table, const RayFan& fan, Lanes cosine, Lanes sine)
+      : x(fan.x_m / table.resolution_m - table.min_x, cosine, table.width),
+        y(fan.y_m / table.resolution_m - table.min_y, sine, table.height) {
+    const Tag d;
+    t = hn::Zero(d);
+    end = hn::Set(d, fan.max_range_m / table.resolution_m);
+    x.clip(t, end);
+    y.clip(t, end);
+    is_active = hn::Lt(t, end);
+    i = x.first_cell(t);
+    j = y.first_cell(t);
+    range = hn::Set(d, std::numeric_limits<double>::infinity());
+    found = hn::Set(d, -1.0);
+  }
+
+  /// One step of RayWalker::walk in every lane that is not done.
+  HWY_INLINE void step(const RayTable& table, Lanes resolution) {
+    const Tag d;
+    const auto place = hn::Add(hn::Mul(j, x.size), i);
+    const auto index = hn::DemoteTo(Places(), place);
+    const auto leap = hn::PromoteTo(d, hn::GatherIndex(Floats(), table.leaps, index));
+    const auto next_x = x.crossing(i);
+    const auto next_y = y.crossing(j);
+    const auto next = hn::Max(t, hn::Min(next_x, next_y));
+    const auto is_hit = hn::And(is_active, hn::Lt(leap, hn::Zero(d)));
+    const auto middle = hn::Mul(
+        hn::Set(d, 0.5), hn::Add(hn::Mul(t, resolution), hn::Mul(hn::Min(next, end), resolution)));
+    range = hn::IfThenElse(is_hit, middle, range);
+    found = hn::IfThenElse(is_hit, place, found);
+    const auto is_leap = hn::Gt(leap, hn::Set(d, 1.0));
+    t = hn::IfThenElse(is_leap, hn::Add(t, leap), next);
+    const auto step_i = hn::Add(i, hn::IfThenElseZero(hn::Le(next_x, next_y), x.step));
+    const auto step_j = hn::Add(j, hn::IfThenElseZero(hn::Le(next_y, next_x), y.step));
+    const auto new_i = hn::IfThenElse(is_leap, hn::Floor(x.at(t)), step_i);
+    const auto new_j = hn::IfThenElse(is_leap, hn::Floor(y.at(t)), step_j);
+    is_active = hn::And(hn::AndNot(is_hit, is_active), hn::Lt(t, end));
+    is_active = hn::And(is_active, hn::And(x.holds(new_i), y.holds(new_j)));
+    // A lane that is done stays where the table can be read.
+    i = hn::IfThenElse(is_active, new_i, i);
+    j = hn::IfThenElse(is_active, new_j, j);
+  }
+};
+
+/// Vectors that walk at the same time, so that one works while another waits for the table.
+constexpr std::size_t kAbreast = 3;
+
+HWY_INLINE Rays rays_at(const RayTable& table, const RayFan& fan, const double* cosine,
+                        const double* sine) {
+  const Tag d;
+  const auto hc = hn::Set(d, fan.heading_cosine);
+  const auto hs = hn::Set(d, fan.heading_sine);
+  const auto bc = hn::LoadU(d, cosine);
+  const auto bs = hn::LoadU(d, sine);
+  return Rays(table, fan, hn::Sub(hn::Mul(hc, bc), hn::Mul(hs, bs)),
+              hn::Add(hn::Mul(hs, bc), hn::Mul(hc, bs)));
+}
+
+/// kAbreast vectors of rays.
+HWY_INLINE void cast_block(const RayTable& table, const RayFan& fan, const double* cosine,
+                           const double* sine, double* range_m, std::int32_t* cell) {
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto resolution = hn::Set(d, table.resolution_m);
+  static_assert(kAbreast == 3);
+  Rays a = rays_at(table, fan, cosine, sine);
+  Rays b = rays_at(table, fan, cosine + lanes, sine + lanes);
+  Rays c = rays_at(table, fan, cosine + 2 * lanes, sine + 2 * lanes);
+  while (!hn::AllFalse(d, hn::Or(hn::Or(a.is_active, b.is_active), c.is_active))) {
+    a.step(table, resolution);
+    b.step(table, resolution);
+    c.step(table, resolution);
+  }
+  const auto store = [&](const Rays& rays, std::size_t k) {
+    hn::StoreU(rays.range, d, range_m + k);
+    hn::StoreU(hn::DemoteTo(Places(), rays.found), Places(), cell + k);
+  };
+  store(a, 0);
+  store(b, lanes);
+  store(c, 2 * lanes);
+}
+
+void cast_rays_lanes(const RayTable& table, const RayFan& fan, double* range_m,
+                     std::int32_t* cell) {
+  const std::size_t block = kAbreast * hn::Lanes(Tag());
+  std::size_t k = 0;
+  for (; k + block <= fan.count; k += block) {
+    cast_block(table, fan, fan.cosine + k, fan.sine + k, range_m + k, cell + k);
+  }
+  if (k == fan.count) return;
+  constexpr std::size_t kMost = kAbreast * kMostLanes;
+  double cosine[kMost];
+  double sine[kMost];
+  std::fill(cosine, cosine + kMost, fan.cosine[k]);
+  std::fill(sine, sine + kMost, fan.sine[k]);
+  std::copy(fan.cosine + k, fan.cosine + fan.count, cosine);
+  std::copy(fan.sine + k, fan.sine + fan.count, sine);
+  double ranges[kMost];
+  std::int32_t cells[kMost];
+  cast_block(table, fan, cosine, sine, ranges, cells);
+  std::copy(ranges, ranges + (fan.count - k), range_m + k);
+  std::copy(cells, cells + (fan.count - k), cell + k);
+}
+
+}  // namespace strata::localization::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace strata::localization {
+
+HWY_EXPORT(cast_rays_lanes);
+
+void cast_rays(const RayTable& table, const RayFan& fan, double* range_m, std::int32_t* cell) {
+  HWY_DYNAMIC_DISPATCH(cast_rays_lanes)(table, fan, range_m, cell);
+}
+
+}  // namespace strata::localization
+#endif  // HWY_ONCE

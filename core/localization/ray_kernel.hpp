@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Many rays from one place at once, with the widest SIMD that the machine has.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace strata::localization {
+
+/// What a RayWalker walks through: cells that a ray may leap from anywhere in a cell, row by row;
+/// below 0: marked.
+struct RayTable {
+  const float* leaps = nullptr;
+  std::int32_t width = 0;
+  std::int32_t height = 0;
+  double min_x = 0.0;  ///< lattice coordinates of the corner
+  double min_y = 0.0;
+  double resolution_m = 0.05;
+};
+
+/// Rays from (x_m, y_m). Ray k points in the direction (cosine[k], sine[k]) of a laser that is
+/// itself turned by (heading_cosine, heading_sine).
+struct RayFan {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double heading_cosine = 1.0;
+  double heading_sine = 0.0;
+  const double* cosine = nullptr;
+  const double* sine = nullptr;
+  std::size_t count = 0;
+  double max_range_m = 0.0;
+};
+
+/// range_m[k]: to the middle of ray k's way through the first marked cell, +infinity when it meets
+/// none; cell[k]: the place of that cell in the table, -1 for none. The same bits as
+/// RayWalker::walk on every SIMD target. Requires finite numbers.
+void cast_rays(const RayTable& table, const RayFan& fan, double* range_m, std::int32_t* cell);
+
+}  // namespace strata::localization

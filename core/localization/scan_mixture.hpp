@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The beam mixture for all beams of a scan at once, with the widest SIMD that the machine has.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/localization/beam_mixture.hpp"
+#include "core/localization/scan_beams.hpp"
+
+namespace strata::localization {
+
+/// A mixture with what depends on the measured ranges alone worked out once.
+class ScanMixture {
+ public:
+  /// Keeps memory between scans.
+  void prepare(const BeamMixture& mixture, const ScanBeams& beams);
+
+  [[nodiscard]] const BeamMixture& mixture() const { return *mixture_; }
+  [[nodiscard]] std::size_t size() const { return range_m_.size(); }
+
+  /// log_likelihood[k] = ln mixture.likelihood(beam begin + k, expected_m[k]) for k < count; any
+  /// expected range, +infinity for none. Every SIMD target gives the same bits, within 1e-8 of
+  /// those of BeamMixture. Requires begin + count <= size().
+  void log_likelihoods(std::size_t begin, std::size_t count, const double* expected_m,
+                       double* log_likelihood) const;
+
+  /// What the kernel reads: constants, and one entry a beam.
+  struct Terms {
+    const double* range_m = nullptr;
+    const double* is_hit = nullptr;    ///< 1 or 0
+    const double* short_m = nullptr;   ///< w_short l e^(-l z) [1/m]
+    const double* log_none = nullptr;  ///< when nothing is expected
+    double log_missed = 0.0;           ///< no return where an obstacle is expected
+    double random = 0.0;
+    double hit_peak = 0.0;
+    double half_inverse = 0.0;
+    double rate_per_m = 0.0;
+    double r_max_m = 0.0;
+    double margin_m = 0.0;  ///< nearer to either end the Gaussian is cut: left to BeamMixture
+  };
+
+ private:
+  std::optional<BeamMixture> mixture_;
+  Terms terms_;  // without the pointers
+  std::vector<double> range_m_;
+  std::vector<double> is_hit_;
+  std::vector<double> short_m_;
+  std::vector<double> log_none_;
+};
+
+}  // namespace strata::localization
