@@ -28,14 +28,17 @@ struct Axis {
   HWY_INLINE Axis(double start_cells, Lanes along, std::int32_t cells) {
     const Tag d;
     const auto zero = hn::Zero(d);
+    const auto one = hn::Set(d, 1.0);
     start = hn::Set(d, start_cells);
     direction = along;
     size = hn::Set(d, static_cast<double>(cells));
-    const auto is_still = hn::Eq(along, zero);
-    const auto is_up = hn::Gt(along, zero);
-    inverse = hn::IfThenElseZero(hn::Not(is_still), hn::Div(hn::Set(d, 1.0), along));
-    step = hn::IfThenElse(is_up, hn::Set(d, 1.0), hn::Set(d, -1.0));
-    line = hn::IfThenElseZero(is_up, hn::Set(d, 1.0));
+    // A ray along the other axis never comes to the line above it.
+    const auto is_down = hn::Lt(along, zero);
+    inverse =
+        hn::IfThenElse(hn::Eq(along, zero), hn::Set(d, std::numeric_limits<double>::infinity()),
+                       hn::Div(one, along));
+    step = hn::IfThenElse(is_down, hn::Set(d, -1.0), one);
+    line = hn::IfThenElse(is_down, zero, one);
   }
   /// Cuts [t0, t1] to where the ray is inside the table.
   HWY_INLINE void clip(Lanes& t0, Lanes& t1) const {
@@ -57,21 +60,19 @@ struct Axis {
   }
   /// When the ray leaves cell i.
   [[nodiscard]] HWY_INLINE Lanes crossing(Lanes i) const {
-    const Tag d;
-    const auto crossing = hn::Mul(hn::Sub(hn::Add(i, line), start), inverse);
-    return hn::IfThenElse(hn::Eq(direction, hn::Zero(d)),
-                          hn::Set(d, std::numeric_limits<double>::infinity()), crossing);
+    return hn::Mul(hn::Sub(hn::Add(i, line), start), inverse);
   }
   [[nodiscard]] HWY_INLINE hn::Mask<Tag> holds(Lanes i) const {
     return hn::And(hn::Ge(i, hn::Zero(Tag())), hn::Lt(i, size));
   }
 };
 
-/// A vector of rays, each lane at its own place.
+/// A vector of rays, each lane at its own place: t cells along its ray, in cell (i, j). A lane that
+/// is done stays where it is.
 struct Rays {
   Axis x, y;
-  Lanes t, end, i, j, range, found;
-  hn::Mask<Tag> is_active;
+  Lanes t, end, i, j;
+  hn::Mask<Tag> is_active, is_hit;
 
   HWY_INLINE Rays(const RayTable& table, const RayFan& fan, Lanes cosine, Lanes sine)
       : x(fan.x_m / table.resolution_m - table.min_x, cosine, table.width),
@@ -82,37 +83,47 @@ struct Rays {
     x.clip(t, end);
     y.clip(t, end);
     is_active = hn::Lt(t, end);
+    is_hit = hn::Lt(t, hn::Zero(d));  // none yet
     i = x.first_cell(t);
     j = y.first_cell(t);
-    range = hn::Set(d, std::numeric_limits<double>::infinity());
-    found = hn::Set(d, -1.0);
   }
 
+  [[nodiscard]] HWY_INLINE Lanes place() const { return hn::Add(hn::Mul(j, x.size), i); }
+
   /// One step of RayWalker::walk in every lane that is not done.
-  HWY_INLINE void step(const RayTable& table, Lanes resolution) {
+  HWY_INLINE void step(const RayTable& table) {
     const Tag d;
-    const auto place = hn::Add(hn::Mul(j, x.size), i);
-    const auto index = hn::DemoteTo(Places(), place);
+    const auto index = hn::DemoteTo(Places(), place());
     const auto leap = hn::PromoteTo(d, hn::GatherIndex(Floats(), table.leaps, index));
+    const auto is_marked = hn::Lt(leap, hn::Zero(d));
+    is_hit = hn::Or(is_hit, hn::And(is_active, is_marked));
+    is_active = hn::AndNot(is_marked, is_active);
     const auto next_x = x.crossing(i);
     const auto next_y = y.crossing(j);
     const auto next = hn::Max(t, hn::Min(next_x, next_y));
-    const auto is_hit = hn::And(is_active, hn::Lt(leap, hn::Zero(d)));
-    const auto middle = hn::Mul(
-        hn::Set(d, 0.5), hn::Add(hn::Mul(t, resolution), hn::Mul(hn::Min(next, end), resolution)));
-    range = hn::IfThenElse(is_hit, middle, range);
-    found = hn::IfThenElse(is_hit, place, found);
     const auto is_leap = hn::Gt(leap, hn::Set(d, 1.0));
-    t = hn::IfThenElse(is_leap, hn::Add(t, leap), next);
+    const auto new_t = hn::IfThenElse(is_leap, hn::Add(t, leap), next);
     const auto step_i = hn::Add(i, hn::IfThenElseZero(hn::Le(next_x, next_y), x.step));
     const auto step_j = hn::Add(j, hn::IfThenElseZero(hn::Le(next_y, next_x), y.step));
-    const auto new_i = hn::IfThenElse(is_leap, hn::Floor(x.at(t)), step_i);
-    const auto new_j = hn::IfThenElse(is_leap, hn::Floor(y.at(t)), step_j);
-    is_active = hn::And(hn::AndNot(is_hit, is_active), hn::Lt(t, end));
+    const auto new_i = hn::IfThenElse(is_leap, hn::Floor(x.at(new_t)), step_i);
+    const auto new_j = hn::IfThenElse(is_leap, hn::Floor(y.at(new_t)), step_j);
+    is_active = hn::And(is_active, hn::Lt(new_t, end));
     is_active = hn::And(is_active, hn::And(x.holds(new_i), y.holds(new_j)));
-    // A lane that is done stays where the table can be read.
+    t = hn::IfThenElse(is_active, new_t, t);
     i = hn::IfThenElse(is_active, new_i, i);
     j = hn::IfThenElse(is_active, new_j, j);
+  }
+
+  HWY_INLINE void store(double resolution_m, double* range_m, std::int32_t* cell) const {
+    const Tag d;
+    const auto resolution = hn::Set(d, resolution_m);
+    const auto next = hn::Min(hn::Max(t, hn::Min(x.crossing(i), y.crossing(j))), end);
+    const auto middle =
+        hn::Mul(hn::Set(d, 0.5), hn::Add(hn::Mul(t, resolution), hn::Mul(next, resolution)));
+    const auto none = hn::Set(d, std::numeric_limits<double>::infinity());
+    hn::StoreU(hn::IfThenElse(is_hit, middle, none), d, range_m);
+    const auto found = hn::IfThenElse(is_hit, place(), hn::Set(d, -1.0));
+    hn::StoreU(hn::DemoteTo(Places(), found), Places(), cell);
   }
 };
 
@@ -135,23 +146,18 @@ HWY_INLINE void cast_block(const RayTable& table, const RayFan& fan, const doubl
                            const double* sine, double* range_m, std::int32_t* cell) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
-  const auto resolution = hn::Set(d, table.resolution_m);
   static_assert(kAbreast == 3);
   Rays a = rays_at(table, fan, cosine, sine);
   Rays b = rays_at(table, fan, cosine + lanes, sine + lanes);
   Rays c = rays_at(table, fan, cosine + 2 * lanes, sine + 2 * lanes);
   while (!hn::AllFalse(d, hn::Or(hn::Or(a.is_active, b.is_active), c.is_active))) {
-    a.step(table, resolution);
-    b.step(table, resolution);
-    c.step(table, resolution);
+    a.step(table);
+    b.step(table);
+    c.step(table);
   }
-  const auto store = [&](const Rays& rays, std::size_t k) {
-    hn::StoreU(rays.range, d, range_m + k);
-    hn::StoreU(hn::DemoteTo(Places(), rays.found), Places(), cell + k);
-  };
-  store(a, 0);
-  store(b, lanes);
-  store(c, 2 * lanes);
+  a.store(table.resolution_m, range_m, cell);
+  b.store(table.resolution_m, range_m + lanes, cell + lanes);
+  c.store(table.resolution_m, range_m + 2 * lanes, cell + 2 * lanes);
 }
 
 void cast_rays_lanes(const RayTable& table, const RayFan& fan, double* range_m,

@@ -3,6 +3,7 @@
 #include "core/localization/scan_mixture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -17,25 +18,55 @@ namespace strata::localization::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 #include "core/localization/lane_math.inc"
 
+/// Mass of a standard normal below u, 0 <= u <= 6: cubic between the entries of the table.
+HWY_INLINE Lanes mass_below(const ScanMixture::Terms& terms, Lanes u) {
+  const Tag d;
+  const hn::Rebind<std::int32_t, Tag> di;
+  const hn::RebindToSigned<Tag> dl;
+  const auto scaled =
+      hn::Min(hn::Mul(u, hn::Set(d, ScanMixture::Terms::kSteps)),
+              hn::Set(d, ScanMixture::Terms::kEntries - 1.5));  // the last interval at most
+  const auto low = hn::Floor(scaled);
+  const auto f = hn::Sub(scaled, low);
+  const auto k = hn::PromoteTo(dl, hn::DemoteTo(di, low));
+  const auto m0 = hn::GatherIndex(d, terms.mass, k);
+  const auto m1 = hn::GatherIndex(d, terms.mass + 1, k);
+  const auto s0 = hn::GatherIndex(d, terms.slope, k);
+  const auto s1 = hn::GatherIndex(d, terms.slope + 1, k);
+  const auto rise = hn::Sub(m1, m0);
+  // Hermite: m0 + f (s0 + f (3 rise - 2 s0 - s1 + f (s0 + s1 - 2 rise))).
+  const auto cubic = hn::Sub(hn::Add(s0, s1), hn::Add(rise, rise));
+  const auto square = hn::Sub(hn::Sub(rise, s0), cubic);
+  return hn::Add(m0, hn::Mul(f, hn::Add(s0, hn::Mul(f, hn::Add(square, hn::Mul(f, cubic))))));
+}
+
 /// NaN for beams that are left to BeamMixture.
 HWY_INLINE Lanes log_row(const ScanMixture::Terms& terms, Lanes expected, Lanes range, Lanes is_hit,
                          Lanes short_m, Lanes log_none) {
   const Tag d;
   const auto zero = hn::Zero(d);
   const auto r_max = hn::Set(d, terms.r_max_m);
+  const auto margin = hn::Set(d, terms.margin_m);
   const auto expects = hn::Lt(expected, r_max);
   const auto hits = hn::Gt(is_hit, zero);
-  const auto is_whole = hn::And(hn::Ge(expected, hn::Set(d, terms.margin_m)),
-                                hn::Le(expected, hn::Set(d, terms.r_max_m - terms.margin_m)));
   // Out of the way of infinity where nothing is expected.
   const auto e = hn::IfThenElse(expects, expected, r_max);
   const auto off = hn::Sub(range, e);
-  const auto gauss = exp_of(d, hn::Mul(hn::Mul(off, off), hn::Set(d, -terms.half_inverse)));
+  auto gauss = exp_of(d, hn::Mul(hn::Mul(off, off), hn::Set(d, -terms.half_inverse)));
+  const auto is_near = hn::Lt(e, margin);
+  if (!hn::AllFalse(d, is_near)) {
+    const auto u = hn::Min(hn::Max(e, zero), margin);
+    const auto mass = mass_below(terms, hn::Mul(u, hn::Set(d, terms.per_stddev)));
+    gauss = hn::IfThenElse(is_near, hn::Div(gauss, mass), gauss);
+  }
   const auto in_front =
       hn::Sub(hn::Set(d, 1.0), exp_of(d, hn::Mul(e, hn::Set(d, -terms.rate_per_m))));
   auto p = hn::Add(hn::Set(d, terms.random), hn::Mul(hn::Set(d, terms.hit_peak), gauss));
   p = hn::Add(p, hn::IfThenElseZero(hn::Lt(range, e), hn::Div(short_m, in_front)));
-  const auto is_plain = hn::And(is_whole, hn::Gt(p, hn::Set(d, 1e-300)));
+  // Left over: obstacles close to the far end or at the sensor, and likelihoods of nearly 0.
+  auto is_plain =
+      hn::And(hn::Gt(e, hn::Set(d, terms.nearest_m)), hn::Le(e, hn::Sub(r_max, margin)));
+  is_plain = hn::And(is_plain, hn::Gt(p, hn::Set(d, 1e-300)));
   const auto left = hn::Set(d, std::numeric_limits<double>::quiet_NaN());
   const auto hit_value = hn::IfThenElse(is_plain, log_of(d, hn::Max(p, hn::Set(d, 1e-300))), left);
   const auto met = hn::IfThenElse(hits, hit_value, hn::Set(d, terms.log_missed));
@@ -77,6 +108,28 @@ namespace strata::localization {
 
 HWY_EXPORT(log_lanes);
 
+namespace {
+/// The cumulated standard normal from 0 to 6 and its density, both a step of the table.
+struct MassTable {
+  static constexpr int kSteps = ScanMixture::Terms::kSteps;
+  static constexpr int kEntries = ScanMixture::Terms::kEntries;
+  std::array<double, kEntries> mass{};
+  std::array<double, kEntries> slope{};
+  MassTable() {
+    for (int i = 0; i < kEntries; ++i) {
+      const double u = static_cast<double>(i) / kSteps;
+      const auto place = static_cast<std::size_t>(i);
+      mass[place] = 0.5 * std::erfc(-u / std::numbers::sqrt2);
+      slope[place] = std::exp(-0.5 * u * u) / std::sqrt(2.0 * std::numbers::pi) / kSteps;
+    }
+  }
+};
+const MassTable& mass_table() {
+  static const MassTable table;
+  return table;
+}
+}  // namespace
+
 void ScanMixture::prepare(const BeamMixture& mixture, const ScanBeams& beams) {
   constexpr double kNothing = std::numeric_limits<double>::infinity();
   mixture_ = mixture;
@@ -89,6 +142,11 @@ void ScanMixture::prepare(const BeamMixture& mixture, const ScanBeams& beams) {
   terms_.rate_per_m = config.short_rate_per_m;
   terms_.r_max_m = mixture.r_max_m();
   terms_.margin_m = 6.0 * stddev;
+  // 1 - e^(-l z) loses digits where l z is tiny.
+  terms_.nearest_m = 1e-6 / config.short_rate_per_m;
+  terms_.per_stddev = 1.0 / stddev;
+  terms_.mass = mass_table().mass.data();
+  terms_.slope = mass_table().slope.data();
   range_m_.resize(beams.size());
   is_hit_.resize(beams.size());
   short_m_.resize(beams.size());

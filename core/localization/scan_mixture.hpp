@@ -21,7 +21,7 @@ class ScanMixture {
   [[nodiscard]] std::size_t size() const { return range_m_.size(); }
 
   /// log_likelihood[k] = ln mixture.likelihood(beam begin + k, expected_m[k]) for k < count; any
-  /// expected range, +infinity for none. Every SIMD target gives the same bits, within 1e-8 of
+  /// expected range, +infinity for none. Every SIMD target gives the same bits, within 1e-7 of
   /// those of BeamMixture. Requires begin + count <= size().
   void log_likelihoods(std::size_t begin, std::size_t count, const double* expected_m,
                        double* log_likelihood) const;
@@ -38,7 +38,13 @@ class ScanMixture {
     double half_inverse = 0.0;
     double rate_per_m = 0.0;
     double r_max_m = 0.0;
-    double margin_m = 0.0;  ///< nearer to either end the Gaussian is cut: left to BeamMixture
+    double margin_m = 0.0;   ///< nearer to either end the Gaussian is cut there
+    double nearest_m = 0.0;  ///< and nearer than this left to BeamMixture
+    double per_stddev = 0.0;
+    static constexpr int kSteps = 32;  ///< a standard deviation
+    static constexpr int kEntries = 6 * kSteps + 2;
+    const double* mass = nullptr;   ///< mass of a standard normal below i / kSteps
+    const double* slope = nullptr;  ///< its density there over kSteps
   };
 
  private:
