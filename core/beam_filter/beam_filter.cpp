@@ -236,6 +236,8 @@ CountsResult filter_counts(const CountingMap& raw, const BeamFilterConfig& confi
   record();
   if (config.mode == Mode::kClosedForm) {
     filter.jump_to_limit();
+    // One more round in which neighbours judge: cells before a wall keep what its beams left there.
+    if (config.endpoint_tolerance) filter.step();
     record();
   } else {
     int small_gains = 0;

@@ -54,7 +54,8 @@ struct CountsResult {
 
 /// EM on the counts of all beams, which is all that fixed poses leave of the data: every beam that
 /// ends in one cell has the same e. With endpoint_tolerance cells are coupled through their
-/// neighbours and l may fall; mode closed_form then applies the tolerance to the labels only.
+/// neighbours and l may fall; mode closed_form then takes the limit without the coupling, and one
+/// EM step with it.
 /// raw: counts with every beam taken as static. Throws ConfigError. O(cells x iterations).
 [[nodiscard]] CountsResult filter_counts(const CountingMap& raw, const BeamFilterConfig& config);
 

@@ -23,7 +23,7 @@ struct BeamFilterConfig {
   double resolution_m = 0.05;
   /// Cells with less evidence stay unknown.
   double min_evidence = 0.5;
-  bool endpoint_tolerance = false;
+  bool endpoint_tolerance = true;
   int max_iterations = 10;
   double min_gain = 1e-4;
   CountingOptions counting;
@@ -49,9 +49,11 @@ struct BeamFilterConfig {
             {.doc = "a cell with less evidence (beam ends plus cells passed) stays unknown",
              .unit = "beams",
              .min = 1e-6});
-    v.field("endpoint_tolerance", c.endpoint_tolerance,
-            {.doc = "judge a beam end by the most reflecting cell of the 3 x 3 around it, which "
-                    "forgives poses that are off by a cell"});
+    v.field(
+        "endpoint_tolerance", c.endpoint_tolerance,
+        {.doc = "judge a beam end by the most reflecting cell of the 3 x 3 around it: noise puts "
+                "a part of a wall's beams into the cell before it, where most beams pass; "
+                "false: the paper's form"});
     v.field("max_iterations", c.max_iterations,
             {.doc = "most rounds of EM in mode iterate", .unit = "1", .min = 1.0});
     v.field("min_gain", c.min_gain,

@@ -84,15 +84,18 @@ EmResult run_em(std::span<PosedScan> scans, const std::vector<bool>& mapped,
   std::vector<Pose2> best_poses(scans.size());
   std::vector<double> trace;
   MappedScans counted(scans, mapped);
+  // Within the loop each cell is judged by itself: matching wants walls as thin as they come.
+  beam_filter::BeamFilterConfig strict = filter;
+  strict.endpoint_tolerance = false;
   int small_gains = 0;
   for (int round = 0; round <= rounds; ++round) {
     if (round > 0) {
-      beam_filter::label_all(scans, best.filtered, filter, pool, progress);
+      beam_filter::label_all(scans, best.filtered, strict, pool, progress);
       match_again(scans, mapped, moves, config, tracking, filter.resolution_m, pool, progress);
     }
     CountingMap raw = count_scans(counted.refresh(scans), filter.resolution_m, filter.counting,
                                   BeamWeights::kAllStatic, pool, progress);
-    beam_filter::CountsResult counts = beam_filter::filter_counts(raw, filter);
+    beam_filter::CountsResult counts = beam_filter::filter_counts(raw, strict);
     const double now = counts.log_likelihood.empty() ? 0.0 : counts.log_likelihood.back();
     if (trace.empty() || now > *std::max_element(trace.begin(), trace.end())) {
       best.raw = std::move(raw);
@@ -110,6 +113,7 @@ EmResult run_em(std::span<PosedScan> scans, const std::vector<bool>& mapped,
     if (small_gains >= 2) break;
   }
   for (std::size_t i = 0; i < scans.size(); ++i) scans[i].map_from_robot = best_poses[i];
+  if (filter.endpoint_tolerance) best.filtered = filter_counts(best.raw, filter).filtered;
   best.dynamic_fraction = beam_filter::label_all(scans, best.filtered, filter, pool, progress);
   best.log_likelihood = std::move(trace);
   return best;

@@ -79,8 +79,15 @@ Room make_room(int count, bool with_walker, std::uint64_t seed) {
   return room;
 }
 
-BeamFilterConfig iterate_config(int iterations) {
+/// As the paper has it: each cell by itself.
+BeamFilterConfig exact_config() {
   BeamFilterConfig config;
+  config.endpoint_tolerance = false;
+  return config;
+}
+
+BeamFilterConfig iterate_config(int iterations) {
+  BeamFilterConfig config = exact_config();
   config.mode = Mode::kIterate;
   config.max_iterations = iterations;
   config.min_gain = 0.0;
@@ -141,7 +148,7 @@ TEST(FilterAtFixedPoses, ClearsTheTraceOfAWalkerFromTheMap) {
 TEST(FilterAtFixedPoses, IteratesToTheClosedForm) {
   Room room = make_room(100, true, 3);
   WorkerPool pool(1);
-  const FixedPoseResult closed = filter_at_fixed_poses(room.scans, {}, pool);
+  const FixedPoseResult closed = filter_at_fixed_poses(room.scans, exact_config(), pool);
   const FixedPoseResult iterated = filter_at_fixed_poses(room.scans, iterate_config(5'000), pool);
   ASSERT_EQ(closed.filtered.rect(), iterated.filtered.rect());
   double greatest = 0.0;
@@ -325,16 +332,33 @@ TEST(Label, FollowsTheCellWhereTheBeamEnds) {
   ReflectionGrid map(0.1, CellRect{{0, 0}, {100, 1}}, 0.0F);
   map.at({30, 0}) = 0.5F;
   map.at({40, 0}) = 1.0F;
-  const auto labels = label(three_beams(2.05F, 3.05F, 4.05F), {0.0, 0.05, 0.0}, map, {});
+  const auto labels =
+      label(three_beams(2.05F, 3.05F, 4.05F), {0.0, 0.05, 0.0}, map, exact_config());
   EXPECT_EQ(labels[0], 0.0F);
   EXPECT_FLOAT_EQ(labels[1], 0.9F);
   EXPECT_EQ(labels[2], 1.0F);
 }
 
+// A wall on the border of two cells: noise leaves a tenth of its beams in the nearer one.
+TEST(FilterCounts, ToleranceKeepsTheCellsBeforeAWall) {
+  CountingMap raw(0.05);
+  raw.cells() = Grid<CellCounts>(0.05, CellRect{{0, 0}, {9, 1}});
+  raw.cells().at({4, 0}) = {1.0, 9.0};
+  raw.cells().at({5, 0}) = {9.0, 0.0};
+  raw.cells().at({1, 0}) = {1.0, 9.0};  // someone passed
+  const auto exact = filter_counts(raw, exact_config()).filtered;
+  EXPECT_EQ(exact.at({4, 0}), 0.0F);
+  EXPECT_EQ(exact.at({1, 0}), 0.0F);
+  const auto tolerant = filter_counts(raw, {}).filtered;
+  EXPECT_FLOAT_EQ(tolerant.at({4, 0}), 0.1F);
+  EXPECT_EQ(tolerant.at({5, 0}), 1.0F);
+  EXPECT_EQ(tolerant.at({1, 0}), 0.0F);
+}
+
 TEST(Label, ToleranceForgivesAnEndInTheNextCell) {
   ReflectionGrid map(0.1, CellRect{{0, 0}, {100, 3}}, 0.0F);
   map.at({30, 2}) = 1.0F;
-  BeamFilterConfig config;
+  BeamFilterConfig config = exact_config();
   const Scan scan = three_beams(2.95F, 3.15F, 3.25F);
   const Pose2 laser{0.0, 0.15, 0.0};
   EXPECT_EQ(label(scan, laser, map, config), (std::vector<float>{0.0F, 0.0F, 0.0F}));

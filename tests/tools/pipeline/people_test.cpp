@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// SLAM with its beam filter in a corridor full of people, against the simulator's truth.
+#include <cstdint>
+#include <iostream>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/pose2.hpp"
+#include "core/scan/endpoints.hpp"
+#include "core/slam/slam.hpp"
+#include "tools/simulate/simulation.hpp"
+
+namespace strata {
+namespace {
+
+using simulate::BeamSource;
+using simulate::Simulation;
+
+/// A walker who passes leaves this much, a shade in the picture; an obstacle is 0.25.
+constexpr float kGhost = 0.05F;
+
+struct Outcome {
+  std::size_t person_beams = 0;
+  double precision = 0.0;
+  double recall = 0.0;
+  std::size_t spurious_raw = 0;  ///< cells that reflect, in which only people were hit
+  std::size_t spurious_filtered = 0;
+  std::size_t obstacles_raw = 0;  ///< those of them that count as obstacles
+  std::size_t obstacles_filtered = 0;
+  std::size_t wall_cells = 0;  ///< occupied cells of the raw map in which nobody was hit
+  double walls_lost = 0.0;     ///< share of them that the filtered map has free
+  double pose_error_m = 0.0;
+};
+
+/// What became of the beams: precision and recall of "dynamic" against "hit a person".
+void judge_beams(const Simulation& simulation, const slam::SlamResult& result, Outcome& outcome) {
+  std::size_t called = 0;
+  std::size_t found = 0;
+  for (std::size_t t = 0; t < result.scans.size(); ++t) {
+    const auto& sources = simulation.days[0].scans[t].sources;
+    for (std::size_t n = 0; n < sources.size(); ++n) {
+      if (sources[n] == BeamSource::kNothing) continue;
+      const bool person = sources[n] == BeamSource::kPerson;
+      const bool dynamic = result.scans[t].static_probability[n] < 0.5F;
+      outcome.person_beams += person ? 1 : 0;
+      called += dynamic ? 1 : 0;
+      found += person && dynamic ? 1 : 0;
+    }
+  }
+  outcome.precision = static_cast<double>(found) / static_cast<double>(called);
+  outcome.recall = static_cast<double>(found) / static_cast<double>(outcome.person_beams);
+}
+
+/// What became of the map. A cell is spurious when only people were hit in it, and a wall's when
+/// only still things were: told from the beams that end there, at the poses that were found.
+void judge_map(const Simulation& simulation, const slam::SlamResult& result, Outcome& outcome) {
+  struct Hits {
+    std::size_t people = 0;
+    std::size_t still = 0;
+  };
+  Grid<Hits> hits(result.occupancy.resolution_m(), result.occupancy.rect(), Hits{});
+  std::vector<Pose2> found;
+  std::vector<Pose2> truth;
+  for (std::size_t t = 0; t < result.scans.size(); ++t) {
+    const PosedScan& posed = result.scans[t];
+    const simulate::SimulatedScan& simulated = simulation.days[0].scans[t];
+    found.push_back(posed.map_from_robot);
+    truth.push_back(simulated.map_from_robot);
+    const Endpoints ends = endpoints_in_robot(posed.scan);
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      const Cell cell =
+          hits.cell_at(posed.map_from_robot * Eigen::Vector2d(ends.x_m[i], ends.y_m[i]));
+      if (!hits.contains(cell)) continue;
+      const bool person = simulated.sources[ends.beam[i]] == BeamSource::kPerson;
+      ++(person ? hits.at(cell).people : hits.at(cell).still);
+    }
+  }
+  const Pose2 truth_from_map = align(found, truth);
+  for (std::size_t t = 0; t < found.size(); ++t) {
+    outcome.pose_error_m += translation_distance(truth_from_map * found[t], truth[t]) /
+                            static_cast<double>(found.size());
+  }
+  std::size_t lost = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const Hits& here = hits.values()[i];
+    const float raw = result.occupancy.values()[i];
+    const float filtered = result.filtered.get(hits.cell(i));
+    if (here.people > 0 && here.still == 0) {
+      outcome.spurious_raw += raw >= kGhost ? 1 : 0;
+      outcome.spurious_filtered += filtered >= kGhost ? 1 : 0;
+      outcome.obstacles_raw += is_occupied(raw) ? 1 : 0;
+      outcome.obstacles_filtered += is_occupied(filtered) ? 1 : 0;
+    } else if (here.people == 0 && is_occupied(raw)) {
+      ++outcome.wall_cells;
+      lost += is_occupied(filtered) ? 0 : 1;
+    }
+  }
+  outcome.walls_lost = static_cast<double>(lost) / static_cast<double>(outcome.wall_cells);
+}
+
+Outcome learn_among(std::size_t people, std::uint64_t seed) {
+  simulate::ScenarioConfig scenario =
+      simulate::load_scenario(std::string(STRATA_SCENARIO_DIR) + "/corridor_people.yaml");
+  scenario.people.resize(people);
+  const Simulation simulation = simulate::simulate(scenario, seed);
+  slam::Slam slam(slam::SlamConfig{});
+  for (const simulate::SimulatedScan& scan : simulation.days[0].scans) slam.add(scan.observation);
+  const slam::SlamResult result = slam.finish();
+  EXPECT_EQ(result.scans.size(), simulation.days[0].scans.size());
+  Outcome outcome;
+  judge_beams(simulation, result, outcome);
+  judge_map(simulation, result, outcome);
+  std::cout << people << " people, seed " << seed << ": " << outcome.person_beams
+            << " beams on people, precision " << outcome.precision << ", recall " << outcome.recall
+            << ", spurious cells " << outcome.spurious_raw << " -> " << outcome.spurious_filtered
+            << " (obstacles " << outcome.obstacles_raw << " -> " << outcome.obstacles_filtered
+            << "), wall cells lost " << outcome.walls_lost << " of " << outcome.wall_cells
+            << ", mean pose error " << outcome.pose_error_m << " m\n";
+  return outcome;
+}
+
+/// The figures of docs/results.md; seeds that no test and no tuning uses.
+TEST(AmongPeople, DISABLED_Results) {
+  for (const std::size_t people : {1U, 3U, 5U, 10U}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      EXPECT_GE(learn_among(people, seed).recall, 0.9);
+    }
+  }
+}
+
+class AmongPeopleOf : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(AmongPeopleOf, TheFilterFindsThemAndClearsTheMap) {
+  const Outcome outcome = learn_among(GetParam(), 101);
+  EXPECT_GT(outcome.person_beams, 300U);
+  EXPECT_GE(outcome.precision, 0.90);
+  EXPECT_GE(outcome.recall, 0.90);
+  EXPECT_LE(10 * outcome.obstacles_filtered, outcome.obstacles_raw);
+  EXPECT_LE(2 * outcome.spurious_filtered, outcome.spurious_raw);
+  EXPECT_LT(outcome.walls_lost, 0.01);
+  EXPECT_LT(outcome.pose_error_m, 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Corridor, AmongPeopleOf, ::testing::Values(1, 5, 10));
+
+}  // namespace
+}  // namespace strata
