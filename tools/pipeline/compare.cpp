@@ -210,7 +210,8 @@ void judge_changed_places(const TestPart& part, ModelRun& run) {
   for (std::size_t i = 0; i < part.observations.size(); ++i) {
     if (!part.truths[i]) continue;
     const double error_m = run.errors[e++].error_m;
-    if (!part.changes.sees_change(i)) continue;
+    run.sees_change.push_back(part.changes.sees_change(i) ? 1 : 0);
+    if (run.sees_change.back() == 0) continue;
     ++count;
     sum += error_m;
     failures += error_m > kFailureDistance_m ? 1 : 0;
@@ -255,6 +256,9 @@ void run_models(const std::vector<maps::MapModel>& models, const TestPart& part,
     kept.metrics = evaluate_run(run.errors);
     kept.errors = std::move(run.errors);
     kept.update_ms = std::move(run.update_ms);
+    for (const log::StampedPose& pose : run.trajectory) {
+      kept.estimates_m.push_back(pose.pose.translation());
+    }
     judge_changed_places(part, kept);
     if (i % seeds.size() == 0) states[m] = std::move(run.states);
     progress.one_done();

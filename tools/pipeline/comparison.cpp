@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <utility>
 
@@ -108,6 +109,7 @@ json model_json(const ModelResult& model) {
        {{"mean", over_runs(model, [](const ModelRun& r) { return r.metrics.error_rad.mean; })}}},
       {"failure_rate", mean_failure_rate(model)},
       {"lost_runs", lost},
+      {"seed_spread_m", or_null(seed_spread_m(model))},
       {"scan_prediction", prediction_json(pool_predictions(model, &PredictionScore::overall))},
       {"where_it_changed", changed_json(model)},
       {"map_bytes", model.map_bytes},
@@ -187,6 +189,25 @@ ScanPrediction pool_predictions(const ModelResult& model, ScanPrediction Predict
   pooled.log_likelihood_per_beam /= static_cast<double>(pooled.beams);
   pooled.median_abs_error_m = statistics::median(std::move(medians));
   return pooled;
+}
+
+std::optional<double> seed_spread_m(const ModelResult& model) {
+  std::map<std::size_t, std::vector<const ModelRun*>> by_part;
+  for (const ModelRun& run : model.runs) by_part[run.part].push_back(&run);
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const auto& [part, runs] : by_part) {
+    if (runs.size() < 2) continue;
+    for (std::size_t i = 0; i < runs.front()->estimates_m.size(); ++i) {
+      Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+      for (const ModelRun* run : runs) mean += run->estimates_m[i];
+      mean /= static_cast<double>(runs.size());
+      for (const ModelRun* run : runs) sum += (run->estimates_m[i] - mean).norm();
+      count += runs.size();
+    }
+  }
+  if (count == 0) return std::nullopt;
+  return sum / static_cast<double>(count);
 }
 
 AdaptationSummary summarize_adaptation(const ModelResult& model) {
@@ -274,8 +295,10 @@ std::string verdict(const Comparison& comparison, const std::vector<PairedTest>&
   if (!tied.empty()) sentence += "; no significant difference to " + tied;
   if (beaten.empty()) sentence += "; no difference that matters was shown";
   sentence += ".";
-  // With fewer than six pairs no signed-rank test can reach 5%, whatever the data say.
-  if (units < 6) {
+  // The least p that a signed-rank test can reach, times the pairs that Holm's correction counts.
+  const double least_p = std::ldexp(2.0, -static_cast<int>(units)) *
+                         static_cast<double>(std::max<std::size_t>(1, tests.size()));
+  if (least_p >= kAlpha) {
     sentence += " With so few seeds no difference can be significant; use --seeds 20 to decide.";
   }
   return sentence;

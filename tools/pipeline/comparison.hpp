@@ -27,6 +27,8 @@ struct ModelRun {
   std::size_t part = 0;  ///< place in Comparison::parts
   std::uint64_t seed = 0;
   std::vector<ScanError> errors;
+  std::vector<std::uint8_t> sees_change;     ///< one an error: 1 where it changed
+  std::vector<Eigen::Vector2d> estimates_m;  ///< mean of the particles, one a scan, map frame
   std::vector<double> update_ms;
   LocalizationMetrics metrics;
   /// Over the scans that see a place that changed; nothing when there are none.
@@ -107,6 +109,10 @@ struct PairedTest {
 [[nodiscard]] double mean_error_m(const ModelResult& model);
 /// Mean over units of the failure rate.
 [[nodiscard]] double mean_failure_rate(const ModelResult& model);
+
+/// How far the seeds' estimates lie from their mean at the same scan, over all scans and drives
+/// [m]: what can be said without any truth. Nothing with one seed.
+[[nodiscard]] std::optional<double> seed_spread_m(const ModelResult& model);
 
 /// What a model did with all changes of all parts.
 struct AdaptationSummary {

@@ -12,13 +12,13 @@ constexpr const char* kStyle = R"(
 :root{--ink:#1d2126;--paper:#fff;--soft:#f2f4f7;--grid:#dde1e6;--accent:#0072b2}
 @media(prefers-color-scheme:dark){:root{--ink:#e8eaed;--paper:#16191d;--soft:#22272e;--grid:#3a414a;--accent:#56b4e9}}
 *{box-sizing:border-box}
-body{margin:0 auto;max-width:72rem;padding:1rem;background:var(--paper);color:var(--ink);font:16px/1.5 'DejaVu Sans',system-ui,sans-serif}
+body{margin:0 auto;max-width:84rem;padding:1rem;background:var(--paper);color:var(--ink);font:16px/1.5 'DejaVu Sans',system-ui,sans-serif}
 h1{font-size:1.6rem;margin:.5rem 0}h2{font-size:1.2rem;margin:2rem 0 .5rem;border-bottom:1px solid var(--grid)}
 .verdict{font-size:1.15rem;background:var(--soft);border-left:.4rem solid var(--accent);padding:.8rem 1rem}
 figure{margin:1rem 0;padding:0}figcaption{font-size:.9rem;opacity:.85;margin-top:.3rem}
 img,svg{max-width:100%;height:auto;display:block}img{border:1px solid var(--grid);image-rendering:pixelated;background:#fff}
-.scroll{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem}
-caption{text-align:left;font-size:.9rem;opacity:.85;padding:.3rem 0}
+.scroll{overflow-x:auto}.scroll>.plot{min-width:36rem}table{border-collapse:collapse;font-size:.9rem}
+.note{font-size:.9rem;opacity:.85;margin:1.2rem 0 .3rem}
 th,td{padding:.3rem .5rem;border-bottom:1px solid var(--grid);text-align:right;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
 pre{background:var(--soft);padding:.8rem;overflow-x:auto;font-size:.8rem}
@@ -62,9 +62,11 @@ void HtmlReport::verdict(const std::string& text) {
 }
 
 void HtmlReport::table(const Table& table) {
-  body_ += "<div class=\"scroll\" tabindex=\"0\"><table>";
-  if (!table.caption.empty()) body_ += "<caption>" + escape(table.caption) + "</caption>";
-  body_ += "<thead><tr>";
+  // The caption stays outside: within a table that scrolls sideways it would be cut.
+  const std::string id = "table" + std::to_string(++tables_);
+  body_ += "<p class=\"note\" id=\"" + id + "\">" + escape(table.caption) +
+           "</p><div class=\"scroll\" role=\"group\" aria-labelledby=\"" + id +
+           "\" tabindex=\"0\"><table aria-describedby=\"" + id + "\"><thead><tr>";
   for (const std::string& cell : table.header)
     body_ += "<th scope=\"col\">" + escape(cell) + "</th>";
   body_ += "</tr></thead><tbody>\n";
@@ -112,7 +114,9 @@ void HtmlReport::plot(const std::string& name, const LinePlot& plot, const std::
   write_file(folder_ / (name + ".svg"), standalone);
   write_file(folder_ / (name + ".png"), render_svg_to_png(standalone, 1.5));
   write_file(folder_ / (name + ".csv"), to_csv(plot));
-  body_ += "<figure>" + to_svg(plot, false) + "<figcaption>" + escape(caption) +
+  // Narrow windows scroll the plot, so that its text stays readable.
+  body_ += "<figure><div class=\"scroll\" role=\"group\" aria-label=\"" + escape(plot.title) +
+           "\" tabindex=\"0\">" + to_svg(plot, false) + "</div><figcaption>" + escape(caption) +
            "</figcaption></figure>\n";
 }
 

@@ -50,6 +50,7 @@ class HtmlReport {
   std::filesystem::path folder_;
   std::string title_;
   std::string body_;
+  int tables_ = 0;
 };
 
 /// Base64 of bytes, for data URIs.

@@ -64,6 +64,7 @@ Frame make_frame(const LinePlot& plot) {
     for (const double y : series.y) frame.y.add(y);
   }
   if (plot.from_zero) frame.y.add(0.0);
+  if (plot.points) frame.x.add(0.0);
   frame.x.settle();
   frame.y.settle();
   if (plot.y_max > 0.0) frame.y.high = plot.y_max;
@@ -106,10 +107,29 @@ void draw_axes(const LinePlot& plot, const Frame& frame, std::ostringstream& out
       << ") rotate(-90)'>" << escape(plot.y_label) << "</text>\n";
 }
 
+/// Colours repeat; the second round is dashed.
+std::string line_class(std::size_t series) {
+  return "line s" + std::to_string(series % kColors) + (series >= kColors ? " dashed" : "");
+}
+
+void draw_points(const Series& series, const Frame& frame, std::size_t color,
+                 std::ostringstream& out) {
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) continue;
+    const double y = frame.py(std::min(series.y[i], frame.y.high));
+    out << "<circle class='dot s" << color << "' r='5' cx='" << number(frame.px(series.x[i]))
+        << "' cy='" << number(y) << "'/>\n";
+  }
+}
+
 void draw_series(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
   for (std::size_t s = 0; s < plot.series.size(); ++s) {
     const Series& series = plot.series[s];
-    out << "<path class='line s" << s % kColors << "' d='";
+    if (plot.points) {
+      draw_points(series, frame, s % kColors, out);
+      continue;
+    }
+    out << "<path class='" << line_class(s) << "' d='";
     bool pen_down = false;
     for (std::size_t i = 0; i < series.x.size(); ++i) {
       if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) {
@@ -131,7 +151,7 @@ void draw_legend(const LinePlot& plot, const Frame& frame, std::ostringstream& o
     const std::size_t row = s / 4;
     const double x = frame.left + column * static_cast<double>(s % 4);
     const double y = kTop + kLegendRow * static_cast<double>(row);
-    out << "<line class='line s" << s % kColors << "' x1='" << x << "' x2='" << x + 18.0 << "' y1='"
+    out << "<line class='" << line_class(s) << "' x1='" << x << "' x2='" << x + 18.0 << "' y1='"
         << y << "' y2='" << y << "'/><text class='tick' x='" << x + 23.0 << "' y='" << y + 4.0
         << "'>" << escape(plot.series[s].name) << "</text>\n";
   }
@@ -166,6 +186,14 @@ std::vector<double> ticks(double low, double high, int count) {
     result.push_back(k * step);
   }
   return result;
+}
+
+std::string fixed(double value, int digits) {
+  std::ostringstream out;
+  out.setf(std::ios::fixed);
+  out.precision(digits);
+  out << value;
+  return out.str();
 }
 
 std::string escape(const std::string& text) {
@@ -205,7 +233,8 @@ std::string plot_style() {
          ".plot .grid{stroke:var(--grid,#ddd);stroke-width:1}"
          ".plot .axes{fill:none;stroke:var(--ink,#222);stroke-width:1}"
          ".plot .event{stroke:var(--ink,#222);stroke-width:1;stroke-dasharray:3 3}"
-         ".plot .line{fill:none;stroke-width:1.8}";
+         ".plot .line{fill:none;stroke-width:1.8}.plot .dashed{stroke-dasharray:6 3}.plot "
+         ".dot{fill:none;stroke-width:3}";
   for (std::size_t i = 0; i < kColors; ++i) {
     out << ".plot .s" << i << "{stroke:" << kPalette[i] << "}";
   }

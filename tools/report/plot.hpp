@@ -29,6 +29,7 @@ struct LinePlot {
   bool equal_axes = false;  ///< one metre is as long in x as in y
   bool from_zero = false;   ///< the y axis begins at 0
   double y_max = 0.0;       ///< > 0: the y axis ends here
+  bool points = false;      ///< dots instead of lines
   int width = 760;
   int height = 340;
 };
@@ -45,6 +46,9 @@ struct LinePlot {
 
 /// Text safe inside XML and HTML.
 [[nodiscard]] std::string escape(const std::string& text);
+
+/// A number with so many digits after the point.
+[[nodiscard]] std::string fixed(double value, int digits);
 
 /// The rules for .plot classes, shared by standalone SVG and the page.
 [[nodiscard]] std::string plot_style();

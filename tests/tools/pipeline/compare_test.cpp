@@ -48,7 +48,7 @@ std::vector<Row> read_errors(const std::string& csv) {
   std::istringstream in(csv);
   std::string line;
   std::getline(in, line);
-  EXPECT_EQ(line, "model,part,seed,time_s,error_m,error_rad");
+  EXPECT_EQ(line, "model,part,seed,time_s,error_m,error_rad,changed");
   std::vector<Row> rows;
   while (std::getline(in, line)) {
     std::istringstream fields(line);

@@ -65,6 +65,16 @@ TEST(PairedTests, FiveSeedsCannotDecideAndTheVerdictSaysSo) {
   EXPECT_NE(verdict(comparison, tests).find("--seeds 20"), std::string::npos);
 }
 
+TEST(PairedTests, SevenSeedsCannotDecideSixPairsAndTheVerdictSaysSo) {
+  const std::vector<double> good{0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
+  const std::vector<double> bad{0.9, 0.8, 0.9, 0.8, 0.7, 0.9, 0.8};
+  const Comparison few =
+      compared({model_of("a", good), model_of("b", bad), model_of("c", bad), model_of("d", bad)});
+  EXPECT_NE(verdict(few, paired_tests(few)).find("--seeds 20"), std::string::npos);
+  const Comparison pair = compared({model_of("a", good), model_of("b", bad)});
+  EXPECT_EQ(verdict(pair, paired_tests(pair)).find("--seeds 20"), std::string::npos);
+}
+
 TEST(ComparisonJson, HasTheShapeOfTheContract) {
   Comparison comparison = compared({model_of("patch", {0.1, 0.2})});
   comparison.parts[0].train_s = {0.0, 60.0};
@@ -116,6 +126,14 @@ TEST(Adaptation, NeverIsLongerThanAnyDelay) {
   model.scores[1].events.push_back(outcome_after(std::nullopt));
   summary = summarize_adaptation(model);
   EXPECT_FALSE(summary.scans.has_value());  // half never: the median is not reached
+}
+
+TEST(SeedSpread, IsTheDistanceFromTheMeanOfTheSeeds) {
+  ModelResult model = model_of("patch", {0.1, 0.1});
+  EXPECT_NEAR(seed_spread_m(model_of("one", {0.1})).value_or(-1.0), -1.0, 0.0);
+  model.runs[0].estimates_m = {{0.0, 0.0}, {1.0, 1.0}};
+  model.runs[1].estimates_m = {{0.2, 0.0}, {1.0, 1.4}};
+  EXPECT_NEAR(*seed_spread_m(model), 0.15, 1e-12);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -93,6 +94,20 @@ TEST(LinePlot, RendersItsLinesInTheirColours) {
   }
   EXPECT_GT(blue, 200);
   EXPECT_GT(orange, 200);
+}
+
+TEST(LinePlot, DrawsLonelyPointsAsDots) {
+  LinePlot plot;
+  plot.points = true;
+  plot.series = {{"one", {3.0}, {1.0}}, {"two", {5.0}, {2.0}}};
+  const Image image = decode(render_svg_to_png(to_svg(plot, true), 1.0));
+  const auto blue =
+      std::count(image.pixels().begin(), image.pixels().end(), Color{0x00, 0x72, 0xb2});
+  plot.points = false;
+  const Image lines = decode(render_svg_to_png(to_svg(plot, true), 1.0));
+  const auto legend_only =
+      std::count(lines.pixels().begin(), lines.pixels().end(), Color{0x00, 0x72, 0xb2});
+  EXPECT_GT(blue, legend_only);
 }
 
 TEST(LinePlot, CsvHoldsEveryPoint) {

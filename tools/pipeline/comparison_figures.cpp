@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/pipeline/comparison_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "tools/report/map_picture.hpp"
+
+namespace strata::pipeline {
+namespace {
+
+using report::Color;
+using report::fixed;
+using report::HtmlReport;
+using report::LinePlot;
+using report::Series;
+
+constexpr int kMapPixels = 900;
+constexpr Color kDynamic{213, 94, 0};
+constexpr Color kOutline{0, 114, 178};
+/// The last percent would stretch an axis until nothing else can be seen; the tables tell of it.
+constexpr double kShownShare = 0.99;
+
+std::vector<double> sorted_errors(const ModelResult& model) {
+  std::vector<double> all;
+  for (const ModelRun& run : model.runs) {
+    for (const ScanError& error : run.errors) all.push_back(error.error_m);
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+LinePlot errors_over_time(const Comparison& comparison) {
+  LinePlot plot{.title = "Localization error over time (first drive, first seed)",
+                .x_label = "time since the test part began [s]",
+                .y_label = "error [m]",
+                .from_zero = true};
+  for (const ModelResult& model : comparison.models) {
+    Series line{model.model, {}, {}};
+    const auto& first = model.runs.front().errors;
+    for (const ScanError& error : first) {
+      line.x.push_back((error.stamp - first.front().stamp).seconds());
+      line.y.push_back(error.error_m);
+    }
+    plot.series.push_back(std::move(line));
+  }
+  for (const MetChange& change : comparison.parts.front().changes) {
+    plot.events.push_back({change.time_s, change.is_old_state ? "old state" : "new state"});
+  }
+  return plot;
+}
+
+LinePlot error_shares(const Comparison& comparison) {
+  LinePlot plot{.title = "Share of scans with at most this error (all drives and seeds)",
+                .x_label = "error [m]",
+                .y_label = "share of scans",
+                .from_zero = true,
+                .y_max = 1.0};
+  for (const ModelResult& model : comparison.models) {
+    const std::vector<double> all = sorted_errors(model);
+    Series share{model.model, {}, {}};
+    constexpr std::size_t kPoints = 200;
+    const auto shown = static_cast<std::size_t>(kShownShare * static_cast<double>(all.size()));
+    for (std::size_t i = 0; i < kPoints && shown > 0; ++i) {
+      const std::size_t at = i * (shown - 1) / (kPoints - 1);
+      share.x.push_back(all[at]);
+      share.y.push_back(static_cast<double>(at + 1) / static_cast<double>(all.size()));
+    }
+    plot.series.push_back(std::move(share));
+  }
+  return plot;
+}
+
+LinePlot error_histogram(const Comparison& comparison) {
+  LinePlot plot{.title = "How often each error occurs (all drives and seeds)",
+                .x_label = "error [m]",
+                .y_label = "share of scans",
+                .from_zero = true};
+  double longest_m = 0.0;
+  std::vector<std::vector<double>> errors;
+  for (const ModelResult& model : comparison.models) {
+    errors.push_back(sorted_errors(model));
+    const auto shown = kShownShare * static_cast<double>(errors.back().size());
+    // The worst model alone must not flatten the others.
+    if (!errors.back().empty()) {
+      const double reach_m = errors.back()[static_cast<std::size_t>(shown)];
+      longest_m = longest_m == 0.0 ? reach_m : std::min(longest_m, 1.5 * reach_m);
+    }
+  }
+  constexpr std::size_t kBins = 40;
+  const double width_m = std::max(longest_m, 1e-3) / static_cast<double>(kBins);
+  for (std::size_t m = 0; m < errors.size(); ++m) {
+    std::vector<double> counts(kBins + 1, 0.0);
+    for (const double error_m : errors[m]) {
+      counts[std::min(kBins, static_cast<std::size_t>(error_m / width_m))] += 1.0;
+    }
+    Series bars{comparison.models[m].model, {}, {}};
+    for (std::size_t b = 0; b < kBins; ++b) {
+      const double share = counts[b] / static_cast<double>(errors[m].size());
+      for (const std::size_t edge : {b, b + 1}) {
+        bars.x.push_back(static_cast<double>(edge) * width_m);
+        bars.y.push_back(share);
+      }
+    }
+    plot.series.push_back(std::move(bars));
+  }
+  return plot;
+}
+
+LinePlot error_against_bytes(const Comparison& comparison) {
+  LinePlot plot{.title = "Error against map size",
+                .x_label = "map size [kB]",
+                .y_label = "mean error [m]",
+                .from_zero = true,
+                .points = true};
+  for (const ModelResult& model : comparison.models) {
+    plot.series.push_back(
+        {model.model, {static_cast<double>(model.map_bytes) / 1024.0}, {mean_error_m(model)}});
+  }
+  return plot;
+}
+
+}  // namespace
+
+void add_errors(const Comparison& comparison, HtmlReport& page) {
+  page.heading("Localization error");
+  page.plot(
+      "error_over_time", errors_over_time(comparison),
+      "As figure 4 of Stachniss and Burgard (2005): the error is the weighted mean distance of "
+      "all particles from the truth. Dashed: the robot meets a place in another state than it "
+      "was last seen in; an old state is one that some earlier visit had seen.");
+  page.plot("error_histogram", error_histogram(comparison),
+            "Errors beyond the axis are left out here; the next figure and the table have them.");
+  page.plot("error_distribution", error_shares(comparison),
+            "Curves further to the left and higher are better; each ends at its 99th "
+            "percentile.");
+  page.plot("error_against_bytes", error_against_bytes(comparison),
+            "Lower and further left is better. Sizes are a byte a cell of each grid, and the state "
+            "of the timescale levels.");
+}
+
+void add_maps(const CompareOutcome& outcome, HtmlReport& page) {
+  page.heading("Maps: all beams, and static beams only");
+  const slam::SlamResult& slam = outcome.learned.slam;
+  const CellRect rect =
+      report::known_rect(slam.occupancy).united(report::known_rect(slam.filtered));
+  report::MapPicture raw = report::draw_map(slam.occupancy, rect, kMapPixels);
+  report::MapPicture filtered = report::draw_map(slam.filtered, rect, kMapPixels);
+  page.before_after("maps", raw.image, filtered.image, "the map from all beams",
+                    "the map after the beam filter", "What was learned:");
+  report::mark_dynamic_beams(raw, slam.scans, kDynamic);
+  page.picture(
+      "dynamic_beams", raw.image, "The map from all beams with the ends of dynamic beams in orange",
+      fixed(100.0 * slam.dynamic_fraction, 1) + "% of the hits were judged dynamic (orange).");
+  if (slam.log_likelihood.size() > 1) {
+    LinePlot trace{.title = "Log-likelihood of the data",
+                   .x_label = "iteration of EM",
+                   .y_label = "log-likelihood [nats]"};
+    Series series{"log-likelihood", {}, slam.log_likelihood};
+    for (std::size_t i = 0; i < slam.log_likelihood.size(); ++i) {
+      series.x.push_back(static_cast<double>(i));
+    }
+    trace.series.push_back(std::move(series));
+    page.plot("em_trace", trace, "As figure 1.8 of the chapter on the beam filter.");
+  }
+}
+
+void add_patches(const CompareOutcome& outcome, HtmlReport& page) {
+  const patch::PatchMap& map = outcome.learned.patches;
+  page.heading("Patch map: places that change, and the states they take");
+  if (map.submaps.empty()) {
+    page.paragraph(
+        "No place contradicted itself between visits: the patch map has no sub-map and "
+        "equals the filtered map.");
+    return;
+  }
+  report::MapPicture overview =
+      report::draw_map(map.base, report::known_rect(map.base), kMapPixels);
+  report::mark_submaps(overview, map, kOutline);
+  page.picture("patch_map", overview.image, "The filtered map with the sub-maps outlined in blue",
+               std::to_string(map.submaps.size()) +
+                   (map.submaps.size() == 1 ? " sub-map (blue)." : " sub-maps (blue)."));
+  for (const patch::Submap& submap : map.submaps) {
+    std::string caption = "Sub-map " + std::to_string(submap.id) + ", " +
+                          std::to_string(submap.sequences.size()) + " sequences. Shares:";
+    for (const patch::Configuration& configuration : submap.configurations) {
+      caption += " " + fixed(100.0 * configuration.prior, 0) + "%";
+    }
+    page.picture("submap_" + std::to_string(submap.id), report::draw_submap(submap, 4),
+                 "The configurations of sub-map " + std::to_string(submap.id) + " side by side",
+                 caption + ".");
+  }
+}
+
+namespace {
+
+/// The trace with the largest swing of its first configuration says most.
+const StateTrace* most_telling(const Comparison& comparison) {
+  const StateTrace* best = nullptr;
+  double best_swing = 0.0;
+  for (const ModelResult& model : comparison.models) {
+    for (const StateTrace& trace : model.states) {
+      if (trace.probability.size() < 2) continue;
+      const auto [low, high] =
+          std::minmax_element(trace.probability[0].begin(), trace.probability[0].end());
+      if (*high - *low <= best_swing && best != nullptr) continue;
+      best_swing = *high - *low;
+      best = &trace;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+void add_states(const Comparison& comparison, HtmlReport& page) {
+  const StateTrace* trace = most_telling(comparison);
+  if (trace == nullptr) return;
+  LinePlot plot{
+      .title = "Posterior over the configurations of sub-map " + std::to_string(trace->submap),
+      .x_label = "time since the test part began [s]",
+      .y_label = "probability",
+      .from_zero = true,
+      .y_max = 1.0};
+  for (std::size_t k = 0; k < trace->probability.size(); ++k) {
+    plot.series.push_back(
+        {"configuration " + std::to_string(k), trace->time_s, trace->probability[k]});
+  }
+  page.plot("configuration_posterior", plot,
+            "As figure 5 of Stachniss and Burgard (2005), first seed; the sub-map whose posterior "
+            "moved most.");
+}
+
+void add_timescale(const CompareOutcome& outcome, HtmlReport& page) {
+  if (!outcome.learned.timescale || outcome.learned.timescale->nodes().empty()) return;
+  const auto nodes = outcome.learned.timescale->decode();
+  page.heading("Timescale memory: what is here lately, and usually");
+  const auto busiest = std::max_element(
+      nodes->nodes().begin(), nodes->nodes().end(),
+      [](const auto& a, const auto& b) { return a.observations < b.observations; });
+  const auto node = static_cast<int>(busiest - nodes->nodes().begin());
+  LinePlot plot{.title = "Expected scans at node " + std::to_string(node),
+                .x_label = "x in the map [m]",
+                .y_label = "y in the map [m]",
+                .equal_axes = true,
+                .height = 560};
+  for (std::size_t level = 0; level < nodes->level_names().size(); ++level) {
+    const Scan scan = nodes->expected_scan(static_cast<int>(level), node);
+    Series series{nodes->level_names()[level], {}, {}};
+    for (std::size_t beam = 0; beam < scan.size(); ++beam) {
+      const auto range_m = static_cast<double>(scan.ranges_m[beam]);
+      const bool known = std::isfinite(range_m);
+      constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
+      const double bearing = scan.bearing_rad(beam);
+      series.x.push_back(known ? busiest->position_m.x() + range_m * std::cos(bearing) : kBreak);
+      series.y.push_back(known ? busiest->position_m.y() + range_m * std::sin(bearing) : kBreak);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  page.plot("node_levels", plot,
+            "What each level expects around the node with the most observations; gaps: nothing "
+            "within reach, or never seen.");
+  for (std::size_t level = 0; level < nodes->level_names().size(); ++level) {
+    const std::string& name = nodes->level_names()[level];
+    const ReflectionGrid map = nodes->level_map(static_cast<int>(level));
+    page.picture("level_" + name, report::draw_map(map, report::known_rect(map), kMapPixels).image,
+                 "The map that the level " + name + " expects", "Level " + name + ".");
+  }
+}
+
+}  // namespace strata::pipeline
