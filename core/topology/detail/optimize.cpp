@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <ceres/ceres.h>
+
+#include "core/pose_graph/pose_graph.hpp"
+#include "core/topology/detail/terms.hpp"
+#include "core/topology/location_prior.hpp"
+
+namespace strata::topology::detail {
+namespace {
+
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using RowMajor23 = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
+/// Up to this many visits a dense solver is faster.
+constexpr std::size_t kDenseVisits = 15;
+
+/// Ceres wants Jacobians row by row, and asks only for some of them.
+void write(const Eigen::Matrix3d& jacobian, double* row_major) {
+  if (row_major == nullptr) return;
+  Eigen::Map<RowMajor3> target(row_major);
+  target = jacobian;
+}
+
+class LinkCost final : public ceres::SizedCostFunction<3, 3, 3> {
+ public:
+  explicit LinkCost(const Link& link) : link_(link) {}
+  bool Evaluate(const double* const* x, double* residuals, double** jacobians) const override {
+    const Pose2 a{x[0][0], x[0][1], x[0][2]};
+    const Pose2 b{x[1][0], x[1][1], x[1][2]};
+    Eigen::Matrix3d by_a;
+    Eigen::Matrix3d by_b;
+    Eigen::Map<Eigen::Vector3d> whitened(residuals);
+    whitened = link_.whitener * pose_graph::edge_error(a, b, link_.a_from_b, &by_a, &by_b);
+    if (jacobians == nullptr) return true;
+    write(link_.whitener * by_a, jacobians[0]);
+    write(link_.whitener * by_b, jacobians[1]);
+    return true;
+  }
+
+ private:
+  Link link_;
+};
+
+class RevisitCost final : public ceres::SizedCostFunction<2, 3, 3> {
+ public:
+  explicit RevisitCost(double stddev_m) : stddev_m_(stddev_m) {}
+  bool Evaluate(const double* const* x, double* residuals, double** jacobians) const override {
+    for (int k = 0; k < 2; ++k) residuals[k] = (x[1][k] - x[0][k]) / stddev_m_;
+    if (jacobians == nullptr) return true;
+    for (int pose = 0; pose < 2; ++pose) {
+      if (jacobians[pose] == nullptr) continue;
+      Eigen::Map<RowMajor23> jacobian(jacobians[pose]);
+      jacobian.setZero();
+      jacobian(0, 0) = jacobian(1, 1) = (pose == 0 ? -1.0 : 1.0) / stddev_m_;
+    }
+    return true;
+  }
+
+ private:
+  double stddev_m_;
+};
+
+/// The root of twice the penalty, whose half square is the penalty.
+class PenaltyCost final : public ceres::SizedCostFunction<1, 3, 3> {
+ public:
+  explicit PenaltyCost(const LocationPriorConfig& config) : config_(config) {}
+  bool Evaluate(const double* const* x, double* residuals, double** jacobians) const override {
+    const Eigen::Vector2d apart(x[1][0] - x[0][0], x[1][1] - x[0][1]);
+    const double distance_m = apart.norm();
+    const Penalty penalty = penalty_at(distance_m, config_);
+    residuals[0] = std::sqrt(2.0 * penalty.value);
+    if (jacobians == nullptr) return true;
+    Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+    if (residuals[0] > 0.0 && distance_m > 0.0) {
+      slope = penalty.slope / residuals[0] * apart / distance_m;
+    }
+    for (int pose = 0; pose < 2; ++pose) {
+      if (jacobians[pose] == nullptr) continue;
+      const double sign = pose == 0 ? -1.0 : 1.0;
+      jacobians[pose][0] = sign * slope.x();
+      jacobians[pose][1] = sign * slope.y();
+      jacobians[pose][2] = 0.0;
+    }
+    return true;
+  }
+
+ private:
+  const LocationPriorConfig& config_;
+};
+
+}  // namespace
+
+bool optimize(const Terms& terms, const LocationPriorConfig& config, std::vector<Pose2>& poses,
+              double& cost) {
+  static_assert(sizeof(Pose2) == 3 * sizeof(double));
+  const auto block = [&](std::size_t i) { return &poses[i].x; };
+  ceres::Problem problem;
+  problem.AddParameterBlock(block(0), 3);
+  problem.SetParameterBlockConstant(block(0));
+  for (const Link& link : terms.links) {
+    problem.AddResidualBlock(new LinkCost(link), nullptr, block(link.a), block(link.b));
+  }
+  for (const Pair& pair : terms.revisits) {
+    problem.AddResidualBlock(new RevisitCost(config.revisit_stddev_m), nullptr, block(pair.a),
+                             block(pair.b));
+  }
+  for (const Pair& pair : terms.penalties) {
+    problem.AddResidualBlock(new PenaltyCost(config), nullptr, block(pair.a), block(pair.b));
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type =
+      poses.size() <= kDenseVisits ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = 50;
+  options.function_tolerance = 1e-9;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  cost = summary.final_cost;
+  return summary.termination_type == ceres::CONVERGENCE && std::isfinite(cost);
+}
+
+}  // namespace strata::topology::detail
