@@ -10,6 +10,7 @@
 #include "components/runtime/host.hpp"
 #include "tools/strata/all_components.hpp"
 #include "tools/strata/process_group.hpp"
+#include "tools/strata/service_notice.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -48,11 +49,13 @@ void run_here(const RunOptions& options, VerbContext& context,
   if (!options.lockstep) {
     host.activate();
     context.note("process " + process.name + " runs; Ctrl-C ends it");
+    if (!options.child) tell_service_manager("READY=1");
   }
   while (!context.interrupt().wait_for(0.1)) {
     if (!options.lockstep) host.tick();
     for (const std::string& error : host.take_errors()) context.note("warning: " + error);
   }
+  if (!options.child) tell_service_manager("STOPPING=1");
   host.stop();
 }
 
@@ -62,6 +65,7 @@ void run_children(const RunOptions& options, VerbContext& context,
   for (const runtime::ProcessEntry& process : composition.processes) {
     group.start(process.name, child_arguments(options.composition, process.name, context, false));
   }
+  tell_service_manager("READY=1");
   while (!context.interrupt().wait_for(0.1)) {
     if (!group.all_run()) break;
   }

@@ -1,0 +1,8 @@
+# cmake -DSOURCE_DIR=.. -DVERSION=1.2.3 -P manifest_test.cmake
+file(READ ${SOURCE_DIR}/package.xml manifest)
+foreach(text "<version>${VERSION}</version>" "<build_type>cmake</build_type>" "<name>strata</name>")
+  string(FIND "${manifest}" "${text}" at)
+  if(at EQUAL -1)
+    message(FATAL_ERROR "package.xml does not say ${text}")
+  endif()
+endforeach()
