@@ -197,7 +197,11 @@ void look_for_changes(const Learned& learned, const CompareConfig& config, TestP
                                  event.is_old_state, event.appeared_share});
   }
   for (std::size_t i = 0; i < part.observations.size(); ++i) {
-    part.info.changed_scans += part.truths[i] && part.changes.sees_change(i) ? 1 : 0;
+    if (!part.truths[i]) continue;
+    const ReflectionGrid& map = learned.maps.filtered;
+    part.info.changed_scans += part.changes.sees_change(i) ? 1 : 0;
+    part.info.unmapped_scans +=
+        is_known(map.get(map.cell_at(part.truths[i]->translation()))) ? 0 : 1;
   }
 }
 

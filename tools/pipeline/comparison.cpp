@@ -152,9 +152,13 @@ json part_json(const TestPartInfo& part) {
                        {"appeared_share", change.appeared_share},
                        {"old_state", change.is_old_state}});
   }
-  return {{"name", part.name},   {"train", part.train_s},
-          {"test", part.test_s}, {"scans", part.scans},
-          {"changes", changes},  {"scans_where_it_changed", part.changed_scans}};
+  return {{"name", part.name},
+          {"train", part.train_s},
+          {"test", part.test_s},
+          {"scans", part.scans},
+          {"changes", changes},
+          {"scans_where_it_changed", part.changed_scans},
+          {"scans_off_the_map", part.unmapped_scans}};
 }
 
 std::string metres(double value) {

@@ -66,7 +66,8 @@ struct TestPartInfo {
   std::array<double, 2> train_s{};  ///< seconds from the start of the log
   std::array<double, 2> test_s{};
   std::size_t scans = 0;
-  std::size_t changed_scans = 0;  ///< that see a place that changed
+  std::size_t changed_scans = 0;   ///< that see a place that changed
+  std::size_t unmapped_scans = 0;  ///< taken where the maps know nothing: no map can help there
   std::vector<MetChange> changes;
 };
 

@@ -183,6 +183,19 @@ void write_errors(const Comparison& comparison, const std::filesystem::path& pat
   report::write_file(path, out.str());
 }
 
+/// A test part that leaves the learned area says little about maps.
+std::string warn_of_unmapped(const Comparison& comparison) {
+  std::size_t scans = 0;
+  std::size_t unmapped = 0;
+  for (const TestPartInfo& part : comparison.parts) {
+    scans += part.scans;
+    unmapped += part.unmapped_scans;
+  }
+  if (unmapped == 0) return "";
+  return " " + std::to_string(unmapped) + " of " + std::to_string(scans) +
+         " test scans were taken where nothing had been learned; no map can help there.";
+}
+
 std::string describe_job(const Comparison& comparison) {
   const TestPartInfo& part = comparison.parts.front();
   std::string text = comparison.log + ": ";
@@ -209,7 +222,7 @@ void write_report(const CompareOutcome& outcome, const std::string& settings,
   const json result = to_json(comparison, tests);
   HtmlReport page(folder, "Which map for this building?");
   page.verdict(verdict(comparison, tests));
-  page.paragraph(describe_job(comparison));
+  page.paragraph(describe_job(comparison) + warn_of_unmapped(comparison));
   add_model_table(comparison, result["models"], page);
   add_pair_table(tests, page);
   add_drives(comparison, page);

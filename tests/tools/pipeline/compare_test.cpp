@@ -159,6 +159,23 @@ TEST(Compare, RefusesASplitThatLeavesNothing) {
   }
 }
 
+TEST(Compare, CountsScansTakenWhereNothingWasLearned) {
+  Runs runs = test_room::simulate_runs(2, 2);
+  runs.poses = runs.truths;
+  runs.truths.assign(runs.truths.size(), std::nullopt);
+  CompareConfig config;
+  config.protocol.models = {"occupancy"};
+  CompareJob job;
+  job.seeds = {1};
+  job.splits = {split_by_time(runs, "room", 0.6 * elapsed_seconds(runs.observations).back())};
+  EXPECT_EQ(compare(runs, config, job).comparison.parts.at(0).unmapped_scans, 0U);
+  // The last day is said to have been in another room.
+  for (const std::size_t i : job.splits[0].test)
+    runs.poses[i] = Pose2{50.0, 0.0, 0.0} * *runs.poses[i];
+  const TestPartInfo part = compare(runs, config, job).comparison.parts.at(0);
+  EXPECT_EQ(part.unmapped_scans, part.scans);
+}
+
 TEST(Folds, TestEachScanOnceOnMapsOfTheOthers) {
   const Runs runs = test_room::simulate_runs(2, 3);
   const std::vector<std::vector<std::string>> ways{{"one"}, {"one", "two", "three"}};
