@@ -2,6 +2,7 @@
 #include "core/grid/counting_map.hpp"
 
 #include "core/grid/count_scans.hpp"
+#include "core/grid/growth.hpp"
 #include "core/grid/ray_traversal.hpp"
 
 namespace strata {
@@ -11,7 +12,7 @@ void CountingMap::add(const PosedScan& scan, const CountingOptions& options, dou
   const double resolution = resolution_m();
   const CellRect needed = extent_of(scan, resolution, options);
   if (needed.empty()) return;
-  cells_.grow(needed);
+  cells_.grow(with_room(cells_, needed));
   const bool weighted =
       beams == BeamWeights::kStaticProbability && !scan.static_probability.empty();
   const double per_cell = weight / resolution;

@@ -6,6 +6,7 @@
 
 #include "core/base/config.hpp"
 #include "core/grid/count_scans.hpp"
+#include "core/grid/growth.hpp"
 #include "core/grid/ray_traversal.hpp"
 
 namespace strata {
@@ -33,7 +34,7 @@ void LogOddsMap::add(const PosedScan& scan, const CountingOptions& options) {
   const double resolution = cells_.resolution_m();
   const CellRect extent = extent_of(scan, resolution, options);
   if (extent.empty()) return;
-  cells_.grow(extent);
+  cells_.grow(with_room(cells_, extent));
   for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t beam, const Ray& ray) {
     const Cell end = cell_at(ray.to_m, resolution);
     traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/grid/growth.hpp"
+
 namespace strata::registration {
 namespace {
 
@@ -115,8 +117,9 @@ std::size_t MatchField::add(const SurfacePoint& point) {
   const int reach = static_cast<int>(std::ceil(config_.radius_m / resolution));
   const Cell center{cell_coordinate(point.x_m, resolution), cell_coordinate(point.y_m, resolution)};
   const CellRect rect = CellRect{center, {center.x + 1, center.y + 1}}.inflated(reach);
-  nearest_.grow(rect);
-  squared_m2_.grow(rect);
+  const CellRect wide = with_room(nearest_, rect);
+  nearest_.grow(wide);
+  squared_m2_.grow(wide);
   const std::size_t index = points_.size();
   points_.push_back(point);
   const auto label = static_cast<std::int32_t>(index);

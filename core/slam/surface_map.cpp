@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/grid/counting_map.hpp"
+#include "core/grid/growth.hpp"
 #include "core/grid/ray_traversal.hpp"
 
 namespace strata::slam {
@@ -26,7 +27,7 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
     }
   });
   if (needed.empty()) return;
-  cells_.grow(needed);
+  cells_.grow(with_room(cells_, needed));
   touched_ = touched_.united(needed);
   changed_.clear();
   const Endpoints hits = endpoints_in_robot(scan);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include <gtest/gtest.h>
 
 #include "core/grid/grid.hpp"
+#include "core/grid/growth.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/random/stream.hpp"
 
@@ -53,6 +55,21 @@ TEST(Grid, IndexAndCellAreInverse) {
   const Grid<int> grid(0.1, {{-3, 7}, {5, 12}});
   ASSERT_EQ(grid.size(), 40U);
   for (std::size_t i = 0; i < grid.size(); ++i) ASSERT_EQ(grid.index(grid.cell(i)), i);
+}
+
+TEST(Grid, GrowsSeldomHoweverFarItGoesStepByStep) {
+  Grid<std::uint8_t> grid(0.1, CellRect{});
+  int grown = 0;
+  for (int x = 0; x < 100'000; ++x) {
+    const CellRect before = grid.rect();
+    const Cell cell{x % 2 == 0 ? x / 2 : -x / 2, 0};  // both ways at once
+    grid.grow(with_room(grid, {cell, {cell.x + 1, cell.y + 1}}));
+    ASSERT_TRUE(grid.contains(cell));
+    if (!(grid.rect() == before)) ++grown;
+  }
+  EXPECT_LT(grown, 50);
+  EXPECT_LT(grid.width(), 2 * 100'000);
+  EXPECT_LT(grid.height(), 200);
 }
 
 TEST(Grid, KeepsItsValuesWhenItGrowsInAnyDirection) {
