@@ -29,15 +29,17 @@ void PatchBeamModel::cast_all(const Pose2& laser, const ScanBeams& beams, Scratc
   scratch.expected.resize(beams.size());
   scratch.cells.resize(beams.size());
   scratch.logs.resize(beams.size());
-  caster_.cast({laser.x, laser.y, std::cos(laser.theta), std::sin(laser.theta), beams.cosine.data(),
+  scratch.heading_cosine = std::cos(laser.theta);
+  scratch.heading_sine = std::sin(laser.theta);
+  caster_.cast({laser.x, laser.y, scratch.heading_cosine, scratch.heading_sine, beams.cosine.data(),
                 beams.sine.data(), beams.size(), beams.r_max_m},
                scratch.expected.data(), scratch.cells.data());
 }
 
 void PatchBeamModel::find_events(const Pose2& laser, const ScanBeams& beams, std::size_t beam,
                                  int current, const BeamMixture& mixture, Scratch& scratch) const {
-  const double hc = std::cos(laser.theta);
-  const double hs = std::sin(laser.theta);
+  const double hc = scratch.heading_cosine;
+  const double hs = scratch.heading_sine;
   const double c = hc * beams.cosine[beam] - hs * beams.sine[beam];
   const double s = hs * beams.cosine[beam] + hc * beams.sine[beam];
   caster_.events(laser.x, laser.y, c, s, beams.r_max_m, current, scratch.events);
@@ -58,8 +60,8 @@ double PatchBeamModel::weigh_sampled(const ScanScratch& scan, double tempering,
   cast_all(laser, beams, scratch);
   scan.mixture.log_likelihoods(0, beams.size(), scratch.expected.data(), scratch.logs.data());
   for (std::size_t k = 0; k < beams.size(); ++k) {
-    // Most beams end in the static map before they come to any sub-map.
-    if (scratch.cells[k] < 0 || caster_.is_static(scratch.cells[k])) continue;
+    // Most beams end where all configurations agree.
+    if (scratch.cells[k] < 0 || caster_.is_certain(scratch.cells[k])) continue;
     find_events(laser, beams, k, current, scan.mixture.mixture(), scratch);
     scratch.logs[k] = std::log(mix_events(scratch.events, scratch.values, scratch.end_value,
                                           states_, states_.uniform(), current, particles.patch[i]));
@@ -115,7 +117,7 @@ double PatchBeamModel::weigh_remembered(const ScanScratch& scan, double temperin
   cast_all(laser, beams, scratch);
   scan.mixture.log_likelihoods(0, beams.size(), scratch.expected.data(), scratch.logs.data());
   for (std::size_t beam = 0; beam < beams.size(); ++beam) {
-    if (scratch.cells[beam] < 0 || caster_.is_static(scratch.cells[beam])) continue;
+    if (scratch.cells[beam] < 0 || caster_.is_certain(scratch.cells[beam])) continue;
     find_events(laser, beams, beam, current, scan.mixture.mixture(), scratch);
     scratch.logs[beam] =
         std::log(mix_events(scratch.events, scratch.values, scratch.end_value, states_, belief));
@@ -177,6 +179,8 @@ double PatchBeamModel::explained_share(const Scan& scan, const Pose2& map_from_r
     for (const double p : submap.probability) scratch->belief.push_back(static_cast<float>(p));
   }
   const int current = patch::submap_at(states_.map(), map_from_robot.translation());
+  scratch->heading_cosine = std::cos(laser.theta);
+  scratch->heading_sine = std::sin(laser.theta);
   double explained = 0.0;
   for (std::size_t beam = 0; beam < beams.size(); ++beam) {
     find_events(laser, beams, beam, current, mixture, *scratch);

@@ -48,6 +48,8 @@ class PatchBeamModel final : public SensorModel {
   };
   /// Working memory of one chunk of particles.
   struct Scratch {
+    double heading_cosine = 1.0;  // of the laser
+    double heading_sine = 0.0;
     std::vector<double> expected;  // per beam: range of the first cell that is ever an obstacle
     std::vector<std::int32_t> cells;
     std::vector<double> logs;

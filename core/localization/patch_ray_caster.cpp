@@ -48,13 +48,16 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
     }
     std::vector<Owner> owners;
     std::uint64_t any = 0;
+    bool is_certain = true;
     for (const std::size_t s : patch::submaps_at(map, cell)) {
-      owners.push_back({static_cast<std::int32_t>(s), occupied_mask(map, s, cell), false});
+      owners.push_back({static_cast<std::int32_t>(s), occupied_mask(map, s, cell), false, false});
       any |= owners.back().mask;
+      is_certain = is_certain && owners.back().mask == all_[s];
     }
     if (any == 0) continue;
     marked.values()[i] = 1;
     owners.back().is_last = true;
+    owners.front().is_certain = is_certain;
     first_owner_.values()[i] = static_cast<std::int32_t>(owners_.size());
     owners_.insert(owners_.end(), owners.begin(), owners.end());
   }

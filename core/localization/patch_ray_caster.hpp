@@ -37,9 +37,12 @@ class PatchRayCaster {
   void cast(const RayFan& fan, double* range_m, std::int32_t* cell) const {
     cast_rays(walker_.table(), fan, range_m, cell);
   }
-  /// Whether such a cell belongs to the static map: every ray that comes to it ends there.
-  [[nodiscard]] bool is_static(std::int32_t cell) const {
-    return first_owner_.values()[static_cast<std::size_t>(cell)] < 0;
+  /// Whether every ray that comes to such a cell ends there, whatever the configurations: it
+  /// belongs to the static map, or is an obstacle in all configurations of all sub-maps that have
+  /// it.
+  [[nodiscard]] bool is_certain(std::int32_t cell) const {
+    const std::int32_t first = first_owner_.values()[static_cast<std::size_t>(cell)];
+    return first < 0 || owners_[static_cast<std::size_t>(first)].is_certain;
   }
 
  private:
@@ -47,6 +50,7 @@ class PatchRayCaster {
     std::int32_t submap;
     std::uint64_t mask;
     bool is_last;
+    bool is_certain;  // of the first: all owners of this cell have it in all configurations
   };
   RayWalker walker_;
   Grid<std::int32_t> first_owner_;  // place in owners_; -1: the static map
