@@ -55,6 +55,22 @@ void Localizer::start(std::size_t count) {
   set_uniform_weights(particles_);
 }
 
+void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
+  const std::shared_ptr<const SensorModel> before = std::exchange(model_, std::move(model));
+  if (!is_started_) return;
+  if (const PatchStates* states = model_->patch_states()) {
+    // A step of its own, so that its draws are not those of the next scan's transition.
+    states->adopt(before->patch_states(), seed_, ++step_, particles_);
+  } else {
+    particles_.belief_columns = 0;
+    particles_.beliefs.clear();
+    particles_.shared_belief.clear();
+    std::fill(particles_.submap.begin(), particles_.submap.end(), -1);
+    std::fill(particles_.patch.begin(), particles_.patch.end(), -1);
+  }
+  resampled_ = particles_;
+}
+
 void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
   start(static_cast<std::size_t>(config_.particles));
   most_particles_ =
@@ -125,8 +141,15 @@ Pose2 Localizer::motion_since_last(const Observation& observation) {
     motion = between(last_->odom_from_robot, observation.odom_from_robot);
     // Damaged odometry must not destroy the filter.
     if (!is_finite(motion)) motion = Pose2{};
+    const double dt_s = std::max(0.0, (observation.scan.stamp - last_->scan.stamp).seconds());
+    const double reach_m = config_.gating.jump_m + config_.gating.most_speed_mps * dt_s;
+    if (std::hypot(motion.x, motion.y) > reach_m) {
+      motion = Pose2{};
+      ++odometry_jumps_;
+    }
   }
   last_.emplace();
+  last_->scan.stamp = observation.scan.stamp;
   last_->run = observation.run;
   last_->has_odometry = observation.has_odometry && is_finite(observation.odom_from_robot);
   last_->odom_from_robot = observation.odom_from_robot;
@@ -160,6 +183,15 @@ double Localizer::annealing() const {
   // Three steps: factor, its square root, 1 (tau 8, 4, 2 in SPEC C7).
   const int step = 3 * annealed_updates_ / updates;
   return std::pow(config_.global_start.annealing_factor, 0.5 * (2 - step));
+}
+
+std::size_t Localizer::least_while_annealing() const {
+  // The bins of KLD sampling say how many particles describe the posterior as it is, but while it
+  // is still flattened the place that will win may hold few of them: go down evenly instead.
+  const int updates = config_.global_start.annealing_updates;
+  if (annealed_updates_ >= updates) return 0;
+  return most_particles_ * static_cast<std::size_t>(updates - annealed_updates_) /
+         static_cast<std::size_t>(updates);
 }
 
 Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
@@ -217,6 +249,7 @@ void Localizer::resample() {
     keep =
         std::clamp(needed, static_cast<std::size_t>(config_.kld.min_particles),
                    std::max(most_particles_, static_cast<std::size_t>(config_.kld.min_particles)));
+    keep = std::max(keep, least_while_annealing());
   } else if (is_annealed) {
     keep = static_cast<std::size_t>(config_.particles);
   }

@@ -51,6 +51,10 @@ class Localizer {
   /// compete.
   void set_free_space(const ReflectionGrid& map) { free_space_ = FreeSpace(map); }
 
+  /// Another map, in the middle of a run: poses and weights stay, and so does what is believed of
+  /// sub-maps that both maps have (PatchStates::adopt). Works before a start too.
+  void set_model(std::shared_ptr<const SensorModel> model);
+
   /// One scan. A scan in which no beam says anything (empty, all NaN) only moves the particles and
   /// is counted. The first scan after initialize, and of a new run, carries no motion. Throws
   /// std::logic_error when not initialized. The result is overwritten by the next call. Allocates
@@ -60,6 +64,8 @@ class Localizer {
   [[nodiscard]] const ParticleSet& particles() const { return particles_; }
   /// Scans of which nothing was usable so far.
   [[nodiscard]] std::size_t unusable_scans() const { return unusable_scans_; }
+  /// Times that odometry moved further than a robot can; that motion was left out.
+  [[nodiscard]] std::size_t odometry_jumps() const { return odometry_jumps_; }
   [[nodiscard]] const LocalizerConfig& config() const { return config_; }
 
  private:
@@ -71,6 +77,7 @@ class Localizer {
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
   void resample();
+  [[nodiscard]] std::size_t least_while_annealing() const;
   [[nodiscard]] double annealing() const;
   const LocalizationResult& make_result(const Pose2Gaussian& pose, bool weighed);
 
@@ -98,6 +105,7 @@ class Localizer {
   Pose2 moved_;  // since the last weighed scan
   int scans_since_weighed_ = 0;
   std::size_t unusable_scans_ = 0;
+  std::size_t odometry_jumps_ = 0;
 };
 
 }  // namespace strata::localization

@@ -13,6 +13,8 @@ struct GatingConfig {
   double translation_m = 0.10;
   double rotation_rad = 0.0873;
   int every_scans = 10;
+  double most_speed_mps = 5.0;
+  double jump_m = 1.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("translation_m", c.translation_m,
@@ -22,6 +24,14 @@ struct GatingConfig {
     v.field(
         "every_scans", c.every_scans,
         {.doc = "or at the latest every so many scans; 1: weigh all", .unit = "scans", .min = 1});
+    v.field("most_speed_mps", c.most_speed_mps,
+            {.doc = "with jump_m: odometry that moves faster than a robot can has been reset, and "
+                    "says nothing",
+             .unit = "m/s",
+             .min = 0.0});
+    v.field(
+        "jump_m", c.jump_m,
+        {.doc = "odometry may always move this far between two scans", .unit = "m", .min = 0.0});
   }
 };
 

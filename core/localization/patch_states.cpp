@@ -44,6 +44,8 @@ PatchStates::PatchStates(std::shared_ptr<const patch::PatchMap> map,
     }
     offsets_.push_back(offsets_.back() + count);
     uniform_.insert(uniform_.end(), count, 1.0F / static_cast<float>(count));
+    rates_.push_back(config.rates == RateSource::kLearned ? learned_rate_per_s(submap, config)
+                                                          : config.forgetting_rate_per_s);
   }
 }
 
@@ -70,7 +72,7 @@ void PatchStates::predict_beliefs(std::span<float> row, double dt_s) const {
   for (std::size_t s = 0; s + 1 < offsets_.size(); ++s) {
     const int configurations = count(s);
     if (configurations == 1) continue;
-    const double keep = std::exp(-config_.forgetting_rate_per_s * std::max(0.0, dt_s));
+    const double keep = std::exp(-rates_[s] * std::max(0.0, dt_s));
     const double add = (1.0 - keep) / configurations;
     // b a + (1 - b)(1 - a)/(K - 1) of SPEC C5, with a = 1/K + (1 - 1/K) keep.
     for (float& b : row.subspan(offsets_[s], static_cast<std::size_t>(configurations))) {
@@ -96,8 +98,9 @@ void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
     if (now != before || particles.patch[i] < 0) {
       particles.patch[i] =
           static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations)));
-    } else if (configurations > 1 && !random.bernoulli(stay_probability(
-                                         configurations, config_.forgetting_rate_per_s, dt_s))) {
+    } else if (configurations > 1 &&
+               !random.bernoulli(
+                   stay_probability(configurations, rates_[static_cast<std::size_t>(now)], dt_s))) {
       const auto other =
           static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations - 1)));
       particles.patch[i] = other < particles.patch[i] ? other : other + 1;

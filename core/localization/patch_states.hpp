@@ -25,9 +25,18 @@ enum class PatchMemory {
   kPerParticle,  ///< a belief per particle and sub-map (factored posterior)
 };
 
+/// Where the rates come from at which configurations change (SPEC C6).
+enum class RateSource {
+  kFixed,    ///< one rate for every sub-map
+  kLearned,  ///< per sub-map, from the sequences that it was learned from
+};
+
 struct PatchStatesConfig {
   PatchMemory memory = PatchMemory::kPerParticle;
+  RateSource rates = RateSource::kFixed;
   double forgetting_rate_per_s = 1.0 / 600.0;
+  double prior_changes = 1.0;
+  double prior_hours = 1.0;
   double least_belief = 1e-3;
   double shared_max_stddev_m = 0.3;
   template <class Self, class V>
@@ -37,6 +46,13 @@ struct PatchStatesConfig {
             {.doc = "rate gamma at which a known configuration becomes unknown",
              .unit = "1/s",
              .min = 0.0});
+    v.field("rates", c.rates,
+            {.doc = "fixed: forgetting_rate_per_s everywhere; learned: per sub-map, from how often "
+                    "its configuration changed between the sequences it was learned from"});
+    v.field("prior_changes", c.prior_changes,
+            {.doc = "learned: changes believed to have been seen beforehand", .min = 0.01});
+    v.field("prior_hours", c.prior_hours,
+            {.doc = "learned: ... in this time", .unit = "h", .min = 1e-3});
     v.field("least_belief", c.least_belief,
             {.doc = "no configuration's probability falls below", .min = 0.0, .max = 0.1});
     v.field("shared_max_stddev_m", c.shared_max_stddev_m,
@@ -56,6 +72,14 @@ struct SubmapBelief {
 /// P(same configuration after dt) of the K-state chain that leaves at rate q = gamma (K-1)/K:
 /// 1/K + (1 - 1/K) exp(-gamma dt) (SPEC C2); 1 for K = 1.
 [[nodiscard]] double stay_probability(int configurations, double gamma_per_s, double dt_s);
+
+/// The rate gamma of stay_probability that explains a sub-map's sequences best: the maximum of
+/// sum over successive sequences of ln P(c' | c, dt), as the
+/// posterior mode under a gamma density with shape prior_changes + 1 and rate prior_hours. Pairs
+/// that span two runs whose stamps overlap say nothing. Where nothing is said it is
+/// prior_changes / prior_hours. O(pairs x 60).
+[[nodiscard]] double learned_rate_per_s(const patch::Submap& submap,
+                                        const PatchStatesConfig& config);
 
 /// The layout of the beliefs of a patch map, and the map transition p(m_t | x_t, m_{t-1}) of
 /// [stachniss2005patch, eq. (8)].
@@ -81,6 +105,14 @@ class PatchStates {
   /// Particle i knows nothing: its sub-map from its pose, its configuration (without memory) drawn
   /// uniformly, its belief uniform.
   void draw(ParticleSet& particles, std::size_t i, RandomStream& random) const;
+  /// Takes particles over from a model with the states `before` (null: none). Sub-maps that lie in
+  /// the same place (their rectangles overlap by more than half of their union) keep what was
+  /// believed of them; configurations that are new there start with an equal share. The rest knows
+  /// nothing. Poses and weights stay.
+  void adopt(const PatchStates* before, std::uint64_t seed, std::uint64_t step,
+             ParticleSet& particles) const;
+  /// The rate of each sub-map [1/s].
+  [[nodiscard]] double rate_per_s(std::size_t submap) const { return rates_[submap]; }
   /// After the motion: which sub-map each particle is in, and the change of configurations in dt_s.
   /// Same sub-map: kept with stay_probability, else one of the others; a new one: uniform [seed].
   /// With memory the beliefs move towards uniform instead, and no configuration is drawn.
@@ -97,12 +129,16 @@ class PatchStates {
 
  private:
   void predict_beliefs(std::span<float> row, double dt_s) const;
+  [[nodiscard]] std::vector<int> places_in(const PatchStates* before) const;
+  void carry_over(const PatchStates& before, const std::vector<int>& places,
+                  std::span<const float> from, std::span<float> to) const;
 
   std::shared_ptr<const patch::PatchMap> map_;
   PatchStatesConfig config_;
   std::vector<std::size_t> offsets_;
   std::vector<float> uniform_;
   Lender<std::vector<double>> factors_;
+  std::vector<double> rates_;  // gamma of each sub-map
 };
 
 /// b(k) <- b(k) factor(k), normalized, never below `least`. Zero sums leave b as it is.
@@ -116,4 +152,11 @@ struct strata::EnumNames<strata::localization::PatchMemory> {
       {{strata::localization::PatchMemory::kNone, "none"},
        {strata::localization::PatchMemory::kShared, "shared"},
        {strata::localization::PatchMemory::kPerParticle, "per_particle"}}};
+};
+
+template <>
+struct strata::EnumNames<strata::localization::RateSource> {
+  static constexpr std::array<std::pair<strata::localization::RateSource, const char*>, 2> values{
+      {{strata::localization::RateSource::kFixed, "fixed"},
+       {strata::localization::RateSource::kLearned, "learned"}}};
 };

@@ -52,6 +52,16 @@ Grid<std::uint8_t> drop_lonely(const Grid<std::uint8_t>& mask, int least) {
   return result;
 }
 
+void drop_small(int least, Grid<std::uint8_t>& mask) {
+  Grid<std::uint8_t> left = mask;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (left.values()[i] == 0) continue;
+    const std::vector<Cell> component = take_component(left, left.cell(i));
+    if (component.size() >= static_cast<std::size_t>(least)) continue;
+    for (const Cell& cell : component) mask.at(cell) = 0;
+  }
+}
+
 }  // namespace
 
 double chi_squared_tail(double x, int dof) {
@@ -103,6 +113,7 @@ Grid<std::uint8_t> find_contradictions(const VisitTable& table, const Contradict
     mask.values()[i] = static_cast<std::uint8_t>(mask.values()[i] | few.values()[i]);
   }
   drop_displaced_surfaces(table, config, mask);
+  drop_small(config.min_component_cells, mask);
   return mask;
 }
 

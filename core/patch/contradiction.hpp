@@ -24,6 +24,7 @@ struct ContradictionConfig {
   double tolerance_m = 0.15;
   double displaced_reach_m = 0.25;
   double max_displaced_share = 0.7;
+  int min_component_cells = 8;
   // Many visits.
   double max_evidence = 4.0;
   double min_evidence = 0.5;
@@ -63,6 +64,8 @@ struct ContradictionConfig {
              .unit = "1",
              .min = 0.0,
              .max = 1.1});
+    v.field("min_component_cells", c.min_component_cells,
+            {.doc = "a change of fewer connected cells is dropped", .unit = "cells", .min = 1});
     v.field("max_evidence", c.max_evidence,
             {.doc = "beams of one visit count at most this much: they are correlated",
              .unit = "beams",
@@ -121,7 +124,7 @@ struct VisitEvidence {
 [[nodiscard]] Grid<std::uint8_t> test_few_visits(const VisitTable& table,
                                                  const ContradictionConfig& config);
 
-/// The union of both, without what displaced surfaces explain.
+/// The union of both, without what displaced surfaces explain and without small components.
 [[nodiscard]] Grid<std::uint8_t> find_contradictions(const VisitTable& table,
                                                      const ContradictionConfig& config);
 

@@ -31,7 +31,7 @@ namespace strata::patch {
 
 struct ModelSelectionConfig {
   FuzzyKMeansConfig fuzzy;
-  double cell_stddev = 0.2;
+  double cell_stddev = 0.3;
   ThetaMode theta_mode = ThetaMode::kCells;
   int patience = 1;
   int min_features = 4;

@@ -6,6 +6,9 @@
 #include "core/beam_filter/beam_model.hpp"
 
 namespace strata::patch {
+namespace {
+constexpr float kSurface = 0.5F;
+}  // namespace
 
 ReflectionGrid filter_counts(const Grid<CellCounts>& counts, double prior, double min_evidence) {
   ReflectionGrid result = make_reflection_grid(counts.resolution_m(), counts.rect());
@@ -27,7 +30,9 @@ std::vector<float> feature_vector(const ReflectionGrid& reflection, std::span<co
         if (is_known(m)) greatest = is_known(greatest) ? std::max(greatest, m) : m;
       }
     }
-    result.push_back(greatest);
+    // A cell in the shadow of an object is next to free cells; it is not free itself.
+    const bool is_seen = is_known(reflection.get(cell)) || greatest >= kSurface;
+    result.push_back(is_seen ? std::min(1.0F, greatest / kSurface) : kUnknownReflection);
   }
   return result;
 }

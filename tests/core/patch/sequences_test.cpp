@@ -134,16 +134,27 @@ TEST(SequenceCounts, EqualTheCountingMapInsideTheRectangle) {
   EXPECT_GT(evidence, 1000.0);
 }
 
-TEST(SequenceVectors, FeatureIsTheGreatestKnownNeighbour) {
+TEST(SequenceVectors, FeatureIsTheGreatestKnownNeighbourSaturated) {
   ReflectionGrid grid = make_reflection_grid(kResolution, {{0, 0}, {9, 9}});
-  grid.at({2, 2}) = 0.25F;
-  grid.at({3, 3}) = 0.75F;
-  const std::vector<Cell> cells{{1, 1}, {2, 2}, {4, 4}, {7, 7}};
+  grid.at({2, 2}) = 0.1F;
+  grid.at({3, 3}) = 0.125F;
+  grid.at({6, 6}) = 0.75F;
+  const std::vector<Cell> cells{{2, 2}, {6, 6}, {6, 7}, {8, 2}};
   const std::vector<float> features = feature_vector(grid, cells);
   EXPECT_EQ(features[0], 0.25F);
-  EXPECT_EQ(features[1], 0.75F);
-  EXPECT_EQ(features[2], 0.75F);
+  EXPECT_EQ(features[1], 1.0F);
+  EXPECT_EQ(features[2], 1.0F) << "unseen beside a surface";
   EXPECT_FALSE(is_known(features[3]));
+}
+
+TEST(SequenceVectors, CellsInAShadowAreNotFree) {
+  // Seen from one side, the back of an object is unknown, though free cells adjoin it.
+  ReflectionGrid grid = make_reflection_grid(kResolution, {{0, 0}, {9, 9}});
+  for (int y = 0; y < 9; ++y) grid.at({4, y}) = 0.0F;
+  const std::vector<Cell> cells{{4, 4}, {5, 4}};
+  const std::vector<float> features = feature_vector(grid, cells);
+  EXPECT_EQ(features[0], 0.0F);
+  EXPECT_FALSE(is_known(features[1]));
 }
 
 TEST(SequenceVectors, FilterKeepsWhatStaysAndDropsWhatPasses) {

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// How fast the configuration of a sub-map changes, from the sequences it was learned from (SPEC
+// C6).
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/localization/patch_states.hpp"
+
+namespace strata::localization {
+namespace {
+
+constexpr int kSearchSteps = 60;
+constexpr double kLeastRate = 1e-8;  // one change in three years
+constexpr double kGreatestRate = 1.0;
+
+struct Transition {
+  double dt_s = 0.0;
+  double stayed = 0.0;  ///< P(the same configuration), from the memberships of both
+};
+
+std::vector<Transition> transitions_of(const patch::Submap& submap) {
+  std::vector<Transition> result;
+  for (std::size_t i = 1; i < submap.sequences.size(); ++i) {
+    const patch::SequenceInfo& before = submap.sequences[i - 1];
+    const patch::SequenceInfo& after = submap.sequences[i];
+    const double dt_s = (after.begin - before.end).seconds();
+    if (dt_s <= 0.0) continue;  // runs whose stamps overlap
+    double stayed = 0.0;
+    for (std::size_t k = 0; k < before.membership.size(); ++k) {
+      stayed += before.membership[k] * after.membership[k];
+    }
+    result.push_back({dt_s, std::clamp(stayed, 0.0, 1.0)});
+  }
+  return result;
+}
+
+}  // namespace
+
+double learned_rate_per_s(const patch::Submap& submap, const PatchStatesConfig& config) {
+  const std::vector<Transition> transitions = transitions_of(submap);
+  const int configurations = static_cast<int>(submap.configurations.size());
+  const double prior_s = 3600.0 * config.prior_hours;
+  const auto objective = [&](double gamma) {
+    double sum = config.prior_changes * std::log(gamma) - prior_s * gamma;
+    for (const Transition& t : transitions) {
+      const double stay = stay_probability(configurations, gamma, t.dt_s);
+      const double other = configurations > 1 ? (1.0 - stay) / (configurations - 1) : 0.0;
+      sum += std::log(std::max(1e-300, t.stayed * stay + (1.0 - t.stayed) * other));
+    }
+    return sum;
+  };
+  // Golden-section search over ln gamma.
+  const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
+  double low = std::log(kLeastRate);
+  double high = std::log(kGreatestRate);
+  double a = high - ratio * (high - low);
+  double b = low + ratio * (high - low);
+  double at_a = objective(std::exp(a));
+  double at_b = objective(std::exp(b));
+  for (int step = 0; step < kSearchSteps; ++step) {
+    if (at_a > at_b) {
+      high = b;
+      b = std::exchange(a, b - ratio * (b - low));
+      at_b = std::exchange(at_a, objective(std::exp(a)));
+    } else {
+      low = a;
+      a = std::exchange(b, a + ratio * (high - a));
+      at_a = std::exchange(at_b, objective(std::exp(b)));
+    }
+  }
+  return std::exp(0.5 * (low + high));
+}
+
+std::vector<int> PatchStates::places_in(const PatchStates* before) const {
+  std::vector<int> places(map_->submaps.size(), -1);
+  if (before == nullptr) return places;
+  for (std::size_t s = 0; s < places.size(); ++s) {
+    const CellRect& rect = map_->submaps[s].rect;
+    for (std::size_t o = 0; o < before->map_->submaps.size(); ++o) {
+      const CellRect& other = before->map_->submaps[o].rect;
+      const CellRect common = rect.intersected(other);
+      if (common.empty() || before->count(o) > count(s)) continue;
+      const auto united = rect.area() + other.area() - common.area();
+      if (2 * common.area() > united) places[s] = static_cast<int>(o);
+    }
+  }
+  return places;
+}
+
+void PatchStates::carry_over(const PatchStates& before, const std::vector<int>& places,
+                             std::span<const float> from, std::span<float> to) const {
+  std::copy(uniform_.begin(), uniform_.end(), to.begin());
+  for (std::size_t s = 0; s < places.size(); ++s) {
+    if (places[s] < 0) continue;
+    const auto o = static_cast<std::size_t>(places[s]);
+    const float share = static_cast<float>(before.count(o)) / static_cast<float>(count(s));
+    for (int k = 0; k < before.count(o); ++k) {
+      to[offsets_[s] + static_cast<std::size_t>(k)] =
+          share * from[before.offsets_[o] + static_cast<std::size_t>(k)];
+    }
+  }
+}
+
+void PatchStates::adopt(const PatchStates* before, std::uint64_t seed, std::uint64_t step,
+                        ParticleSet& particles) const {
+  const ParticleSet old = particles;
+  const std::vector<int> places = places_in(before);
+  prepare(particles);
+  const bool same_memory = before != nullptr && before->memory() == memory();
+  if (same_memory && memory() == PatchMemory::kShared) {
+    carry_over(*before, places, old.shared_belief, particles.shared_belief);
+  }
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    RandomStream random(seed, StreamId::kPatchTransition, step, static_cast<std::uint32_t>(i));
+    draw(particles, i, random);
+    if (!same_memory) continue;
+    if (memory() == PatchMemory::kPerParticle) {
+      carry_over(*before, places, old.belief(i), particles.belief(i));
+    } else if (memory() == PatchMemory::kNone && particles.submap[i] >= 0 && old.patch[i] >= 0 &&
+               places[static_cast<std::size_t>(particles.submap[i])] == old.submap[i]) {
+      particles.patch[i] = old.patch[i];
+    }
+  }
+}
+
+}  // namespace strata::localization

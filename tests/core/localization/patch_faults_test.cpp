@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a localizer with a patch map meets in bad hours: odd maps, odd odometry, a new map mid-run.
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/localization/localizer.hpp"
+#include "core/localization/patch_beam_model.hpp"
+#include "core/localization/range_provider_model.hpp"
+#include "core/localization/ray_caster.hpp"
+#include "tests/core/localization/box_world.hpp"
+
+namespace strata::localization {
+namespace {
+
+using test::BoxWorld;
+using test::Drive;
+
+const CellRect kRect{{0, 0}, {200, 80}};  // 10 m x 4 m
+
+BoxWorld room() {
+  return {{0.0, 0.0, 10.0, 0.3}, {0.0, 3.7, 10.0, 4.0}, {0.0, 0.0, 0.3, 4.0},
+          {9.7, 0.0, 10.0, 4.0}, {2.0, 0.3, 2.6, 1.0},  {7.0, 3.2, 7.8, 3.7}};
+}
+BoxWorld room_with_box() {
+  BoxWorld world = room();
+  world.push_back({4.5, 0.3, 5.1, 0.9});
+  return world;
+}
+
+patch::Submap submap_of(int id, const CellRect& rect, std::initializer_list<BoxWorld> worlds) {
+  patch::Submap submap;
+  submap.id = id;
+  submap.rect = rect;
+  for (const BoxWorld& world : worlds) {
+    patch::Configuration configuration;
+    configuration.reflection = test::rasterize(world, 0.05, kRect).cropped(rect);
+    configuration.prior = 1.0 / static_cast<double>(worlds.size());
+    submap.configurations.push_back(configuration);
+  }
+  return submap;
+}
+
+std::shared_ptr<patch::PatchMap> empty_map() {
+  auto map = std::make_shared<patch::PatchMap>();
+  map->base = test::rasterize(room(), 0.05, kRect);
+  return map;
+}
+/// One sub-map in the middle: without and with a box.
+std::shared_ptr<patch::PatchMap> box_map() {
+  auto map = empty_map();
+  map->submaps.push_back(submap_of(0, {{80, 0}, {112, 40}}, {room(), room_with_box()}));
+  return map;
+}
+
+std::shared_ptr<const SensorModel> model_of(std::shared_ptr<patch::PatchMap> map,
+                                            PatchMemory memory = PatchMemory::kPerParticle) {
+  PatchBeamModelConfig config;
+  config.states.memory = memory;
+  return std::make_shared<PatchBeamModel>(std::move(map), config);
+}
+
+Localizer started(const std::shared_ptr<const SensorModel>& model, const Drive& drive) {
+  LocalizerConfig config;
+  config.particles = 300;
+  config.adaptive = false;
+  Localizer localizer(config, model, 3, 2);
+  localizer.initialize({drive.truth(), Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal()});
+  return localizer;
+}
+
+double error_m(const LocalizationResult& result, const Drive& drive) {
+  return (result.pose.mean.translation() - drive.truth().translation()).norm();
+}
+
+TEST(PatchFaults, AMapWithoutSubmapsWeighsAsTheGridMapDoes) {
+  const auto map = empty_map();
+  const auto patches = model_of(map);
+  const RangeProviderModel<RayCaster> grid(std::make_shared<const RayCaster>(map->base));
+  Drive drive({1.5, 2.0, 0.0}, 4);
+  const Observation observation = drive.look(room());
+  ParticleSet particles;
+  particles.resize(50);
+  for (std::size_t i = 0; i < 50; ++i)
+    particles.set_pose(i, {1.0 + 0.02 * static_cast<double>(i), 2.0, 0.0});
+  patches->patch_states()->prepare(particles);
+  WorkerPool pool(1);
+  std::vector<double> a(50);
+  std::vector<double> b(50);
+  EXPECT_EQ(patches->log_likelihoods(observation.scan, 2.0, particles, a, pool),
+            grid.log_likelihoods(observation.scan, 2.0, particles, b, pool));
+  for (std::size_t i = 0; i < 50; ++i) EXPECT_NEAR(a[i], b[i], 1e-9);
+  Localizer localizer = started(patches, drive);
+  LocalizationResult result;
+  for (int n = 0; n < 30; ++n) {
+    drive.step({0.1, 0.0, 0.0});
+    result = localizer.update(drive.look(room()));
+  }
+  EXPECT_LT(error_m(result, drive), 0.15);
+  EXPECT_TRUE(result.submaps.empty());
+}
+
+TEST(PatchFaults, AThousandSubmapsLocalizeToo) {
+  auto map = empty_map();
+  for (int i = 0; i < 1000; ++i) {
+    const int x = 4 * (i % 50);
+    const int y = 4 * (i / 50);
+    map->submaps.push_back(submap_of(i, {{x, y}, {x + 4, y + 4}}, {room(), room_with_box()}));
+  }
+  for (const PatchMemory memory :
+       {PatchMemory::kNone, PatchMemory::kShared, PatchMemory::kPerParticle}) {
+    Drive drive({1.5, 2.0, 0.0}, 5);
+    Localizer localizer = started(model_of(map, memory), drive);
+    LocalizationResult result;
+    for (int n = 0; n < 5; ++n) {
+      drive.step({0.1, 0.0, 0.0});
+      result = localizer.update(drive.look(room()));
+    }
+    EXPECT_EQ(result.submaps.size(), 1000U);
+    EXPECT_LT(error_m(result, drive), 0.2) << enum_name(memory);
+  }
+}
+
+TEST(PatchFaults, ScansBeforeAnyOdometryKeepThePose) {
+  Drive drive({1.5, 2.0, 0.0}, 6);
+  Localizer localizer = started(model_of(box_map()), drive);
+  LocalizationResult result;
+  for (int n = 0; n < 20; ++n) {
+    Observation observation = drive.look(room());
+    observation.has_odometry = n >= 10;
+    if (n < 10) observation.odom_from_robot = Pose2{};
+    result = localizer.update(observation);
+  }
+  EXPECT_LT(error_m(result, drive), 0.15);
+  EXPECT_EQ(localizer.odometry_jumps(), 0U);
+}
+
+TEST(PatchFaults, OdometryThatJumpsIsLeftOutAndCounted) {
+  Drive drive({1.5, 2.0, 0.0}, 7);
+  Localizer localizer = started(model_of(box_map()), drive);
+  LocalizationResult result;
+  for (int n = 0; n < 40; ++n) {
+    drive.step({0.1, 0.0, 0.0});
+    Observation observation = drive.look(room());
+    // The base was restarted: its odometry begins anew, far from where it was.
+    if (n >= 20)
+      observation.odom_from_robot = Pose2{-40.0, 25.0, 1.0} * observation.odom_from_robot;
+    result = localizer.update(observation);
+    EXPECT_LT(error_m(result, drive), 0.3) << n;
+  }
+  EXPECT_EQ(localizer.odometry_jumps(), 1U);
+}
+
+/// Says that no particle can have seen anything.
+class ImpossibleModel final : public SensorModel {
+ public:
+  std::size_t log_likelihoods(const Scan&, double, ParticleSet&, std::span<double> log_likelihood,
+                              WorkerPool&) const override {
+    std::fill(log_likelihood.begin(), log_likelihood.end(),
+              -std::numeric_limits<double>::infinity());
+    return 1;
+  }
+  [[nodiscard]] double tempering() const override { return 1.0; }
+  [[nodiscard]] double explained_share(const Scan&, const Pose2&,
+                                       const ParticleSet&) const override {
+    return 0.0;
+  }
+};
+
+TEST(PatchFaults, ZeroLikelihoodEverywhereKeepsTheParticles) {
+  Drive drive({1.5, 2.0, 0.0}, 8);
+  Localizer localizer = started(std::make_shared<ImpossibleModel>(), drive);
+  LocalizationResult result;
+  for (int n = 0; n < 10; ++n) {
+    drive.step({0.1, 0.0, 0.0});
+    result = localizer.update(drive.look(room()));
+  }
+  EXPECT_LT(error_m(result, drive), 0.3) << "odometry alone goes on";
+  double sum = 0.0;
+  for (const double w : localizer.particles().weight) sum += w;
+  EXPECT_NEAR(sum, 1.0, 1e-9);
+}
+
+TEST(PatchFaults, ANewMapMidRunKeepsThePoseAndWhatIsBelieved) {
+  for (const PatchMemory memory :
+       {PatchMemory::kNone, PatchMemory::kShared, PatchMemory::kPerParticle}) {
+    Drive drive({1.5, 2.0, 0.0}, 9);
+    Localizer localizer = started(model_of(box_map(), memory), drive);
+    LocalizationResult before;
+    for (int n = 0; n < 30; ++n) {
+      drive.step({0.1, 0.0, 0.0});
+      before = localizer.update(drive.look(room_with_box()));
+    }
+    // The same sub-map, a little larger, with a third configuration; and another sub-map.
+    auto next = empty_map();
+    next->submaps.push_back(submap_of(0, {{140, 40}, {160, 80}}, {room(), room()}));
+    BoxWorld third = room();
+    third.push_back({4.5, 1.5, 5.1, 2.1});
+    next->submaps.push_back(submap_of(1, {{79, 0}, {113, 41}}, {room(), room_with_box(), third}));
+    const std::vector<double> x = localizer.particles().x_m;
+    localizer.set_model(model_of(next, memory));
+    EXPECT_EQ(localizer.particles().x_m, x);
+    LocalizationResult result;
+    for (int n = 0; n < 5; ++n) {
+      drive.step({0.05, 0.0, 0.0});
+      result = localizer.update(drive.look(room_with_box()));
+      EXPECT_LT(error_m(result, drive), 0.2);
+    }
+    ASSERT_EQ(result.submaps.size(), 2U);
+    EXPECT_GT(before.submaps[0].probability[1], 0.6) << enum_name(memory);
+    EXPECT_GT(result.submaps[1].probability[1], 0.5) << enum_name(memory);
+  }
+}
+
+TEST(PatchFaults, FromAndToAMapWithoutSubmapsMidRun) {
+  Drive drive({1.5, 2.0, 0.0}, 10);
+  Localizer localizer = started(model_of(box_map()), drive);
+  const auto grid = std::make_shared<const RangeProviderModel<RayCaster>>(
+      std::make_shared<const RayCaster>(empty_map()->base));
+  LocalizationResult result;
+  for (int n = 0; n < 30; ++n) {
+    if (n == 10) localizer.set_model(grid);
+    if (n == 20) localizer.set_model(model_of(box_map()));
+    drive.step({0.1, 0.0, 0.0});
+    result = localizer.update(drive.look(room()));
+    EXPECT_EQ(result.submaps.size(), n >= 10 && n < 20 ? 0U : 1U);
+  }
+  EXPECT_LT(error_m(result, drive), 0.15);
+}
+
+/// A sub-map whose sequences follow a chain of the given rate, `count` of them, dt apart.
+patch::Submap chain(int configurations, double gamma_per_s, double dt_s, int count,
+                    std::uint64_t seed) {
+  RandomStream random(seed, StreamId::kTest);
+  patch::Submap submap;
+  submap.configurations.resize(static_cast<std::size_t>(configurations));
+  std::size_t state = 0;
+  for (int i = 0; i < count; ++i) {
+    if (!random.bernoulli(stay_probability(configurations, gamma_per_s, dt_s))) {
+      const auto others = static_cast<std::uint32_t>(configurations - 1);
+      state = (state + 1 + random.below(others)) % static_cast<std::size_t>(configurations);
+    }
+    patch::SequenceInfo sequence;
+    sequence.begin = Stamp::from_seconds(i * (dt_s + 10.0));
+    sequence.end = Stamp::from_seconds(i * (dt_s + 10.0) + 10.0);
+    sequence.membership.assign(static_cast<std::size_t>(configurations), 0.0);
+    sequence.membership[state] = 1.0;
+    submap.sequences.push_back(sequence);
+  }
+  return submap;
+}
+
+TEST(PatchRates, AreThoseOfTheChainThatMadeTheSequences) {
+  PatchStatesConfig config;
+  for (const int configurations : {2, 4}) {
+    for (const double gamma : {1.0 / 600.0, 1.0 / 7200.0}) {
+      const double learned =
+          learned_rate_per_s(chain(configurations, gamma, 0.5 / gamma, 600, 11), config);
+      EXPECT_NEAR(learned / gamma, 1.0, 0.2) << configurations << " " << gamma;
+    }
+  }
+}
+
+TEST(PatchRates, WithoutSequencesTheyAreThePrior) {
+  PatchStatesConfig config;
+  config.prior_changes = 2.0;
+  config.prior_hours = 1.0;
+  EXPECT_NEAR(learned_rate_per_s(chain(3, 0.1, 1.0, 0, 1), config), 2.0 / 3600.0, 1e-6);
+  // Runs whose stamps overlap say nothing of the time between.
+  patch::Submap overlapping = chain(2, 0.1, 1.0, 2, 1);
+  overlapping.sequences[1].begin = overlapping.sequences[0].begin;
+  EXPECT_NEAR(learned_rate_per_s(overlapping, config), 2.0 / 3600.0, 1e-6);
+}
+
+TEST(PatchRates, APlaceThatNeverChangesIsRememberedLonger) {
+  auto map = box_map();
+  map->submaps[0].sequences = chain(2, 1e-9, 3600.0, 50, 3).sequences;
+  PatchStatesConfig config;
+  config.rates = RateSource::kLearned;
+  const PatchStates steady(map, config);
+  map->submaps[0].sequences = chain(2, 1.0, 3600.0, 50, 3).sequences;
+  const PatchStates fickle(map, config);
+  EXPECT_LT(steady.rate_per_s(0), 0.1 / 3600.0);
+  EXPECT_GT(fickle.rate_per_s(0), 1.0 / 3600.0);
+}
+
+}  // namespace
+}  // namespace strata::localization

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The papers' experiments, each on one seed that no result in docs uses.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tools/experiments/patch_learning.hpp"
+#include "tools/experiments/patch_localization.hpp"
+#include "tools/experiments/random_office.hpp"
+
+namespace strata::experiments {
+namespace {
+
+constexpr std::uint64_t kSeed = 102;
+
+std::string scenario(const char* name) { return std::string(STRATA_SCENARIO_DIR) + "/" + name; }
+
+TEST(ThreeDoors, AllConfigurationsAreFoundAndNoneExtra) {
+  const Judgement j = three_doors(scenario("three_doors.yaml"), kSeed, kGoodPoses);
+  EXPECT_EQ(j.changed_objects, 3);
+  EXPECT_EQ(j.found_objects, 3);
+  EXPECT_EQ(j.submaps, 3);
+  EXPECT_EQ(j.right_submaps, 3);
+  EXPECT_EQ(j.right_sequences, j.sequences);
+}
+
+TEST(LocalMaps, SeventeenPassesGiveFourConfigurations) {
+  const Judgement j = local_maps(scenario("four_states.yaml"), kSeed, kGoodPoses);
+  EXPECT_EQ(j.submaps, 1);
+  EXPECT_EQ(j.right_submaps, 1);
+  EXPECT_EQ(j.missing_configurations, 0);
+}
+
+TEST(FewVisits, TwoDaysFindWhatChangedAndNothingElse) {
+  const Judgement j = office_visits(kSeed, 2, true, kGoodPoses);
+  EXPECT_GE(j.changed_objects, 3);
+  EXPECT_GE(j.found_objects, j.changed_objects - 1);
+  EXPECT_EQ(j.false_submaps, 0);
+}
+
+TEST(StaticOffice, HasNoSubmaps) {
+  EXPECT_EQ(office_visits(kSeed, 3, false, kGoodPoses).submaps, 0);
+}
+
+TEST(RandomOffice, IsTheSameForTheSameSeedAndAnotherForAnother) {
+  const simulate::ScenarioConfig a = random_office(7, {});
+  const simulate::ScenarioConfig b = random_office(7, {});
+  const simulate::ScenarioConfig c = random_office(8, {});
+  EXPECT_EQ(a.robot.route, b.robot.route);
+  EXPECT_EQ(a.doors.size(), b.doors.size());
+  EXPECT_NE(a.robot.route, c.robot.route);
+  EXPECT_GE(a.doors.size(), 3U);
+}
+
+TEST(BoxInCorridor, PatchKnowsTheBoxAndBeatsTheFilteredMap) {
+  const Outcomes outcomes = box_in_corridor(scenario("corridor_box.yaml"), kSeed);
+  const DayOutcome& patch = outcomes.at("patch");
+  EXPECT_LT(patch.changed_error_m, 0.15);
+  EXPECT_LT(patch.changed_error_m, 0.6 * outcomes.at("filtered").changed_error_m);
+  EXPECT_EQ(patch.entries, 2);
+  EXPECT_EQ(patch.recognized, 2);
+}
+
+}  // namespace
+}  // namespace strata::experiments

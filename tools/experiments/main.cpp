@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata-experiments NAME`: runs one experiment over several seeds and prints its figures.
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/experiments/patch_learning.hpp"
+#include "tools/experiments/patch_localization.hpp"
+
+namespace {
+
+using namespace strata::experiments;
+
+struct Options {
+  std::string scenarios = STRATA_SCENARIO_DIR;
+  std::uint64_t first = 1;
+  int seeds = 20;
+  bool has_poor_poses = false;
+
+  [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
+  [[nodiscard]] PoseNoise noise() const { return has_poor_poses ? kPoorPoses : kGoodPoses; }
+};
+
+void print(const std::string& name, const Judgement& j, int whole, int seeds) {
+  std::cout << name << ": " << j.found_objects << " of " << j.changed_objects
+            << " changed objects found, " << j.submaps << " sub-maps, " << j.false_submaps
+            << " false; configurations extra " << j.extra_configurations << ", missing "
+            << j.missing_configurations << "; sequences in the right one " << j.right_sequences
+            << " of " << j.sequences << "; seeds without any mistake " << whole << " of " << seeds
+            << "\n";
+}
+
+void learn(const std::string& name, const Options& options,
+           const std::function<Judgement(std::uint64_t)>& one) {
+  Judgement sum;
+  int whole = 0;
+  for (int i = 0; i < options.seeds; ++i) {
+    const Judgement j = one(options.first + static_cast<std::uint64_t>(i));
+    const bool is_whole = j.found_objects == j.changed_objects && j.false_submaps == 0 &&
+                          j.extra_configurations == 0 && j.missing_configurations == 0;
+    whole += is_whole ? 1 : 0;
+    sum += j;
+  }
+  print(name, sum, whole, options.seeds);
+}
+
+void localize(const std::string& name, const Options& options,
+              const std::function<Outcomes(std::uint64_t)>& one) {
+  struct Sum {
+    DayOutcome mean;
+    int lost = 0;
+    int failed = 0;
+  };
+  std::map<std::string, Sum> sums;
+  for (int i = 0; i < options.seeds; ++i) {
+    for (const auto& [model, outcome] : one(options.first + static_cast<std::uint64_t>(i))) {
+      Sum& sum = sums[model];
+      sum.mean.error_m += outcome.error_m / options.seeds;
+      sum.mean.changed_error_m += outcome.changed_error_m / options.seeds;
+      sum.mean.final_error_m += outcome.final_error_m / options.seeds;
+      sum.mean.failure_rate += outcome.failure_rate / options.seeds;
+      sum.mean.entries += outcome.entries;
+      sum.mean.recognized += outcome.recognized;
+      sum.lost += outcome.is_lost ? 1 : 0;
+      sum.failed += outcome.final_error_m > 1.0 ? 1 : 0;
+    }
+  }
+  for (const auto& [model, sum] : sums) {
+    std::cout << name << " " << model << ": error " << sum.mean.error_m << " m, where it changes "
+              << sum.mean.changed_error_m << " m, at the end " << sum.mean.final_error_m
+              << " m; failure rate " << sum.mean.failure_rate << ", lost " << sum.lost
+              << ", ended wrong " << sum.failed << " of " << options.seeds
+              << "; true configuration known within 20 updates of " << sum.mean.recognized << " of "
+              << sum.mean.entries << " entries\n";
+  }
+}
+
+void run(const std::string& name, const Options& options) {
+  if (name == "three_doors") {
+    learn(name, options, [&](std::uint64_t seed) {
+      return three_doors(options.file("three_doors.yaml"), seed, options.noise());
+    });
+  } else if (name == "local_maps") {
+    learn(name, options, [&](std::uint64_t seed) {
+      return local_maps(options.file("four_states.yaml"), seed, options.noise());
+    });
+  } else if (name == "few_visits" || name == "static_offices") {
+    for (int days = 2; days <= 5; ++days) {
+      learn(name + ", " + std::to_string(days) + " days", options, [&](std::uint64_t seed) {
+        return office_visits(seed, days, name == "few_visits", options.noise());
+      });
+    }
+  } else if (name == "box_in_corridor") {
+    localize(name, options, [&](std::uint64_t seed) {
+      return box_in_corridor(options.file("corridor_box.yaml"), seed);
+    });
+  } else if (name == "global_start") {
+    for (const bool is_open : {false, true}) {
+      localize(name + (is_open ? ", door open," : ", door closed,"), options,
+               [&](std::uint64_t seed) {
+                 return global_start(options.file("side_door.yaml"), seed, is_open,
+                                     {"closed", "open", "patch", "patch_paper"});
+               });
+    }
+  } else if (name == "offices") {
+    for (std::uint64_t office = 1; office <= 10; ++office) {
+      localize("office " + std::to_string(office), options, [&](std::uint64_t seed) {
+        return office_day(office, seed, {"occupancy", "filtered", "patch"});
+      });
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  std::string name;
+  CLI::App app{"the experiments of docs/results.md on simulated worlds"};
+  app.add_option("NAME", name, "which experiment")
+      ->required()
+      ->check(CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
+                             "box_in_corridor", "global_start", "offices"}));
+  app.add_option("--seeds", options.seeds, "how many")->check(CLI::PositiveNumber);
+  app.add_option("--first-seed", options.first, "the first of them");
+  app.add_flag("--poor-poses", options.has_poor_poses,
+               "errors of 5 cm and 1 degree, not 2 cm and 0.3");
+  app.add_option("--scenarios", options.scenarios, "folder of the scenario files");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(name, options);
+  } catch (const std::exception& error) {
+    std::cerr << "strata-experiments: error: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
