@@ -67,6 +67,7 @@ void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
     particles_.shared_belief.clear();
     std::fill(particles_.submap.begin(), particles_.submap.end(), -1);
     std::fill(particles_.patch.begin(), particles_.patch.end(), -1);
+    result_.submaps.clear();
   }
   resampled_ = particles_;
 }
