@@ -8,6 +8,7 @@
 
 #include "core/base/parallel.hpp"
 #include "core/slam/em_loop.hpp"
+#include "core/slam/log_checks.hpp"
 #include "core/slam/submap_graph.hpp"
 #include "core/slam/tracker.hpp"
 
@@ -28,13 +29,17 @@ struct Record {
   std::size_t submap = 0;
 };
 
-bool usable(const Observation& observation, const Pose2* given_pose) {
+/// Why the scan cannot be used; nothing when it can.
+std::optional<LogChecks::Skip> reason_to_skip(const Observation& observation,
+                                              const Pose2* given_pose) {
   const Scan& scan = observation.scan;
   const BeamCounts counts = count_beams(scan);
-  if (counts.invalid == scan.size()) return false;
-  if (observation.has_odometry && !is_finite(observation.odom_from_robot)) return false;
-  if (!is_finite(scan.robot_from_laser)) return false;
-  return given_pose == nullptr || is_finite(*given_pose);
+  if (counts.invalid == scan.size()) return LogChecks::Skip::kNothing;
+  const bool finite = (!observation.has_odometry || is_finite(observation.odom_from_robot)) &&
+                      is_finite(scan.robot_from_laser) &&
+                      (given_pose == nullptr || is_finite(*given_pose));
+  if (!finite) return LogChecks::Skip::kNotFinite;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -55,7 +60,7 @@ struct Slam::State {
   int runs = 0;
   bool run_is_given = false;  // the run's frame is that of its given poses
   Stamp last_stamp;
-  std::size_t skipped = 0;
+  LogChecks checks;
   std::vector<std::size_t> run_begins;
   Pose2 map_from_run;  // as the newest sub-map of the run has it
 
@@ -144,7 +149,7 @@ Slam::Slam(const SlamConfig& config, int threads) {
 
 Slam::~Slam() = default;
 
-std::size_t Slam::skipped_scans() const { return state_->skipped; }
+std::size_t Slam::skipped_scans() const { return state_->checks.skipped(); }
 
 Pose2Gaussian Slam::add(const Observation& observation, const Pose2* given_pose) {
   return state_->add(observation, given_pose, false);
@@ -158,9 +163,16 @@ void Slam::add_placed(const PosedScan& posed) {
 Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* given_pose,
                                bool placed) {
   const bool new_run = !tracker || observation.run != run;
-  const bool backwards = !new_run && !records.empty() && observation.scan.stamp < last_stamp;
-  if (backwards || !usable(observation, given_pose)) {
-    ++skipped;
+  std::optional<LogChecks::Skip> skip = reason_to_skip(observation, given_pose);
+  if (!new_run && !records.empty()) {
+    const Scan& last = records.back().posed.scan;
+    if (observation.scan.stamp < last_stamp) skip = LogChecks::Skip::kOutOfOrder;
+    if (observation.scan.stamp == last.stamp && observation.scan.ranges_m == last.ranges_m) {
+      skip = LogChecks::Skip::kRepeated;
+    }
+  }
+  if (skip) {
+    checks.skip(*skip);
     if (records.empty()) return {};
     return {records.back().posed.map_from_robot, Eigen::Matrix3d::Identity()};
   }
@@ -172,6 +184,7 @@ Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* give
   const TrackedScan tracked =
       tracker->add(observation.scan, step, records.size(),
                    run_is_given && given_pose != nullptr ? &given : nullptr);
+  checks.add(observation.scan, new_run, tracked.findings);
   Record record;
   record.posed.run = observation.run;
   record.posed.scan = observation.scan;
@@ -224,7 +237,8 @@ SlamResult Slam::finish(Progress* progress) {
   if (!all_stay) s.graph.tighten(2, progress);
   s.place_scans();
   SlamResult result;
-  result.skipped_scans = s.skipped;
+  result.skipped_scans = s.checks.skipped();
+  result.warnings = s.checks.warnings();
   result.loop_closures = s.graph.closures();
   std::vector<bool> mapped;
   std::vector<bool> moves;

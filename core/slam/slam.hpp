@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/base/progress.hpp"
@@ -45,6 +46,8 @@ struct SlamResult {
   std::size_t loop_closures = 0;
   /// Runs that could not be placed in the map of the first one; their scans are left out.
   std::vector<int> unplaced_runs;
+  /// What was skipped, not believed or ambiguous, one sentence each; empty for a healthy log.
+  std::vector<std::string> warnings;
 };
 
 /// Incremental SLAM with an explicit finish: `add` tracks and closes loops, `finish` does what
@@ -60,8 +63,9 @@ class Slam {
 
   /// The next scan of a run; a change of run id starts the next run, which is localized in the map
   /// of the earlier ones (by its given poses, else by search). A scan without a single valid
-  /// reading, with a stamp before the last one of its run, or with odometry or a given pose that is
-  /// not finite is skipped and counted. Returns map_from_robot as known now; `finish` may move it.
+  /// reading, with a stamp before the last one of its run, that repeats the last one, or with
+  /// odometry or a given pose that is not finite is skipped and counted. Returns map_from_robot as
+  /// known now; `finish` may move it.
   Pose2Gaussian add(const Observation& observation, const Pose2* given_pose = nullptr);
 
   /// The next scan of a run that an earlier job placed, in the order of its runs and before any

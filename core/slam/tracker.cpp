@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "core/geometry/angle.hpp"
@@ -31,6 +32,27 @@ Pose2Gaussian step_from_odometry(const Pose2& step, const OdometryNoiseConfig& n
 /// allowed to be larger, since each match corrects them.
 constexpr double kDriftM = 0.1;     // per square root of a metre
 constexpr double kDriftRad = 0.02;  // per square root of a metre or radian
+
+/// No robot with wheels goes on faster than this, indoors or out; within the first allowance stamps
+/// may be off.
+constexpr double kMostSpeedMps = 5.0;
+constexpr double kMostTurnRps = 6.0;
+constexpr double kAllowanceM = 1.0;
+constexpr double kAllowanceRad = 1.0;
+
+bool is_possible(const Pose2& step, double time_s) {
+  return std::hypot(step.x, step.y) <= kAllowanceM + kMostSpeedMps * time_s &&
+         std::abs(step.theta) <= kAllowanceRad + kMostTurnRps * time_s;
+}
+
+/// From here on the scan alone leaves its position open in some direction.
+constexpr double kAmbiguousStddevM = 0.3;
+
+bool is_ambiguous(const Eigen::Matrix3d& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(information.topLeftCorner<2, 2>(),
+                                                            Eigen::EigenvaluesOnly);
+  return axes.eigenvalues()(0) < 1.0 / (kAmbiguousStddevM * kAmbiguousStddevM);
+}
 
 /// Covariance after a measurement of that information; the information may be singular.
 Eigen::Matrix3d shrunk(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& information) {
@@ -160,15 +182,25 @@ void Tracker::grow_drift(const Pose2& step, const Pose2Gaussian* given) {
 
 TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index,
                          const Pose2Gaussian* given) {
-  Pose2Gaussian guess = predict(scan, odom_from_robot);
-  if (started_ && given != nullptr) guess = fused(guess, *given);
   TrackedScan result;
+  const Pose2* believed = odom_from_robot;
+  if (odom_from_robot != nullptr && last_odom_) {
+    result.findings.odometry_step = between(*last_odom_, *odom_from_robot);
+    result.findings.odometry_jumped =
+        !is_possible(result.findings.odometry_step, (scan.stamp - last_stamp_).seconds());
+    if (result.findings.odometry_jumped) believed = nullptr;
+  }
+  Pose2Gaussian guess = predict(scan, believed);
+  if (started_ && given != nullptr) guess = fused(guess, *given);
   result.run_from_robot = guess;
   if (started_) {
     grow_drift(between(pose_.mean, guess.mean), given);
     Eigen::Matrix3d information;
     result.matched = locate(scan, guess, result.run_from_robot, information);
     if (result.matched) drift_ = shrunk(drift_, information);
+    result.findings.matched = result.matched;
+    result.findings.ambiguous = result.matched && is_ambiguous(information);
+    result.findings.matched_step = between(pose_.mean, result.run_from_robot.mean);
   }
   last_pose_ = pose_.mean;
   last_step_s_ = started_ ? (scan.stamp - last_stamp_).seconds() : 0.0;

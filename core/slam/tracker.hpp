@@ -9,6 +9,7 @@
 #include "core/geometry/pose2_gaussian.hpp"
 #include "core/scan/endpoints.hpp"
 #include "core/scan/scan.hpp"
+#include "core/slam/log_checks.hpp"
 #include "core/slam/slam_config.hpp"
 #include "core/slam/submap.hpp"
 #include "core/slam/surface_map.hpp"
@@ -23,6 +24,7 @@ struct TrackedScan {
   Pose2Gaussian run_from_robot;  ///< in the run's own frame, which drifts but never jumps
   bool matched = false;          ///< false: the odometry (or motion) guess alone
   bool key = false;              ///< entered the map (motion gate)
+  ScanFindings findings;
 };
 
 /// Matches each scan against the older of two overlapping sub-maps under construction, as
@@ -35,6 +37,7 @@ class Tracker {
   /// odom_from_robot: null without odometry; then the last motion is continued. scan_index: the
   /// caller's number of the scan, used for the sub-maps' ranges. given: null, or a pose that came
   /// with the log, in the run's frame; where the scan is ambiguous (a bare corridor) it rules.
+  /// Odometry that moves faster than a robot can is not believed for that scan.
   /// Scans without usable hits move by odometry. O(beams x iterations), plus O(cells crossed) for
   /// key scans.
   TrackedScan add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index,

@@ -79,6 +79,7 @@ void run_learn(const Options& options, VerbContext& context) {
   const pipeline::LearnResult result =
       pipeline::learn(runs.observations, runs.poses, config, parts, context.options.seed,
                       context.options.threads, context.progress(), earlier ? &*earlier : nullptr);
+  for (const std::string& warning : result.slam.warnings) context.note("warning: " + warning);
   for (const int run : result.slam.unplaced_runs) {
     context.note("run " + std::to_string(run) + " could not be placed in the map of the first: " +
                  options.input.logs[static_cast<std::size_t>(run - first_run)] +

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/slam/log_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace strata::slam {
+namespace {
+
+constexpr double kLongGapS = 10.0;
+/// Matches that stay this much behind odometry, or go against it, contradict it.
+constexpr double kLeastAgreement = 0.3;
+constexpr double kEnoughTravelM2 = 0.05;
+constexpr double kEnoughTurnRad2 = 0.05;
+/// Odometry that moves so far while the scan stays the same to the bit: the scanner is stuck.
+constexpr double kStuckM = 0.02;
+/// Shares of a log from which ambiguity and failure are worth a word.
+constexpr double kAmbiguousShare = 0.05;
+constexpr double kUnmatchedShare = 0.05;
+
+template <class Value>
+std::string sentence(std::size_t count, const char* what, const char* detail, Value value,
+                     const char* end) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << count << what << detail << value << end;
+  return text.str();
+}
+
+double percent(std::size_t part, std::size_t all) {
+  return all == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(all);
+}
+
+}  // namespace
+
+void LogChecks::add(const Scan& scan, bool new_run, const ScanFindings& findings) {
+  ++scans_;
+  if (new_run) {
+    run_begin_ = scan.stamp;
+    last_ranges_.clear();
+  }
+  const double at_s = (scan.stamp - run_begin_).seconds();
+  const double gap_s = new_run ? 0.0 : (scan.stamp - last_).seconds();
+  last_ = scan.stamp;
+  if (gap_s > kLongGapS) {
+    gaps_.add(at_s);
+    longest_gap_s_ = std::max(longest_gap_s_, gap_s);
+  }
+  const double moved_m = std::hypot(findings.odometry_step.x, findings.odometry_step.y);
+  if (moved_m > kStuckM && scan.ranges_m == last_ranges_) stuck_.add(at_s);
+  last_ranges_ = scan.ranges_m;
+  if (findings.odometry_jumped) jumps_.add(at_s);
+  if (new_run || findings.odometry_jumped) return;
+  if (!findings.matched) unmatched_.add(at_s);
+  if (findings.ambiguous) ambiguous_.add(at_s);
+  if (!findings.matched || findings.ambiguous) return;
+  forward_match_ += findings.odometry_step.x * findings.matched_step.x +
+                    findings.odometry_step.y * findings.matched_step.y;
+  forward_odometry_ += moved_m * moved_m;
+  turn_match_ += findings.odometry_step.theta * findings.matched_step.theta;
+  turn_odometry_ += findings.odometry_step.theta * findings.odometry_step.theta;
+}
+
+std::size_t LogChecks::skipped() const { return skips_[0] + skips_[1] + skips_[2] + skips_[3]; }
+
+std::vector<std::string> LogChecks::warnings() const {
+  std::vector<std::string> all;
+  const char* const skipped[4] = {" scans older than the one before were skipped",
+                                  " scans that repeat the one before were skipped",
+                                  " scans without a single valid reading were skipped",
+                                  " scans with a pose that is not a number were skipped"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (skips_[i] > 0) all.push_back(std::to_string(skips_[i]) + skipped[i]);
+  }
+  if (gaps_.count > 0) {
+    all.push_back(sentence(gaps_.count, " gaps in time, the longest of ", "", longest_gap_s_,
+                           " s: the way in between rests on odometry"));
+  }
+  if (jumps_.count > 0) {
+    all.push_back(sentence(jumps_.count, " jumps of odometry, ", "the first at ", jumps_.first_s,
+                           " s, were not believed; the scans decide there"));
+  }
+  if (stuck_.count > 0) {
+    all.push_back(sentence(stuck_.count, " scans repeat the one before to the bit while odometry ",
+                           "moves, the first at ", stuck_.first_s,
+                           " s: is the scanner stuck or its messages repeated?"));
+  }
+  if (forward_odometry_ > kEnoughTravelM2 && forward_match_ < kLeastAgreement * forward_odometry_) {
+    all.push_back(
+        "the scans move against odometry: is the scanner mounted the way round that the log says?");
+  }
+  if (turn_odometry_ > kEnoughTurnRad2 && turn_match_ < kLeastAgreement * turn_odometry_) {
+    all.push_back(
+        "the scans turn against odometry: is the scanner upside down, and does the log say so?");
+  }
+  if (percent(ambiguous_.count, scans_) > 100.0 * kAmbiguousShare) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(0) << percent(ambiguous_.count, scans_)
+         << "% of the scans, the first at " << ambiguous_.first_s
+         << " s, leave the position open in one direction (a bare corridor or hall): odometry or "
+            "given poses rule there";
+    all.push_back(text.str());
+  }
+  if (percent(unmatched_.count, scans_) > 100.0 * kUnmatchedShare) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(0) << percent(unmatched_.count, scans_)
+         << "% of the scans, the first at " << unmatched_.first_s
+         << " s, fit no map: their poses are odometry's";
+    all.push_back(text.str());
+  }
+  return all;
+}
+
+}  // namespace strata::slam

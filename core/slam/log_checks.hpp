@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What is odd about a log, noticed while it is mapped, and said in a sentence each.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/geometry/pose2.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::slam {
+
+/// What the tracker noticed about one scan.
+struct ScanFindings {
+  bool matched = false;
+  bool ambiguous = false;        ///< the scan leaves its position open in some direction
+  bool odometry_jumped = false;  ///< odometry moved faster than a robot can, and was not believed
+  Pose2 odometry_step;           ///< since the scan before; identity without odometry
+  Pose2 matched_step;
+};
+
+/// Counts over all runs. O(1) a scan.
+class LogChecks {
+ public:
+  /// A scan that was left out.
+  enum class Skip { kOutOfOrder, kRepeated, kNothing, kNotFinite };
+  void skip(Skip reason) { ++skips_[static_cast<std::size_t>(reason)]; }
+  /// A scan that was used; new_run: the first of its run.
+  void add(const Scan& scan, bool new_run, const ScanFindings& findings);
+  [[nodiscard]] std::size_t skipped() const;
+  /// One sentence for each thing that a user should know; empty for a healthy log.
+  [[nodiscard]] std::vector<std::string> warnings() const;
+
+ private:
+  struct Seen {
+    std::size_t count = 0;
+    double first_s = 0.0;  ///< since the first scan of its run
+    void add(double at_s) {
+      if (count++ == 0) first_s = at_s;
+    }
+  };
+  std::size_t skips_[4] = {0, 0, 0, 0};
+  std::size_t scans_ = 0;
+  Stamp run_begin_;
+  Stamp last_;
+  double longest_gap_s_ = 0.0;
+  Seen gaps_;
+  Seen jumps_;
+  Seen stuck_;
+  Seen ambiguous_;
+  Seen unmatched_;
+  std::vector<float> last_ranges_;
+  // Agreement of odometry with the matches: sums of odometry x match, and odometry squared.
+  double forward_match_ = 0.0;
+  double forward_odometry_ = 0.0;
+  double turn_match_ = 0.0;
+  double turn_odometry_ = 0.0;
+};
+
+}  // namespace strata::slam

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// Logs that are not as they should be: a warning says so, and the rest is mapped.
+#include <algorithm>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/slam/slam.hpp"
+#include "tests/core/slam/ring_world.hpp"
+
+namespace strata::slam {
+namespace {
+
+using test::drive_round;
+using test::record;
+using test::ring;
+using test::run_slam;
+using test::worst_error;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST(BadInput, AHealthyLogGivesNoWarning) {
+  EXPECT_THAT(run_slam(record(ring(), drive_round(0.1, 15.0), 0, 21)).warnings, IsEmpty());
+}
+
+TEST(BadInput, AJumpOfOdometryIsNotBelieved) {
+  const std::vector<Pose2> path = drive_round(0.1, 15.0);
+  std::vector<Observation> log = record(ring(), path, 0, 22);
+  for (std::size_t i = 60; i < log.size(); ++i) {
+    log[i].odom_from_robot = Pose2{20.0, -5.0, 2.0} * log[i].odom_from_robot;
+  }
+  const SlamResult result = run_slam(log);
+  EXPECT_LT(worst_error(result, path, 0), 0.1);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("1 jumps of odometry, the first at 12.0 s")));
+}
+
+TEST(BadInput, RepeatedScansAreSkippedAndCounted) {
+  std::vector<Observation> log = record(ring(), drive_round(0.1, 8.0), 0, 23);
+  const SlamResult clean = run_slam(log);
+  for (const std::size_t at : {50U, 30U, 30U}) {
+    log.insert(log.begin() + static_cast<std::ptrdiff_t>(at), log[at]);
+  }
+  const SlamResult result = run_slam(log);
+  EXPECT_EQ(result.skipped_scans, 3U);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("3 scans that repeat the one before")));
+  ASSERT_EQ(result.scans.size(), clean.scans.size());
+  for (std::size_t i = 0; i < clean.scans.size(); ++i) {
+    ASSERT_EQ(result.scans[i].map_from_robot, clean.scans[i].map_from_robot);
+  }
+}
+
+TEST(BadInput, AGapInTimeIsBridgedByOdometry) {
+  const std::vector<Pose2> whole = drive_round(0.1, 12.0);
+  std::vector<Observation> log = record(ring(), whole, 0, 24);
+  for (std::size_t i = 55; i < log.size(); ++i) {
+    log[i].scan.stamp = log[i].scan.stamp + Duration::from_seconds(60.0);
+  }
+  const SlamResult result = run_slam(log);
+  EXPECT_LT(worst_error(result, whole, 0), 0.1);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("1 gaps in time, the longest of 60.2 s")));
+}
+
+/// What a scanner records that looks backwards from the robot.
+std::vector<Observation> record_backwards(const std::vector<Pose2>& path, const Pose2& stated) {
+  std::vector<Observation> log = record(ring(), path, 0, 25);
+  const Pose2 mounting{-0.2, 0.0, std::numbers::pi};
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    log[i].scan = test::scan_of(ring(), path[i] * mounting, 0.2 * static_cast<double>(i), 0.01, 25);
+    log[i].scan.robot_from_laser = stated;
+  }
+  return log;
+}
+
+TEST(BadInput, AScannerThatLooksBackwardsIsFineWhenTheLogSaysSo) {
+  const std::vector<Pose2> path = drive_round(0.1, 11.0);
+  const SlamResult result = run_slam(record_backwards(path, {-0.2, 0.0, std::numbers::pi}));
+  EXPECT_LT(worst_error(result, path, 0), 0.06);
+  EXPECT_THAT(result.warnings, IsEmpty());
+}
+
+TEST(BadInput, AScannerThatSecretlyLooksBackwardsIsNoticed) {
+  const SlamResult result = run_slam(record_backwards(drive_round(0.1, 11.0), {0.2, 0.0, 0.0}));
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("move against odometry")));
+}
+
+TEST(BadInput, AScannerThatSecretlyHangsUpsideDownIsNoticed) {
+  std::vector<Observation> log = record(ring(), drive_round(0.1, 26.0), 0, 26);
+  for (Observation& observation : log) {
+    std::reverse(observation.scan.ranges_m.begin(), observation.scan.ranges_m.end());
+  }
+  EXPECT_THAT(run_slam(log).warnings, Contains(HasSubstr("turn against odometry")));
+}
+
+/// A drive along two walls that go on for ever.
+std::vector<Observation> record_bare_corridor(const std::vector<Pose2>& path, int run,
+                                              std::uint64_t seed) {
+  return record({{-60.0, 0.0, 90.0, 0.0}, {-60.0, 2.0, 90.0, 2.0}}, path, run, seed);
+}
+
+std::vector<Pose2> straight_on() {
+  std::vector<Pose2> path;
+  for (int i = 0; i < 120; ++i) path.push_back({0.1 * i, 1.0, 0.0});
+  return path;
+}
+
+TEST(BadInput, ABareCorridorIsSaidToBeAmbiguousAndLeftToOdometry) {
+  const std::vector<Pose2> path = straight_on();
+  const std::vector<Observation> log = record_bare_corridor(path, 0, 27);
+  const SlamResult result = run_slam(log);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("leave the position open")));
+  const Pose2& last = result.scans.back().map_from_robot;
+  EXPECT_NEAR(last.x, path.back().x * 1.03, 0.3);  // 3% is odometry's own error
+  EXPECT_NEAR(last.y, 1.0, 0.1);
+}
+
+TEST(BadInput, GivenPosesRuleAlongABareCorridor) {
+  const std::vector<Pose2> path = straight_on();
+  Slam slam(SlamConfig{});
+  for (int run = 0; run < 2; ++run) {
+    const auto log = record_bare_corridor(path, run, 28 + static_cast<std::uint64_t>(run));
+    for (std::size_t i = 0; i < log.size(); ++i) slam.add(log[i], &path[i]);
+  }
+  const SlamResult result = slam.finish();
+  ASSERT_EQ(result.scans.size(), 2 * path.size());
+  double worst = 0.0;
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    worst = std::max(worst,
+                     translation_distance(result.scans[i].map_from_robot, path[i % path.size()]));
+  }
+  EXPECT_LT(worst, 0.2);  // what given poses are believed to
+}
+
+}  // namespace
+}  // namespace strata::slam
