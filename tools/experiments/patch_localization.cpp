@@ -140,7 +140,8 @@ DayOutcome run_day(const DayTask& task, const Model& model, const LocalizerConfi
   DayOutcome outcome;
   std::size_t changed = 0;
   const std::size_t last = scans.size() - scans.size() / 5;
-  std::optional<Stamp> far_since;
+  bool is_far = false;
+  Stamp far_since;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const localization::LocalizationResult result = localizer.update(scans[i].observation);
     const Pose2& truth = scans[i].map_from_robot;
@@ -153,9 +154,9 @@ DayOutcome run_day(const DayTask& task, const Model& model, const LocalizerConfi
       ++changed;
     }
     const Stamp now = scans[i].observation.scan.stamp;
-    if (error <= 1.0) far_since.reset();
-    if (error > 1.0 && !far_since) far_since = now;
-    if (far_since && (now - *far_since).seconds() >= 5.0) outcome.is_lost = true;
+    if (error > 1.0 && !is_far) far_since = now;
+    is_far = error > 1.0;
+    if (is_far && (now - far_since).seconds() >= 5.0) outcome.is_lost = true;
     for (auto& [s, recognition] : watched) {
       recognition.add(truth, result.submaps[s], result.weighed, outcome);
     }
