@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <mutex>
-#include <set>
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -13,6 +11,7 @@
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 
+#include "components/bus/match_count.hpp"
 #include "components/bus/participant_state.hpp"
 #include "core/base/error.hpp"
 
@@ -74,52 +73,6 @@ rtps::SampleIdentity to_wire(const SampleIdentity& identity) {
   return result;
 }
 
-/// How many counterparts are matched, for those who wait.
-class MatchCount {
- public:
-  explicit MatchCount(std::function<void()> on_match) : on_match_(std::move(on_match)) {}
-  /// other: the counterpart that came or went.
-  void set(int count, const Guid& other, bool came) {
-    std::function<void()> notify;
-    {
-      const std::lock_guard lock(mutex_);
-      count_ = count;
-      if (came) {
-        others_.insert(other);
-      } else {
-        others_.erase(other);
-      }
-      notify = on_match_;
-    }
-    changed_.notify_all();
-    if (notify) notify();
-  }
-  void stop_notifying() {
-    const std::lock_guard lock(mutex_);
-    on_match_ = nullptr;
-  }
-  [[nodiscard]] int get() const {
-    const std::lock_guard lock(mutex_);
-    return count_;
-  }
-  [[nodiscard]] bool has(const Guid& participant) const {
-    const std::lock_guard lock(mutex_);
-    return std::any_of(others_.begin(), others_.end(),
-                       [&](const Guid& other) { return same_participant(other, participant); });
-  }
-  [[nodiscard]] bool wait(int least, std::chrono::milliseconds timeout) const {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, timeout, [&] { return count_ >= least; });
-  }
-
- private:
-  mutable std::mutex mutex_;
-  mutable std::condition_variable changed_;
-  int count_ = 0;
-  std::set<Guid> others_;
-  std::function<void()> on_match_;
-};
-
 }  // namespace
 
 struct RawWriter::State : dds::DataWriterListener {
@@ -175,7 +128,8 @@ RawWriter::~RawWriter() {
 
 const std::string& RawWriter::topic() const { return state_->topic; }
 
-void RawWriter::publish(const std::vector<std::uint8_t>& cdr, const SampleIdentity& related) {
+std::int64_t RawWriter::publish(const std::vector<std::uint8_t>& cdr,
+                                const SampleIdentity& related) {
   // The sample type only reads, but the interface takes a mutable pointer.
   auto* sample = const_cast<std::vector<std::uint8_t>*>(&cdr);
   const auto deadline = std::chrono::steady_clock::now() + kPublishTimeout;
@@ -191,6 +145,7 @@ void RawWriter::publish(const std::vector<std::uint8_t>& cdr, const SampleIdenti
     }
   }
   ++state_->count;
+  return from_wire(parameters.sample_identity()).sequence_number;
 }
 
 std::uint64_t RawWriter::count() const { return state_->count; }

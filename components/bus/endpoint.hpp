@@ -49,9 +49,9 @@ class RawWriter {
   [[nodiscard]] const std::string& topic() const;
   /// Throws OutputError when the message cannot be handed over within 10 s (a reliable reader that
   /// does not keep up).
-  void publish(const std::vector<std::uint8_t>& cdr) { publish(cdr, {}); }
-  /// The same, saying to which message it belongs.
-  void publish(const std::vector<std::uint8_t>& cdr, const SampleIdentity& related);
+  void publish(const std::vector<std::uint8_t>& cdr) { (void)publish(cdr, {}); }
+  /// The same, saying to which message it belongs. Returns the message's own number.
+  std::int64_t publish(const std::vector<std::uint8_t>& cdr, const SampleIdentity& related);
   /// How many messages were published.
   [[nodiscard]] std::uint64_t count() const;
   [[nodiscard]] Guid guid() const;

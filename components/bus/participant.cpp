@@ -1,89 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/bus/participant.hpp"
 
-#include <array>
-#include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 
 #include "components/bus/names.hpp"
 #include "components/bus/participant_state.hpp"
 #include "components/bus/raw_type.hpp"
+#include "components/bus/transports.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::bus {
 namespace {
-
-constexpr std::array<std::pair<Transport, const char*>, 4> kTransports = {
-    {{Transport::kDefault, "default"},
-     {Transport::kLoopback, "loopback"},
-     {Transport::kSharedMemory, "shared_memory"},
-     {Transport::kDiscoveryServer, "discovery_server"}}};
-
-// A 4 MB map must fit into a socket's buffer and, many times, into the shared segment.
-constexpr std::uint32_t kSocketBufferBytes = 4U << 20U;
-constexpr std::uint32_t kSharedSegmentBytes = 64U << 20U;
-
-void use_loopback(dds::DomainParticipantQos& qos) {
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->interfaceWhiteList.emplace_back("127.0.0.1");
-  udp->sendBufferSize = kSocketBufferBytes;
-  udp->receiveBufferSize = kSocketBufferBytes;
-  udp->maxInitialPeersRange = 32;
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(udp);
-  auto& builtin = qos.wire_protocol().builtin;
-  // An empty unicast locator keeps the default multicast one away; peers are asked one by one.
-  builtin.metatrafficUnicastLocatorList.push_back(rtps::Locator_t());
-  rtps::Locator_t peer;
-  peer.kind = LOCATOR_KIND_UDPv4;
-  rtps::IPLocator::setIPv4(peer, "127.0.0.1");
-  builtin.initialPeersList.push_back(peer);
-}
-
-void use_shared_memory(dds::DomainParticipantQos& qos) {
-  auto shared = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
-  shared->segment_size(kSharedSegmentBytes);
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(shared);
-}
-
-dds::DomainParticipantQos participant_qos(const ParticipantOptions& options) {
-  dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
-  qos.name(options.enclave);
-  // With the trailing NUL, as ROS 2's own Fast DDS layer sends it.
-  const std::string user_data = "enclave=" + options.enclave + ";";
-  std::vector<rtps::octet> bytes(user_data.begin(), user_data.end());
-  bytes.push_back(0);
-  qos.user_data().setValue(bytes);
-  auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  // The default of 3 s makes a late starter wait that long.
-  discovery.leaseDuration_announcementperiod = eprosima::fastrtps::Duration_t(0, 100'000'000);
-  discovery.initial_announcements.count = 5;
-  discovery.initial_announcements.period = eprosima::fastrtps::Duration_t(0, 50'000'000);
-  switch (options.transport) {
-    case Transport::kLoopback:
-      use_loopback(qos);
-      break;
-    case Transport::kSharedMemory:
-      use_shared_memory(qos);
-      break;
-    case Transport::kDefault:
-      break;
-    case Transport::kDiscoveryServer:
-      // Fast DDS itself reads the variable; without it we would silently multicast.
-      if (std::getenv("ROS_DISCOVERY_SERVER") == nullptr) {
-        throw ConfigError("transport", "discovery_server needs the address of a server",
-                          "set ROS_DISCOVERY_SERVER=host:port");
-      }
-      break;
-  }
-  return qos;
-}
 
 /// "enclave=/robot;" -> "/robot".
 std::string enclave_of(const std::string& user_data) {
@@ -95,14 +25,6 @@ std::string enclave_of(const std::string& user_data) {
 }
 
 }  // namespace
-
-Transport transport_from_name(std::string_view name) {
-  for (const auto& [transport, candidate] : kTransports) {
-    if (name == candidate) return transport;
-  }
-  throw ConfigError("transport", "unknown transport '" + std::string(name) + "'",
-                    "use default, loopback, shared_memory or discovery_server");
-}
 
 Participant::Participant(const ParticipantOptions& options) : state_(std::make_unique<State>()) {
   if (options.domain < 0 || options.domain > 232) {

@@ -26,7 +26,9 @@ struct ParticipantOptions {
   int domain = 0;  ///< ROS_DOMAIN_ID, 0 to 232
   Transport transport = Transport::kDefault;
   std::string enclave = "/";  ///< ROS 2's name of the security enclave, also the participant's name
-  std::string ros_distro = "jazzy";  ///< whose layout ros_discovery_info has
+  std::string ros_distro = "jazzy";       ///< whose layout ros_discovery_info has
+  std::vector<std::string> static_peers;  ///< addresses to ask besides, without DNS
+  bool is_alone = false;                  ///< sees this process only
 };
 
 /// What the writers of a topic offer.

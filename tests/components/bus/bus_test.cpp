@@ -178,7 +178,9 @@ TEST(Bus, TellsWhatAllWritersOfATopicOffer) {
 TEST(Bus, ComplainsOfUnknownNames) {
   EXPECT_THROW((void)qos_profile("sensor"), ConfigError);
   EXPECT_THROW((void)transport_from_name("tcp"), ConfigError);
-  EXPECT_THROW(Participant({233, Transport::kLoopback, "/"}), ConfigError);
+  ParticipantOptions beyond;
+  beyond.domain = 233;
+  EXPECT_THROW(Participant{beyond}, ConfigError);
 }
 
 }  // namespace

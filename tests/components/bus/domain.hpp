@@ -14,7 +14,10 @@ inline int own_domain() { return 10 + static_cast<int>(getpid() % 200); }
 
 inline std::shared_ptr<bus::Participant> make_participant(
     bus::Transport transport = bus::Transport::kLoopback) {
-  return std::make_shared<bus::Participant>(bus::ParticipantOptions{own_domain(), transport, "/"});
+  bus::ParticipantOptions options;
+  options.domain = own_domain();
+  options.transport = transport;
+  return std::make_shared<bus::Participant>(options);
 }
 
 }  // namespace strata::test

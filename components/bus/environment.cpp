@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/bus/environment.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+
+#include "core/base/error.hpp"
+
+namespace strata::bus {
+namespace {
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? value : "";
+}
+
+int domain_of(const std::string& text) {
+  int domain = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
+  if (error != std::errc() || end != text.data() + text.size() || domain < 0 || domain > 232) {
+    throw ConfigError("ROS_DOMAIN_ID", "is '" + text + "'", "set it to a number from 0 to 232");
+  }
+  return domain;
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(';', begin), text.size());
+    if (end > begin) parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+}  // namespace
+
+ParticipantOptions options_from_environment() {
+  ParticipantOptions options;
+  if (const std::string domain = variable("ROS_DOMAIN_ID"); !domain.empty()) {
+    options.domain = domain_of(domain);
+  }
+  if (const std::string distro = variable("ROS_DISTRO"); !distro.empty()) {
+    options.ros_distro = distro;
+  }
+  options.static_peers = split(variable("ROS_STATIC_PEERS"));
+  if (!variable("ROS_DISCOVERY_SERVER").empty()) options.transport = Transport::kDiscoveryServer;
+  const std::string range = variable("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  if (variable("ROS_LOCALHOST_ONLY") == "1") {
+    options.transport = Transport::kLoopback;
+    options.static_peers.clear();
+  } else if (range == "LOCALHOST") {
+    options.transport = Transport::kLoopback;
+  } else if (range == "OFF") {
+    options.is_alone = true;
+  } else if (!range.empty() && range != "SUBNET" && range != "SYSTEM_DEFAULT") {
+    throw ConfigError("ROS_AUTOMATIC_DISCOVERY_RANGE", "is '" + range + "'",
+                      "set it to SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT");
+  }
+  return options;
+}
+
+}  // namespace strata::bus

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The variables by which a user of ROS 2 says where to look for others.
+#pragma once
+
+#include "components/bus/participant.hpp"
+
+namespace strata::bus {
+
+/// What a participant of ROS 2 would do in this environment:
+///
+/// - ROS_DOMAIN_ID: the domain;
+/// - ROS_AUTOMATIC_DISCOVERY_RANGE: SUBNET (default transport), LOCALHOST (loopback), OFF (nobody
+///   but this process), SYSTEM_DEFAULT (as SUBNET);
+/// - ROS_LOCALHOST_ONLY=1: LOCALHOST without static peers, whatever the range says;
+/// - ROS_STATIC_PEERS: addresses to ask besides, with ';' between them;
+/// - ROS_DISCOVERY_SERVER: transport discovery_server;
+/// - ROS_DISTRO: the release.
+///
+/// FASTRTPS_DEFAULT_PROFILES_FILE is read by Fast DDS itself; what we set comes on top of it.
+/// Throws ConfigError, at the variable's name, for a value that is none.
+[[nodiscard]] ParticipantOptions options_from_environment();
+
+}  // namespace strata::bus

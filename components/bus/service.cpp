@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/bus/service.hpp"
+
+#include <algorithm>
+
+namespace strata::bus {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 4;
+constexpr std::size_t kPrefixBytes = 16;
+constexpr auto kReplyWaits = std::chrono::seconds(2);
+
+RawWriter make_writer(const std::shared_ptr<Participant>& participant, const std::string& name,
+                      TopicKind kind, const std::string& type, const QosProfile& qos,
+                      std::function<void()> on_match) {
+  const char* suffix = kind == TopicKind::kRequest ? "_Request" : "_Response";
+  return {participant, TopicName(name, kind), type + suffix, qos, std::move(on_match)};
+}
+
+RawReader make_reader(const std::shared_ptr<Participant>& participant, const std::string& name,
+                      TopicKind kind, const std::string& type, const QosProfile& qos,
+                      RawReader::Callback callback) {
+  const char* suffix = kind == TopicKind::kRequest ? "_Request" : "_Response";
+  return {participant, TopicName(name, kind), type + suffix, qos, std::move(callback)};
+}
+
+}  // namespace
+
+std::optional<ServiceRequest> read_service_request(const RawMessage& message) {
+  if (message.cdr.size() < kHeaderBytes) return std::nullopt;
+  ServiceRequest request;
+  request.client = message.identity.writer;
+  request.is_big_endian = message.cdr[1] == 0;
+  request.reply_to = message.identity;
+  // A client of Fast DDS may name the reader that waits.
+  if (message.related.writer != Guid{}) request.reply_to.writer = message.related.writer;
+  if (vendor_of(message.identity.writer) != kVendorCyclone) {
+    request.cdr = message.cdr;
+    return request;
+  }
+  if (message.cdr.size() < kHeaderBytes + kPrefixBytes) return std::nullopt;
+  const auto body = message.cdr.begin() + kHeaderBytes;
+  request.prefix.emplace();
+  std::copy_n(body, kPrefixBytes, request.prefix->begin());
+  request.cdr.assign(message.cdr.begin(), body);
+  // 16 bytes are a multiple of every alignment, so what follows stays as it is.
+  request.cdr.insert(request.cdr.end(), body + kPrefixBytes, message.cdr.end());
+  return request;
+}
+
+std::vector<std::uint8_t> service_reply_bytes(const ServiceRequest& request,
+                                              const std::vector<std::uint8_t>& cdr) {
+  if (!request.prefix) return cdr;
+  std::array<std::uint8_t, kPrefixBytes> prefix = *request.prefix;
+  const bool reply_is_big_endian = cdr[1] == 0;
+  if (request.is_big_endian != reply_is_big_endian) {
+    std::reverse(prefix.begin(), prefix.begin() + 8);
+    std::reverse(prefix.begin() + 8, prefix.end());
+  }
+  std::vector<std::uint8_t> bytes(cdr.begin(), cdr.begin() + kHeaderBytes);
+  bytes.insert(bytes.end(), prefix.begin(), prefix.end());
+  bytes.insert(bytes.end(), cdr.begin() + kHeaderBytes, cdr.end());
+  return bytes;
+}
+
+ServiceServer::ServiceServer(const std::shared_ptr<Participant>& participant,
+                             const std::string& name, const std::string& type,
+                             const QosProfile& qos, std::function<void(ServiceRequest)> on_request,
+                             std::function<void()> on_match)
+    : writer_(make_writer(participant, name, TopicKind::kReply, type, qos, std::move(on_match))),
+      reader_(make_reader(participant, name, TopicKind::kRequest, type, qos,
+                          [on_request = std::move(on_request)](const RawMessage& message) {
+                            if (auto request = read_service_request(message)) {
+                              on_request(std::move(*request));
+                            }
+                          })) {}
+
+void ServiceServer::reply(const ServiceRequest& request, const std::vector<std::uint8_t>& cdr) {
+  waiting_.push_back({service_reply_bytes(request, cdr), request.client, request.reply_to,
+                      std::chrono::steady_clock::now() + kReplyWaits});
+  flush();
+}
+
+void ServiceServer::flush() {
+  const auto now = std::chrono::steady_clock::now();
+  // The topic is volatile: what is sent before the client's reader is matched is lost.
+  std::erase_if(waiting_, [&](const Waiting& waiting) {
+    if (!writer_.is_matched_with(waiting.client)) return now > waiting.deadline;
+    writer_.publish(waiting.bytes, waiting.related);
+    return true;
+  });
+}
+
+ServiceClient::ServiceClient(const std::shared_ptr<Participant>& participant,
+                             const std::string& name, const std::string& type)
+    : writer_(make_writer(participant, name, TopicKind::kRequest, type, qos_profile("default"),
+                          nullptr)),
+      reader_(make_reader(participant, name, TopicKind::kReply, type, qos_profile("default"),
+                          [this](RawMessage message) { take(std::move(message)); })) {}
+
+void ServiceClient::take(RawMessage message) {
+  const std::lock_guard lock(mutex_);
+  replies_.push_back(std::move(message));
+  changed_.notify_all();
+}
+
+std::optional<std::vector<std::uint8_t>> ServiceClient::call(
+    const std::vector<std::uint8_t>& request, std::chrono::milliseconds timeout) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  const auto left = [&] {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(deadline -
+                                                                 std::chrono::steady_clock::now());
+  };
+  if (!writer_.wait_for_readers(1, left()) || !reader_.wait_for_writers(1, left())) {
+    return std::nullopt;
+  }
+  const Guid own_reader = reader_.guid();
+  {
+    const std::lock_guard lock(mutex_);
+    replies_.clear();
+  }
+  const std::int64_t number = writer_.publish(request, {own_reader, 0});
+  std::unique_lock lock(mutex_);
+  const auto is_ours = [&](const RawMessage& reply) {
+    return reply.related.writer == own_reader && reply.related.sequence_number == number;
+  };
+  const auto find = [&] { return std::find_if(replies_.begin(), replies_.end(), is_ours); };
+  if (!changed_.wait_until(lock, deadline, [&] { return find() != replies_.end(); })) {
+    return std::nullopt;
+  }
+  return find()->cdr;
+}
+
+}  // namespace strata::bus

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Where ROS 2's variables lead us.
+#include "components/bus/environment.hpp"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/bus/endpoint.hpp"
+#include "components/bus/transports.hpp"
+#include "core/base/error.hpp"
+#include "tests/components/bus/domain.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::bus {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class Environment : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"ROS_DOMAIN_ID", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE",
+                             "ROS_STATIC_PEERS", "ROS_DISTRO", "ROS_DISCOVERY_SERVER"}) {
+      unsetenv(name);
+    }
+  }
+  void TearDown() override { SetUp(); }
+  static void set(const char* name, const char* value) { setenv(name, value, 1); }
+};
+
+TEST_F(Environment, OfNobodyIsTheDefault) {
+  const ParticipantOptions options = options_from_environment();
+  EXPECT_EQ(options.domain, 0);
+  EXPECT_EQ(options.transport, Transport::kDefault);
+  EXPECT_EQ(options.ros_distro, "jazzy");
+  EXPECT_THAT(options.static_peers, IsEmpty());
+  EXPECT_FALSE(options.is_alone);
+}
+
+TEST_F(Environment, NamesDomainReleaseAndPeers) {
+  set("ROS_DOMAIN_ID", "42");
+  set("ROS_DISTRO", "humble");
+  set("ROS_STATIC_PEERS", "10.0.0.1;10.0.0.2;");
+  const ParticipantOptions options = options_from_environment();
+  EXPECT_EQ(options.domain, 42);
+  EXPECT_EQ(options.ros_distro, "humble");
+  EXPECT_THAT(options.static_peers, ElementsAre("10.0.0.1", "10.0.0.2"));
+}
+
+TEST_F(Environment, SaysHowFarToLook) {
+  set("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
+  EXPECT_EQ(options_from_environment().transport, Transport::kLoopback);
+  set("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET");
+  EXPECT_EQ(options_from_environment().transport, Transport::kDefault);
+  set("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF");
+  EXPECT_TRUE(options_from_environment().is_alone);
+  set("ROS_AUTOMATIC_DISCOVERY_RANGE", "MOON");
+  EXPECT_THROW((void)options_from_environment(), ConfigError);
+}
+
+TEST_F(Environment, OfTheOldVariableForLocalhostRulesOverRangeAndPeers) {
+  set("ROS_LOCALHOST_ONLY", "1");
+  set("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET");
+  set("ROS_STATIC_PEERS", "10.0.0.1");
+  const ParticipantOptions options = options_from_environment();
+  EXPECT_EQ(options.transport, Transport::kLoopback);
+  EXPECT_THAT(options.static_peers, IsEmpty());
+  set("ROS_LOCALHOST_ONLY", "0");
+  EXPECT_EQ(options_from_environment().transport, Transport::kDefault);
+}
+
+TEST_F(Environment, RefusesADomainThatIsNone) {
+  for (const char* text : {"x", "233", "-1", "1 "}) {
+    set("ROS_DOMAIN_ID", text);
+    EXPECT_THROW((void)options_from_environment(), ConfigError) << text;
+  }
+}
+
+TEST_F(Environment, OfADiscoveryServerNeedsOne) {
+  ParticipantOptions options;
+  options.transport = Transport::kDiscoveryServer;
+  EXPECT_THROW((void)participant_qos(options), ConfigError);
+  set("ROS_DISCOVERY_SERVER", "127.0.0.1:11811");
+  EXPECT_EQ(options_from_environment().transport, Transport::kDiscoveryServer);
+  EXPECT_NO_THROW((void)participant_qos(options));
+}
+
+TEST_F(Environment, GivesItsPeersToTheMiddlewareAndKeepsTheMulticastGroup) {
+  ParticipantOptions options;
+  options.static_peers = {"10.0.0.1"};
+  const auto qos = participant_qos(options);
+  EXPECT_EQ(std::distance(qos.wire_protocol().builtin.initialPeersList.begin(),
+                          qos.wire_protocol().builtin.initialPeersList.end()),
+            2);
+  options.static_peers = {"robot one"};
+  EXPECT_THROW((void)participant_qos(options), ConfigError);
+}
+
+TEST_F(Environment, WithStaticPeersStillFindsOthers) {
+  ParticipantOptions options;
+  options.domain = test::own_domain();
+  options.static_peers = {"127.0.0.1"};
+  const auto here = std::make_shared<Participant>(options);
+  const auto there = test::make_participant();
+  const RawWriter writer(here, "/scan", "sensor_msgs/msg/LaserScan", qos_profile("default"));
+  const RawReader reader(there, "/scan", "sensor_msgs/msg/LaserScan", qos_profile("default"),
+                         [](const RawMessage&) {});
+  EXPECT_TRUE(writer.wait_for_readers(1, std::chrono::seconds(20)));
+}
+
+TEST_F(Environment, HandsTheUsersProfilesOnToTheMiddleware) {
+  const test::TemporaryDirectory folder;
+  const auto file = folder.path() / "profiles.xml";
+  std::ofstream(file) << R"(<?xml version="1.0" encoding="UTF-8" ?>
+<profiles xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles">
+  <participant profile_name="own" is_default_profile="true">
+    <rtps><sendSocketBufferSize>123456</sendSocketBufferSize></rtps>
+  </participant>
+</profiles>)";
+  set("FASTRTPS_DEFAULT_PROFILES_FILE", file.c_str());
+  // The middleware reads them once a process, so this needs one of its own.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        const auto qos = participant_qos(ParticipantOptions());
+        const bool is_theirs = qos.transport().send_socket_buffer_size == 123456U;
+        const bool is_ours = std::string(qos.name().c_str()) == "/";
+        std::exit(is_theirs && is_ours ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
+  unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
+}
+
+}  // namespace
+}  // namespace strata::bus
