@@ -11,6 +11,7 @@ namespace strata::beam_filter {
 
 void BeamFilter::on_configure() {
   config_ = read_parameters<BeamFilterComponentConfig>();
+  keep_live(config_, {"map_every_scans"});
   counts_ = CountingMap(config_.filter.resolution_m);
   filtered_ = make_reflection_grid(config_.filter.resolution_m, {});
   publish_static_ = advertise<sensor_msgs::msg::LaserScan>("scan_static", "sensor_data");
@@ -57,5 +58,7 @@ void BeamFilter::publish_map(const ReflectionGrid& filtered, Stamp stamp) {
   publish_map_(convert::to_occupancy(filtered, stamp, config_.map_frame));
   if (publish_reflection_) publish_reflection_(convert::to_message(filtered));
 }
+
+void BeamFilter::on_cleanup() { scans_ = 0; }
 
 }  // namespace strata::beam_filter

@@ -24,6 +24,7 @@ Eigen::Matrix3d start_covariance(const StartConfig& start) {
 
 void Localizer::on_configure() {
   config_ = read_parameters<LocalizerComponentConfig>();
+  keep_live(config_, {"publish_tf"});
   input_.emplace(config_.input, !lockstep());
   load_maps();
   advertise_topics();
@@ -201,6 +202,13 @@ void Localizer::on_finish(const std::filesystem::path& out_dir) {
   maps::write_localization_files(folder, record_,
                                  maps::localization_metrics(record_, config_.model, context().seed,
                                                             config_.localizer.particles));
+}
+
+void Localizer::on_cleanup() {
+  localizer_.reset();
+  health_.reset();
+  record_ = {};
+  particle_writer_.reset();
 }
 
 }  // namespace strata::localizer

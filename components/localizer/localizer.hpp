@@ -26,6 +26,7 @@ class Localizer final : public runtime::Component {
 
  private:
   void on_configure() override;
+  void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;
   void on_finish(const std::filesystem::path& out_dir) override;
   void load_maps();

@@ -11,6 +11,7 @@ namespace strata::patch_learner {
 
 void PatchLearner::on_configure() {
   config_ = read_parameters<PatchLearnerComponentConfig>();
+  keep_live(config_, {"learn_every_scans"});
   learner_.emplace(config_.patch, context().threads);
   publish_map_ = advertise<strata_msgs::msg::PatchMap>("patch_map", "latched");
   subscribe<strata_msgs::msg::ReflectionGrid>(
@@ -37,6 +38,11 @@ void PatchLearner::on_finish(const std::filesystem::path& out_dir) {
   const patch::PatchMap map = learner_->finish(*filtered_, context().progress);
   publish_map_(convert::to_message(map, Stamp(), config_.map_frame));
   maps::write_patch_map(out_dir, map);
+}
+
+void PatchLearner::on_cleanup() {
+  learner_.reset();
+  filtered_.reset();
 }
 
 }  // namespace strata::patch_learner

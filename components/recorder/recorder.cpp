@@ -44,6 +44,9 @@ void Recorder::record(const std::string& topic, const bus::PublishedTopic& publi
 
 void Recorder::on_deactivate() { bag_->close(); }
 
-void Recorder::on_cleanup() { bag_.reset(); }
+void Recorder::on_cleanup() {
+  bag_.reset();
+  recorded_.clear();
+}
 
 }  // namespace strata::recorder

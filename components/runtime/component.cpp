@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/component.hpp"
 
-#include <chrono>
-
 namespace strata::runtime {
-namespace {
-
-Stamp wall_clock_now() {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  return {std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count()};
-}
-
-}  // namespace
-
 Component::Component(ComponentContext context)
     : context_(std::move(context)),
-      full_name_(bus::expand_name(context_.name, context_.node_namespace, context_.name)) {}
+      full_name_(bus::expand_name(context_.name, context_.node_namespace, context_.name)),
+      clock_(context_.participant, lockstep()) {}
 
 Component::~Component() = default;
 
@@ -33,6 +23,7 @@ void Component::cleanup() { request(2); }
 void Component::shutdown() {
   context_.mailbox->call([this] {
     if (const LifecycleTransition* found = find_transition(state_, 0, "shutdown")) perform(*found);
+    leave_domain();
   });
 }
 
@@ -42,26 +33,16 @@ void Component::perform(const LifecycleTransition& transition) {
       do_configure();
       break;
     case 2:
-      do_cleanup();
+      release();
       break;
     case 3:
-      do_activate();
+      on_activate();
       break;
     case 4:
       on_deactivate();
       break;
-    default:  // shutdown goes through the states between, whatever they throw
-      guarded([&] {
-        if (is_active()) on_deactivate();
-      });
-      guarded([&] {
-        if (state_ != LifecycleState::kUnconfigured) do_cleanup();
-      });
-      state_ = transition.goal;
-      diagnose();
-      diagnostics_.reset();
-      node_.reset();
-      return;
+    default:
+      do_shutdown();
   }
   state_ = transition.goal;
   if (is_active() && !lockstep()) {
@@ -72,14 +53,11 @@ void Component::perform(const LifecycleTransition& transition) {
   }
   announce();
   diagnose();
+  tell_transition(transition);
 }
 
 void Component::do_configure() {
-  if (!node_) {
-    node_ =
-        std::make_unique<bus::Node>(context_.participant, context_.node_namespace, context_.name);
-  }
-  if (!diagnostics_) diagnostics_ = std::make_unique<Diagnostics>(context_.participant, full_name_);
+  if (!node_) join_domain();
   try {
     on_configure();
     if (lockstep()) join_lockstep();
@@ -89,9 +67,43 @@ void Component::do_configure() {
   }
 }
 
-void Component::do_activate() { on_activate(); }
+/// Through the states between, whatever they throw.
+void Component::do_shutdown() {
+  guarded([&] {
+    if (is_active()) on_deactivate();
+  });
+  if (state_ != LifecycleState::kUnconfigured) release();
+}
 
-void Component::do_cleanup() { release(); }
+void Component::join_domain() {
+  take_use_sim_time();
+  node_ = std::make_unique<bus::Node>(context_.participant, context_.node_namespace, context_.name);
+  diagnostics_ = std::make_unique<Diagnostics>(context_.participant, full_name_);
+  if (!lockstep()) serve();
+}
+
+void Component::leave_domain() {
+  services_.reset();
+  transition_events_.reset();
+  parameter_events_.reset();
+  clock_.use_sim_time(false);
+  diagnostics_.reset();
+  node_.reset();
+}
+
+/// Every component has this parameter and none has it in its config.
+void Component::take_use_sim_time() {
+  bool on = context_.use_sim_time;
+  YAML::Node& parameters = context_.parameters;
+  if (parameters.IsMap() && parameters["use_sim_time"].IsDefined()) {
+    settings::detail::read_value(parameters["use_sim_time"], parameters_place(), "use_sim_time",
+                                 on);
+    // A copy: whoever made the composition may make another host of it.
+    parameters.reset(YAML::Clone(parameters));
+    parameters.remove("use_sim_time");
+  }
+  clock_.use_sim_time(on);
+}
 
 void Component::release() {
   step_reader_.reset();
@@ -131,6 +143,12 @@ void Component::announce() {
   for (const auto& subscription : subscriptions_) readers.push_back(subscription->reader->guid());
   for (const auto& writer : writers_) writers.push_back(writer->guid());
   if (diagnostics_) writers.push_back(diagnostics_->writer().guid());
+  if (services_) {
+    for (const bus::Guid& guid : services_->readers()) readers.push_back(guid);
+    for (const bus::Guid& guid : services_->writers()) writers.push_back(guid);
+    writers.push_back(transition_events_->raw().guid());
+    writers.push_back(parameter_events_->raw().guid());
+  }
   node_->announce(std::move(readers), std::move(writers));
 }
 
@@ -150,7 +168,7 @@ void Component::diagnose() {
   }
   for (const auto& writer : writers_) health.add("published " + writer->topic(), writer->count());
   if (is_active()) on_diagnose(health);
-  const bool is_told = diagnostics_->publish(health, lockstep() ? Stamp() : wall_clock_now());
+  const bool is_told = diagnostics_->publish(health, now());
   if (!is_told) return;
   told_failed_ = failed_;
   told_dropped_ = dropped_;

@@ -24,9 +24,12 @@
 #include "components/bus/endpoint.hpp"
 #include "components/bus/names.hpp"
 #include "components/bus/node.hpp"
+#include "components/runtime/clock.hpp"
 #include "components/runtime/diagnostics.hpp"
 #include "components/runtime/executor.hpp"
 #include "components/runtime/lifecycle.hpp"
+#include "components/runtime/parameters.hpp"
+#include "components/runtime/service_hub.hpp"
 #include "components/settings/config_reader.hpp"
 #include "core/base/progress.hpp"
 
@@ -52,6 +55,7 @@ struct ComponentContext {
   FeedMode mode = FeedMode::kLive;
   std::uint64_t seed = 1;
   int threads = 1;
+  bool use_sim_time = false;     ///< unless the parameters say otherwise
   Progress* progress = nullptr;  ///< cancels long work when the process ends
   /// Told of an error in a live callback; called on the component's thread.
   std::function<void(const std::string&)> on_error;
@@ -70,7 +74,7 @@ class Component {
   void activate();
   void deactivate();
   void cleanup();
-  /// From any state to the last one; the name leaves the domain.
+  /// From any state to the last one, and off the domain: no service answers any more.
   void shutdown();
   /// Several times a second while the process lives; returns at once.
   void tick();
@@ -110,20 +114,40 @@ class Component {
                      const bus::QosProfile& qos,
                      std::function<void(const bus::RawMessage&)> callback);
 
+  /// What is returned publishes until cleanup, and does nothing afterwards.
   template <typename T>
   [[nodiscard]] std::function<void(const T&)> advertise(const std::string& topic,
                                                         const std::string& qos) {
-    auto writer = advertise_raw(resolve(topic), bus::MessageType<T>::name, bus::qos_profile(qos));
-    return [writer](const T& message) { writer->publish(convert::to_cdr(message)); };
+    const std::weak_ptr<bus::RawWriter> weak =
+        advertise_raw(resolve(topic), bus::MessageType<T>::name, bus::qos_profile(qos));
+    return [weak](const T& message) {
+      if (const auto writer = weak.lock()) writer->publish(convert::to_cdr(message));
+    };
   }
   [[nodiscard]] std::shared_ptr<bus::RawWriter> advertise_raw(const std::string& full_topic,
                                                               const std::string& type,
                                                               const bus::QosProfile& qos);
 
+  /// The parameters as this struct; it is also what others may ask for and set over DDS.
   template <typename Config>
-  [[nodiscard]] Config read_parameters() const {
+  [[nodiscard]] Config read_parameters() {
+    parameter_model_ = {};
+    parameter_model_.read = [place = parameters_place()](const YAML::Node& node) {
+      return parameter_table(settings::read_config<Config>(node, place));
+    };
     return settings::read_config<Config>(context_.parameters, parameters_place());
   }
+  /// These of the parameters may be changed while the component is active: then `config` is read
+  /// again, on the component's own thread. The others wait for the next configure.
+  template <typename Config>
+  void keep_live(Config& config, std::vector<std::string> names) {
+    parameter_model_.live_names = std::move(names);
+    parameter_model_.apply_live = [&config, place = parameters_place()](const YAML::Node& node) {
+      config = settings::read_config<Config>(node, place);
+    };
+  }
+  /// For stamps of what has no scan; 0 in lockstep.
+  [[nodiscard]] Stamp now() const { return clock_.now(); }
   [[nodiscard]] std::string resolve(const std::string& topic) const;
   [[nodiscard]] const ComponentContext& context() const { return context_; }
   [[nodiscard]] bool lockstep() const { return context_.mode == FeedMode::kLockstep; }
@@ -147,8 +171,7 @@ class Component {
   /// From outside the mailbox: the transition `id`, when the state is the one it starts from.
   void request(std::uint8_t id);
   void do_configure();
-  void do_activate();
-  void do_cleanup();
+  void do_shutdown();
   void release();
   [[nodiscard]] std::string parameters_place() const;
   /// Works on the message that waits longest; false when none does.
@@ -158,6 +181,19 @@ class Component {
   void diagnose();
   /// Tells ROS 2's graph which endpoints are ours now.
   void announce();
+  void join_domain();
+  void take_use_sim_time();
+  void leave_domain();
+
+  // What others may ask for (component_services.cpp).
+  void serve();
+  void serve_lifecycle();
+  void serve_parameters();
+  [[nodiscard]] bool try_transition(std::uint8_t id, const std::string& label);
+  void tell_transition(const LifecycleTransition& transition);
+  [[nodiscard]] ParameterTable parameters() const;
+  [[nodiscard]] ParameterChange set_parameters(
+      const std::vector<rcl_interfaces::msg::Parameter>& changes);
 
   // Lockstep (component_lockstep.cpp).
   void join_lockstep();
@@ -169,6 +205,8 @@ class Component {
 
   ComponentContext context_;
   std::string full_name_;
+  NodeClock clock_;
+  ParameterModel parameter_model_;
   std::atomic<LifecycleState> state_{LifecycleState::kUnconfigured};
   std::atomic<bool> tick_waits_{false};
   std::atomic<std::uint64_t> dropped_{0};
@@ -179,6 +217,9 @@ class Component {
   std::uint64_t told_failed_ = 0;
   std::unique_ptr<bus::Node> node_;
   std::unique_ptr<Diagnostics> diagnostics_;
+  std::unique_ptr<ServiceHub> services_;  // live only, as the two below
+  std::unique_ptr<bus::Writer<lifecycle_msgs::msg::TransitionEvent>> transition_events_;
+  std::unique_ptr<bus::Writer<rcl_interfaces::msg::ParameterEvent>> parameter_events_;
   // Shared with the tasks that wait in the mailbox.
   std::vector<std::shared_ptr<Subscription>> subscriptions_;
   std::vector<std::shared_ptr<bus::RawWriter>> writers_;

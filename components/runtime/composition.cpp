@@ -2,9 +2,9 @@
 #include "components/runtime/composition.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <set>
 
+#include "components/bus/environment.hpp"
 #include "components/bus/node.hpp"
 #include "components/settings/config_reader.hpp"
 #include "components/settings/yaml_document.hpp"
@@ -196,25 +196,26 @@ void apply_composition_override(YAML::Node& document, const std::string& option)
   }
 }
 
-/// A sourced ROS 2 says what it is.
-std::string ros_distro_of_environment() {
-  const char* value = std::getenv("ROS_DISTRO");
-  return value != nullptr && *value != '\0' ? value : "jazzy";
-}
-
 }  // namespace
 
 Composition read_composition(const YAML::Node& document, const std::string& place) {
   const Section section(document, place, "", top_keys());
   Composition composition;
   composition.place = place;
-  composition.domain = section.get<int>("domain", 0);
+  const bus::ParticipantOptions usual = bus::options_from_environment();
+  composition.domain = section.get<int>("domain", usual.domain);
   composition.node_namespace = section.get<std::string>("namespace", "/");
   composition.use_sim_time = section.get<bool>("use_sim_time", false);
-  composition.transport = section.located("transport", [&] {
-    return bus::transport_from_name(section.get<std::string>("transport", "default"));
-  });
-  composition.ros_distro = section.get<std::string>("ros_distro", ros_distro_of_environment());
+  composition.transport = usual.transport;
+  composition.static_peers = usual.static_peers;
+  if (section.find("transport").IsDefined()) {
+    composition.transport = section.located("transport", [&] {
+      return bus::transport_from_name(section.get<std::string>("transport", ""));
+    });
+  } else {
+    composition.is_alone = usual.is_alone;
+  }
+  composition.ros_distro = section.get<std::string>("ros_distro", usual.ros_distro);
   section.located("ros_distro", [&] { return bus::gid_bytes_of(composition.ros_distro); });
   const std::vector<YAML::Node> processes = section.items("processes");
   for (std::size_t i = 0; i < processes.size(); ++i) {

@@ -35,15 +35,18 @@ struct Composition {
   std::string node_namespace = "/";
   bool use_sim_time = false;
   bus::Transport transport = bus::Transport::kDefault;
-  std::string ros_distro = "jazzy";  ///< the ROS 2 release of the robot; see bus::gid_bytes_of
+  std::string ros_distro = "jazzy";       ///< the ROS 2 release of the robot; see bus::gid_bytes_of
+  std::vector<std::string> static_peers;  ///< from the environment
+  bool is_alone = false;                  ///< from the environment
   std::vector<ProcessEntry> processes;
 };
 
 /// Throws InputError when the file cannot be read, ConfigError (place: file:line) for an unknown
 /// key ("did you mean"), a wrong type, a missing or doubled name, or a transport, executor or name
 /// that does not exist. Component types and parameters are checked when they are made.
-/// overrides: "COMPONENT.parameter=value" sets a parameter of the components of that name (as
-/// "localizer.maps=MAPS"), "domain=7" a key of the composition.
+/// What the file does not say of domain, transport and ros_distro the environment does, as ROS 2
+/// reads it (bus/environment.hpp). overrides: "COMPONENT.parameter=value" sets a parameter of the
+/// components of that name (as "localizer.maps=MAPS"), "domain=7" a key of the composition.
 [[nodiscard]] Composition load_composition(const std::filesystem::path& file,
                                            const std::vector<std::string>& overrides = {});
 /// The same from a document without its version line.

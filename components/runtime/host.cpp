@@ -47,8 +47,13 @@ std::filesystem::path out_folder_of(const ComponentEntry& entry, const Compositi
 }  // namespace
 
 std::shared_ptr<bus::Participant> make_participant(const Composition& composition) {
-  return std::make_shared<bus::Participant>(bus::ParticipantOptions{
-      composition.domain, composition.transport, "/", composition.ros_distro});
+  bus::ParticipantOptions options;
+  options.domain = composition.domain;
+  options.transport = composition.transport;
+  options.ros_distro = composition.ros_distro;
+  options.static_peers = composition.static_peers;
+  options.is_alone = composition.is_alone;
+  return std::make_shared<bus::Participant>(options);
 }
 
 Host::Host(const Composition& composition, const ProcessEntry& process, const Registry& registry,
@@ -70,6 +75,7 @@ Host::Host(const Composition& composition, const ProcessEntry& process, const Re
     context.mode = options.mode;
     context.seed = options.seed;
     context.threads = options.threads;
+    context.use_sim_time = composition.use_sim_time;
     context.progress = cancellation_.get();
     context.on_error = [this](const std::string& error) {
       const std::lock_guard lock(mutex_);

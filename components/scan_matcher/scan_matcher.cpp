@@ -10,6 +10,7 @@ namespace strata::scan_matcher {
 
 void ScanMatcher::on_configure() {
   config_ = read_parameters<ScanMatcherConfig>();
+  keep_live(config_, {"publish_tf"});
   input_.emplace(config_.input, !lockstep());
   slam_ = std::make_unique<slam::Slam>(config_.slam, context().threads);
   publish_scan_pose_ = advertise<strata_msgs::msg::ScanPose>("scan_pose", "default");
@@ -74,6 +75,11 @@ void ScanMatcher::publish_result(const slam::SlamResult& result) {
   }
   publish_filtered_(convert::to_message(result.filtered));
   publish_map_(convert::to_occupancy(result.occupancy, stamp, config_.map_frame));
+}
+
+void ScanMatcher::on_cleanup() {
+  slam_.reset();
+  index_ = 0;
 }
 
 }  // namespace strata::scan_matcher

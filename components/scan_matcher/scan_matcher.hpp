@@ -23,6 +23,7 @@ class ScanMatcher final : public runtime::Component {
 
  private:
   void on_configure() override;
+  void on_cleanup() override;
   void on_finish(const std::filesystem::path& out_dir) override;
   void take_observations();
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);

@@ -9,6 +9,7 @@ namespace strata::timescale_memory {
 
 void TimescaleMemory::on_configure() {
   config_ = read_parameters<TimescaleMemoryConfig>();
+  keep_live(config_, {"publish_every_scans"});
   memory_.emplace(config_.timescale, context().seed);
   publish_map_ = advertise<strata_msgs::msg::NodeMap>("node_map", "latched");
   for (const auto& level : config_.timescale.levels) {
@@ -40,6 +41,13 @@ void TimescaleMemory::publish(Stamp stamp, int node) {
 void TimescaleMemory::on_finish(const std::filesystem::path& out_dir) {
   publish(Stamp(), -1);
   maps::write_timescale(out_dir, *memory_);
+}
+
+void TimescaleMemory::on_cleanup() {
+  memory_.reset();
+  decoded_.reset();
+  scans_ = 0;
+  publish_level_.clear();
 }
 
 }  // namespace strata::timescale_memory
