@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* An independent DDS in a process of its own, with types that its own compiler made from our IDL.
+ *
+ *   cyclone_peer DOMAIN echo                 every message of rt/ask_<Type> goes back on
+ *                                            rt/answer_<Type>, through Cyclone's own structs
+ *   cyclone_peer DOMAIN nodes                prints "node NAMESPACE NAME" of what others announce
+ *   cyclone_peer DOMAIN change_state NODE ID prints "success 0" or "success 1"
+ *   cyclone_peer DOMAIN get_parameter NODE NAME   prints "value TYPE STRING INTEGER DOUBLE"
+ *
+ * Says "ready" once everything is made; ends when its standard input does. */
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cyclone_requests.h"
+#include "dds/dds.h"
+#include "diagnostic_msgs.h"
+#include "geometry_msgs.h"
+#include "lifecycle_msgs.h"
+#include "nav2_msgs.h"
+#include "nav_msgs.h"
+#include "octomap_msgs.h"
+#include "rcl_interfaces.h"
+#include "rmw_dds_common.h"
+#include "rosgraph_msgs.h"
+#include "sensor_msgs.h"
+#include "strata_msgs.h"
+#include "tf2_msgs.h"
+
+struct Type {
+  const char *package;
+  const char *name;
+  const dds_topic_descriptor_t *descriptor;
+};
+#define TYPE(package, name) {#package, #name, &package##_msg_##name##_desc}
+static const struct Type kTypes[] = {
+    TYPE(diagnostic_msgs, DiagnosticArray), TYPE(geometry_msgs, PoseWithCovarianceStamped),
+    TYPE(lifecycle_msgs, TransitionEvent),  TYPE(nav2_msgs, ParticleCloud),
+    TYPE(nav_msgs, OccupancyGrid),          TYPE(nav_msgs, Odometry),
+    TYPE(octomap_msgs, Octomap),            TYPE(rcl_interfaces, ParameterEvent),
+    TYPE(rosgraph_msgs, Clock),             TYPE(sensor_msgs, LaserScan),
+    TYPE(tf2_msgs, TFMessage),              TYPE(strata_msgs, Ack),
+    TYPE(strata_msgs, LabeledScan),         TYPE(strata_msgs, LocalizationHealth),
+    TYPE(strata_msgs, NodeMap),             TYPE(strata_msgs, PatchMap),
+    TYPE(strata_msgs, ReflectionGrid),      TYPE(strata_msgs, ScanPose),
+    TYPE(strata_msgs, Step),                TYPE(strata_msgs, SubmapStates),
+    TYPE(strata_msgs, Trajectory)};
+enum { kTypeCount = sizeof kTypes / sizeof kTypes[0] };
+
+static dds_entity_t g_participant;
+static dds_entity_t g_waitset;
+static dds_entity_t g_end;
+
+static void require(dds_return_t result, const char *what) {
+  if (result >= 0) return;
+  fprintf(stderr, "cyclone_peer: %s: %s\n", what, dds_strretcode(-result));
+  exit(1);
+}
+
+static void say(const char *line) {
+  puts(line);
+  fflush(stdout);
+}
+
+static void *wait_for_end(void *unused) {
+  (void)unused;
+  while (getchar() != EOF) {
+  }
+  dds_set_guardcondition(g_end, true);
+  return NULL;
+}
+
+static dds_qos_t *make_qos(bool latched, int depth) {
+  dds_qos_t *qos = dds_create_qos();
+  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));
+  dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos, depth > 0 ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL, depth);
+  return qos;
+}
+
+/* The topic of that wire name, with the type name that ROS 2 gives the descriptor's type. */
+static dds_entity_t make_topic(const dds_topic_descriptor_t *descriptor, const char *topic,
+                               const char *wire_type) {
+  dds_topic_descriptor_t renamed = *descriptor;
+  renamed.m_typename = wire_type;
+  const dds_entity_t made = dds_create_topic(g_participant, &renamed, topic, NULL, NULL);
+  require(made, topic);
+  return made;
+}
+
+static dds_entity_t make_reader(dds_entity_t topic, bool latched, int depth) {
+  dds_qos_t *qos = make_qos(latched, depth);
+  const dds_entity_t reader = dds_create_reader(g_participant, topic, qos, NULL);
+  dds_delete_qos(qos);
+  require(reader, "reader");
+  return reader;
+}
+
+static dds_entity_t make_writer(dds_entity_t topic, bool latched) {
+  dds_qos_t *qos = make_qos(latched, latched ? 1 : 10);
+  const dds_entity_t writer = dds_create_writer(g_participant, topic, qos, NULL);
+  dds_delete_qos(qos);
+  require(writer, "writer");
+  return writer;
+}
+
+static void attach(dds_entity_t reader, dds_attach_t tag) {
+  const dds_entity_t condition = dds_create_readcondition(reader, DDS_ANY_STATE);
+  require(condition, "read condition");
+  require(dds_waitset_attach(g_waitset, condition, tag), "attach");
+}
+
+/* The next message, lent; false when none is there. */
+static bool take(dds_entity_t reader, void **sample) {
+  for (;;) {
+    dds_sample_info_t info;
+    *sample = NULL;
+    if (dds_take(reader, sample, &info, 1, 1) <= 0) return false;
+    if (info.valid_data) return true;
+    dds_return_loan(reader, sample, 1);
+  }
+}
+
+static void echo(void) {
+  dds_entity_t readers[kTypeCount];
+  dds_entity_t writers[kTypeCount];
+  for (int i = 0; i < kTypeCount; ++i) {
+    char type[128];
+    char ask[128];
+    char answer[128];
+    snprintf(type, sizeof type, "%s::msg::dds_::%s_", kTypes[i].package, kTypes[i].name);
+    snprintf(ask, sizeof ask, "rt/ask_%s", kTypes[i].name);
+    snprintf(answer, sizeof answer, "rt/answer_%s", kTypes[i].name);
+    writers[i] = make_writer(make_topic(kTypes[i].descriptor, answer, type), true);
+    readers[i] = make_reader(make_topic(kTypes[i].descriptor, ask, type), true, 1);
+    attach(readers[i], i);
+  }
+  say("ready");
+  for (;;) {
+    dds_attach_t tags[kTypeCount + 1];
+    const int count = dds_waitset_wait(g_waitset, tags, kTypeCount + 1, DDS_INFINITY);
+    for (int i = 0; i < count; ++i) {
+      if (tags[i] >= kTypeCount) return;
+      void *sample = NULL;
+      while (take(readers[tags[i]], &sample)) {
+        require(dds_write(writers[tags[i]], sample), kTypes[tags[i]].name);
+        dds_return_loan(readers[tags[i]], &sample, 1);
+        printf("echoed %s\n", kTypes[tags[i]].name);
+        fflush(stdout);
+      }
+    }
+  }
+}
+
+static void nodes(void) {
+  const dds_entity_t reader =
+      make_reader(make_topic(&rmw_dds_common_msg_ParticipantEntitiesInfo_desc, "ros_discovery_info",
+                             "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"),
+                  true, 0);
+  attach(reader, 0);
+  say("ready");
+  for (;;) {
+    dds_attach_t tags[2];
+    const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
+    for (int i = 0; i < count; ++i) {
+      if (tags[i] != 0) return;
+    }
+    void *sample = NULL;
+    while (take(reader, &sample)) {
+      const rmw_dds_common_msg_ParticipantEntitiesInfo *info = sample;
+      for (uint32_t i = 0; i < info->node_entities_info_seq._length; ++i) {
+        const rmw_dds_common_msg_NodeEntitiesInfo *node = &info->node_entities_info_seq._buffer[i];
+        printf("node %s %s\n", node->node_namespace, node->node_name);
+      }
+      fflush(stdout);
+      dds_return_loan(reader, &sample, 1);
+    }
+  }
+}
+
+/* Sends one request of a service, as rmw_cyclonedds does, and waits for its reply; the caller reads
+ * the body and may leave the loan. */
+static void *call(const char *node, const char *package, const char *service, const char *path,
+                  const dds_topic_descriptor_t *request_type,
+                  const dds_topic_descriptor_t *reply_type, const void *request) {
+  char topic[256];
+  char type[256];
+  snprintf(topic, sizeof topic, "rq%s/%sRequest", node, path);
+  snprintf(type, sizeof type, "%s::srv::dds_::%s_Request_", package, service);
+  const dds_entity_t writer = make_writer(make_topic(request_type, topic, type), false);
+  snprintf(topic, sizeof topic, "rr%s/%sReply", node, path);
+  snprintf(type, sizeof type, "%s::srv::dds_::%s_Response_", package, service);
+  const dds_entity_t reader = make_reader(make_topic(reply_type, topic, type), false, 10);
+  /* Both ways must be known before the first word. */
+  const dds_entity_t waitset = dds_create_waitset(g_participant);
+  require(dds_set_status_mask(writer, DDS_PUBLICATION_MATCHED_STATUS), "mask");
+  require(dds_set_status_mask(reader, DDS_SUBSCRIPTION_MATCHED_STATUS), "mask");
+  require(dds_waitset_attach(waitset, writer, 1), "attach");
+  require(dds_waitset_attach(waitset, reader, 2), "attach");
+  require(dds_waitset_attach(waitset, g_end, 3), "attach");
+  int matched = 0;
+  while (matched != 3) {
+    dds_attach_t tags[3];
+    const int count = dds_waitset_wait(waitset, tags, 3, DDS_INFINITY);
+    for (int i = 0; i < count; ++i) {
+      uint32_t status = 0;
+      if (tags[i] == 3) exit(1);
+      matched |= (int)tags[i];
+      dds_take_status(tags[i] == 1 ? writer : reader, &status,
+                      DDS_PUBLICATION_MATCHED_STATUS | DDS_SUBSCRIPTION_MATCHED_STATUS);
+      require(dds_waitset_detach(waitset, tags[i] == 1 ? writer : reader), "detach");
+    }
+  }
+  attach(reader, 0);
+  say("ready");
+  require(dds_write(writer, request), "request");
+  for (;;) {
+    dds_attach_t tags[2];
+    const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
+    for (int i = 0; i < count; ++i) {
+      if (tags[i] != 0) exit(1);
+    }
+    void *sample = NULL;
+    if (take(reader, &sample)) return sample;
+  }
+}
+
+static void change_state(char *node, int id) {
+  cyclone_requests_ChangeStateRequest request;
+  memset(&request, 0, sizeof request);
+  request.guid = 0x0123456789abcdefULL;
+  request.number = 77;
+  request.body.transition.id = (uint8_t)id;
+  request.body.transition.label = "";
+  const cyclone_requests_ChangeStateReply *reply =
+      call(node, "lifecycle_msgs", "ChangeState", "change_state",
+           &cyclone_requests_ChangeStateRequest_desc, &cyclone_requests_ChangeStateReply_desc,
+           &request);
+  if (reply->guid != request.guid || reply->number != request.number) {
+    say("a reply to somebody else");
+    return;
+  }
+  printf("success %d\n", reply->body.success ? 1 : 0);
+}
+
+static void get_parameter(char *node, char *name) {
+  cyclone_requests_GetParametersRequest request;
+  memset(&request, 0, sizeof request);
+  request.guid = 0xfedcba9876543210ULL;
+  request.number = 1;
+  request.body.names._length = request.body.names._maximum = 1;
+  request.body.names._buffer = &name;
+  const cyclone_requests_GetParametersReply *reply =
+      call(node, "rcl_interfaces", "GetParameters", "get_parameters",
+           &cyclone_requests_GetParametersRequest_desc, &cyclone_requests_GetParametersReply_desc,
+           &request);
+  if (reply->guid != request.guid || reply->body.values._length != 1) {
+    say("a reply to somebody else");
+    return;
+  }
+  const rcl_interfaces_msg_ParameterValue *value = &reply->body.values._buffer[0];
+  printf("value %d '%s' %lld %g\n", value->type, value->string_value,
+         (long long)value->integer_value, value->double_value);
+}
+
+int main(int argc, char **argv) {
+  if (argc < 3) return 2;
+  g_participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
+  require(g_participant, "participant");
+  g_waitset = dds_create_waitset(g_participant);
+  g_end = dds_create_guardcondition(g_participant);
+  require(dds_waitset_attach(g_waitset, g_end, 1000), "attach");
+  pthread_t thread;
+  if (pthread_create(&thread, NULL, wait_for_end, NULL) != 0) return 1;
+  if (strcmp(argv[2], "echo") == 0) echo();
+  if (strcmp(argv[2], "nodes") == 0) nodes();
+  if (strcmp(argv[2], "change_state") == 0 && argc == 5) change_state(argv[3], atoi(argv[4]));
+  if (strcmp(argv[2], "get_parameter") == 0 && argc == 5) get_parameter(argv[3], argv[4]);
+  dds_delete(g_participant);
+  fflush(stdout);
+  return 0;
+}

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Our wire against another maker's DDS: Cyclone reads every type into structs that its own IDL
+/// compiler made, and writes them back.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/bus/node.hpp"
+#include "tests/components/bus/domain.hpp"
+#include "tests/components/runtime/host_fixture.hpp"
+#include "tests/interop/cyclone/process.hpp"
+#include "tests/interop/cyclone/samples.hpp"
+
+namespace strata::test {
+namespace {
+
+template <typename T>
+std::string type_of() {
+  const std::string name = bus::MessageType<T>::name;
+  return name.substr(name.rfind('/') + 1);
+}
+
+/// One type there and back, in the order in which a robot might start.
+class Exchange {
+ public:
+  virtual ~Exchange() = default;
+  virtual void start(const std::shared_ptr<bus::Participant>& participant) = 0;
+  virtual void expect_answer() = 0;
+};
+
+template <typename T>
+class TypedExchange final : public Exchange {
+ public:
+  explicit TypedExchange(T message) : message_(std::move(message)) {}
+  void start(const std::shared_ptr<bus::Participant>& participant) override {
+    answers_ = std::make_unique<Collector<T>>(participant, "/answer_" + type_of<T>(), "latched");
+    writer_ = std::make_unique<bus::Writer<T>>(participant, "/ask_" + type_of<T>(),
+                                               bus::qos_profile("latched"));
+    writer_->publish(message_);
+  }
+  void expect_answer() override {
+    const std::vector<T> answers = answers_->wait_for(1);
+    ASSERT_FALSE(answers.empty()) << type_of<T>();
+    EXPECT_EQ(answers[0], message_) << type_of<T>();
+  }
+
+ private:
+  T message_;
+  std::unique_ptr<Collector<T>> answers_;
+  std::unique_ptr<bus::Writer<T>> writer_;
+};
+
+template <typename... T>
+std::vector<std::unique_ptr<Exchange>> exchanges() {
+  std::vector<std::unique_ptr<Exchange>> result;
+  (result.push_back(std::make_unique<TypedExchange<T>>(sample<T>())), ...);
+  return result;
+}
+
+/// Every type that Strata reads or writes.
+std::vector<std::unique_ptr<Exchange>> all_exchanges() {
+  using namespace strata_msgs::msg;  // NOLINT: the list is long enough
+  return exchanges<
+      diagnostic_msgs::msg::DiagnosticArray, geometry_msgs::msg::PoseWithCovarianceStamped,
+      lifecycle_msgs::msg::TransitionEvent, nav2_msgs::msg::ParticleCloud,
+      nav_msgs::msg::OccupancyGrid, nav_msgs::msg::Odometry, octomap_msgs::msg::Octomap,
+      rcl_interfaces::msg::ParameterEvent, rosgraph_msgs::msg::Clock, sensor_msgs::msg::LaserScan,
+      tf2_msgs::msg::TFMessage, Ack, LabeledScan, LocalizationHealth, NodeMap, PatchMap,
+      ReflectionGrid, ScanPose, Step, SubmapStates, Trajectory>();
+}
+
+TEST(Cyclone, ReadsAndWritesEveryTypeAsWeDoWhenItIsThereFirst) {
+  CycloneProcess cyclone({"echo"});
+  ASSERT_EQ(cyclone.wait_for_line("ready"), "ready");
+  const auto participant = make_participant();
+  const auto all = all_exchanges();
+  for (const auto& exchange : all) exchange->start(participant);
+  for (const auto& exchange : all) exchange->expect_answer();
+}
+
+TEST(Cyclone, ReadsAndWritesEveryTypeAsWeDoWhenItComesLate) {
+  const auto participant = make_participant();
+  const auto all = all_exchanges();
+  for (const auto& exchange : all) exchange->start(participant);
+  CycloneProcess cyclone({"echo"});
+  for (const auto& exchange : all) exchange->expect_answer();
+}
+
+TEST(Cyclone, GetsAMapOfFourMegabytesAndSendsItBackToALateJoiner) {
+  CycloneProcess cyclone({"echo"});
+  ASSERT_EQ(cyclone.wait_for_line("ready"), "ready");
+  const nav_msgs::msg::OccupancyGrid map = square_map(2000);
+  const auto participant = make_participant();
+  bus::Writer<nav_msgs::msg::OccupancyGrid> writer(participant, "/ask_OccupancyGrid",
+                                                   bus::qos_profile("latched"));
+  writer.publish(map);
+  ASSERT_EQ(cyclone.wait_for_line("echoed OccupancyGrid"), "echoed OccupancyGrid");
+  // Cyclone wrote its answer before anybody listened.
+  Collector<nav_msgs::msg::OccupancyGrid> late(make_participant(), "/answer_OccupancyGrid",
+                                               "latched");
+  const auto answers = late.wait_for(1);
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_TRUE(answers[0] == map);
+}
+
+TEST(Cyclone, SeesOurNodesOnTheGraphOfRos2) {
+  const auto participant = make_participant();
+  const bus::Node first(participant, "/robot1", "localizer");
+  CycloneProcess cyclone({"nodes"});
+  EXPECT_EQ(cyclone.wait_for_line("node /robot1 localizer"), "node /robot1 localizer");
+  const bus::Node second(participant, "/", "map_server");
+  EXPECT_EQ(cyclone.wait_for_line("node / map_server"), "node / map_server");
+}
+
+}  // namespace
+}  // namespace strata::test

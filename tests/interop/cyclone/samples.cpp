@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/interop/cyclone/samples.hpp"
+
+#include <limits>
+
+namespace strata::test {
+namespace {
+
+std_msgs::msg::Header header(const std::string& frame) {
+  std_msgs::msg::Header result;
+  result.stamp().sec(1700000000);
+  result.stamp().nanosec(123456789);
+  result.frame_id(frame);
+  return result;
+}
+
+geometry_msgs::msg::Pose pose(double start) {
+  geometry_msgs::msg::Pose result;
+  result.position().x(start);
+  result.position().y(start + 0.25);
+  result.position().z(-start);
+  result.orientation().z(0.6);
+  result.orientation().w(0.8);
+  return result;
+}
+
+strata_msgs::msg::Pose2 pose2(double start) {
+  strata_msgs::msg::Pose2 result;
+  result.x(start);
+  result.y(-start);
+  result.theta(start / 7.0);
+  return result;
+}
+
+strata_msgs::msg::CellRect rect() {
+  strata_msgs::msg::CellRect result;
+  result.min_x(-3);
+  result.min_y(2);
+  result.max_x(-1);
+  result.max_y(5);
+  return result;
+}
+
+strata_msgs::msg::ReflectionGrid grid() {
+  strata_msgs::msg::ReflectionGrid result;
+  result.resolution(0.05);
+  result.rect(rect());
+  result.reflection({0.5F, 1.0F, 0.0F, 0.25F, 0.125F, 1.0F / 3.0F});
+  return result;
+}
+
+strata_msgs::msg::TopicCount count(const std::string& topic, std::uint64_t number) {
+  strata_msgs::msg::TopicCount result;
+  result.topic(topic);
+  result.count(number);
+  return result;
+}
+
+rcl_interfaces::msg::Parameter parameter() {
+  rcl_interfaces::msg::Parameter result;
+  result.name("localizer.motion.floor_m");
+  result.value().type(3);
+  result.value().double_value(0.005);
+  result.value().string_array_value({"", "a", "abcd"});
+  result.value().bool_array_value({true, false, true});
+  result.value().integer_array_value({-1, 1LL << 40});
+  return result;
+}
+
+}  // namespace
+
+template <>
+diagnostic_msgs::msg::DiagnosticArray sample() {
+  diagnostic_msgs::msg::KeyValue value;
+  value.key("processed");
+  value.value("12");
+  diagnostic_msgs::msg::DiagnosticStatus status;
+  status.level(2);
+  status.name("robot1/localizer: health");
+  status.message("lost");
+  status.hardware_id("strata");
+  status.values({value, value});
+  diagnostic_msgs::msg::DiagnosticArray result;
+  result.header(header(""));
+  result.status({status, {}, status});
+  return result;
+}
+
+template <>
+geometry_msgs::msg::PoseWithCovarianceStamped sample() {
+  geometry_msgs::msg::PoseWithCovarianceStamped result;
+  result.header(header("map"));
+  result.pose().pose(pose(1.5));
+  for (std::size_t i = 0; i < 36; ++i) result.pose().covariance()[i] = 0.1 * static_cast<double>(i);
+  return result;
+}
+
+template <>
+lifecycle_msgs::msg::TransitionEvent sample() {
+  lifecycle_msgs::msg::TransitionEvent result;
+  result.timestamp(1ULL << 60U);
+  result.transition().id(3);
+  result.transition().label("activate");
+  result.start_state().id(2);
+  result.start_state().label("inactive");
+  result.goal_state().id(3);
+  result.goal_state().label("active");
+  return result;
+}
+
+template <>
+nav2_msgs::msg::ParticleCloud sample() {
+  nav2_msgs::msg::ParticleCloud result;
+  result.header(header("map"));
+  for (int i = 0; i < 100; ++i) {
+    nav2_msgs::msg::Particle particle;
+    particle.pose(pose(i));
+    particle.weight(0.01);
+    result.particles().push_back(particle);
+  }
+  return result;
+}
+
+nav_msgs::msg::OccupancyGrid square_map(std::uint32_t side) {
+  nav_msgs::msg::OccupancyGrid result;
+  result.header(header("map"));
+  result.info().resolution(0.05F);
+  result.info().width(side);
+  result.info().height(side);
+  result.info().origin(pose(-10.0));
+  result.data().resize(std::size_t{side} * side);
+  for (std::size_t i = 0; i < result.data().size(); ++i) {
+    result.data()[i] = static_cast<std::int8_t>(static_cast<int>(i * 7 % 102) - 1);
+  }
+  return result;
+}
+
+template <>
+nav_msgs::msg::OccupancyGrid sample() {
+  return square_map(13);
+}
+
+template <>
+nav_msgs::msg::Odometry sample() {
+  nav_msgs::msg::Odometry result;
+  result.header(header("odom"));
+  result.child_frame_id("base_link");
+  result.pose().pose(pose(3.0));
+  result.pose().covariance()[35] = 0.5;
+  result.twist().twist().linear().x(0.4);
+  result.twist().covariance()[0] = 0.25;
+  return result;
+}
+
+template <>
+octomap_msgs::msg::Octomap sample() {
+  octomap_msgs::msg::Octomap result;
+  result.header(header("map"));
+  result.binary(true);
+  result.id("OcTree");
+  result.resolution(0.1);
+  result.data({1, -2, 3, -128, 127});
+  return result;
+}
+
+template <>
+rcl_interfaces::msg::ParameterEvent sample() {
+  rcl_interfaces::msg::ParameterEvent result;
+  result.stamp().sec(7);
+  result.node("/robot1/localizer");
+  result.changed_parameters({parameter(), parameter()});
+  return result;
+}
+
+template <>
+rosgraph_msgs::msg::Clock sample() {
+  rosgraph_msgs::msg::Clock result;
+  result.clock().sec(-3);
+  result.clock().nanosec(999999999);
+  return result;
+}
+
+template <>
+sensor_msgs::msg::LaserScan sample() {
+  sensor_msgs::msg::LaserScan result;
+  result.header(header("laser_front"));
+  result.angle_min(-1.5F);
+  result.angle_max(1.5F);
+  result.angle_increment(0.01F);
+  result.time_increment(1e-4F);
+  result.scan_time(0.1F);
+  result.range_min(0.05F);
+  result.range_max(30.0F);
+  for (int i = 0; i < 301; ++i) result.ranges().push_back(0.1F * static_cast<float>(i));
+  result.ranges()[5] = std::numeric_limits<float>::infinity();
+  result.intensities({7.0F});
+  return result;
+}
+
+template <>
+tf2_msgs::msg::TFMessage sample() {
+  tf2_msgs::msg::TFMessage result;
+  for (const char* child : {"base_link", "laser", "a", ""}) {
+    geometry_msgs::msg::TransformStamped transform;
+    transform.header(header("odom"));
+    transform.child_frame_id(child);
+    transform.transform().translation().y(0.1);
+    transform.transform().rotation().w(1.0);
+    result.transforms().push_back(transform);
+  }
+  return result;
+}
+
+template <>
+strata_msgs::msg::Ack sample() {
+  strata_msgs::msg::Ack result;
+  result.sequence_number(1ULL << 33U);
+  result.component_name("/localizer");
+  result.ok(true);
+  result.error("none");
+  result.published({count("/tf", 3), count("/amcl_pose", 1ULL << 40U)});
+  return result;
+}
+
+template <>
+strata_msgs::msg::ScanPose sample() {
+  strata_msgs::msg::ScanPose result;
+  result.header(header("map"));
+  result.run(2);
+  result.index(77);
+  result.map_from_robot().mean(pose2(2.0));
+  result.map_from_robot().covariance()[8] = 1e-9;
+  result.odom_from_robot(pose2(5.0));
+  result.has_odometry(true);
+  return result;
+}
+
+template <>
+strata_msgs::msg::LabeledScan sample() {
+  strata_msgs::msg::LabeledScan result;
+  result.pose(sample<strata_msgs::msg::ScanPose>());
+  result.scan(sample<sensor_msgs::msg::LaserScan>());
+  result.robot_from_laser(pose2(0.3));
+  result.static_probability({0.0F, 0.5F, 1.0F});
+  return result;
+}
+
+template <>
+strata_msgs::msg::LocalizationHealth sample() {
+  strata_msgs::msg::LocalizationHealth result;
+  result.header(header("map"));
+  result.model("patch");
+  result.localized(true);
+  result.particles(1000);
+  result.effective_sample_size(512.5);
+  result.log_likelihood_per_beam(-2.5);
+  return result;
+}
+
+template <>
+strata_msgs::msg::NodeMap sample() {
+  strata_msgs::msg::NodeLevel level;
+  level.name("short");
+  level.half_life_s(60.0);
+  level.consistent(true);
+  level.ranges({1.0F, 2.0F, 3.0F});
+  strata_msgs::msg::MemoryNode node;
+  node.id(4);
+  node.pose(pose2(1.0));
+  node.observations(9);
+  node.levels({level, {}, level});
+  strata_msgs::msg::NodeMap result;
+  result.header(header("map"));
+  result.radius(8.0);
+  result.nodes({node, {}, node});
+  return result;
+}
+
+template <>
+strata_msgs::msg::PatchMap sample() {
+  strata_msgs::msg::Configuration configuration;
+  configuration.reflection(grid());
+  configuration.counts().resolution(0.05);
+  configuration.counts().rect(rect());
+  configuration.counts().hits({1.0, 0.5});
+  configuration.counts().misses({0.0, 2.5});
+  configuration.prior(0.75);
+  strata_msgs::msg::ObservationSequence sequence;
+  sequence.run(1);
+  sequence.begin().sec(10);
+  sequence.end().sec(20);
+  sequence.scans(30);
+  sequence.membership({0.25, 0.75});
+  strata_msgs::msg::Submap submap;
+  submap.id(6);
+  submap.rect(rect());
+  submap.contradictory({1, 0, 1});
+  submap.configurations({configuration, configuration});
+  submap.sequences({sequence, sequence, sequence});
+  strata_msgs::msg::PatchMap result;
+  result.header(header("map"));
+  result.base(grid());
+  result.submaps({submap, {}, submap});
+  return result;
+}
+
+template <>
+strata_msgs::msg::ReflectionGrid sample() {
+  return grid();
+}
+
+template <>
+strata_msgs::msg::Step sample() {
+  strata_msgs::msg::Step result;
+  result.sequence_number(5);
+  result.kind(strata_msgs::msg::STEP_CYCLE);
+  result.target("/a/b");
+  result.out_dir("out");
+  result.expected({count("/scan", 1)});
+  result.readers({count("", 0), count("/x", 2)});
+  return result;
+}
+
+template <>
+strata_msgs::msg::SubmapStates sample() {
+  strata_msgs::msg::SubmapState state;
+  state.submap(3);
+  state.probability({0.1, 0.2, 0.7});
+  strata_msgs::msg::SubmapStates result;
+  result.header(header("map"));
+  result.current(-1);
+  result.states({state, {}, state});
+  return result;
+}
+
+template <>
+strata_msgs::msg::Trajectory sample() {
+  strata_msgs::msg::ScanLabels labels;
+  labels.static_probability({0.5F, 0.25F});
+  strata_msgs::msg::Trajectory result;
+  result.header(header("map"));
+  result.run({0, 1});
+  result.stamps().resize(2);
+  result.stamps()[1].sec(4);
+  result.map_from_robot({pose2(1.0), pose2(2.0)});
+  result.labels({labels, {}});
+  return result;
+}
+
+}  // namespace strata::test
