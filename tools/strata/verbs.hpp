@@ -15,6 +15,7 @@ using AddVerb = void (*)(CLI::App& app, VerbContext& context);
 
 void add_compare(CLI::App& app, VerbContext& context);
 void add_convert(CLI::App& app, VerbContext& context);
+void add_doctor(CLI::App& app, VerbContext& context);
 void add_evaluate(CLI::App& app, VerbContext& context);
 void add_info(CLI::App& app, VerbContext& context);
 void add_learn(CLI::App& app, VerbContext& context);
@@ -36,6 +37,7 @@ inline constexpr AddVerb kVerbs[] = {
     add_run,       //
     add_replay,    //
     add_record,    //
+    add_doctor,    //
 };
 
 /// What --set means for the verbs that read a composition.

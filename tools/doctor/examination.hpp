@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What is wrong on a DDS domain, from what discovery and a few seconds of listening show. Knows no
+/// DDS itself: values in, findings out.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "components/bus/domain_view.hpp"
+#include "components/bus/node.hpp"
+
+namespace strata::doctor {
+
+/// What was heard of one writer.
+struct Heard {
+  std::uint64_t messages = 0;
+  std::uint64_t bytes = 0;
+  /// Least of (our clock when it came - the writer's clock when it left), s. What a message needs
+  /// to get here is in it, so below zero the writer's clock is surely ahead.
+  double least_delay_s = 0.0;
+};
+
+struct Observed {
+  bus::DomainView view;
+  bus::Guid self{};  ///< our own participant, which is left out
+  std::map<bus::Guid, std::vector<bus::NodeInfo>> nodes;
+  std::map<bus::Guid, Heard> heard;  ///< by writer
+  double listened_s = 0.0;
+};
+
+struct ParticipantReport {
+  std::string guid;
+  std::string vendor;
+  std::string enclave;
+  std::vector<std::string> nodes;  ///< full names
+};
+
+struct TopicReport {
+  std::string name;                  ///< "/scan", or the wire name of what is no ROS 2 topic
+  std::string type;                  ///< of the first endpoint
+  std::vector<std::string> writers;  ///< nodes, or GUIDs of endpoints without one
+  std::vector<std::string> readers;
+  double rate_hz = 0.0;
+  double bytes_per_s = 0.0;
+};
+
+struct Finding {
+  bool is_error = false;  ///< things do not work; else worth knowing
+  std::string place;      ///< topic, node or participant
+  std::string what;
+  std::string advice;
+};
+
+struct Report {
+  std::vector<ParticipantReport> participants;
+  std::vector<TopicReport> topics;
+  std::vector<Finding> findings;  ///< errors first
+};
+
+/// Endpoints of one topic that do not match each other (type, reliability, durability, deadline),
+/// clocks that differ by more than 0.1 s, topics that somebody reads and nobody writes.
+[[nodiscard]] Report examine(const Observed& observed);
+
+[[nodiscard]] std::string to_text(const Report& report);
+[[nodiscard]] std::string to_json(const Report& report);
+
+}  // namespace strata::doctor

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata doctor`: what is on the domain, and what does not fit together.
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "components/bus/environment.hpp"
+#include "components/bus/participant.hpp"
+#include "tools/doctor/examination.hpp"
+#include "tools/doctor/listen.hpp"
+#include "tools/strata/verb_config.hpp"
+#include "tools/strata/verbs.hpp"
+
+namespace strata::tools {
+namespace {
+
+struct DoctorOptions {
+  int domain = -1;
+  std::string transport;
+  double seconds = 3.0;
+  bool json = false;
+};
+
+void examine(const DoctorOptions& options, VerbContext& context) {
+  refuse_config(context.options, "use the options of `strata doctor --help`");
+  bus::ParticipantOptions participant = bus::options_from_environment();
+  if (options.domain >= 0) participant.domain = options.domain;
+  if (!options.transport.empty()) {
+    participant.transport = bus::transport_from_name(options.transport);
+  }
+  context.note("listening on domain " + std::to_string(participant.domain));
+  const auto end = std::chrono::steady_clock::now() +
+                   std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                       std::chrono::duration<double>(options.seconds));
+  const doctor::Observed observed =
+      doctor::listen(std::make_shared<bus::Participant>(participant), [&](double seconds) {
+        return !context.interrupt().wait_for(seconds) && std::chrono::steady_clock::now() < end;
+      });
+  const doctor::Report report = doctor::examine(observed);
+  std::cout << (options.json ? doctor::to_json(report) : doctor::to_text(report));
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, VerbContext& context) {
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::App* verb =
+      add_verb(app, context, "doctor", "Show what is on the DDS domain and what does not match",
+               "strata doctor --domain 7", [options, &context] { examine(*options, context); });
+  verb->add_option("--domain", options->domain, "ROS_DOMAIN_ID when left out")
+      ->check(CLI::Range(0, 232));
+  verb->add_option("--transport", options->transport,
+                   "default, loopback, shared_memory or discovery_server");
+  verb->add_option("--seconds", options->seconds, "how long to listen")->check(CLI::PositiveNumber);
+  verb->add_flag("--json", options->json, "JSON on standard output");
+}
+
+}  // namespace strata::tools
