@@ -4,17 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "core/grid/growth.hpp"
 
 namespace strata::registration {
 namespace {
 
-/// Keeps the cost curved along a bare wall, no more: the gaps between its cells say nothing.
-constexpr double kLeastTangential = 1e-4;
-/// Noise makes the points of a wall look this round.
-constexpr double kRoundWall = 0.3;
+/// A wall is never quite free to slide along: its ends and gaps carry some information.
+constexpr double kLeastTangential = 0.02;
 constexpr int kNeighbourhood = 2;
 
 struct Moments {
@@ -48,39 +45,6 @@ struct Moments {
   }
 };
 
-/// A wall seen at a grazing angle leaves its points far apart, but on one line: the point with its
-/// two neighbours. Where the next beam returned nothing, the wall goes on unseen rather than end,
-/// and the two neighbours on the other side tell. Nothing where points are near, or on no line.
-std::optional<NormalScatter> grazed_wall(const Endpoints& endpoints, std::size_t point) {
-  constexpr double kLeastSpacingM = 0.1;
-  constexpr double kMostSpacingM = 10.0;
-  constexpr double kMostSag = 0.1;          // of the shorter spacing, and in metres
-  const auto joined = [&](std::size_t i) {  // i and the beam after it both hit
-    return i + 1 < endpoints.size() && endpoints.beam[i + 1] == endpoints.beam[i] + 1;
-  };
-  const bool has_before = point > 0 && joined(point - 1);
-  const bool has_after = joined(point);
-  std::size_t i = point;  // the middle one of three
-  if (!has_after && has_before) i = point - 1;
-  if (!has_before && has_after) i = point + 1;
-  if (i == 0 || !joined(i - 1) || !joined(i)) return std::nullopt;
-  const double ax = endpoints.x_m[i] - endpoints.x_m[i - 1];
-  const double ay = endpoints.y_m[i] - endpoints.y_m[i - 1];
-  const double bx = endpoints.x_m[i + 1] - endpoints.x_m[i];
-  const double by = endpoints.y_m[i + 1] - endpoints.y_m[i];
-  const double before = std::hypot(ax, ay);
-  const double after = std::hypot(bx, by);
-  if (std::min(before, after) < kLeastSpacingM) return std::nullopt;
-  if (std::max(before, after) > kMostSpacingM || ax * bx + ay * by <= 0.0) return std::nullopt;
-  const double length = std::hypot(ax + bx, ay + by);
-  const double sag = std::abs(ax * by - ay * bx) / length;
-  if (sag > kMostSag * std::min({1.0, before, after})) return std::nullopt;
-  const double nx = -(ay + by) / length;
-  const double ny = (ax + bx) / length;
-  return NormalScatter{static_cast<float>(nx * nx), static_cast<float>(nx * ny),
-                       static_cast<float>(ny * ny)};
-}
-
 }  // namespace
 
 void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter) {
@@ -94,8 +58,7 @@ void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter) {
   const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
   point.normal_x = std::cos(angle);
   point.normal_y = std::sin(angle);
-  const double round = (larger - 2.0 * root) / larger;
-  point.tangential = std::clamp((round - kRoundWall) / (1.0 - kRoundWall), kLeastTangential, 1.0);
+  point.tangential = std::clamp((larger - 2.0 * root) / larger, kLeastTangential, 1.0);
 }
 
 void normals_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
@@ -110,10 +73,6 @@ void normals_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
     const double x = endpoints.x_m[at];
     const double y = endpoints.y_m[at];
     const double reach_m = std::max(kLeastGapM, kSpacings * beam_spacing_rad * std::hypot(x, y));
-    if (const auto wall = grazed_wall(endpoints, at)) {
-      out[at] = *wall;
-      continue;
-    }
     Moments moments;
     for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, i - kReach);
          j <= std::min(count - 1, i + kReach); ++j) {
