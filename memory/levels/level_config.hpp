@@ -15,11 +15,30 @@ namespace strata::memory {
 ///     t = ln 2 / lambda observations, lambda = -ln(1 - u).
 /// [kessler2010what, section 3] prints u = e^lambda - 1, which contradicts its own lambda; the
 /// inverse is u = 1 - e^-lambda.
+///
+/// A slow level (`half_life_days` > 0) learns by days instead: what a node saw in a day is gathered
+/// evenly, and at its end every sample makes way for one of that day with probability
+/// 1 - 2^(-days / half_life_days). However long the robot stayed, a day is a day.
 struct LevelConfig {
   std::string name;
   int samples = 20;
   /// In seconds of presence at a node; see TimescaleConfig::period_s.
   double half_life_s = 27.0;
+  /// In days of the calendar; 0: half_life_s holds.
+  double half_life_days = 0.0;
+
+  friend bool operator==(const LevelConfig&, const LevelConfig&) = default;
+
+  [[nodiscard]] bool learns_by_days() const { return half_life_days > 0.0; }
+  /// Share of the samples that a day at the end of `days` replaces.
+  [[nodiscard]] double replaced_after(double days) const {
+    return -std::expm1(-std::numbers::ln2 * days / half_life_days);
+  }
+  /// For lists and pictures: seconds of presence, or of the calendar for a level that learns by
+  /// days.
+  [[nodiscard]] double nominal_half_life_s() const {
+    return learns_by_days() ? 86400.0 * half_life_days : half_life_s;
+  }
 
   /// u for this half-life when observations come every period_s.
   [[nodiscard]] double replacement_rate(double period_s) const {
@@ -39,6 +58,13 @@ struct LevelConfig {
             {.doc = "time at a node after which half of the samples are replaced",
              .unit = "s",
              .min = 1e-3});
+    v.field("half_life_days", c.half_life_days,
+            {.doc = "or: days of the calendar after which half of them are replaced; learns at the "
+                    "end of each day; 0: half_life_s holds",
+             .unit = "d",
+             .min = 0.0});
+    v.require(c.name != "mixture" && c.name != "frozen", "name",
+              "is the name of another model of localization", "choose another");
     v.require(!c.name.empty(), "name", "is empty", "give the level a name");
   }
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/levels/node_level.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -80,6 +81,41 @@ void NodeLevel::insert(const VirtualScan& scan, RandomStream& random) {
     if (std::isnan(scan[a]) || std::isnan(next)) continue;
     insert_pair(a, {bins_.range_bin(scan[a]), bins_.range_bin(next)}, random);
   }
+}
+
+namespace {
+
+/// One set of `absorb`; returns its new size.
+template <typename T>
+std::uint16_t renew(std::span<T> places, std::uint16_t count, std::span<const T> newer,
+                    double share, RandomStream& random) {
+  if (newer.empty()) return count;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!random.bernoulli(share)) continue;
+    places[i] = newer[random.below(static_cast<std::uint32_t>(newer.size()))];
+  }
+  for (std::size_t k = 0; count < places.size() && k < newer.size(); ++k) {
+    places[count++] = newer[k];
+  }
+  return count;
+}
+
+}  // namespace
+
+void NodeLevel::absorb(const NodeLevel& newer, double share, RandomStream& random) {
+  ++insertions_;
+  for (int a = 0; a < bins_.angle_bins; ++a) {
+    const auto bin = static_cast<std::size_t>(a);
+    sample_counts_[bin] = renew(std::span(samples_).subspan(bin * capacity_, capacity_),
+                                sample_counts_[bin], newer.samples(a), share, random);
+    pair_counts_[bin] = renew(std::span(pairs_).subspan(bin * capacity_, capacity_),
+                              pair_counts_[bin], newer.pairs(a), share, random);
+  }
+}
+
+void NodeLevel::clear() {
+  std::fill(sample_counts_.begin(), sample_counts_.end(), std::uint16_t{0});
+  std::fill(pair_counts_.begin(), pair_counts_.end(), std::uint16_t{0});
 }
 
 void NodeLevel::write(ByteWriter& out) const {

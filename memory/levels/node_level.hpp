@@ -47,6 +47,13 @@ class NodeLevel {
   /// angle_bins ranges. O(angle bins).
   void insert(const VirtualScan& scan, RandomStream& random);
 
+  /// Lets every sample and pair make way, with probability `share`, for a random one that `newer`
+  /// has in the same place; free places are filled up. Places that `newer` knows nothing of stay.
+  /// Same bins. O(angle bins x samples).
+  void absorb(const NodeLevel& newer, double share, RandomStream& random);
+  /// As it was made, but for insertions().
+  void clear();
+
   void write(ByteWriter& out) const;
   /// Throws InputError when the content does not fit the bins or the capacity.
   void read(ByteReader& in);

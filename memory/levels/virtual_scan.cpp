@@ -39,7 +39,10 @@ Reach reach_of(const PosedScan& scan, std::size_t beam, const VisibilityConfig& 
 }  // namespace
 
 VirtualScanner::VirtualScanner(const PolarBins& bins, const VisibilityConfig& config)
-    : bins_(bins), config_(config), boundary_m_(static_cast<std::size_t>(bins.angle_bins)) {
+    : bins_(bins),
+      config_(config),
+      boundary_m_(static_cast<std::size_t>(bins.angle_bins)),
+      boundary_is_surface_(static_cast<std::size_t>(bins.angle_bins)) {
   for (int a = 0; a < bins.angle_bins; ++a) {
     cos_.push_back(std::cos(bins.center_bearing_rad(a)));
     sin_.push_back(std::sin(bins.center_bearing_rad(a)));
@@ -53,7 +56,7 @@ void VirtualScanner::add_unknown_sector(const Eigen::Vector2d& laser_m, double f
   for (int i = 0; i <= steps; ++i) {
     const double angle = from_rad + (to_rad - from_rad) * i / steps;
     polygon_.push_back({laser_m.x() + config_.own_place_m * std::cos(angle),
-                        laser_m.y() + config_.own_place_m * std::sin(angle), false});
+                        laser_m.y() + config_.own_place_m * std::sin(angle), false, false});
   }
 }
 
@@ -77,7 +80,7 @@ void VirtualScanner::build_polygon(const PosedScan& posed, const Eigen::Vector2d
       add_unknown_sector(laser_m, last_rad, angle);
     }
     polygon_.push_back({laser_m.x() + reach.range_m * std::cos(angle),
-                        laser_m.y() + reach.range_m * std::sin(angle), reach.is_hit});
+                        laser_m.y() + reach.range_m * std::sin(angle), reach.is_hit, false});
     last_rad = angle;
     any = true;
   }
@@ -85,6 +88,23 @@ void VirtualScanner::build_polygon(const PosedScan& posed, const Eigen::Vector2d
   const double closing_rad = first_rad + 2.0 * std::numbers::pi;
   if (closing_rad - last_rad > config_.max_gap_rad) {
     add_unknown_sector(laser_m, last_rad, closing_rad);
+  }
+  if (config_.fill_between_beams) join_surfaces(laser_m);
+}
+
+void VirtualScanner::join_surfaces(const Eigen::Vector2d& laser_m) {
+  const double least_sine = std::sin(config_.least_incidence_rad);
+  for (std::size_t i = 0; i < polygon_.size(); ++i) {
+    Vertex& p = polygon_[i];
+    const Vertex& q = polygon_[i + 1 == polygon_.size() ? 0 : i + 1];
+    if (!p.is_hit || !q.is_hit) continue;
+    const Eigen::Vector2d edge(q.x_m - p.x_m, q.y_m - p.y_m);
+    // The further of the two beams meets the edge at the sharper angle.
+    const Eigen::Vector2d to_p = Eigen::Vector2d(p.x_m, p.y_m) - laser_m;
+    const Eigen::Vector2d to_q = Eigen::Vector2d(q.x_m, q.y_m) - laser_m;
+    const Eigen::Vector2d& beam = to_p.squaredNorm() > to_q.squaredNorm() ? to_p : to_q;
+    const double area = std::abs(edge.x() * beam.y() - edge.y() * beam.x());
+    p.joins_next = area >= least_sine * edge.norm() * beam.norm();
   }
 }
 
@@ -126,7 +146,10 @@ void VirtualScanner::measure_boundary() {
       const double denominator = cos_[bin] * edge_y - sin_[bin] * edge_x;
       if (denominator == 0.0) continue;
       const double t = (p.x_m * edge_y - p.y_m * edge_x) / denominator;
-      if (t > 0.0) boundary_m_[bin] = std::min(boundary_m_[bin], t);
+      if (t > 0.0 && t < boundary_m_[bin]) {
+        boundary_m_[bin] = t;
+        boundary_is_surface_[bin] = p.joins_next ? 1 : 0;
+      }
     }
   }
 }
@@ -150,6 +173,9 @@ bool VirtualScanner::transform(const PosedScan& scan, const Eigen::Vector2d& nod
     if (!(result[bin] <= static_cast<float>(range_m))) result[bin] = static_cast<float>(range_m);
   }
   for (std::size_t a = 0; a < count; ++a) {
+    if (std::isnan(result[a]) && std::isfinite(boundary_m_[a]) && boundary_is_surface_[a] != 0) {
+      result[a] = static_cast<float>(boundary_m_[a]);
+    }
     const bool unknown = std::isnan(result[a]);
     const double reach_m = unknown ? boundary_m_[a] : static_cast<double>(result[a]);
     const bool open = unknown ? std::isfinite(reach_m) && reach_m >= bins_.max_range_m

@@ -17,13 +17,21 @@ namespace strata::memory {
 struct VisibilityConfig {
   /// The robot has come from somewhere: where no beam looks, the ground this far around the laser
   /// is taken as free. Without it a scanner of 180 degrees could never fill a node behind it.
-  double own_place_m = 1.0;
+  double own_place_m = 1.1;
   /// Beams further apart than this leave the ground between them unknown.
   double max_gap_rad = 0.06;
+  /// A bin between two neighbouring beams takes the range of the line between their points, if
+  /// both lie on one surface: the beams would meet the line at no less than `least_incidence_rad`.
+  /// Without it a scanner with wider gaps than an angle bin would leave the bins between its beams
+  /// empty, and would never give a pair of neighbours. [kessler2010what] has a beam for each bin.
+  bool fill_between_beams = true;
+  double least_incidence_rad = 0.175;
   /// A beam without return says that nothing is there up to the scanner's greatest range.
   bool trust_no_return = true;
   /// Beams that the beam filter gives a smaller probability of being static are left out; 0: none.
   double min_static_probability = 0.0;
+
+  friend bool operator==(const VisibilityConfig&, const VisibilityConfig&) = default;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -35,6 +43,13 @@ struct VisibilityConfig {
             {.doc = "beams further apart leave unknown ground between them",
              .unit = "rad",
              .min = 0.0});
+    v.field("fill_between_beams", c.fill_between_beams,
+            {.doc = "bins between two beams on one surface take the range in between"});
+    v.field("least_incidence_rad", c.least_incidence_rad,
+            {.doc = "... unless beams would graze that surface at less than this",
+             .unit = "rad",
+             .min = 0.001,
+             .max = 1.5});
     v.field("trust_no_return", c.trust_no_return,
             {.doc = "a beam without return means free space up to the scanner's greatest range"});
     v.field("min_static_probability", c.min_static_probability,
@@ -54,8 +69,8 @@ using VirtualScan = std::vector<float>;
 /// paper adds x_n - x_r and uses atan, which gives the wrong side and loses the quadrant. A point
 /// counts only if the node would see it: the node must lie inside the star polygon of the scan, and
 /// the way from node to point must stay inside it, to within one bin. Of several points in an angle
-/// bin the nearest counts. Where the polygon reaches max_range_m without a point, the bin
-/// overflows.
+/// bin the nearest counts; a bin between two points of one surface takes the range of the line that
+/// joins them. Where the polygon reaches max_range_m without a point, the bin overflows.
 class VirtualScanner {
  public:
   VirtualScanner(const PolarBins& bins, const VisibilityConfig& config);
@@ -70,10 +85,14 @@ class VirtualScanner {
     double x_m = 0.0;
     double y_m = 0.0;
     bool is_hit = false;
+    /// This corner and the next are hits of neighbouring beams on one surface.
+    bool joins_next = false;
   };
   void build_polygon(const PosedScan& scan, const Eigen::Vector2d& node_m);
   void add_unknown_sector(const Eigen::Vector2d& laser_m, double from_rad, double to_rad);
   [[nodiscard]] bool node_is_inside() const;
+  /// Marks corners that belong to one surface with the next, as seen from the laser.
+  void join_surfaces(const Eigen::Vector2d& laser_m);
   void measure_boundary();
 
   PolarBins bins_;
@@ -83,6 +102,7 @@ class VirtualScanner {
   std::vector<Vertex> polygon_;     ///< counter-clockwise about the laser
   std::vector<double> angle_;       ///< of each corner about the node, in bins, [0, angle_bins)
   std::vector<double> boundary_m_;  ///< first crossing of the polygon along each bin's centre
+  std::vector<unsigned char> boundary_is_surface_;  ///< ... on an edge that joins two hits
 };
 
 }  // namespace strata::memory

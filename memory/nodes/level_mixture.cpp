@@ -14,14 +14,6 @@ namespace {
 
 constexpr std::size_t kMostBeams = 60;
 
-/// The node that any level knows at this place.
-int node_of_any_level(const NodeMap& map, const Eigen::Vector2d& point_m) {
-  for (std::size_t level = 0; level < map.level_names().size(); ++level) {
-    if (const int node = map.node_at(static_cast<int>(level), point_m); node >= 0) return node;
-  }
-  return -1;
-}
-
 }  // namespace
 
 LevelMixture::LevelMixture(const LevelMixtureConfig& config, std::size_t levels)
@@ -32,6 +24,13 @@ LevelMixture::LevelMixture(const LevelMixtureConfig& config, std::size_t levels)
 std::span<const double> LevelMixture::weights(int node) const {
   const auto index = static_cast<std::size_t>(node);
   return node >= 0 && index < weights_.size() ? weights_[index] : even_;
+}
+
+int LevelMixture::node_at(const NodeMap& map, const Eigen::Vector2d& point_m) {
+  for (std::size_t level = 0; level < map.level_names().size(); ++level) {
+    if (const int node = map.node_at(static_cast<int>(level), point_m); node >= 0) return node;
+  }
+  return -1;
 }
 
 double LevelMixture::log_likelihood(std::span<const float> expected_m,
@@ -54,7 +53,7 @@ double LevelMixture::log_likelihood(std::span<const float> expected_m,
 }
 
 int LevelMixture::update(const NodeMap& map, const Pose2& map_from_laser, const Scan& scan) {
-  const int node = node_of_any_level(map, map_from_laser.translation());
+  const int node = node_at(map, map_from_laser.translation());
   if (node < 0) return -1;
   std::vector<double> bearings;
   std::vector<float> measured;
@@ -92,8 +91,7 @@ int LevelMixture::update(const NodeMap& map, const Pose2& map_from_laser, const 
 void LevelMixture::expected_ranges_m(const NodeMap& map, const Pose2& map_from_laser,
                                      std::span<const double> bearings_rad,
                                      std::span<float> ranges_m, std::vector<float>& scratch) const {
-  const std::span<const double> weights =
-      this->weights(node_of_any_level(map, map_from_laser.translation()));
+  const std::span<const double> weights = this->weights(node_at(map, map_from_laser.translation()));
   std::vector<std::size_t> order(weights.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),

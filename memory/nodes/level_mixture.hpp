@@ -42,6 +42,9 @@ class LevelMixture {
   /// One weight per level; sums to 1.
   [[nodiscard]] std::span<const double> weights(int node) const;
 
+  /// The node whose weights hold at a place: the nearest that sees it in any level; -1 for none.
+  [[nodiscard]] static int node_at(const NodeMap& map, const Eigen::Vector2d& point_m);
+
   /// Learns from a scan taken at a known pose; uses at most 60 of its beams. Returns the node whose
   /// weights changed, -1 for none.
   int update(const NodeMap& map, const Pose2& map_from_laser, const Scan& scan);

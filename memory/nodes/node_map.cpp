@@ -10,19 +10,59 @@
 namespace strata::memory {
 namespace {
 
-constexpr double kLookupCell_m = 0.25;
-constexpr float kUnknownRange = std::numeric_limits<float>::quiet_NaN();
+constexpr double kLookupCell_m = 0.5;
+/// Snapshots after which the look-up table is made anew.
+constexpr int kOldestLookup = 100;
+/// Nodes that see one surface differ by no more than this about it.
+constexpr double kAgreement_m = 0.3;
+/// A beam that leaves a node's sight goes on from this far behind, at most so many times.
+constexpr double kStepOut_m = 0.1;
+constexpr int kMostHops = 3;
+
+using Reach = NodeOutline::Reach;
+using Edge = NodeOutline::Edge;
+
+bool is_filled(const std::vector<std::shared_ptr<const NodeMap::Level>>& levels) {
+  return std::any_of(levels.begin(), levels.end(),
+                     [](const auto& level) { return level->insertions > 0; });
+}
+
+float range_of(const Reach& reach) {
+  switch (reach.end) {
+    case Edge::kSurface:
+      return static_cast<float>(reach.range_m);
+    case Edge::kOpen:
+      return std::numeric_limits<float>::infinity();
+    default:
+      return std::numeric_limits<float>::quiet_NaN();
+  }
+}
 
 }  // namespace
 
-NodeMap::NodeMap(const PolarBins& bins, double reach_m, const DecodingConfig& decoding,
-                 std::vector<std::string> level_names, std::vector<Node> nodes)
+NodeMap::NodeMap(const PolarBins& bins, const DecodingConfig& decoding,
+                 std::vector<std::string> level_names, std::vector<Node> nodes,
+                 const NodeMap* previous)
     : bins_(bins),
-      reach_m_(reach_m),
       decoding_(decoding),
       level_names_(std::move(level_names)),
       nodes_(std::move(nodes)) {
-  build_lookup();
+  if (previous != nullptr && may_share_lookup(*previous)) {
+    lookup_ = previous->lookup_;
+    lookup_age_ = previous->lookup_age_ + 1;
+  } else {
+    lookup_ = std::make_shared<const Grid<Around>>(make_lookup());
+  }
+}
+
+bool NodeMap::may_share_lookup(const NodeMap& other) const {
+  // A node that has just been filled for the first time must become known.
+  return other.lookup_age_ < kOldestLookup &&
+         std::equal(nodes_.begin(), nodes_.end(), other.nodes_.begin(), other.nodes_.end(),
+                    [](const Node& a, const Node& b) {
+                      return a.position_m == b.position_m &&
+                             is_filled(a.levels) == is_filled(b.levels);
+                    });
 }
 
 std::shared_ptr<const NodeMap::Level> NodeMap::make_level(const PolarBins& bins, double own_place_m,
@@ -32,33 +72,57 @@ std::shared_ptr<const NodeMap::Level> NodeMap::make_level(const PolarBins& bins,
   return std::make_shared<const Level>(Level{insertions, std::move(scan), std::move(outline)});
 }
 
-void NodeMap::build_lookup() {
-  CellRect all;
-  const int reach = static_cast<int>(std::ceil(reach_m_ / kLookupCell_m)) + 1;
-  auto around = [&](const Node& node) {
-    const Cell cell = cell_at(node.position_m, kLookupCell_m);
-    return CellRect{cell, {cell.x + 1, cell.y + 1}}.inflated(reach);
-  };
-  for (const Node& node : nodes_) all = all.united(around(node));
-  Grid<double> nearest_m(kLookupCell_m, all);
-  for (std::size_t l = 0; l < level_names_.size(); ++l) {
-    Grid<std::int32_t>& lookup = lookup_.emplace_back(kLookupCell_m, all, -1);
-    std::fill(nearest_m.values().begin(), nearest_m.values().end(), reach_m_);
-    for (std::size_t n = 0; n < nodes_.size(); ++n) {
-      if (nodes_[n].levels[l]->insertions == 0) continue;
-      const CellRect rect = around(nodes_[n]);
-      for (int y = rect.min.y; y < rect.max.y; ++y) {
-        for (int x = rect.min.x; x < rect.max.x; ++x) {
-          const Eigen::Vector2d offset = lookup.center({x, y}) - nodes_[n].position_m;
-          const double distance_m = offset.norm();
-          if (distance_m >= nearest_m.at({x, y})) continue;
-          if (!nodes_[n].levels[l]->outline.contains(offset)) continue;
-          nearest_m.at({x, y}) = distance_m;
-          lookup.at({x, y}) = static_cast<std::int32_t>(n);
-        }
-      }
+bool NodeMap::sees(const Node& node, const Eigen::Vector2d& center_m) const {
+  constexpr double kHalf_m = 0.5 * kLookupCell_m;
+  const Eigen::Vector2d offset = center_m - node.position_m;
+  for (const auto& level : node.levels) {
+    if (level->insertions == 0) continue;
+    for (const Eigen::Vector2d& aside :
+         {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(-kHalf_m, -kHalf_m),
+          Eigen::Vector2d(kHalf_m, -kHalf_m), Eigen::Vector2d(-kHalf_m, kHalf_m),
+          Eigen::Vector2d(kHalf_m, kHalf_m)}) {
+      if (level->outline.contains(offset + aside)) return true;
     }
   }
+  return false;
+}
+
+void NodeMap::enter(std::int32_t node, Grid<Around>& lookup) const {
+  const Node& own = nodes_[static_cast<std::size_t>(node)];
+  const int reach = static_cast<int>(std::ceil(bins_.max_range_m / kLookupCell_m));
+  const Cell middle = cell_at(own.position_m, kLookupCell_m);
+  for (int y = middle.y - reach; y <= middle.y + reach; ++y) {
+    for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
+      const Eigen::Vector2d center = lookup.center({x, y});
+      auto distance_squared = [&](std::int32_t other) {
+        return (nodes_[static_cast<std::size_t>(other)].position_m - center).squaredNorm();
+      };
+      Around& list = lookup.at({x, y});
+      const double distance = distance_squared(node);
+      std::size_t place = kMostAround;
+      while (place > 0 && (list[place - 1] < 0 || distance_squared(list[place - 1]) > distance)) {
+        --place;
+      }
+      if (place == kMostAround || !sees(own, center)) continue;
+      std::move_backward(list.begin() + static_cast<std::ptrdiff_t>(place), list.end() - 1,
+                         list.end());
+      list[place] = node;
+    }
+  }
+}
+
+Grid<NodeMap::Around> NodeMap::make_lookup() const {
+  Around nobody;
+  nobody.fill(-1);
+  CellRect all;
+  const int reach = static_cast<int>(std::ceil(bins_.max_range_m / kLookupCell_m));
+  for (const Node& node : nodes_) {
+    const Cell cell = cell_at(node.position_m, kLookupCell_m);
+    all = all.united(CellRect{cell, {cell.x + 1, cell.y + 1}}.inflated(reach));
+  }
+  Grid<Around> lookup(kLookupCell_m, all, nobody);
+  for (std::size_t n = 0; n < nodes_.size(); ++n) enter(static_cast<std::int32_t>(n), lookup);
+  return lookup;
 }
 
 int NodeMap::level_index(const std::string& name) const {
@@ -71,8 +135,69 @@ int NodeMap::level_index(const std::string& name) const {
                     "choose one of: " + known);
 }
 
+NodeMap::View NodeMap::view(int level, const Eigen::Vector2d& point_m) const {
+  View result;
+  result.place_m_ = point_m;
+  result.level_ = level;
+  const Cell cell = cell_at(point_m, kLookupCell_m);
+  if (!lookup_->contains(cell)) return result;
+  // The cell's list is in order of the distance from its centre; the place may be elsewhere in it.
+  struct Candidate {
+    double distance_squared;
+    std::int32_t node;
+  };
+  std::array<Candidate, kMostAround> candidates;
+  std::size_t count = 0;
+  for (const std::int32_t node : lookup_->at(cell)) {
+    if (node < 0) break;
+    const Eigen::Vector2d& position_m = nodes_[static_cast<std::size_t>(node)].position_m;
+    std::size_t place = count++;
+    const double distance_squared = (point_m - position_m).squaredNorm();
+    for (; place > 0 && candidates[place - 1].distance_squared > distance_squared; --place) {
+      candidates[place] = candidates[place - 1];
+    }
+    candidates[place] = {distance_squared, node};
+  }
+  for (std::size_t i = 0; i < count && result.size_ < View::kMost; ++i) {
+    const std::int32_t node = candidates[i].node;
+    const Level& decoded = this->level(level, node);
+    if (decoded.insertions == 0) continue;
+    const NodeOutline::Viewpoint from =
+        decoded.outline.view_from(point_m - nodes_[static_cast<std::size_t>(node)].position_m);
+    if (!from.inside) continue;
+    result.seen_[result.size_++] = {node, &decoded.outline, from};
+  }
+  return result;
+}
+
+NodeOutline::Reach NodeMap::reach(const View& view, const Eigen::Vector2d& direction) const {
+  Reach reach = reach_in_sight(view, direction);
+  for (int hop = 0; hop < kMostHops; ++hop) {
+    const bool ends = reach.end == Edge::kSurface || reach.end == Edge::kUnseen;
+    const double left_m = reach.range_m + kStepOut_m;
+    if (ends || left_m >= bins_.max_range_m) break;
+    const View there = this->view(view.level_, view.place_m_ + left_m * direction);
+    const Reach next = reach_in_sight(there, direction);
+    if (next.end == Edge::kUnseen) break;
+    reach = {left_m + next.range_m, next.end};
+  }
+  return reach;
+}
+
+NodeOutline::Reach NodeMap::reach_in_sight(const View& view, const Eigen::Vector2d& direction) {
+  Reach best;
+  for (std::size_t i = 0; i < view.size_; ++i) {
+    const Reach next = view.seen_[i].outline->cast(view.seen_[i].from, direction);
+    if (next.end == Edge::kUnseen || next.range_m < best.range_m - kAgreement_m) continue;
+    if (next.end == Edge::kSurface) return next;
+    if (next.range_m > best.range_m || best.end == Edge::kUnseen) best = next;
+  }
+  return best;
+}
+
 int NodeMap::node_at(int level, const Eigen::Vector2d& point_m) const {
-  return lookup_[static_cast<std::size_t>(level)].get(cell_at(point_m, kLookupCell_m));
+  const View seen = view(level, point_m);
+  return seen.empty() ? -1 : seen.node();
 }
 
 Scan NodeMap::expected_scan(int level, int node) const {
@@ -85,39 +210,18 @@ Scan NodeMap::expected_scan(int level, int node) const {
 }
 
 float NodeMap::expected_range_m(int level, const Pose2& map_from_laser, double bearing_rad) const {
-  const Eigen::Vector2d laser_m = map_from_laser.translation();
-  const int node = node_at(level, laser_m);
-  if (node < 0) return kUnknownRange;
-  const double angle = map_from_laser.theta + bearing_rad;
-  const Eigen::Vector2d from = laser_m - nodes_[static_cast<std::size_t>(node)].position_m;
-  return this->level(level, node).outline.cast(from, {std::cos(angle), std::sin(angle)});
+  float range_m = 0.0F;
+  expected_ranges_m(level, map_from_laser, std::span(&bearing_rad, 1), std::span(&range_m, 1));
+  return range_m;
 }
 
 void NodeMap::expected_ranges_m(int level, const Pose2& map_from_laser,
                                 std::span<const double> bearings_rad,
                                 std::span<float> ranges_m) const {
+  const View from = view(level, map_from_laser.translation());
   for (std::size_t i = 0; i < ranges_m.size(); ++i) {
-    ranges_m[i] = expected_range_m(level, map_from_laser, bearings_rad[i]);
-  }
-}
-
-void NodeMap::expected_ranges_m(int level, const Pose2& map_from_laser,
-                                std::span<const Eigen::Vector2d> directions,
-                                std::span<float> ranges_m) const {
-  const Eigen::Vector2d laser_m = map_from_laser.translation();
-  const int node = node_at(level, laser_m);
-  if (node < 0) {
-    std::fill(ranges_m.begin(), ranges_m.end(), kUnknownRange);
-    return;
-  }
-  const NodeOutline& outline = this->level(level, node).outline;
-  const NodeOutline::Viewpoint view =
-      outline.view_from(laser_m - nodes_[static_cast<std::size_t>(node)].position_m);
-  const double c = std::cos(map_from_laser.theta);
-  const double s = std::sin(map_from_laser.theta);
-  for (std::size_t i = 0; i < ranges_m.size(); ++i) {
-    const Eigen::Vector2d& d = directions[i];
-    ranges_m[i] = outline.cast(view, {c * d.x() - s * d.y(), s * d.x() + c * d.y()});
+    const double angle = map_from_laser.theta + bearings_rad[i];
+    ranges_m[i] = range_of(reach(from, {std::cos(angle), std::sin(angle)}));
   }
 }
 
@@ -128,8 +232,7 @@ std::size_t NodeMap::bytes() const {
       total += level->outline.bytes() + level->scan.range_m.size() * sizeof(float);
     }
   }
-  for (const auto& lookup : lookup_) total += lookup.size() * sizeof(std::int32_t);
-  return total;
+  return total + lookup_->size() * sizeof(Around);
 }
 
 }  // namespace strata::memory

@@ -3,6 +3,7 @@
 /// pictures.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -39,8 +40,11 @@ class NodeMap {
     std::vector<std::shared_ptr<const Level>> levels;
   };
 
-  NodeMap(const PolarBins& bins, double reach_m, const DecodingConfig& decoding,
-          std::vector<std::string> level_names, std::vector<Node> nodes);
+  /// previous: a snapshot whose look-up table may be shared when it has the same nodes, or null. A
+  /// table leaves out what a node comes to see (a door that opens) until it is made anew.
+  NodeMap(const PolarBins& bins, const DecodingConfig& decoding,
+          std::vector<std::string> level_names, std::vector<Node> nodes,
+          const NodeMap* previous = nullptr);
   [[nodiscard]] static std::shared_ptr<const Level> make_level(const PolarBins& bins,
                                                                double own_place_m,
                                                                std::uint64_t insertions,
@@ -53,28 +57,52 @@ class NodeMap {
   /// Place of a level by name; throws ConfigError that lists the names there are.
   [[nodiscard]] int level_index(const std::string& name) const;
 
-  /// The node that speaks for a place in this level: of those within reach whose outline holds the
-  /// place, the nearest; -1 for none. To within half a look-up cell (0.125 m). O(1).
+  /// A place seen from the nodes around it: the nearest ones whose outline in this level holds it,
+  /// nearest first. Made once for all beams of a pose.
+  class View {
+   public:
+    [[nodiscard]] bool empty() const { return size_ == 0; }
+    /// The nearest node; requires !empty().
+    [[nodiscard]] int node() const { return seen_[0].node; }
+
+   private:
+    friend class NodeMap;
+    struct Seen {
+      int node = -1;
+      const NodeOutline* outline = nullptr;
+      NodeOutline::Viewpoint from;
+    };
+    static constexpr std::size_t kMost = 4;
+    Eigen::Vector2d place_m_ = Eigen::Vector2d::Zero();
+    int level_ = 0;
+    std::array<Seen, kMost> seen_;
+    std::size_t size_ = 0;
+  };
+  /// Empty where no node sees the place. O(1). Valid as long as this map.
+  [[nodiscard]] View view(int level, const Eigen::Vector2d& point_m) const;
+  /// How far a beam from the view's place goes in the direction (unit, map frame). The nearest node
+  /// decides; where a surface hides the end of the beam from it, the next node is asked, as long as
+  /// it does not contradict: the way is free at least as far as the nearest node has seen it. When
+  /// none of them sees the end, the nodes around the place where the beam leaves their sight are
+  /// asked in the same way, a few times over. What lies beyond max_range_m is kOpen, a free way
+  /// into the unknown. O(1).
+  [[nodiscard]] NodeOutline::Reach reach(const View& view, const Eigen::Vector2d& direction) const;
+
+  /// The nearest node that sees the place in this level; -1 for none.
   [[nodiscard]] int node_at(int level, const Eigen::Vector2d& point_m) const;
 
   /// What a scanner at the node, turned like the map, would see: one beam per angle bin, at bin
   /// centres; +Inf for "at least max_range_m", NaN where nothing is known.
   [[nodiscard]] Scan expected_scan(int level, int node) const;
 
-  /// Range that a beam is expected to measure: where it meets the outline of node_at(level, laser).
-  /// +Inf where it runs free to bins().max_range_m, beyond which nothing is ever known: a sensor
-  /// model should take longer readings for no return. NaN where nothing is known. bearing_rad in
-  /// the laser frame. O(1).
+  /// Range that a beam is expected to measure, as `reach` finds it: +Inf where it runs free to
+  /// bins().max_range_m, beyond which nothing is ever known: a sensor model should take longer
+  /// readings for no return. NaN where nothing is known. bearing_rad in the laser frame. O(1).
   [[nodiscard]] float expected_range_m(int level, const Pose2& map_from_laser,
                                        double bearing_rad) const;
   /// ... for many beams of one pose; equal lengths.
   void expected_ranges_m(int level, const Pose2& map_from_laser,
                          std::span<const double> bearings_rad, std::span<float> ranges_m) const;
-  /// ... for beams given by their unit directions in the laser frame: saves the sines and cosines
-  /// when the same beams are asked for at many poses.
-  void expected_ranges_m(int level, const Pose2& map_from_laser,
-                         std::span<const Eigen::Vector2d> directions,
-                         std::span<float> ranges_m) const;
 
   /// Picture of a level: free where a node sees, occupied along its surfaces; where nodes disagree,
   /// the nearer one decides. O(nodes x cells within max_range_m).
@@ -84,17 +112,26 @@ class NodeMap {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  /// Nodes that see something of a look-up cell, nearest first, as many as fit; the rest is -1.
+  static constexpr std::size_t kMostAround = 8;
+  using Around = std::array<std::int32_t, kMostAround>;
+
   [[nodiscard]] const Level& level(int level, int node) const {
     return *nodes_[static_cast<std::size_t>(node)].levels[static_cast<std::size_t>(level)];
   }
-  void build_lookup();
+  [[nodiscard]] static NodeOutline::Reach reach_in_sight(const View& view,
+                                                         const Eigen::Vector2d& direction);
+  [[nodiscard]] bool may_share_lookup(const NodeMap& other) const;
+  [[nodiscard]] bool sees(const Node& node, const Eigen::Vector2d& center_m) const;
+  void enter(std::int32_t node, Grid<Around>& lookup) const;
+  [[nodiscard]] Grid<Around> make_lookup() const;
 
   PolarBins bins_;
-  double reach_m_;
   DecodingConfig decoding_;
   std::vector<std::string> level_names_;
   std::vector<Node> nodes_;
-  std::vector<Grid<std::int32_t>> lookup_;  ///< per level: the node that speaks for a cell
+  std::shared_ptr<const Grid<Around>> lookup_;
+  int lookup_age_ = 0;  ///< snapshots that have shared it
 };
 
 }  // namespace strata::memory

@@ -9,8 +9,6 @@
 namespace strata::memory {
 namespace {
 
-constexpr float kUnknownRange = std::numeric_limits<float>::quiet_NaN();
-constexpr float kOpenRange = std::numeric_limits<float>::infinity();
 /// Two corners belong to one surface unless a beam from the node would graze it at less than this.
 constexpr double kLeastIncidence_rad = 4.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kLongestGap = 3;
@@ -99,12 +97,12 @@ void NodeOutline::classify_edges(const std::vector<bool>& known, const std::vect
     const auto from = static_cast<double>(radius_m_[a]);
     const auto to = static_cast<double>(radius_m_[b]);
     if (!known[a] || !known[b]) {
-      edge_.push_back(Edge::kUnknown);
+      edge_.push_back(Edge::kUnseen);
     } else if (open[a] && open[b]) {
       edge_.push_back(Edge::kOpen);
     } else {
       const bool one_surface = std::abs(from - to) <= slope * std::min(from, to);
-      edge_.push_back(one_surface ? Edge::kSurface : Edge::kUnknown);
+      edge_.push_back(one_surface ? Edge::kSurface : Edge::kHidden);
     }
   }
 }
@@ -125,16 +123,16 @@ bool NodeOutline::contains(const Eigen::Vector2d& point_m) const {
   return cross(along.x(), along.y(), point_m.x() - p.x(), point_m.y() - p.y()) >= 0.0;
 }
 
-float NodeOutline::hit(std::size_t sector, const Eigen::Vector2d& from_m,
-                       const Eigen::Vector2d& direction) const {
-  if (edge_[sector] == Edge::kUnknown) return kUnknownRange;
-  if (edge_[sector] == Edge::kOpen) return kOpenRange;
+NodeOutline::Reach NodeOutline::meet(std::size_t sector, const Eigen::Vector2d& from_m,
+                                     const Eigen::Vector2d& direction) const {
+  if (edge_[sector] == Edge::kUnseen) return {};
   const Eigen::Vector2d p = corner_m(sector);
   const Eigen::Vector2d along = corner_m(next(sector)) - p;
   const double denominator = cross(direction.x(), direction.y(), along.x(), along.y());
-  const double range =
+  const double range_m =
       cross(p.x() - from_m.x(), p.y() - from_m.y(), along.x(), along.y()) / denominator;
-  return std::isfinite(range) ? static_cast<float>(std::max(0.0, range)) : kUnknownRange;
+  if (!std::isfinite(range_m)) return {};
+  return {std::max(0.0, range_m), edge_[sector]};
 }
 
 NodeOutline::Viewpoint NodeOutline::view_from(const Eigen::Vector2d& from_m) const {
@@ -144,8 +142,9 @@ NodeOutline::Viewpoint NodeOutline::view_from(const Eigen::Vector2d& from_m) con
   return view;
 }
 
-float NodeOutline::cast(const Viewpoint& view, const Eigen::Vector2d& direction) const {
-  if (!view.inside) return kUnknownRange;
+NodeOutline::Reach NodeOutline::cast(const Viewpoint& view,
+                                     const Eigen::Vector2d& direction) const {
+  if (!view.inside) return {};
   const Eigen::Vector2d& from_m = view.from_m;
   std::size_t sector = view.sector;
   if (view.within_inner) {
@@ -166,7 +165,7 @@ float NodeOutline::cast(const Viewpoint& view, const Eigen::Vector2d& direction)
     if (!leaves || !(moment / turn < static_cast<double>(radius_m_[corner]))) break;
     sector = turns_left ? corner : (sector == 0 ? size() - 1 : sector - 1);
   }
-  return hit(sector, from_m, direction);
+  return meet(sector, from_m, direction);
 }
 
 std::size_t NodeOutline::bytes() const { return size() * (5 * sizeof(float) + sizeof(Edge)); }

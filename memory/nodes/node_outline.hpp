@@ -22,7 +22,8 @@ class NodeOutline {
   enum class Edge : std::uint8_t {
     kSurface,  ///< something was seen there
     kOpen,     ///< nothing within max_range_m
-    kUnknown,  ///< unseen ground, or what a nearer surface hides from the node
+    kHidden,   ///< the way on from there is hidden from the node by a nearer surface
+    kUnseen,   ///< never seen: not even the way to it is known to be free
   };
 
   NodeOutline(const PolarBins& bins, double own_place_m, std::span<const float> range_m);
@@ -39,11 +40,15 @@ class NodeOutline {
   };
   [[nodiscard]] Viewpoint view_from(const Eigen::Vector2d& from_m) const;
 
-  /// Range along a beam in the direction (unit): where it meets a surface; +Inf where the way is
-  /// open to max_range_m of the node; NaN where it runs into the unknown or starts there. O(corners
-  /// passed): few, since everything within the nearest edge's distance is skipped.
-  [[nodiscard]] float cast(const Viewpoint& view, const Eigen::Vector2d& direction) const;
-  [[nodiscard]] float cast(const Eigen::Vector2d& from_m, const Eigen::Vector2d& direction) const {
+  /// How far a beam goes freely inside, and what it meets there.
+  struct Reach {
+    double range_m = 0.0;
+    Edge end = Edge::kUnseen;
+  };
+  /// In the direction (unit). Nothing, {0, kUnseen}, from a viewpoint outside. O(corners passed):
+  /// few, since everything within the nearest edge's distance is skipped.
+  [[nodiscard]] Reach cast(const Viewpoint& view, const Eigen::Vector2d& direction) const;
+  [[nodiscard]] Reach cast(const Eigen::Vector2d& from_m, const Eigen::Vector2d& direction) const {
     return cast(view_from(from_m), direction);
   }
 
@@ -59,8 +64,8 @@ class NodeOutline {
   /// Index of the sector, from corner a to the next, that the direction lies in; near a corner
   /// (1e-4 rad) it may be the one beside.
   [[nodiscard]] std::size_t sector_of(double x, double y) const;
-  [[nodiscard]] float hit(std::size_t sector, const Eigen::Vector2d& from_m,
-                          const Eigen::Vector2d& direction) const;
+  [[nodiscard]] Reach meet(std::size_t sector, const Eigen::Vector2d& from_m,
+                           const Eigen::Vector2d& direction) const;
   void bridge_gaps(std::vector<bool>& known);
   void classify_edges(const std::vector<bool>& known, const std::vector<bool>& open);
 

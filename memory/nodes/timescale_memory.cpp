@@ -14,7 +14,11 @@
 namespace strata::memory {
 namespace {
 
-constexpr std::uint32_t kStateVersion = 1;
+/// 2: a node may gather a day. Memories of version 1 have no level that learns by days.
+constexpr std::uint32_t kStateVersion = 2;
+/// Random numbers of one observation: each level its own, the day's sample, and each node's day.
+constexpr std::uint32_t kDaySample = 255;
+constexpr std::uint32_t kDayEnd = 256;
 
 TimescaleConfig checked(TimescaleConfig config) {
   require_valid(config, "timescale");
@@ -28,30 +32,31 @@ TimescaleMemory::TimescaleMemory(TimescaleConfig config, std::uint64_t seed)
       seed_(seed),
       scanner_(config_.bins(), config_.visibility) {
   for (const LevelConfig& level : config_.levels) {
-    insertion_probability_.push_back(std::min(1.0, level.insertion_probability(config_.period_s)));
+    insertion_probability_.push_back(
+        level.learns_by_days() ? 0.0
+                               : std::min(1.0, level.insertion_probability(config_.period_s)));
   }
 }
 
-int TimescaleMemory::nearest_node(const Eigen::Vector2d& point_m, double& distance_m) const {
-  int best = -1;
-  double best_squared = std::numeric_limits<double>::infinity();
+void TimescaleMemory::find_near(const Eigen::Vector2d& point_m) {
+  near_.clear();
+  const double radius_squared = config_.node_spacing_m * config_.node_spacing_m;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const double squared = (nodes_[n].position_m - point_m).squaredNorm();
-    if (squared < best_squared) {
-      best_squared = squared;
-      best = static_cast<int>(n);
-    }
+    if (squared <= radius_squared) near_.emplace_back(std::sqrt(squared), static_cast<int>(n));
   }
-  distance_m = std::sqrt(best_squared);
-  return best;
+  std::sort(near_.begin(), near_.end());
 }
 
 int TimescaleMemory::add_node(const Eigen::Vector2d& position_m) {
   MemoryNode node;
   node.position_m = position_m;
+  int day_samples = 0;
   for (const LevelConfig& level : config_.levels) {
     node.levels.emplace_back(config_.bins(), level.samples, config_.coupled_eviction);
+    if (level.learns_by_days()) day_samples = std::max(day_samples, level.samples);
   }
+  if (day_samples > 0) node.today.emplace(config_.bins(), day_samples);
   nodes_.push_back(std::move(node));
   return static_cast<int>(nodes_.size()) - 1;
 }
@@ -80,57 +85,98 @@ bool TimescaleMemory::is_certain(const Eigen::Matrix3d& covariance) const {
          std::sqrt(covariance(2, 2)) <= config_.max_heading_std_rad;
 }
 
-Observed TimescaleMemory::observe(const PosedScan& scan, const Eigen::Matrix3d* covariance) {
-  Observed result;
-  if (!is_finite(scan.map_from_robot) || (covariance != nullptr && !is_certain(*covariance))) {
-    result.outcome = ObserveOutcome::kUncertain;
-    return result;
-  }
-  const Eigen::Vector2d robot_m = scan.map_from_robot.translation();
-  double distance_m = 0.0;
-  result.node = nearest_node(robot_m, distance_m);
-  result.is_new_node = result.node < 0 || distance_m > config_.node_spacing_m;
-  if (!result.is_new_node && distance_m > config_.update_radius_m) {
-    result.outcome = ObserveOutcome::kFarAway;
-    return result;
-  }
-  if (result.is_new_node) result.node = add_node(robot_m);
-  MemoryNode& node = nodes_[static_cast<std::size_t>(result.node)];
-  if (!is_due(node, scan)) {
-    result.outcome = ObserveOutcome::kTooSoon;
-    return result;
-  }
-  if (!scanner_.transform(scan, node.position_m, virtual_scan_)) {
-    result.outcome = ObserveOutcome::kUnseen;
-    return result;
-  }
+void TimescaleMemory::insert(MemoryNode& node, int index, const PosedScan& scan) {
   for (std::size_t level = 0; level < node.levels.size(); ++level) {
+    if (config_.levels[level].learns_by_days()) continue;
     RandomStream random(seed_, StreamId::kTimescale, observations_,
                         static_cast<std::uint32_t>(level));
     if (random.bernoulli(insertion_probability(node, level))) {
       node.levels[level].insert(virtual_scan_, random);
     }
   }
+  if (!node.today) return;
+  if (node.today->is_over(scan.run, scan.scan.stamp)) absorb_day(node, index);
+  RandomStream random(seed_, StreamId::kTimescale, observations_, kDaySample);
+  node.today->add(virtual_scan_, scan.run, scan.scan.stamp, random);
+}
+
+void TimescaleMemory::absorb_day(MemoryNode& node, int index) {
+  const double days = node.today->days();
+  for (std::size_t level = 0; level < node.levels.size(); ++level) {
+    const LevelConfig& config = config_.levels[level];
+    if (!config.learns_by_days()) continue;
+    RandomStream random(
+        seed_, StreamId::kTimescale, observations_,
+        kDayEnd * (static_cast<std::uint32_t>(index) + 1) + static_cast<std::uint32_t>(level));
+    node.levels[level].absorb(node.today->seen(), config.replaced_after(days), random);
+  }
+  node.today->close();
+}
+
+void TimescaleMemory::close_day() {
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    MemoryNode& node = nodes_[n];
+    if (node.today && !node.today->empty()) absorb_day(node, static_cast<int>(n));
+  }
+}
+
+Observed TimescaleMemory::choose_node(const PosedScan& scan) {
+  const Eigen::Vector2d laser_m = scan.map_from_laser().translation();
+  find_near(laser_m);
+  for (const auto& [distance_m, node] : near_) {
+    if (distance_m > config_.update_radius_m) return {ObserveOutcome::kFarAway, node, false};
+    const MemoryNode& candidate = nodes_[static_cast<std::size_t>(node)];
+    if (!is_due(candidate, scan)) return {ObserveOutcome::kTooSoon, node, false};
+    if (scanner_.transform(scan, candidate.position_m, virtual_scan_)) {
+      return {ObserveOutcome::kTaken, node, false};
+    }
+  }
+  // Nodes that a wall or a crowd hides: half the spacing keeps their number bounded all the same.
+  const bool is_crowded = !near_.empty() && near_.front().first <= 0.5 * config_.node_spacing_m;
+  if (is_crowded || !scanner_.transform(scan, laser_m, virtual_scan_)) {
+    return {ObserveOutcome::kUnseen, near_.empty() ? -1 : near_.front().second, false};
+  }
+  return {ObserveOutcome::kTaken, add_node(laser_m), true};
+}
+
+Observed TimescaleMemory::observe(const PosedScan& scan, const Eigen::Matrix3d* covariance) {
+  if (!is_finite(scan.map_from_robot) || (covariance != nullptr && !is_certain(*covariance))) {
+    return {ObserveOutcome::kUncertain, -1, false};
+  }
+  const Observed result = choose_node(scan);
+  if (result.outcome != ObserveOutcome::kTaken) return result;
+  MemoryNode& node = nodes_[static_cast<std::size_t>(result.node)];
+  insert(node, result.node, scan);
   ++observations_;
+  newest_run_ = scan.run;
+  newest_stamp_ = scan.scan.stamp;
   ++node.observations;
   node.last_run = scan.run;
   node.last_stamp = scan.scan.stamp;
   node.last_pose = scan.map_from_robot;
-  result.outcome = ObserveOutcome::kTaken;
   return result;
 }
 
+bool TimescaleMemory::is_settled(const MemoryNode& node, double unsettled_s) const {
+  return unsettled_s <= 0.0 || node.last_run != newest_run_ ||
+         std::abs((newest_stamp_ - node.last_stamp).seconds()) >= unsettled_s;
+}
+
 std::shared_ptr<const NodeMap> TimescaleMemory::decode(const DecodingConfig& decoding,
-                                                       const NodeMap* previous) const {
+                                                       const NodeMap* previous,
+                                                       double unsettled_s) const {
   const bool reusable = previous != nullptr && previous->decoding() == decoding;
+  const NodeLevel nothing(config_.bins(), 1, false);
   std::vector<NodeMap::Node> nodes;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     NodeMap::Node node{nodes_[n].position_m, nodes_[n].observations, {}};
+    const bool settled = is_settled(nodes_[n], unsettled_s);
+    const bool has_old = reusable && n < previous->nodes().size();
     for (std::size_t level = 0; level < nodes_[n].levels.size(); ++level) {
-      const NodeLevel& source = nodes_[n].levels[level];
-      if (reusable && n < previous->nodes().size() &&
-          previous->nodes()[n].levels[level]->insertions == source.insertions()) {
-        node.levels.push_back(previous->nodes()[n].levels[level]);
+      const NodeLevel& source = settled ? nodes_[n].levels[level] : nothing;
+      const auto old = has_old ? previous->nodes()[n].levels[level] : nullptr;
+      if (old != nullptr && (!settled || old->insertions == source.insertions())) {
+        node.levels.push_back(old);
         continue;
       }
       node.levels.push_back(NodeMap::make_level(config_.bins(), config_.visibility.own_place_m,
@@ -141,8 +187,8 @@ std::shared_ptr<const NodeMap> TimescaleMemory::decode(const DecodingConfig& dec
   }
   std::vector<std::string> names;
   for (const LevelConfig& level : config_.levels) names.push_back(level.name);
-  return std::make_shared<const NodeMap>(config_.bins(), config_.node_spacing_m, decoding,
-                                         std::move(names), std::move(nodes));
+  return std::make_shared<const NodeMap>(config_.bins(), decoding, std::move(names),
+                                         std::move(nodes), previous);
 }
 
 std::vector<std::byte> TimescaleMemory::head_state() const {
@@ -172,6 +218,11 @@ TimescaleMemory::NodeState TimescaleMemory::node_state(std::size_t index) const 
     level.write(out);
     state.levels.push_back(std::move(out).take());
   }
+  if (node.today) {
+    ByteWriter out;
+    node.today->write(out);
+    state.levels.push_back(std::move(out).take());
+  }
   return state;
 }
 
@@ -198,6 +249,7 @@ std::size_t TimescaleMemory::bytes() const {
       total += 8 + 4 * static_cast<std::size_t>(config_.angle_bins);
       total += level.sample_count() * sizeof(float) + level.pair_count() * sizeof(RangePair);
     }
+    if (node.today) total += node.today->bytes();
   }
   return total;
 }
@@ -227,11 +279,18 @@ TimescaleMemory TimescaleMemory::restore(std::span<const std::byte> head,
     node.last_pose.y = node_in.read<double>();
     node.last_pose.theta = node_in.read<double>();
     node_in.finish();
-    if (state.levels.size() != node.levels.size()) node_in.fail("lacks levels");
+    if (state.levels.size() != node.levels.size() + (node.today ? 1U : 0U)) {
+      node_in.fail("lacks levels");
+    }
     for (std::size_t level = 0; level < node.levels.size(); ++level) {
       ByteReader level_in(state.levels[level], place);
       node.levels[level].read(level_in);
       level_in.finish();
+    }
+    if (node.today) {
+      ByteReader day_in(state.levels.back(), place);
+      node.today->read(day_in);
+      day_in.finish();
     }
   }
   return memory;

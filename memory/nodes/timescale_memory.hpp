@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,6 +20,7 @@
 #include "memory/decoding/decoding_config.hpp"
 #include "memory/levels/node_level.hpp"
 #include "memory/levels/virtual_scan.hpp"
+#include "memory/nodes/day_batch.hpp"
 #include "memory/nodes/node_map.hpp"
 #include "memory/nodes/timescale_config.hpp"
 
@@ -27,6 +30,7 @@ namespace strata::memory {
 struct MemoryNode {
   Eigen::Vector2d position_m;
   std::vector<NodeLevel> levels;
+  std::optional<DayBatch> today;   ///< when a level learns by days
   std::uint64_t observations = 0;  ///< scans that passed the gate
   // What the gate compares with: the last scan taken.
   int last_run = 0;
@@ -38,9 +42,9 @@ struct MemoryNode {
 enum class ObserveOutcome {
   kTaken,      ///< offered to the levels of `node`
   kTooSoon,    ///< the node took one a moment ago
-  kFarAway,    ///< no node near enough, and none needed
+  kFarAway,    ///< the nearest node is beyond update_radius_m, but within node_spacing_m
   kUncertain,  ///< the pose is not certain enough
-  kUnseen,     ///< the node does not lie in what the scan saw
+  kUnseen,     ///< no node nearby lies in what the scan saw, and they are too near for another
 };
 struct Observed {
   ObserveOutcome outcome = ObserveOutcome::kFarAway;
@@ -54,23 +58,28 @@ class TimescaleMemory {
  public:
   /// Throws ConfigError.
   explicit TimescaleMemory(TimescaleConfig config = {}, std::uint64_t seed = 1);
-  TimescaleMemory(TimescaleMemory&&) noexcept = default;
-  TimescaleMemory& operator=(TimescaleMemory&&) noexcept = default;
-
   [[nodiscard]] const TimescaleConfig& config() const { return config_; }
   [[nodiscard]] const std::vector<MemoryNode>& nodes() const { return nodes_; }
   /// Scans taken by all nodes together.
   [[nodiscard]] std::uint64_t observations() const { return observations_; }
 
-  /// One scan updates at most one node. covariance: of map_from_robot as (x, y, theta) in the map
+  /// One scan updates at most one node: the nearest to the laser, within update_radius_m, that lies
+  /// in what the scan saw. Where there is none, the laser's place becomes a node, unless another is
+  /// within half of node_spacing_m. covariance: of map_from_robot as (x, y, theta) in the map
   /// frame; null when the pose is known. O(nodes + beams + levels x angle bins).
   Observed observe(const PosedScan& scan, const Eigen::Matrix3d* covariance = nullptr);
 
+  /// The day is over: levels that learn by days take in what they gathered. Happens by itself when
+  /// a node sees a scan of a later day or run; call it after the last.
+  void close_day();
+
   /// What every level of every node expects, as an immutable snapshot. Levels that have not changed
   /// since `previous` (a snapshot of this memory with the same configuration) are not decoded
-  /// again.
+  /// again. With `unsettled_s`, nodes that took a scan of the newest scan's run less than this
+  /// before it stay as they were: a robot must not localize by what it has learned a moment ago.
   [[nodiscard]] std::shared_ptr<const NodeMap> decode(const DecodingConfig& decoding = {},
-                                                      const NodeMap* previous = nullptr) const;
+                                                      const NodeMap* previous = nullptr,
+                                                      double unsettled_s = 0.0) const;
 
   /// Size of the whole state, as stored before compression.
   [[nodiscard]] std::size_t bytes() const;
@@ -80,6 +89,7 @@ class TimescaleMemory {
   /// The state in parts, for the store.
   struct NodeState {
     std::vector<std::byte> head;
+    /// One a level, and one more for the day when a level learns by days.
     std::vector<std::vector<std::byte>> levels;
   };
   [[nodiscard]] std::vector<std::byte> head_state() const;
@@ -90,19 +100,28 @@ class TimescaleMemory {
                                                const std::string& place);
 
  private:
-  [[nodiscard]] int nearest_node(const Eigen::Vector2d& point_m, double& distance_m) const;
+  /// Fills near_: distance and index of the nodes within node_spacing_m, nearest first.
+  void find_near(const Eigen::Vector2d& point_m);
+  /// The node for a scan, made if need be; when it is kTaken, virtual_scan_ is the node's.
+  Observed choose_node(const PosedScan& scan);
   int add_node(const Eigen::Vector2d& position_m);
+  void insert(MemoryNode& node, int index, const PosedScan& scan);
+  void absorb_day(MemoryNode& node, int index);
   [[nodiscard]] double insertion_probability(const MemoryNode& node, std::size_t level) const;
   [[nodiscard]] bool is_due(const MemoryNode& node, const PosedScan& scan) const;
+  [[nodiscard]] bool is_settled(const MemoryNode& node, double unsettled_s) const;
   [[nodiscard]] bool is_certain(const Eigen::Matrix3d& covariance) const;
 
   TimescaleConfig config_;
   std::uint64_t seed_;
   std::uint64_t observations_ = 0;
+  int newest_run_ = 0;
+  Stamp newest_stamp_;
   std::vector<double> insertion_probability_;  ///< per level, after warming up
   std::vector<MemoryNode> nodes_;
   VirtualScanner scanner_;
   VirtualScan virtual_scan_;
+  std::vector<std::pair<double, int>> near_;
 };
 
 }  // namespace strata::memory

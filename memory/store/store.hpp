@@ -42,6 +42,14 @@ struct TrajectoryPose {
   std::optional<Eigen::Matrix3d> covariance;
 };
 
+/// What a store holds already of a memory that is saved again and again. A new one: nothing.
+struct SavedTimescale {
+  bool is_known = false;  ///< the rest says what the store holds
+  std::uint64_t observations = 0;
+  /// Per node: observations, insertions of each level, and the revision of its day.
+  std::vector<std::vector<std::uint64_t>> nodes;
+};
+
 /// One open store. Errors: InputError for a file that is missing, damaged, not a store or of a
 /// newer version, and for a name that is not there; OutputError when writing fails. One thread at a
 /// time.
@@ -82,6 +90,15 @@ class Store {
   /// The timescale memory; what is loaded goes on exactly as what was saved would have.
   void save_timescale(const TimescaleMemory& memory, const std::string& name = "timescale");
   [[nodiscard]] TimescaleMemory load_timescale(const std::string& name = "timescale") const;
+  /// Brings what the store holds of the memory up to date: one transaction with the nodes and
+  /// levels that have changed since `saved`, which says afterwards what is there now. For saving as
+  /// the robot runs: after a crash the store holds the last state that this returned from, or a
+  /// newer one. Returns how many nodes it wrote. Throws OutputError, without a change to store or
+  /// `saved`, when writing fails or another program has written this memory in between.
+  std::size_t save_timescale_changes(const TimescaleMemory& memory, SavedTimescale& saved,
+                                     const std::string& name = "timescale");
+  /// What `saved` is right after loading or saving this memory as a whole.
+  [[nodiscard]] static SavedTimescale all_saved(const TimescaleMemory& memory);
   [[nodiscard]] bool has_timescale(const std::string& name = "timescale") const;
 
   /// The trajectory of one run, in the given order; replaces what the run had.

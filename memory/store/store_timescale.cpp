@@ -10,13 +10,55 @@ namespace {
 using detail::Database;
 using detail::Statement;
 
-void write_node(Database& database, const std::string& map, const TimescaleMemory& memory,
-                std::size_t index) {
+std::vector<std::uint64_t> revisions_of(const MemoryNode& node) {
+  std::vector<std::uint64_t> revisions{node.observations};
+  for (const NodeLevel& level : node.levels) revisions.push_back(level.insertions());
+  if (node.today) revisions.push_back(node.today->revision());
+  return revisions;
+}
+
+void write_head(Database& database, const std::string& map, const TimescaleMemory& memory) {
+  Statement(database,
+            "INSERT INTO timescale (name, nodes, observations, data) VALUES (?, ?, ?, ?) "
+            "ON CONFLICT (name) DO UPDATE SET nodes = excluded.nodes, "
+            "observations = excluded.observations, data = excluded.data")
+      .bind(map)
+      .bind(static_cast<std::int64_t>(memory.nodes().size()))
+      .bind(static_cast<std::int64_t>(memory.observations()))
+      .bind(memory.head_state())
+      .run();
+}
+
+void write_level(Database& database, const std::string& map, std::size_t node, std::size_t place,
+                 const LevelConfig& config, const NodeLevel& level,
+                 const std::vector<std::byte>& state) {
+  Statement(database,
+            "INSERT INTO timescale_level (map, node, level, name, half_life_s, samples, pairs, "
+            "data) VALUES (?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (map, node, level) DO UPDATE SET "
+            "samples = excluded.samples, pairs = excluded.pairs, data = excluded.data")
+      .bind(map)
+      .bind(static_cast<std::int64_t>(node))
+      .bind(static_cast<std::int64_t>(place))
+      .bind(config.name)
+      .bind(config.nominal_half_life_s())
+      .bind(static_cast<std::int64_t>(level.sample_count()))
+      .bind(static_cast<std::int64_t>(level.pair_count()))
+      .bind(detail::compress(state))
+      .run();
+}
+
+/// Writes what differs from the revisions; empty: everything. Returns whether anything did.
+bool write_node(Database& database, const std::string& map, const TimescaleMemory& memory,
+                std::size_t index, const std::vector<std::uint64_t>& saved) {
   const MemoryNode& node = memory.nodes()[index];
+  const std::vector<std::uint64_t> revisions = revisions_of(node);
+  if (revisions == saved) return false;
+  const bool is_new = saved.size() != revisions.size();
   const TimescaleMemory::NodeState state = memory.node_state(index);
   Statement(database,
             "INSERT INTO timescale_node (map, node, x_m, y_m, observations, data) "
-            "VALUES (?, ?, ?, ?, ?, ?)")
+            "VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (map, node) DO UPDATE SET "
+            "observations = excluded.observations, data = excluded.data")
       .bind(map)
       .bind(static_cast<std::int64_t>(index))
       .bind(node.position_m.x())
@@ -24,17 +66,17 @@ void write_node(Database& database, const std::string& map, const TimescaleMemor
       .bind(static_cast<std::int64_t>(node.observations))
       .bind(state.head)
       .run();
-  Statement insert(database,
-                   "INSERT INTO timescale_level (map, node, level, name, half_life_s, samples, "
-                   "pairs, data) VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
-  for (std::size_t l = 0; l < node.levels.size(); ++l) {
-    const LevelConfig& config = memory.config().levels[l];
-    insert.bind(map).bind(static_cast<std::int64_t>(index)).bind(static_cast<std::int64_t>(l));
-    insert.bind(config.name).bind(config.half_life_s);
-    insert.bind(static_cast<std::int64_t>(node.levels[l].sample_count()));
-    insert.bind(static_cast<std::int64_t>(node.levels[l].pair_count()));
-    insert.bind(detail::compress(state.levels[l])).run();
+  for (std::size_t l = 0; l < state.levels.size(); ++l) {
+    if (!is_new && revisions[l + 1] == saved[l + 1]) continue;
+    if (l < node.levels.size()) {
+      write_level(database, map, index, l, memory.config().levels[l], node.levels[l],
+                  state.levels[l]);
+    } else {
+      const LevelConfig today{"(today)", node.today->seen().capacity(), 0.0};
+      write_level(database, map, index, l, today, node.today->seen(), state.levels[l]);
+    }
   }
+  return true;
 }
 
 }  // namespace
@@ -43,15 +85,44 @@ void Store::save_timescale(const TimescaleMemory& memory, const std::string& nam
   transaction([&] {
     Database& database = impl_->database;
     Statement(database, "DELETE FROM timescale WHERE name = ?").bind(name).run();
-    Statement(database,
-              "INSERT INTO timescale (name, nodes, observations, data) VALUES (?, ?, ?, ?)")
-        .bind(name)
-        .bind(static_cast<std::int64_t>(memory.nodes().size()))
-        .bind(static_cast<std::int64_t>(memory.observations()))
-        .bind(memory.head_state())
-        .run();
-    for (std::size_t n = 0; n < memory.nodes().size(); ++n) write_node(database, name, memory, n);
+    write_head(database, name, memory);
+    for (std::size_t n = 0; n < memory.nodes().size(); ++n) {
+      write_node(database, name, memory, n, {});
+    }
   });
+}
+
+SavedTimescale Store::all_saved(const TimescaleMemory& memory) {
+  SavedTimescale saved{true, memory.observations(), {}};
+  for (const MemoryNode& node : memory.nodes()) saved.nodes.push_back(revisions_of(node));
+  return saved;
+}
+
+std::size_t Store::save_timescale_changes(const TimescaleMemory& memory, SavedTimescale& saved,
+                                          const std::string& name) {
+  std::size_t written = 0;
+  transaction([&] {
+    Database& database = impl_->database;
+    Statement head(database, "SELECT observations FROM timescale WHERE name = ?");
+    const bool is_there = head.bind(name).step();
+    const auto stored = is_there ? static_cast<std::uint64_t>(head.integer(0)) : 0U;
+    if (is_there != saved.is_known || stored != saved.observations) {
+      throw OutputError(database.place(),
+                        "another program has written the timescale memory '" + name + "'",
+                        "let one program write it at a time, or give each its own store");
+    }
+    head.reset();
+    write_head(database, name, memory);
+    for (std::size_t n = 0; n < memory.nodes().size(); ++n) {
+      const bool is_new = n >= saved.nodes.size();
+      written += write_node(database, name, memory, n,
+                            is_new ? std::vector<std::uint64_t>() : saved.nodes[n])
+                     ? 1
+                     : 0;
+    }
+  });
+  saved = all_saved(memory);
+  return written;
 }
 
 TimescaleMemory Store::load_timescale(const std::string& name) const {

@@ -4,50 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "core/random/stream.hpp"
 #include "memory/decoding/decode.hpp"
+#include "tests/memory/decoding/paper_world.hpp"
 
 namespace strata::memory {
 namespace {
 
+using namespace paper_world;
+
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
-const PolarBins kBins{360, 20, 1.5};
-constexpr int kSamples = 20;
-constexpr std::size_t kObjectBegin = 100;
-constexpr std::size_t kObjectEnd = 150;
-constexpr double kNoise_m = 0.03;
 constexpr int kSeeds = 40;
-
-/// A wall whose distance varies along the bins, so that some ranges straddle range bins; the object
-/// stands 0.45 m in front of it.
-double wall_m(std::size_t a) { return 1.15 + 0.15 * std::sin(0.05 * static_cast<double>(a)); }
-double range_m(std::size_t a, bool with_object) {
-  const bool in_object = a >= kObjectBegin && a < kObjectEnd;
-  return wall_m(a) - (with_object && in_object ? 0.45 : 0.0);
-}
-
-VirtualScan measure(bool with_object, RandomStream& random) {
-  VirtualScan scan;
-  for (std::size_t a = 0; a < 360; ++a) {
-    scan.push_back(static_cast<float>(range_m(a, with_object) + random.normal(0.0, kNoise_m)));
-  }
-  return scan;
-}
-
-bool shows_object(const std::vector<float>& scan, std::size_t a) {
-  return static_cast<double>(scan[a]) < wall_m(a) - 0.225;
-}
-
-/// Share of the bins [begin, end) that show the object.
-double share_with_object(const std::vector<float>& scan, std::size_t begin, std::size_t end) {
-  double count = 0.0;
-  for (std::size_t a = begin; a < end; ++a) count += shows_object(scan, a) ? 1.0 : 0.0;
-  return count / static_cast<double>(end - begin);
-}
 
 double sample_share_with_object(const NodeLevel& level) {
   double with = 0.0;
@@ -106,6 +76,21 @@ TEST(Figure6, TheScanSwitchesAsAWholeWhenHalfOfTheSamplesAreNew) {
   }
 }
 
+TEST(Figure6, TheMedianOfEachBinMixesTheStates) {
+  int mixed = 0;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    RandomStream random(seed, StreamId::kTest);
+    NodeLevel level = filled_with_wall(false, random);
+    for (int t = 0; t < 60; ++t) {
+      level.insert(measure(true, random), random);
+      const double shown =
+          share_with_object(decode_per_bin_median(level), kObjectBegin, kObjectEnd);
+      mixed += shown > 0.05 && shown < 0.95 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(mixed, kSeeds);  // several scans of each change
+}
+
 // Defect 6: with the conditional weights of the paper's equation (4) one rare branch wins.
 TEST(Figure6, TheLiteralEquationSwitchesAfterAFewScans) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
@@ -149,36 +134,15 @@ TEST(Figure7, CoupledEvictionLeavesNoPathAtTheEdgeOfView) {
   EXPECT_FALSE(decode(half_seen(1, false), layered(paper_decoding())).inconsistent);
 }
 
-/// What a scan shows when the robot believes to be somewhere else: a room of 2 by 2 m.
-double room_m(double x, double y, double angle) {
-  const double c = std::cos(angle);
-  const double s = std::sin(angle);
-  return std::min(std::abs(((c > 0.0 ? 1.0 : -1.0) - x) / c),
-                  std::abs(((s > 0.0 ? 1.0 : -1.0) - y) / s));
-}
-
 /// Share of bins that are off by more than 0.15 m when this share of the scans is mis-localized.
 double wrong_bins(const DecodingConfig& config, double mislocalized, std::uint64_t seed) {
   RandomStream random(seed, StreamId::kTest);
   NodeLevel level(kBins, kSamples, false);
   for (int t = 0; t < 100; ++t) {
     const bool wrong = random.bernoulli(mislocalized);
-    VirtualScan scan;
-    for (int a = 0; a < 360; ++a) {
-      const double angle = kBins.center_bearing_rad(a);
-      const double range = wrong ? room_m(-0.3, 0.2, angle + 0.1) : room_m(0.0, 0.0, angle);
-      scan.push_back(static_cast<float>(range + random.normal(0.0, kNoise_m)));
-    }
-    level.insert(scan, random);
+    level.insert(measure_room(wrong, random), random);
   }
-  const DecodedScan decoded = decode(level, config);
-  int bad = 0;
-  for (int a = 0; a < 360; ++a) {
-    const double error = static_cast<double>(decoded.range_m[static_cast<std::size_t>(a)]) -
-                         room_m(0.0, 0.0, kBins.center_bearing_rad(a));
-    bad += std::abs(error) > 0.15 ? 1 : 0;
-  }
-  return bad / 360.0;
+  return wrong_share(decode(level, config).range_m);
 }
 
 TEST(Figure8, AMinorityOfMislocalizedScansChangesNothing) {

@@ -127,6 +127,36 @@ TEST(VirtualScan, RejectsPointsThatTheNodeCannotSee) {
   EXPECT_GT(in_front, 5);
 }
 
+TEST(VirtualScan, FillsTheBinsBetweenTheBeamsOfACoarseScanner) {
+  // 61 beams over 180 degrees: three angle bins a beam.
+  const Pose2 pose{0.0, 0.5, 0.0};
+  const PosedScan scan = observe(room, pose, 61, kPi);
+  const VirtualScan filled = transform(scan, pose.translation());
+  EXPECT_GE(known(filled), 170);
+  for (int a = 0; a < 360; ++a) {
+    const float range_m = filled[static_cast<std::size_t>(a)];
+    if (std::isnan(range_m)) continue;
+    EXPECT_NEAR(static_cast<double>(range_m), room(pose.translation(), kBins.center_bearing_rad(a)),
+                0.16)
+        << a;
+  }
+  VisibilityConfig as_the_paper;
+  as_the_paper.fill_between_beams = false;
+  EXPECT_LE(known(transform(scan, pose.translation(), as_the_paper)), 61);
+}
+
+TEST(VirtualScan, LeavesTheGapBetweenTwoSurfacesUnknown) {
+  // The pillar stands 3 m before the wall: no beam says what is beside its edge.
+  const Pose2 pose{0.0, 0.0, 0.0};
+  const VirtualScan result = transform(observe(room_with_pillar, pose, 61, kPi), {0.0, 0.0});
+  int between = 0;
+  for (int a = -20; a < 20; ++a) {
+    const float range_m = result[static_cast<std::size_t>((a + 360) % 360)];
+    if (range_m > 2.1F && range_m < 4.9F) ++between;
+  }
+  EXPECT_EQ(between, 0);
+}
+
 TEST(VirtualScan, IsEmptyForANodeBehindAWall) {
   VirtualScan result;
   EXPECT_FALSE(VirtualScanner(kBins, {}).transform(observe(room, {4.8, 0.0, 0.0}, 360, 2.0 * kPi),

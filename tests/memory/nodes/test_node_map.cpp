@@ -22,11 +22,16 @@ using test_world::range_m;
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 constexpr float kOpen = std::numeric_limits<float>::infinity();
 
+float range_of(const NodeOutline::Reach& reach) {
+  if (reach.end == NodeOutline::Edge::kSurface) return static_cast<float>(reach.range_m);
+  return reach.end == NodeOutline::Edge::kOpen ? kOpen : kNothing;
+}
+
 /// Every edge by itself.
 float cast_brute_force(const NodeOutline& outline, const Eigen::Vector2d& from,
                        const Eigen::Vector2d& direction) {
   double best = std::numeric_limits<double>::infinity();
-  NodeOutline::Edge met = NodeOutline::Edge::kUnknown;
+  NodeOutline::Edge met = NodeOutline::Edge::kUnseen;
   for (std::size_t a = 0; a < outline.size(); ++a) {
     const Eigen::Vector2d p = outline.corner_m(a);
     const Eigen::Vector2d along = outline.corner_m((a + 1) % outline.size()) - p;
@@ -38,8 +43,7 @@ float cast_brute_force(const NodeOutline& outline, const Eigen::Vector2d& from,
     best = t;
     met = outline.edge(a);
   }
-  if (met == NodeOutline::Edge::kUnknown) return kNothing;
-  return met == NodeOutline::Edge::kOpen ? kOpen : static_cast<float>(best);
+  return range_of({best, met});
 }
 
 TEST(NodeOutline, CastsBeamsAsTryingEveryEdgeDoes) {
@@ -60,7 +64,7 @@ TEST(NodeOutline, CastsBeamsAsTryingEveryEdgeDoes) {
       const Eigen::Vector2d from(random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5));
       const double angle = random.uniform(-std::numbers::pi, std::numbers::pi);
       const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-      const float fast = outline.cast(from, direction);
+      const float fast = range_of(outline.cast(from, direction));
       if (!outline.contains(from)) {
         EXPECT_TRUE(std::isnan(fast));
         continue;
@@ -88,7 +92,7 @@ TEST(NodeOutline, BridgesShortGapsInASurfaceOnly) {
   const NodeOutline outline(bins, 0.75, ranges);
   auto cast = [&](int a) {
     const double angle = bins.center_bearing_rad(a);
-    return outline.cast({0.0, 0.0}, {std::cos(angle), std::sin(angle)});
+    return range_of(outline.cast({0.0, 0.0}, {std::cos(angle), std::sin(angle)}));
   };
   EXPECT_NEAR(cast(10), 2.0F, 0.01F);
   EXPECT_TRUE(std::isnan(cast(55)));
@@ -148,12 +152,60 @@ TEST(NodeMap, ForgetsAnObjectThatVanishesBeforeOpenSpace) {
   EXPECT_EQ(map->expected_range_m(map->level_index("short"), {0.0, 0.0, 0.0}, 0.0), kOpen);
 }
 
-TEST(NodeMap, KnowsNothingFarFromItsNodesOrBehindWalls) {
+TEST(NodeMap, KnowsNothingBehindWalls) {
   const auto map = standing(0).decode();
   EXPECT_EQ(map->node_at(0, {0.5, 0.5}), 0);
-  EXPECT_EQ(map->node_at(0, {3.0, 0.0}), -1);
-  EXPECT_TRUE(std::isnan(map->expected_range_m(0, {3.0, 0.0, 0.0}, 0.0)));
+  EXPECT_EQ(map->node_at(0, {4.5, 2.5}), 0);
+  EXPECT_NEAR(map->expected_range_m(0, {4.0, 0.0, 0.0}, 0.0), 1.0F, 0.1F);
+  for (const double aside : {3.2, 5.0}) {
+    EXPECT_EQ(map->node_at(0, {0.0, aside}), -1);
+    EXPECT_TRUE(std::isnan(map->expected_range_m(0, {0.0, aside, 0.0}, 0.0)));
+  }
   EXPECT_EQ(map->node_at(0, {1e6, 0.0}), -1);
+}
+
+TEST(NodeMap, AsksTheNextNodeForWhatTheNearestCannotSee) {
+  // From (0, 0) the box at x = 2 to 3 hides the wall at x = 5; from (1, 2.3) one sees past it.
+  TimescaleMemory memory({}, 1);
+  for (int t = 0; t < 40; ++t) memory.observe(observe({0.0, 0.0, 0.0}, t, true));
+  const Pose2 laser{0.4, 1.3, 0.0};
+  const double bearing = -0.05;  // over the corner of the box
+  const double truth = range_m(laser.translation(), bearing, true);
+  ASSERT_GT(truth, 4.5);
+  const auto alone = memory.decode();
+  const auto hidden =
+      alone->reach(alone->view(2, laser.translation()), {std::cos(bearing), std::sin(bearing)});
+  ASSERT_EQ(hidden.end, NodeOutline::Edge::kHidden);
+  EXPECT_LT(hidden.range_m, truth);
+  EXPECT_TRUE(std::isnan(alone->expected_range_m(2, laser, bearing)));
+  for (int t = 40; t < 80; ++t) memory.observe(observe({1.0, 2.3, 0.0}, t, true));
+  ASSERT_EQ(memory.nodes().size(), 2U);
+  const auto both = memory.decode();
+  EXPECT_NEAR(both->expected_range_m(2, laser, bearing), truth, 0.1);
+}
+
+TEST(NodeMap, OfManyNodesExpectsWhatAScannerWouldMeasureAnywhere) {
+  TimescaleMemory memory({}, 1);
+  for (int t = 0; t < 600; ++t) {
+    memory.observe(observe({2.6 * std::sin(0.02 * t), 1.8 * std::cos(0.03 * t), 0.1 * t}, t, true));
+  }
+  const auto map = memory.decode();
+  RandomStream random(6, StreamId::kTest);
+  std::vector<double> errors;
+  int beams = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Pose2 laser{random.uniform(-2.5, 1.8), random.uniform(-2.0, 2.0), 0.0};
+    const double bearing = random.uniform(-3.1, 3.1);
+    const float expected = map->expected_range_m(2, laser, bearing);
+    ++beams;
+    if (!std::isfinite(expected)) continue;
+    errors.push_back(
+        std::abs(static_cast<double>(expected) - range_m(laser.translation(), bearing, true)));
+  }
+  std::sort(errors.begin(), errors.end());
+  EXPECT_GT(static_cast<double>(errors.size()), 0.97 * beams);
+  EXPECT_LT(errors[errors.size() / 2], 0.03);
+  EXPECT_LT(errors[errors.size() * 9 / 10], 0.15);
 }
 
 TEST(NodeMap, GivesTheDecodedScanAsAScan) {
@@ -205,6 +257,20 @@ TEST(NodeMap, ReusesWhatHasNotChanged) {
   // Another decoder shares nothing.
   const auto literal = memory.decode(literal_decoding(), before.get());
   EXPECT_NE(literal->nodes()[0].levels[2], before->nodes()[0].levels[2]);
+}
+
+TEST(NodeMap, LeavesWhatWasLearnedAMomentAgoOut) {
+  TimescaleMemory memory = standing(0);
+  const auto before = memory.decode();
+  for (int t = 400; t < 420; ++t) memory.observe(observe({0.0, 0.0, 0.0}, t, true));
+  auto ahead = [](const NodeMap& map) { return map.expected_range_m(0, {0.0, 0.0, 0.0}, 0.0); };
+  EXPECT_NEAR(ahead(*memory.decode({}, before.get(), 30.0)), 5.0F, 0.1F);
+  EXPECT_NEAR(ahead(*memory.decode({}, before.get())), 2.0F, 0.1F);
+  // Once the robot has been elsewhere for longer, it counts.
+  memory.observe(observe({-2.0, 0.0, 0.0}, 460.0, true));
+  const auto later = memory.decode({}, before.get(), 30.0);
+  EXPECT_NEAR(ahead(*later), 2.0F, 0.1F);
+  EXPECT_EQ(later->nodes()[1].levels[0]->insertions, 0U);
 }
 
 TEST(NodeMap, OfAnEmptyMemoryKnowsNothing) {

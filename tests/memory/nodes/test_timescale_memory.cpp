@@ -49,7 +49,10 @@ TEST(TimescaleMemory, MakesNodesNoNearerThanTheirSpacing) {
 }
 
 TEST(TimescaleMemory, UpdatesTheNearestNodeOnlyWithinItsRadius) {
-  TimescaleMemory memory;
+  TimescaleConfig config;
+  config.node_spacing_m = 1.5;
+  config.update_radius_m = 0.75;
+  TimescaleMemory memory(config);
   EXPECT_TRUE(memory.observe(observe({0.0, 0.0, 0.0}, 0.0, false)).is_new_node);
   const Observed near = memory.observe(observe({0.7, 0.0, 0.0}, 1.0, false));
   EXPECT_EQ(near.outcome, ObserveOutcome::kTaken);
@@ -59,6 +62,47 @@ TEST(TimescaleMemory, UpdatesTheNearestNodeOnlyWithinItsRadius) {
   EXPECT_EQ(memory.nodes()[0].observations, 2U);
   EXPECT_EQ(memory.nodes()[1].observations, 1U);
   EXPECT_EQ(memory.observations(), 3U);
+}
+
+/// Only the beams within half of `field_rad` of straight ahead.
+PosedScan with_field_of_view(PosedScan scan, double field_rad) {
+  for (std::size_t i = 0; i < scan.scan.size(); ++i) {
+    if (std::abs(scan.scan.bearing_rad(i)) > 0.5 * field_rad) scan.scan.ranges_m[i] = std::nanf("");
+  }
+  return scan;
+}
+
+TEST(TimescaleMemory, LearnsFromEveryPlaceAlongAWay) {
+  // 180 degrees, there and back again: at every place some node must lie in what the scan saw.
+  TimescaleMemory memory;
+  for (int t = 0; t < 120; ++t) {
+    const double x = t < 60 ? -3.0 + 0.1 * t : 3.0 - 0.1 * (t - 60);
+    const double heading = t < 60 ? 0.0 : 3.14;
+    const Observed observed =
+        memory.observe(with_field_of_view(observe({x, 0.3, heading}, 2.0 * t, false), 3.1416));
+    EXPECT_EQ(observed.outcome, ObserveOutcome::kTaken) << "at x = " << x;
+  }
+  EXPECT_LE(memory.nodes().size(), 7U);  // 6 m of way
+}
+
+TEST(TimescaleMemory, TakesTheNextNodeWhenAWallHidesTheNearest) {
+  // A wall at x = 0.4 stands between the node at the origin and a laser at x = 0.8.
+  TimescaleMemory memory;
+  EXPECT_EQ(memory.observe(observe({0.0, 0.0, 0.0}, 0.0, false)).node, 0);
+  auto behind_wall = [](const Pose2& pose, double time_s) {
+    PosedScan scan = observe(pose, time_s, false);
+    for (std::size_t i = 0; i < scan.scan.size(); ++i) {
+      const double c = std::cos(scan.scan.bearing_rad(i));
+      if (c >= -1e-3) continue;
+      scan.scan.ranges_m[i] = std::min(scan.scan.ranges_m[i], static_cast<float>(-0.4 / c));
+    }
+    return scan;
+  };
+  const Observed first = memory.observe(behind_wall({0.8, 0.0, 0.0}, 10.0));
+  EXPECT_EQ(first.outcome, ObserveOutcome::kTaken);
+  EXPECT_TRUE(first.is_new_node);
+  EXPECT_EQ(memory.observe(behind_wall({0.8, 0.1, 0.0}, 20.0)).node, 1);
+  EXPECT_EQ(memory.nodes()[0].observations, 1U);
 }
 
 TEST(TimescaleMemory, TakesAsManyScansFromAFastScannerAsFromASlowOne) {

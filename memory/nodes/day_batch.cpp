@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/nodes/day_batch.hpp"
+
+#include <algorithm>
+
+namespace strata::memory {
+namespace {
+
+constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+
+std::int64_t day_of(Stamp stamp) {
+  // Towards minus infinity, for stamps before the epoch.
+  return stamp.ns >= 0 ? stamp.ns / kDay_ns : -((-stamp.ns + kDay_ns - 1) / kDay_ns);
+}
+
+}  // namespace
+
+bool DayBatch::is_over(int run, Stamp stamp) const {
+  return scans_ > 0 && (span_.run != run || day_of(stamp) > day_of(span_.end));
+}
+
+void DayBatch::add(const VirtualScan& scan, int run, Stamp stamp, RandomStream& random) {
+  if (scans_ == 0) span_ = {run, stamp, stamp};
+  span_.end = std::max(span_.end, stamp);
+  ++scans_;
+  const double share = seen_.capacity() / static_cast<double>(scans_);
+  if (random.bernoulli(std::min(1.0, share))) seen_.insert(scan, random);
+}
+
+double DayBatch::days() const {
+  if (closed_ == 0 || (span_.run != before_.run && span_.begin <= before_.end)) return 1.0;
+  return std::max(0.0, (span_.end - before_.end).seconds() / 86400.0);
+}
+
+void DayBatch::close() {
+  before_ = span_;
+  ++closed_;
+  scans_ = 0;
+  seen_.clear();
+}
+
+std::size_t DayBatch::bytes() const {
+  return 80 + 4 * static_cast<std::size_t>(seen_.bins().angle_bins) +
+         seen_.sample_count() * sizeof(float) + seen_.pair_count() * sizeof(RangePair);
+}
+
+void DayBatch::write(ByteWriter& out) const {
+  out.write(scans_);
+  out.write(closed_);
+  for (const Span& span : {span_, before_}) {
+    out.write(span.run);
+    out.write(span.begin.ns);
+    out.write(span.end.ns);
+  }
+  seen_.write(out);
+}
+
+void DayBatch::read(ByteReader& in) {
+  scans_ = in.read<std::uint64_t>();
+  closed_ = in.read<std::uint64_t>();
+  for (Span* span : {&span_, &before_}) {
+    span->run = in.read<std::int64_t>();
+    span->begin.ns = in.read<std::int64_t>();
+    span->end.ns = in.read<std::int64_t>();
+  }
+  seen_.read(in);
+}
+
+}  // namespace strata::memory

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What a node gathers in a day for the levels that learn by days.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/time.hpp"
+#include "core/random/stream.hpp"
+#include "memory/levels/bytes.hpp"
+#include "memory/levels/node_level.hpp"
+
+namespace strata::memory {
+
+/// An even sample of the scans of one day: of the k-th, each place keeps capacity / k. A day ends
+/// at midnight of the scans' clock, and with its run.
+class DayBatch {
+ public:
+  DayBatch(const PolarBins& bins, int capacity) : seen_(bins, capacity, false) {}
+
+  [[nodiscard]] bool empty() const { return scans_ == 0; }
+  [[nodiscard]] const NodeLevel& seen() const { return seen_; }
+  /// Whether a scan belongs to a later day than those gathered.
+  [[nodiscard]] bool is_over(int run, Stamp stamp) const;
+  /// Changes whenever the content does.
+  [[nodiscard]] std::uint64_t revision() const { return (closed_ << 32U) + scans_; }
+  void add(const VirtualScan& scan, int run, Stamp stamp, RandomStream& random);
+
+  /// Days since the end of the batch before. Runs whose clocks overlap say nothing of the time
+  /// between them: they count as a day each, as does the first.
+  [[nodiscard]] double days() const;
+  /// Begins the next one.
+  void close();
+
+  [[nodiscard]] std::size_t bytes() const;
+  void write(ByteWriter& out) const;
+  /// Throws InputError when the content does not fit.
+  void read(ByteReader& in);
+
+ private:
+  struct Span {
+    std::int64_t run = 0;
+    Stamp begin;
+    Stamp end;
+  };
+  NodeLevel seen_;
+  std::uint64_t scans_ = 0;
+  Span span_;
+  std::uint64_t closed_ = 0;  ///< batches before this one
+  Span before_;
+};
+
+}  // namespace strata::memory
