@@ -123,24 +123,18 @@ MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamMod
   double& limit_m = config.beam.beams.max_range_m;
   const double reach_m = maps.timescale->config().max_range_m;
   limit_m = limit_m > 0.0 ? std::min(limit_m, reach_m) : reach_m;
+  const std::string what =
+      name == "timescale" ? "mixture" : name.substr(std::string(kTimescalePrefix).size());
+  TimescaleUse use;
+  use.goes_on_learning = what != "frozen";
+  if (what != "mixture" && what != "frozen") use.level = nodes->level_index(what);
+  const auto sensor =
+      std::make_shared<const TimescaleModel>(maps.timescale, nodes, config.beam, use);
   MapModel model;
   model.name = name;
-  const std::string level_name =
-      name == "timescale" ? "mixture" : name.substr(std::string(kTimescalePrefix).size());
-  const std::size_t levels = nodes->level_names().size();
-  if (level_name == "mixture") {
-    model.sensor = std::make_shared<const LevelMixtureModel>(nodes, config.beam);
-    model.bytes = maps.timescale->bytes();
-    // One number for three opinions: that of the longest memory.
-    const auto longest = std::make_shared<const LevelRanges>(nodes, static_cast<int>(levels) - 1);
-    model.best_prediction = [ranges = ranges_of(longest)](const ParticleSet&) { return ranges; };
-    return model;
-  }
-  const auto level = std::make_shared<const LevelRanges>(nodes, nodes->level_index(level_name));
-  model.sensor =
-      std::make_shared<const localization::RangeProviderModel<LevelRanges>>(level, config.beam);
-  model.best_prediction = [ranges = ranges_of(level)](const ParticleSet&) { return ranges; };
-  model.bytes = maps.timescale->bytes() / levels;
+  model.sensor = sensor;
+  model.best_prediction = [ranges = ranges_of(sensor)](const ParticleSet&) { return ranges; };
+  model.bytes = maps.timescale->bytes() / (use.level ? nodes->level_names().size() : 1);
   return model;
 }
 
@@ -158,6 +152,7 @@ std::vector<std::string> model_names(const Maps& maps) {
   if (maps.timescale) {
     names.emplace_back("timescale");
     names.emplace_back("timescale_mixture");
+    names.emplace_back("timescale_frozen");
     for (const memory::LevelConfig& level : maps.timescale->config().levels) {
       names.push_back(kTimescalePrefix + level.name);
     }

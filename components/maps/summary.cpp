@@ -85,7 +85,7 @@ json summarize_timescale(const memory::TimescaleMemory& memory) {
   json levels = json::array();
   for (const memory::LevelConfig& level : memory.config().levels) {
     levels.push_back({{"name", level.name},
-                      {"half_life", level.half_life_s},
+                      {"half_life", level.nominal_half_life_s()},
                       {"samples_per_bin", level.samples}});
   }
   return {{"levels", levels},

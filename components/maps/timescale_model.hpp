@@ -2,34 +2,42 @@
 /// Timescale levels as sensor models.
 #pragma once
 
+#include <cstddef>
 #include <memory>
-#include <utility>
+#include <optional>
+#include <vector>
 
+#include "core/localization/beam_mixture.hpp"
 #include "core/localization/range_provider_model.hpp"
-#include "memory/nodes/node_map.hpp"
+#include "core/localization/sensor_model.hpp"
+#include "memory/nodes/level_mixture.hpp"
+#include "memory/nodes/timescale_memory.hpp"
 
 namespace strata::maps {
 
-/// One level of a node map as a provider of expected ranges; where the level knows nothing, nothing
-/// is expected, as in the unknown cells of a grid.
-class LevelRanges {
- public:
-  LevelRanges(std::shared_ptr<const memory::NodeMap> map, int level)
-      : map_(std::move(map)), level_(level) {}
-  [[nodiscard]] double expected_range_m(const Pose2& map_from_laser, double bearing_rad) const;
-
- private:
-  std::shared_ptr<const memory::NodeMap> map_;
-  int level_;
+/// What a timescale memory is used for while it localizes.
+struct TimescaleUse {
+  /// Index of the level to believe; nothing: all of them, mixed.
+  std::optional<int> level;
+  /// The memory takes in the scans that it localizes.
+  bool goes_on_learning = true;
+  /// What it took in counts for localizing only after this, or the robot would pull the map along
+  /// with the errors of its own pose.
+  double unsettled_s = 20.0;
+  memory::LevelMixtureConfig mixture;
 };
 
-/// All levels at once: a beam's likelihood is the mean over the levels, each as likely as the
-/// others. (SPEC D6 lets the weights follow how well each level explains the scans; they are even
-/// here, so that the model stays without hidden state.)
-class LevelMixtureModel final : public localization::SensorModel {
+/// ln p(z | x) = 1/tau sum over beams ln sum over levels w_l p(z_n | what level l expects), with
+/// the beam mixture, beams and temperature of the grid models (SPEC D6, F).
+///
+/// The weights w_l are those of the node that the robot was last believed to be at, the same for
+/// all particles, and follow how well each level explains the scans there. Where a level knows only
+/// that a beam's way is free up to some range, the beam may end anywhere beyond.
+class TimescaleModel final : public localization::SensorModel {
  public:
-  LevelMixtureModel(std::shared_ptr<const memory::NodeMap> map,
-                    const localization::BeamModelConfig& config);
+  TimescaleModel(std::shared_ptr<const memory::TimescaleMemory> memory,
+                 std::shared_ptr<const memory::NodeMap> map,
+                 const localization::BeamModelConfig& config, const TimescaleUse& use);
 
   std::size_t log_likelihoods(const Scan& scan, double tempering,
                               localization::ParticleSet& particles,
@@ -37,10 +45,28 @@ class LevelMixtureModel final : public localization::SensorModel {
   [[nodiscard]] double tempering() const override { return config_.tempering; }
   [[nodiscard]] double explained_share(const Scan& scan, const Pose2& map_from_robot,
                                        const localization::ParticleSet& particles) const override;
+  [[nodiscard]] std::unique_ptr<SensorModel> for_one_run() const override;
+  void learn(const Observation& observation, const Pose2Gaussian& map_from_robot) override;
+
+  /// Metres that the most trusted level expects, or the next one where it knows nothing; +infinity
+  /// where none expects anything.
+  [[nodiscard]] double expected_range_m(const Pose2& map_from_laser, double bearing_rad) const;
+  /// Levels in use, the most trusted first, with their weights.
+  struct Believed {
+    int level = 0;
+    double weight = 1.0;
+  };
+  [[nodiscard]] std::vector<Believed> believed() const;
+  [[nodiscard]] const memory::NodeMap& map() const { return *map_; }
 
  private:
-  std::vector<LevelRanges> levels_;
+  std::shared_ptr<const memory::TimescaleMemory> memory_;
+  std::shared_ptr<const memory::NodeMap> map_;
   localization::BeamModelConfig config_;
+  TimescaleUse use_;
+  memory::LevelMixture mixture_;
+  int node_ = -1;                                      ///< where the robot was last believed to be
+  std::optional<memory::TimescaleMemory> own_memory_;  ///< of a copy for one run that learns
 };
 
 }  // namespace strata::maps

@@ -52,6 +52,19 @@ double BeamMixture::no_return(double expected_m) const {
   return expected_m < r_max_m_ ? config_.max_weight : config_.max_weight + config_.hit_weight;
 }
 
+double BeamMixture::likelihood_beyond(bool is_hit, double range_m, double free_m) const {
+  if (!(free_m < r_max_m_)) return likelihood(is_hit, range_m, free_m);
+  const double rate = config_.short_rate_per_m;
+  const double scale = config_.short_weight / -std::expm1(-rate * r_max_m_);
+  if (is_hit && range_m < free_m) {
+    return config_.random_weight / r_max_m_ + scale * rate * std::exp(-rate * range_m);
+  }
+  const double before =
+      config_.random_weight * free_m / r_max_m_ + scale * -std::expm1(-rate * free_m);
+  const double rest = 0.5 * (1.0 - before);
+  return is_hit ? rest / (r_max_m_ - free_m) : rest;
+}
+
 bool BeamMixture::explains(bool is_hit, double range_m, double expected_m) const {
   const bool expects_hit = expected_m < r_max_m_;
   if (!is_hit || !expects_hit) return is_hit == expects_hit;

@@ -67,6 +67,10 @@ class BeamMixture {
   [[nodiscard]] double density(double range_m, double expected_m) const;
   /// Probability that nothing returns.
   [[nodiscard]] double no_return(double expected_m) const;
+  /// ... when the map knows only that the way is free to free_m, and not what comes then: up to
+  /// there as where nothing is expected; the rest of the mass is half for a hit anywhere behind,
+  /// half for no return.
+  [[nodiscard]] double likelihood_beyond(bool is_hit, double range_m, double free_m) const;
   /// Either of the two, as the beam was: is_hit says whether range_m counts.
   [[nodiscard]] double likelihood(bool is_hit, double range_m, double expected_m) const {
     return is_hit ? density(range_m, expected_m) : no_return(expected_m);

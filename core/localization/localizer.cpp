@@ -28,7 +28,8 @@ Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
 Localizer::Localizer(const LocalizerConfig& config, std::shared_ptr<const SensorModel> model,
                      std::uint64_t seed, int threads)
     : config_(config),
-      model_(std::move(model)),
+      own_model_(model->for_one_run()),
+      model_(own_model_ != nullptr ? own_model_ : std::move(model)),
       seed_(seed),
       pool_(std::make_unique<WorkerPool>(threads)),
       monitor_(config.recovery) {
@@ -223,6 +224,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
                  model_->explained_share(observation.scan, pose.mean, particles_),
                  position_stddev(pose));
   }
+  if (own_model_ != nullptr) own_model_->learn(observation, pose);
   last_weighed_ = now;
   moved_ = Pose2{};
   scans_since_weighed_ = 0;

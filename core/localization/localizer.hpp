@@ -82,6 +82,7 @@ class Localizer {
   const LocalizationResult& make_result(const Pose2Gaussian& pose, bool weighed);
 
   LocalizerConfig config_;
+  std::shared_ptr<SensorModel> own_model_;  // null for a model that does not learn
   std::shared_ptr<const SensorModel> model_;
   std::uint64_t seed_;
   std::unique_ptr<WorkerPool> pool_;

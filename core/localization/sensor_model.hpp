@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 
 #include "core/base/parallel.hpp"
+#include "core/geometry/pose2_gaussian.hpp"
 #include "core/localization/particle_set.hpp"
 #include "core/scan/scan.hpp"
 
@@ -14,7 +16,7 @@ namespace strata::localization {
 class PatchStates;
 
 /// A map and how beams behave in it. Const and without hidden state, so that several localizers may
-/// share one; what a model remembers of a run lies in the particles.
+/// share one; what a model remembers of a run lies in the particles, or in a copy for one run.
 class SensorModel {
  public:
   SensorModel() = default;
@@ -38,6 +40,13 @@ class SensorModel {
   /// speaks. `particles` gives what the filter believes of the sub-maps.
   [[nodiscard]] virtual double explained_share(const Scan& scan, const Pose2& map_from_robot,
                                                const ParticleSet& particles) const = 0;
+
+  /// A copy of its own for each localizer, from a model that goes on learning while it localizes;
+  /// null from one that may be shared.
+  [[nodiscard]] virtual std::unique_ptr<SensorModel> for_one_run() const { return nullptr; }
+  /// A scan was weighed, and this is where the robot is believed to be. Called on such a copy only,
+  /// after log_likelihoods. Must not depend on the number of threads.
+  virtual void learn(const Observation& /*observation*/, const Pose2Gaussian& /*map_from_robot*/) {}
 
   /// The states of the sub-maps, for a model that has any; null otherwise.
   [[nodiscard]] virtual const PatchStates* patch_states() const { return nullptr; }

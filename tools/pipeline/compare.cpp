@@ -279,7 +279,10 @@ void run_models(const std::vector<maps::MapModel>& models, const TestPart& part,
   }
 }
 
-bool follows_timescale(const std::string& model) { return model.starts_with("timescale"); }
+/// timescale_frozen stays as it was learned.
+bool follows_timescale(const std::string& model) {
+  return model.starts_with("timescale") && model != "timescale_frozen";
+}
 
 /// Held-out fit and adaptation of every model. The timescale memory goes on learning for the
 /// latter, as it would on the robot; grids are what they are, and patch models follow by beliefs.

@@ -41,6 +41,7 @@ LearnResult learn(const std::vector<Observation>& observations,
       if (!goes_on || scan.run >= earlier->next_run) result.timescale->observe(scan);
       report_progress(progress, "remember scans", i + 1, result.slam.scans.size());
     }
+    result.timescale->close_day();
   }
   return result;
 }

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "components/maps/timescale_model.hpp"
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 #include "core/localization/patch_states.hpp"
@@ -50,10 +51,10 @@ std::string message_of(const Maps& maps, const std::string& name) {
 TEST(MapModels, AreNamedAfterThePartsThatWereLearned) {
   EXPECT_THAT(model_names(Maps{}), IsEmpty());
   Maps maps = test_room::make_maps();
-  EXPECT_THAT(model_names(maps),
-              ElementsAre("occupancy", "filtered", "patch", "patch_paper", "patch_shared",
-                          "patch_per_particle", "timescale", "timescale_mixture", "timescale_short",
-                          "timescale_mid", "timescale_long"));
+  EXPECT_THAT(model_names(maps), ElementsAre("occupancy", "filtered", "patch", "patch_paper",
+                                             "patch_shared", "patch_per_particle", "timescale",
+                                             "timescale_mixture", "timescale_frozen",
+                                             "timescale_short", "timescale_mid", "timescale_long"));
   maps.patches.reset();
   maps.timescale.reset();
   EXPECT_THAT(model_names(maps), ElementsAre("occupancy", "filtered"));
@@ -93,6 +94,83 @@ TEST(MapModels, OfPatchesExpectTheConfigurationThatTheScansShow) {
     // The box begins at x = 2, the wall behind it at x = 5.
     EXPECT_NEAR(model.best_prediction(particles)(robot, 0.0), with_box ? 3.5 : 6.5, 0.1);
   }
+}
+
+/// What the model expects straight ahead, at the box or the wall behind it.
+double ahead(const TimescaleModel& model) { return model.expected_range_m({-1.5, 0.2, 0.0}, 0.0); }
+
+/// A memory of one node in which the box is new: the short level knows it, the long one does not.
+std::shared_ptr<const memory::TimescaleMemory> with_new_box() {
+  auto memory = std::make_shared<memory::TimescaleMemory>();
+  for (int t = 0; t < 40; ++t) {
+    memory->observe(memory::test_world::observe({-1.5, 0.2, 0.0}, t, t >= 30));
+  }
+  return memory;
+}
+
+std::unique_ptr<localization::SensorModel> copy_for_one_run(const TimescaleUse& use) {
+  const auto memory = with_new_box();
+  return TimescaleModel(memory, memory->decode(), {}, use).for_one_run();
+}
+
+TEST(TimescaleModel, LearnsInACopyOfItsOwnAndLeavesTheSharedOneAlone) {
+  const auto memory = with_new_box();
+  const std::vector<std::byte> before = memory->state();
+  TimescaleUse use;
+  use.level = 0;
+  use.unsettled_s = 0.0;
+  const TimescaleModel shared(memory, memory->decode(), {}, use);
+  ASSERT_NEAR(ahead(shared), 3.5, 0.15);
+  const auto own = shared.for_one_run();
+  Observation observation;
+  observation.run = 2;
+  Pose2Gaussian pose{{-1.5, 0.2, 0.0}, Eigen::Matrix3d::Identity() * 1e-4};
+  for (int t = 0; t < 20; ++t) {
+    observation.scan = memory::test_world::observe(pose.mean, 9000.0 + t, false).scan;
+    own->learn(observation, pose);
+  }
+  EXPECT_NEAR(ahead(dynamic_cast<const TimescaleModel&>(*own)), 6.5, 0.15);
+  EXPECT_NEAR(ahead(shared), 3.5, 0.15);
+  EXPECT_EQ(memory->state(), before);
+}
+
+TEST(TimescaleModel, LearnsNothingFromAnUncertainPose) {
+  TimescaleUse use;
+  use.level = 0;
+  use.unsettled_s = 0.0;
+  const auto own = copy_for_one_run(use);
+  const auto& model = dynamic_cast<const TimescaleModel&>(*own);
+  const double before = ahead(model);
+  Observation observation;
+  observation.run = 2;
+  for (int t = 0; t < 20; ++t) {
+    observation.scan = memory::test_world::observe({-1.5, 0.2, 0.0}, 9000.0 + t, false).scan;
+    own->learn(observation, {{-1.5, 0.2, 0.0}, Eigen::Matrix3d::Identity()});
+  }
+  EXPECT_EQ(ahead(model), before);
+}
+
+TEST(TimescaleModel, TrustsTheLevelThatExplainsTheScansEvenWhenFrozen) {
+  TimescaleUse use;
+  use.goes_on_learning = false;
+  const auto own = copy_for_one_run(use);
+  const auto& model = dynamic_cast<const TimescaleModel&>(*own);
+  ASSERT_EQ(model.believed().size(), 3U);
+  Observation observation;
+  observation.run = 2;
+  const Pose2Gaussian pose{{-1.5, 0.2, 0.0}, Eigen::Matrix3d::Identity() * 1e-4};
+  for (int t = 0; t < 10; ++t) {
+    observation.scan = memory::test_world::observe(pose.mean, 9000.0 + t, true).scan;
+    own->learn(observation, pose);
+  }
+  EXPECT_NEAR(ahead(model), 3.5, 0.15);
+  EXPECT_EQ(model.believed().front().level, 0);
+  EXPECT_GT(model.believed().front().weight, 0.4);
+  double total = 0.0;
+  for (const auto& believed : model.believed()) total += believed.weight;
+  EXPECT_NEAR(total, 1.0, 1e-9);
+  use.level = 1;
+  EXPECT_EQ(copy_for_one_run(use), nullptr);  // nothing to learn: may be shared
 }
 
 TEST(MapModels, CountAByteACellOfEveryGrid) {

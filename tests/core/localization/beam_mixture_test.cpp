@@ -82,5 +82,22 @@ TEST(ScanMixture, EveryTargetGivesTheLogarithmsOfTheMixture) {
   }
 }
 
+TEST(BeamMixture, BeyondAFreeWayIsADistributionToo) {
+  const double r_max = 8.0;
+  const BeamMixture mixture({}, r_max);
+  for (const double free_m : {0.0, 0.3, 3.0, 7.9, 8.0, 20.0}) {
+    double total = mixture.likelihood_beyond(false, r_max, free_m);
+    constexpr int kSteps = 80000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double z = (i + 0.5) * r_max / kSteps;
+      total += mixture.likelihood_beyond(true, z, free_m) * r_max / kSteps;
+    }
+    EXPECT_NEAR(total, 1.0, 1e-4) << free_m;
+  }
+  // A beam may end anywhere beyond, and hardly before.
+  EXPECT_GT(mixture.likelihood_beyond(true, 3.1, 3.0),
+            3.0 * mixture.likelihood_beyond(true, 2.9, 3.0));
+}
+
 }  // namespace
 }  // namespace strata::localization
