@@ -13,16 +13,25 @@ struct TimescaleMemoryConfig {
   memory::TimescaleConfig timescale;
   memory::DecodingConfig decoding;
   std::string map_frame = "map";
-  int publish_every_scans = 50;
+  double publish_period_s = 1.0;
+  std::string store;
+  double save_period_s = 0.5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("timescale", c.timescale, "the timescale memory");
     v.group("decoding", c.decoding, "how levels become expected scans");
     v.field("map_frame", c.map_frame, {.doc = "frame of the map out"});
-    v.field("publish_every_scans", c.publish_every_scans,
-            {.doc = "live: node_map and expected scans go out after so many; 0: never",
-             .unit = "scans",
-             .min = 0.0});
+    v.field(
+        "publish_period_s", c.publish_period_s,
+        {.doc = "live: node_map and expected scans go out at most this often; levels are decoded "
+                "then, and only where they have changed; 0: never",
+         .unit = "s",
+         .min = 0.0});
+    v.field("store", c.store,
+            {.doc = "live: keep the memory in this strata.db while the robot runs, and go on with "
+                    "what it holds; empty: in RAM only"});
+    v.field("save_period_s", c.save_period_s,
+            {.doc = "live: what a crash may lose at most", .unit = "s", .min = 0.0, .max = 60.0});
   }
 };
 

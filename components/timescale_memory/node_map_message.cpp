@@ -20,7 +20,7 @@ strata_msgs::msg::NodeMap to_message(const memory::TimescaleMemory& memory,
     for (std::size_t level = 0; level < node.levels.size(); ++level) {
       strata_msgs::msg::NodeLevel expected;
       expected.name(map.level_names()[level]);
-      expected.half_life_s(memory.config().levels[level].half_life_s);
+      expected.half_life_s(memory.config().levels[level].nominal_half_life_s());
       expected.consistent(!node.levels[level]->scan.inconsistent);
       expected.ranges(map.expected_scan(static_cast<int>(level), static_cast<int>(i)).ranges_m);
       entry.levels().push_back(std::move(expected));

@@ -2,19 +2,23 @@
 /// strata::TimescaleMemory: posed scans in; what each level expects around each node out.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "components/runtime/component.hpp"
 #include "components/timescale_memory/config.hpp"
+#include "components/timescale_memory/memory_file.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
 namespace strata::timescale_memory {
 
-/// In: mapped_scan (lockstep) or labeled_scan (live). Out: node_map, expected_scan/LEVEL of the
-/// node the robot is at; at the end of a log the memory in MAPS.
+/// In: mapped_scan (lockstep) or labeled_scan (live). Out: node_map; expected_scan/LEVEL, what a
+/// scan from the robot's pose would look like if the level were right; at the end of a log the
+/// memory in MAPS. Live, with a store: the memory survives the process.
 class TimescaleMemory final : public runtime::Component {
  public:
   using Component::Component;
@@ -22,14 +26,19 @@ class TimescaleMemory final : public runtime::Component {
  private:
   void on_configure() override;
   void on_cleanup() override;
+  void on_deactivate() override;
+  void on_tick() override;
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_scan(const strata_msgs::msg::LabeledScan& message);
-  void publish(Stamp stamp, int node);
+  [[nodiscard]] bool is_time_to_publish(Stamp stamp);
+  void publish_map(Stamp stamp);
+  void publish_expected(const PosedScan& scan, const std::string& frame);
 
   TimescaleMemoryConfig config_;
   std::optional<memory::TimescaleMemory> memory_;
+  std::optional<MemoryFile> file_;
   std::shared_ptr<const memory::NodeMap> decoded_;
-  std::uint64_t scans_ = 0;
+  std::optional<Stamp> last_published_;
   std::function<void(const strata_msgs::msg::NodeMap&)> publish_map_;
   std::vector<std::function<void(const sensor_msgs::msg::LaserScan&)>> publish_level_;
 };

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/timescale_memory/memory_file.hpp"
+
+#include "core/base/error.hpp"
+
+namespace strata::timescale_memory {
+
+MemoryFile::MemoryFile(const std::string& path, double save_period_s)
+    : store_(path), save_period_(save_period_s) {}
+
+memory::TimescaleMemory MemoryFile::resume(const memory::TimescaleConfig& config,
+                                           std::uint64_t seed) {
+  if (!store_.has_timescale()) return memory::TimescaleMemory(config, seed);
+  memory::TimescaleMemory memory = store_.load_timescale();
+  if (!(memory.config() == config)) {
+    throw ConfigError(store_.path().string(), "holds a timescale memory made with other settings",
+                      "give the settings it was made with, or another store");
+  }
+  saved_ = memory::Store::all_saved(memory);
+  return memory;
+}
+
+void MemoryFile::save(const memory::TimescaleMemory& memory, bool force) {
+  const Clock::time_point now = Clock::now();
+  if (!force && now - last_save_ < save_period_) return;
+  last_save_ = now;
+  if (saved_.is_known && saved_.observations == memory.observations()) return;
+  store_.save_timescale_changes(memory, saved_);
+}
+
+}  // namespace strata::timescale_memory

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The memory of a running robot on disk.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "memory/nodes/timescale_memory.hpp"
+#include "memory/store/store.hpp"
+
+namespace strata::timescale_memory {
+
+/// Keeps a store up to date while the robot runs. One thread at a time.
+class MemoryFile {
+ public:
+  /// Opens the store or makes it. Throws InputError and OutputError.
+  MemoryFile(const std::string& path, double save_period_s);
+
+  /// The memory to go on with: what the store holds, else a new one. Throws ConfigError when the
+  /// store's was made with other settings.
+  [[nodiscard]] memory::TimescaleMemory resume(const memory::TimescaleConfig& config,
+                                               std::uint64_t seed);
+  /// Saves what has changed when the last save is save_period_s ago, or at once with `force`.
+  /// Throws OutputError; the next call tries again.
+  void save(const memory::TimescaleMemory& memory, bool force);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  memory::Store store_;
+  std::chrono::duration<double> save_period_;
+  Clock::time_point last_save_ = Clock::now();
+  memory::SavedTimescale saved_;
+};
+
+}  // namespace strata::timescale_memory
