@@ -12,6 +12,8 @@
 
 #include "components/log/log_reader.hpp"
 #include "core/geometry/angle.hpp"
+#include "memory/store/store_summary.hpp"
+#include "tools/strata/info_store.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -166,6 +168,10 @@ void add_info(CLI::App& app, VerbContext& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, context, "info", "what is in a log", "strata info office.log.gz",
                             [options, &context] {
+                              if (memory::is_store(options->log)) {
+                                print_store(options->log, options->json);
+                                return;
+                              }
                               log::ReadOptions read;
                               read.from_s = options->from_s;
                               read.to_s = options->to_s;
@@ -180,7 +186,8 @@ void add_info(CLI::App& app, VerbContext& context) {
                                 print(info);
                               }
                             });
-  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
+  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap; or a strata.db")
+      ->required();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
   verb->add_option("--to", options->to_s, "cut, seconds from the first scan");
   verb->add_flag("--json", options->json, "as JSON on stdout");

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata info strata.db`: what a store holds, and how large each part is.
+#include "tools/strata/info_store.hpp"
+
+#include <cstdio>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "memory/store/store_summary.hpp"
+
+namespace strata::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json describe(const std::string& path, const memory::StoreSummary& store) {
+  Json info;
+  info["store"] = path;
+  info["version"] = store.version;
+  info["bytes"] = store.file_bytes;
+  info["grids"] = Json::array();
+  for (const auto& grid : store.grids) {
+    info["grids"].push_back({{"name", grid.name},
+                             {"resolution_m", grid.resolution_m},
+                             {"width_m", grid.width_m},
+                             {"height_m", grid.height_m},
+                             {"bytes", grid.bytes}});
+  }
+  info["patch_maps"] = Json::array();
+  for (const auto& map : store.patch_maps) {
+    info["patch_maps"].push_back({{"name", map.name},
+                                  {"submaps", map.submaps},
+                                  {"configurations", map.configurations},
+                                  {"sequences", map.sequences}});
+  }
+  info["runs"] = Json::array();
+  for (const auto& run : store.runs) {
+    info["runs"].push_back(
+        {{"run", run.run}, {"poses", run.poses}, {"scans", run.scans}, {"scan_bytes", run.bytes}});
+  }
+  info["timescale"] = Json::array();
+  for (const auto& memory : store.timescales) {
+    Json levels = Json::array();
+    for (const auto& level : memory.levels) {
+      levels.push_back({{"name", level.name},
+                        {"half_life_s", level.half_life_s},
+                        {"samples", level.samples},
+                        {"pairs", level.pairs},
+                        {"bytes", level.bytes},
+                        {"most_bytes_a_node", level.most_bytes_a_node}});
+    }
+    info["timescale"].push_back({{"name", memory.name},
+                                 {"nodes", memory.nodes},
+                                 {"observations", memory.observations},
+                                 {"levels", levels}});
+  }
+  info["texts"] = store.texts;
+  return info;
+}
+
+std::string kilobytes(std::int64_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f kB", static_cast<double>(bytes) / 1000.0);
+  return text;
+}
+
+std::string metres(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f m", value);
+  return text;
+}
+
+std::string duration(double seconds) {
+  char text[32];
+  const bool is_days = seconds >= 86400.0;
+  std::snprintf(text, sizeof text, is_days ? "%.3g days" : "%.3g s",
+                is_days ? seconds / 86400.0 : seconds);
+  return text;
+}
+
+void print(const std::string& path, const memory::StoreSummary& store) {
+  std::cout << path << ": Strata store, version " << store.version << ", "
+            << kilobytes(store.file_bytes) << "\n";
+  for (const auto& grid : store.grids) {
+    std::cout << "  grid       " << grid.name << ", " << metres(grid.width_m) << " x "
+              << metres(grid.height_m) << " at " << grid.resolution_m << " m, "
+              << kilobytes(grid.bytes) << "\n";
+  }
+  for (const auto& map : store.patch_maps) {
+    std::cout << "  patch map  " << map.name << ", " << map.submaps << " sub-maps, "
+              << map.configurations << " configurations, " << map.sequences << " sequences\n";
+  }
+  for (const auto& run : store.runs) {
+    std::cout << "  run        " << run.run << ", " << run.poses << " poses, " << run.scans
+              << " scans kept, " << kilobytes(run.bytes) << "\n";
+  }
+  for (const auto& memory : store.timescales) {
+    std::cout << "  timescale  " << memory.name << ", " << memory.nodes << " nodes, "
+              << memory.observations << " scans taken in\n";
+    for (const auto& level : memory.levels) {
+      std::cout << "    level    " << level.name;
+      if (level.half_life_s > 0.0) std::cout << ", half-life " << duration(level.half_life_s);
+      std::cout << ", " << level.samples << " samples, " << level.pairs << " pairs, "
+                << kilobytes(level.bytes) << ", at most " << kilobytes(level.most_bytes_a_node)
+                << " a node\n";
+    }
+  }
+  for (const auto& key : store.texts) std::cout << "  text       " << key << "\n";
+}
+
+}  // namespace
+
+void print_store(const std::string& path, bool json) {
+  const memory::StoreSummary store = memory::summarize_store(path);
+  if (json) {
+    std::cout << describe(path, store).dump(2) << "\n";
+  } else {
+    print(path, store);
+  }
+}
+
+}  // namespace strata::tools
