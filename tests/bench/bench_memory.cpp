@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <benchmark/benchmark.h>
 
 #include "core/random/stream.hpp"
@@ -110,7 +111,11 @@ void expected_ranges(benchmark::State& state) {
   std::vector<float> ranges(directions.size());
   for (auto _ : state) {
     for (const Pose2& particle : particles) {
-      map->expected_ranges_m(2, particle, directions, ranges);
+      const NodeMap::View view = map->view(2, particle.translation());
+      const Eigen::Rotation2D<double> turn(particle.theta);
+      for (std::size_t i = 0; i < ranges.size(); ++i) {
+        ranges[i] = static_cast<float>(map->reach(view, turn * directions[i]).range_m);
+      }
       benchmark::DoNotOptimize(ranges.data());
     }
   }
