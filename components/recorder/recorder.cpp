@@ -21,7 +21,9 @@ void Recorder::on_configure() {
 
 void Recorder::on_tick() {
   for (const auto& [topic, published] : context().participant->published_topics()) {
-    if (topic.rfind("/strata_lockstep/", 0) == 0) continue;
+    // What tells of the recorder itself is no part of what it records.
+    const bool is_own = topic.starts_with(full_name() + "/");
+    if (is_own || topic.starts_with("/strata_lockstep/")) continue;
     const bool wanted =
         config_.topics.empty() ||
         std::find(config_.topics.begin(), config_.topics.end(), topic) != config_.topics.end();

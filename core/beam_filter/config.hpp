@@ -34,14 +34,13 @@ struct BeamFilterConfig {
     v.field("prior", c.prior,
             {.doc = "probability that a beam hits something static; cells hit by a share of at "
                     "most (1 - prior) / prior of their beams become free",
-             .unit = "1",
-             .min = 0.0,
-             .max = 1.0});
+             .unit = "1"});
     v.require(c.prior > 0.5, "prior",
               "is one half or less, where every cell that a single beam passed becomes free and "
               "no map is left",
               "choose a value above 0.5, such as 0.9");
-    v.require(c.prior < 1.0, "prior", "is 1, which rules dynamic objects out before looking",
+    v.require(c.prior < 1.0, "prior",
+              "is 1 or more, which rules dynamic objects out before looking",
               "choose a value below 1, such as 0.9");
     v.field("resolution_m", c.resolution_m,
             {.doc = "edge of a cell", .unit = "m", .min = 0.005, .max = 10.0});

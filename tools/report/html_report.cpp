@@ -15,7 +15,7 @@ constexpr const char* kStyle = R"(
 body{margin:0 auto;max-width:84rem;padding:1rem;background:var(--paper);color:var(--ink);font:16px/1.5 'DejaVu Sans',system-ui,sans-serif}
 h1{font-size:1.6rem;margin:.5rem 0}h2{font-size:1.2rem;margin:2rem 0 .5rem;border-bottom:1px solid var(--grid)}
 .verdict{font-size:1.15rem;background:var(--soft);border-left:.4rem solid var(--accent);padding:.8rem 1rem}
-figure{margin:1rem 0;padding:0}figcaption{font-size:.9rem;opacity:.85;margin-top:.3rem}
+p,li,figcaption{overflow-wrap:anywhere}figure{margin:1rem 0;padding:0}figcaption{font-size:.9rem;opacity:.85;margin-top:.3rem}
 img,svg{max-width:100%;height:auto;display:block}img{border:1px solid var(--grid);image-rendering:pixelated;background:#fff}
 .scroll{overflow-x:auto}.scroll>.plot{min-width:36rem}table{border-collapse:collapse;font-size:.9rem}
 .note{font-size:.9rem;opacity:.85;margin:1.2rem 0 .3rem}

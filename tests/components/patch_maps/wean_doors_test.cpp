@@ -44,30 +44,27 @@ std::vector<Cell> cells_near(const patch::Submap& submap, const Eigen::Vector2d&
   return cells;
 }
 
-/// The greatest known reflection of the 3 x 3 block of a cell.
-double reflection_near(const ReflectionGrid& grid, const Cell& cell) {
-  float greatest = 0.0F;
+/// Whether a configuration holds a surface in the 3 x 3 block of a cell.
+bool is_occupied_near(const ReflectionGrid& grid, const Cell& cell) {
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
       const float m = grid.get({cell.x + dx, cell.y + dy});
-      if (is_known(m)) greatest = std::max(greatest, m);
+      if (is_known(m) && is_occupied(m)) return true;
     }
   }
-  return static_cast<double>(greatest);
+  return false;
 }
 
-/// Whether two configurations show the door in two states: nearly every cell that changed is
-/// occupied in one and free in the other. Which one differs by cell: the leaf of a door fills the
-/// frame when closed and stands beside it when open.
+/// Whether two configurations show the door in two states: more than four fifths of the cells that
+/// changed are occupied in one and not in the other. Which one differs by cell: the leaf of a door
+/// fills the frame when closed and stands beside it when open.
 bool shows_both_states(const patch::Submap& submap, const std::vector<Cell>& cells) {
   for (const patch::Configuration& a : submap.configurations) {
     for (const patch::Configuration& b : submap.configurations) {
-      double difference = 0.0;
-      for (const Cell& cell : cells) {
-        difference +=
-            std::abs(reflection_near(a.reflection, cell) - reflection_near(b.reflection, cell));
-      }
-      if (difference > 0.8 * static_cast<double>(cells.size())) return true;
+      const auto differ = std::count_if(cells.begin(), cells.end(), [&](const Cell& cell) {
+        return is_occupied_near(a.reflection, cell) != is_occupied_near(b.reflection, cell);
+      });
+      if (static_cast<double>(differ) > 0.8 * static_cast<double>(cells.size())) return true;
     }
   }
   return false;
