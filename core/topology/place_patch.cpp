@@ -24,7 +24,8 @@ NearestPoint::NearestPoint(const std::vector<Eigen::Vector2d>& points_m, double 
   const auto bucket = [&](const Eigen::Vector2d& point) {
     const int x = static_cast<int>((point.x() - min_.x()) / reach_m_);
     const int y = static_cast<int>((point.y() - min_.y()) / reach_m_);
-    return static_cast<std::size_t>(y * width_ + x);
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(x);
   };
   begin_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) + 1, 0);
   for (const Eigen::Vector2d& point : points_m) ++begin_[bucket(point) + 1];
@@ -45,7 +46,8 @@ void NearestPoint::for_near(const Eigen::Vector2d& at, Visit&& visit) const {
   const int y = static_cast<int>(std::floor(place.y()));
   for (int by = std::max(0, y - 1); by <= std::min(height_ - 1, y + 1); ++by) {
     for (int bx = std::max(0, x - 1); bx <= std::min(width_ - 1, x + 1); ++bx) {
-      const auto bucket = static_cast<std::size_t>(by * width_ + bx);
+      const std::size_t bucket = static_cast<std::size_t>(by) * static_cast<std::size_t>(width_) +
+                                 static_cast<std::size_t>(bx);
       for (std::size_t k = begin_[bucket]; k < begin_[bucket + 1]; ++k) visit(order_[k]);
     }
   }
