@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/component.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 namespace strata::runtime {
@@ -100,6 +101,7 @@ void Component::release() {
   guarded([&] { on_cleanup(); });
   subscriptions_.clear();
   writers_.clear();
+  topics_.clear();
   ack_writer_.reset();
 }
 
@@ -164,11 +166,26 @@ std::string Component::parameters_place() const {
   return context_.place + " (parameters of " + context_.name + ")";
 }
 
+YAML::Node Component::own_parameters(const std::vector<std::string>& keys) const {
+  const YAML::Node& given = context_.parameters;
+  if (!context_.common_parameters.IsMap() || context_.common_parameters.size() == 0) return given;
+  // Not YAML::Clone, which forgets the lines.
+  YAML::Node own(YAML::NodeType::Map);
+  for (const auto& item : given) own.force_insert(item.first, item.second);
+  for (const auto& item : context_.common_parameters) {
+    const std::string& key = item.first.Scalar();
+    const bool is_known = std::find(keys.begin(), keys.end(), key) != keys.end();
+    if (is_known && !given[key].IsDefined()) own.force_insert(item.first, item.second);
+  }
+  return own;
+}
+
 void Component::subscribe_raw(const std::string& full_topic, const std::string& type,
                               const bus::QosProfile& qos,
                               std::function<void(const bus::RawMessage&)> callback) {
   const auto subscription = std::make_shared<Subscription>();
   subscription->topic = full_topic;
+  topics_.push_back({full_topic, type, qos, false});
   subscription->callback = std::move(callback);
   const bus::QosProfile used = lockstep() ? qos.lossless() : qos;
   subscription->depth = static_cast<std::size_t>(used.depth);
@@ -203,6 +220,7 @@ void Component::subscribe_raw(const std::string& full_topic, const std::string& 
 std::shared_ptr<bus::RawWriter> Component::advertise_raw(const std::string& full_topic,
                                                          const std::string& type,
                                                          const bus::QosProfile& qos) {
+  topics_.push_back({full_topic, type, qos, true});
   const auto on_match = [this] { context_.mailbox->post([this] { try_step(); }); };
   auto writer = std::make_shared<bus::RawWriter>(context_.participant, full_topic, type,
                                                  lockstep() ? qos.lossless() : qos, on_match);
