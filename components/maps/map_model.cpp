@@ -117,11 +117,12 @@ MapModel patch_model(const std::string& name, const Maps& maps, PatchBeamModelCo
 }
 
 MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamModelConfig config) {
-  if (!maps.timescale) fail_not_learned(name);
+  if (!maps.timescale && !maps.nodes) fail_not_learned(name);
   const std::shared_ptr<const memory::NodeMap> nodes =
       maps.nodes ? maps.nodes : maps.timescale->decode();
+  const std::size_t bytes = maps.timescale ? maps.timescale->bytes() : nodes->bytes();
   double& limit_m = config.beam.beams.max_range_m;
-  const double reach_m = maps.timescale->config().max_range_m;
+  const double reach_m = nodes->bins().max_range_m;
   limit_m = limit_m > 0.0 ? std::min(limit_m, reach_m) : reach_m;
   MapModel model;
   model.name = name;
@@ -130,7 +131,7 @@ MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamMod
   const std::size_t levels = nodes->level_names().size();
   if (level_name == "mixture") {
     model.sensor = std::make_shared<const LevelMixtureModel>(nodes, config.beam);
-    model.bytes = maps.timescale->bytes();
+    model.bytes = bytes;
     // One number for three opinions: that of the longest memory.
     const auto longest = std::make_shared<const LevelRanges>(nodes, static_cast<int>(levels) - 1);
     model.best_prediction = [ranges = ranges_of(longest)](const ParticleSet&) { return ranges; };
@@ -140,7 +141,7 @@ MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamMod
   model.sensor =
       std::make_shared<const localization::RangeProviderModel<LevelRanges>>(level, config.beam);
   model.best_prediction = [ranges = ranges_of(level)](const ParticleSet&) { return ranges; };
-  model.bytes = maps.timescale->bytes() / levels;
+  model.bytes = bytes / levels;
   return model;
 }
 
@@ -155,11 +156,17 @@ std::vector<std::string> model_names(const Maps& maps) {
       names.emplace_back(name);
     }
   }
-  if (maps.timescale) {
+  if (maps.timescale || maps.nodes) {
     names.emplace_back("timescale");
     names.emplace_back("timescale_mixture");
+  }
+  if (maps.timescale) {
     for (const memory::LevelConfig& level : maps.timescale->config().levels) {
       names.push_back(kTimescalePrefix + level.name);
+    }
+  } else if (maps.nodes) {
+    for (const std::string& level : maps.nodes->level_names()) {
+      names.push_back(kTimescalePrefix + level);
     }
   }
   if (maps.given.size() > 0) names.emplace_back("map");

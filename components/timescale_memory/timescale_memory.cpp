@@ -3,7 +3,7 @@
 
 #include "components/convert/scan_messages.hpp"
 #include "components/maps/maps_folder.hpp"
-#include "components/timescale_memory/node_map_message.hpp"
+#include "components/maps/node_map_message.hpp"
 
 namespace strata::timescale_memory {
 
@@ -28,7 +28,7 @@ void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message) {
 
 void TimescaleMemory::publish(Stamp stamp, int node) {
   decoded_ = memory_->decode(config_.decoding, decoded_.get());
-  publish_map_(to_message(*memory_, *decoded_, stamp, config_.map_frame));
+  publish_map_(maps::to_message(*memory_, *decoded_, stamp, config_.map_frame));
   if (node < 0) return;
   for (std::size_t level = 0; level < publish_level_.size(); ++level) {
     Scan scan = decoded_->expected_scan(static_cast<int>(level), node);
