@@ -7,7 +7,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include "components/settings/yaml_document.hpp"
-#include "core/base/error.hpp"
 #include "tools/strata/verb_context.hpp"
 
 namespace strata::tools {
@@ -23,17 +22,6 @@ namespace strata::tools {
 /// What to call that document in errors.
 [[nodiscard]] inline std::string config_place(const CommonOptions& options) {
   return options.config_file.empty() ? std::string("--set") : options.config_file;
-}
-
-/// Where the settings of a composition are.
-inline constexpr const char* kConfigRemedy =
-    "put settings below `parameters` in the composition, or use --set";
-
-/// For verbs whose settings are elsewhere; remedy: where. Throws ConfigError when --config is
-/// given.
-inline void refuse_config(const CommonOptions& options, const std::string& remedy) {
-  if (options.config_file.empty()) return;
-  throw ConfigError("--config " + options.config_file, "does not apply to this verb", remedy);
 }
 
 }  // namespace strata::tools
