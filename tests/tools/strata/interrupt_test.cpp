@@ -237,7 +237,8 @@ TEST_F(Interrupted, WhatWasRecordedIsReadableAfterKill9) {
       ASSERT_TRUE(run.runs());
     }
     run.kill_hard();
-    EXPECT_EQ(expect_readable(at("bag")), scans) << storage;
+    // MCAP's end mark is missing, which the reader counts; of the messages nothing is.
+    EXPECT_EQ(readable_messages(at("bag")), scans) << storage;
     fs::remove_all(at("bag"));
   }
 }
