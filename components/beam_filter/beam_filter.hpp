@@ -22,6 +22,7 @@ class BeamFilter final : public runtime::Component {
  private:
   void on_configure() override;
   void on_cleanup() override;
+  [[nodiscard]] bool learns() const override { return true; }
   void on_scan(PosedScan scan);
   void publish_classes(const PosedScan& scan);
   void publish_map(const ReflectionGrid& filtered, Stamp stamp);

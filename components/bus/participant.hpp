@@ -17,6 +17,7 @@ enum class Transport {
   kLoopback,         ///< UDP on 127.0.0.1 only, no multicast
   kSharedMemory,     ///< shared memory only: processes of one host
   kDiscoveryServer,  ///< as default, with the servers that ROS_DISCOVERY_SERVER names
+  kAlone,            ///< finds nobody and is found by nobody: to look at a composition
 };
 
 /// "default", "loopback", "shared_memory" or "discovery_server"; throws ConfigError for another.

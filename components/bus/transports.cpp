@@ -101,6 +101,10 @@ dds::DomainParticipantQos participant_qos(const ParticipantOptions& options) {
     case Transport::kSharedMemory:
       use_shared_memory(qos);
       break;
+    case Transport::kAlone:
+      use_loopback(qos);
+      discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::NONE;
+      break;
     case Transport::kDefault:
       add_peers(options.static_peers, qos);
       break;

@@ -9,12 +9,14 @@
 #include "components/runtime/sensor_input.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "core/localization/patch_beam_model.hpp"
+#include "memory/nodes/timescale_config.hpp"
 
 namespace strata::localizer {
 
 /// Where the robot is at the start. The defaults are those of `strata localize`.
 struct StartConfig {
   std::vector<double> pose;
+  std::string pose_topic;
   double stddev_m = 0.2;
   double stddev_rad = 0.1;
   template <class Self, class V>
@@ -23,13 +25,39 @@ struct StartConfig {
             {.doc = "x, y [m], theta [rad] in the map frame; empty: anywhere, a global start"});
     v.require(c.pose.empty() || c.pose.size() == 3, "pose", "is not three numbers",
               "write [x, y, theta]");
+    v.field(
+        "pose_topic", c.pose_topic,
+        {.doc = "strata_msgs/ScanPose in, as scan_pose of a scan matcher: with maps from topics "
+                "and no pose, begin at the last one from there; empty: a global start"});
     v.field("stddev_m", c.stddev_m, {.doc = "of x and of y", .unit = "m", .min = 0.0});
     v.field("stddev_rad", c.stddev_rad, {.doc = "of theta", .unit = "rad", .min = 0.0});
   }
 };
 
+/// Where maps come from when no folder is named.
+struct MapTopicsConfig {
+  std::string occupancy = "map";
+  std::string filtered = "reflection_filtered";
+  std::string patches = "patch_map";
+  std::string nodes = "node_map";
+  std::string qos = "latched";
+  double own_place_m = memory::TimescaleConfig{}.visibility.own_place_m;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("occupancy", c.occupancy,
+            {.doc = "nav_msgs/OccupancyGrid in, for the model occupancy: anybody's map"});
+    v.field("filtered", c.filtered, {.doc = "strata_msgs/ReflectionGrid in, for all other models"});
+    v.field("patches", c.patches, {.doc = "strata_msgs/PatchMap in, for the patch models"});
+    v.field("nodes", c.nodes, {.doc = "strata_msgs/NodeMap in, for the timescale models"});
+    v.field("qos", c.qos, {.doc = "QoS profile of the maps"});
+    v.field("own_place_m", c.own_place_m,
+            {.doc = "as the timescale memory's own visibility", .unit = "m", .min = 0.0});
+  }
+};
+
 struct LocalizerComponentConfig {
   std::string maps;
+  MapTopicsConfig map_topics;
   std::string model = "patch";
   StartConfig start;
   runtime::SensorInputConfig input;
@@ -51,9 +79,11 @@ struct LocalizerComponentConfig {
   std::string out_subfolder;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("maps", c.maps, {.doc = "folder that `strata learn` or mapping.yaml wrote"});
-    v.require(!c.maps.empty(), "maps", "is missing",
-              "name the folder of the maps, as in maps: MAPS or --set localizer.maps=MAPS");
+    v.field(
+        "maps", c.maps,
+        {.doc = "folder that `strata learn` or mapping.yaml wrote; empty: maps come over topics, "
+                "and the robot is localized from when they are there"});
+    v.group("map_topics", c.map_topics, "where maps come from when no folder is named");
     v.field("model", c.model,
             {.doc = "occupancy, filtered, patch, patch_paper, patch_shared, patch_per_particle, "
                     "timescale, timescale_mixture or timescale_LEVEL"});

@@ -20,31 +20,82 @@ Eigen::Matrix3d start_covariance(const StartConfig& start) {
   return Eigen::Vector3d(m2, m2, rad2).asDiagonal();
 }
 
+/// Nothing: anywhere.
+std::optional<Pose2Gaussian> start_of(const StartConfig& start) {
+  const std::vector<double>& pose = start.pose;
+  if (pose.empty()) return std::nullopt;
+  return Pose2Gaussian{Pose2{pose[0], pose[1], pose[2]}, start_covariance(start)};
+}
+
 }  // namespace
 
 void Localizer::on_configure() {
   config_ = read_parameters<LocalizerComponentConfig>();
   keep_live(config_, {"publish_tf"});
-  input_.emplace(config_.input, !lockstep());
-  load_maps();
+  if (!config_.maps.empty()) use_maps(maps::read_maps(config_.maps), start_of(config_.start));
   advertise_topics();
-  subscribe_topics();
+  if (config_.maps.empty()) subscribe_maps();
+  subscribe<geometry_msgs::msg::PoseWithCovarianceStamped>(
+      config_.initial_pose_topic, config_.pose_qos,
+      [this](const auto& message) { restart(message); });
+  subscribe_sensors(config_.input, config_.sensor_qos);
 }
 
-void Localizer::load_maps() {
-  const maps::Maps maps = maps::read_maps(config_.maps);
+void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussian>& start) {
   model_ = config_.sensor_model == maps::SensorModelKind::kBeam
                ? maps::make_map_model(maps, config_.model, config_.sensor)
                : maps::make_likelihood_field_model(maps, config_.model, config_.likelihood_field);
   localizer_ = std::make_unique<localization::Localizer>(config_.localizer, model_.sensor,
                                                          context().seed, context().threads);
   localizer_->set_free_space(maps.filtered);
-  const std::vector<double>& pose = config_.start.pose;
-  if (pose.empty()) {
-    localizer_->initialize_global(maps.filtered);
+  if (start) {
+    localizer_->initialize(*start);
   } else {
-    localizer_->initialize({Pose2{pose[0], pose[1], pose[2]}, start_covariance(config_.start)});
+    localizer_->initialize_global(maps.filtered);
   }
+}
+
+void Localizer::subscribe_maps() {
+  live_maps_.emplace(config_.model, config_.map_topics);
+  const MapTopicsConfig& topics = config_.map_topics;
+  const auto add = [this](const auto& message) { live_maps_->add(message); };
+  if (live_maps_->needs_occupancy()) {
+    subscribe<nav_msgs::msg::OccupancyGrid>(topics.occupancy, topics.qos, add);
+  }
+  if (live_maps_->needs_filtered()) {
+    subscribe<strata_msgs::msg::ReflectionGrid>(topics.filtered, topics.qos, add);
+  }
+  if (live_maps_->needs_patches()) {
+    subscribe<strata_msgs::msg::PatchMap>(topics.patches, topics.qos, add);
+  }
+  if (live_maps_->needs_nodes()) {
+    subscribe<strata_msgs::msg::NodeMap>(topics.nodes, topics.qos, add);
+  }
+  if (config_.start.pose_topic.empty() || !config_.start.pose.empty()) return;
+  subscribe<strata_msgs::msg::ScanPose>(
+      config_.start.pose_topic, "default", [this](const auto& message) {
+        if (localizer_) return;  // it knows better by now
+        place_ = Place{{convert::from_message(message.map_from_robot().mean()),
+                        start_covariance(config_.start)},
+                       convert::from_message(message.odom_from_robot()),
+                       message.has_odometry()};
+      });
+}
+
+std::optional<Pose2Gaussian> Localizer::place_now(const Observation& observation) const {
+  if (!place_) return start_of(config_.start);
+  Pose2Gaussian place = place_->map_from_robot;
+  if (place_->has_odometry && observation.has_odometry) {
+    place.mean = place.mean * between(place_->odom_from_robot, observation.odom_from_robot);
+  }
+  return place;
+}
+
+void Localizer::on_observation(const Observation& observation) {
+  if (live_maps_ && live_maps_->has_news()) {
+    use_maps(live_maps_->take(), place_now(observation));
+  }
+  if (localizer_) localize(observation);
 }
 
 void Localizer::advertise_topics() {
@@ -58,27 +109,6 @@ void Localizer::advertise_topics() {
   particle_writer_ = advertise_raw(resolve(config_.particles_topic),
                                    bus::MessageType<nav2_msgs::msg::ParticleCloud>::name,
                                    bus::qos_profile(config_.sensor_qos));
-}
-
-void Localizer::subscribe_topics() {
-  subscribe<geometry_msgs::msg::PoseWithCovarianceStamped>(
-      config_.initial_pose_topic, config_.pose_qos,
-      [this](const auto& message) { restart(message); });
-  subscribe<tf2_msgs::msg::TFMessage>("/tf_static", "tf_static", [this](const auto& message) {
-    input_->add(message);
-    take_observations();
-  });
-  subscribe<nav_msgs::msg::Odometry>(config_.input.odometry_topic, config_.sensor_qos,
-                                     [this](const auto& message) {
-                                       input_->add(message);
-                                       // In lockstep the scan comes after its odometry.
-                                       if (!lockstep()) take_observations();
-                                     });
-  subscribe<sensor_msgs::msg::LaserScan>(config_.input.scan_topic, config_.sensor_qos,
-                                         [this](const auto& message) {
-                                           input_->add(message);
-                                           take_observations();
-                                         });
 }
 
 void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message) {
@@ -95,11 +125,8 @@ void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& mes
   }
   // All zero means unknown, as many tools leave it.
   if (pose.covariance.isZero(0.0)) pose.covariance = start_covariance(config_.start);
-  localizer_->initialize(pose);
-}
-
-void Localizer::take_observations() {
-  for (const Observation& observation : input_->take()) localize(observation);
+  place_ = Place{pose, Pose2(), false};
+  if (localizer_) localizer_->initialize(pose);
 }
 
 void Localizer::localize(const Observation& observation) {
@@ -107,6 +134,9 @@ void Localizer::localize(const Observation& observation) {
   const auto begin = std::chrono::steady_clock::now();
   const localization::LocalizationResult result = localizer_->update(observation);
   const auto update_time = std::chrono::steady_clock::now() - begin;
+  if (live_maps_) {
+    place_ = Place{result.pose, observation.odom_from_robot, observation.has_odometry};
+  }
   if (lockstep()) record_.add(stamp, result, *localizer_);
   publish_pose(observation, result.pose);
   publish_particles(stamp);
@@ -192,6 +222,8 @@ void Localizer::on_diagnose(runtime::Health& health) const {
 }
 
 void Localizer::on_finish(const std::filesystem::path& out_dir) {
+  // Before the learners are done there is nothing to tell; the end of the log asks again.
+  if (record_.trajectory.empty()) return;
   const std::filesystem::path folder = out_dir / config_.out_subfolder;
   std::error_code error;
   std::filesystem::create_directories(folder, error);

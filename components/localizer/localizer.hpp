@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// strata::Localizer: scans, odometry and a MAPS folder in; where the robot is out.
+/// strata::Localizer: scans, odometry and maps in; where the robot is out.
 #pragma once
 
 #include <chrono>
@@ -8,32 +8,35 @@
 #include <optional>
 
 #include "components/localizer/config.hpp"
+#include "components/localizer/live_maps.hpp"
 #include "components/maps/localization_files.hpp"
 #include "components/maps/map_model.hpp"
-#include "components/runtime/component.hpp"
-#include "components/runtime/sensor_input.hpp"
+#include "components/runtime/sensor_component.hpp"
 #include "core/localization/localizer.hpp"
 
 namespace strata::localizer {
 
 /// Out, once a scan: amcl_pose, map -> odom on /tf (REP 105; as AMCL), particle_cloud,
-/// submap_states (maps with sub-maps only), localization_health. In: initialpose. At the end of a
-/// log trajectory.tum, states.csv and metrics.json, byte for byte those of `strata localize`
-/// without truth but for the cost.
-class Localizer final : public runtime::Component {
+/// submap_states (maps with sub-maps only), localization_health. In: initialpose, and the maps when
+/// no MAPS folder is named: scans that come before them are passed over, and when one comes again
+/// the robot goes on in it from where it is. At the end of a log trajectory.tum, states.csv and
+/// metrics.json, byte for byte those of `strata localize` without truth but for the cost.
+class Localizer final : public runtime::SensorComponent {
  public:
-  using Component::Component;
+  using SensorComponent::SensorComponent;
 
  private:
   void on_configure() override;
   void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;
   void on_finish(const std::filesystem::path& out_dir) override;
-  void load_maps();
+  void on_observation(const Observation& observation) override;
+  void use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussian>& start);
+  void subscribe_maps();
   void advertise_topics();
   void subscribe_topics();
   void restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message);
-  void take_observations();
+  [[nodiscard]] std::optional<Pose2Gaussian> place_now(const Observation& observation) const;
   void localize(const Observation& observation);
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_particles(Stamp stamp);
@@ -42,7 +45,15 @@ class Localizer final : public runtime::Component {
                       std::chrono::duration<double> update_time);
 
   LocalizerComponentConfig config_;
-  std::optional<runtime::SensorInput> input_;
+  /// Where the robot was, to carry on from by odometry.
+  struct Place {
+    Pose2Gaussian map_from_robot;
+    Pose2 odom_from_robot;
+    bool has_odometry = false;
+  };
+
+  std::optional<LiveMaps> live_maps_;
+  std::optional<Place> place_;
   maps::MapModel model_;
   std::unique_ptr<localization::Localizer> localizer_;
   std::optional<strata_msgs::msg::LocalizationHealth> health_;  // as of the last scan

@@ -117,16 +117,18 @@ MapModel patch_model(const std::string& name, const Maps& maps, PatchBeamModelCo
 }
 
 MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamModelConfig config) {
-  if (!maps.timescale) fail_not_learned(name);
+  if (!maps.timescale && !maps.nodes) fail_not_learned(name);
   const std::shared_ptr<const memory::NodeMap> nodes =
       maps.nodes ? maps.nodes : maps.timescale->decode();
+  const std::size_t bytes = maps.timescale ? maps.timescale->bytes() : nodes->bytes();
   double& limit_m = config.beam.beams.max_range_m;
-  const double reach_m = maps.timescale->config().max_range_m;
+  const double reach_m = nodes->bins().max_range_m;
   limit_m = limit_m > 0.0 ? std::min(limit_m, reach_m) : reach_m;
   const std::string what =
       name == "timescale" ? "mixture" : name.substr(std::string(kTimescalePrefix).size());
   TimescaleUse use;
-  use.goes_on_learning = what != "frozen";
+  // A map from its topic shows what the memory expects, not what it remembers.
+  use.goes_on_learning = what != "frozen" && maps.timescale != nullptr;
   if (what != "mixture" && what != "frozen") use.level = nodes->level_index(what);
   const auto sensor =
       std::make_shared<const TimescaleModel>(maps.timescale, nodes, config.beam, use);
@@ -134,7 +136,7 @@ MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamMod
   model.name = name;
   model.sensor = sensor;
   model.best_prediction = [ranges = ranges_of(sensor)](const ParticleSet&) { return ranges; };
-  model.bytes = maps.timescale->bytes() / (use.level ? nodes->level_names().size() : 1);
+  model.bytes = bytes / (use.level ? nodes->level_names().size() : 1);
   return model;
 }
 
@@ -149,12 +151,18 @@ std::vector<std::string> model_names(const Maps& maps) {
       names.emplace_back(name);
     }
   }
-  if (maps.timescale) {
+  if (maps.timescale || maps.nodes) {
     names.emplace_back("timescale");
     names.emplace_back("timescale_mixture");
     names.emplace_back("timescale_frozen");
+  }
+  if (maps.timescale) {
     for (const memory::LevelConfig& level : maps.timescale->config().levels) {
       names.push_back(kTimescalePrefix + level.name);
+    }
+  } else if (maps.nodes) {
+    for (const std::string& level : maps.nodes->level_names()) {
+      names.push_back(kTimescalePrefix + level);
     }
   }
   if (maps.given.size() > 0) names.emplace_back("map");

@@ -57,7 +57,8 @@ struct Maps {
   ReflectionGrid filtered;
   std::optional<patch::PatchMap> patches;
   std::shared_ptr<const memory::TimescaleMemory> timescale;
-  /// What `timescale` expects, when a snapshot was made already; null: made when needed.
+  /// What `timescale` expects, when a snapshot was made already, or where only that is known, as of
+  /// maps that came over DDS; null: made when needed.
   std::shared_ptr<const memory::NodeMap> nodes;
   std::optional<Pose2> map_from_truth;
   /// A map that was not learned here (a map_server file), and where it lies.

@@ -20,6 +20,7 @@ class PatchLearner final : public runtime::Component {
  private:
   void on_configure() override;
   void on_cleanup() override;
+  [[nodiscard]] bool learns() const override { return true; }
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_scan(const strata_msgs::msg::LabeledScan& message);
 

@@ -2,20 +2,53 @@
 /// Parameters of strata::Player.
 #pragma once
 
+#include <array>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/config.hpp"
 
 namespace strata::player {
 
+/// What is made of a log.
+enum class PlayMode {
+  kRobot,     ///< its scans, with odometry, tf and clock, as a robot would publish them
+  kMessages,  ///< every message of a bag as it was recorded, of whatever type
+};
+
+}  // namespace strata::player
+
+template <>
+struct strata::EnumNames<strata::player::PlayMode> {
+  static constexpr std::array<std::pair<strata::player::PlayMode, const char*>, 2> values{
+      {{strata::player::PlayMode::kRobot, "robot"},
+       {strata::player::PlayMode::kMessages, "messages"}}};
+};
+
+namespace strata::player {
+
 struct PlayerConfig {
   std::string log;
+  PlayMode mode = PlayMode::kRobot;
+  std::vector<std::string> topics;
   double rate = 1.0;
+  double start_s = 0.0;
+  bool loop = false;
+  bool paused = false;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("log", c.log, {.doc = "the log to play: CARMEN, rosbag2 or MCAP"});
     v.require(!c.log.empty(), "log", "is missing", "name a log, as in log: office.clf");
+    v.field(
+        "mode", c.mode,
+        {.doc = "robot: scans with odometry, tf and clock; messages: all of a bag, of any type, "
+                "with the QoS it was recorded with, and a clock"});
+    v.field("topics", c.topics, {.doc = "mode messages: only these; empty: all"});
     v.field("rate", c.rate, {.doc = "1: as fast as recorded; 2: twice", .unit = "1", .min = 1e-3});
+    v.field("start_s", c.start_s, {.doc = "begin there", .unit = "s", .min = 0.0});
+    v.field("loop", c.loop, {.doc = "begin again at the end"});
+    v.field("paused", c.paused, {.doc = "begin when resumed"});
   }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/player/log_player.hpp"
 
+#include <limits>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
@@ -12,6 +13,7 @@ namespace {
 constexpr const char* kRobot = "base_link";
 constexpr const char* kOdometry = "odom";
 constexpr const char* kLaser = "laser";
+constexpr const char* kMap = "map";
 
 tf2_msgs::msg::TFMessage single(const geometry_msgs::msg::TransformStamped& transform) {
   tf2_msgs::msg::TFMessage message;
@@ -21,8 +23,11 @@ tf2_msgs::msg::TFMessage single(const geometry_msgs::msg::TransformStamped& tran
 
 }  // namespace
 
-LogPlayer::LogPlayer(std::vector<Observation> observations, Outputs outputs)
-    : observations_(std::move(observations)), outputs_(std::move(outputs)) {}
+LogPlayer::LogPlayer(std::vector<Observation> observations, Outputs outputs,
+                     std::vector<std::optional<Pose2>> given_poses)
+    : observations_(std::move(observations)),
+      outputs_(std::move(outputs)),
+      given_poses_(std::move(given_poses)) {}
 
 void LogPlayer::publish(std::size_t index) {
   const Observation& observation = observations_[index];
@@ -40,6 +45,17 @@ void LogPlayer::publish(std::size_t index) {
     outputs_.tf(
         single(convert::to_transform_stamped(scan.stamp, odom_from_robot, kOdometry, kRobot)));
     outputs_.odometry(convert::to_odometry(scan.stamp, odom_from_robot, kOdometry, kRobot));
+  }
+  if (outputs_.given_pose) {
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    const bool known = index < given_poses_.size() && given_poses_[index].has_value();
+    strata_msgs::msg::ScanPose given;
+    given.header(convert::make_header(scan.stamp, kMap));
+    given.run(observation.run);
+    given.index(index);
+    given.map_from_robot().mean(
+        convert::to_message(known ? *given_poses_[index] : Pose2{kUnknown, kUnknown, kUnknown}));
+    outputs_.given_pose(given);
   }
   outputs_.scan(convert::to_message(scan, kLaser));
 }

@@ -9,6 +9,7 @@
 #include "strata_idl/nav_msgs.h"
 #include "strata_idl/rosgraph_msgs.h"
 #include "strata_idl/sensor_msgs.h"
+#include "strata_idl/strata_msgs.h"
 #include "strata_idl/tf2_msgs.h"
 
 #include "core/scan/scan.hpp"
@@ -22,20 +23,26 @@ struct Outputs {
   std::function<void(const tf2_msgs::msg::TFMessage&)> tf;
   std::function<void(const nav_msgs::msg::Odometry&)> odometry;
   std::function<void(const sensor_msgs::msg::LaserScan&)> scan;
+  /// May be empty. The run of each scan and, where known, its pose (else NaN).
+  std::function<void(const strata_msgs::msg::ScanPose&)> given_pose;
 };
 
 /// Publishes observations in the frames base_link, odom and laser. What a component puts together
 /// from the messages is the observation with the same bits.
 class LogPlayer {
  public:
-  LogPlayer(std::vector<Observation> observations, Outputs outputs);
+  /// given_poses: map_from_robot of each observation where known, or empty.
+  LogPlayer(std::vector<Observation> observations, Outputs outputs,
+            std::vector<std::optional<Pose2>> given_poses = {});
   [[nodiscard]] const std::vector<Observation>& observations() const { return observations_; }
-  /// Clock, tf_static (first and when the mounting changes), tf and odometry, then the scan.
+  /// Clock, tf_static (first and when the mounting changes), tf, odometry and the given pose, then
+  /// the scan.
   void publish(std::size_t index);
 
  private:
   std::vector<Observation> observations_;
   Outputs outputs_;
+  std::vector<std::optional<Pose2>> given_poses_;
   std::optional<Pose2> mounting_;
 };
 

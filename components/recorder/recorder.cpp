@@ -3,23 +3,71 @@
 
 #include <algorithm>
 
+#include "components/convert/geometry_messages.hpp"
+
 namespace strata::recorder {
+namespace {
+
+constexpr auto kFlushPeriod = std::chrono::milliseconds(500);
+
+log::BagOptions bag_options(const RecorderConfig& config) {
+  log::BagOptions options;
+  options.storage = config.storage;
+  options.chunks = config.compression;
+  options.sqlite_schema = config.sqlite_schema;
+  options.split_bytes = static_cast<std::uint64_t>(config.split_mb * 1e6);
+  options.split_after = Duration::from_seconds(config.split_s);
+  return options;
+}
+
+/// rosbag2's text for a QoS profile, with its numbers for the words. Discovery does not tell the
+/// history, which rosbag2 then writes as unknown (3) and 0; times are without limit.
+std::string offered_qos(const bus::PublishedTopic& published) {
+  const std::string forever = "\n    sec: 9223372036\n    nsec: 854775807";
+  return std::string("- history: 3\n  depth: 0\n  reliability: ") +
+         (published.reliable ? "1" : "2") +
+         "\n  durability: " + (published.transient_local ? "1" : "2") + "\n  deadline:" + forever +
+         "\n  lifespan:" + forever + "\n  liveliness: 1\n  liveliness_lease_duration:" + forever +
+         "\n  avoid_ros_namespace_conventions: false";
+}
+
+}  // namespace
 
 void Recorder::on_configure() {
   config_ = read_parameters<RecorderConfig>();
-  bag_ = std::make_unique<log::BagWriter>(
-      config_.out, config_.storage == "mcap" ? log::BagStorage::kMcap : log::BagStorage::kSqlite3);
+  recorded_.clear();
+  log_time_.reset();
+  if (!context().only_explained) {
+    bag_ = std::make_unique<log::BagWriter>(config_.out, bag_options(config_));
+  }
+  if (lockstep()) {
+    subscribe<rosgraph_msgs::msg::Clock>("/clock", "clock", [this](const auto& message) {
+      log_time_ = convert::from_message(message.clock());
+    });
+  }
+  const auto published = context().participant->published_topics();
   for (std::string& topic : config_.topics) {
     const std::size_t colon = topic.find(':');
     const std::string type = colon == std::string::npos ? "" : topic.substr(colon + 1);
     topic = resolve(topic.substr(0, colon));
+    if (type.empty()) continue;
+    const auto found = published.find(topic);
     // Nobody may publish it yet: best effort and volatile, which matches every writer.
-    if (!type.empty()) record(topic, {type, false, false});
+    record(topic,
+           found == published.end() ? bus::PublishedTopic{type, false, false} : found->second);
   }
-  on_tick();
+  record_what_is_published();
 }
 
 void Recorder::on_tick() {
+  record_what_is_published();
+  const auto now = std::chrono::steady_clock::now();
+  if (!bag_ || now - flushed_ < kFlushPeriod) return;
+  bag_->flush();
+  flushed_ = now;
+}
+
+void Recorder::record_what_is_published() {
   for (const auto& [topic, published] : context().participant->published_topics()) {
     // What tells of the recorder itself is no part of what it records.
     const bool is_own = topic.starts_with(full_name() + "/");
@@ -27,24 +75,45 @@ void Recorder::on_tick() {
     const bool wanted =
         config_.topics.empty() ||
         std::find(config_.topics.begin(), config_.topics.end(), topic) != config_.topics.end();
-    if (wanted) record(topic, published);
+    if (!wanted) continue;
+    record(topic, published);
+    place_of(topic, &published);
   }
 }
 
 void Recorder::record(const std::string& topic, const bus::PublishedTopic& published) {
-  if (recorded_.count(topic) > 0) return;
-  const std::size_t place = bag_->add_topic({topic, published.type, "cdr", ""});
-  recorded_[topic] = place;
+  if (!recorded_.try_emplace(topic, Recorded{published.type, std::nullopt}).second) return;
   bus::QosProfile qos = bus::qos_profile("sensor_data");
   qos.reliable = published.reliable;
   qos.transient_local = published.transient_local;  // the laser's mounting was sent long ago
   qos.depth = 1000;  // a burst must not push messages out before they are written
-  subscribe_raw(topic, published.type, qos, [this, place](const bus::RawMessage& message) {
-    bag_->write(place, Stamp{message.source_stamp_ns}, message.cdr);
-  });
+  subscribe_raw(topic, published.type, qos,
+                [this, topic](const bus::RawMessage& message) { write(topic, message); });
 }
 
-void Recorder::on_deactivate() { bag_->close(); }
+std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTopic* offered) {
+  Recorded& recorded = recorded_.at(topic);
+  if (!recorded.place && bag_) {
+    recorded.place = bag_->add_topic(
+        {topic, recorded.type, "cdr", offered == nullptr ? "" : offered_qos(*offered)});
+  }
+  return recorded.place.value_or(0);
+}
+
+void Recorder::write(const std::string& topic, const bus::RawMessage& message) {
+  if (!bag_) return;
+  if (!recorded_.at(topic).place) {
+    const auto published = context().participant->published_topics();
+    const auto found = published.find(topic);
+    place_of(topic, found == published.end() ? nullptr : &found->second);
+  }
+  const Stamp stamp = log_time_.value_or(Stamp{message.source_stamp_ns});
+  bag_->write(*recorded_.at(topic).place, stamp, message.cdr);
+}
+
+void Recorder::on_deactivate() {
+  if (bag_) bag_->close();
+}
 
 void Recorder::on_cleanup() {
   bag_.reset();

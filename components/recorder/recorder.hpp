@@ -2,8 +2,10 @@
 /// strata::Recorder: topics in, a rosbag2 bag out, message by message as the bytes they came in.
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "components/log/bag.hpp"
@@ -13,21 +15,35 @@
 namespace strata::recorder {
 
 /// Reads as the writers that are there offer: reliably when all do, latched messages too;
-/// losslessly in lockstep.
+/// losslessly in lockstep. Messages are stamped with when they were written, in lockstep with the
+/// log's time from /clock. What came more than a second ago survives the end of the process by
+/// whatever cause.
 class Recorder final : public runtime::Component {
  public:
   using Component::Component;
 
  private:
+  /// A topic that is read; its place in the bag is given when its writers are known.
+  struct Recorded {
+    std::string type;
+    std::optional<std::size_t> place;
+  };
+
   void on_configure() override;
   void on_tick() override;
   void on_deactivate() override;
   void on_cleanup() override;
+  void record_what_is_published();
   void record(const std::string& topic, const bus::PublishedTopic& published);
+  void write(const std::string& topic, const bus::RawMessage& message);
+  /// offered: by the writers; nothing when nobody has published the topic yet.
+  std::size_t place_of(const std::string& topic, const bus::PublishedTopic* offered);
 
   RecorderConfig config_;
   std::unique_ptr<log::BagWriter> bag_;
-  std::map<std::string, std::size_t> recorded_;  ///< place in the bag by topic
+  std::map<std::string, Recorded> recorded_;  ///< by topic
+  std::optional<Stamp> log_time_;             ///< lockstep
+  std::chrono::steady_clock::time_point flushed_;
 };
 
 }  // namespace strata::recorder

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/component.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace strata::runtime {
 Component::Component(ComponentContext context)
     : context_(std::move(context)),
@@ -94,13 +97,15 @@ void Component::leave_domain() {
 /// Every component has this parameter and none has it in its config.
 void Component::take_use_sim_time() {
   bool on = context_.use_sim_time;
-  YAML::Node& parameters = context_.parameters;
-  if (parameters.IsMap() && parameters["use_sim_time"].IsDefined()) {
-    settings::detail::read_value(parameters["use_sim_time"], parameters_place(), "use_sim_time",
-                                 on);
+  YAML::Node& own = context_.parameters;
+  for (const YAML::Node& given : {context_.common_parameters, own}) {
+    if (!given.IsMap() || !given["use_sim_time"].IsDefined()) continue;
+    settings::detail::read_value(given["use_sim_time"], parameters_place(), "use_sim_time", on);
+  }
+  if (own.IsMap() && std::as_const(own)["use_sim_time"].IsDefined()) {
     // A copy: whoever made the composition may make another host of it.
-    parameters.reset(YAML::Clone(parameters));
-    parameters.remove("use_sim_time");
+    own.reset(YAML::Clone(own));
+    own.remove("use_sim_time");
   }
   clock_.use_sim_time(on);
 }
@@ -112,6 +117,7 @@ void Component::release() {
   guarded([&] { on_cleanup(); });
   subscriptions_.clear();
   writers_.clear();
+  topics_.clear();
   ack_writer_.reset();
 }
 
@@ -182,11 +188,26 @@ std::string Component::parameters_place() const {
   return context_.place + " (parameters of " + context_.name + ")";
 }
 
+void Component::adopt_common_parameters(const std::vector<std::string>& keys) {
+  YAML::Node& given = context_.parameters;
+  if (!context_.common_parameters.IsMap()) return;
+  // Not YAML::Clone, which forgets the lines; a copy, since another host may be made of the same.
+  YAML::Node own(YAML::NodeType::Map);
+  for (const auto& item : given) own.force_insert(item.first, item.second);
+  for (const auto& item : std::as_const(context_.common_parameters)) {
+    const std::string& key = item.first.Scalar();
+    const bool is_known = std::find(keys.begin(), keys.end(), key) != keys.end();
+    if (is_known && !std::as_const(own)[key].IsDefined()) own.force_insert(item.first, item.second);
+  }
+  given.reset(own);
+}
+
 void Component::subscribe_raw(const std::string& full_topic, const std::string& type,
                               const bus::QosProfile& qos,
                               std::function<void(const bus::RawMessage&)> callback) {
   const auto subscription = std::make_shared<Subscription>();
   subscription->topic = full_topic;
+  topics_.push_back({full_topic, type, qos, false});
   subscription->callback = std::move(callback);
   const bus::QosProfile used = lockstep() ? qos.lossless() : qos;
   subscription->depth = static_cast<std::size_t>(used.depth);
@@ -221,6 +242,7 @@ void Component::subscribe_raw(const std::string& full_topic, const std::string& 
 std::shared_ptr<bus::RawWriter> Component::advertise_raw(const std::string& full_topic,
                                                          const std::string& type,
                                                          const bus::QosProfile& qos) {
+  topics_.push_back({full_topic, type, qos, true});
   const auto on_match = [this] { context_.mailbox->post([this] { try_step(); }); };
   auto writer = std::make_shared<bus::RawWriter>(context_.participant, full_topic, type,
                                                  lockstep() ? qos.lossless() : qos, on_match);

@@ -51,14 +51,25 @@ struct ComponentContext {
   std::filesystem::path out_folder;
   bus::Remappings remappings;
   YAML::Node parameters;
-  std::string place;  ///< the composition file, for errors
+  YAML::Node common_parameters;  ///< for all components: each takes those that it knows
+  std::string place;             ///< the composition file, for errors
   FeedMode mode = FeedMode::kLive;
   std::uint64_t seed = 1;
   int threads = 1;
   bool use_sim_time = false;     ///< unless the parameters say otherwise
   Progress* progress = nullptr;  ///< cancels long work when the process ends
+  /// Only configured to be looked at: writes no files.
+  bool only_explained = false;
   /// Told of an error in a live callback; called on the component's thread.
   std::function<void(const std::string&)> on_error;
+};
+
+/// A topic that a component reads or writes.
+struct TopicUse {
+  std::string topic;  ///< full name
+  std::string type;
+  bus::QosProfile qos;
+  bool writes = false;
 };
 
 class Component {
@@ -82,6 +93,8 @@ class Component {
   /// "/robot1/localizer".
   [[nodiscard]] const std::string& full_name() const { return full_name_; }
   [[nodiscard]] LifecycleState state() const { return state_; }
+  /// What it reads and writes; once configured.
+  [[nodiscard]] const std::vector<TopicUse>& topics() const { return topics_; }
   /// Live: messages that came faster than they were worked on and were dropped.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
@@ -99,6 +112,10 @@ class Component {
   virtual void on_diagnose(Health& /*health*/) const {}
   /// The log has ended: do what needs all data and save this component's part into out_dir.
   virtual void on_finish(const std::filesystem::path& /*out_dir*/) {}
+  /// True: the first finish is the last, and what comes after it is dropped. Where one replay
+  /// learns from the beginning of a log and localizes on the rest, learners finish in between;
+  /// others are asked again at the end.
+  [[nodiscard]] virtual bool learns() const { return false; }
 
   template <typename T>
   void subscribe(const std::string& topic, const std::string& qos,
@@ -131,6 +148,10 @@ class Component {
   /// The parameters as this struct; it is also what others may ask for and set over DDS.
   template <typename Config>
   [[nodiscard]] Config read_parameters() {
+    settings::detail::KeyCollector keys;
+    const Config defaults{};
+    Config::describe(defaults, keys);
+    adopt_common_parameters(keys.names());
     parameter_model_ = {};
     parameter_model_.read = [place = parameters_place()](const YAML::Node& node) {
       return parameter_table(settings::read_config<Config>(node, place));
@@ -174,6 +195,8 @@ class Component {
   void do_shutdown();
   void release();
   [[nodiscard]] std::string parameters_place() const;
+  /// Those of the common parameters that are `keys` become this component's, below its own.
+  void adopt_common_parameters(const std::vector<std::string>& keys);
   /// Works on the message that waits longest; false when none does.
   bool take_live(Subscription& subscription);
   /// Runs `body`; an error is counted and told.
@@ -208,6 +231,7 @@ class Component {
   NodeClock clock_;
   ParameterModel parameter_model_;
   std::atomic<LifecycleState> state_{LifecycleState::kUnconfigured};
+  bool finished_ = false;  ///< as learns() says
   std::atomic<bool> tick_waits_{false};
   std::atomic<std::uint64_t> dropped_{0};
   std::uint64_t processed_ = 0;
@@ -220,6 +244,7 @@ class Component {
   std::unique_ptr<ServiceHub> services_;  // live only, as the two below
   std::unique_ptr<bus::Writer<lifecycle_msgs::msg::TransitionEvent>> transition_events_;
   std::unique_ptr<bus::Writer<rcl_interfaces::msg::ParameterEvent>> parameter_events_;
+  std::vector<TopicUse> topics_;
   // Shared with the tasks that wait in the mailbox.
   std::vector<std::shared_ptr<Subscription>> subscriptions_;
   std::vector<std::shared_ptr<bus::RawWriter>> writers_;

@@ -89,8 +89,10 @@ void Component::perform(const Step& step) {
       break;
     case strata_msgs::msg::STEP_FINISH:
       work_off();
+      if (finished_) break;
       on_finish(context_.out_folder.empty() ? std::filesystem::path(step.out_dir())
                                             : step.out_dir() / context_.out_folder);
+      finished_ = learns();
       break;
   }
 }
@@ -102,6 +104,7 @@ void Component::work_off() {
       const std::lock_guard lock(subscription->mutex);
       batch.swap(subscription->waiting);
     }
+    if (finished_) continue;
     for (const bus::RawMessage& message : batch) {
       subscription->callback(message);
       ++processed_;

@@ -6,6 +6,7 @@
 
 #include "components/bus/environment.hpp"
 #include "components/bus/node.hpp"
+#include "components/runtime/composition_settings.hpp"
 #include "components/settings/config_reader.hpp"
 #include "components/settings/yaml_document.hpp"
 #include "core/base/error.hpp"
@@ -86,8 +87,9 @@ bus::Remappings read_remappings(const YAML::Node& node, const std::string& place
 
 ComponentEntry read_component(const YAML::Node& node, const std::string& place,
                               const std::string& path, const std::string& node_namespace) {
-  const Section section(node, place, path,
-                        {"type", "name", "namespace", "remappings", "parameters"});
+  const Section section(
+      node, place, path,
+      {"type", "name", "namespace", "remappings", "parameters", kCommonParameters});
   ComponentEntry entry;
   entry.place = settings::place_of(node, place, path);
   entry.type = section.require("type", "strata::Localizer");
@@ -97,6 +99,10 @@ ComponentEntry read_component(const YAML::Node& node, const std::string& place,
                   [&] { return bus::expand_name(entry.name, entry.node_namespace, entry.name); });
   entry.remappings =
       read_remappings(section.find("remappings"), place, section.path_of("remappings"));
+  entry.common_parameters = YAML::Node(YAML::NodeType::Map);
+  if (const YAML::Node common = section.find(kCommonParameters); common.IsDefined()) {
+    entry.common_parameters = common;
+  }
   const YAML::Node parameters = section.find("parameters");
   // A node that does not exist cannot be assigned to, so it must not get into the entry.
   if (parameters.IsDefined()) {
@@ -107,18 +113,36 @@ ComponentEntry read_component(const YAML::Node& node, const std::string& place,
   return entry;
 }
 
+Restart read_restart(const Section& section) {
+  const auto name = section.get<std::string>("restart", "never");
+  if (name == "never") return Restart::kNever;
+  if (name == "on_failure") return Restart::kOnFailure;
+  if (name == "always") return Restart::kAlways;
+  throw ConfigError(
+      section.place_of("restart"), "unknown restart policy '" + name + "'",
+      settings::detail::suggestion(name, {"never", "on_failure", "always"}, "policies"));
+}
+
 ProcessEntry read_process(const YAML::Node& node, const std::string& place, const std::string& path,
                           const std::string& node_namespace) {
-  const Section section(node, place, path, {"name", "executor", "components"});
+  const Section section(node, place, path,
+                        {"name", "executor", "components", "restart", "restart_delay_s"});
   ProcessEntry entry;
   entry.name = section.require("name", "mapping");
   const auto executor = section.get<std::string>("executor", "multi_threaded");
   if (executor != "multi_threaded" && executor != "single_threaded") {
-    throw ConfigError(section.place_of("executor"), "unknown executor '" + executor + "'",
-                      "use multi_threaded or single_threaded");
+    throw ConfigError(
+        section.place_of("executor"), "unknown executor '" + executor + "'",
+        settings::detail::suggestion(executor, {"multi_threaded", "single_threaded"}, "executors"));
   }
   entry.executor =
       executor == "single_threaded" ? ExecutorKind::kSingleThreaded : ExecutorKind::kMultiThreaded;
+  entry.restart = read_restart(section);
+  entry.restart_delay_s = section.get<double>("restart_delay_s", entry.restart_delay_s);
+  if (!(entry.restart_delay_s >= 0.0)) {
+    throw ConfigError(section.place_of("restart_delay_s"), "restart_delay_s is negative",
+                      "give seconds");
+  }
   const std::vector<YAML::Node> components = section.items("components");
   for (std::size_t i = 0; i < components.size(); ++i) {
     entry.components.push_back(read_component(
@@ -150,56 +174,10 @@ void require_different_names(const Composition& composition) {
   }
 }
 
-std::vector<std::string> top_keys() {
-  return {"domain", "namespace", "use_sim_time", "transport", "ros_distro", "processes"};
-}
-
-/// Where the components of that name stand in the document: "processes[0].components[2]".
-std::vector<std::string> paths_of_component(const YAML::Node& document, const std::string& name) {
-  std::vector<std::string> paths;
-  const YAML::Node processes = document["processes"];
-  if (!processes.IsDefined() || !processes.IsSequence()) return paths;
-  for (std::size_t i = 0; i < processes.size(); ++i) {
-    if (!processes[i].IsMap()) continue;
-    const YAML::Node process = processes[i];
-    const YAML::Node components = process["components"];
-    if (!components.IsDefined() || !components.IsSequence()) continue;
-    for (std::size_t j = 0; j < components.size(); ++j) {
-      if (!components[j].IsMap()) continue;
-      const YAML::Node component = components[j];
-      const YAML::Node found = component["name"];
-      if (!found.IsDefined() || !found.IsScalar() || found.Scalar() != name) continue;
-      paths.push_back("processes[" + std::to_string(i) + "].components[" + std::to_string(j) + "]");
-    }
-  }
-  return paths;
-}
-
-/// "localizer.maps=M" becomes "processes[0].components[0].parameters.maps=M", for each component of
-/// that name; anything else stays.
-void apply_composition_override(YAML::Node& document, const std::string& option) {
-  const std::size_t end = option.find_first_of(".[=");
-  const std::string first = option.substr(0, end);
-  const std::vector<std::string> keys = top_keys();
-  const bool is_key = std::find(keys.begin(), keys.end(), first) != keys.end();
-  if (is_key || end == std::string::npos || option[end] != '.') {
-    settings::apply_override(document, option);
-    return;
-  }
-  const std::vector<std::string> paths = paths_of_component(document, first);
-  if (paths.empty()) {
-    throw ConfigError("--set " + option, "the composition has no component '" + first + "'",
-                      "write --set COMPONENT.parameter=value with the name of a component in it");
-  }
-  for (const std::string& path : paths) {
-    settings::apply_override(document, path + ".parameters" + option.substr(end));
-  }
-}
-
 }  // namespace
 
 Composition read_composition(const YAML::Node& document, const std::string& place) {
-  const Section section(document, place, "", top_keys());
+  const Section section(document, place, "", composition_keys());
   Composition composition;
   composition.place = place;
   const bus::ParticipantOptions usual = bus::options_from_environment();
@@ -227,8 +205,10 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
 }
 
 Composition load_composition(const std::filesystem::path& file,
-                             const std::vector<std::string>& overrides) {
+                             const std::vector<std::string>& overrides,
+                             const std::filesystem::path& settings_file) {
   YAML::Node document = settings::load_document(file);
+  if (!settings_file.empty()) apply_composition_settings(document, settings_file);
   for (const std::string& option : overrides) apply_composition_override(document, option);
   return read_composition(document, file.string());
 }

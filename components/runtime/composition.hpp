@@ -20,13 +20,23 @@ struct ComponentEntry {
   std::string node_namespace;  ///< the composition's unless the entry has its own
   bus::Remappings remappings;
   YAML::Node parameters;
-  std::string place;  ///< "file:line"
+  YAML::Node common_parameters;  ///< for all components: each takes those that it knows
+  std::string place;             ///< "file:line"
+};
+
+/// What `strata run` does when a process of a composition ends by itself.
+enum class Restart {
+  kNever,      ///< the others end too
+  kOnFailure,  ///< start it again after an exit code other than 0 or a signal
+  kAlways,
 };
 
 struct ProcessEntry {
   std::string name;
   ExecutorKind executor = ExecutorKind::kMultiThreaded;
   std::vector<ComponentEntry> components;
+  Restart restart = Restart::kNever;
+  double restart_delay_s = 1.0;  ///< doubled with each failure in a row, to a minute at most
 };
 
 struct Composition {
@@ -47,8 +57,10 @@ struct Composition {
 /// What the file does not say of domain, transport and ros_distro the environment does, as ROS 2
 /// reads it (bus/environment.hpp). overrides: "COMPONENT.parameter=value" sets a parameter of the
 /// components of that name (as "localizer.maps=MAPS"), "domain=7" a key of the composition.
+/// settings_file: see apply_composition_settings; overrides win over it.
 [[nodiscard]] Composition load_composition(const std::filesystem::path& file,
-                                           const std::vector<std::string>& overrides = {});
+                                           const std::vector<std::string>& overrides = {},
+                                           const std::filesystem::path& settings_file = {});
 /// The same from a document without its version line.
 [[nodiscard]] Composition read_composition(const YAML::Node& document, const std::string& place);
 

@@ -62,7 +62,7 @@ void Conductor::connect() {
   const auto count = static_cast<int>(components_.size());
   wait([&] { return step_writer_->matched() >= count && ack_reader_->matched() >= count; },
        "lockstep: waiting for the components");
-  Counts readers;
+  Counts readers = other_readers_;
   Counts writers;
   for (const auto& writer : writers_) ++writers[writer->topic()];
   for (const std::string& component : components_) {

@@ -36,6 +36,9 @@ class Conductor {
     return [writer](const T& message) { writer->publish(convert::to_cdr(message)); };
   }
 
+  /// A reader that is no component's: connect() waits until it is matched too.
+  void expect_reader(const std::string& full_topic) { ++other_readers_[full_topic]; }
+
   /// Finds all components, waits until every writer is matched with every reader of its topic, and
   /// activates. Throws Error when a component reports one, Cancelled when the wait is ended.
   void connect();
@@ -59,6 +62,7 @@ class Conductor {
   std::optional<strata_msgs::msg::Ack> ack_;  // under mutex_
   std::uint64_t sequence_ = 0;
   std::vector<std::shared_ptr<bus::RawWriter>> writers_;
+  Counts other_readers_;
   std::map<std::string, Counts> published_;             // by component, then topic
   std::map<std::string, std::set<std::string>> reads_;  // by component
   std::unique_ptr<bus::RawWriter> step_writer_;

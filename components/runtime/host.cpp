@@ -25,16 +25,14 @@ namespace {
 const Factory& factory_of(const Registry& registry, const ComponentEntry& entry) {
   const auto found = registry.factories().find(entry.type);
   if (found != registry.factories().end()) return found->second;
-  std::string known;
-  for (const auto& [type, factory] : registry.factories()) {
-    known += (known.empty() ? "" : ", ") + type;
-  }
+  std::vector<std::string> known;
+  for (const auto& [type, factory] : registry.factories()) known.push_back(type);
   throw ConfigError(entry.place, "unknown component type '" + entry.type + "'",
-                    "use one of " + known);
+                    settings::detail::suggestion(entry.type, known, "types"));
 }
 
-/// Two robots of one composition must not overwrite each other's maps: "/a" saves into a/, what is
-/// in the composition's own namespace at the top.
+}  // namespace
+
 std::filesystem::path out_folder_of(const ComponentEntry& entry, const Composition& composition) {
   const std::filesystem::path own = entry.node_namespace;
   const std::filesystem::path common = composition.node_namespace;
@@ -43,8 +41,6 @@ std::filesystem::path out_folder_of(const ComponentEntry& entry, const Compositi
   if (!below.empty() && *below.begin() != "..") return below;
   return own.relative_path();
 }
-
-}  // namespace
 
 std::shared_ptr<bus::Participant> make_participant(const Composition& composition) {
   bus::ParticipantOptions options;
@@ -71,6 +67,8 @@ Host::Host(const Composition& composition, const ProcessEntry& process, const Re
     context.out_folder = out_folder_of(entry, composition);
     context.remappings = entry.remappings;
     context.parameters = entry.parameters;
+    context.common_parameters = entry.common_parameters;
+    context.only_explained = options.only_explained;
     context.place = composition.place;
     context.mode = options.mode;
     context.seed = options.seed;

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -17,12 +18,18 @@ namespace strata::runtime {
 
 struct HostOptions {
   FeedMode mode = FeedMode::kLive;
+  bool only_explained = false;  ///< configure, to be looked at: no file is written
   std::uint64_t seed = 1;
   int threads = 1;
 };
 
 /// The participant that a composition asks for.
 [[nodiscard]] std::shared_ptr<bus::Participant> make_participant(const Composition& composition);
+
+/// Below the folder that all components save into: two robots of one composition must not overwrite
+/// each other's maps, so "/a" saves into a/, what is in the composition's own namespace at the top.
+[[nodiscard]] std::filesystem::path out_folder_of(const ComponentEntry& entry,
+                                                  const Composition& composition);
 
 class Host {
  public:
@@ -41,6 +48,10 @@ class Host {
   void tick();
   /// Deactivates and cleans up in reverse order; cancels long work under way. Never throws.
   void stop() noexcept;
+  /// As configured, in order.
+  [[nodiscard]] const std::vector<std::unique_ptr<Component>>& components() const {
+    return components_;
+  }
   /// Errors in callbacks since the last call.
   [[nodiscard]] std::vector<std::string> take_errors();
 

@@ -7,31 +7,35 @@
 #include <memory>
 #include <optional>
 
-#include "components/runtime/component.hpp"
-#include "components/runtime/sensor_input.hpp"
+#include "components/runtime/sensor_component.hpp"
 #include "components/scan_matcher/config.hpp"
 #include "core/slam/slam.hpp"
 
 namespace strata::scan_matcher {
 
-/// Out: scan_pose (ScanPose), posed_scan (LabeledScan without labels), /tf. After finish:
-/// mapped_scan (LabeledScan with final poses and labels, one a scan), reflection_filtered, map and
-/// map_filtered; and the grid maps and the trajectory in MAPS.
-class ScanMatcher final : public runtime::Component {
+/// In, beside scans and odometry: given_pose (ScanPose), which says the run of the scan of its
+/// stamp and, unless NaN, its pose; it has to come first, as in lockstep. Out: scan_pose
+/// (ScanPose), posed_scan (LabeledScan without labels), /tf. After finish: mapped_scan (LabeledScan
+/// with final poses and labels, one a scan), the last scan's final scan_pose, reflection_filtered
+/// and map; and the grid maps and the trajectory in MAPS.
+class ScanMatcher final : public runtime::SensorComponent {
  public:
-  using Component::Component;
+  using SensorComponent::SensorComponent;
 
  private:
   void on_configure() override;
   void on_cleanup() override;
   void on_finish(const std::filesystem::path& out_dir) override;
-  void take_observations();
+  void on_observation(const Observation& observation) override;
+  [[nodiscard]] bool learns() const override { return true; }
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
+  void publish_scan_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_result(const slam::SlamResult& result);
 
   ScanMatcherConfig config_;
-  std::optional<runtime::SensorInput> input_;
   std::unique_ptr<slam::Slam> slam_;
+  std::optional<strata_msgs::msg::ScanPose> given_;
+  Observation last_;  ///< without its ranges
   std::uint64_t index_ = 0;
   std::function<void(const strata_msgs::msg::ScanPose&)> publish_scan_pose_;
   std::function<void(const strata_msgs::msg::LabeledScan&)> publish_posed_scan_;

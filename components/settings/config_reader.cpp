@@ -29,25 +29,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-/// "did you mean X" when one of the names is near, else the list of names.
-std::string suggestion(const std::string& text, const std::vector<std::string>& names,
-                       const std::string& kind) {
-  const std::string* best = nullptr;
-  std::size_t best_distance = std::max<std::size_t>(2, text.size() / 3) + 1;
-  for (const std::string& name : names) {
-    const bool is_start = text.size() >= 3 && name.starts_with(text);
-    const std::size_t distance = is_start ? 1 : edit_distance(text, name);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = &name;
-    }
-  }
-  if (best != nullptr) return "did you mean '" + *best + "'?";
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return "known " + kind + " are: " + list;
-}
-
 /// A scalar's text as a message shows it; long ones are cut.
 std::string shown(const YAML::Node& node) {
   if (node.IsSequence()) return "is a list";
@@ -89,6 +70,24 @@ void read_integer(const YAML::Node& node, const std::string& place, const std::s
 }
 
 }  // namespace
+
+std::string suggestion(const std::string& text, const std::vector<std::string>& names,
+                       const std::string& kind) {
+  const std::string* best = nullptr;
+  std::size_t best_distance = std::max<std::size_t>(2, text.size() / 3) + 1;
+  for (const std::string& name : names) {
+    const bool is_start = text.size() >= 3 && name.starts_with(text);
+    const std::size_t distance = is_start ? 1 : edit_distance(text, name);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = &name;
+    }
+  }
+  if (best != nullptr) return "did you mean '" + *best + "'?";
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return "known " + kind + " are: " + list;
+}
 
 void read_value(const YAML::Node& node, const std::string& place, const std::string& path,
                 bool& value) {

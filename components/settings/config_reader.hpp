@@ -49,6 +49,9 @@ void read_value(const YAML::Node& node, const std::string& place, const std::str
 [[nodiscard]] std::size_t read_choice(const YAML::Node& node, const std::string& place,
                                       const std::string& path,
                                       const std::vector<std::string>& names);
+/// "did you mean 'X'?" when one of the names is near, else the list of names; kind: "keys".
+[[nodiscard]] std::string suggestion(const std::string& text, const std::vector<std::string>& names,
+                                     const std::string& kind);
 void require_sequence(const YAML::Node& node, const std::string& place, const std::string& path);
 /// Throws unless the node is a map whose keys are plain, different and in `known`.
 void check_keys(const YAML::Node& node, const ReadContext& context, const std::string& path,

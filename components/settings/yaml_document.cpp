@@ -55,23 +55,29 @@ std::vector<PathStep> split_path(const std::string& path, const std::string& opt
   return steps;
 }
 
-/// A copy without line numbers, by which place_of tells that it came from the command line.
-YAML::Node copy_without_marks(const YAML::Node& node, const std::string& option, int depth = 0) {
+/// In the tag of a node that came from another file than its document: where it stood.
+constexpr const char* kPlaceTag = "!strata-place:";
+
+/// A copy without line numbers, by which place_of tells that it came from elsewhere: from the
+/// command line, or from where tag_of says.
+template <typename TagOf>
+YAML::Node copy_without_marks(const YAML::Node& node, const std::string& option,
+                              const TagOf& tag_of, int depth = 0) {
   if (depth > kMaxDepth) refuse(option, "is nested too deeply", "simplify the value");
+  const auto inner = [&](const YAML::Node& child) {
+    return copy_without_marks(child, option, tag_of, depth + 1);
+  };
   YAML::Node copy;
   if (node.IsScalar()) {
     copy = YAML::Node(node.Scalar());
-    copy.SetTag(node.Tag());
   } else if (node.IsSequence()) {
     copy = YAML::Node(YAML::NodeType::Sequence);
-    for (const auto& item : node) copy.push_back(copy_without_marks(item, option, depth + 1));
+    for (const auto& item : node) copy.push_back(inner(item));
   } else if (node.IsMap()) {
     copy = YAML::Node(YAML::NodeType::Map);
-    for (const auto& item : node) {
-      copy.force_insert(copy_without_marks(item.first, option, depth + 1),
-                        copy_without_marks(item.second, option, depth + 1));
-    }
+    for (const auto& item : node) copy.force_insert(inner(item.first), inner(item.second));
   }
+  copy.SetTag(tag_of(node));
   return copy;
 }
 
@@ -117,9 +123,17 @@ void set_at(YAML::Node node, const std::vector<PathStep>& steps, std::size_t dep
 
 std::string place_of(const YAML::Node& node, const std::string& place,
                      const std::string& key_path) {
+  const std::string tag = node.IsDefined() ? node.Tag() : std::string();
+  if (tag.starts_with(kPlaceTag)) return tag.substr(std::string_view(kPlaceTag).size());
   const YAML::Mark mark = node.Mark();
   if (mark.is_null()) return "--set " + key_path;
   return place + ":" + std::to_string(mark.line + 1);
+}
+
+YAML::Node copy_with_places(const YAML::Node& node, const std::string& place) {
+  return copy_without_marks(node, place, [&](const YAML::Node& original) {
+    return kPlaceTag + place_of(original, place, "");
+  });
 }
 
 YAML::Node parse_yaml(const std::string& text, const std::string& place) {
@@ -182,7 +196,8 @@ void apply_override(YAML::Node& document, const std::string& option) {
   }
   if (equals + 1 == option.size()) value = YAML::Node("");
   if (!document.IsDefined() || document.IsNull()) document = YAML::Node(YAML::NodeType::Map);
-  set_at(document, steps, 0, copy_without_marks(value, option), option);
+  const auto own_tag = [](const YAML::Node& node) { return node.Tag(); };
+  set_at(document, steps, 0, copy_without_marks(value, option, own_tag), option);
 }
 
 void apply_overrides(YAML::Node& document, const std::vector<std::string>& options) {

@@ -34,6 +34,10 @@ void apply_override(YAML::Node& document, const std::string& option);
 /// apply_override in order; later ones win.
 void apply_overrides(YAML::Node& document, const std::vector<std::string>& options);
 
+/// A copy whose nodes keep their places in `place` when they are put into a document of another
+/// file.
+[[nodiscard]] YAML::Node copy_with_places(const YAML::Node& node, const std::string& place);
+
 /// "PLACE:LINE" of a node; "--set" values have no line and give "--set PATH".
 [[nodiscard]] std::string place_of(const YAML::Node& node, const std::string& place,
                                    const std::string& key_path);

@@ -6,7 +6,7 @@
 
 #include "components/convert/scan_messages.hpp"
 #include "components/maps/maps_folder.hpp"
-#include "components/timescale_memory/node_map_message.hpp"
+#include "components/maps/node_map_message.hpp"
 
 namespace strata::timescale_memory {
 
@@ -55,7 +55,7 @@ void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message) {
 
 void TimescaleMemory::publish_map(Stamp stamp) {
   decoded_ = memory_->decode(config_.decoding, decoded_.get());
-  publish_map_(to_message(*memory_, *decoded_, stamp, config_.map_frame));
+  publish_map_(maps::to_message(*memory_, *decoded_, stamp, config_.map_frame));
 }
 
 void TimescaleMemory::publish_expected(const PosedScan& scan, const std::string& frame) {

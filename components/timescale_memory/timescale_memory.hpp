@@ -28,6 +28,7 @@ class TimescaleMemory final : public runtime::Component {
   void on_cleanup() override;
   void on_deactivate() override;
   void on_tick() override;
+  [[nodiscard]] bool learns() const override { return true; }
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_scan(const strata_msgs::msg::LabeledScan& message);
   [[nodiscard]] bool is_time_to_publish(Stamp stamp);

@@ -16,21 +16,25 @@ json summary_json(const ErrorSummary& summary) {
 
 }  // namespace
 
-json write_localization(const std::filesystem::path& folder, const LocalizationRun& run,
-                        const LocalizeSummary& summary) {
-  json metrics = maps::localization_metrics(run, summary.model, summary.seed, summary.particles);
-  if (!run.errors.empty()) {
-    const LocalizationMetrics values = evaluate_run(run.errors);
+void add_errors(json& metrics, std::span<const ScanError> errors,
+                const std::optional<Pose2>& map_from_truth) {
+  if (!errors.empty()) {
+    const LocalizationMetrics values = evaluate_run(errors);
     metrics["error_m"] = summary_json(values.error_m);
     metrics["error_rad"] = summary_json(values.error_rad);
     metrics["failure_rate"] = values.failure_rate;
     metrics["lost"] = values.lost;
     if (values.converged_after_s) metrics["converged_after_s"] = *values.converged_after_s;
   }
-  if (summary.map_from_truth) {
-    const Pose2& pose = *summary.map_from_truth;
-    metrics["map_from_truth"] = {pose.x, pose.y, pose.theta};
+  if (map_from_truth) {
+    metrics["map_from_truth"] = {map_from_truth->x, map_from_truth->y, map_from_truth->theta};
   }
+}
+
+json write_localization(const std::filesystem::path& folder, const LocalizationRun& run,
+                        const LocalizeSummary& summary) {
+  json metrics = maps::localization_metrics(run, summary.model, summary.seed, summary.particles);
+  add_errors(metrics, run.errors, summary.map_from_truth);
   const double duration_s =
       run.trajectory.size() < 2
           ? 0.0

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -21,6 +22,11 @@ struct LocalizeSummary {
   Cost cost;
   std::optional<Pose2> map_from_truth;  ///< the alignment that errors were measured with
 };
+
+/// Fills in the error fields, and with what alignment they were measured; leaves them null when
+/// there is no error.
+void add_errors(nlohmann::json& metrics, std::span<const ScanError> errors,
+                const std::optional<Pose2>& map_from_truth);
 
 /// Writes into an existing folder and returns the metrics; error fields are null when no truth was
 /// known. Throws OutputError.

@@ -31,16 +31,23 @@ void ProcessGroup::start(const std::string& name, const std::vector<std::string>
   children_.push_back({name, pid});
 }
 
-bool ProcessGroup::all_run() {
-  for (auto it = children_.begin(); it != children_.end(); ++it) {
+std::vector<ProcessGroup::Ended> ProcessGroup::take_ended() {
+  std::vector<Ended> ended;
+  std::erase_if(children_, [&](const Child& child) {
     int status = 0;
-    if (waitpid(it->pid, &status, WNOHANG) != it->pid) continue;
-    const std::string name = it->name;
-    children_.erase(it);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return false;
-    throw Error("process " + name, "ended early", "see its message above");
+    if (waitpid(child.pid, &status, WNOHANG) != child.pid) return false;
+    ended.push_back({child.name, !WIFEXITED(status) || WEXITSTATUS(status) != 0});
+    return true;
+  });
+  return ended;
+}
+
+bool ProcessGroup::all_run() {
+  const std::vector<Ended> ended = take_ended();
+  for (const Ended& child : ended) {
+    if (child.failed) throw Error("process " + child.name, "ended early", "see its message above");
   }
-  return true;
+  return ended.empty();
 }
 
 void ProcessGroup::stop() noexcept {

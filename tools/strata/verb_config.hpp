@@ -25,10 +25,6 @@ namespace strata::tools {
   return options.config_file.empty() ? std::string("--set") : options.config_file;
 }
 
-/// Where the settings of a composition are.
-inline constexpr const char* kConfigRemedy =
-    "put settings below `parameters` in the composition, or use --set";
-
 /// For verbs whose settings are elsewhere; remedy: where. Throws ConfigError when --config is
 /// given.
 inline void refuse_config(const CommonOptions& options, const std::string& remedy) {

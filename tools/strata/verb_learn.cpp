@@ -12,6 +12,7 @@
 #include "core/base/error.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/learn.hpp"
+#include "tools/pipeline/truth_frame.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -39,25 +40,12 @@ pipeline::LearnParts parts_of(const std::vector<std::string>& only) {
   return {.patch = has("patch"), .timescale = has("timescale")};
 }
 
-/// The rigid motion from the truth's frame to the maps'; nothing without truth.
-std::optional<Pose2> map_from_truth(const pipeline::Runs& runs, const slam::SlamResult& result) {
-  std::vector<Pose2> source;
-  std::vector<Pose2> target;
-  // Both are in the same order; SLAM may have skipped scans, and has those of earlier jobs.
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < runs.observations.size(); ++i) {
-    const Observation& observation = runs.observations[i];
-    while (next < result.scans.size() && result.scans[next].run < observation.run) ++next;
-    if (next == result.scans.size()) break;
-    const PosedScan& scan = result.scans[next];
-    if (scan.run != observation.run || scan.scan.stamp != observation.scan.stamp) continue;
-    ++next;
-    if (!runs.truths[i]) continue;
-    source.push_back(*runs.truths[i]);
-    target.push_back(scan.map_from_robot);
+std::vector<pipeline::LearnedPose> poses_of(const slam::SlamResult& result) {
+  std::vector<pipeline::LearnedPose> poses;
+  for (const PosedScan& scan : result.scans) {
+    poses.push_back({scan.run, scan.scan.stamp, scan.map_from_robot});
   }
-  if (source.empty()) return std::nullopt;
-  return align(source, target);
+  return poses;
 }
 
 std::string joined(const std::vector<std::string>& texts) {
@@ -90,8 +78,9 @@ void run_learn(const Options& options, VerbContext& context) {
   if (parts.patch) maps::write_patch_map(out.path(), result.patches);
   if (parts.timescale) maps::write_timescale(out.path(), *result.timescale);
   // The frame of the truth is that of the first truth given: later ones are in it too.
-  const auto frame = earlier && earlier->map_from_truth ? earlier->map_from_truth
-                                                        : map_from_truth(runs, result.slam);
+  const auto frame = earlier && earlier->map_from_truth
+                         ? earlier->map_from_truth
+                         : pipeline::map_from_truth(runs, poses_of(result.slam));
   if (frame) maps::write_map_from_truth(out.path(), *frame);
   const pipeline::Cost cost = meter.read();
   std::vector<std::string> logs = options.input.logs;

@@ -1,149 +1,208 @@
 // SPDX-License-Identifier: Apache-2.0
-/// `strata replay LOG --composition F --out DIR`: a recorded log through the components in
-/// lockstep.
-#include <chrono>
+/// `strata replay LOG --composition F --out DIR`: recorded logs through the components in lockstep,
+/// and a comparison with what came out before.
+#include <algorithm>
 #include <filesystem>
-#include <limits>
+#include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "components/log/log_reader.hpp"
+#include "components/maps/localization_files.hpp"
 #include "components/maps/maps_folder.hpp"
-#include "components/player/log_player.hpp"
-#include "components/runtime/composition.hpp"
-#include "components/runtime/conductor.hpp"
-#include "components/runtime/host.hpp"
+#include "memory/store/store.hpp"
+#include "tools/expect/compare_results.hpp"
 #include "tools/pipeline/cost.hpp"
-#include "tools/strata/all_components.hpp"
-#include "tools/strata/process_group.hpp"
-#include "tools/strata/verb_config.hpp"
+#include "tools/pipeline/truth_frame.hpp"
+#include "tools/strata/composition_options.hpp"
+#include "tools/strata/replay_session.hpp"
+#include "tools/strata/replay_truth.hpp"
+#include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
+
+namespace fs = std::filesystem;
 
 namespace strata::tools {
 namespace {
 
 struct ReplayOptions {
-  std::string log;
+  pipeline::RunsInput input;
   std::string composition;
   std::string out;
+  std::string expect;
+  bool accept = false;
+  std::vector<std::string> topics;
+  std::optional<double> learn_until_s;
   double rate = 0.0;  ///< 0: as fast as the components are
-  double from_s = 0.0;
-  double to_s = std::numeric_limits<double>::infinity();
 };
 
-/// The verb plays; a player in the composition would play twice.
-void leave_out_players(runtime::Composition& composition) {
-  for (runtime::ProcessEntry& process : composition.processes) {
-    std::erase_if(process.components,
-                  [](const auto& entry) { return entry.type == "strata::Player"; });
-  }
-  std::erase_if(composition.processes, [](const auto& entry) { return entry.components.empty(); });
-}
-
-std::vector<std::string> component_names(const runtime::Composition& composition) {
-  std::vector<std::string> names;
-  for (const runtime::ProcessEntry& process : composition.processes) {
-    for (const runtime::ComponentEntry& entry : process.components) {
-      names.push_back(bus::expand_name(entry.name, entry.node_namespace, entry.name));
-    }
-  }
-  return names;
-}
-
-player::Outputs make_outputs(runtime::Conductor& conductor, const std::string& scope) {
-  const auto named = [&](const std::string& topic) {
-    return bus::expand_name(topic, scope, "player");
-  };
-  player::Outputs outputs;
-  outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
-  outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");
-  outputs.tf = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf");
-  outputs.odometry = conductor.advertise<nav_msgs::msg::Odometry>(named("odom"));
-  outputs.scan = conductor.advertise<sensor_msgs::msg::LaserScan>(named("scan"));
-  return outputs;
-}
-
-/// Waits until a scan is due; false when interrupted.
-class Pace {
- public:
-  Pace(double rate, VerbContext& context) : rate_(rate), context_(context) {}
-  void wait_for(Duration since_start) {
-    if (rate_ <= 0.0) return;
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
-    const double left_s = since_start.seconds() / rate_ - elapsed.count();
-    if (left_s > 0.0 && context_.interrupt().wait_for(left_s)) throw Cancelled("replay");
-  }
-
- private:
-  double rate_;
-  VerbContext& context_;
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
-void play(const ReplayOptions& options, VerbContext& context, runtime::Conductor& conductor,
-          player::LogPlayer& player) {
-  Pace pace(options.rate, context);
-  const auto& observations = player.observations();
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    pace.wait_for(observations[i].scan.stamp - observations.front().scan.stamp);
-    player.publish(i);
-    conductor.cycle();
-    report_progress(context.progress(), "replay", i + 1, observations.size());
-  }
-}
-
-/// The MAPS folders that the components left: the top, or one a namespace.
-std::vector<std::filesystem::path> maps_folders(const std::filesystem::path& out) {
-  std::vector<std::filesystem::path> folders;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(out)) {
-    if (entry.path().filename() == maps::kStoreFile) folders.push_back(entry.path().parent_path());
+/// The folders below `out` that have a file of that name.
+std::vector<fs::path> folders_with(const fs::path& out, const char* file) {
+  std::vector<fs::path> folders;
+  for (const auto& entry : fs::recursive_directory_iterator(out)) {
+    if (entry.path().filename() == file) folders.push_back(entry.path().parent_path());
   }
   return folders;
 }
 
-void replay(const ReplayOptions& options, VerbContext& context) {
-  const pipeline::CostMeter meter;
-  refuse_config(context.options, kConfigRemedy);
-  runtime::Composition composition =
-      runtime::load_composition(options.composition, context.options.overrides);
-  leave_out_players(composition);
-  log::ReadOptions read;
-  read.from_s = options.from_s;
-  read.to_s = options.to_s;
-  read.progress = context.progress();
-  std::vector<Observation> observations = log::read_observations(options.log, read);
-  OutputDirectory out(options.out, context.staged());
+/// How many scans are for learning, when the rest is to be localized.
+std::size_t learned_scans(const ReplayOptions& options, const pipeline::Runs& runs) {
+  const std::vector<double> elapsed_s = pipeline::elapsed_seconds(runs.observations);
+  const auto end = std::upper_bound(elapsed_s.begin(), elapsed_s.end(), *options.learn_until_s);
+  if (end == elapsed_s.begin() || end == elapsed_s.end()) {
+    throw InputError("--learn-until " + std::to_string(*options.learn_until_s),
+                     "leaves nothing to learn from or nothing to localize",
+                     "choose a time within the log's " + std::to_string(elapsed_s.back()) + " s");
+  }
+  return static_cast<std::size_t>(end - elapsed_s.begin());
+}
 
-  const auto participant = runtime::make_participant(composition);
-  ProcessGroup group;
-  std::unique_ptr<runtime::Host> host;
-  const runtime::Registry registry = all_components();
-  if (composition.processes.size() == 1) {
-    host = std::make_unique<runtime::Host>(
-        composition, composition.processes[0], registry, participant,
-        runtime::HostOptions{runtime::FeedMode::kLockstep, context.options.seed,
-                             context.options.threads});
-  } else {
-    for (const runtime::ProcessEntry& process : composition.processes) {
-      group.start(process.name, child_arguments(options.composition, process.name, context, true));
+/// Where the truth lies in maps that this replay learned.
+std::optional<Pose2> learned_frame(const fs::path& maps_folder, const pipeline::Runs& runs) {
+  std::vector<pipeline::LearnedPose> poses;
+  const memory::Store store(maps_folder / maps::kStoreFile, {.read_only = true, .check = false});
+  for (const int run : store.runs()) {
+    for (const memory::TrajectoryPose& pose : store.load_trajectory(run)) {
+      poses.push_back({run, pose.stamp, pose.map_from_robot});
     }
   }
-  runtime::Conductor conductor(participant, component_names(composition),
-                               [&] { return !context.interrupt().requested() && group.all_run(); });
-  player::LogPlayer player(std::move(observations),
-                           make_outputs(conductor, composition.node_namespace));
-  conductor.connect();
-  play(options, context, conductor, player);
-  conductor.finish(std::filesystem::absolute(out.path()));
-  if (host) host->stop();
-  group.stop();
-  const pipeline::Cost cost = meter.read();
-  for (const std::filesystem::path& folder : maps_folders(out.path())) {
-    maps::write_summary(folder, options.log, {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
+  return pipeline::map_from_truth(runs, poses);
+}
+
+/// Everything about --truth.
+class TruthOfReplay {
+ public:
+  TruthOfReplay(const ReplayOptions& options, const pipeline::Runs& runs, ReplaySession& session)
+      : runs_(runs), is_given_(!options.input.truths.empty()) {
+    if (!is_given_) return;
+    for (const auto& process : session.composition().processes) {
+      for (const auto& entry : process.components) {
+        if (entry.type != "strata::Localizer") continue;
+        localizers_.push_back(std::make_unique<ReplayTruth>(session.participant(),
+                                                            session.composition(), entry, runs));
+      }
+    }
+    for (const auto& localizer : localizers_) {
+      if (localizer->maps().empty()) continue;
+      localizer->set_map_from_truth(maps::read_maps(localizer->maps()).map_from_truth);
+    }
   }
-  out.commit();
-  context.note("wrote " + options.out);
+  void wait_until_heard() const {
+    for (const auto& localizer : localizers_) {
+      if (localizer->wait_until_heard()) continue;
+      throw Error("--truth", "the localizer's particle clouds are not heard",
+                  "check its particles_topic");
+    }
+  }
+  /// After learning.
+  void align(const fs::path& out) {
+    if (!is_given_) return;
+    for (const fs::path& folder : folders_with(out, maps::kStoreFile)) {
+      const auto frame = learned_frame(folder, runs_);
+      if (!frame) continue;
+      maps::write_map_from_truth(folder, *frame);
+      for (const auto& localizer : localizers_) {
+        if (localizer->maps().empty()) localizer->set_map_from_truth(frame);
+      }
+    }
+  }
+  void write(const fs::path& out) {
+    for (const auto& localizer : localizers_) localizer->write(out);
+  }
+
+ private:
+  const pipeline::Runs& runs_;
+  bool is_given_;
+  std::vector<std::unique_ptr<ReplayTruth>> localizers_;
+};
+
+/// Plays everything and has the components save into `out`.
+void replay_into(const fs::path& out, const ReplayOptions& options, VerbContext& context,
+                 const pipeline::Runs& runs) {
+  const pipeline::CostMeter meter;
+  ReplaySession session(context, load_composition(options.composition, context.options),
+                        options.composition);
+  if (!options.topics.empty()) session.record(options.topics, out / expect::kTopicsFolder);
+  TruthOfReplay truth(options, runs, session);
+  session.connect(runs, options.input.logs.size() > 1 || !options.input.poses.empty());
+  truth.wait_until_heard();
+  std::size_t begin = 0;
+  if (options.learn_until_s) {
+    begin = learned_scans(options, runs);
+    session.play(0, begin, options.rate);
+    session.finish(out);
+    truth.align(out);
+  }
+  session.play(begin, runs.observations.size(), options.rate);
+  session.finish(out);
+  if (!options.learn_until_s) truth.align(out);
+  truth.write(out);
+  session.stop();
+  const pipeline::Cost cost = meter.read();
+  std::string logs;
+  for (const std::string& log : options.input.logs) logs += (logs.empty() ? "" : " ") + log;
+  for (const fs::path& folder : folders_with(out, maps::kStoreFile)) {
+    maps::write_summary(folder, logs, {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
+  }
+}
+
+std::vector<expect::Difference> compare(const fs::path& out, const std::string& expected) {
+  return expect::compare_results(expect::read_results(expected), expect::read_results(out),
+                                 expect::load_tolerances(expected));
+}
+
+/// Throws Error with the first difference; prints every file and topic that differs.
+void require_none(const std::vector<expect::Difference>& differences, const ReplayOptions& options,
+                  VerbContext& context) {
+  if (differences.empty()) {
+    context.note("as expected in " + options.expect);
+    return;
+  }
+  for (const expect::Difference& difference : differences) {
+    std::cout << expect::describe(difference) << '\n';
+  }
+  const expect::Difference& first = differences.front();
+  throw Error(options.expect, "the replay differs, first in " + expect::describe(first),
+              "mend it, or refresh what is expected with --accept");
+}
+
+/// What was recorded into the expected results is recorded again, also to refresh them.
+void take_topics_of_expected(ReplayOptions& options) {
+  if (options.expect.empty() || !options.topics.empty()) return;
+  if (fs::is_directory(options.expect)) {
+    options.topics = expect::recorded_topics(options.expect);
+  } else if (!options.accept) {
+    throw InputError("--expect " + options.expect, "is no folder", "make it first with --accept");
+  }
+}
+
+void replay(ReplayOptions options, VerbContext& context) {
+  if (options.out.empty() && options.expect.empty()) {
+    throw ConfigError("--out", "is missing", "name a folder for what the components save");
+  }
+  if (options.accept && options.expect.empty()) {
+    throw ConfigError("--accept", "needs --expect", "name the folder of expected results");
+  }
+  take_topics_of_expected(options);
+  const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress());
+  note_reports(context, runs);
+  // Without --out the results are needed only for the comparison.
+  OutputDirectory out(options.out.empty() ? options.expect + ".replayed" : options.out,
+                      context.staged());
+  replay_into(out.path(), options, context, runs);
+  std::vector<expect::Difference> differences;
+  if (options.accept) {
+    expect::accept_results(out.path(), options.expect);
+    context.note("accepted into " + options.expect);
+  } else if (!options.expect.empty()) {
+    differences = compare(out.path(), options.expect);
+  }
+  if (!options.out.empty()) {
+    out.commit();
+    context.note("wrote " + options.out);
+  }
+  if (!options.accept && !options.expect.empty()) require_none(differences, options, context);
 }
 
 }  // namespace
@@ -151,17 +210,29 @@ void replay(const ReplayOptions& options, VerbContext& context) {
 void add_replay(CLI::App& app, VerbContext& context) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* verb = add_verb(
-      app, context, "replay", "Send a recorded log through the components, in lockstep over DDS",
-      "strata replay office.clf --composition components/config/mapping.yaml --out maps",
+      app, context, "replay", "Send recorded logs through the components, in lockstep over DDS",
+      "strata replay office.clf --composition components/config/mapping.yaml --out maps\n"
+      "  strata replay office.clf --composition localize.yaml --expect tests/office",
       [options, &context] { replay(*options, context); });
-  verb->add_option("log", options->log, "CARMEN log, rosbag2 or MCAP")->required();
+  verb->add_option("log", options->input.logs, "CARMEN logs, rosbag2 or MCAP; in order")
+      ->required();
   verb->add_option("--composition", options->composition, "composition file")->required();
   verb->get_option("--set")->description(kCompositionSetHelp);
-  verb->add_option("--out", options->out, "folder for what the components save")->required();
+  verb->get_option("--config")->description(kCompositionConfigHelp);
+  verb->add_option("--out", options->out, "folder for what the components save");
+  verb->add_option("--expect", options->expect,
+                   "folder with the results of before: compare, and fail when they differ by more "
+                   "than its tolerances.yaml allows");
+  verb->add_flag("--accept", options->accept, "refresh what is expected instead of comparing");
+  verb->add_option("--topics", options->topics,
+                   "record these too, into OUT/topics; with --expect those recorded before");
+  verb->add_option(
+      "--learn-until", options->learn_until_s,
+      "seconds from the start: learn from what comes before, then localize the rest in "
+      "it (localizers without `maps`)");
   verb->add_option("--rate", options->rate, "1: wall-clock; as fast as possible when left out")
       ->check(CLI::PositiveNumber);
-  verb->add_option("--from", options->from_s, "seconds from the start");
-  verb->add_option("--to", options->to_s, "seconds from the start");
+  add_run_options(*verb, options->input);
 }
 
 }  // namespace strata::tools

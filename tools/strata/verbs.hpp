@@ -40,11 +40,6 @@ inline constexpr AddVerb kVerbs[] = {
     add_doctor,    //
 };
 
-/// What --set means for the verbs that read a composition.
-inline constexpr const char* kCompositionSetHelp =
-    "COMPONENT.parameter=value, as localizer.maps=MAPS, or a key of the composition, as domain=7; "
-    "may be repeated";
-
 /// The command line of one process of a composition (verb_run.cpp).
 [[nodiscard]] std::vector<std::string> child_arguments(const std::string& composition,
                                                        const std::string& process,

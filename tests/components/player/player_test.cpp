@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/player/player.hpp"
 
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "components/convert/scan_messages.hpp"
 #include "components/log/bag.hpp"
 #include "components/log/log_reader.hpp"
 #include "components/player/register.hpp"
+#include "core/base/error.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -39,8 +45,12 @@ void write_bag(const std::filesystem::path& folder, int scans) {
     };
   };
   Stamp now;
-  LogPlayer player(observations, {[](const auto&) {}, into(tf, now), [](const auto&) {},
-                                  into(odometry, now), into(scan, now)});
+  LogPlayer player(observations, {[](const auto&) {},
+                                  into(tf, now),
+                                  [](const auto&) {},
+                                  into(odometry, now),
+                                  into(scan, now),
+                                  {}});
   for (std::size_t i = 0; i < observations.size(); ++i) {
     now = observations[i].scan.stamp;
     player.publish(i);
@@ -120,6 +130,110 @@ TEST(Player, StopsInTheMiddleOfALog) {
   EXPECT_EQ(scans.wait_for(1).size(), 1U);
   host->stop();  // would otherwise play for 14 hours
   EXPECT_EQ(scans.wait_for(1).size(), 1U);
+}
+
+/// A player that a test can talk to.
+struct Playing {
+  std::unique_ptr<runtime::Host> host;
+  [[nodiscard]] Player& player() const { return dynamic_cast<Player&>(*host->components()[0]); }
+};
+
+Playing play(const std::filesystem::path& log, const std::string& parameters,
+             const std::shared_ptr<bus::Participant>& participant) {
+  runtime::Registry registry;
+  register_component(registry);
+  return {test::make_host("{type: strata::Player, name: player, parameters: {log: '" +
+                              log.string() + "'" + parameters + "}}",
+                          registry, participant)};
+}
+
+TEST(Player, WaitsWhilePausedAndGoesOnWhenResumed) {
+  const test::TemporaryDirectory folder;
+  write_bag(folder.path() / "bag", 20);
+  const auto participant = test::make_participant();
+  test::Collector<LaserScan> scans(participant, "/scan", "lossless");
+  const Playing playing = play(folder.path() / "bag", ", paused: true, rate: 1000000", participant);
+  playing.host->activate();
+  EXPECT_TRUE(playing.player().is_paused());
+  EXPECT_EQ(scans.wait_for(0).size(), 0U);
+  playing.player().resume();
+  EXPECT_EQ(scans.wait_for(20).size(), 20U);
+}
+
+TEST(Player, SeeksForwardsAndBackwards) {
+  const test::TemporaryDirectory folder;
+  write_bag(folder.path() / "bag", 20);
+  const auto participant = test::make_participant();
+  test::Collector<LaserScan> scans(participant, "/scan", "lossless");
+  const Playing playing = play(folder.path() / "bag", ", start_s: 18, rate: 1000000", participant);
+  playing.host->activate();
+  const auto end = scans.wait_for(2);
+  ASSERT_EQ(end.size(), 2U);
+  EXPECT_FLOAT_EQ(end[0].ranges()[2], 3.0F + 18.0F);
+  playing.player().seek(Duration::from_seconds(16.5));
+  const auto again = scans.wait_for(5);
+  ASSERT_EQ(again.size(), 5U);
+  EXPECT_FLOAT_EQ(again[2].ranges()[2], 3.0F + 17.0F);
+}
+
+TEST(Player, BeginsAgainWhenItLoops) {
+  const test::TemporaryDirectory folder;
+  write_bag(folder.path() / "bag", 3);
+  const auto participant = test::make_participant();
+  test::Collector<LaserScan> scans(participant, "/scan", "lossless");
+  const Playing playing = play(folder.path() / "bag", ", loop: true, rate: 1000", participant);
+  playing.host->activate();
+  const auto got = scans.wait_for(7);
+  ASSERT_GE(got.size(), 7U);
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_FLOAT_EQ(got[i].ranges()[2], 3.0F + static_cast<float>(i % 3)) << i;
+  }
+}
+
+TEST(Player, AFasterRateTakesEffectAtOnce) {
+  const test::TemporaryDirectory folder;
+  write_bag(folder.path() / "bag", 20);
+  const auto participant = test::make_participant();
+  test::Collector<LaserScan> scans(participant, "/scan", "lossless");
+  const Playing playing = play(folder.path() / "bag", ", rate: 0.001", participant);
+  playing.host->activate();
+  EXPECT_EQ(scans.wait_for(1).size(), 1U);
+  playing.player().set_rate(1e6);  // would otherwise play for five hours
+  EXPECT_EQ(scans.wait_for(20).size(), 20U);
+  EXPECT_THROW(playing.player().set_rate(0.0), ConfigError);
+}
+
+TEST(Player, PlaysMessagesOfAnyTypeAsTheyWereRecorded) {
+  const test::TemporaryDirectory folder;
+  const std::vector<std::uint8_t> unknown = {0, 1, 0, 0, 42, 0, 0, 0};
+  log::BagWriter bag(folder.path() / "bag", log::BagStorage::kMcap);
+  const std::size_t topic =
+      bag.add_topic({"/strange", "strange_msgs/msg/Thing", "cdr",
+                     "- history: 1\n  depth: 3\n  reliability: 1\n  durability: 1\n"});
+  const std::size_t other = bag.add_topic({"/other", "strange_msgs/msg/Thing", "cdr", ""});
+  for (int i = 0; i < 3; ++i) {
+    bag.write(topic, Stamp{1'000'000'000LL * (i + 1)}, unknown);
+    bag.write(other, Stamp{1'000'000'000LL * (i + 1)}, unknown);
+  }
+  bag.close();
+  const auto participant = test::make_participant();
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::vector<std::uint8_t>> got;
+  const bus::RawReader reader(participant, "/strange", "strange_msgs/msg/Thing",
+                              bus::qos_profile("lossless"), [&](const bus::RawMessage& message) {
+                                const std::lock_guard lock(mutex);
+                                got.push_back(message.cdr);
+                                changed.notify_all();
+                              });
+  const Playing playing = play(folder.path() / "bag",
+                               ", mode: messages, topics: [/strange], rate: 1000000", participant);
+  playing.host->activate();
+  std::unique_lock lock(mutex);
+  changed.wait_for(lock, std::chrono::seconds(20), [&] { return got.size() >= 3; });
+  EXPECT_EQ(got, std::vector(3, unknown));
+  EXPECT_EQ(participant->published_topics().count("/other"), 0U);
+  EXPECT_TRUE(participant->published_topics().at("/strange").transient_local);
 }
 
 }  // namespace

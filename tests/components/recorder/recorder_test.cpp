@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/recorder/recorder.hpp"
 
+#include <filesystem>
+#include <iterator>
 #include <map>
+#include <utility>
 
 #include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
 
 #include "components/recorder/register.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
@@ -87,6 +91,36 @@ TEST_P(RecorderStorage, KeepsOnlyTheTopicsItWasAskedFor) {
   host->stop();
   EXPECT_EQ(read_bag(bag()), (Messages{{"/scan", {convert::to_cdr(numbered(1))}},
                                        {"/late", {convert::to_cdr(numbered(3))}}}));
+}
+
+TEST_P(RecorderStorage, KeepsTheQosThatTheWritersOffer) {
+  auto scans = writer("/scan", "sensor_data");
+  auto map = writer("/latched", "latched");
+  const auto host = make(", topics: [/scan, /latched, '/late:sensor_msgs/msg/LaserScan']");
+  host->activate();
+  auto late = writer("/late", "default");
+  late.publish(numbered(3));
+  host->stop();
+  std::map<std::string, std::pair<int, int>> offered;  // reliability, durability
+  const auto reader = log::BagReader::open(bag());
+  for (const log::BagTopic& topic : reader->topics()) {
+    const YAML::Node qos = YAML::Load(topic.offered_qos_profiles)[0];
+    offered[topic.name] = {qos["reliability"].as<int>(), qos["durability"].as<int>()};
+  }
+  // rosbag2's numbers: reliable 1, best effort 2; transient local 1, volatile 2.
+  EXPECT_EQ(offered.at("/scan"), std::pair(2, 2));
+  EXPECT_EQ(offered.at("/latched"), std::pair(1, 1));
+  EXPECT_EQ(offered.at("/late"), std::pair(1, 2));
+}
+
+TEST_P(RecorderStorage, BeginsAnotherFileWhenOneIsLargeEnough) {
+  auto scans = writer("/scan", "default");
+  const auto host = make(", split_mb: 0.002");
+  host->activate();
+  for (int i = 0; i < 20; ++i) scans.publish(numbered(i));
+  host->stop();
+  EXPECT_GT(std::distance(std::filesystem::directory_iterator(bag()), {}), 3);
+  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 20U);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RecorderStorage, testing::Values("sqlite3", "mcap"));

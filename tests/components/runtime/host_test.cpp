@@ -30,10 +30,10 @@ std::string complaint_about(const std::string& component) {
   return "no complaint";
 }
 
-TEST(Host, NamesAnUnknownTypeItsPlaceAndTheKnownOnes) {
+TEST(Host, NamesAnUnknownTypeItsPlaceAndTheLikelyOne) {
   const std::string complaint = complaint_about("{type: strata::MapSever, name: m}");
   EXPECT_THAT(complaint, HasSubstr("c.yaml:4: unknown component type 'strata::MapSever'"));
-  EXPECT_THAT(complaint, HasSubstr("strata::MapServer"));
+  EXPECT_THAT(complaint, HasSubstr("did you mean 'strata::MapServer'?"));
 }
 
 TEST(Host, NamesTheComponentAndTheLineOfABadParameter) {

@@ -88,7 +88,7 @@ TEST_F(TwoInstances, OfEveryComponentInOneProcessDoWhatOneDoesAlone) {
   const auto a = recorded("a");
   const auto b = recorded("b");
   ASSERT_EQ(a.size(), 6U);
-  const std::size_t scans = a.at("/a/scan_pose").size();
+  const std::size_t scans = a.at("/a/scan_pose").size() - 1;  // the last one's twice
   EXPECT_GT(scans, 10U);
   EXPECT_EQ(a.at("/a/scan_static").size(), scans);
   EXPECT_EQ(a.at("/a/amcl_pose").size(), scans);

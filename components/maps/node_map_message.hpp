@@ -2,6 +2,7 @@
 /// The node map on its latched topic.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "strata_idl/strata_msgs.h"
@@ -9,11 +10,20 @@
 #include "core/base/time.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
-namespace strata::timescale_memory {
+namespace strata::maps {
 
 /// What every level of every node expects.
 [[nodiscard]] strata_msgs::msg::NodeMap to_message(const memory::TimescaleMemory& memory,
                                                    const memory::NodeMap& map, Stamp stamp,
                                                    const std::string& frame);
 
-}  // namespace strata::timescale_memory
+/// What the message does not say of the memory it came from.
+struct NodeMapShape {
+  double own_place_m = memory::TimescaleConfig{}.visibility.own_place_m;
+};
+/// The same expectations again, bit for bit when the shape is the memory's own. Throws InputError
+/// when nodes differ in their levels or bins.
+[[nodiscard]] std::shared_ptr<const memory::NodeMap> from_message(
+    const strata_msgs::msg::NodeMap& message, const NodeMapShape& shape);
+
+}  // namespace strata::maps

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/localizer/live_maps.hpp"
+
+#include "components/convert/map_messages.hpp"
+#include "components/convert/patch_messages.hpp"
+#include "components/maps/node_map_message.hpp"
+
+namespace strata::localizer {
+
+void LiveMaps::add(const nav_msgs::msg::OccupancyGrid& message) {
+  maps_.occupancy = convert::from_message(message);
+  maps_.filtered = maps_.occupancy;  // the free space
+  is_new_ = true;
+}
+
+void LiveMaps::add(const strata_msgs::msg::ReflectionGrid& message) {
+  maps_.filtered = convert::from_message(message);
+  // For the other models it is only the free space: they wait for news of their own.
+  is_new_ = is_new_ || model_ == "filtered";
+}
+
+void LiveMaps::add(const strata_msgs::msg::PatchMap& message) {
+  maps_.patches = convert::from_message(message);
+  is_new_ = true;
+}
+
+void LiveMaps::add(const strata_msgs::msg::NodeMap& message) {
+  maps_.nodes = maps::from_message(message, {config_.own_place_m});
+  is_new_ = is_new_ || !message.nodes().empty();
+}
+
+bool LiveMaps::is_complete() const {
+  if (needs_occupancy()) return maps_.occupancy.size() > 0;
+  return maps_.filtered.size() > 0 && (!needs_patches() || maps_.patches) &&
+         (!needs_nodes() || maps_.nodes);
+}
+
+const maps::Maps& LiveMaps::take() {
+  is_new_ = false;
+  return maps_;
+}
+
+}  // namespace strata::localizer

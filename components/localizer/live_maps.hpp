@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Maps that come over topics, as far as they have come.
+#pragma once
+
+#include <string>
+
+#include "strata_idl/nav_msgs.h"
+#include "strata_idl/strata_msgs.h"
+
+#include "components/localizer/config.hpp"
+#include "components/maps/maps_folder.hpp"
+
+namespace strata::localizer {
+
+class LiveMaps {
+ public:
+  /// model: the one that the maps are for.
+  LiveMaps(std::string model, const MapTopicsConfig& config)
+      : model_(std::move(model)), config_(config) {}
+
+  /// Whether the model is made from this topic, or needs it as free space.
+  [[nodiscard]] bool needs_occupancy() const { return model_ == "occupancy"; }
+  [[nodiscard]] bool needs_filtered() const { return !needs_occupancy(); }
+  [[nodiscard]] bool needs_patches() const { return model_.starts_with("patch"); }
+  [[nodiscard]] bool needs_nodes() const { return model_.starts_with("timescale"); }
+
+  /// Throw InputError for messages that are no map.
+  void add(const nav_msgs::msg::OccupancyGrid& message);
+  void add(const strata_msgs::msg::ReflectionGrid& message);
+  void add(const strata_msgs::msg::PatchMap& message);
+  void add(const strata_msgs::msg::NodeMap& message);
+
+  /// Everything the model needs is there, and something of it is new since the last take.
+  [[nodiscard]] bool has_news() const { return is_new_ && is_complete(); }
+  [[nodiscard]] const maps::Maps& take();
+
+ private:
+  [[nodiscard]] bool is_complete() const;
+
+  std::string model_;
+  MapTopicsConfig config_;
+  maps::Maps maps_;
+  bool is_new_ = false;
+};
+
+}  // namespace strata::localizer

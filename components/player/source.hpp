@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Something to play, one step after the other.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "components/bus/endpoint.hpp"
+#include "components/log/bag.hpp"
+#include "components/player/log_player.hpp"
+
+namespace strata::player {
+
+class Source {
+ public:
+  Source() = default;
+  Source(const Source&) = delete;
+  Source& operator=(const Source&) = delete;
+  virtual ~Source() = default;
+
+  /// When the next step is due, since the beginning; false at the end.
+  [[nodiscard]] virtual bool peek(Duration& since_begin) = 0;
+  /// Publishes the step that peek announced.
+  virtual void step() = 0;
+  /// The next step is the first one at or after that time.
+  virtual void seek(Duration since_begin) = 0;
+};
+
+/// Scan by scan.
+class ScanSource final : public Source {
+ public:
+  explicit ScanSource(LogPlayer player) : player_(std::move(player)) {}
+  bool peek(Duration& since_begin) override;
+  void step() override { player_.publish(next_++); }
+  void seek(Duration since_begin) override;
+
+ private:
+  LogPlayer player_;
+  std::size_t next_ = 0;
+};
+
+/// Message by message, as the bytes that were recorded.
+class BagSource final : public Source {
+ public:
+  using Advertise = std::function<std::shared_ptr<bus::RawWriter>(const log::BagTopic&)>;
+  /// topics: empty for all. advertise: makes the writer of a topic. Throws InputError when the path
+  /// is no bag or has none of the topics.
+  BagSource(std::filesystem::path bag, const std::vector<std::string>& topics,
+            const Advertise& advertise,
+            std::function<void(const rosgraph_msgs::msg::Clock&)> publish_clock);
+  bool peek(Duration& since_begin) override;
+  void step() override;
+  void seek(Duration since_begin) override;
+
+ private:
+  void open();
+  [[nodiscard]] bool fetch();
+
+  std::filesystem::path bag_;
+  std::map<std::string, std::shared_ptr<bus::RawWriter>> writers_;  ///< by recorded topic
+  std::function<void(const rosgraph_msgs::msg::Clock&)> publish_clock_;
+  std::unique_ptr<log::BagReader> reader_;
+  log::BagMessage message_;
+  bool fetched_ = false;
+  Stamp begin_;
+  bool has_begin_ = false;
+};
+
+/// The profile that a bag says a topic was offered with; "default" where it does not say.
+[[nodiscard]] bus::QosProfile recorded_qos(const log::BagTopic& topic);
+
+}  // namespace strata::player

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Settings from outside a composition file: --set, --config, ROS 2 parameter files.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+namespace strata::runtime {
+
+/// The keys of a composition besides `version`.
+[[nodiscard]] std::vector<std::string> composition_keys();
+
+/// Key of a component entry that holds what is meant for all components.
+inline constexpr const char* kCommonParameters = "common_parameters";
+
+/// "localizer.maps=M" sets a parameter of each component of that name, "domain=7" a key of the
+/// composition. Throws ConfigError, with "did you mean" for a component that is not there.
+void apply_composition_override(YAML::Node& document, const std::string& option);
+
+/// A file of either form:
+///
+///     version: 1                    # keys of the composition, or components by name
+///     domain: 7
+///     localizer: {model: filtered}
+///
+///     /robot1/localizer:            # a ROS 2 parameter file: by full name, by name, or for all
+///       ros__parameters: {model: filtered, localizer.particles: 500}
+///     /**:
+///       ros__parameters: {map_frame: map}
+///
+/// More specific entries win, then later ones; of those for all, a component takes what it knows.
+/// Throws InputError and ConfigError.
+void apply_composition_settings(YAML::Node& document, const std::filesystem::path& file);
+
+}  // namespace strata::runtime

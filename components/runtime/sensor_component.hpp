@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What components that work on scans with odometry have in common.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "components/runtime/component.hpp"
+#include "components/runtime/sensor_input.hpp"
+
+namespace strata::runtime {
+
+class SensorComponent : public Component {
+ public:
+  using Component::Component;
+
+ protected:
+  /// Subscribes /tf_static, odometry and scans; for on_configure. qos: profile of the last two.
+  void subscribe_sensors(const SensorInputConfig& config, const std::string& qos);
+  /// Each scan once, with its odometry and mounting, in order.
+  virtual void on_observation(const Observation& observation) = 0;
+
+ private:
+  void take_observations();
+  std::optional<SensorInput> input_;
+};
+
+}  // namespace strata::runtime

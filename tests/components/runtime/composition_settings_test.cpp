@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/runtime/composition_settings.hpp"
+
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/runtime/composition.hpp"
+#include "core/base/error.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::runtime {
+namespace {
+
+using testing::HasSubstr;
+
+class CompositionSettings : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(folder_.path() / "c.yaml")
+        << "version: 1\nnamespace: /robot1\nprocesses:\n  - name: main\n    components:\n"
+           "      - {type: t, name: localizer, parameters: {model: patch, input: {a: 1, b: 2}}}\n"
+           "      - {type: t, name: localizer, namespace: /robot2}\n"
+           "      - {type: t, name: matcher}\n";
+  }
+  [[nodiscard]] Composition with(const std::string& text,
+                                 const std::vector<std::string>& overrides = {}) const {
+    std::ofstream(folder_.path() / "s.yaml") << text;
+    return load_composition(folder_.path() / "c.yaml", overrides, folder_.path() / "s.yaml");
+  }
+  [[nodiscard]] std::string complaint_about(const std::string& text) const {
+    try {
+      (void)with(text);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "no complaint";
+  }
+  static std::string parameter(const Composition& composition, std::size_t component,
+                               const char* key) {
+    const YAML::Node& parameters = composition.processes[0].components[component].parameters;
+    return parameters[key].IsDefined() ? parameters[key].as<std::string>() : "absent";
+  }
+
+ private:
+  strata::test::TemporaryDirectory folder_;
+};
+
+TEST_F(CompositionSettings, OwnFormSetsComponentsByNameAndKeysOfTheComposition) {
+  const Composition composition = with(
+      "version: 1\ndomain: 7\nlocalizer: {model: filtered, input: {b: 3}}\n"
+      "/robot2/localizer: {model: occupancy}\n");
+  EXPECT_EQ(composition.domain, 7);
+  EXPECT_EQ(parameter(composition, 0, "model"), "filtered");
+  EXPECT_EQ(parameter(composition, 1, "model"), "occupancy");
+  EXPECT_EQ(parameter(composition, 2, "model"), "absent");
+  const YAML::Node input = composition.processes[0].components[0].parameters["input"];
+  EXPECT_EQ(input["a"].as<int>(), 1);
+  EXPECT_EQ(input["b"].as<int>(), 3);
+}
+
+TEST_F(CompositionSettings, RosParameterFilesGoByFullNameNameAndForAll) {
+  const Composition composition = with(
+      "/robot2/localizer:\n  ros__parameters: {model: occupancy, use_sim_time: true}\n"
+      "localizer:\n  ros__parameters:\n    model: filtered\n    input.b: 4\n"
+      "robot1:\n  matcher:\n    ros__parameters: {model: nested}\n"
+      "/**:\n  ros__parameters: {map_frame: floor}\n");
+  EXPECT_EQ(parameter(composition, 0, "model"), "filtered");
+  EXPECT_EQ(parameter(composition, 1, "model"), "occupancy") << "the full name wins";
+  EXPECT_EQ(parameter(composition, 1, "use_sim_time"), "true") << "every component has it";
+  EXPECT_EQ(parameter(composition, 2, "model"), "nested");
+  const ComponentEntry& first = composition.processes[0].components[0];
+  EXPECT_EQ(first.parameters["input"]["b"].as<int>(), 4);
+  EXPECT_EQ(first.parameters["input"]["a"].as<int>(), 1);
+  EXPECT_EQ(first.common_parameters["map_frame"].as<std::string>(), "floor");
+  EXPECT_EQ(parameter(composition, 0, "map_frame"), "absent") << "only for those that know it";
+}
+
+TEST_F(CompositionSettings, OptionsWinOverTheFile) {
+  EXPECT_EQ(parameter(with("version: 1\nmatcher: {model: a}\n", {"matcher.model=b"}), 2, "model"),
+            "b");
+}
+
+TEST_F(CompositionSettings, NamesWhatIsMeantByATypo) {
+  const std::string own = complaint_about("version: 1\nlocaliser: {model: a}\n");
+  EXPECT_THAT(own, HasSubstr("s.yaml:2"));
+  EXPECT_THAT(own, HasSubstr("did you mean 'localizer'?"));
+  EXPECT_THAT(complaint_about("localiser:\n  ros__parameters: {model: a}\n"),
+              HasSubstr("did you mean 'localizer'?"));
+  EXPECT_THAT(complaint_about("localizer: {model: a}\n"), HasSubstr("has no version"));
+  EXPECT_THAT(complaint_about("version: 1\ndomain: far\n"), HasSubstr("s.yaml:2"));
+}
+
+}  // namespace
+}  // namespace strata::runtime

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A composition with what the command line says about it.
+#pragma once
+
+#include <string>
+
+#include "components/runtime/composition.hpp"
+#include "tools/strata/verb_context.hpp"
+
+namespace strata::tools {
+
+/// What --set and --config mean for the verbs that read a composition.
+inline constexpr const char* kCompositionSetHelp =
+    "COMPONENT.parameter=value, as localizer.maps=MAPS, or a key of the composition, as domain=7; "
+    "may be repeated";
+inline constexpr const char* kCompositionConfigHelp =
+    "parameters as YAML: component names (version: 1), or a ROS 2 parameter file";
+
+/// The file with --config and then --set applied.
+[[nodiscard]] inline runtime::Composition load_composition(const std::string& file,
+                                                           const CommonOptions& options) {
+  return runtime::load_composition(file, options.overrides, options.config_file);
+}
+
+/// Prints what each process and component would do, and warns of what does not fit together.
+void explain(const runtime::Composition& composition);
+
+}  // namespace strata::tools

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/strata/replay_session.hpp"
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "components/log/bag.hpp"
+#include "core/base/error.hpp"
+#include "tools/strata/all_components.hpp"
+#include "tools/strata/verbs.hpp"
+
+namespace strata::tools {
+namespace {
+
+constexpr const char* kRecorder = "strata_replay_recorder";
+constexpr auto kLongestDiscovery = std::chrono::seconds(20);
+
+/// The session plays; a player in the composition would play twice.
+void leave_out_players(runtime::Composition& composition) {
+  for (runtime::ProcessEntry& process : composition.processes) {
+    std::erase_if(process.components,
+                  [](const auto& entry) { return entry.type == "strata::Player"; });
+  }
+  std::erase_if(composition.processes, [](const auto& entry) { return entry.components.empty(); });
+  if (composition.processes.empty()) {
+    throw ConfigError(composition.place, "has nothing to replay into",
+                      "add components other than strata::Player");
+  }
+}
+
+std::vector<std::string> component_names(const runtime::Composition& composition) {
+  std::vector<std::string> names;
+  for (const runtime::ProcessEntry& process : composition.processes) {
+    for (const runtime::ComponentEntry& entry : process.components) {
+      names.push_back(bus::expand_name(entry.name, entry.node_namespace, entry.name));
+    }
+  }
+  return names;
+}
+
+player::Outputs make_outputs(runtime::Conductor& conductor, const std::string& scope,
+                             bool with_poses) {
+  const auto named = [&](const std::string& topic) {
+    return bus::expand_name(topic, scope, "player");
+  };
+  player::Outputs outputs;
+  outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
+  outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");
+  outputs.tf = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf");
+  outputs.odometry = conductor.advertise<nav_msgs::msg::Odometry>(named("odom"));
+  outputs.scan = conductor.advertise<sensor_msgs::msg::LaserScan>(named("scan"));
+  if (with_poses) {
+    outputs.given_pose = conductor.advertise<strata_msgs::msg::ScanPose>(named("given_pose"));
+  }
+  return outputs;
+}
+
+runtime::HostOptions host_options(const VerbContext& context) {
+  runtime::HostOptions options;
+  options.mode = runtime::FeedMode::kLockstep;
+  options.seed = context.options.seed;
+  options.threads = context.options.threads;
+  return options;
+}
+
+/// Waits until a scan is due; throws when interrupted.
+class Pace {
+ public:
+  Pace(double rate, VerbContext& context) : rate_(rate), context_(context) {}
+  void wait_for(double since_begin_s) {
+    if (rate_ <= 0.0) return;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
+    const double left_s = since_begin_s / rate_ - elapsed.count();
+    if (left_s > 0.0 && context_.interrupt().wait_for(left_s)) throw Cancelled("replay");
+  }
+
+ private:
+  double rate_;
+  VerbContext& context_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+ReplaySession::ReplaySession(VerbContext& context, runtime::Composition composition,
+                             const std::string& file)
+    : context_(context), composition_(std::move(composition)), registry_(all_components()) {
+  leave_out_players(composition_);
+  names_ = component_names(composition_);
+  participant_ = runtime::make_participant(composition_);
+  if (composition_.processes.size() == 1) {
+    host_ = std::make_unique<runtime::Host>(composition_, composition_.processes[0], registry_,
+                                            participant_, host_options(context));
+    return;
+  }
+  for (const runtime::ProcessEntry& process : composition_.processes) {
+    group_.start(process.name, child_arguments(file, process.name, context, true));
+  }
+}
+
+bool ReplaySession::keep_waiting() { return !context_.interrupt().requested() && group_.all_run(); }
+
+std::string ReplaySession::with_type(const std::string& topic) {
+  if (topic.find(':') != std::string::npos) return topic;
+  const std::string full = bus::expand_name(topic, composition_.node_namespace, kRecorder);
+  const auto deadline = std::chrono::steady_clock::now() + kLongestDiscovery;
+  for (;;) {
+    const auto published = participant_->published_topics();
+    if (const auto found = published.find(full); found != published.end()) {
+      return full + ":" + found->second.type;
+    }
+    // In one process every writer is there by now.
+    if (host_ || std::chrono::steady_clock::now() > deadline) {
+      throw InputError("--topics " + topic, "nobody in the composition publishes it",
+                       "name a topic of its components; docs/reference has a page for each");
+    }
+    if (!keep_waiting() || context_.interrupt().wait_for(0.05)) throw Cancelled("replay");
+  }
+}
+
+void ReplaySession::record(const std::vector<std::string>& topics,
+                           const std::filesystem::path& bag) {
+  runtime::ComponentEntry entry;
+  entry.type = "strata::Recorder";
+  entry.name = kRecorder;
+  entry.node_namespace = composition_.node_namespace;
+  entry.place = "--topics";
+  entry.parameters["out"] = bag.string();
+  entry.parameters["storage"] = "mcap";
+  for (const std::string& topic : topics) entry.parameters["topics"].push_back(with_type(topic));
+  const runtime::ProcessEntry process{"recorder", runtime::ExecutorKind::kSingleThreaded, {entry}};
+  recorder_ = std::make_unique<runtime::Host>(composition_, process, registry_, participant_,
+                                              host_options(context_));
+  names_.push_back(bus::expand_name(entry.name, entry.node_namespace, entry.name));
+}
+
+void ReplaySession::connect(const pipeline::Runs& runs, bool with_poses) {
+  elapsed_s_ = pipeline::elapsed_seconds(runs.observations);
+  conductor_ =
+      std::make_unique<runtime::Conductor>(participant_, names_, [this] { return keep_waiting(); });
+  player_ = std::make_unique<player::LogPlayer>(
+      runs.observations, make_outputs(*conductor_, composition_.node_namespace, with_poses),
+      runs.poses);
+  for (const std::string& topic : other_readers_) conductor_->expect_reader(topic);
+  conductor_->connect();
+}
+
+void ReplaySession::play(std::size_t begin, std::size_t end, double rate) {
+  Pace pace(rate, context_);
+  for (std::size_t i = begin; i < end; ++i) {
+    pace.wait_for(elapsed_s_[i] - elapsed_s_[begin]);
+    player_->publish(i);
+    conductor_->cycle();
+    report_progress(context_.progress(), "replay", i + 1, elapsed_s_.size());
+  }
+}
+
+void ReplaySession::finish(const std::filesystem::path& out) {
+  conductor_->finish(std::filesystem::absolute(out));
+}
+
+void ReplaySession::stop() {
+  if (recorder_) recorder_->stop();
+  if (host_) host_->stop();
+  group_.stop();
+}
+
+}  // namespace strata::tools

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The components of a composition in lockstep: started, fed with recorded scans, asked to save.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "components/player/log_player.hpp"
+#include "components/runtime/composition.hpp"
+#include "components/runtime/conductor.hpp"
+#include "components/runtime/host.hpp"
+#include "tools/pipeline/runs_input.hpp"
+#include "tools/strata/process_group.hpp"
+#include "tools/strata/verb_context.hpp"
+
+namespace strata::tools {
+
+class ReplaySession {
+ public:
+  /// Starts the components, in this process or in the several that the composition asks for. file:
+  /// the composition's, for processes. Players are left out: the session plays. Throws as Host.
+  ReplaySession(VerbContext& context, runtime::Composition composition, const std::string& file);
+
+  /// Records these topics ("/map", or "/map:nav_msgs/msg/OccupancyGrid") into a bag. Waits until
+  /// somebody publishes those without a type; throws InputError when nobody does.
+  void record(const std::vector<std::string>& topics, const std::filesystem::path& bag);
+  /// Somebody else reads this topic and must miss nothing; before connect.
+  void expect_reader(const std::string& full_topic) { other_readers_.push_back(full_topic); }
+  /// Matches everything with everything. runs must outlive the session. with_poses: the runs and
+  /// given poses of scans are published too.
+  void connect(const pipeline::Runs& runs, bool with_poses);
+  /// Sends scans [begin, end) through the components, at `rate` times the pace of the log; 0: as
+  /// fast as they are. Throws Cancelled.
+  void play(std::size_t begin, std::size_t end, double rate);
+  /// Every component does what needs all data and saves below `out`.
+  void finish(const std::filesystem::path& out);
+  void stop();
+
+  [[nodiscard]] const runtime::Composition& composition() const { return composition_; }
+  [[nodiscard]] const std::shared_ptr<bus::Participant>& participant() const {
+    return participant_;
+  }
+
+ private:
+  [[nodiscard]] std::string with_type(const std::string& topic);
+  [[nodiscard]] bool keep_waiting();
+
+  VerbContext& context_;
+  runtime::Composition composition_;
+  runtime::Registry registry_;
+  std::shared_ptr<bus::Participant> participant_;
+  ProcessGroup group_;
+  std::unique_ptr<runtime::Host> host_;
+  std::unique_ptr<runtime::Host> recorder_;
+  std::vector<std::string> names_;  ///< of the components, in the order of work
+  std::vector<std::string> other_readers_;
+  std::unique_ptr<runtime::Conductor> conductor_;
+  std::unique_ptr<player::LogPlayer> player_;
+  std::vector<double> elapsed_s_;  ///< of each scan since the first
+};
+
+}  // namespace strata::tools
