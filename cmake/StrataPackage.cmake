@@ -35,10 +35,10 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME strata-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 # What the installed package looks for with find_package; its libraries are static.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libceres-dev, libhwy-dev, libsqlite3-dev, libzstd-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libceres-dev, libhwy-dev, liboctomap-dev, libsqlite3-dev, libzstd-dev")
 if(STRATA_COMPONENTS)
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     ", libfastrtps-dev, libfastcdr-dev, libyaml-cpp-dev, liblz4-dev, zlib1g-dev, libpng-dev,"
-    " librsvg2-dev, liboctomap-dev, nlohmann-json3-dev, libcli11-dev, libspdlog-dev, libfmt-dev, pkg-config")
+    " librsvg2-dev, nlohmann-json3-dev, libcli11-dev, libspdlog-dev, libfmt-dev, pkg-config")
 endif()
 include(CPack)

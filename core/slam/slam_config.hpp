@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/config.hpp"
+#include "core/geometry/odometry_noise.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/pose_graph/pose_graph.hpp"
 #include "core/registration/correlative_search.hpp"
@@ -10,26 +11,6 @@
 #include "core/registration/scan_matcher.hpp"
 
 namespace strata::slam {
-
-/// How far odometry may be off between two scans: standard deviations that grow with the motion.
-struct OdometryNoiseConfig {
-  double floor_m = 0.05;
-  double per_metre_m = 0.50;
-  double floor_rad = 0.05;
-  double per_metre_rad = 0.05;
-  double per_radian_rad = 0.10;
-  template <class Self, class V>
-  static void describe(Self& c, V& v) {
-    v.field("floor_m", c.floor_m, {.doc = "least position noise", .unit = "m", .min = 1e-4});
-    v.field("per_metre_m", c.per_metre_m,
-            {.doc = "position noise per metre driven", .unit = "m/m", .min = 0.0});
-    v.field("floor_rad", c.floor_rad, {.doc = "least heading noise", .unit = "rad", .min = 1e-4});
-    v.field("per_metre_rad", c.per_metre_rad,
-            {.doc = "heading noise per metre driven", .unit = "rad/m", .min = 0.0});
-    v.field("per_radian_rad", c.per_radian_rad,
-            {.doc = "heading noise per radian turned", .unit = "rad/rad", .min = 0.0});
-  }
-};
 
 /// Incremental scan matching of one run against its own recent past.
 struct TrackingConfig {

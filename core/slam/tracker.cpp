@@ -18,16 +18,6 @@ namespace {
 constexpr double kBlindStddevM = 0.3;
 constexpr double kBlindStddevRad = 0.3;
 
-Pose2Gaussian step_from_odometry(const Pose2& step, const OdometryNoiseConfig& noise) {
-  const double distance_m = std::hypot(step.x, step.y);
-  const double sigma_m = noise.floor_m + noise.per_metre_m * distance_m;
-  const double sigma_rad = noise.floor_rad + noise.per_metre_rad * distance_m +
-                           noise.per_radian_rad * std::abs(step.theta);
-  Pose2Gaussian result{step, Eigen::Matrix3d::Zero()};
-  result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
-  return result;
-}
-
 /// How odometry drifts over many steps; its errors from step to step (OdometryNoiseConfig) are
 /// allowed to be larger, since each match corrects them.
 constexpr double kDriftM = 0.1;     // per square root of a metre
@@ -105,7 +95,8 @@ Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* odom_from_robot) c
   if (!started_) return pose_;
   const Pose2Gaussian known{pose_.mean, Eigen::Matrix3d::Zero()};
   if (odom_from_robot != nullptr && last_odom_) {
-    return known * step_from_odometry(between(*last_odom_, *odom_from_robot), config_.odometry);
+    const Pose2 step = between(*last_odom_, *odom_from_robot);
+    return known * odometry_step(step, step.translation().norm(), config_.odometry);
   }
   const double step_s = (scan.stamp - last_stamp_).seconds();
   const double scale = last_step_s_ > 0.0 ? std::min(3.0, step_s / last_step_s_) : 0.0;

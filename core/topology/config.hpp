@@ -6,25 +6,16 @@
 #include <utility>
 
 #include "core/base/config.hpp"
+#include "core/geometry/odometry_noise.hpp"
 
 namespace strata::topology {
 
-/// Noise of the odometry between two landmarks: standard deviations that grow with the way.
-struct OdometryNoiseConfig {
-  double floor_m = 0.05;
-  double per_metre_m = 0.05;
-  double floor_rad = 0.035;
-  double per_metre_rad = 0.0035;
-  template <class Self, class V>
-  static void describe(Self& c, V& v) {
-    v.field("floor_m", c.floor_m, {.doc = "least position noise", .unit = "m", .min = 1e-4});
-    v.field("per_metre_m", c.per_metre_m,
-            {.doc = "position noise per metre driven", .unit = "m/m", .min = 0.0});
-    v.field("floor_rad", c.floor_rad, {.doc = "least heading noise", .unit = "rad", .min = 1e-4});
-    v.field("per_metre_rad", c.per_metre_rad,
-            {.doc = "heading noise per metre driven", .unit = "rad/m", .min = 0.0});
-  }
-};
+/// Of wheels over the metres between two landmarks, where errors have partly averaged out.
+inline constexpr OdometryNoiseConfig kLandmarkOdometryNoise{.floor_m = 0.05,
+                                                            .per_metre_m = 0.05,
+                                                            .floor_rad = 0.035,
+                                                            .per_metre_rad = 0.0035,
+                                                            .per_radian_rad = 0.0};
 
 /// Where landmarks lie, before any measurement says so.
 struct LocationPriorConfig {
@@ -108,7 +99,7 @@ struct TopologyConfig {
   Weighting weighting = Weighting::kCorrected;
   Expansion expansion = Expansion::kBest;
   double negligible = 20.0;
-  OdometryNoiseConfig odometry;
+  OdometryNoiseConfig odometry = kLandmarkOdometryNoise;
   LocationPriorConfig location;
   PatchMatchConfig match;
   template <class Self, class V>

@@ -118,17 +118,6 @@ Eigen::Matrix3d covariance_of(const Hessian::Factor& factor, std::size_t visit) 
 
 }  // namespace
 
-OdometryFactor odometry_factor(const Pose2& from_from_to, double way_m,
-                               const OdometryNoiseConfig& config) {
-  const double sigma_m = config.floor_m + config.per_metre_m * way_m;
-  const double sigma_rad = config.floor_rad + config.per_metre_rad * way_m;
-  OdometryFactor factor;
-  factor.mean = from_from_to;
-  factor.covariance =
-      Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal();
-  return factor;
-}
-
 Evidence evaluate(const Labels& labels, const Measurements& measurements,
                   std::span<const ScanFactor> scans, std::vector<Pose2> start,
                   const LocationPriorConfig& config) {

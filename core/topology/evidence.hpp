@@ -18,9 +18,6 @@ namespace strata::topology {
 
 /// The way from one visit to the next: from_from_to with its covariance, (x, y, theta) in `from`.
 using OdometryFactor = Pose2Gaussian;
-/// way_m: length of the path driven, at least the distance between the two.
-[[nodiscard]] OdometryFactor odometry_factor(const Pose2& from_from_to, double way_m,
-                                             const OdometryNoiseConfig& config);
 
 /// Two visits of one landmark whose local maps were laid on each other.
 struct ScanFactor {

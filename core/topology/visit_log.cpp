@@ -41,7 +41,7 @@ void VisitLog::add(LandmarkVisit visit) {
   } else {
     const Pose2 step = between(visits_.back().odom_from_robot, visit.odom_from_robot);
     const double way_m = std::max(visit.way_m, step.translation().norm());
-    odometry_.push_back(odometry_factor(step, way_m, config_.odometry));
+    odometry_.push_back(odometry_step(step, way_m, config_.odometry));
   }
   min_ = min_.cwiseMin(at);
   max_ = max_.cwiseMax(at);

@@ -28,7 +28,7 @@ struct Chain {
   explicit Chain(const std::vector<Pose2>& steps) {
     densities.push_back(-std::log(kTwoPi * 900.0));
     for (const Pose2& step : steps) {
-      odometry.push_back(odometry_factor(step, step.translation().norm(), {}));
+      odometry.push_back(odometry_step(step, step.translation().norm(), kLandmarkOdometryNoise));
       densities.push_back(-std::log(kTwoPi * 900.0));
       poses.push_back(poses.back() * step);
     }

@@ -68,7 +68,7 @@ inline Drive drive(const std::vector<Junction>& junctions, const std::vector<int
     } else {
       Pose2 step = between(result.poses.back(), pose);
       visit.way_m = step.translation().norm();
-      const OdometryFactor factor = odometry_factor(step, visit.way_m, noise);
+      const OdometryFactor factor = odometry_step(step, visit.way_m, noise);
       step.x += random.normal(0.0, std::sqrt(factor.covariance(0, 0)));
       step.y += random.normal(0.0, std::sqrt(factor.covariance(1, 1)));
       step.theta = wrap_angle(step.theta + random.normal(0.0, std::sqrt(factor.covariance(2, 2))));

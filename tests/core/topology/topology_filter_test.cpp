@@ -51,14 +51,14 @@ TopologyConfig enumeration() {
 Drive ambiguous_drive(std::uint64_t seed) {
   const std::vector<test_world::Junction> junctions{
       {0.0, 0.0, 15}, {6.0, 0.0, 15}, {6.0, 6.0, 15}, {0.0, 6.0, 15}};
-  Drive drive = test_world::drive(junctions, {0, 1, 2, 3, 0, 1, 2}, {}, seed);
+  Drive drive = test_world::drive(junctions, {0, 1, 2, 3, 0, 1, 2}, kLandmarkOdometryNoise, seed);
   for (LandmarkVisit& visit : drive.visits) visit.patch = {};
   return drive;
 }
 
 TEST(TopologyFilter, KeepsTheMostProbableFirstAndSumsToOne) {
-  const Drive drive =
-      test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(), {}, 3);
+  const Drive drive = test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(),
+                                        kLandmarkOdometryNoise, 3);
   TopologyFilter filter({}, 1);
   EXPECT_TRUE(filter.posterior().empty());
   for (const LandmarkVisit& visit : drive.visits) {
@@ -121,7 +121,8 @@ Tally tally(const std::vector<test_world::Junction>& junctions, const std::vecto
 
 // SPEC E9 (b): twelve visits over 120 m, three looks of three junctions each.
 TEST(TopologyFilter, FindsTheTruthAmongLookAlikes) {
-  const Tally result = tally(test_world::nine_junctions(), test_world::twelve_visits(), {}, {}, 4);
+  const Tally result = tally(test_world::nine_junctions(), test_world::twelve_visits(),
+                             kLandmarkOdometryNoise, {}, 4);
   EXPECT_EQ(result.above_80_percent, 4);
 }
 
@@ -137,8 +138,8 @@ TEST(TopologyFilter, FindsTheTruthInALargeBuildingWhereDrawnParticlesLoseIt) {
 }
 
 TEST(TopologyFilter, GivesTheSameBitsForAnyNumberOfThreads) {
-  const Drive drive =
-      test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(), {}, 5);
+  const Drive drive = test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(),
+                                        kLandmarkOdometryNoise, 5);
   TopologyConfig config;
   config.expansion = Expansion::kParticles;
   const std::vector<Hypothesis> one = posterior_of(drive.visits, config, 7, 1);
@@ -154,8 +155,8 @@ TEST(TopologyFilter, GivesTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST(TopologyFilter, PutsTheLandmarksWhereTheyAre) {
-  const Drive drive =
-      test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(), {}, 11);
+  const Drive drive = test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(),
+                                        kLandmarkOdometryNoise, 11);
   TopologyFilter filter({}, 1);
   for (const LandmarkVisit& visit : drive.visits) filter.add(visit);
   const std::vector<Pose2Gaussian> locations = filter.locations(filter.posterior().front());
@@ -167,7 +168,8 @@ TEST(TopologyFilter, PutsTheLandmarksWhereTheyAre) {
 }
 
 TEST(TopologyFilter, SkipsAndCountsVisitsThatCannotBe) {
-  Drive drive = test_world::drive(test_world::nine_junctions(), {0, 1, 2}, {}, 2);
+  Drive drive =
+      test_world::drive(test_world::nine_junctions(), {0, 1, 2}, kLandmarkOdometryNoise, 2);
   TopologyFilter filter({}, 1);
   EXPECT_TRUE(filter.add(drive.visits[0]));
   EXPECT_TRUE(filter.add(drive.visits[1]));
@@ -189,7 +191,7 @@ TEST(TopologyFilter, SkipsAndCountsVisitsThatCannotBe) {
 
 TEST(TopologyFilter, StaysNormalizedWithTwoLandmarksWithinAMetre) {
   const std::vector<test_world::Junction> junctions{{0.0, 0.0, 15}, {0.6, 0.0, 7}, {9.0, 0.0, 13}};
-  const Drive drive = test_world::drive(junctions, {0, 1, 2, 1, 0}, {}, 8);
+  const Drive drive = test_world::drive(junctions, {0, 1, 2, 1, 0}, kLandmarkOdometryNoise, 8);
   const std::vector<Hypothesis> posterior = posterior_of(drive.visits, {});
   EXPECT_NEAR(sum_of(posterior), 1.0, 1e-12);
   for (const Hypothesis& hypothesis : posterior) {

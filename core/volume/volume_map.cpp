@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/volume/volume_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include <octomap/OcTree.h>
+
+#include "core/base/error.hpp"
+
+namespace strata::volume {
+namespace {
+
+/// One brick of marks and where it belongs among an octree's leaves.
+struct BrickUpdate {
+  std::uint64_t order = 0;
+  const BrickMarks* marks = nullptr;
+};
+
+/// Depth of the nodes that hold one brick.
+constexpr unsigned kBrickDepth = kLatticeDepth - 3;
+
+/// OctoMap's tree, updated by whole clouds: one walk over the nodes that change instead of one from
+/// the root to each voxel.
+class Tree final : public octomap::OcTree {
+ public:
+  using Node = octomap::OcTreeNode;
+  using octomap::OcTree::OcTree;
+
+  void apply(std::span<const BrickUpdate> updates) {
+    if (updates.empty()) return;
+    const bool is_new = root == nullptr;
+    if (is_new) {
+      root = new Node();
+      ++tree_size;
+    }
+    apply_above(root, is_new, 0, updates);
+  }
+
+ private:
+  /// Nodes that hold several bricks.
+  void apply_above(Node* node, bool is_new, unsigned depth, std::span<const BrickUpdate> updates) {
+    if (!is_new && !has_children(node) && leaves_alone(node->getValue(), updates)) return;
+    if (depth == kBrickDepth) {
+      apply_brick(node, is_new, *updates.front().marks);
+      return;
+    }
+    const unsigned shift = 3 * (kBrickDepth - 1 - depth);
+    for (std::size_t begin = 0; begin < updates.size();) {
+      const auto child = static_cast<unsigned>(updates[begin].order >> shift & 7U);
+      std::size_t end = begin + 1;
+      while (end < updates.size() && (updates[end].order >> shift & 7U) == child) ++end;
+      const auto [next, is_next_new] = child_of(node, is_new, child);
+      apply_above(next, is_next_new, depth + 1, updates.subspan(begin, end - begin));
+      begin = end;
+    }
+    settle(node);
+  }
+
+  void apply_brick(Node* node, bool is_new, const BrickMarks& marks) {
+    for (unsigned i = 0; i < 8; ++i) {
+      const std::uint64_t passed = marks.passed[i];
+      const std::uint64_t ended = marks.ended[i];
+      if ((passed | ended) == 0) continue;
+      const auto [next, is_next_new] = child_of(node, is_new, i);
+      apply_below<64>(next, is_next_new, passed, ended);
+    }
+    settle(node);
+  }
+
+  /// A cube of kVoxels voxels; bits above are 0.
+  template <unsigned kVoxels>
+  void apply_below(Node* node, bool is_new, std::uint64_t passed, std::uint64_t ended) {
+    constexpr std::uint64_t kAll =
+        kVoxels == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << (kVoxels % 64)) - 1;
+    if (is_new || !has_children(node)) {
+      // All voxels are alike: one node says it, as pruning would in the end.
+      const bool is_leaf = kVoxels == 1 || !is_new;
+      const float value = node->getValue();
+      const bool is_settled = is_leaf && ((ended == 0 && value <= clamping_thres_min) ||
+                                          (passed == 0 && value >= clamping_thres_max));
+      if (is_settled) return;
+      if (passed == kAll) return add(node, prob_miss_log);
+      if (ended == kAll) return add(node, prob_hit_log);
+    }
+    if constexpr (kVoxels > 1) {
+      constexpr unsigned kPart = kVoxels / 8;
+      constexpr std::uint64_t kPartMask = (std::uint64_t{1} << kPart) - 1;
+      for (unsigned i = 0; i < 8; ++i) {
+        const std::uint64_t part_passed = passed >> (i * kPart) & kPartMask;
+        const std::uint64_t part_ended = ended >> (i * kPart) & kPartMask;
+        if ((part_passed | part_ended) == 0) continue;
+        const auto [next, is_next_new] = child_of(node, is_new, i);
+        apply_below<kPart>(next, is_next_new, part_passed, part_ended);
+      }
+      settle(node);
+    }
+  }
+
+  /// Whether a value is at the limit that all updates push it to.
+  bool leaves_alone(float value, std::span<const BrickUpdate> updates) const {
+    const bool is_least = value <= clamping_thres_min;
+    if (!is_least && value < clamping_thres_max) return false;
+    return std::all_of(updates.begin(), updates.end(), [&](const BrickUpdate& update) {
+      const auto& others = is_least ? update.marks->ended : update.marks->passed;
+      return std::all_of(others.begin(), others.end(), [](std::uint64_t w) { return w == 0; });
+    });
+  }
+
+  bool has_children(const Node* node) const { return octomap::OcTree::nodeHasChildren(node); }
+
+  /// The child, made when missing: alone below a new node, with its seven like siblings below a
+  /// pruned one.
+  std::pair<Node*, bool> child_of(Node* node, bool is_new, unsigned i) {
+    if (octomap::OcTree::nodeChildExists(node, i)) {
+      return {octomap::OcTree::getNodeChild(node, i), false};
+    }
+    if (!is_new && !has_children(node)) {
+      octomap::OcTree::expandNode(node);
+      return {octomap::OcTree::getNodeChild(node, i), false};
+    }
+    return {octomap::OcTree::createNodeChild(node, i), true};
+  }
+
+  void add(Node* node, float log_odds) const {
+    node->setValue(
+        std::min(std::max(node->getValue() + log_odds, clamping_thres_min), clamping_thres_max));
+  }
+
+  void settle(Node* node) {
+    if (!octomap::OcTree::pruneNode(node)) node->updateOccupancyChildren();
+  }
+};
+
+octomath::Pose6D octomap_pose(const Pose3& pose) {
+  const auto& t = pose.translation;
+  const auto& q = pose.rotation;
+  return {octomath::Vector3(static_cast<float>(t.x()), static_cast<float>(t.y()),
+                            static_cast<float>(t.z())),
+          octomath::Quaternion(static_cast<float>(q.w()), static_cast<float>(q.x()),
+                               static_cast<float>(q.y()), static_cast<float>(q.z()))};
+}
+
+Eigen::Vector3f eigen_vector(const octomath::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+VoxelBox box_of(const VolumeConfig& config, const VoxelLattice& lattice) {
+  VoxelBox box;
+  if (config.box_m.empty()) return box;
+  const auto key = [&](std::size_t i) {
+    const double place = std::floor(config.box_m[i] / lattice.resolution_m());
+    return static_cast<std::int32_t>(
+        std::clamp(place + kLatticeMiddle, 0.0, 2.0 * kLatticeMiddle - 1.0));
+  };
+  return {{key(0), key(1), key(2)}, {key(3), key(4), key(5)}};
+}
+
+}  // namespace
+
+struct VolumeMap::State {
+  explicit State(const VolumeConfig& given)
+      : config(given), lattice(given.resolution_m), tree(given.resolution_m) {
+    tree.setProbHit(config.probability_hit);
+    tree.setProbMiss(config.probability_miss);
+    tree.setClampingThresMin(config.least_probability);
+    tree.setClampingThresMax(config.most_probability);
+    limits = {config.max_range_m, box_of(config, lattice)};
+  }
+  VolumeConfig config;
+  VoxelLattice lattice;
+  RayLimits limits;
+  Tree tree;
+  CloudMarks marks;
+  std::vector<Eigen::Vector3f> ends_m;
+  std::vector<BrickUpdate> updates;
+};
+
+VolumeMap::VolumeMap(const VolumeConfig& config) {
+  require_valid(config, "volume");
+  state_ = std::make_unique<State>(config);
+}
+VolumeMap::~VolumeMap() = default;
+VolumeMap::VolumeMap(VolumeMap&&) noexcept = default;
+VolumeMap& VolumeMap::operator=(VolumeMap&&) noexcept = default;
+
+const VolumeConfig& VolumeMap::config() const { return state_->config; }
+const VoxelLattice& VolumeMap::lattice() const { return state_->lattice; }
+
+CloudCounts VolumeMap::insert(const Cloud& cloud, std::span<const std::uint8_t> is_dynamic,
+                              WorkerPool& pool) {
+  State& s = *state_;
+  const Pose3& given = cloud.map_from_sensor;
+  if (!given.translation.allFinite() || !given.rotation.coeffs().allFinite()) {
+    throw InputError("cloud at " + std::to_string(cloud.stamp.seconds()) + " s",
+                     "its pose is not finite", "give a pose, or leave the cloud out");
+  }
+  const octomath::Pose6D pose = octomap_pose(given);
+  s.ends_m.resize(cloud.points_m.size());
+  pool.for_chunks(s.ends_m.size(), 4096, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Eigen::Vector3f& p = cloud.points_m[i];
+      s.ends_m[i] = eigen_vector(pose.transform(octomath::Vector3(p.x(), p.y(), p.z())));
+    }
+  });
+  // There and back through the pose, rounding as OctoMap rounds a scan node's origin.
+  const Eigen::Vector3f origin = eigen_vector(pose.transform(pose.inv().transform(pose.trans())));
+  const CloudCounts counts = s.marks.mark(origin, s.ends_m, is_dynamic, s.lattice, s.limits, pool);
+  const BrickMap<BrickMarks>& bricks = s.marks.bricks();
+  s.updates.resize(bricks.size());
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    s.updates[i] = {brick_order(bricks.ids()[i]), &bricks.value(i)};
+  }
+  std::sort(s.updates.begin(), s.updates.end(),
+            [](const BrickUpdate& a, const BrickUpdate& b) { return a.order < b.order; });
+  s.tree.apply(s.updates);
+  return counts;
+}
+
+std::optional<float> VolumeMap::log_odds(const Eigen::Vector3d& point_m) const {
+  const octomap::OcTreeNode* node = state_->tree.search(point_m.x(), point_m.y(), point_m.z());
+  if (node == nullptr) return std::nullopt;
+  return node->getLogOdds();
+}
+
+bool VolumeMap::is_occupied(float log_odds) const {
+  return log_odds >= state_->tree.getOccupancyThresLog();
+}
+
+VolumeSize VolumeMap::size() const {
+  const Tree& tree = state_->tree;
+  return {tree.size(), tree.getNumLeafNodes(), tree.memoryUsage()};
+}
+
+void VolumeMap::for_each_cube(const std::function<void(const VoxelCube&)>& visit) const {
+  const Tree& tree = state_->tree;
+  for (auto it = tree.begin_leafs(); it != tree.end_leafs(); ++it) {
+    const std::int32_t edge = std::int32_t{1} << (kLatticeDepth - static_cast<int>(it.getDepth()));
+    const octomap::OcTreeKey& key = it.getKey();
+    // OctoMap names a cube by its middle voxel.
+    const std::int32_t mask = ~(edge - 1);
+    visit({{key[0] & mask, key[1] & mask, key[2] & mask},
+           edge,
+           it->getLogOdds(),
+           tree.isNodeOccupied(*it)});
+  }
+}
+
+std::string VolumeMap::binary_file() const {
+  octomap::OcTree likely(state_->tree);
+  std::ostringstream out(std::ios::binary);
+  likely.writeBinary(out);
+  return std::move(out).str();
+}
+
+std::string VolumeMap::full_file() const {
+  std::ostringstream out(std::ios::binary);
+  state_->tree.write(out);
+  return std::move(out).str();
+}
+
+std::string VolumeMap::binary_message_data() const {
+  octomap::OcTree likely(state_->tree);
+  likely.toMaxLikelihood();
+  likely.prune();
+  std::ostringstream out(std::ios::binary);
+  likely.writeBinaryData(out);
+  return std::move(out).str();
+}
+
+}  // namespace strata::volume
