@@ -5,9 +5,11 @@
 #include <exception>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "components/settings/config_reader.hpp"
 #include "core/base/error.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -25,9 +27,23 @@ std::string one_line(std::string text) {
   return text;
 }
 
+std::string first_word(int argc, char** argv) {
+  return argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) : std::string();
+}
+
 std::string verb_of(const CLI::App& app, int argc, char** argv) {
   for (const CLI::App* verb : app.get_subcommands()) return verb->get_name();
-  return argc > 1 && argv[1][0] != '-' ? std::string(argv[1]) : std::string();
+  return first_word(argc, argv);
+}
+
+/// Nothing when the word is a verb.
+std::string what_was_meant(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (verb->get_name() == word) return "";
+    names.push_back(verb->get_name());
+  }
+  return settings::detail::suggestion(word, names, "verbs");
 }
 
 int fail(const std::string& verb, const std::string& message, int code) {
@@ -50,6 +66,13 @@ int run(int argc, char** argv) {
   for (const AddVerb add : kVerbs) add(app, context);
 
   const auto verb = [&] { return verb_of(app, argc, argv); };
+  // Before --help is read, which would answer for any word.
+  if (const std::string word = first_word(argc, argv); !word.empty()) {
+    const std::string meant = what_was_meant(app, word);
+    if (!meant.empty()) {
+      return fail(word, "command line: there is no verb '" + word + "'; " + meant, kBadInput);
+    }
+  }
   try {
     app.parse(argc, argv);
     std::cout.flush();

@@ -35,6 +35,14 @@ void write_log(const fs::path& path, int scans) {
   }
 }
 
+TEST(Program, SaysThatAVerbDoesNotExistEvenWhenAskedForItsHelp) {
+  for (const std::string arguments : {"lern", "lern --help"}) {
+    const Outcome outcome = run(arguments + " 2>&1");
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_THAT(outcome.out, ::testing::HasSubstr("did you mean 'learn'"));
+  }
+}
+
 TEST(Program, BadUsageEndsWithTwoAndOneLine) {
   for (const char* arguments : {"info", "info a --nonsense", "nonsense", "info a --threads -1"}) {
     const Outcome outcome = run(std::string(arguments) + " 2>&1");
