@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 
 #include "core/geometry/pose2_gaussian.hpp"
 #include "core/topology/config.hpp"
+#include "core/topology/location_gaussian.hpp"
 #include "core/topology/partition.hpp"
 #include "core/topology/patch_matcher.hpp"
 
@@ -37,8 +39,8 @@ struct Evidence {
   double log_evidence = 0.0;
   /// Most probable pose of every visit in the frame of the first, map_from_robot.
   std::vector<Pose2> poses;
-  /// Covariance of the newest pose, zero for the first visit.
-  Eigen::Matrix3d newest_covariance = Eigen::Matrix3d::Zero();
+  /// The Gaussian around them. Null when not converged.
+  std::shared_ptr<const LocationGaussian> gaussian;
 };
 
 /// ln of the integral over all poses but the first, which is the origin, of the product of
@@ -51,16 +53,13 @@ struct Evidence {
 /// - the scan factors: exp(gain) times a Gaussian pull, not normalized.
 /// start: a first guess of the poses. labels: canonical, one a visit. Where the curvature of the
 /// penalties makes the Hessian indefinite it is left out (an error of at most 0.6 nats for position
-/// uncertainties below 2 m). O(n^1.5 x iterations) about.
+/// uncertainties below 2 m). Newton's method from the start, and Ceres where that does not settle.
+/// O(n^1.5 x iterations) about.
 [[nodiscard]] Evidence evaluate(const Labels& labels, const Measurements& measurements,
-                                std::span<const ScanFactor> scans, std::vector<Pose2> start,
+                                std::span<const ScanFactor> scans, const std::vector<Pose2>& start,
                                 const LocationPriorConfig& config);
 
-/// The covariance of every visit's pose at `poses`, the optimum that evaluate gave. O(n^2).
-[[nodiscard]] std::vector<Eigen::Matrix3d> marginal_covariances(const Labels& labels,
-                                                                const Measurements& measurements,
-                                                                std::span<const ScanFactor> scans,
-                                                                std::span<const Pose2> poses,
-                                                                const LocationPriorConfig& config);
+/// The covariance of every visit's pose. O(n x fill of the factor).
+[[nodiscard]] std::vector<Eigen::Matrix3d> marginal_covariances(const LocationGaussian& gaussian);
 
 }  // namespace strata::topology

@@ -2,59 +2,136 @@
 #include "core/topology/expansion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/LU>
 
 #include "core/topology/dirichlet_process.hpp"
+#include "core/topology/location_prior.hpp"
 
 namespace strata::topology {
 namespace {
 
-/// Standard deviations beyond which a landmark is out of reach.
-constexpr double kReachSigmas = 6.0;
 /// Distinct landmarks this near start from displaced places too: at distance zero the penalty has
 /// no slope that could tell them apart.
 constexpr double kTooNearM = 0.5;
 constexpr double kDisplacementM = 2.0;
 /// Local maps of a landmark that a new one is matched to: the first and the latest ones.
 constexpr std::size_t kMaxPartners = 4;
+constexpr int kPushSteps = 20;
+/// Squared standard deviations beyond which a landmark is out of reach.
+constexpr double kReachSquared = 80.0;
 
-/// Of the position, along its longest axis.
-double largest_stddev(const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
-  const double half_trace = 0.5 * position.trace();
-  const double determinant = position.determinant();
-  return std::sqrt(half_trace + std::sqrt(std::max(0.0, half_trace * half_trace - determinant)));
+/// Of a new landmark among known ones: where it comes to lie, and what the penalties cost.
+struct Pushed {
+  Eigen::Vector2d at_m{0.0, 0.0};
+  double log_factor = -std::numeric_limits<double>::infinity();
+};
+
+struct Hill {
+  double value = 0.0;
+  Eigen::Vector2d slope{0.0, 0.0};
+  Eigen::Matrix2d curve = Eigen::Matrix2d::Zero();
+};
+
+/// Sum of the penalties of a landmark at a place, with derivatives by it.
+Hill penalties_at(const Eigen::Vector2d& at, std::span<const Eigen::Vector2d> others,
+                  const LocationPriorConfig& config) {
+  Hill hill;
+  for (const Eigen::Vector2d& other : others) {
+    const Eigen::Vector2d apart = at - other;
+    const double distance_m = apart.norm();
+    const Penalty penalty = penalty_at(distance_m, config);
+    hill.value += penalty.value;
+    if (distance_m < 1e-6) {
+      hill.curve += penalty.curve * Eigen::Matrix2d::Identity();
+      continue;
+    }
+    const Eigen::Vector2d along = apart / distance_m;
+    const Eigen::Matrix2d radial = along * along.transpose();
+    hill.slope += penalty.slope * along;
+    hill.curve += penalty.curve * radial +
+                  penalty.slope / distance_m * (Eigen::Matrix2d::Identity() - radial);
+  }
+  return hill;
 }
 
-/// The best of the optima reached from the predicted pose, and beside it where another landmark
-/// lies in the way.
-Evidence best_evidence(const Labels& labels, const Measurements& measurements,
-                       const Hypothesis& parent, const Pose2& predicted, bool is_new,
-                       const LocationPriorConfig& config) {
-  const auto from = [&](const Pose2& newest) {
-    std::vector<Pose2> start = parent.poses;
-    start.push_back(newest);
-    return evaluate(labels, measurements, parent.scans, std::move(start), config);
+/// Laplace's method in the plane: the Gaussian around `mean` times exp(-penalties), from `start`.
+Pushed push(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance,
+            const Eigen::Vector2d& start, std::span<const Eigen::Vector2d> others,
+            const LocationPriorConfig& config) {
+  const Eigen::Matrix2d information = covariance.inverse();
+  const auto cost = [&](const Eigen::Vector2d& at, const Hill& hill) {
+    return 0.5 * (at - mean).dot(information * (at - mean)) + hill.value;
   };
-  Evidence best = from(predicted);
-  const bool in_the_way =
-      is_new && std::any_of(parent.poses.begin(), parent.poses.end(), [&](const Pose2& pose) {
-        return translation_distance(pose, predicted) < kTooNearM;
-      });
-  if (!in_the_way) return best;
-  for (const Eigen::Vector2d& offset :
-       {Eigen::Vector2d(kDisplacementM, 0.0), Eigen::Vector2d(-kDisplacementM, 0.0),
-        Eigen::Vector2d(0.0, kDisplacementM), Eigen::Vector2d(0.0, -kDisplacementM)}) {
-    Evidence other = from({predicted.x + offset.x(), predicted.y + offset.y(), predicted.theta});
-    const bool better =
-        other.converged && (!best.converged || other.log_evidence > best.log_evidence);
-    if (better) best = std::move(other);
+  Eigen::Vector2d at = start;
+  Hill hill = penalties_at(at, others, config);
+  for (int i = 0; i < kPushSteps; ++i) {
+    const Eigen::Vector2d gradient = information * (at - mean) + hill.slope;
+    Eigen::Matrix2d curve = information + hill.curve;
+    if (curve.determinant() <= 0.0 || curve.trace() <= 0.0) curve = information;
+    const Eigen::Vector2d step = -curve.inverse() * gradient;
+    double share = 1.0;
+    Eigen::Vector2d next = at + step;
+    Hill next_hill = penalties_at(next, others, config);
+    while (share > 1e-3 && cost(next, next_hill) > cost(at, hill)) {
+      share *= 0.5;
+      next = at + share * step;
+      next_hill = penalties_at(next, others, config);
+    }
+    const bool settled = share * step.norm() < 1e-3;
+    if (cost(next, next_hill) > cost(at, hill)) break;
+    at = next;
+    hill = next_hill;
+    if (settled) break;
   }
-  return best;
+  const double bent = (Eigen::Matrix2d::Identity() + covariance * hill.curve).determinant();
+  return {at, -cost(at, hill) - (bent > 0.0 ? 0.5 * std::log(bent) : 0.0)};
+}
+
+/// ln of what a new landmark's penalties leave, and the poses then. The other landmarks are held:
+/// an estimate.
+Child new_landmark(const Hypothesis& parent, Prediction& prediction,
+                   std::span<const std::size_t> firsts, const LocationPriorConfig& config) {
+  Child child;
+  child.poses = parent.poses;
+  child.poses.push_back(prediction.newest());
+  const Eigen::Vector2d mean = prediction.newest().translation();
+  std::vector<Eigen::Vector2d> others;
+  std::size_t nearest = 0;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const std::size_t first : firsts) {
+    const Eigen::Vector2d other = parent.poses[first].translation();
+    const double distance_m = (mean - other).norm();
+    if (distance_m < 2.0 * config.penalty_radius_m) others.push_back(other);
+    if (distance_m >= nearest_m) continue;
+    nearest_m = distance_m;
+    nearest = first;
+  }
+  if (others.empty() || config.max_penalty <= 0.0) return child;
+  const Eigen::Matrix2d covariance = prediction.covariance_apart(nearest);
+  Pushed best = push(mean, covariance, mean, others, config);
+  if (nearest_m < kTooNearM) {
+    for (const Eigen::Vector2d& offset :
+         {Eigen::Vector2d(kDisplacementM, 0.0), Eigen::Vector2d(-kDisplacementM, 0.0),
+          Eigen::Vector2d(0.0, kDisplacementM), Eigen::Vector2d(0.0, -kDisplacementM)}) {
+      const Pushed other = push(mean, covariance, mean + offset, others, config);
+      if (other.log_factor > best.log_factor) best = other;
+    }
+  }
+  child.log_odometry = best.log_factor;
+  child.poses.back().x = best.at_m.x();
+  child.poses.back().y = best.at_m.y();
+  return child;
+}
+
+/// ln of the constants of a revisit: position Gaussian, heading uniform.
+double log_revisit_constant(const LocationPriorConfig& config) {
+  return -2.0 * std::log(2.0 * std::numbers::pi * config.revisit_stddev_m);
 }
 
 double log_sum(const std::vector<Child>& children) {
@@ -69,11 +146,11 @@ double log_sum(const std::vector<Child>& children) {
   return highest + std::log(sum);
 }
 
-/// Visits of the newest visit's landmark that its local map is matched to.
-std::vector<std::size_t> partners(const Labels& labels) {
+/// Visits of a landmark that the newest local map is matched to.
+std::vector<std::size_t> partners(const Labels& labels, int label) {
   std::vector<std::size_t> visits;
-  for (std::size_t i = 0; i + 1 < labels.size(); ++i) {
-    if (labels[i] == labels.back()) visits.push_back(i);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] == label) visits.push_back(i);
   }
   if (visits.size() > kMaxPartners) {
     visits.erase(visits.begin() + 1, visits.end() - (kMaxPartners - 1));
@@ -83,77 +160,67 @@ std::vector<std::size_t> partners(const Labels& labels) {
 
 }  // namespace
 
-Children expand(const Hypothesis& parent, std::span<const Eigen::Matrix3d> newest_covariances,
-                const VisitLog& log, const TopologyConfig& config) {
+Children expand(const Hypothesis& parent, Prediction& prediction,
+                std::span<const Eigen::Matrix3d> newest_covariances, const VisitLog& log,
+                const TopologyConfig& config) {
   const std::size_t newest = parent.labels.size();
-  const Measurements measurements = log.measurements(newest + 1);
-  const OdometryFactor& odometry = measurements.odometry[newest - 1];
-  const Pose2 predicted = parent.poses.back() * odometry.mean;
-  const double lever_m = odometry.mean.translation().norm();
-  const double own_m = largest_stddev(newest_covariances.back()) +
-                       std::sqrt(odometry.covariance(0, 0)) +
-                       std::sqrt(newest_covariances.back()(2, 2)) * lever_m;
   const std::vector<double> prior = label_prior(parent.labels, config.concentration);
   const std::vector<std::size_t> firsts = first_visits(parent.labels);
+  const Eigen::Vector2d predicted = prediction.newest().translation();
+  const Eigen::Matrix2d place = config.location.revisit_stddev_m *
+                                config.location.revisit_stddev_m * Eigen::Matrix2d::Identity();
   Children result;
+  for (std::size_t label = 0; label < firsts.size(); ++label) {
+    const std::size_t first = firsts[label];
+    const Eigen::Vector2d apart = predicted - parent.poses[first].translation();
+    const Eigen::Matrix2d bound =
+        prediction.covariance_apart(first, newest_covariances[first]) + place;
+    if (apart.dot(bound.inverse() * apart) > kReachSquared) continue;
+    const Pull pull = prediction.same_place(first, config.location);
+    Prediction::Pulled pulled = prediction.pulled_by({&pull, 1});
+    result.children.push_back({static_cast<int>(label), std::log(prior[label]),
+                               pulled.log_factor + log_revisit_constant(config.location),
+                               std::move(pulled.poses)});
+  }
+  Child fresh = new_landmark(parent, prediction, firsts, config.location);
+  fresh.label = static_cast<int>(firsts.size());
+  fresh.log_prior = std::log(prior.back());
+  fresh.log_odometry += log.measurements(newest + 1).log_new_density[newest];
+  result.children.push_back(std::move(fresh));
   double best = -std::numeric_limits<double>::infinity();
-  Labels labels = parent.labels;
-  labels.push_back(0);
-  for (std::size_t label = 0; label < prior.size(); ++label) {
-    const bool is_new = label == firsts.size();
-    if (!is_new) {
-      const std::size_t first = firsts[label];
-      const double reach_m = kReachSigmas * (own_m + largest_stddev(newest_covariances[first]) +
-                                             config.location.revisit_stddev_m);
-      if (translation_distance(parent.poses[first], predicted) > reach_m) continue;
-    }
-    Child child;
-    child.label = static_cast<int>(label);
-    child.log_prior = std::log(prior[label]);
-    labels.back() = child.label;
-    child.evidence =
-        best_evidence(labels, measurements, parent, predicted, is_new, config.location);
-    if (!child.evidence.converged) {
-      ++result.not_converged;
-      continue;
-    }
-    child.log_odometry = child.evidence.log_evidence - parent.log_evidence;
+  for (const Child& child : result.children) {
     best = std::max(best, child.log_prior + child.log_odometry);
-    result.children.push_back(std::move(child));
   }
   std::erase_if(result.children, [&](const Child& child) {
     return child.log_prior + child.log_odometry < best - config.negligible;
   });
-  if (!result.children.empty()) result.log_normalizer = log_sum(result.children);
+  result.log_normalizer = log_sum(result.children);
   return result;
 }
 
-std::optional<Grown> look(const Hypothesis& parent, const Child& child, VisitLog& log,
-                          const TopologyConfig& config) {
-  Grown grown{{}, child.evidence.newest_covariance};
-  Hypothesis& next = grown.hypothesis;
-  next.labels = parent.labels;
-  next.labels.push_back(child.label);
-  next.scans = parent.scans;
-  next.log_evidence = child.evidence.log_evidence;
-  next.poses = child.evidence.poses;
+Sight look(const Hypothesis& parent, const Child& child, Prediction& prediction, VisitLog& log,
+           const TopologyConfig& config) {
+  Sight sight{std::nullopt, parent.log_evidence + child.log_odometry, child.poses};
   const std::size_t newest = parent.labels.size();
-  std::optional<ScanFactor> factor;
-  for (const std::size_t visit : partners(next.labels)) {
-    if (log.visit(visit).patch.empty() || log.visit(newest).patch.empty()) continue;
+  if (log.visit(newest).patch.empty()) return sight;
+  for (const std::size_t visit : partners(parent.labels, child.label)) {
+    if (log.visit(visit).patch.empty()) continue;
     const PlaceMatch match =
-        log.match(visit, newest, between(next.poses[visit], next.poses[newest]));
-    if (!factor || match.gain > factor->match.gain) factor = ScanFactor{visit, newest, match};
+        log.match(visit, newest, between(child.poses[visit], child.poses[newest]));
+    if (sight.scan && match.gain <= sight.scan->match.gain) continue;
+    sight.scan = ScanFactor{visit, newest, match};
   }
-  if (!factor) return grown;
-  next.scans.push_back(*factor);
-  Evidence evidence = evaluate(next.labels, log.measurements(newest + 1), next.scans,
-                               child.evidence.poses, config.location);
-  if (!evidence.converged) return std::nullopt;
-  next.log_evidence = evidence.log_evidence;
-  next.poses = std::move(evidence.poses);
-  grown.newest_covariance = evidence.newest_covariance;
-  return grown;
+  if (!sight.scan) return sight;
+  sight.log_evidence += sight.scan->match.gain;
+  if (!sight.scan->match.converged) return sight;
+  const std::size_t first = first_visits(parent.labels)[static_cast<std::size_t>(child.label)];
+  const std::array<Pull, 2> pulls{prediction.same_place(first, config.location),
+                                  prediction.laid_on(sight.scan->from, sight.scan->match)};
+  Prediction::Pulled pulled = prediction.pulled_by(pulls);
+  sight.log_evidence = parent.log_evidence + log_revisit_constant(config.location) +
+                       sight.scan->match.gain + pulled.log_factor;
+  sight.poses = std::move(pulled.poses);
+  return sight;
 }
 
 }  // namespace strata::topology

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -15,6 +16,13 @@ namespace {
 constexpr std::size_t kMinPoints = 10;
 /// Of the gate, from one round to the next.
 constexpr double kGateShrink = 0.8;
+/// Points that try the starts, about.
+constexpr std::size_t kSamplePoints = 80;
+/// Alignments found from the starts that all points are spent on.
+constexpr std::size_t kFinalists = 2;
+/// Two alignments within this are one.
+constexpr double kSameM = 0.05;
+constexpr double kSameRad = 0.02;
 
 struct Normal {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  // sum of w J' J
@@ -23,16 +31,17 @@ struct Normal {
 };
 
 /// Normal equations of sum w (n' (T p - q))^2, Cauchy weights, at T = a_from_b.
-Normal normal_equations(const PlacePatch& a, const PlacePatch& b, const NearestPoint& nearest,
-                        const Pose2& a_from_b, double gate_m, double robust_scale_m) {
+Normal normal_equations(const PlaceSurface& surface, const PlacePatch& b, const Pose2& a_from_b,
+                        double gate_m, double robust_scale_m) {
   Normal normal;
+  const PlacePatch& a = surface.patch();
   const double cosine = std::cos(a_from_b.theta);
   const double sine = std::sin(a_from_b.theta);
   for (const Eigen::Vector2d& point : b.points_m) {
     const Eigen::Vector2d turned(cosine * point.x() - sine * point.y(),
                                  sine * point.x() + cosine * point.y());
     const Eigen::Vector2d at = turned + a_from_b.translation();
-    const std::size_t i = nearest.find(at, gate_m);
+    const std::size_t i = surface.find_about(at, gate_m);
     if (i == NearestPoint::kNone) continue;
     const Eigen::Vector2d& n = a.normals[i];
     const double residual = n.dot(at - a.points_m[i]);
@@ -46,12 +55,12 @@ Normal normal_equations(const PlacePatch& a, const PlacePatch& b, const NearestP
   return normal;
 }
 
-Pose2 refine(const PlacePatch& a, const PlacePatch& b, const NearestPoint& nearest,
-             const Pose2& start, const PatchMatchConfig& config) {
+Pose2 refine(const PlaceSurface& a, const PlacePatch& b, const Pose2& start, double first_gate_m,
+             const PatchMatchConfig& config) {
   Pose2 pose = start;
-  double gate_m = config.first_gate_m;
+  double gate_m = first_gate_m;
   for (int i = 0; i < config.max_iterations; ++i) {
-    const Normal normal = normal_equations(a, b, nearest, pose, gate_m, config.robust_scale_m);
+    const Normal normal = normal_equations(a, b, pose, gate_m, config.robust_scale_m);
     if (normal.matched < kMinPoints) return pose;
     // A direction that no surface fixes must not run away.
     const Eigen::Matrix3d damped =
@@ -65,9 +74,26 @@ Pose2 refine(const PlacePatch& a, const PlacePatch& b, const NearestPoint& neare
   return pose;
 }
 
+/// About `count` points, evenly taken.
+PlacePatch sample_of(const PlacePatch& patch, std::size_t count) {
+  const std::size_t stride = std::max<std::size_t>(1, patch.size() / count);
+  PlacePatch sample;
+  for (std::size_t i = 0; i < patch.size(); i += stride) {
+    sample.points_m.push_back(patch.points_m[i]);
+    sample.normals.push_back(patch.normals[i]);
+  }
+  return sample;
+}
+
+bool is_about(const Pose2& a, const Pose2& b) {
+  return translation_distance(a, b) < kSameM &&
+         std::abs(angle_difference(a.theta, b.theta)) < kSameRad;
+}
+
 /// Gain, overlap and information at an alignment.
-PlaceMatch judge(const PlacePatch& a, const PlacePatch& b, const NearestPoint& nearest,
-                 const Pose2& pose, const PatchMatchConfig& config) {
+PlaceMatch judge(const PlaceSurface& surface, const PlacePatch& b, const Pose2& pose,
+                 const PatchMatchConfig& config) {
+  const PlacePatch& a = surface.patch();
   PlaceMatch match;
   match.a_from_b = pose;
   const double tempering = std::min(1.0, config.effective_points / static_cast<double>(b.size()));
@@ -77,7 +103,7 @@ PlaceMatch judge(const PlacePatch& a, const PlacePatch& b, const NearestPoint& n
   std::size_t on_surface = 0;
   for (const Eigen::Vector2d& point : b.points_m) {
     const Eigen::Vector2d at = pose * point;
-    const std::size_t i = nearest.find(at, config.first_gate_m);
+    const std::size_t i = surface.exact().find(at, config.first_gate_m);
     double density = 1.0 - config.hit_share;
     if (i != NearestPoint::kNone) {
       const double rho = a.normals[i].dot(at - a.points_m[i]) / config.noise_m;
@@ -92,7 +118,7 @@ PlaceMatch judge(const PlacePatch& a, const PlacePatch& b, const NearestPoint& n
   match.gain = tempering * gain;
   match.overlap = static_cast<double>(on_surface) / static_cast<double>(b.size());
   const Normal normal =
-      normal_equations(a, b, nearest, pose, config.last_gate_m, config.robust_scale_m);
+      normal_equations(surface, b, pose, config.last_gate_m, config.robust_scale_m);
   match.information = tempering / (config.noise_m * config.noise_m) * normal.matrix;
   match.converged = match.overlap >= config.min_overlap && normal.matched >= kMinPoints;
   return match;
@@ -100,17 +126,35 @@ PlaceMatch judge(const PlacePatch& a, const PlacePatch& b, const NearestPoint& n
 
 }  // namespace
 
-PlaceMatch match_patches(const PlacePatch& a, const PlacePatch& b,
+/// Few points try every start; all points go on from where the best of them came to rest.
+PlaceMatch match_patches(const PlaceSurface& a, const PlacePatch& b,
                          std::span<const Pose2> starts_a_from_b, const PatchMatchConfig& config) {
   PlaceMatch best;
   best.gain = config.failure_gain;
-  if (a.size() < kMinPoints || b.size() < kMinPoints) return best;
-  const NearestPoint nearest(a.points_m, config.first_gate_m);
+  if (a.patch().size() < kMinPoints || b.size() < kMinPoints) return best;
+  const PlacePatch sample = sample_of(b, kSamplePoints);
+  std::vector<PlaceMatch> tried;
   for (const Pose2& start : starts_a_from_b) {
-    const PlaceMatch match = judge(a, b, nearest, refine(a, b, nearest, start, config), config);
+    const Pose2 pose = refine(a, sample, start, config.first_gate_m, config);
+    const bool known = std::any_of(tried.begin(), tried.end(), [&](const PlaceMatch& match) {
+      return is_about(match.a_from_b, pose);
+    });
+    if (!known) tried.push_back(judge(a, sample, pose, config));
+  }
+  std::stable_sort(tried.begin(), tried.end(), [](const PlaceMatch& one, const PlaceMatch& other) {
+    return one.gain > other.gain;
+  });
+  for (std::size_t i = 0; i < std::min(tried.size(), kFinalists); ++i) {
+    const Pose2 pose = refine(a, b, tried[i].a_from_b, 2.0 * config.last_gate_m, config);
+    const PlaceMatch match = judge(a, b, pose, config);
     if (match.converged && (!best.converged || match.gain > best.gain)) best = match;
   }
   return best;
+}
+
+PlaceMatch match_patches(const PlacePatch& a, const PlacePatch& b,
+                         std::span<const Pose2> starts_a_from_b, const PatchMatchConfig& config) {
+  return match_patches(PlaceSurface(a, config.first_gate_m), b, starts_a_from_b, config);
 }
 
 }  // namespace strata::topology

@@ -27,7 +27,12 @@ struct PlaceMatch {
 /// The best of the alignments found from every start; deterministic. Not converged (with the
 /// config's failure gain) when the overlap stays too small, or a patch has too few points.
 /// The points of a patch are correlated: information and gain count as if it had
-/// config.effective_points. O(starts x iterations x points).
+/// config.effective_points. The surface's reach is to be
+/// config.first_gate_m. O(starts x iterations x points).
+[[nodiscard]] PlaceMatch match_patches(const PlaceSurface& a, const PlacePatch& b,
+                                       std::span<const Pose2> starts_a_from_b,
+                                       const PatchMatchConfig& config);
+/// The same for a patch that is used once.
 [[nodiscard]] PlaceMatch match_patches(const PlacePatch& a, const PlacePatch& b,
                                        std::span<const Pose2> starts_a_from_b,
                                        const PatchMatchConfig& config);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -11,7 +12,7 @@
 namespace strata::topology {
 
 NearestPoint::NearestPoint(const std::vector<Eigen::Vector2d>& points_m, double reach_m)
-    : points_m_(points_m), reach_m_(reach_m) {
+    : points_m_(points_m), reach_m_(reach_m), cell_m_(reach_m / kCellsPerReach) {
   if (points_m.empty()) return;
   min_ = points_m.front();
   Eigen::Vector2d max = min_;
@@ -19,11 +20,11 @@ NearestPoint::NearestPoint(const std::vector<Eigen::Vector2d>& points_m, double 
     min_ = min_.cwiseMin(point);
     max = max.cwiseMax(point);
   }
-  width_ = static_cast<int>((max.x() - min_.x()) / reach_m) + 1;
-  height_ = static_cast<int>((max.y() - min_.y()) / reach_m) + 1;
+  width_ = static_cast<int>((max.x() - min_.x()) / cell_m_) + 1;
+  height_ = static_cast<int>((max.y() - min_.y()) / cell_m_) + 1;
   const auto bucket = [&](const Eigen::Vector2d& point) {
-    const int x = static_cast<int>((point.x() - min_.x()) / reach_m_);
-    const int y = static_cast<int>((point.y() - min_.y()) / reach_m_);
+    const int x = static_cast<int>((point.x() - min_.x()) / cell_m_);
+    const int y = static_cast<int>((point.y() - min_.y()) / cell_m_);
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
            static_cast<std::size_t>(x);
   };
@@ -36,41 +37,99 @@ NearestPoint::NearestPoint(const std::vector<Eigen::Vector2d>& points_m, double 
 }
 
 template <typename Visit>
-void NearestPoint::for_near(const Eigen::Vector2d& at, Visit&& visit) const {
-  const Eigen::Vector2d place = (at - min_) / reach_m_;
-  if (!(place.x() > -1.0 && place.y() > -1.0 && place.x() < width_ + 1.0 &&
-        place.y() < height_ + 1.0)) {
-    return;
+void NearestPoint::for_row(int y, int from_x, int to_x, Visit&& visit) const {
+  if (y < 0 || y >= height_) return;
+  from_x = std::max(0, from_x);
+  to_x = std::min(width_ - 1, to_x);
+  if (from_x > to_x) return;
+  const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+  const std::size_t end = begin_[row + static_cast<std::size_t>(to_x) + 1];
+  for (std::size_t k = begin_[row + static_cast<std::size_t>(from_x)]; k < end; ++k) {
+    visit(order_[k]);
   }
-  const int x = static_cast<int>(std::floor(place.x()));
-  const int y = static_cast<int>(std::floor(place.y()));
-  for (int by = std::max(0, y - 1); by <= std::min(height_ - 1, y + 1); ++by) {
-    for (int bx = std::max(0, x - 1); bx <= std::min(width_ - 1, x + 1); ++bx) {
-      const std::size_t bucket = static_cast<std::size_t>(by) * static_cast<std::size_t>(width_) +
-                                 static_cast<std::size_t>(bx);
-      for (std::size_t k = begin_[bucket]; k < begin_[bucket + 1]; ++k) visit(order_[k]);
-    }
+}
+
+/// The cell of a place; nothing when it is out of everything's reach, or not finite.
+std::optional<Eigen::Vector2i> NearestPoint::cell_of(const Eigen::Vector2d& at) const {
+  const Eigen::Vector2d place = (at - min_) / cell_m_;
+  constexpr double kMargin = kCellsPerReach;
+  if (!(place.x() >= -kMargin && place.y() >= -kMargin && place.x() <= width_ + kMargin &&
+        place.y() <= height_ + kMargin)) {
+    return std::nullopt;
   }
+  return Eigen::Vector2i(static_cast<int>(std::floor(place.x())),
+                         static_cast<int>(std::floor(place.y())));
 }
 
 std::size_t NearestPoint::find(const Eigen::Vector2d& at, double gate_m) const {
   const double gate = std::min(gate_m, reach_m_);
   double best = gate * gate;
   std::size_t nearest = kNone;
-  for_near(at, [&](std::size_t i) {
+  const std::optional<Eigen::Vector2i> cell = cell_of(at);
+  if (!cell) return kNone;
+  const auto look = [&](std::size_t i) {
     const double squared = (points_m_[i] - at).squaredNorm();
     if (squared > best || (squared == best && nearest != kNone && i > nearest)) return;
     best = squared;
     nearest = i;
-  });
+  };
+  // Ring after ring of cells, until the next one is further away than the best.
+  for (int ring = 0; ring == 0 || (ring - 1) * cell_m_ * (ring - 1) * cell_m_ <= best; ++ring) {
+    for (int y = cell->y() - ring; y <= cell->y() + ring; ++y) {
+      if (y == cell->y() - ring || y == cell->y() + ring) {
+        for_row(y, cell->x() - ring, cell->x() + ring, look);
+      } else {
+        for_row(y, cell->x() - ring, cell->x() - ring, look);
+        for_row(y, cell->x() + ring, cell->x() + ring, look);
+      }
+    }
+  }
   return nearest;
 }
 
 void NearestPoint::within(const Eigen::Vector2d& at, std::vector<std::size_t>& found) const {
   found.clear();
-  for_near(at, [&](std::size_t i) {
-    if ((points_m_[i] - at).squaredNorm() <= reach_m_ * reach_m_) found.push_back(i);
-  });
+  const std::optional<Eigen::Vector2i> cell = cell_of(at);
+  if (!cell) return;
+  constexpr int kReach = kCellsPerReach + 1;
+  for (int y = cell->y() - kReach; y <= cell->y() + kReach; ++y) {
+    for_row(y, cell->x() - kReach, cell->x() + kReach, [&](std::size_t i) {
+      if ((points_m_[i] - at).squaredNorm() <= reach_m_ * reach_m_) found.push_back(i);
+    });
+  }
+}
+
+PlaceSurface::PlaceSurface(const PlacePatch& patch, double reach_m)
+    : patch_(patch), exact_(patch.points_m, reach_m) {
+  if (patch.empty()) return;
+  const auto reach = static_cast<int>(std::ceil(reach_m / kCellM));
+  min_ = patch.points_m.front();
+  Eigen::Vector2d max = min_;
+  for (const Eigen::Vector2d& point : patch.points_m) {
+    min_ = min_.cwiseMin(point);
+    max = max.cwiseMax(point);
+  }
+  min_ -= Eigen::Vector2d::Constant(reach_m);
+  width_ = static_cast<int>((max.x() - min_.x()) / kCellM) + 1 + reach;
+  height_ = static_cast<int>((max.y() - min_.y()) / kCellM) + 1 + reach;
+  const std::size_t cells = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  nearest_.assign(cells, -1);
+  std::vector<double> squared_m(cells, std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    const Eigen::Vector2d place = (patch.points_m[i] - min_) / kCellM;
+    const int x = static_cast<int>(place.x());
+    const int y = static_cast<int>(place.y());
+    for (int cy = std::max(0, y - reach); cy <= std::min(height_ - 1, y + reach); ++cy) {
+      for (int cx = std::max(0, x - reach); cx <= std::min(width_ - 1, x + reach); ++cx) {
+        const std::size_t cell = static_cast<std::size_t>(cy) * static_cast<std::size_t>(width_) +
+                                 static_cast<std::size_t>(cx);
+        const double squared = (Eigen::Vector2d(cx + 0.5, cy + 0.5) - place).squaredNorm();
+        if (squared >= squared_m[cell]) continue;
+        squared_m[cell] = squared;
+        nearest_[cell] = static_cast<std::int32_t>(i);
+      }
+    }
+  }
 }
 
 PlacePatch with_normals(std::span<const Eigen::Vector2d> points_m, int neighbours) {

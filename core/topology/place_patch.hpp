@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -61,15 +63,49 @@ class NearestPoint {
   void within(const Eigen::Vector2d& at, std::vector<std::size_t>& found) const;
 
  private:
+  static constexpr int kCellsPerReach = 4;
   template <typename Visit>
-  void for_near(const Eigen::Vector2d& at, Visit&& visit) const;
+  void for_row(int y, int from_x, int to_x, Visit&& visit) const;
+  [[nodiscard]] std::optional<Eigen::Vector2i> cell_of(const Eigen::Vector2d& at) const;
   const std::vector<Eigen::Vector2d>& points_m_;
   double reach_m_;
+  double cell_m_;
   Eigen::Vector2d min_{0.0, 0.0};
   int width_ = 0;
   int height_ = 0;
   std::vector<std::size_t> begin_;  // of each bucket in order_
   std::vector<std::size_t> order_;
+};
+
+/// A patch made ready to lay others on. Keeps a reference to it.
+class PlaceSurface {
+ public:
+  /// reach_m > 0: nothing further away counts.
+  PlaceSurface(const PlacePatch& patch, double reach_m);
+  [[nodiscard]] const PlacePatch& patch() const { return patch_; }
+  [[nodiscard]] const NearestPoint& exact() const { return exact_; }
+  /// Index of a point about as near as the nearest, within gate_m; NearestPoint::kNone: none. One
+  /// look into a table: right up to a cell of kCellM.
+  [[nodiscard]] std::size_t find_about(const Eigen::Vector2d& at, double gate_m) const {
+    const double x = (at.x() - min_.x()) / kCellM;
+    const double y = (at.y() - min_.y()) / kCellM;
+    if (!(x >= 0.0 && y >= 0.0 && x < width_ && y < height_)) return NearestPoint::kNone;
+    const std::int32_t i = nearest_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                                    static_cast<std::size_t>(x)];
+    if (i < 0) return NearestPoint::kNone;
+    const auto index = static_cast<std::size_t>(i);
+    if ((patch_.points_m[index] - at).squaredNorm() > gate_m * gate_m) return NearestPoint::kNone;
+    return index;
+  }
+
+ private:
+  static constexpr double kCellM = 0.1;
+  const PlacePatch& patch_;
+  NearestPoint exact_;
+  Eigen::Vector2d min_{0.0, 0.0};
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<std::int32_t> nearest_;  // of each cell; -1: none
 };
 
 }  // namespace strata::topology

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
+#include <iterator>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -18,6 +18,8 @@ namespace strata::topology {
 namespace {
 
 constexpr std::uint32_t kResampleIndex = 0xFFFFFFFFU;
+/// By so much linearizing may misjudge a topology against another one.
+constexpr double kLinearizationErrorNats = 5.0;
 
 /// One topology with what only the filter needs of it.
 struct Particle {
@@ -29,6 +31,16 @@ struct Particle {
 struct Choice {
   std::size_t child = 0;
   double log_factor = 0.0;  ///< weight before looking, less ln Z(L + j; odometry)
+};
+
+/// A label to follow, with its scan.
+struct Candidate {
+  std::size_t parent = 0;
+  int label = 0;
+  double log_factor = 0.0;
+  Sight sight;
+
+  [[nodiscard]] double log_weight() const { return log_factor + sight.log_evidence; }
 };
 
 /// How often each hypothesis is taken when `count` are drawn by probability (systematic).
@@ -72,6 +84,10 @@ struct TopologyFilter::State {
 
   void begin();
   void grow();
+  [[nodiscard]] std::vector<Candidate> candidates_of(std::size_t parent, int times,
+                                                     std::uint32_t first);
+  void leave_out_hopeless(std::vector<Candidate>& candidates) const;
+  void settle(const std::vector<Candidate>& candidates);
   [[nodiscard]] std::vector<int> parents() const;
   [[nodiscard]] std::vector<Choice> choose(std::size_t parent, int times, std::uint32_t first,
                                            const Children& children) const;
@@ -84,6 +100,7 @@ void TopologyFilter::State::begin() {
   only.labels = {0};
   only.probability = 1.0;
   only.poses = {log.visit(0).odom_from_robot};
+  only.gaussian = std::make_shared<const LocationGaussian>();
   posterior = {only};
   newest_covariances = {{Eigen::Matrix3d::Zero()}};
 }
@@ -132,7 +149,7 @@ std::vector<Choice> TopologyFilter::State::choose(std::size_t parent, int times,
     if (!with_odometry) {
       log_factor -= hypothesis.log_evidence;
     } else {
-      log_factor -= child.evidence.log_evidence;
+      log_factor -= hypothesis.log_evidence + child.log_odometry;
       if (config.weighting == Weighting::kCorrected) log_factor += children.log_normalizer;
     }
     choices.push_back({c, log_factor});
@@ -146,45 +163,88 @@ void TopologyFilter::State::grow() {
   for (std::size_t i = 1; i < times.size(); ++i) {
     first[i] = first[i - 1] + static_cast<std::uint32_t>(times[i - 1]);
   }
-  struct Brood {
-    std::vector<Particle> particles;
-    std::vector<double> log_weights;
-    std::size_t not_converged = 0;
-  };
-  std::vector<Brood> broods(posterior.size());
+  std::vector<std::vector<Candidate>> broods(posterior.size());
   pool.for_chunks(posterior.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    if (times[i] == 0) return;
-    const Children children = expand(posterior[i], newest_covariances[i], log, config);
-    Brood& brood = broods[i];
-    brood.not_converged = children.not_converged;
-    if (children.children.empty()) return;
-    for (const Choice& choice : choose(i, times[i], first[i], children)) {
-      std::optional<Grown> grown = look(posterior[i], children.children[choice.child], log, config);
-      if (!grown) {
-        ++brood.not_converged;
-        continue;
-      }
-      brood.log_weights.push_back(choice.log_factor + grown->hypothesis.log_evidence);
-      std::vector<Eigen::Matrix3d> covariances = newest_covariances[i];
-      covariances.push_back(grown->newest_covariance);
-      brood.particles.push_back({std::move(grown->hypothesis), std::move(covariances)});
-    }
+    if (times[i] > 0) broods[i] = candidates_of(i, times[i], first[i]);
+  });
+  std::vector<Candidate> candidates;
+  for (std::vector<Candidate>& brood : broods) {
+    std::move(brood.begin(), brood.end(), std::back_inserter(candidates));
+  }
+  if (config.expansion == Expansion::kBest) leave_out_hopeless(candidates);
+  counts.failed_matches = log.failed_matches();
+  settle(candidates);
+}
+
+/// The labels that the copies of one parent follow.
+std::vector<Candidate> TopologyFilter::State::candidates_of(std::size_t parent, int times,
+                                                            std::uint32_t first) {
+  const Hypothesis& hypothesis = posterior[parent];
+  const OdometryFactor& odometry = log.measurements(log.size()).odometry.back();
+  Prediction prediction(hypothesis.poses, *hypothesis.gaussian, odometry);
+  const Children children = expand(hypothesis, prediction, newest_covariances[parent], log, config);
+  std::vector<Candidate> candidates;
+  for (const Choice& choice : choose(parent, times, first, children)) {
+    const Child& child = children.children[choice.child];
+    candidates.push_back(
+        {parent, child.label, choice.log_factor, look(hypothesis, child, prediction, log, config)});
+  }
+  return candidates;
+}
+
+/// Those that cannot be among the best even if linearizing did them wrong.
+void TopologyFilter::State::leave_out_hopeless(std::vector<Candidate>& candidates) const {
+  const auto kept = static_cast<std::size_t>(config.particles);
+  if (candidates.size() <= kept) return;
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return candidates[a].log_weight() > candidates[b].log_weight();
+  });
+  const double least = candidates[order[kept - 1]].log_weight() - kLinearizationErrorNats;
+  std::vector<Candidate> hopeful;
+  for (const std::size_t i : order) {
+    if (hopeful.size() == 2 * kept || candidates[i].log_weight() < least) break;
+    hopeful.push_back(std::move(candidates[i]));
+  }
+  candidates = std::move(hopeful);
+}
+
+/// Optimizes every candidate and keeps the best.
+void TopologyFilter::State::settle(const std::vector<Candidate>& candidates) {
+  std::vector<std::optional<Particle>> settled(candidates.size());
+  std::vector<double> log_weights(candidates.size(), 0.0);
+  pool.for_chunks(candidates.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    const Candidate& candidate = candidates[i];
+    const Hypothesis& parent = posterior[candidate.parent];
+    Hypothesis next{parent.labels, 0.0, 0.0, {}, parent.scans, nullptr};
+    next.labels.push_back(candidate.label);
+    if (candidate.sight.scan) next.scans.push_back(*candidate.sight.scan);
+    Evidence evidence = evaluate(next.labels, log.measurements(log.size()), next.scans,
+                                 candidate.sight.poses, config.location);
+    if (!evidence.converged) return;
+    log_weights[i] = candidate.log_factor + evidence.log_evidence;
+    next.log_evidence = evidence.log_evidence;
+    next.poses = std::move(evidence.poses);
+    next.gaussian = std::move(evidence.gaussian);
+    settled[i] = Particle{std::move(next), newest_covariances[candidate.parent]};
+    settled[i]->newest_covariances.push_back(
+        block_of(settled[i]->hypothesis.gaussian->covariance_with(log.size() - 1), log.size() - 1));
   });
   std::vector<Particle> particles;
-  std::vector<double> log_weights;
-  for (Brood& brood : broods) {
-    counts.not_converged += brood.not_converged;
-    for (std::size_t k = 0; k < brood.particles.size(); ++k) {
-      if (!std::isfinite(brood.log_weights[k])) continue;
-      particles.push_back(std::move(brood.particles[k]));
-      log_weights.push_back(brood.log_weights[k]);
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < settled.size(); ++i) {
+    if (!settled[i] || !std::isfinite(log_weights[i])) {
+      ++counts.not_converged;
+      continue;
     }
+    particles.push_back(std::move(*settled[i]));
+    weights.push_back(log_weights[i]);
   }
-  counts.failed_matches = log.failed_matches();
   if (particles.empty()) {
     keep_as_new();
   } else {
-    keep(std::move(particles), std::move(log_weights));
+    keep(std::move(particles), std::move(weights));
   }
 }
 
@@ -212,13 +272,24 @@ void TopologyFilter::State::keep(std::vector<Particle> particles, std::vector<do
 }
 
 /// Nothing could be evaluated: the visit is held to be a new landmark where the odometry leads, so
-/// that the posterior stays what it was before.
+/// that the posterior stays what it was before. The Gaussian then is that of the odometry alone.
 void TopologyFilter::State::keep_as_new() {
-  const OdometryFactor& odometry = log.measurements(log.size()).odometry.back();
+  const Measurements measurements = log.measurements(log.size());
+  const OdometryFactor& odometry = measurements.odometry.back();
+  Labels apart(log.size());
+  std::vector<Pose2> way{posterior.front().poses.front()};
+  for (std::size_t i = 0; i < apart.size(); ++i) {
+    apart[i] = static_cast<int>(i);
+    if (i > 0) way.push_back(way.back() * measurements.odometry[i - 1].mean);
+  }
+  LocationPriorConfig without_penalty = config.location;
+  without_penalty.max_penalty = 0.0;
+  const Evidence by_odometry = evaluate(apart, measurements, {}, way, without_penalty);
   for (std::size_t i = 0; i < posterior.size(); ++i) {
     Hypothesis& hypothesis = posterior[i];
     hypothesis.labels.push_back(landmark_count(hypothesis.labels));
     hypothesis.poses.push_back(hypothesis.poses.back() * odometry.mean);
+    hypothesis.gaussian = by_odometry.gaussian;
     newest_covariances[i].push_back(newest_covariances[i].back() + odometry.covariance);
   }
 }
@@ -249,9 +320,7 @@ bool TopologyFilter::add(LandmarkVisit visit) {
 const std::vector<Hypothesis>& TopologyFilter::posterior() const { return state_->posterior; }
 
 std::vector<Pose2Gaussian> TopologyFilter::locations(const Hypothesis& hypothesis) const {
-  const std::vector<Eigen::Matrix3d> covariances =
-      marginal_covariances(hypothesis.labels, state_->log.measurements(hypothesis.labels.size()),
-                           hypothesis.scans, hypothesis.poses, state_->config.location);
+  const std::vector<Eigen::Matrix3d> covariances = marginal_covariances(*hypothesis.gaussian);
   std::vector<Pose2Gaussian> locations;
   for (std::size_t i = 0; i < covariances.size(); ++i) {
     locations.push_back({hypothesis.poses[i], covariances[i]});

@@ -34,6 +34,8 @@ struct Hypothesis {
   /// first visit.
   std::vector<Pose2> poses;
   std::vector<ScanFactor> scans;  ///< local maps laid on each other
+  /// The Gaussian around the poses; never null.
+  std::shared_ptr<const LocationGaussian> gaussian;
 };
 
 /// What did not go as it should.
@@ -48,7 +50,10 @@ struct TopologyCounts {
 /// locations. Particles of equal topologies are one with their sum of weights, since everything
 /// else of them is equal too. Departures from the paper: the weight contains the normalizer of the
 /// proposal, which differs between particles (`weighting: paper` leaves it out as printed); a new
-/// landmark is evaluated like a known one; by default the most probable topologies are kept exactly
+/// landmark is evaluated like a known one; labels are proposed by the linearized odometry
+/// likelihood (the weights make up for what linearizing does to the proposal), and with `expansion:
+/// best` only the topologies that may be among the best after linearizing are optimized; by default
+/// the most probable topologies are kept exactly
 /// (`expansion: particles` draws them, as the paper does): fifty drawn ones often lose the truth
 /// where a loop closes late, the fifty best hold it; with as many as there are topologies it
 /// enumerates. Not thread-safe; two objects are independent. The same bits at any number of

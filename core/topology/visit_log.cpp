@@ -9,8 +9,8 @@
 namespace strata::topology {
 namespace {
 
-constexpr double kGuessStepM = 0.25;
-constexpr double kGuessStepRad = 0.1;
+constexpr double kGuessStepM = 0.5;
+constexpr double kGuessStepRad = 0.2;
 /// How far around the guess matching begins: about what the odometry leaves open.
 constexpr double kStartOffsetM = 0.4;
 constexpr double kStartOffsetRad = 0.25;
@@ -50,6 +50,7 @@ void VisitLog::add(LandmarkVisit visit) {
       max_ - min_ + Eigen::Vector2d::Constant(2.0 * config_.location.area_margin_m);
   log_new_density_.push_back(-std::log(2.0 * std::numbers::pi * extent.x() * extent.y()));
   visits_.push_back(std::move(visit));
+  surfaces_.emplace_back(visits_.back().patch, config_.match.first_gate_m);
 }
 
 Measurements VisitLog::measurements(std::size_t count) const {
@@ -68,7 +69,7 @@ PlaceMatch VisitLog::match(std::size_t a, std::size_t b, const Pose2& guess) {
                       static_cast<double>(key[3]) * kGuessStepM,
                       static_cast<double>(key[4]) * kGuessStepRad};
   const PlaceMatch match =
-      match_patches(visits_[a].patch, visits_[b].patch, starts_around(rounded), config_.match);
+      match_patches(surfaces_[a], visits_[b].patch, starts_around(rounded), config_.match);
   const std::lock_guard lock(mutex_);
   matches_.emplace(key, match);
   return match;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <vector>
@@ -37,7 +38,8 @@ class VisitLog {
  private:
   using Key = std::array<long, 5>;
   TopologyConfig config_;
-  std::vector<LandmarkVisit> visits_;
+  std::deque<LandmarkVisit> visits_;   // they stay where they are
+  std::deque<PlaceSurface> surfaces_;  // of the visits' patches
   std::vector<OdometryFactor> odometry_;
   std::vector<double> log_new_density_;
   Eigen::Vector2d min_{0.0, 0.0};

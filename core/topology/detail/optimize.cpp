@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 
 #include "core/pose_graph/pose_graph.hpp"
@@ -15,6 +17,18 @@ using RowMajor23 = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
 /// Up to this many visits a dense solver is faster.
 constexpr std::size_t kDenseVisits = 15;
 
+/// Penalties reach this much beyond their radius at the start; poses that move into the radius
+/// unseen ask for another round.
+constexpr double kReachMargin = 1.2;
+constexpr int kMaxRounds = 5;
+
+/// A square root that exists for singular information too: root' * root = information.
+Eigen::Matrix3d square_root(const Eigen::Matrix3d& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information);
+  const Eigen::Vector3d roots = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  return roots.asDiagonal() * solver.eigenvectors().transpose();
+}
+
 /// Ceres wants Jacobians row by row, and asks only for some of them.
 void write(const Eigen::Matrix3d& jacobian, double* row_major) {
   if (row_major == nullptr) return;
@@ -24,22 +38,23 @@ void write(const Eigen::Matrix3d& jacobian, double* row_major) {
 
 class LinkCost final : public ceres::SizedCostFunction<3, 3, 3> {
  public:
-  explicit LinkCost(const Link& link) : link_(link) {}
+  explicit LinkCost(const Link& link) : link_(link), whitener_(square_root(link.information)) {}
   bool Evaluate(const double* const* x, double* residuals, double** jacobians) const override {
     const Pose2 a{x[0][0], x[0][1], x[0][2]};
     const Pose2 b{x[1][0], x[1][1], x[1][2]};
     Eigen::Matrix3d by_a;
     Eigen::Matrix3d by_b;
     Eigen::Map<Eigen::Vector3d> whitened(residuals);
-    whitened = link_.whitener * pose_graph::edge_error(a, b, link_.a_from_b, &by_a, &by_b);
+    whitened = whitener_ * pose_graph::edge_error(a, b, link_.a_from_b, &by_a, &by_b);
     if (jacobians == nullptr) return true;
-    write(link_.whitener * by_a, jacobians[0]);
-    write(link_.whitener * by_b, jacobians[1]);
+    write(whitener_ * by_a, jacobians[0]);
+    write(whitener_ * by_b, jacobians[1]);
     return true;
   }
 
  private:
   Link link_;
+  Eigen::Matrix3d whitener_;
 };
 
 class RevisitCost final : public ceres::SizedCostFunction<2, 3, 3> {
@@ -89,10 +104,8 @@ class PenaltyCost final : public ceres::SizedCostFunction<1, 3, 3> {
   const LocationPriorConfig& config_;
 };
 
-}  // namespace
-
-bool optimize(const Terms& terms, const LocationPriorConfig& config, std::vector<Pose2>& poses,
-              double& cost) {
+bool solve(const Terms& terms, const std::vector<Pair>& penalties,
+           const LocationPriorConfig& config, std::vector<Pose2>& poses) {
   static_assert(sizeof(Pose2) == 3 * sizeof(double));
   const auto block = [&](std::size_t i) { return &poses[i].x; };
   ceres::Problem problem;
@@ -105,7 +118,7 @@ bool optimize(const Terms& terms, const LocationPriorConfig& config, std::vector
     problem.AddResidualBlock(new RevisitCost(config.revisit_stddev_m), nullptr, block(pair.a),
                              block(pair.b));
   }
-  for (const Pair& pair : terms.penalties) {
+  for (const Pair& pair : penalties) {
     problem.AddResidualBlock(new PenaltyCost(config), nullptr, block(pair.a), block(pair.b));
   }
   ceres::Solver::Options options;
@@ -117,8 +130,30 @@ bool optimize(const Terms& terms, const LocationPriorConfig& config, std::vector
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  cost = summary.final_cost;
-  return summary.termination_type == ceres::CONVERGENCE && std::isfinite(cost);
+  return summary.termination_type == ceres::CONVERGENCE;
+}
+
+}  // namespace
+
+bool optimize(const Terms& terms, const LocationPriorConfig& config, std::vector<Pose2>& poses,
+              double& cost) {
+  const bool penalized = config.max_penalty > 0.0;
+  const double reach_m = penalized ? kReachMargin * config.penalty_radius_m : 0.0;
+  std::vector<Pair> penalties = near_pairs(terms, poses, reach_m);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (!solve(terms, penalties, config, poses)) return false;
+    const std::size_t known = penalties.size();
+    for (const Pair& pair : near_pairs(terms, poses, penalized ? config.penalty_radius_m : 0.0)) {
+      const bool is_known =
+          std::any_of(penalties.begin(), penalties.begin() + static_cast<std::ptrdiff_t>(known),
+                      [&](const Pair& other) { return other.a == pair.a && other.b == pair.b; });
+      if (!is_known) penalties.push_back(pair);
+    }
+    if (penalties.size() > known) continue;
+    cost = cost_at(terms, poses, config);
+    return std::isfinite(cost);
+  }
+  return false;
 }
 
 }  // namespace strata::topology::detail

@@ -12,12 +12,12 @@
 
 namespace strata::topology::detail {
 
-/// A measured transform between two visits, whitened.
+/// A measured transform between two visits.
 struct Link {
   std::size_t a = 0;
   std::size_t b = 0;
   Pose2 a_from_b;
-  Eigen::Matrix3d whitener;  // whitener' * whitener = information
+  Eigen::Matrix3d information;  // may be singular
 };
 
 struct Pair {
@@ -25,22 +25,29 @@ struct Pair {
   std::size_t b = 0;
 };
 
-/// The factors of one topology, sorted by kind.
+/// The factors of one topology, sorted by kind. Every pair of `landmarks` (their first visits)
+/// repels each other as the config says.
 struct Terms {
   std::vector<Link> links;
   std::vector<Pair> revisits;
-  std::vector<Pair> penalties;
+  std::vector<std::size_t> landmarks;
   double log_constant = 0.0;
 };
 
-/// labels and measurements as for `evaluate`; poses tell which landmarks are near enough to repel
-/// each other.
+/// labels and measurements as for `evaluate`.
 [[nodiscard]] Terms collect(const Labels& labels, const Measurements& measurements,
-                            std::span<const ScanFactor> scans, std::span<const Pose2> poses,
-                            const LocationPriorConfig& config);
+                            std::span<const ScanFactor> scans, const LocationPriorConfig& config);
 
-/// Moves the poses to the least cost (half the squared whitened errors plus the penalties), the
-/// first one fixed; returns whether that converged.
+/// Pairs of landmarks nearer to each other than reach_m. O(landmarks^2).
+[[nodiscard]] std::vector<Pair> near_pairs(const Terms& terms, std::span<const Pose2> poses,
+                                           double reach_m);
+
+/// Half the squared whitened errors plus the penalties.
+[[nodiscard]] double cost_at(const Terms& terms, std::span<const Pose2> poses,
+                             const LocationPriorConfig& config);
+
+/// Moves the poses to the least cost, the first one fixed, from anywhere; returns whether that
+/// converged. Ceres; `descend` is faster where the start is good.
 [[nodiscard]] bool optimize(const Terms& terms, const LocationPriorConfig& config,
                             std::vector<Pose2>& poses, double& cost);
 

@@ -115,4 +115,27 @@ inline std::vector<int> twenty_visits() {
   return {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 0, 1, 2, 3, 10, 11};
 }
 
+/// As many junctions as asked for, in rows of ten, 10 m apart, of six looks.
+inline std::vector<Junction> rows_of_ten(int count) {
+  const int kinds[6] = {15, 16 + 7, 32 + 13, 11, 16 + 14, 32 + 15};
+  std::vector<Junction> junctions;
+  for (int i = 0; i < count; ++i) {
+    junctions.push_back({10.0 * (i % 10), 10.0 * (i / 10), kinds[(i + 2 * (i / 10)) % 6]});
+  }
+  return junctions;
+}
+
+/// Along one row and back along the next, whose first two junctions close the loop; and so on.
+/// count: a multiple of twenty.
+inline std::vector<int> row_by_row(int count) {
+  std::vector<int> order;
+  for (int pair = 0; pair < count; pair += 20) {
+    for (int i = 0; i < 10; ++i) order.push_back(pair + i);
+    for (int i = 0; i < 10; ++i) order.push_back(pair + 19 - i);
+    order.push_back(pair);
+    order.push_back(pair + 10);
+  }
+  return order;
+}
+
 }  // namespace strata::topology::test_world

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -54,6 +55,27 @@ TEST(NearestPoint, FindsWhatAPlainSearchFinds) {
     EXPECT_EQ(nearest.find(at, gate_m), expected);
   }
   EXPECT_EQ(NearestPoint({}, 0.5).find({0.0, 0.0}, 0.5), NearestPoint::kNone);
+}
+
+TEST(PlaceSurface, FindsAPointAboutAsNearAsTheNearest) {
+  const PlacePatch patch = seen_from(7, {0.3, -0.2, 0.4}, 3);
+  const PlaceSurface surface(patch, 0.5);
+  RandomStream random(6, StreamId::kTest);
+  int found = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Eigen::Vector2d at(random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0));
+    const std::size_t exact = surface.exact().find(at, 0.3);
+    const std::size_t about = surface.find_about(at, 0.5);
+    if (exact == NearestPoint::kNone) continue;
+    ++found;
+    ASSERT_NE(about, NearestPoint::kNone);
+    // Each of the two distances is off by half a cell's diagonal at most.
+    EXPECT_LE((patch.points_m[about] - at).norm(),
+              (patch.points_m[exact] - at).norm() + 0.1 * std::numbers::sqrt2 + 1e-12);
+  }
+  EXPECT_GT(found, 200);
+  EXPECT_EQ(surface.find_about({50.0, 0.0}, 0.5), NearestPoint::kNone);
+  EXPECT_EQ(surface.find_about({std::nan(""), 0.0}, 0.5), NearestPoint::kNone);
 }
 
 TEST(PatchMatcher, FindsThePoseOfASecondVisit) {

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/detail/descent.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/OrderingMethods>
+
+#include "core/geometry/angle.hpp"
+#include "core/pose_graph/pose_graph.hpp"
+#include "core/topology/location_prior.hpp"
+
+namespace strata::topology::detail {
+namespace {
+
+constexpr int kMaxSteps = 30;
+constexpr int kMaxHalvings = 8;
+/// The cost cannot fall by more than this any longer [nats].
+constexpr double kSettled = 1e-6;
+/// A step that falls less than this share of the one before asks for a new factor.
+constexpr double kSlow = 0.1;
+/// Poses that have moved less keep their curvature.
+constexpr double kSameM = 0.01;
+constexpr double kSameRad = 0.002;
+
+using Factor = LocationGaussian::Factor;
+
+enum class PenaltyCurvature { kTrue, kOfResidual, kNone };
+
+/// Gradient and curvature of the cost by all poses but the first.
+class Quadratic {
+ public:
+  /// rows: of each visit's three errors; with_curvature: or only the gradient.
+  Quadratic(const std::vector<int>& rows, bool with_curvature)
+      : rows_(rows),
+        size_(3 * (static_cast<int>(rows.size()) - 1)),
+        with_curvature_(with_curvature),
+        gradient_(Eigen::VectorXd::Zero(size_)) {
+    if (with_curvature) triplets_.reserve(40 * rows.size());
+  }
+  [[nodiscard]] bool with_curvature() const { return with_curvature_; }
+  void add_gradient(std::size_t visit, const Eigen::Vector3d& by_pose) {
+    if (visit > 0) gradient_.segment<3>(row_of(visit)) += by_pose;
+  }
+  void add(std::size_t a, std::size_t b, const Eigen::Matrix3d& block) {
+    if (a == 0 || b == 0 || row_of(a) < row_of(b)) return;
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < (a == b ? r + 1 : 3); ++c) {
+        triplets_.emplace_back(row_of(a) + r, row_of(b) + c, block(r, c));
+      }
+    }
+  }
+  /// Of the two positions: +block on their own, -block between them.
+  void add_apart(const Pair& pair, const Eigen::Matrix2d& block) {
+    for (const std::size_t visit : {pair.a, pair.b}) {
+      for (int r = 0; visit > 0 && r < 2; ++r) {
+        for (int c = 0; c <= r; ++c) {
+          triplets_.emplace_back(row_of(visit) + r, row_of(visit) + c, block(r, c));
+        }
+      }
+    }
+    if (pair.a == 0 || pair.b == 0) return;
+    const int low = std::min(row_of(pair.a), row_of(pair.b));
+    const int high = std::max(row_of(pair.a), row_of(pair.b));
+    for (int r = 0; r < 2; ++r) {
+      for (int c = 0; c < 2; ++c) triplets_.emplace_back(high + r, low + c, -block(r, c));
+    }
+  }
+  [[nodiscard]] std::unique_ptr<Factor> factorize() const {
+    Eigen::SparseMatrix<double> matrix(size_, size_);
+    matrix.setFromTriplets(triplets_.begin(), triplets_.end());
+    auto factor = std::make_unique<Factor>(matrix);
+    if (factor->info() != Eigen::Success) return nullptr;
+    return factor;
+  }
+  [[nodiscard]] const Eigen::VectorXd& gradient() const { return gradient_; }
+
+ private:
+  [[nodiscard]] int row_of(std::size_t visit) const { return rows_[visit]; }
+  const std::vector<int>& rows_;
+  int size_;
+  bool with_curvature_;
+  Eigen::VectorXd gradient_;
+  std::vector<Eigen::Triplet<double>> triplets_;
+};
+
+void add_links(const Terms& terms, std::span<const Pose2> poses, Quadratic& quadratic) {
+  for (const Link& link : terms.links) {
+    Eigen::Matrix3d by_a;
+    Eigen::Matrix3d by_b;
+    const Eigen::Vector3d error =
+        pose_graph::edge_error(poses[link.a], poses[link.b], link.a_from_b, &by_a, &by_b);
+    const Eigen::Vector3d weighted = link.information * error;
+    quadratic.add_gradient(link.a, by_a.transpose() * weighted);
+    quadratic.add_gradient(link.b, by_b.transpose() * weighted);
+    if (!quadratic.with_curvature()) continue;
+    const Eigen::Matrix3d weighted_a = link.information * by_a;
+    const Eigen::Matrix3d weighted_b = link.information * by_b;
+    quadratic.add(link.a, link.a, by_a.transpose() * weighted_a);
+    quadratic.add(link.b, link.b, by_b.transpose() * weighted_b);
+    quadratic.add(link.a, link.b, by_a.transpose() * weighted_b);
+    quadratic.add(link.b, link.a, by_b.transpose() * weighted_a);
+  }
+}
+
+void add_revisits(const Terms& terms, std::span<const Pose2> poses,
+                  const LocationPriorConfig& config, Quadratic& quadratic) {
+  const double information = 1.0 / (config.revisit_stddev_m * config.revisit_stddev_m);
+  for (const Pair& pair : terms.revisits) {
+    Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+    pull.head<2>() = information * (poses[pair.b].translation() - poses[pair.a].translation());
+    quadratic.add_gradient(pair.b, pull);
+    quadratic.add_gradient(pair.a, -pull);
+    if (!quadratic.with_curvature()) continue;
+    quadratic.add_apart(pair, information * Eigen::Matrix2d::Identity());
+  }
+}
+
+Eigen::Matrix2d curvature_of(const Penalty& penalty, const Eigen::Vector2d& apart,
+                             PenaltyCurvature curvature) {
+  const double distance_m = apart.norm();
+  if (distance_m < 1e-6) {
+    if (curvature == PenaltyCurvature::kOfResidual) return Eigen::Matrix2d::Zero();
+    return penalty.curve * Eigen::Matrix2d::Identity();
+  }
+  const Eigen::Vector2d along = apart / distance_m;
+  const Eigen::Matrix2d radial = along * along.transpose();
+  if (curvature == PenaltyCurvature::kOfResidual) {
+    return 0.5 * penalty.slope * penalty.slope / penalty.value * radial;
+  }
+  return penalty.curve * radial +
+         penalty.slope / distance_m * (Eigen::Matrix2d::Identity() - radial);
+}
+
+void add_penalties(const Terms& terms, std::span<const Pose2> poses,
+                   const LocationPriorConfig& config, PenaltyCurvature curvature,
+                   Quadratic& quadratic) {
+  if (config.max_penalty <= 0.0) return;
+  for (const Pair& pair : near_pairs(terms, poses, config.penalty_radius_m)) {
+    const Eigen::Vector2d apart = poses[pair.b].translation() - poses[pair.a].translation();
+    const Penalty penalty = penalty_at(apart.norm(), config);
+    if (!(penalty.value > 0.0)) continue;
+    Eigen::Vector3d push = Eigen::Vector3d::Zero();
+    if (apart.norm() > 0.0) push.head<2>() = penalty.slope * apart.normalized();
+    quadratic.add_gradient(pair.b, push);
+    quadratic.add_gradient(pair.a, -push);
+    if (quadratic.with_curvature() && curvature != PenaltyCurvature::kNone) {
+      quadratic.add_apart(pair, curvature_of(penalty, apart, curvature));
+    }
+  }
+}
+
+/// Few fill-ins: minimum degree, by whole poses.
+std::vector<int> ordered_rows(const Terms& terms, const LocationPriorConfig& config,
+                              std::span<const Pose2> poses) {
+  const auto size = static_cast<int>(poses.size()) - 1;
+  std::vector<Eigen::Triplet<double>> touching;
+  const auto touch = [&](std::size_t a, std::size_t b) {
+    if (a == 0 || b == 0) return;
+    touching.emplace_back(static_cast<int>(a) - 1, static_cast<int>(b) - 1, 1.0);
+    touching.emplace_back(static_cast<int>(b) - 1, static_cast<int>(a) - 1, 1.0);
+  };
+  for (int i = 0; i < size; ++i) touching.emplace_back(i, i, 1.0);
+  for (const Link& link : terms.links) touch(link.a, link.b);
+  for (const Pair& pair : terms.revisits) touch(pair.a, pair.b);
+  if (config.max_penalty > 0.0) {
+    for (const Pair& pair : near_pairs(terms, poses, config.penalty_radius_m)) {
+      touch(pair.a, pair.b);
+    }
+  }
+  Eigen::SparseMatrix<double> pattern(size, size);
+  pattern.setFromTriplets(touching.begin(), touching.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(pattern, order);
+  std::vector<int> rows(poses.size(), 0);
+  for (int i = 0; i < size; ++i) rows[static_cast<std::size_t>(order.indices()[i]) + 1] = 3 * i;
+  return rows;
+}
+
+Quadratic quadratic_at(const Terms& terms, const LocationPriorConfig& config,
+                       std::span<const Pose2> poses, const std::vector<int>& rows,
+                       PenaltyCurvature curvature, bool with_curvature = true) {
+  Quadratic quadratic(rows, with_curvature);
+  add_links(terms, poses, quadratic);
+  add_revisits(terms, poses, config, quadratic);
+  add_penalties(terms, poses, config, curvature, quadratic);
+  return quadratic;
+}
+
+std::vector<Pose2> moved(std::span<const Pose2> poses, const std::vector<int>& rows,
+                         const Eigen::VectorXd& step, double share) {
+  std::vector<Pose2> result(poses.begin(), poses.end());
+  for (std::size_t i = 1; i < result.size(); ++i) {
+    const Eigen::Vector3d by = share * step.segment<3>(rows[i]);
+    result[i] = {result[i].x + by.x(), result[i].y + by.y(), wrap_angle(result[i].theta + by.z())};
+  }
+  return result;
+}
+
+/// Goes along the step as far as the cost falls; false when it does not.
+bool go(const Terms& terms, const LocationPriorConfig& config, const std::vector<int>& rows,
+        const Eigen::VectorXd& step, Optimum& at) {
+  double share = 1.0;
+  for (int i = 0; i < kMaxHalvings; ++i, share *= 0.5) {
+    std::vector<Pose2> poses = moved(at.poses, rows, step, share);
+    const double cost = cost_at(terms, poses, config);
+    if (!(cost < at.cost)) continue;
+    at.poses = std::move(poses);
+    at.cost = cost;
+    return true;
+  }
+  return false;
+}
+
+/// A factor and the poses where it was made.
+struct Linearized {
+  std::unique_ptr<Factor> factor;
+  bool true_curvature = true;
+  std::vector<Pose2> poses;
+};
+
+Linearized linearize(const Terms& terms, const LocationPriorConfig& config,
+                     std::span<const Pose2> poses, const std::vector<int>& rows) {
+  Linearized linearized{nullptr, true, {poses.begin(), poses.end()}};
+  linearized.factor = quadratic_at(terms, config, poses, rows, PenaltyCurvature::kTrue).factorize();
+  if (linearized.factor) return linearized;
+  linearized.true_curvature = false;
+  linearized.factor =
+      quadratic_at(terms, config, poses, rows, PenaltyCurvature::kOfResidual).factorize();
+  return linearized;
+}
+
+/// Whether the curvature is still about that of where the factor was made.
+bool still_holds(const Linearized& linearized, std::span<const Pose2> poses) {
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Pose2& then = linearized.poses[i];
+    if (std::abs(poses[i].x - then.x) > kSameM || std::abs(poses[i].y - then.y) > kSameM ||
+        std::abs(angle_difference(poses[i].theta, then.theta)) > kSameRad) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::shared_ptr<const LocationGaussian> gaussian_at(const Terms& terms,
+                                                    const LocationPriorConfig& config,
+                                                    std::span<const Pose2> poses) {
+  const std::vector<int> rows = ordered_rows(terms, config, poses);
+  for (const PenaltyCurvature curvature : {PenaltyCurvature::kTrue, PenaltyCurvature::kNone}) {
+    if (auto factor = quadratic_at(terms, config, poses, rows, curvature).factorize()) {
+      return std::make_shared<const LocationGaussian>(std::move(factor), rows);
+    }
+  }
+  return nullptr;
+}
+
+/// A factor serves as long as the cost falls well with it; the last one must be made near the end.
+std::optional<Optimum> descend(const Terms& terms, const LocationPriorConfig& config,
+                               std::vector<Pose2> start) {
+  Optimum at{std::move(start), 0.0, nullptr};
+  at.cost = cost_at(terms, at.poses, config);
+  if (!std::isfinite(at.cost)) return std::nullopt;
+  const std::vector<int> rows = ordered_rows(terms, config, at.poses);
+  Linearized linearized = linearize(terms, config, at.poses, rows);
+  double last_fall = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kMaxSteps; ++i) {
+    if (!linearized.factor) return std::nullopt;
+    const Eigen::VectorXd gradient =
+        quadratic_at(terms, config, at.poses, rows, PenaltyCurvature::kNone, false).gradient();
+    const Eigen::VectorXd step = -linearized.factor->solve(gradient);
+    const double fall = -0.5 * gradient.dot(step);
+    const bool here = still_holds(linearized, at.poses);
+    if (fall < kSettled && here) {
+      at.poses = moved(at.poses, rows, step, 1.0);
+      at.cost -= fall;
+      at.gaussian = linearized.true_curvature ? std::make_shared<const LocationGaussian>(
+                                                    std::move(linearized.factor), rows)
+                                              : gaussian_at(terms, config, at.poses);
+      if (!at.gaussian) return std::nullopt;
+      return at;
+    }
+    if (!here && (fall < kSettled || fall > kSlow * last_fall)) {
+      linearized = linearize(terms, config, at.poses, rows);
+      last_fall = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    last_fall = fall;
+    if (go(terms, config, rows, step, at)) continue;
+    if (here) return std::nullopt;
+    linearized = linearize(terms, config, at.poses, rows);
+  }
+  return std::nullopt;
+}
+
+}  // namespace strata::topology::detail

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Newton's method on the cost of one topology, for starts that are nearly right.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/topology/detail/terms.hpp"
+#include "core/topology/location_gaussian.hpp"
+
+namespace strata::topology::detail {
+
+/// The least cost nearby, with the curvature there.
+struct Optimum {
+  std::vector<Pose2> poses;
+  double cost = 0.0;
+  std::shared_ptr<const LocationGaussian> gaussian;
+};
+
+/// Nothing when the cost does not settle within a few steps, or nothing is curved there.
+[[nodiscard]] std::optional<Optimum> descend(const Terms& terms, const LocationPriorConfig& config,
+                                             std::vector<Pose2> start);
+
+/// The Gaussian at `poses`: with the curvature of the penalties, or without it where that makes the
+/// information indefinite. Null when it is singular.
+[[nodiscard]] std::shared_ptr<const LocationGaussian> gaussian_at(const Terms& terms,
+                                                                  const LocationPriorConfig& config,
+                                                                  std::span<const Pose2> poses);
+
+}  // namespace strata::topology::detail

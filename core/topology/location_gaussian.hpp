@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The Gaussian over the poses of all visits that a particle carries [ranganathan2006rao, eq.
+/// (11)].
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+
+namespace strata::topology {
+
+/// Zero-mean Gaussian over the errors of all poses but the first, which is certain, by the sparse
+/// factor of its information. The errors are of (x, y, theta) in the map frame. Immutable.
+class LocationGaussian {
+ public:
+  using Factor =
+      Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>;
+  /// Of one visit: nothing is uncertain.
+  LocationGaussian() = default;
+  /// rows: where the three errors of each visit begin in the factor; of the first one unused.
+  LocationGaussian(std::unique_ptr<const Factor> factor, std::vector<int> rows)
+      : factor_(std::move(factor)), rows_(std::move(rows)) {}
+
+  [[nodiscard]] std::size_t visits() const { return factor_ ? rows_.size() : 1; }
+  /// Covariance of every visit's pose with that of `visit`: 3 visits() x 3. O(fill of the factor).
+  [[nodiscard]] Eigen::MatrixX3d covariance_with(std::size_t visit) const;
+  /// ln of the determinant of the information.
+  [[nodiscard]] double log_determinant() const;
+
+ private:
+  std::unique_ptr<const Factor> factor_;
+  std::vector<int> rows_;
+};
+
+/// The covariance of `visit` in what covariance_with(visit) gave, or of `other` with it.
+[[nodiscard]] inline Eigen::Matrix3d block_of(const Eigen::MatrixX3d& covariances,
+                                              std::size_t other) {
+  return covariances.block<3, 3>(3 * static_cast<Eigen::Index>(other), 0);
+}
+
+}  // namespace strata::topology

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/prediction.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "core/topology/detail/descent.hpp"
+#include "core/topology/detail/terms.hpp"
+#include "tests/core/topology/junction_world.hpp"
+
+namespace strata::topology {
+namespace {
+
+/// Visits of a drive known by odometry: factors and dead reckoning.
+struct Reckoning {
+  std::vector<OdometryFactor> odometry;
+  std::vector<double> densities;
+  std::vector<Pose2> poses;
+  explicit Reckoning(const test_world::Drive& drive) {
+    for (std::size_t i = 0; i < drive.visits.size(); ++i) {
+      densities.push_back(-9.0);
+      poses.push_back(drive.visits[i].odom_from_robot);
+      if (i == 0) continue;
+      odometry.push_back(odometry_step(between(poses[i - 1], poses[i]), drive.visits[i].way_m,
+                                       kLandmarkOdometryNoise));
+    }
+  }
+  [[nodiscard]] Measurements first(std::size_t visits) const {
+    return {std::span(odometry).first(visits - 1), std::span(densities).first(visits)};
+  }
+};
+
+Reckoning small_square(std::uint64_t seed) {
+  const std::vector<test_world::Junction> corners{
+      {0.0, 0.0, 15}, {12.0, 0.0, 15}, {12.0, 12.0, 15}, {0.0, 12.0, 15}};
+  return Reckoning(test_world::drive(corners, {0, 1, 2, 3, 0, 1, 2}, kLandmarkOdometryNoise, seed));
+}
+
+PlaceMatch some_match(const Pose2& a_from_b) {
+  PlaceMatch match;
+  match.converged = true;
+  match.a_from_b = a_from_b;
+  match.information = Eigen::Vector3d(900.0, 0.0, 400.0).asDiagonal();  // a corridor
+  return match;
+}
+
+TEST(Prediction, OfARevisitIsWithinANatOfTheOptimizedEvidence) {
+  LocationPriorConfig config;
+  config.max_penalty = 0.0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Reckoning way = small_square(seed);
+    const Labels before{0, 1, 2, 3};
+    const Evidence four =
+        evaluate(before, way.first(4), {}, {way.poses.begin(), way.poses.begin() + 4}, config);
+    ASSERT_TRUE(four.converged);
+    Prediction prediction(four.poses, *four.gaussian, way.odometry[3]);
+    const Pull place = prediction.same_place(0, config);
+    const PlaceMatch match = some_match(between(way.poses[0], prediction.newest()));
+    for (const bool with_scan : {false, true}) {
+      std::vector<Pull> pulls{place};
+      std::vector<ScanFactor> scans;
+      if (with_scan) {
+        pulls.push_back(prediction.laid_on(0, match));
+        scans.push_back({0, 4, match});
+      }
+      const Prediction::Pulled pulled = prediction.pulled_by(pulls);
+      const double linear = four.log_evidence + pulled.log_factor -
+                            2.0 * std::log(2.0 * std::numbers::pi * config.revisit_stddev_m);
+      const Evidence exact = evaluate({0, 1, 2, 3, 0}, way.first(5), scans, pulled.poses, config);
+      ASSERT_TRUE(exact.converged);
+      EXPECT_NEAR(linear, exact.log_evidence, 1.0) << "seed " << seed << ' ' << with_scan;
+      for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_LT(translation_distance(pulled.poses[i], exact.poses[i]), 0.3);
+      }
+    }
+  }
+}
+
+TEST(Prediction, IsExactWhereEverythingIsLinear) {
+  LocationPriorConfig config;
+  // One pose beside the fixed first one, headings known to be equal: nothing bends.
+  const OdometryFactor odometry{{0.7, -0.4, 0.0}, Eigen::Vector3d(0.2, 0.3, 0.1).asDiagonal()};
+  const std::vector<Pose2> poses{Pose2{}};
+  const LocationGaussian certain;
+  Prediction prediction(poses, certain, odometry);
+  const Pull place = prediction.same_place(0, config);
+  const Eigen::Matrix2d covariance =
+      odometry.covariance.topLeftCorner<2, 2>() + 0.25 * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d apart(0.7, -0.4);
+  const double expected = -0.5 * apart.dot(covariance.inverse() * apart) -
+                          0.5 * std::log(covariance.determinant()) - std::log(4.0);
+  EXPECT_NEAR(prediction.pulled_by({&place, 1}).log_factor, expected, 1e-12);
+  EXPECT_TRUE(prediction.covariance_apart(0).isApprox(odometry.covariance.topLeftCorner<2, 2>()));
+}
+
+// Newton's method goes a different way than Ceres, but to the same place.
+TEST(Descent, ComesToRestWhereCeresDoes) {
+  const LocationPriorConfig config;
+  int compared = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Reckoning way = small_square(seed);
+    for (const Labels& labels :
+         {Labels{0, 1, 2, 3, 0, 1, 2}, Labels{0, 1, 2, 3, 4, 5, 6}, Labels{0, 1, 0, 2, 1, 0, 2}}) {
+      const detail::Terms terms = detail::collect(labels, way.first(7), {}, config);
+      std::vector<Pose2> slow = way.poses;
+      double cost = 0.0;
+      const bool found = detail::optimize(terms, config, slow, cost);
+      const auto quick = detail::descend(terms, config, way.poses);
+      if (!quick || !found) continue;
+      ++compared;
+      EXPECT_NEAR(detail::cost_at(terms, slow, config), cost, 1e-9);
+      EXPECT_NEAR(detail::cost_at(terms, quick->poses, config), quick->cost, 1e-4);
+      EXPECT_LT(quick->cost, cost + 1e-3) << "seed " << seed;
+      EXPECT_EQ(quick->gaussian->visits(), 7U);
+    }
+  }
+  EXPECT_GT(compared, 50);
+}
+
+TEST(LocationGaussian, GivesTheInverseOfItsInformation) {
+  const Reckoning way = small_square(3);
+  const LocationPriorConfig config;
+  const Evidence evidence = evaluate({0, 1, 2, 3, 0, 1, 2}, way.first(7), {}, way.poses, config);
+  ASSERT_TRUE(evidence.converged);
+  Eigen::MatrixXd covariance(21, 21);
+  for (std::size_t i = 0; i < 7; ++i) {
+    covariance.middleCols<3>(3 * static_cast<Eigen::Index>(i)) =
+        evidence.gaussian->covariance_with(i);
+  }
+  EXPECT_TRUE(covariance.isApprox(covariance.transpose(), 1e-9));
+  const Eigen::MatrixXd free = covariance.bottomRightCorner(18, 18);
+  EXPECT_NEAR(-std::log(free.determinant()), evidence.gaussian->log_determinant(), 1e-6);
+  EXPECT_TRUE(covariance.topRows<3>().isZero());
+}
+
+}  // namespace
+}  // namespace strata::topology
