@@ -146,18 +146,55 @@ octomath::Pose6D octomap_pose(const Pose3& pose) {
 
 Eigen::Vector3f eigen_vector(const octomath::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
-VoxelBox box_of(const VolumeConfig& config, const VoxelLattice& lattice) {
-  VoxelBox box;
-  if (config.box_m.empty()) return box;
-  const auto key = [&](std::size_t i) {
-    const double place = std::floor(config.box_m[i] / lattice.resolution_m());
-    return static_cast<std::int32_t>(
-        std::clamp(place + kLatticeMiddle, 0.0, 2.0 * kLatticeMiddle - 1.0));
-  };
-  return {{key(0), key(1), key(2)}, {key(3), key(4), key(5)}};
+/// Occupied or free for sure, alike cubes as one.
+octomap::OcTree likely_tree(const octomap::OcTree& tree) {
+  octomap::OcTree likely(tree);
+  likely.toMaxLikelihood();
+  likely.prune();
+  return likely;
+}
+
+/// As OctoMap writes it; its own functions talk to the terminal.
+void write_header(std::ostringstream& out, const char* first_line, const octomap::OcTree& tree) {
+  out << first_line
+      << "\n# (feel free to add / change comments, but leave the first line as it is!)\n#\nid "
+      << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution()
+      << "\ndata\n";
 }
 
 }  // namespace
+
+RayLimits ray_limits(const VolumeConfig& config) {
+  RayLimits limits;
+  limits.max_range_m = config.max_range_m;
+  if (config.box_m.empty()) return limits;
+  const auto key = [&](std::size_t i) {
+    const double place = std::floor(config.box_m[i] / config.resolution_m);
+    return static_cast<std::int32_t>(
+        std::clamp(place + kLatticeMiddle, 0.0, 2.0 * kLatticeMiddle - 1.0));
+  };
+  limits.box = {{key(0), key(1), key(2)}, {key(3), key(4), key(5)}};
+  return limits;
+}
+
+Eigen::Vector3f ends_in_map(const Cloud& cloud, WorkerPool& pool,
+                            std::vector<Eigen::Vector3f>& ends_m) {
+  const Pose3& given = cloud.map_from_sensor;
+  if (!given.translation.allFinite() || !given.rotation.coeffs().allFinite()) {
+    throw InputError("cloud at " + std::to_string(cloud.stamp.seconds()) + " s",
+                     "its pose is not finite", "give a pose, or leave the cloud out");
+  }
+  const octomath::Pose6D pose = octomap_pose(given);
+  ends_m.resize(cloud.points_m.size());
+  pool.for_chunks(ends_m.size(), 4096, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Eigen::Vector3f& p = cloud.points_m[i];
+      ends_m[i] = eigen_vector(pose.transform(octomath::Vector3(p.x(), p.y(), p.z())));
+    }
+  });
+  // There and back through the pose, rounding as OctoMap rounds a scan node's origin.
+  return eigen_vector(pose.transform(pose.inv().transform(pose.trans())));
+}
 
 struct VolumeMap::State {
   explicit State(const VolumeConfig& given)
@@ -166,7 +203,7 @@ struct VolumeMap::State {
     tree.setProbMiss(config.probability_miss);
     tree.setClampingThresMin(config.least_probability);
     tree.setClampingThresMax(config.most_probability);
-    limits = {config.max_range_m, box_of(config, lattice)};
+    limits = ray_limits(config);
   }
   VolumeConfig config;
   VoxelLattice lattice;
@@ -191,21 +228,7 @@ const VoxelLattice& VolumeMap::lattice() const { return state_->lattice; }
 CloudCounts VolumeMap::insert(const Cloud& cloud, std::span<const std::uint8_t> is_dynamic,
                               WorkerPool& pool) {
   State& s = *state_;
-  const Pose3& given = cloud.map_from_sensor;
-  if (!given.translation.allFinite() || !given.rotation.coeffs().allFinite()) {
-    throw InputError("cloud at " + std::to_string(cloud.stamp.seconds()) + " s",
-                     "its pose is not finite", "give a pose, or leave the cloud out");
-  }
-  const octomath::Pose6D pose = octomap_pose(given);
-  s.ends_m.resize(cloud.points_m.size());
-  pool.for_chunks(s.ends_m.size(), 4096, [&](std::size_t begin, std::size_t end, std::size_t) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Eigen::Vector3f& p = cloud.points_m[i];
-      s.ends_m[i] = eigen_vector(pose.transform(octomath::Vector3(p.x(), p.y(), p.z())));
-    }
-  });
-  // There and back through the pose, rounding as OctoMap rounds a scan node's origin.
-  const Eigen::Vector3f origin = eigen_vector(pose.transform(pose.inv().transform(pose.trans())));
+  const Eigen::Vector3f origin = ends_in_map(cloud, pool, s.ends_m);
   const CloudCounts counts = s.marks.mark(origin, s.ends_m, is_dynamic, s.lattice, s.limits, pool);
   const BrickMap<BrickMarks>& bricks = s.marks.bricks();
   s.updates.resize(bricks.size());
@@ -248,24 +271,23 @@ void VolumeMap::for_each_cube(const std::function<void(const VoxelCube&)>& visit
 }
 
 std::string VolumeMap::binary_file() const {
-  octomap::OcTree likely(state_->tree);
+  const octomap::OcTree likely = likely_tree(state_->tree);
   std::ostringstream out(std::ios::binary);
-  likely.writeBinary(out);
+  write_header(out, "# Octomap OcTree binary file", likely);
+  likely.writeBinaryData(out);
   return std::move(out).str();
 }
 
 std::string VolumeMap::full_file() const {
   std::ostringstream out(std::ios::binary);
-  state_->tree.write(out);
+  write_header(out, "# Octomap OcTree file", state_->tree);
+  state_->tree.writeData(out);
   return std::move(out).str();
 }
 
 std::string VolumeMap::binary_message_data() const {
-  octomap::OcTree likely(state_->tree);
-  likely.toMaxLikelihood();
-  likely.prune();
   std::ostringstream out(std::ios::binary);
-  likely.writeBinaryData(out);
+  likely_tree(state_->tree).writeBinaryData(out);
   return std::move(out).str();
 }
 

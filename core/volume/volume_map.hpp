@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/pose3.hpp"
@@ -32,6 +33,14 @@ struct VolumeSize {
   std::size_t leaves = 0;
   std::size_t bytes = 0;  ///< as OctoMap reckons: nodes and their arrays of children
 };
+
+/// How a config cuts rays.
+[[nodiscard]] RayLimits ray_limits(const VolumeConfig& config);
+
+/// The sensor's place, and into `ends_m` the points of a cloud, in the map frame, rounded as
+/// OctoMap rounds them when it inserts a scan node. Throws InputError when the pose is not finite.
+[[nodiscard]] Eigen::Vector3f ends_in_map(const Cloud& cloud, WorkerPool& pool,
+                                          std::vector<Eigen::Vector3f>& ends_m);
 
 class VolumeMap {
  public:

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// 3-D logs as clouds with poses.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "core/volume/cloud.hpp"
+
+namespace strata::log {
+
+/// What reading could not make use of, and what it skipped.
+struct CloudReport {
+  std::string format;  ///< for people: "OctoMap log"
+  std::size_t clouds = 0;
+  std::size_t bad_lines = 0;            ///< unreadable lines, records or messages
+  std::string first_bad;                ///< where the first one is and why
+  std::size_t clouds_without_pose = 0;  ///< skipped with their points
+  std::size_t points_without_pose = 0;
+};
+
+/// Clouds one after the other, so that a log need not fit into memory.
+class CloudReader {
+ public:
+  CloudReader() = default;
+  CloudReader(const CloudReader&) = delete;
+  CloudReader& operator=(const CloudReader&) = delete;
+  virtual ~CloudReader() = default;
+
+  /// Told by content: OctoMap's text log (`NODE x y z roll pitch yaw`, then a point a line; plain
+  /// or gzipped) and its binary scan graph. Neither has stamps; clouds are put a second apart.
+  /// Poses are rounded as OctoMap rounds them, so that its tools and ours make the same tree.
+  /// Throws InputError for anything else.
+  [[nodiscard]] static std::unique_ptr<CloudReader> open(const std::filesystem::path& path);
+
+  /// The next cloud; false at the end. Damaged lines are skipped and counted; a damaged record
+  /// ends the log.
+  virtual bool next(volume::Cloud& cloud) = 0;
+  [[nodiscard]] const CloudReport& report() const { return report_; }
+
+ protected:
+  void bad(const std::string& place_and_reason) {
+    if (report_.bad_lines++ == 0) report_.first_bad = place_and_reason;
+  }
+  CloudReport report_;
+};
+
+}  // namespace strata::log

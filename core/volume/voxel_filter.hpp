@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Which points of 3-D scans hit something that moves, by EM on voxels: the beam filter of
+/// [stachniss2003chapter, section 1.2] in space, for robots without a 2-D scanner.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/config.hpp"
+#include "core/base/parallel.hpp"
+#include "core/volume/brick_map.hpp"
+#include "core/volume/cloud.hpp"
+#include "core/volume/cloud_marks.hpp"
+
+namespace strata::volume {
+
+struct VoxelFilterConfig {
+  double prior = 0.9;
+
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("prior", c.prior,
+            {.doc = "probability that a point lies on something static; voxels in which at most "
+                    "about twice 1 - prior of the clouds that saw them ended are taken for moving",
+             .unit = "1",
+             .min = 0.501,
+             .max = 0.999});
+  }
+};
+
+/// How often clouds ended in the voxels of a brick, and passed them without ending there.
+struct BrickCounts {
+  std::array<std::uint16_t, kBrickVoxels> ended{};
+  std::array<std::uint16_t, kBrickVoxels> passed{};
+};
+
+/// Two rounds over a log: `count` every cloud, then `label` every cloud.
+class VoxelFilter {
+ public:
+  /// Throws ConfigError.
+  VoxelFilter(const VoxelFilterConfig& config, const VoxelLattice& lattice,
+              const RayLimits& limits);
+
+  /// A voxel counts once a cloud, as in VolumeMap::insert: rays that graze a wall pass many of its
+  /// voxels, and single beams of one cloud are no independent evidence. This departs from the
+  /// paper, which counts beams. O(voxels passed).
+  void count(const Cloud& cloud, WorkerPool& pool);
+
+  /// P(c = 1) of a point that ends in a voxel, eq. (1.10) at the limit of EM: with h clouds that
+  /// ended there and f that passed, m maximizes h ln[(1 - p) + (2 p - 1) m] + f ln(1 - m). The
+  /// prior where nothing was counted.
+  [[nodiscard]] double static_probability(const VoxelKey& key) const;
+
+  /// A flag a point: 1 where its end has a static probability below one half. Points beyond the
+  /// range, outside the box, or not finite get 0. O(points).
+  [[nodiscard]] std::vector<std::uint8_t> label(const Cloud& cloud, WorkerPool& pool) const;
+
+  [[nodiscard]] std::size_t bytes() const { return counts_.bytes(); }
+
+ private:
+  VoxelFilterConfig config_;
+  VoxelLattice lattice_;
+  RayLimits limits_;
+  CloudMarks marks_;
+  BrickMap<BrickCounts> counts_;
+};
+
+}  // namespace strata::volume
