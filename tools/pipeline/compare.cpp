@@ -9,9 +9,8 @@
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
-#include "tools/pipeline/changes.hpp"
-#include "tools/pipeline/localize.hpp"
 #include "tools/pipeline/scan_prediction.hpp"
+#include "tools/pipeline/test_part.hpp"
 
 namespace strata::pipeline {
 namespace {
@@ -77,30 +76,6 @@ std::vector<StateTrace> traces_of(const std::vector<maps::StateRow>& rows, Stamp
   return result;
 }
 
-template <typename T>
-std::vector<T> pick(const std::vector<T>& values, std::span<const std::size_t> places) {
-  std::vector<T> picked;
-  picked.reserve(places.size());
-  for (const std::size_t place : places) picked.push_back(values[place]);
-  return picked;
-}
-
-/// What is learned from. A run whose middle is missing becomes two, so that nothing takes the gap
-/// for motion.
-std::vector<Observation> learning_part(const Runs& runs, const Split& split) {
-  std::vector<Observation> part = pick(runs.observations, split.train);
-  int shift = 0;
-  for (std::size_t i = 0; i < part.size(); ++i) {
-    if (i > 0 &&
-        runs.observations[split.train[i]].run == runs.observations[split.train[i - 1]].run &&
-        split.train[i] != split.train[i - 1] + 1) {
-      ++shift;
-    }
-    part[i].run += shift;
-  }
-  return part;
-}
-
 /// Maps of one split, and the truth in their frame.
 struct Learned {
   LearnResult result;
@@ -135,96 +110,6 @@ Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
   return learned;
 }
 
-/// One drive to localize in: the same for every model.
-struct TestPart {
-  TestPartInfo info;
-  std::vector<Observation> observations;
-  Poses truths;
-  Pose2Gaussian start;
-  Changes changes;
-};
-
-/// The runs of the test part, each from its first scan with a known pose on; runs without any are
-/// left out.
-std::vector<TestPart> make_test_parts(const Runs& runs, const Split& split,
-                                      const std::vector<double>& elapsed, const Poses& truths,
-                                      const CompareProtocol& protocol) {
-  std::vector<TestPart> parts;
-  bool is_open = false;
-  int run = -1;
-  for (const std::size_t i : split.test) {
-    if (runs.observations[i].run != run) is_open = false;
-    run = runs.observations[i].run;
-    if (!is_open && !truths[i]) continue;
-    if (!is_open) {
-      TestPart part;
-      part.info.train_s = {elapsed[split.train.front()], elapsed[split.train.back()]};
-      part.info.test_s = {elapsed[i], elapsed[i]};
-      part.start.mean = *truths[i];
-      const double m = protocol.start_stddev_m;
-      const double rad = protocol.start_stddev_rad;
-      part.start.covariance = Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal();
-      parts.push_back(std::move(part));
-      is_open = true;
-    }
-    TestPart& part = parts.back();
-    part.info.test_s[1] = elapsed[i];
-    part.observations.push_back(runs.observations[i]);
-    part.truths.push_back(truths[i]);
-  }
-  if (parts.empty()) {
-    throw InputError("test part", "has no scan with a known pose",
-                     "choose another split with --train-until");
-  }
-  for (TestPart& part : parts) {
-    part.info.name = split.name;
-    if (parts.size() > 1) {
-      part.info.name += ", run " + std::to_string(part.observations.front().run + 1);
-    }
-    part.info.scans = part.observations.size();
-  }
-  return parts;
-}
-
-void look_for_changes(const Learned& learned, const CompareConfig& config, TestPart& part) {
-  part.changes =
-      find_changes(learned.result.slam.scans, part.observations, part.truths, learned.maps.filtered,
-                   config.learn.patch, config.sensor.beam.beams.max_range_m);
-  const Stamp begin = part.observations.front().scan.stamp;
-  for (const ChangeEvent& event : part.changes.events) {
-    const Stamp first_seen = part.observations[event.views.front().scan].scan.stamp;
-    part.info.changes.push_back({(first_seen - begin).seconds(), event.center_m, event.views.size(),
-                                 event.is_old_state, event.appeared_share});
-  }
-  for (std::size_t i = 0; i < part.observations.size(); ++i) {
-    if (!part.truths[i]) continue;
-    const ReflectionGrid& map = learned.maps.filtered;
-    part.info.changed_scans += part.changes.sees_change(i) ? 1 : 0;
-    part.info.unmapped_scans +=
-        is_known(map.get(map.cell_at(part.truths[i]->translation()))) ? 0 : 1;
-  }
-}
-
-/// The errors where it changed; run.errors has an entry for each scan with a known pose.
-void judge_changed_places(const TestPart& part, ModelRun& run) {
-  double sum = 0.0;
-  std::size_t failures = 0;
-  std::size_t count = 0;
-  std::size_t e = 0;
-  for (std::size_t i = 0; i < part.observations.size(); ++i) {
-    if (!part.truths[i]) continue;
-    const double error_m = run.errors[e++].error_m;
-    run.sees_change.push_back(part.changes.sees_change(i) ? 1 : 0);
-    if (run.sees_change.back() == 0) continue;
-    ++count;
-    sum += error_m;
-    failures += error_m > kFailureDistance_m ? 1 : 0;
-  }
-  if (count == 0) return;
-  run.changed_error_m = sum / static_cast<double>(count);
-  run.changed_failure_rate = static_cast<double>(failures) / static_cast<double>(count);
-}
-
 /// Progress that several threads report to.
 class SharedProgress {
  public:
@@ -241,19 +126,24 @@ class SharedProgress {
   std::size_t done_ = 0;
 };
 
+LocalizationRun localize_here(const LocalizeJob& job) {
+  return localize(job.observations, job.truths, job.model, job.free_space, job.config, {job.start},
+                  job.seed, 1, nullptr);
+}
+
 /// Every seed of every model in one part. One run a thread: the runs depend neither on each other
 /// nor on how many go at once.
 void run_models(const std::vector<maps::MapModel>& models, const TestPart& part,
                 std::size_t part_index, const ReflectionGrid& free_space,
-                const CompareConfig& config, const std::vector<std::uint64_t>& seeds,
-                WorkerPool& pool, SharedProgress& progress, Comparison& comparison) {
+                const CompareConfig& config, const LocalizeFunction& localize_one,
+                const std::vector<std::uint64_t>& seeds, WorkerPool& pool, SharedProgress& progress,
+                Comparison& comparison) {
   std::vector<ModelRun> runs(models.size() * seeds.size());
   std::vector<std::vector<maps::StateRow>> states(models.size());
   pool.for_chunks(runs.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     const std::size_t m = i / seeds.size();
-    LocalizationRun run =
-        localize(part.observations, part.truths, models[m], free_space, config.localizer,
-                 {part.start}, seeds[i % seeds.size()], 1, nullptr);
+    LocalizationRun run = localize_one({part.observations, part.truths, models[m], free_space,
+                                        config.localizer, part.start, seeds[i % seeds.size()]});
     ModelRun& kept = runs[i];
     kept.part = part_index;
     kept.seed = seeds[i % seeds.size()];
@@ -324,19 +214,6 @@ std::vector<maps::MapModel> make_models(const maps::Maps& maps, const CompareCon
   return models;
 }
 
-/// Runs to localize in, over all splits.
-std::size_t count_drives(const Runs& runs, const std::vector<Split>& splits) {
-  std::size_t drives = 0;
-  for (const Split& split : splits) {
-    int run = -1;
-    for (const std::size_t i : split.test) {
-      drives += runs.observations[i].run != run ? 1 : 0;
-      run = runs.observations[i].run;
-    }
-  }
-  return drives;
-}
-
 void require_parts(const Split& split, const CompareJob& job) {
   if (!split.train.empty() && !split.test.empty()) return;
   throw InputError(job.log, "leaves nothing to learn from or nothing to test on",
@@ -344,55 +221,6 @@ void require_parts(const Split& split, const CompareJob& job) {
 }
 
 }  // namespace
-
-Split split_by_time(const Runs& runs, const std::string& log, double train_until_s) {
-  const std::vector<double> elapsed = elapsed_seconds(runs.observations);
-  Split split;
-  split.name = log;
-  for (std::size_t i = 0; i < elapsed.size(); ++i) {
-    (elapsed[i] <= train_until_s ? split.train : split.test).push_back(i);
-  }
-  return split;
-}
-
-Split split_by_run(const Runs& runs, const std::vector<std::string>& logs, int train_runs) {
-  Split split;
-  for (std::size_t i = 0; i < runs.observations.size(); ++i) {
-    (runs.observations[i].run < train_runs ? split.train : split.test).push_back(i);
-  }
-  for (std::size_t i = static_cast<std::size_t>(train_runs); i < logs.size(); ++i) {
-    split.name += (split.name.empty() ? "" : " ") + logs[i];
-  }
-  return split;
-}
-
-std::vector<Split> make_folds(const Runs& runs, const std::vector<std::string>& logs, int k) {
-  if (k < 2) throw InputError("--folds", "is below 2", "give at least 2");
-  const bool by_run = logs.size() > 1;
-  if (by_run && logs.size() < static_cast<std::size_t>(k)) {
-    throw InputError("--folds", "is more than there are logs", "give at most one fold a log");
-  }
-  const std::vector<double> elapsed = elapsed_seconds(runs.observations);
-  std::vector<Split> splits(static_cast<std::size_t>(k));
-  for (std::size_t i = 0; i < elapsed.size(); ++i) {
-    const double share = elapsed.back() > 0.0 ? elapsed[i] / elapsed.back() : 0.0;
-    const int fold = by_run ? runs.observations[i].run % k
-                            : std::min(k - 1, static_cast<int>(share * static_cast<double>(k)));
-    for (int f = 0; f < k; ++f) {
-      Split& split = splits[static_cast<std::size_t>(f)];
-      (f == fold ? split.test : split.train).push_back(i);
-    }
-  }
-  for (int f = 0; f < k; ++f) {
-    Split& split = splits[static_cast<std::size_t>(f)];
-    if (!by_run) split.name = "piece " + std::to_string(f + 1) + " of " + std::to_string(k);
-    for (std::size_t i = static_cast<std::size_t>(f); by_run && i < logs.size();
-         i += static_cast<std::size_t>(k)) {
-      split.name += (split.name.empty() ? "" : " ") + logs[i];
-    }
-  }
-  return splits;
-}
 
 CompareOutcome compare(const Runs& runs, const CompareConfig& config, const CompareJob& job) {
   require_valid(config, "compare");
@@ -411,6 +239,7 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
   CompareOutcome outcome;
   Comparison& comparison = outcome.comparison;
   comparison.log = job.log;
+  comparison.via = job.via;
   comparison.seeds = job.seeds.size();
   comparison.truth = has_truth || has_poses ? TruthKind::kGiven : TruthKind::kJointTrajectory;
   const std::vector<std::string>& models = config.protocol.models;
@@ -423,11 +252,14 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
   for (std::size_t s = 0; s < job.splits.size(); ++s) {
     Learned learned = learn_split(runs, job.splits[s], poses, config, job);
     const std::vector<maps::MapModel> map_models = make_models(learned.maps, same_for_all);
+    const LocalizeFunction localize_one = job.localize_with
+                                              ? job.localize_with(learned.result, same_for_all)
+                                              : LocalizeFunction(localize_here);
     for (TestPart& part :
          make_test_parts(runs, job.splits[s], elapsed, learned.truths, config.protocol)) {
-      look_for_changes(learned, same_for_all, part);
+      look_for_changes(learned.result.slam.scans, learned.maps.filtered, same_for_all, part);
       run_models(map_models, part, comparison.parts.size(), learned.maps.filtered, same_for_all,
-                 job.seeds, pool, progress, comparison);
+                 localize_one, job.seeds, pool, progress, comparison);
       predict_with_models(map_models, part, learned.maps, same_for_all, pool, comparison);
       comparison.parts.push_back(part.info);
     }

@@ -329,6 +329,7 @@ json to_json(const Comparison& comparison, const std::vector<PairedTest>& tests)
   for (const TestPartInfo& part : comparison.parts) parts.push_back(part_json(part));
   const TestPartInfo first = comparison.parts.empty() ? TestPartInfo{} : comparison.parts.front();
   return {{"log", comparison.log},
+          {"via", comparison.via},
           {"train", first.train_s},
           {"test", first.test_s},
           {"parts", parts},

@@ -73,6 +73,7 @@ struct TestPartInfo {
 
 struct Comparison {
   std::string log;
+  std::string via = "direct";  ///< how the localizer was called: "direct" or "dds"
   std::size_t seeds = 0;
   TruthKind truth = TruthKind::kGiven;
   std::vector<TestPartInfo> parts;
