@@ -56,11 +56,11 @@ player::Outputs make_outputs(runtime::Conductor& conductor, const std::string& s
   return outputs;
 }
 
-runtime::HostOptions host_options(const VerbContext& context) {
+runtime::HostOptions host_options(const SessionOptions& session) {
   runtime::HostOptions options;
   options.mode = runtime::FeedMode::kLockstep;
-  options.seed = context.options.seed;
-  options.threads = context.options.threads;
+  options.seed = session.seed;
+  options.threads = session.threads;
   return options;
 }
 
@@ -85,18 +85,37 @@ class Pace {
 
 ReplaySession::ReplaySession(VerbContext& context, runtime::Composition composition,
                              const std::string& file)
-    : context_(context), composition_(std::move(composition)), registry_(all_components()) {
+    : context_(context),
+      options_{context.options.seed, context.options.threads, context.progress()},
+      composition_(std::move(composition)),
+      registry_(all_components()) {
   leave_out_players(composition_);
   names_ = component_names(composition_);
   participant_ = runtime::make_participant(composition_);
   if (composition_.processes.size() == 1) {
-    host_ = std::make_unique<runtime::Host>(composition_, composition_.processes[0], registry_,
-                                            participant_, host_options(context));
+    host_all();
     return;
   }
   for (const runtime::ProcessEntry& process : composition_.processes) {
     group_.start(process.name, child_arguments(file, process.name, context, true));
   }
+}
+
+ReplaySession::ReplaySession(VerbContext& context, runtime::Composition composition,
+                             const SessionOptions& options)
+    : context_(context),
+      options_(options),
+      composition_(std::move(composition)),
+      registry_(all_components()),
+      names_(component_names(composition_)) {
+  participant_ = runtime::make_participant(composition_);
+  host_all();
+}
+
+/// Of the only process.
+void ReplaySession::host_all() {
+  host_ = std::make_unique<runtime::Host>(composition_, composition_.processes[0], registry_,
+                                          participant_, host_options(options_));
 }
 
 bool ReplaySession::keep_waiting() { return !context_.interrupt().requested() && group_.all_run(); }
@@ -131,7 +150,7 @@ void ReplaySession::record(const std::vector<std::string>& topics,
   for (const std::string& topic : topics) entry.parameters["topics"].push_back(with_type(topic));
   const runtime::ProcessEntry process{"recorder", runtime::ExecutorKind::kSingleThreaded, {entry}};
   recorder_ = std::make_unique<runtime::Host>(composition_, process, registry_, participant_,
-                                              host_options(context_));
+                                              host_options(options_));
   names_.push_back(bus::expand_name(entry.name, entry.node_namespace, entry.name));
 }
 
@@ -152,7 +171,7 @@ void ReplaySession::play(std::size_t begin, std::size_t end, double rate) {
     pace.wait_for(elapsed_s_[i] - elapsed_s_[begin]);
     player_->publish(i);
     conductor_->cycle();
-    report_progress(context_.progress(), "replay", i + 1, elapsed_s_.size());
+    report_progress(options_.progress, "replay", i + 1, elapsed_s_.size());
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -12,17 +13,28 @@
 #include "components/runtime/composition.hpp"
 #include "components/runtime/conductor.hpp"
 #include "components/runtime/host.hpp"
+#include "core/base/progress.hpp"
 #include "tools/pipeline/runs_input.hpp"
 #include "tools/strata/process_group.hpp"
 #include "tools/strata/verb_context.hpp"
 
 namespace strata::tools {
 
+/// What is not the verb's to say.
+struct SessionOptions {
+  std::uint64_t seed = 1;
+  int threads = 0;
+  Progress* progress = nullptr;
+};
+
 class ReplaySession {
  public:
   /// Starts the components, in this process or in the several that the composition asks for. file:
   /// the composition's, for processes. Players are left out: the session plays. Throws as Host.
   ReplaySession(VerbContext& context, runtime::Composition composition, const std::string& file);
+  /// In this process only, with its own seed, threads and progress.
+  ReplaySession(VerbContext& context, runtime::Composition composition,
+                const SessionOptions& options);
 
   /// Records these topics ("/map", or "/map:nav_msgs/msg/OccupancyGrid") into a bag. Waits until
   /// somebody publishes those without a type; throws InputError when nobody does.
@@ -45,10 +57,12 @@ class ReplaySession {
   }
 
  private:
+  void host_all();
   [[nodiscard]] std::string with_type(const std::string& topic);
   [[nodiscard]] bool keep_waiting();
 
   VerbContext& context_;
+  SessionOptions options_;
   runtime::Composition composition_;
   runtime::Registry registry_;
   std::shared_ptr<bus::Participant> participant_;

@@ -12,8 +12,8 @@
 #include "components/maps/localization_files.hpp"
 #include "components/runtime/host.hpp"
 #include "core/base/error.hpp"
-#include "core/localization/particle_set.hpp"
 #include "tools/pipeline/localize_output.hpp"
+#include "tools/strata/particle_clouds.hpp"
 
 namespace strata::tools {
 namespace {
@@ -63,15 +63,8 @@ void ReplayTruth::judge(const nav2_msgs::msg::ParticleCloud& cloud) {
   changed_.notify_all();
   const auto found = truth_.find(convert::from_message(cloud.header().stamp()));
   if (found == truth_.end()) return;
-  localization::ParticleSet particles;
-  particles.resize(cloud.particles().size());
-  for (std::size_t i = 0; i < cloud.particles().size(); ++i) {
-    particles.set_pose(i, planar(convert::from_message(cloud.particles()[i].pose())));
-    particles.weight[i] = cloud.particles()[i].weight();
-  }
   const Pose2 truth = map_from_truth_ ? *map_from_truth_ * found->second : found->second;
-  errors_.push_back({found->first, localization::weighted_error(particles, truth),
-                     localization::weighted_heading_error(particles, truth)});
+  errors_.push_back(error_of(cloud, truth));
 }
 
 void ReplayTruth::write(const std::filesystem::path& out) {

@@ -11,6 +11,7 @@
 #include "core/base/error.hpp"
 #include "tools/pipeline/compare.hpp"
 #include "tools/pipeline/comparison_report.hpp"
+#include "tools/strata/dds_localize.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -26,6 +27,7 @@ struct Options {
   std::string out;
   std::optional<double> train_until_s;
   std::string map;
+  std::string via = "direct";
   int folds = 0;
   int seeds = 20;
   int jobs = 0;
@@ -93,6 +95,8 @@ void run_compare(const Options& options, VerbContext& context) {
   job.threads = context.options.threads;
   job.jobs = options.jobs;
   job.progress = context.progress();
+  job.via = options.via;
+  if (options.via == "dds") job.localize_with = localize_over_dds(context, options.out);
   if (!options.map.empty()) {
     job.given_map = log::read_map(options.map);
     if (options.models.empty()) config.protocol.models.emplace_back("map");
@@ -128,6 +132,11 @@ void add_compare(CLI::App& app, VerbContext& context) {
   verb->add_option("--map", options->map,
                    "map_server YAML of a map to compare with, as model `map`; in the frame of the "
                    "truth, or of the poses");
+  verb->add_option(
+          "--via", options->via,
+          "direct, or dds: every run is a strata::Localizer component, one after the other")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"direct", "dds"}));
   verb->add_option("--jobs", options->jobs,
                    "runs of the localizer at once; the results do not depend on it (default: as "
                    "--threads)")

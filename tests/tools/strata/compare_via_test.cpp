@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata compare --via dds`: what the components say is what the library says.
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/strata/replay_fixture.hpp"
+
+namespace strata::tools {
+namespace {
+
+using test::content;
+using test::quoted;
+
+class CompareVia : public test::ReplayFixture {
+ protected:
+  test::Outcome compare(const std::string& out, const std::string& more) {
+    return test::run_strata("compare " + quoted(log()) + " --seeds 2 --quiet --out " +
+                            quoted(at(out)) + " " + more + " 2>&1");
+  }
+};
+
+TEST_F(CompareVia, DdsGivesEveryErrorOfTheDirectCall) {
+  ASSERT_EQ(compare("direct_errors", "").code, 0);
+  const test::Outcome outcome = compare("dds_errors", "--via dds --jobs 2");
+  ASSERT_EQ(outcome.code, 0) << outcome.out;
+  EXPECT_EQ(content(at("direct_errors") / "errors.csv"), content(at("dds_errors") / "errors.csv"));
+  const auto result = nlohmann::json::parse(content(at("dds_errors") / "comparison.json"));
+  EXPECT_EQ(result["via"], "dds");
+  EXPECT_FALSE(std::filesystem::exists(at("dds_errors_maps"))) << "the maps were for the runs only";
+}
+
+TEST_F(CompareVia, DdsRefusesAMapThatNoComponentReads) {
+  const test::Outcome outcome =
+      compare("none", "--via dds --models map --map " + quoted(at("direct") / "occupancy.yaml"));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.out, testing::HasSubstr("the model `map` is in no MAPS folder"));
+  EXPECT_FALSE(std::filesystem::exists(at("none")));
+}
+
+}  // namespace
+}  // namespace strata::tools
