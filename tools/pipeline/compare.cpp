@@ -131,19 +131,46 @@ LocalizationRun localize_here(const LocalizeJob& job) {
                   job.seed, 1, nullptr);
 }
 
-/// Every seed of every model in one part. One run a thread: the runs depend neither on each other
-/// nor on how many go at once.
-void run_models(const std::vector<maps::MapModel>& models, const TestPart& part,
-                std::size_t part_index, const ReflectionGrid& free_space,
-                const CompareConfig& config, const LocalizeFunction& localize_one,
-                const std::vector<std::uint64_t>& seeds, WorkerPool& pool, SharedProgress& progress,
-                Comparison& comparison) {
-  std::vector<ModelRun> runs(models.size() * seeds.size());
-  std::vector<std::vector<maps::StateRow>> states(models.size());
+/// Whoever localizes: one of our models or a peer.
+struct Candidate {
+  std::size_t map_bytes = 0;
+  std::function<LocalizationRun(std::uint64_t seed)> localize;
+};
+
+std::vector<Candidate> make_candidates(const std::vector<maps::MapModel>& models,
+                                       const LocalizeFunction& localize_one,
+                                       const std::vector<Peer>& peers, const Learned& learned,
+                                       const CompareConfig& config, const TestPart& part) {
+  std::vector<Candidate> candidates;
+  for (const maps::MapModel& model : models) {
+    candidates.push_back({model.bytes, [&](std::uint64_t seed) {
+                            return localize_one({part.observations, part.truths, model,
+                                                 learned.maps.filtered, config.localizer,
+                                                 part.start, seed});
+                          }});
+  }
+  for (const Peer& peer : peers) {
+    const ReflectionGrid& map = learned.maps.occupancy;
+    candidates.push_back({map.size() * sizeof(float), [&](std::uint64_t seed) {
+                            return peer.localize(
+                                {part.observations, part.truths, models.front(),
+                                 learned.maps.filtered, config.localizer, part.start, seed},
+                                map);
+                          }});
+  }
+  return candidates;
+}
+
+/// Every seed of every candidate in one part. One run a thread: the runs depend neither on each
+/// other nor on how many go at once.
+void run_candidates(const std::vector<Candidate>& candidates, const TestPart& part,
+                    std::size_t part_index, const std::vector<std::uint64_t>& seeds,
+                    WorkerPool& pool, SharedProgress& progress, Comparison& comparison) {
+  std::vector<ModelRun> runs(candidates.size() * seeds.size());
+  std::vector<std::vector<maps::StateRow>> states(candidates.size());
   pool.for_chunks(runs.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    const std::size_t m = i / seeds.size();
-    LocalizationRun run = localize_one({part.observations, part.truths, models[m], free_space,
-                                        config.localizer, part.start, seeds[i % seeds.size()]});
+    const std::size_t c = i / seeds.size();
+    LocalizationRun run = candidates[c].localize(seeds[i % seeds.size()]);
     ModelRun& kept = runs[i];
     kept.part = part_index;
     kept.seed = seeds[i % seeds.size()];
@@ -154,16 +181,16 @@ void run_models(const std::vector<maps::MapModel>& models, const TestPart& part,
       kept.estimates_m.push_back(pose.pose.translation());
     }
     judge_changed_places(part, kept);
-    if (i % seeds.size() == 0) states[m] = std::move(run.states);
+    if (i % seeds.size() == 0) states[c] = std::move(run.states);
     progress.one_done();
   });
-  for (std::size_t m = 0; m < models.size(); ++m) {
-    ModelResult& result = comparison.models[m];
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    ModelResult& result = comparison.models[c];
     if (part_index == 0) {
-      result.map_bytes = models[m].bytes;
-      result.states = traces_of(states[m], part.observations.front().scan.stamp);
+      result.map_bytes = candidates[c].map_bytes;
+      result.states = traces_of(states[c], part.observations.front().scan.stamp);
     }
-    const auto first = runs.begin() + static_cast<std::ptrdiff_t>(m * seeds.size());
+    const auto first = runs.begin() + static_cast<std::ptrdiff_t>(c * seeds.size());
     std::move(first, first + static_cast<std::ptrdiff_t>(seeds.size()),
               std::back_inserter(result.runs));
   }
@@ -243,12 +270,12 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
   comparison.seeds = job.seeds.size();
   comparison.truth = has_truth || has_poses ? TruthKind::kGiven : TruthKind::kJointTrajectory;
   const std::vector<std::string>& models = config.protocol.models;
-  comparison.models.resize(models.size());
-  for (std::size_t m = 0; m < models.size(); ++m) comparison.models[m].model = models[m];
+  for (const std::string& model : models) comparison.models.emplace_back().model = model;
+  for (const Peer& peer : job.peers) comparison.models.emplace_back().model = peer.name;
   const std::vector<double> elapsed = elapsed_seconds(runs.observations);
   WorkerPool pool(job.jobs > 0 ? job.jobs : job.threads);
-  SharedProgress progress(job.progress,
-                          count_drives(runs, job.splits) * models.size() * job.seeds.size());
+  SharedProgress progress(
+      job.progress, count_drives(runs, job.splits) * comparison.models.size() * job.seeds.size());
   for (std::size_t s = 0; s < job.splits.size(); ++s) {
     Learned learned = learn_split(runs, job.splits[s], poses, config, job);
     const std::vector<maps::MapModel> map_models = make_models(learned.maps, same_for_all);
@@ -258,8 +285,9 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
     for (TestPart& part :
          make_test_parts(runs, job.splits[s], elapsed, learned.truths, config.protocol)) {
       look_for_changes(learned.result.slam.scans, learned.maps.filtered, same_for_all, part);
-      run_models(map_models, part, comparison.parts.size(), learned.maps.filtered, same_for_all,
-                 localize_one, job.seeds, pool, progress, comparison);
+      run_candidates(
+          make_candidates(map_models, localize_one, job.peers, learned, same_for_all, part), part,
+          comparison.parts.size(), job.seeds, pool, progress, comparison);
       predict_with_models(map_models, part, learned.maps, same_for_all, pool, comparison);
       comparison.parts.push_back(part.info);
     }

@@ -42,6 +42,13 @@ using LocalizeFunction = std::function<LocalizationRun(const LocalizeJob&)>;
 /// several.
 using MakeLocalize = std::function<LocalizeFunction(const LearnResult&, const CompareConfig&)>;
 
+/// Somebody else's localizer, in the occupancy map of each split; its LocalizeJob names the model
+/// `occupancy`.
+struct Peer {
+  std::string name;  ///< as a model: "peer_mrpt"
+  std::function<LocalizationRun(const LocalizeJob&, const ReflectionGrid& map)> localize;
+};
+
 /// What a comparison is made of, besides the runs.
 struct CompareJob {
   std::string log;  ///< for people
@@ -54,6 +61,7 @@ struct CompareJob {
   Progress* progress = nullptr;
   MakeLocalize localize_with;  ///< empty: the library itself, in this process
   std::string via = "direct";  ///< what to call that way in the report
+  std::vector<Peer> peers;     ///< localize beside our models; they predict no scans
 };
 
 /// Learns on the first part of each split and localizes in each run of the second with every model

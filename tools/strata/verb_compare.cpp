@@ -12,6 +12,7 @@
 #include "tools/pipeline/compare.hpp"
 #include "tools/pipeline/comparison_report.hpp"
 #include "tools/strata/dds_localize.hpp"
+#include "tools/strata/peer_localize.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -28,6 +29,7 @@ struct Options {
   std::optional<double> train_until_s;
   std::string map;
   std::string via = "direct";
+  bool peers = false;
   int folds = 0;
   int seeds = 20;
   int jobs = 0;
@@ -97,6 +99,7 @@ void run_compare(const Options& options, VerbContext& context) {
   job.progress = context.progress();
   job.via = options.via;
   if (options.via == "dds") job.localize_with = localize_over_dds(context, options.out);
+  if (options.peers) job.peers = peers_of_this_build(context, options.out);
   if (!options.map.empty()) {
     job.given_map = log::read_map(options.map);
     if (options.models.empty()) config.protocol.models.emplace_back("map");
@@ -137,6 +140,8 @@ void add_compare(CLI::App& app, VerbContext& context) {
           "direct, or dds: every run is a strata::Localizer component, one after the other")
       ->capture_default_str()
       ->check(CLI::IsMember({"direct", "dds"}));
+  verb->add_flag("--peers", options->peers,
+                 "beside our models, other projects' localizers in the occupancy map: peer_mrpt");
   verb->add_option("--jobs", options->jobs,
                    "runs of the localizer at once; the results do not depend on it (default: as "
                    "--threads)")
