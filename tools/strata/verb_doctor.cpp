@@ -46,7 +46,7 @@ void examine(const DoctorOptions& options, VerbContext& context) {
 void add_doctor(CLI::App& app, VerbContext& context) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* verb =
-      add_verb(app, context, "doctor", "Show what is on the DDS domain and what does not match",
+      add_verb(app, context, "doctor", "show what is on the DDS domain and what does not match",
                "strata doctor --domain 7", [options, &context] { examine(*options, context); });
   verb->add_option("--domain", options->domain, "ROS_DOMAIN_ID when left out")
       ->check(CLI::Range(0, 232));

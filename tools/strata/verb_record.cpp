@@ -83,7 +83,7 @@ void record(const RecordOptions& options, VerbContext& context) {
 
 void add_record(CLI::App& app, VerbContext& context) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* verb = add_verb(app, context, "record", "Record topics into a rosbag2 bag until Ctrl-C",
+  CLI::App* verb = add_verb(app, context, "record", "record topics into a rosbag2 bag until Ctrl-C",
                             "strata record --out bag --topics /scan /odom",
                             [options, &context] { record(*options, context); });
   verb->add_option("--out", options->out, "bag folder to write")->required();

@@ -210,7 +210,7 @@ void replay(ReplayOptions options, VerbContext& context) {
 void add_replay(CLI::App& app, VerbContext& context) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* verb = add_verb(
-      app, context, "replay", "Send recorded logs through the components, in lockstep over DDS",
+      app, context, "replay", "send recorded logs through the components, in lockstep over DDS",
       "strata replay office.clf --composition components/config/mapping.yaml --out maps\n"
       "  strata replay office.clf --composition localize.yaml --expect tests/office",
       [options, &context] { replay(*options, context); });

@@ -154,7 +154,7 @@ std::vector<std::string> child_arguments(const std::string& composition, const s
 void add_run(CLI::App& app, VerbContext& context) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* verb = add_verb(
-      app, context, "run", "Start the components of a composition over DDS until Ctrl-C",
+      app, context, "run", "start the components of a composition over DDS until Ctrl-C",
       "strata run components/config/mapping.yaml", [options, &context] {
         if (options->child) prctl(PR_SET_PDEATHSIG, SIGTERM);
         const runtime::Composition composition =
