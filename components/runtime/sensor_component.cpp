@@ -9,6 +9,12 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& config, const s
     input_->add(message);
     take_observations();
   });
+  if (!lockstep() && !config.tf_odometry_frame.empty()) {
+    subscribe<tf2_msgs::msg::TFMessage>("/tf", "tf", [this](const auto& message) {
+      input_->add_moving(message);
+      take_observations();
+    });
+  }
   subscribe<nav_msgs::msg::Odometry>(config.odometry_topic, qos, [this](const auto& message) {
     input_->add(message);
     // In lockstep the scan comes after its odometry.

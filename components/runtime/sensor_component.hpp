@@ -15,7 +15,8 @@ class SensorComponent : public Component {
   using Component::Component;
 
  protected:
-  /// Subscribes /tf_static, odometry and scans; for on_configure. qos: profile of the last two.
+  /// Subscribes /tf_static, odometry, live also /tf, and scans; for on_configure. qos: profile of
+  /// the last two.
   void subscribe_sensors(const SensorInputConfig& config, const std::string& qos);
   /// Each scan once, with its odometry and mounting, in order.
   virtual void on_observation(const Observation& observation) = 0;

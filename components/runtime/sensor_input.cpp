@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
@@ -13,12 +14,7 @@ namespace strata::runtime {
 namespace {
 
 constexpr Duration kOdometryKept{30'000'000'000};
-constexpr int kDeepestFrame = 16;  // a loop in the frames must not hang us
 constexpr double kLongestSweep_s = 2.0;
-
-std::string without_slash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
 
 Duration sweep_of(const Scan& scan) {
   const double beams = scan.size() > 0 ? static_cast<double>(scan.size() - 1) : 0.0;
@@ -30,16 +26,38 @@ Duration sweep_of(const Scan& scan) {
 
 void SensorInput::add(const tf2_msgs::msg::TFMessage& transforms) {
   for (const auto& transform : transforms.transforms()) {
-    parent_from_[without_slash(transform.child_frame_id())] = {
-        without_slash(transform.header().frame_id()),
-        planar(convert::from_message(transform.transform()))};
+    const Pose3 parent_from_child = convert::from_message(transform.transform());
+    for (log::TransformTree* tree : {&fixed_, &moving_}) {
+      tree->add(transform.header().frame_id(), transform.child_frame_id(), parent_from_child);
+    }
+  }
+}
+
+void SensorInput::add_moving(const tf2_msgs::msg::TFMessage& transforms) {
+  if (has_odometry_topic_ || config_.tf_odometry_frame.empty()) return;
+  const std::string frame = log::frame_name(config_.tf_odometry_frame);
+  for (const auto& transform : transforms.transforms()) {
+    moving_.add(transform.header().frame_id(), transform.child_frame_id(),
+                convert::from_message(transform.transform()));
+    // What moves is the child of odom; what hangs on it is fixed.
+    if (log::frame_name(transform.header().frame_id()) != frame) continue;
+    const auto odom_from_robot = moving_.find(frame, config_.robot_frame);
+    if (!odom_from_robot) continue;
+    add_odometry(convert::from_message(transform.header().stamp()), planar(*odom_from_robot));
   }
 }
 
 void SensorInput::add(const nav_msgs::msg::Odometry& odometry) {
-  const Stamp stamp = convert::from_message(odometry.header().stamp());
+  if (!has_odometry_topic_) odometry_.clear();  // what tf said
+  has_odometry_topic_ = true;
+  add_odometry(convert::from_message(odometry.header().stamp()),
+               planar(convert::from_message(odometry.pose().pose())));
+}
+
+void SensorInput::add_odometry(Stamp stamp, const Pose2& odom_from_robot) {
+  if (!is_finite(odom_from_robot)) return;  // the scans about it find their neighbours
   if (!odometry_.empty() && stamp < odometry_.back().stamp) odometry_.clear();  // a new run
-  odometry_.push_back({stamp, planar(convert::from_message(odometry.pose().pose()))});
+  odometry_.push_back({stamp, odom_from_robot});
   while (odometry_.front().stamp < stamp - kOdometryKept) odometry_.pop_front();
 }
 
@@ -56,18 +74,9 @@ std::vector<Observation> SensorInput::take() {
   return result;
 }
 
-bool SensorInput::find_mounting(const std::string& frame, Pose2& robot_from_laser) const {
-  robot_from_laser = Pose2();
-  std::string current = without_slash(frame);
-  for (int depth = 0; depth < kDeepestFrame; ++depth) {
-    if (current == config_.robot_frame) return true;
-    const auto found = parent_from_.find(current);
-    if (found == parent_from_.end()) return false;
-    // The first step as it is: composing with the identity may change its last bits.
-    robot_from_laser = depth == 0 ? found->second.second : found->second.second * robot_from_laser;
-    current = found->second.first;
-  }
-  return false;
+std::optional<Pose2> SensorInput::find_mounting(const std::string& frame) const {
+  const auto robot_from_laser = fixed_.find(config_.robot_frame, frame);
+  return robot_from_laser ? std::optional(planar(*robot_from_laser)) : std::nullopt;
 }
 
 bool SensorInput::find_odometry(Stamp stamp, Pose2& pose) const {
@@ -86,16 +95,14 @@ bool SensorInput::find_odometry(Stamp stamp, Pose2& pose) const {
 }
 
 bool SensorInput::is_complete(const sensor_msgs::msg::LaserScan& message) const {
-  Pose2 unused;
-  if (!find_mounting(message.header().frame_id(), unused)) return false;
+  if (!find_mounting(message.header().frame_id())) return false;
   if (!config_.use_odometry) return true;
-  const Scan scan = convert::from_message(message, unused);
+  const Scan scan = convert::from_message(message, Pose2());
   return !odometry_.empty() && odometry_.back().stamp >= scan.stamp + sweep_of(scan);
 }
 
 Observation SensorInput::make(const sensor_msgs::msg::LaserScan& message) const {
-  Pose2 robot_from_laser;
-  if (!find_mounting(message.header().frame_id(), robot_from_laser)) robot_from_laser = Pose2();
+  const Pose2 robot_from_laser = find_mounting(message.header().frame_id()).value_or(Pose2());
   Observation observation;
   observation.scan = convert::from_message(message, robot_from_laser);
   Scan& scan = observation.scan;

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <deque>
-#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +13,7 @@
 #include "strata_idl/sensor_msgs.h"
 #include "strata_idl/tf2_msgs.h"
 
+#include "components/log/transform_tree.hpp"
 #include "core/base/config.hpp"
 #include "core/scan/scan.hpp"
 
@@ -21,6 +22,7 @@ namespace strata::runtime {
 struct SensorInputConfig {
   std::string scan_topic = "scan";
   std::string odometry_topic = "odom";
+  std::string tf_odometry_frame = "odom";
   std::string robot_frame = "base_link";
   bool use_odometry = true;
   int most_waiting_scans = 20;
@@ -28,6 +30,9 @@ struct SensorInputConfig {
   static void describe(Self& c, V& v) {
     v.field("scan_topic", c.scan_topic, {.doc = "sensor_msgs/LaserScan in"});
     v.field("odometry_topic", c.odometry_topic, {.doc = "nav_msgs/Odometry in"});
+    v.field("tf_odometry_frame", c.tf_odometry_frame,
+            {.doc = "live, while nobody publishes odometry_topic: odometry is this frame to "
+                    "robot_frame on /tf; empty: never"});
     v.field("robot_frame", c.robot_frame, {.doc = "frame that poses are of"});
     v.field("use_odometry", c.use_odometry, {.doc = "false: scans only"});
     v.field("most_waiting_scans", c.most_waiting_scans,
@@ -46,7 +51,10 @@ class SensorInput {
   /// waits: false in lockstep, where everything that belongs to a scan came before it.
   SensorInput(SensorInputConfig config, bool waits) : config_(std::move(config)), waits_(waits) {}
 
+  /// /tf_static.
   void add(const tf2_msgs::msg::TFMessage& transforms);
+  /// /tf, for robots that give odometry there only. The first nav_msgs/Odometry ends that.
+  void add_moving(const tf2_msgs::msg::TFMessage& transforms);
   void add(const nav_msgs::msg::Odometry& odometry);
   void add(const sensor_msgs::msg::LaserScan& scan);
   /// The scans that are complete now, in order.
@@ -57,14 +65,17 @@ class SensorInput {
     Stamp stamp;
     Pose2 pose;
   };
-  [[nodiscard]] bool find_mounting(const std::string& frame, Pose2& robot_from_laser) const;
+  void add_odometry(Stamp stamp, const Pose2& odom_from_robot);
+  [[nodiscard]] std::optional<Pose2> find_mounting(const std::string& frame) const;
   [[nodiscard]] bool find_odometry(Stamp stamp, Pose2& pose) const;
   [[nodiscard]] bool is_complete(const sensor_msgs::msg::LaserScan& scan) const;
   [[nodiscard]] Observation make(const sensor_msgs::msg::LaserScan& scan) const;
 
   SensorInputConfig config_;
   bool waits_;
-  std::map<std::string, std::pair<std::string, Pose2>> parent_from_;  // by child frame
+  log::TransformTree fixed_;
+  log::TransformTree moving_;  // the fixed ones and those of /tf
+  bool has_odometry_topic_ = false;
   std::deque<TimedPose> odometry_;
   std::deque<sensor_msgs::msg::LaserScan> scans_;
 };
