@@ -93,9 +93,10 @@ bool beam_residual(double x_robot_m, double y_robot_m, const MatchField& field,
   const double dx = x - surface->x_m;
   const double dy = y - surface->y_m;
   const double across = 1.0 / hit_stddev_m;
-  const double along = std::sqrt(surface->tangential) / hit_stddev_m;
+  const double off = beyond(surface->normal_x * dy - surface->normal_y * dx, surface->slack_m);
+  const double along = off == 0.0 ? 0.0 : std::sqrt(surface->tangential) / hit_stddev_m;
   residual[0] = across * (surface->normal_x * dx + surface->normal_y * dy);
-  residual[1] = along * (surface->normal_x * dy - surface->normal_y * dx);
+  residual[1] = along * off;
   if (jacobian != nullptr) {
     jacobian[0] = across * surface->normal_x;
     jacobian[1] = across * surface->normal_y;

@@ -41,8 +41,11 @@ struct Candidate {
   int score = 0;  // sum over end points: an upper bound for what it covers, exact on level 0
 };
 
+int squared_steps(const Candidate& c) { return c.turn * c.turn + c.x * c.x + c.y * c.y; }
+
 bool better(const Candidate& a, const Candidate& b) {
   if (a.score != b.score) return a.score > b.score;
+  if (squared_steps(a) != squared_steps(b)) return squared_steps(a) < squared_steps(b);
   if (a.turn != b.turn) return a.turn < b.turn;
   if (a.x != b.x) return a.x < b.x;
   return a.y < b.y;

@@ -70,7 +70,8 @@ struct SearchResult {
 
 /// The pose of the window, on a lattice of one cell and of the turn that moves the farthest point
 /// by one cell, with the greatest mean score; branch and bound [olson2009real; hess2016real], so
-/// the result equals that of trying every pose. Ties: the least (turn, x, y). Poses below
+/// the result equals that of trying every pose. Ties: the pose nearest to the guess in steps of the
+/// lattice (along a bare wall nothing else decides), then the least (turn, x, y). Poses below
 /// min_score are not looked for, which is what makes it fast. O(candidates) at worst, usually a
 /// small part. Thread-safe.
 [[nodiscard]] SearchResult search(const Endpoints& endpoints, const CorrelativeTables& tables,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/grid/growth.hpp"
 
@@ -45,6 +46,70 @@ struct Moments {
   }
 };
 
+/// Hits within this distance of each other belong together whatever lies between.
+double near_m(double beam_spacing_rad, double range_m) {
+  constexpr double kLeastGapM = 0.1;
+  constexpr double kSpacings = 5.0;
+  return std::max(kLeastGapM, kSpacings * beam_spacing_rad * range_m);
+}
+
+/// Whether points i and i + 1 come from beams next to each other.
+bool joined(const Endpoints& endpoints, std::size_t i) {
+  return i + 1 < endpoints.size() && endpoints.beam[i + 1] == endpoints.beam[i] + 1;
+}
+
+/// A wall seen at a grazing angle leaves its hits far apart, but on one line: the hit with its two
+/// neighbours. Where the next beam returned nothing, the two on the other side tell. Nothing where
+/// the hits are on no line.
+std::optional<NormalScatter> grazed_wall(const Endpoints& endpoints, std::size_t point) {
+  constexpr double kMostSag = 0.1;  // of the shorter spacing, and in metres
+  const bool has_before = point > 0 && joined(endpoints, point - 1);
+  const bool has_after = joined(endpoints, point);
+  std::size_t i = point;  // the middle one of three
+  if (!has_after && has_before) i = point - 1;
+  if (!has_before && has_after) i = point + 1;
+  if (i == 0 || !joined(endpoints, i - 1) || !joined(endpoints, i)) return std::nullopt;
+  const double ax = endpoints.x_m[i] - endpoints.x_m[i - 1];
+  const double ay = endpoints.y_m[i] - endpoints.y_m[i - 1];
+  const double bx = endpoints.x_m[i + 1] - endpoints.x_m[i];
+  const double by = endpoints.y_m[i + 1] - endpoints.y_m[i];
+  if (ax * bx + ay * by <= 0.0) return std::nullopt;
+  const double length = std::hypot(ax + bx, ay + by);
+  const double sag = std::abs(ax * by - ay * bx) / length;
+  if (sag > kMostSag * std::min({1.0, std::hypot(ax, ay), std::hypot(bx, by)})) return std::nullopt;
+  const double nx = -(ay + by) / length;
+  const double ny = (ax + bx) / length;
+  return NormalScatter{static_cast<float>(nx * nx), static_cast<float>(nx * ny),
+                       static_cast<float>(ny * ny)};
+}
+
+/// SweepSurface::slack_m on one side (-1 or +1) of a hit.
+double gap_beside(const Endpoints& endpoints, std::size_t point, int side,
+                  const NormalScatter& normal, double beam_spacing_rad) {
+  constexpr double kUnseen = std::numeric_limits<double>::infinity();
+  constexpr double kOnLine = 0.1;  // of the distance
+  if (side < 0 ? point == 0 || !joined(endpoints, point - 1) : !joined(endpoints, point)) {
+    return kUnseen;
+  }
+  const std::size_t next = side < 0 ? point - 1 : point + 1;
+  const double x = endpoints.x_m[point];
+  const double y = endpoints.y_m[point];
+  const double dx = endpoints.x_m[next] - x;
+  const double dy = endpoints.y_m[next] - y;
+  const double range_m = std::hypot(x, y);
+  const double distance_m = std::hypot(dx, dy);
+  if (distance_m <= near_m(beam_spacing_rad, range_m)) return distance_m;
+  const auto xx = static_cast<double>(normal.xx);
+  const auto xy = static_cast<double>(normal.xy);
+  const auto yy = static_cast<double>(normal.yy);
+  const double off2 = xx * dx * dx + 2.0 * xy * dx * dy + yy * dy * dy;  // squared, off the line
+  if (off2 <= kOnLine * kOnLine * distance_m * distance_m) return distance_m;
+  if (std::hypot(endpoints.x_m[next], endpoints.y_m[next]) < range_m) return kUnseen;
+  // The next beam passed beside the end of the surface: it lies before that beam.
+  const double cross2 = (xx * x * x + 2.0 * xy * x * y + yy * y * y) / (range_m * range_m);
+  return beam_spacing_rad * range_m / std::sqrt(std::max(cross2, 0.01));
+}
+
 }  // namespace
 
 void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter) {
@@ -61,18 +126,16 @@ void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter) {
   point.tangential = std::clamp((larger - 2.0 * root) / larger, kLeastTangential, 1.0);
 }
 
-void normals_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
-                      std::vector<NormalScatter>& out) {
+void surfaces_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
+                       std::vector<SweepSurface>& out) {
   constexpr std::ptrdiff_t kReach = 3;
-  constexpr double kLeastGapM = 0.1;
-  constexpr double kSpacings = 5.0;
   const auto count = static_cast<std::ptrdiff_t>(endpoints.size());
   out.resize(endpoints.size());
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const double x = endpoints.x_m[at];
     const double y = endpoints.y_m[at];
-    const double reach_m = std::max(kLeastGapM, kSpacings * beam_spacing_rad * std::hypot(x, y));
+    const double reach_m = near_m(beam_spacing_rad, std::hypot(x, y));
     Moments moments;
     for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, i - kReach);
          j <= std::min(count - 1, i + kReach); ++j) {
@@ -80,7 +143,13 @@ void normals_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
       const double dy = endpoints.y_m[static_cast<std::size_t>(j)] - y;
       if (dx * dx + dy * dy <= reach_m * reach_m) moments.add(dx, dy);
     }
-    out[at] = moments.normal();
+    out[at].normal = moments.normal();
+    if (moments.n < 3.0) {
+      if (const auto grazed = grazed_wall(endpoints, at)) out[at].normal = *grazed;
+    }
+    out[at].slack_m = static_cast<float>(
+        std::max(gap_beside(endpoints, at, -1, out[at].normal, beam_spacing_rad),
+                 gap_beside(endpoints, at, 1, out[at].normal, beam_spacing_rad)));
   }
 }
 

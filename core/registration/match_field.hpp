@@ -2,8 +2,10 @@
 /// The map as scan matching sees it: pieces of surface, and for every cell the nearest of them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,8 +26,16 @@ struct SurfacePoint {
   /// Share in (0, 1] with which distance along the surface counts: small on a wall, 1 at a lone
   /// point or a corner, where the normal says nothing.
   double tangential = 1.0;
+  /// Distance along the surface that costs nothing: the surface goes on that far, though no beam
+  /// hit it in between.
+  double slack_m = 0.0;
   bool occupied = true;  ///< false: once occupied, since seen free; beams there match nothing
 };
+
+/// How far `along_m` lies beyond the slack on either side; 0 within.
+[[nodiscard]] inline double beyond(double along_m, double slack_m) {
+  return along_m - std::clamp(along_m, -slack_m, slack_m);
+}
 
 struct MatchFieldConfig {
   double radius_m = 0.6;
@@ -47,8 +57,8 @@ struct MatchFieldConfig {
 
 /// The distance D of SPEC A6, measured to the line through the nearest occupied cell's hits
 /// instead of to the cell's centre: a wall that lies anywhere inside its cells is then matched
-/// exactly, and sliding along it costs nothing. Points may be added and moved; the nearest point
-/// is kept per cell (by its centre), so a query is one look-up.
+/// exactly, and sliding along it costs nothing up to the next hit or the wall's end. Points may be
+/// added and moved; the nearest point is kept per cell (by its centre), so a query is one look-up.
 class MatchField {
  public:
   explicit MatchField(double resolution_m = 0.05, const MatchFieldConfig& config = {});
@@ -92,14 +102,24 @@ struct NormalScatter {
   float yy = 0.0F;
 };
 
+/// What its neighbours in the sweep say about one hit.
+struct SweepSurface {
+  NormalScatter normal;  ///< trace 1
+  /// How far along the surface the nearest known thing lies, on the side where that is farther:
+  /// the next hit on it, or its end. Infinite where the surface goes out of sight (no return,
+  /// something in front, the edge of the sweep).
+  float slack_m = std::numeric_limits<float>::infinity();
+};
+
 /// Sets normal and tangential share of `point` from the scatter: the principal axis, and the ratio
 /// of the eigenvalues. An empty scatter gives tangential 1.
 void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter);
 
-/// Direction evidence of each point from its neighbours in the sweep (up to three on each side and
-/// not farther than a few beams' spacing); out[i] has trace 1. The neighbours in a scan say more
-/// than those in the map, whose cells lie too far apart where the beams do. O(points).
-void normals_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
-                      std::vector<NormalScatter>& out);
+/// The surface at each point from its neighbours in the sweep: up to three on each side and not
+/// farther than a few beams' spacing, or, at grazing angles, the next ones on one line. The
+/// neighbours in a scan say more than those in the map, whose cells lie too far apart where the
+/// beams do. endpoints: in the order of the beams. O(points).
+void surfaces_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
+                       std::vector<SweepSurface>& out);
 
 }  // namespace strata::registration

@@ -65,7 +65,7 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
     const double dx = x - surface->x_m;
     const double dy = y - surface->y_m;
     const double across = nx * dx + ny * dy;
-    const double along = nx * dy - ny * dx;
+    const double along = beyond(nx * dy - ny * dx, surface->slack_m);
     const double kernel =
         std::exp(-0.5 * inverse_variance * (across * across + lambda * along * along));
     const double hit = problem.hit_weight * kernel;
@@ -83,7 +83,7 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
     explained += e * kernel;
     if constexpr (kDerivatives) {
       const double w = e * inverse_variance * hit / sum;
-      const double wl = w * lambda;
+      const double wl = along == 0.0 ? 0.0 : w * lambda;
       const double across_theta = ny * rx - nx * ry;
       const double along_theta = nx * rx + ny * ry;
       h00 += w * nx * nx + wl * ny * ny;

@@ -66,13 +66,13 @@ std::optional<Placed> placed(const Scan& scan, const OdometryAt& odometry,
 MatchField field_of(const Scan& scan) {
   MatchField field(0.05, {.radius_m = 0.4});
   const Endpoints endpoints = endpoints_in_robot(scan);
-  std::vector<NormalScatter> normals;
-  normals_in_sweep(endpoints, std::abs(static_cast<double>(scan.angle_increment_rad)), normals);
+  std::vector<SweepSurface> surfaces;
+  surfaces_in_sweep(endpoints, std::abs(static_cast<double>(scan.angle_increment_rad)), surfaces);
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     SurfacePoint point;
     point.x_m = endpoints.x_m[i];
     point.y_m = endpoints.y_m[i];
-    set_surface_direction(point, normals[i]);
+    set_surface_direction(point, surfaces[i].normal);
     field.add(point);
   }
   return field;

@@ -9,10 +9,15 @@
 #include "core/grid/ray_traversal.hpp"
 
 namespace strata::slam {
-Eigen::Vector2d SurfaceMap::centroid(const Cell& cell, const CellData& data) const {
+void SurfaceMap::set_point(registration::SurfacePoint& point, const Cell& cell,
+                           const CellData& data) const {
   const double resolution = cells_.resolution_m();
-  return {cell.x * resolution + static_cast<double>(data.sum_x / data.hits),
-          cell.y * resolution + static_cast<double>(data.sum_y / data.hits)};
+  point.x_m = cell.x * resolution + static_cast<double>(data.sum_x / data.hits);
+  point.y_m = cell.y * resolution + static_cast<double>(data.sum_y / data.hits);
+  registration::set_surface_direction(point, data.normals);
+  // Round things have no direction along which they could go on.
+  point.slack_m =
+      point.tangential < 1.0 ? (1.0 - point.tangential) * static_cast<double>(data.slack_m) : 0.0;
 }
 
 void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
@@ -31,8 +36,8 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
   touched_ = touched_.united(needed);
   changed_.clear();
   const Endpoints hits = endpoints_in_robot(scan);
-  registration::normals_in_sweep(hits, std::abs(static_cast<double>(scan.angle_increment_rad)),
-                                 normals_);
+  registration::surfaces_in_sweep(hits, std::abs(static_cast<double>(scan.angle_increment_rad)),
+                                  surfaces_);
   std::size_t next_hit = 0;
   // Normals come in the robot frame; n n^T turns with twice the angle.
   const double turn = frame_from_laser.theta - scan.robot_from_laser.theta;
@@ -57,7 +62,7 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
     data.sum_x += weight * static_cast<float>(ray.to_m.x() - end.x * resolution);
     data.sum_y += weight * static_cast<float>(ray.to_m.y() - end.y * resolution);
     while (hits.beam[next_hit] < beam) ++next_hit;
-    const registration::NormalScatter& n = normals_[next_hit];
+    const registration::NormalScatter& n = surfaces_[next_hit].normal;
     const double difference = 0.5 * static_cast<double>(n.xx - n.yy);
     const double cross = static_cast<double>(n.xy);
     const double mean = 0.5 * static_cast<double>(n.xx + n.yy);
@@ -65,6 +70,7 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
     data.normals.xx += weight * static_cast<float>(mean + turned);
     data.normals.yy += weight * static_cast<float>(mean - turned);
     data.normals.xy += weight * static_cast<float>(s2 * difference + c2 * cross);
+    if (weight > 0.0F) data.slack_m = std::min(data.slack_m, surfaces_[next_hit].slack_m);
     changed_.push_back(end);
   });
   std::sort(changed_.begin(), changed_.end());
@@ -78,22 +84,14 @@ void SurfaceMap::refresh(const Cell& cell) {
   if (data.point < 0) {
     if (!surface) return;
     registration::SurfacePoint point;
-    const Eigen::Vector2d at = centroid(cell, data);
-    point.x_m = at.x();
-    point.y_m = at.y();
-    registration::set_surface_direction(point, data.normals);
+    set_point(point, cell, data);
     data.point = static_cast<std::int32_t>(field_.add(point));
     return;
   }
   const auto index = static_cast<std::size_t>(data.point);
   registration::SurfacePoint point = field_.points()[index];
   point.occupied = surface;
-  if (surface) {
-    const Eigen::Vector2d at = centroid(cell, data);
-    point.x_m = at.x();
-    point.y_m = at.y();
-    registration::set_surface_direction(point, data.normals);
-  }
+  if (surface) set_point(point, cell, data);
   field_.set(index, point);
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -46,21 +47,22 @@ class SurfaceMap {
     float sum_x = 0.0F;  // of hits, relative to the cell's least corner
     float sum_y = 0.0F;
     registration::NormalScatter normals;
-    std::int32_t point = -1;  // index in the field
+    float slack_m = std::numeric_limits<float>::infinity();  // the least of all hits
+    std::int32_t point = -1;                                 // index in the field
   };
   [[nodiscard]] bool is_surface(const CellData& data) const {
     return data.hits >= static_cast<float>(field_.config().occupied_reflection) *
                             (data.hits + data.misses) &&
            data.hits > 0.0F;
   }
-  [[nodiscard]] Eigen::Vector2d centroid(const Cell& cell, const CellData& data) const;
   void refresh(const Cell& cell);
+  void set_point(registration::SurfacePoint& point, const Cell& cell, const CellData& data) const;
 
   Grid<CellData> cells_;
   registration::MatchField field_;
   CellRect touched_;
   std::vector<Cell> changed_;  // scratch
-  std::vector<registration::NormalScatter> normals_;
+  std::vector<registration::SweepSurface> surfaces_;
 };
 
 }  // namespace strata::slam

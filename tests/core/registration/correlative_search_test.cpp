@@ -92,5 +92,27 @@ TEST(CorrelativeSearch, FindsNothingBelowTheLeastScore) {
   EXPECT_FALSE(search({}, tables, origin, {0.5, 0.5, 0.2}, 0.3).found);
 }
 
+TEST(CorrelativeSearch, StaysAtTheGuessAlongABareWall) {
+  MatchField field(0.05);
+  for (int i = 0; i < 400; ++i) {
+    SurfacePoint point;
+    point.x_m = 0.05 * i + 0.025;
+    point.y_m = 0.025;
+    field.add(point);
+  }
+  Endpoints hits;
+  for (int i = 0; i < 20; ++i) {
+    hits.x_m.push_back(0.05 * i);
+    hits.y_m.push_back(0.0);
+    hits.beam.push_back(static_cast<std::uint32_t>(i));
+  }
+  const Pose2 guess{9.01, 0.21, 0.0};
+  const SearchResult result =
+      search(hits, CorrelativeTables(field, {}), guess, {1.0, 0.5, 0.1}, 0.5);
+  ASSERT_TRUE(result.found);
+  EXPECT_DOUBLE_EQ(result.pose.x, guess.x);
+  EXPECT_NEAR(result.pose.y, 0.0, 0.05);
+}
+
 }  // namespace
 }  // namespace strata::registration

@@ -16,7 +16,7 @@ namespace strata::registration {
 namespace {
 
 /// Points every 2 cm along the walls, with the walls' true normals.
-MatchField field_of(const std::vector<test::Wall>& walls) {
+MatchField field_of(const std::vector<test::Wall>& walls, double slack_m = 0.0) {
   MatchField field(0.05);
   for (const test::Wall& wall : walls) {
     const double length = std::hypot(wall.x1 - wall.x0, wall.y1 - wall.y0);
@@ -28,6 +28,7 @@ MatchField field_of(const std::vector<test::Wall>& walls) {
       point.normal_x = (wall.y1 - wall.y0) / length;
       point.normal_y = -(wall.x1 - wall.x0) / length;
       point.tangential = 0.02;
+      point.slack_m = slack_m;
       field.add(point);
     }
   }
@@ -91,23 +92,74 @@ TEST(MatchField, TakesTheDirectionOfAWallFromAReflectionGrid) {
 TEST(Surface, NormalsOfASweepFollowTheWallAndAreRoundAtALonePoint) {
   const Scan scan = test::scan_of(test::room(), {5.0, 3.0, 0.3}, 0.0);
   const Endpoints hits = endpoints_in_robot(scan);
-  std::vector<NormalScatter> normals;
-  normals_in_sweep(hits, static_cast<double>(scan.angle_increment_rad), normals);
-  ASSERT_EQ(normals.size(), hits.size());
+  std::vector<SweepSurface> surfaces;
+  surfaces_in_sweep(hits, static_cast<double>(scan.angle_increment_rad), surfaces);
+  ASSERT_EQ(surfaces.size(), hits.size());
   SurfacePoint point;
-  set_surface_direction(point, normals[normals.size() / 2]);
+  set_surface_direction(point, surfaces[surfaces.size() / 2].normal);
   EXPECT_LT(point.tangential, 0.05);
   Endpoints lone;
   lone.x_m = {3.0};
   lone.y_m = {0.0};
   lone.beam = {0};
-  normals_in_sweep(lone, 0.01, normals);
-  set_surface_direction(point, normals[0]);
+  surfaces_in_sweep(lone, 0.01, surfaces);
+  set_surface_direction(point, surfaces[0].normal);
   EXPECT_DOUBLE_EQ(point.tangential, 1.0);
 }
 
+/// Hits of beams one degree apart, beginning at beam `first`; range 0: no return.
+Endpoints sweep_of(const std::vector<double>& ranges_m, double first_rad) {
+  Endpoints hits;
+  for (std::size_t i = 0; i < ranges_m.size(); ++i) {
+    if (ranges_m[i] <= 0.0) continue;
+    const double bearing = first_rad + degrees_to_radians(1.0) * static_cast<double>(i);
+    hits.x_m.push_back(ranges_m[i] * std::cos(bearing));
+    hits.y_m.push_back(ranges_m[i] * std::sin(bearing));
+    hits.beam.push_back(static_cast<std::uint32_t>(i));
+  }
+  return hits;
+}
+
+TEST(Surface, AWallSeenAtAGrazingAngleGoesOnBetweenItsHits) {
+  // A wall one metre to the left, straight ahead, up to a range of 30 m: gaps of many metres.
+  std::vector<double> ranges_m;
+  for (int degree = 2; degree < 60; ++degree) {
+    ranges_m.push_back(1.0 / std::sin(degrees_to_radians(static_cast<double>(degree))));
+  }
+  const Endpoints hits = sweep_of(ranges_m, degrees_to_radians(2.0));
+  std::vector<SweepSurface> surfaces;
+  surfaces_in_sweep(hits, degrees_to_radians(1.0), surfaces);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    EXPECT_GT(surfaces[i].normal.yy, 0.98F) << i;  // across the wall
+    const bool last = i == 0 || i + 1 == hits.size();
+    const double gap = last ? std::numeric_limits<double>::infinity()
+                            : std::max(std::abs(hits.x_m[i] - hits.x_m[i - 1]),
+                                       std::abs(hits.x_m[i] - hits.x_m[i + 1]));
+    if (last) {
+      EXPECT_TRUE(std::isinf(surfaces[i].slack_m)) << i;  // it goes on out of sight
+    } else {
+      EXPECT_NEAR(static_cast<double>(surfaces[i].slack_m), gap, 1e-4 * gap) << i;
+    }
+  }
+}
+
+TEST(Surface, AWallEndsWhereTheNextBeamGoesFartherNotWhereSomethingStandsInFront) {
+  const auto slack_of_tenth = [](double next_range_m) {
+    std::vector<double> ranges_m(10, 0.0);
+    for (int i = 0; i < 10; ++i)
+      ranges_m[static_cast<std::size_t>(i)] = 2.0 / std::cos(degrees_to_radians(1.0 * i));
+    ranges_m.insert(ranges_m.end(), 3, next_range_m);
+    std::vector<SweepSurface> surfaces;
+    surfaces_in_sweep(sweep_of(ranges_m, 0.0), degrees_to_radians(1.0), surfaces);
+    return static_cast<double>(surfaces[9].slack_m);
+  };
+  EXPECT_LT(slack_of_tenth(6.0), 0.06);          // a doorway: the end lies before the next beam
+  EXPECT_TRUE(std::isinf(slack_of_tenth(1.0)));  // a person
+  EXPECT_TRUE(std::isinf(slack_of_tenth(0.0)));  // no return
+}
+
 TEST(ScanMatcher, JacobianOfABeamEqualsFiniteDifferences) {
-  const MatchField field = field_of(test::room());
+  const MatchField field = field_of(test::room(), 0.004);
   RandomStream random(3, StreamId::kTest);
   int checked = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -146,7 +198,7 @@ TEST(ScanMatcher, JacobianOfABeamEqualsFiniteDifferences) {
 }
 
 TEST(ScanMatcher, GradientEqualsFiniteDifferencesOfTheCost) {
-  const MatchField field = field_of(test::room());
+  const MatchField field = field_of(test::room(), 0.004);
   RandomStream random(4, StreamId::kTest);
   int checked = 0;
   for (int i = 0; i < 60; ++i) {
@@ -188,7 +240,7 @@ TEST(ScanMatcher, FindsThePoseOfExactScansFromPosesAQuarterMetreOff) {
 }
 
 TEST(ScanMatcher, CeresAndTheDirectSolverFindTheSameMinimum) {
-  const MatchField field = field_of(test::room());
+  const MatchField field = field_of(test::room(), 0.004);
   RandomStream random(6, StreamId::kTest);
   MatchConfig with_ceres;
   with_ceres.solver = MatchSolver::kCeres;
