@@ -34,6 +34,17 @@ double percent(std::size_t part, std::size_t all) {
 
 }  // namespace
 
+std::optional<LogChecks::Skip> LogChecks::reason_to_skip(const Observation& observation,
+                                                         const Pose2* given_pose) {
+  const Scan& scan = observation.scan;
+  if (count_beams(scan).invalid == scan.size()) return Skip::kNothing;
+  const bool finite = (!observation.has_odometry || is_finite(observation.odom_from_robot)) &&
+                      is_finite(scan.robot_from_laser) &&
+                      (given_pose == nullptr || is_finite(*given_pose));
+  if (!finite) return Skip::kNotFinite;
+  return std::nullopt;
+}
+
 void LogChecks::add(const Scan& scan, bool new_run, const ScanFindings& findings) {
   ++scans_;
   if (new_run) {

@@ -2,7 +2,10 @@
 /// What is odd about a log, noticed while it is mapped, and said in a sentence each.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +28,14 @@ class LogChecks {
  public:
   /// A scan that was left out.
   enum class Skip { kOutOfOrder, kRepeated, kNothing, kNotFinite };
+  /// Why an observation cannot be used, by itself; nothing when it can.
+  [[nodiscard]] static std::optional<Skip> reason_to_skip(const Observation& observation,
+                                                          const Pose2* given_pose);
   void skip(Skip reason) { ++skips_[static_cast<std::size_t>(reason)]; }
+  /// Takes over the scans that another pass over the same log left out.
+  void skip_as(const LogChecks& other) {
+    std::copy(std::begin(other.skips_), std::end(other.skips_), std::begin(skips_));
+  }
   /// A scan that was used; new_run: the first of its run.
   void add(const Scan& scan, bool new_run, const ScanFindings& findings);
   [[nodiscard]] std::size_t skipped() const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "core/base/parallel.hpp"
@@ -15,6 +16,9 @@
 namespace strata::slam {
 namespace {
 
+/// Fewer dynamic beams than this do not bend a trajectory.
+constexpr double kWorthTrackingAgain = 0.003;
+
 /// How far a sub-map of scans that are placed may give way: hardly.
 constexpr double kPlacedStddevM = 0.005;
 constexpr double kPlacedStddevRad = 0.001;
@@ -23,24 +27,13 @@ constexpr double kPlacedStddevRad = 0.001;
 struct Record {
   PosedScan posed;
   Pose2 run_from_robot;
+  std::optional<Pose2> odometry;
   std::optional<Pose2> given;
   bool placed = false;  // given by an earlier job, and final
   bool key = false;
+  bool used = false;  // its scan is in the result
   std::size_t submap = 0;
 };
-
-/// Why the scan cannot be used; nothing when it can.
-std::optional<LogChecks::Skip> reason_to_skip(const Observation& observation,
-                                              const Pose2* given_pose) {
-  const Scan& scan = observation.scan;
-  const BeamCounts counts = count_beams(scan);
-  if (counts.invalid == scan.size()) return LogChecks::Skip::kNothing;
-  const bool finite = (!observation.has_odometry || is_finite(observation.odom_from_robot)) &&
-                      is_finite(scan.robot_from_laser) &&
-                      (given_pose == nullptr || is_finite(*given_pose));
-  if (!finite) return LogChecks::Skip::kNotFinite;
-  return std::nullopt;
-}
 
 }  // namespace
 
@@ -58,13 +51,17 @@ struct Slam::State {
   std::vector<Record> records;
   int run = 0;
   int runs = 0;
+  bool moving = false;        // some scan does not keep the pose it came with
   bool run_is_given = false;  // the run's frame is that of its given poses
   Stamp last_stamp;
   LogChecks checks;
   std::vector<std::size_t> run_begins;
   Pose2 map_from_run;  // as the newest sub-map of the run has it
 
-  Pose2Gaussian add(const Observation& observation, const Pose2* given_pose, bool placed);
+  Pose2Gaussian add(const Observation& observation, const Pose2* given_pose, bool placed,
+                    std::span<const float> static_probability = {});
+  [[nodiscard]] SlamResult finish(Progress* progress);
+  void track_again(SlamResult& before, State& again);
   void start_run(const Observation& observation, const Pose2* given_pose);
   void end_run();
   void take_submaps();
@@ -160,10 +157,10 @@ void Slam::add_placed(const PosedScan& posed) {
   state_->add(observation, &posed.map_from_robot, true);
 }
 
-Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* given_pose,
-                               bool placed) {
+Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* given_pose, bool placed,
+                               std::span<const float> static_probability) {
   const bool new_run = !tracker || observation.run != run;
-  std::optional<LogChecks::Skip> skip = reason_to_skip(observation, given_pose);
+  std::optional<LogChecks::Skip> skip = LogChecks::reason_to_skip(observation, given_pose);
   if (!new_run && !records.empty()) {
     const Scan& last = records.back().posed.scan;
     if (observation.scan.stamp < last_stamp) skip = LogChecks::Skip::kOutOfOrder;
@@ -183,13 +180,14 @@ Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* give
       given_pose != nullptr ? believed(*given_pose, placed) : Pose2Gaussian{};
   const TrackedScan tracked =
       tracker->add(observation.scan, step, records.size(),
-                   run_is_given && given_pose != nullptr ? &given : nullptr);
+                   run_is_given && given_pose != nullptr ? &given : nullptr, static_probability);
   checks.add(observation.scan, new_run, tracked.findings);
   Record record;
   record.posed.run = observation.run;
   record.posed.scan = observation.scan;
   record.run_from_robot = tracked.run_from_robot.mean;
   record.key = tracked.key;
+  if (observation.has_odometry) record.odometry = observation.odom_from_robot;
   if (given_pose != nullptr) record.given = *given_pose;
   record.placed = placed;
   const Pose2Gaussian result =
@@ -229,40 +227,64 @@ void Slam::State::place_scans() {
   }
 }
 
-SlamResult Slam::finish(Progress* progress) {
-  State& s = *state_;
-  s.end_run();
-  const bool all_stay = std::all_of(s.records.begin(), s.records.end(),
-                                    [&](const Record& record) { return s.stays(record); });
-  if (!all_stay) s.graph.tighten(2, progress);
-  s.place_scans();
+SlamResult Slam::State::finish(Progress* progress) {
+  end_run();
+  const bool all_stay = std::all_of(records.begin(), records.end(),
+                                    [&](const Record& record) { return stays(record); });
+  if (!all_stay) graph.tighten(2, progress);
+  place_scans();
   SlamResult result;
-  result.skipped_scans = s.checks.skipped();
-  result.warnings = s.checks.warnings();
-  result.loop_closures = s.graph.closures();
+  result.skipped_scans = checks.skipped();
+  result.warnings = checks.warnings();
+  result.loop_closures = graph.closures();
   std::vector<bool> mapped;
   std::vector<bool> moves;
-  for (Record& record : s.records) {
-    const bool stays = s.stays(record);
-    if (!stays && !s.graph.located(record.submap)) {
+  for (Record& record : records) {
+    record.used = stays(record) || graph.located(record.submap);
+    if (!record.used) {
       if (result.unplaced_runs.empty() || result.unplaced_runs.back() != record.posed.run) {
         result.unplaced_runs.push_back(record.posed.run);
       }
       continue;
     }
     mapped.push_back(record.key);
-    moves.push_back(!stays);
+    moves.push_back(!stays(record));
     result.scans.push_back(std::move(record.posed));
   }
-  EmResult em = run_em(result.scans, mapped, moves, s.config.em, s.config.tracking,
-                       s.config.beam_filter, s.pool, progress);
+  EmResult em = run_em(result.scans, mapped, moves, config.em, config.tracking, config.beam_filter,
+                       pool, progress);
   result.raw = std::move(em.raw);
-  result.occupancy = result.raw.reflection(s.config.beam_filter.min_evidence);
+  result.occupancy = result.raw.reflection(config.beam_filter.min_evidence);
   result.filtered = std::move(em.filtered);
   result.log_likelihood = std::move(em.log_likelihood);
   result.iterations = em.iterations;
   result.dynamic_fraction = em.dynamic_fraction;
+  moving = std::find(moves.begin(), moves.end(), true) != moves.end();
   return result;
+}
+
+void Slam::State::track_again(SlamResult& before, State& again) {
+  again.checks.skip_as(checks);
+  std::size_t next = 0;
+  for (Record& record : records) {
+    PosedScan& posed = record.used ? before.scans[next++] : record.posed;
+    const Observation observation{posed.run, std::move(posed.scan),
+                                  record.odometry.value_or(Pose2{}), record.odometry.has_value()};
+    again.add(observation, record.given ? &*record.given : nullptr, record.placed,
+              posed.static_probability);
+  }
+}
+
+SlamResult Slam::finish(Progress* progress) {
+  SlamResult result = state_->finish(progress);
+  const SlamConfig& config = state_->config;
+  if (!config.em.track_again || !state_->moving || result.dynamic_fraction < kWorthTrackingAgain) {
+    return result;
+  }
+  auto again = std::make_unique<State>(config, state_->pool.threads());
+  state_->track_again(result, *again);
+  state_ = std::move(again);
+  return state_->finish(progress);
 }
 
 }  // namespace strata::slam

@@ -146,6 +146,7 @@ struct GivenPoseConfig {
 
 /// The EM loop over labels, poses and map.
 struct EmConfig {
+  bool track_again = true;
   bool match_again = true;
   int max_iterations = 10;
   double min_gain = 1e-3;
@@ -153,6 +154,8 @@ struct EmConfig {
   double prior_stddev_rad = 0.02;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
+    v.field("track_again", c.track_again,
+            {.doc = "once the dynamic beams are known, track and close loops anew without them"});
     v.field("match_again", c.match_again,
             {.doc = "match every scan again to the map of static beams, round by round"});
     v.field("max_iterations", c.max_iterations, {.doc = "rounds, at most", .min = 0});

@@ -35,6 +35,19 @@ bool is_possible(const Pose2& step, double time_s) {
          std::abs(step.theta) <= kAllowanceRad + kMostTurnRps * time_s;
 }
 
+/// Odometry that agreed with the matches lately is believed more than its noise at the greatest:
+/// along a corridor it then stands against the few beams that people send. Once it was wrong, as
+/// when a base counts backwards as forwards, the doubt wears off by this factor a scan.
+constexpr double kLeastDoubt = 0.2;
+constexpr double kDoubtDecay = 0.9;
+
+/// odometry_step with the standard deviation of its position times `doubt`.
+Pose2Gaussian doubted_step(const Pose2& step, const OdometryNoiseConfig& noise, double doubt) {
+  Pose2Gaussian result = odometry_step(step, step.translation().norm(), noise);
+  result.covariance.topLeftCorner<2, 2>() *= doubt * doubt;
+  return result;
+}
+
 /// From here on the scan alone leaves its position open in some direction.
 constexpr double kAmbiguousStddevM = 0.3;
 
@@ -68,10 +81,13 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Pose2& turn) {
   return axes * covariance * axes.transpose();
 }
 
-Endpoints within(const Endpoints& endpoints, double max_range_m) {
+/// Those within reach that are not known to be dynamic.
+Endpoints useful(const Endpoints& endpoints, double max_range_m,
+                 std::span<const float> static_probability) {
   Endpoints result;
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     if (std::hypot(endpoints.x_m[i], endpoints.y_m[i]) > max_range_m) continue;
+    if (!static_probability.empty() && static_probability[endpoints.beam[i]] < 0.5F) continue;
     result.x_m.push_back(endpoints.x_m[i]);
     result.y_m.push_back(endpoints.y_m[i]);
     result.beam.push_back(endpoints.beam[i]);
@@ -81,8 +97,10 @@ Endpoints within(const Endpoints& endpoints, double max_range_m) {
 
 }  // namespace
 
-Endpoints match_endpoints(const Scan& scan, double max_range_m, int max_beams) {
-  return thin(within(endpoints_in_robot(scan), max_range_m), static_cast<std::size_t>(max_beams));
+Endpoints match_endpoints(const Scan& scan, double max_range_m, int max_beams,
+                          std::span<const float> static_probability) {
+  return thin(useful(endpoints_in_robot(scan), max_range_m, static_probability),
+              static_cast<std::size_t>(max_beams));
 }
 
 Tracker::Tracker(const TrackingConfig& config, double resolution_m, int run, const Pose2& start)
@@ -95,8 +113,7 @@ Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* odom_from_robot) c
   if (!started_) return pose_;
   const Pose2Gaussian known{pose_.mean, Eigen::Matrix3d::Zero()};
   if (odom_from_robot != nullptr && last_odom_) {
-    const Pose2 step = between(*last_odom_, *odom_from_robot);
-    return known * odometry_step(step, step.translation().norm(), config_.odometry);
+    return known * doubted_step(between(*last_odom_, *odom_from_robot), config_.odometry, doubt_);
   }
   const double step_s = (scan.stamp - last_stamp_).seconds();
   const double scale = last_step_s_ > 0.0 ? std::min(3.0, step_s / last_step_s_) : 0.0;
@@ -117,10 +134,9 @@ std::vector<Pose2> Tracker::other_guesses(const Pose2Gaussian& guess) const {
   return {pose_.mean * between(last_pose_, pose_.mean), pose_.mean * turned, pose_.mean * reversed};
 }
 
-bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian& found,
+bool Tracker::locate(const Endpoints& endpoints, const Pose2Gaussian& guess, Pose2Gaussian& found,
                      Eigen::Matrix3d& information) const {
   constexpr double kMargin = 0.02;  // by how much another start must explain more
-  const Endpoints endpoints = match_endpoints(scan, config_.max_range_m, config_.max_beams);
   if (endpoints.size() == 0) return false;
   const registration::MatchField& field = active_.front().map.field();
   registration::MatchResult result =
@@ -130,8 +146,8 @@ bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian
   wide.covariance.diagonal() << kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
       kBlindStddevRad * kBlindStddevRad;
   const Pose2Gaussian* prior = &guess;
-  auto try_from = [&](const Pose2& start) {
-    wide.mean = start;
+  auto try_from = [&](const Pose2& start, const Pose2& believed) {
+    wide.mean = believed;
     const registration::MatchResult other =
         registration::match(endpoints, {}, field, start, &wide, config_.match);
     if (!other.converged || other.explained <= result.explained + kMargin) return;
@@ -139,7 +155,7 @@ bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian
     prior = &wide;
   };
   if (result.explained < config_.good_match) {
-    for (const Pose2& start : other_guesses(guess)) try_from(start);
+    for (const Pose2& start : other_guesses(guess)) try_from(start, start);
   }
   if (result.explained < config_.poor_match) {
     const registration::CorrelativeTables tables(field, {});
@@ -147,7 +163,7 @@ bool Tracker::locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian
         endpoints, tables, guess.mean,
         {config_.search_window_m, config_.search_window_m, config_.search_turn_rad},
         std::max(config_.match.min_explained, result.explained));
-    if (search.found) try_from(search.pose);
+    if (search.found) try_from(search.pose, guess.mean);
   }
   if (!result.converged) return false;
   found = result.gaussian();
@@ -171,8 +187,17 @@ void Tracker::grow_drift(const Pose2& step, const Pose2Gaussian* given) {
   if (given != nullptr) drift_ = shrunk(drift_, (2.0 * given->covariance).inverse());
 }
 
+void Tracker::doubt_odometry(const ScanFindings& findings) {
+  if (!findings.matched || findings.ambiguous) return;
+  const Pose2& counted = findings.odometry_step;
+  const double off_m = (findings.matched_step.translation() - counted.translation()).norm();
+  const double now =
+      off_m / std::sqrt(doubted_step(counted, config_.odometry, 1.0).covariance(0, 0));
+  doubt_ = std::clamp(std::max(now, kDoubtDecay * doubt_), kLeastDoubt, 1.0);
+}
+
 TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index,
-                         const Pose2Gaussian* given) {
+                         const Pose2Gaussian* given, std::span<const float> static_probability) {
   TrackedScan result;
   const Pose2* believed = odom_from_robot;
   if (odom_from_robot != nullptr && last_odom_) {
@@ -187,11 +212,14 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   if (started_) {
     grow_drift(between(pose_.mean, guess.mean), given);
     Eigen::Matrix3d information;
-    result.matched = locate(scan, guess, result.run_from_robot, information);
+    const Endpoints endpoints =
+        match_endpoints(scan, config_.max_range_m, config_.max_beams, static_probability);
+    result.matched = locate(endpoints, guess, result.run_from_robot, information);
     if (result.matched) drift_ = shrunk(drift_, information);
     result.findings.matched = result.matched;
     result.findings.ambiguous = result.matched && is_ambiguous(information);
     result.findings.matched_step = between(pose_.mean, result.run_from_robot.mean);
+    if (believed != nullptr) doubt_odometry(result.findings);
   }
   last_pose_ = pose_.mean;
   last_step_s_ = started_ ? (scan.stamp - last_stamp_).seconds() : 0.0;
@@ -204,13 +232,14 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   if (moved && count_beams(scan).hits > 0) {
     result.key = true;
     last_key_ = pose_.mean;
-    insert(scan, scan_index);
+    insert(scan, scan_index, static_probability);
     started_ = true;
   }
   return result;
 }
 
-void Tracker::insert(const Scan& scan, std::size_t scan_index) {
+void Tracker::insert(const Scan& scan, std::size_t scan_index,
+                     std::span<const float> static_probability) {
   if (active_.empty()) {
     active_.push_back({SurfaceMap(resolution_m_, config_.field), 0});
     owned_from_ = scan_index;
@@ -228,7 +257,8 @@ void Tracker::insert(const Scan& scan, std::size_t scan_index) {
     active_.push_back({SurfaceMap(resolution_m_, config_.field), 0});
   }
   for (Active& active : active_) {
-    active.map.add(scan, pose_.mean * scan.robot_from_laser, {}, config_.max_range_m);
+    active.map.add(scan, pose_.mean * scan.robot_from_laser, static_probability,
+                   config_.max_range_m);
     ++active.keys;
   }
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/geometry/pose2_gaussian.hpp"
@@ -16,8 +17,10 @@
 
 namespace strata::slam {
 
-/// The hits of a scan that take part in matching, in the robot frame.
-[[nodiscard]] Endpoints match_endpoints(const Scan& scan, double max_range_m, int max_beams);
+/// The hits of a scan that take part in matching, in the robot frame: without those that are more
+/// likely dynamic than static. static_probability: e(t,n), or empty for 1.
+[[nodiscard]] Endpoints match_endpoints(const Scan& scan, double max_range_m, int max_beams,
+                                        std::span<const float> static_probability = {});
 
 /// What the tracker made of one scan.
 struct TrackedScan {
@@ -37,11 +40,13 @@ class Tracker {
   /// odom_from_robot: null without odometry; then the last motion is continued. scan_index: the
   /// caller's number of the scan, used for the sub-maps' ranges. given: null, or a pose that came
   /// with the log, in the run's frame; where the scan is ambiguous (a bare corridor) it rules.
-  /// Odometry that moves faster than a robot can is not believed for that scan.
+  /// Odometry that moves faster than a robot can is not believed for that scan. static_probability:
+  /// e(t,n) where an earlier pass found it; the weights of eq. (1.11) [stachniss2003chapter].
   /// Scans without usable hits move by odometry. O(beams x iterations), plus O(cells crossed) for
   /// key scans.
   TrackedScan add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index,
-                  const Pose2Gaussian* given = nullptr);
+                  const Pose2Gaussian* given = nullptr,
+                  std::span<const float> static_probability = {});
 
   /// Sub-maps that were finished since the last call, in order; takes them out.
   [[nodiscard]] std::vector<Submap> take_finished();
@@ -55,10 +60,11 @@ class Tracker {
   };
   [[nodiscard]] Pose2Gaussian predict(const Scan& scan, const Pose2* odom_from_robot) const;
   [[nodiscard]] std::vector<Pose2> other_guesses(const Pose2Gaussian& guess) const;
-  [[nodiscard]] bool locate(const Scan& scan, const Pose2Gaussian& guess, Pose2Gaussian& found,
-                            Eigen::Matrix3d& information) const;
+  [[nodiscard]] bool locate(const Endpoints& endpoints, const Pose2Gaussian& guess,
+                            Pose2Gaussian& found, Eigen::Matrix3d& information) const;
+  void doubt_odometry(const ScanFindings& findings);
   void grow_drift(const Pose2& step, const Pose2Gaussian* given);
-  void insert(const Scan& scan, std::size_t scan_index);
+  void insert(const Scan& scan, std::size_t scan_index, std::span<const float> static_probability);
   void close_oldest(std::size_t end_scan);
 
   TrackingConfig config_;
@@ -70,6 +76,7 @@ class Tracker {
   double last_step_s_ = 0.0;
   Stamp last_stamp_;
   std::optional<Pose2> last_odom_;
+  double doubt_ = 1.0;  // of odometry; shrinks while it agrees with the matches
   std::optional<Pose2> last_key_;
   std::vector<Active> active_;
   // Uncertainty of the pose against the beginning of the oldest active sub-map, in the run's frame:

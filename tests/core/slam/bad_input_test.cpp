@@ -95,5 +95,45 @@ TEST(BadInput, AScannerThatSecretlyHangsUpsideDownIsNoticed) {
   EXPECT_THAT(run_slam(log).warnings, Contains(HasSubstr("turn against odometry")));
 }
 
+/// A drive along two walls that go on for ever.
+std::vector<Observation> record_bare_corridor(const std::vector<Pose2>& path, int run,
+                                              std::uint64_t seed) {
+  return record({{-60.0, 0.0, 90.0, 0.0}, {-60.0, 2.0, 90.0, 2.0}}, path, run, seed);
+}
+
+std::vector<Pose2> straight_on() {
+  std::vector<Pose2> path;
+  for (int i = 0; i < 120; ++i) path.push_back({0.1 * i, 1.0, 0.0});
+  return path;
+}
+
+TEST(BadInput, ABareCorridorIsSaidToBeAmbiguousAndLeftToOdometry) {
+  const std::vector<Pose2> path = straight_on();
+  for (std::uint64_t seed = 130; seed < 134; ++seed) {
+    const SlamResult result = run_slam(record_bare_corridor(path, 0, seed));
+    EXPECT_THAT(result.warnings, Contains(HasSubstr("leave the position open")));
+    const Pose2& last = result.scans.back().map_from_robot;
+    EXPECT_NEAR(last.x, path.back().x * 1.03, 0.4);  // 3% is odometry's own error
+    EXPECT_NEAR(last.y, 1.0, 0.1);
+  }
+}
+
+TEST(BadInput, GivenPosesRuleAlongABareCorridor) {
+  const std::vector<Pose2> path = straight_on();
+  Slam slam(SlamConfig{});
+  for (int run = 0; run < 2; ++run) {
+    const auto log = record_bare_corridor(path, run, 28 + static_cast<std::uint64_t>(run));
+    for (std::size_t i = 0; i < log.size(); ++i) slam.add(log[i], &path[i]);
+  }
+  const SlamResult result = slam.finish();
+  ASSERT_EQ(result.scans.size(), 2 * path.size());
+  double worst = 0.0;
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    worst = std::max(worst,
+                     translation_distance(result.scans[i].map_from_robot, path[i % path.size()]));
+  }
+  EXPECT_LT(worst, 0.2);  // what given poses are believed to be off
+}
+
 }  // namespace
 }  // namespace strata::slam
