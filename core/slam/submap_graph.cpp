@@ -8,16 +8,11 @@
 
 #include <Eigen/LU>
 
-#include "core/registration/correlative_search.hpp"
-#include "core/registration/scan_matcher.hpp"
 #include "core/slam/submap_agreement.hpp"
 
 namespace strata::slam {
 namespace {
 
-constexpr std::size_t kCacheSize = 32;
-/// Neighbours in a run share scans: what they say of each other is in the chain already.
-constexpr std::size_t kSharedScans = 2;
 /// A closure whose squared error stays above this (3 degrees of freedom) is wrong.
 constexpr double kWrongClosure = 50.0;
 /// Closures count as this much path, so that places closed once are searched narrowly later.
@@ -39,13 +34,6 @@ Endpoints cloud_of(const Submap& submap, int max_points) {
 
 }  // namespace
 
-struct SubmapGraph::Searchable {
-  registration::MatchField field;
-  registration::CorrelativeTables tables;
-  Searchable(registration::MatchField match_field, const registration::CorrelativeConfig& config)
-      : field(std::move(match_field)), tables(field, config) {}
-};
-
 SubmapGraph::SubmapGraph(const ClosureConfig& config, const registration::MatchConfig& match,
                          const registration::MatchFieldConfig& field, double resolution_m,
                          WorkerPool& pool)
@@ -57,17 +45,6 @@ SubmapGraph::SubmapGraph(const ClosureConfig& config, const registration::MatchC
       graph_(config.graph) {}
 
 SubmapGraph::~SubmapGraph() = default;
-
-std::shared_ptr<const SubmapGraph::Searchable> SubmapGraph::searchable(std::size_t index) {
-  for (const auto& [cached, value] : cache_) {
-    if (cached == index) return value;
-  }
-  auto value = std::make_shared<const Searchable>(field_of(submaps_[index], resolution_m_, field_),
-                                                  config_.search);
-  if (cache_.size() >= kCacheSize) cache_.erase(cache_.begin());
-  cache_.emplace_back(index, value);
-  return value;
-}
 
 std::size_t SubmapGraph::add(Submap submap, const std::optional<Pose2Gaussian>& given) {
   const std::size_t index = submaps_.size();
@@ -150,36 +127,6 @@ std::vector<double> SubmapGraph::path_lengths(std::size_t from) const {
   return lengths;
 }
 
-std::optional<SubmapGraph::Closure> SubmapGraph::refine(const registration::MatchField& field,
-                                                        std::size_t a, std::size_t b,
-                                                        const Pose2& guess) const {
-  const registration::MatchResult result =
-      registration::match(clouds_[b], {}, field, guess, nullptr, match_);
-  if (!result.converged) return std::nullopt;
-  const Agreement forth = agreement(a, b, result.pose);
-  const Agreement back = agreement(b, a, inverse(result.pose));
-  const bool agrees = std::min(forth.agreement, back.agreement) >= config_.min_agreement &&
-                      std::max(forth.overlap, back.overlap) >= config_.min_overlap &&
-                      std::min(forth.overlap, back.overlap) >= 0.5 * config_.min_overlap;
-  if (!agrees) return std::nullopt;
-  Closure closure{a, b, {result.pose, result.covariance}};
-  closure.a_from_b.covariance.diagonal() +=
-      Eigen::Vector3d(config_.stddev_m * config_.stddev_m, config_.stddev_m * config_.stddev_m,
-                      config_.stddev_rad * config_.stddev_rad);
-  return closure;
-}
-
-std::optional<SubmapGraph::Closure> SubmapGraph::try_closure(std::size_t a, std::size_t b,
-                                                             const Pose2& guess, double window_m,
-                                                             double window_rad) {
-  const std::shared_ptr<const Searchable> target = searchable(a);
-  // The window turns about the origin of b, where its points are not: search about their middle.
-  const registration::SearchResult found = registration::search(
-      clouds_[b], target->tables, guess, {window_m, window_m, window_rad}, config_.min_score);
-  if (!found.found) return std::nullopt;
-  return refine(target->field, a, b, found.pose);
-}
-
 void SubmapGraph::add_closure(const Closure& closure) {
   pose_graph::Edge edge;
   edge.from = closure.a;
@@ -188,48 +135,6 @@ void SubmapGraph::add_closure(const Closure& closure) {
   edge.information = symmetric(closure.a_from_b.covariance.inverse());
   edge.robust = true;
   graph_.add_edge(edge);
-}
-
-void SubmapGraph::search_closures(std::size_t index) {
-  struct Candidate {
-    std::size_t submap;
-    double distance_m;
-    double window_m;
-    double window_rad;
-  };
-  const std::vector<double> lengths = path_lengths(index);
-  const Eigen::Vector2d center = graph_.pose(index) * submaps_[index].center_m;
-  std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < index; ++i) {
-    const bool shares = submaps_[i].run == submaps_[index].run && index - i <= kSharedScans;
-    if (shares || !located_[i] || submaps_[i].points.empty()) continue;
-    double length_m = lengths[i];
-    if (given_[i] && given_[index]) length_m = std::min(length_m, 10.0);
-    const double window_m =
-        std::min(config_.max_window_m, config_.floor_window_m + config_.drift_m_per_m * length_m);
-    const double window_rad = std::min(
-        config_.max_window_rad, config_.floor_window_rad + config_.drift_rad_per_m * length_m);
-    const Eigen::Vector2d other = graph_.pose(i) * submaps_[i].center_m;
-    const double distance_m = (other - center).norm();
-    if (distance_m > 4.0 + window_m) continue;
-    candidates.push_back({i, distance_m, window_m, window_rad});
-  }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.submap < b.submap;
-  });
-  if (candidates.size() > static_cast<std::size_t>(config_.max_attempts)) {
-    candidates.resize(static_cast<std::size_t>(config_.max_attempts));
-  }
-  bool changed = false;
-  for (const Candidate& candidate : candidates) {
-    const Pose2 guess = between(graph_.pose(candidate.submap), graph_.pose(index));
-    const auto closure =
-        try_closure(candidate.submap, index, guess, candidate.window_m, candidate.window_rad);
-    if (!closure) continue;
-    add_closure(*closure);
-    changed = true;
-  }
-  if (changed) optimize();
 }
 
 void SubmapGraph::optimize() {
@@ -262,41 +167,6 @@ void SubmapGraph::rebuild_graph(const std::vector<Closure>& closures) {
   graph_ = std::move(graph);
   for (const Closure& closure : closures) add_closure(closure);
   optimize();
-}
-
-void SubmapGraph::tighten(int rounds, Progress* progress) {
-  if (!config_.enabled) return;
-  constexpr std::size_t kPartners = 8;
-  for (int round = 0; round < rounds; ++round) {
-    report_progress(progress, "tie sub-maps", static_cast<std::size_t>(round),
-                    static_cast<std::size_t>(rounds));
-    std::vector<std::vector<Closure>> found(size());
-    pool_.for_chunks(size(), 1, [&](std::size_t begin, std::size_t, std::size_t) {
-      const std::size_t a = begin;
-      if (!located_[a] || submaps_[a].points.empty()) return;
-      std::vector<std::pair<double, std::size_t>> partners;
-      for (std::size_t b = a + 1; b < size(); ++b) {
-        const bool shares = submaps_[a].run == submaps_[b].run && b - a <= kSharedScans;
-        if (shares || !located_[b] || submaps_[b].points.empty()) continue;
-        const Eigen::Vector2d apart =
-            graph_.pose(a) * submaps_[a].center_m - graph_.pose(b) * submaps_[b].center_m;
-        if (apart.norm() > 8.0) continue;
-        const double overlap = agreement(a, b, between(graph_.pose(a), graph_.pose(b))).overlap;
-        if (overlap >= config_.min_overlap) partners.emplace_back(-overlap, b);
-      }
-      if (partners.empty()) return;
-      std::sort(partners.begin(), partners.end());
-      if (partners.size() > kPartners) partners.resize(kPartners);
-      const registration::MatchField field = field_of(submaps_[a], resolution_m_, field_);
-      for (const auto& [unused, b] : partners) {
-        const auto closure = refine(field, a, b, between(graph_.pose(a), graph_.pose(b)));
-        if (closure) found[a].push_back(*closure);
-      }
-    });
-    std::vector<Closure> closures;
-    for (const auto& some : found) closures.insert(closures.end(), some.begin(), some.end());
-    rebuild_graph(closures);
-  }
 }
 
 }  // namespace strata::slam
