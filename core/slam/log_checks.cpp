@@ -16,6 +16,11 @@ constexpr double kEnoughTravelM2 = 0.05;
 constexpr double kEnoughTurnRad2 = 0.05;
 /// Odometry that moves so far while the scan stays the same to the bit: the scanner is stuck.
 constexpr double kStuckM = 0.02;
+/// Odometry that moves so far in a scan while the scan moves back by this share of it counts the
+/// wrong way; now and then a match alone may be off.
+constexpr double kReversedM = 0.03;
+constexpr double kReversedShare = 0.3;
+constexpr std::size_t kEnoughReversed = 5;
 /// Shares of a log from which ambiguity and failure are worth a word.
 constexpr double kAmbiguousShare = 0.05;
 constexpr double kUnmatchedShare = 0.05;
@@ -66,8 +71,10 @@ void LogChecks::add(const Scan& scan, bool new_run, const ScanFindings& findings
   if (!findings.matched) unmatched_.add(at_s);
   if (findings.ambiguous) ambiguous_.add(at_s);
   if (!findings.matched || findings.ambiguous) return;
-  forward_match_ += findings.odometry_step.x * findings.matched_step.x +
-                    findings.odometry_step.y * findings.matched_step.y;
+  const double forward = findings.odometry_step.x * findings.matched_step.x +
+                         findings.odometry_step.y * findings.matched_step.y;
+  forward_match_ += forward;
+  if (moved_m > kReversedM && forward < -kReversedShare * moved_m * moved_m) reversed_.add(at_s);
   forward_odometry_ += moved_m * moved_m;
   turn_match_ += findings.odometry_step.theta * findings.matched_step.theta;
   turn_odometry_ += findings.odometry_step.theta * findings.odometry_step.theta;
@@ -100,6 +107,11 @@ std::vector<std::string> LogChecks::warnings() const {
   if (forward_odometry_ > kEnoughTravelM2 && forward_match_ < kLeastAgreement * forward_odometry_) {
     all.push_back(
         "the scans move against odometry: is the scanner mounted the way round that the log says?");
+  } else if (reversed_.count >= kEnoughReversed) {
+    all.push_back(sentence(reversed_.count, " scans move against odometry, ", "the first at ",
+                           reversed_.first_s,
+                           " s; the scans are believed there: does the base count backwards as "
+                           "forwards?"));
   }
   if (turn_odometry_ > kEnoughTurnRad2 && turn_match_ < kLeastAgreement * turn_odometry_) {
     all.push_back(

@@ -60,6 +60,7 @@ class LogChecks {
   Seen stuck_;
   Seen ambiguous_;
   Seen unmatched_;
+  Seen reversed_;
   std::vector<float> last_ranges_;
   // Agreement of odometry with the matches: sums of odometry x match, and odometry squared.
   double forward_match_ = 0.0;

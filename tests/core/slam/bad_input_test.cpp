@@ -95,6 +95,24 @@ TEST(BadInput, AScannerThatSecretlyHangsUpsideDownIsNoticed) {
   EXPECT_THAT(run_slam(log).warnings, Contains(HasSubstr("turn against odometry")));
 }
 
+TEST(BadInput, ABaseThatCountsBackwardsAsForwardsIsNoticedAndOverruled) {
+  std::vector<Pose2> path = drive_round(0.1, 11.0);
+  for (int i = 0; i < 20; ++i) path.push_back(path.back() * Pose2{-0.08, 0.0, 0.0});
+  std::vector<Observation> log = record(ring(), path, 0, 29);
+  const std::size_t back = log.size() - 20;
+  for (std::size_t i = log.size() - 1; i >= back; --i) {
+    Pose2 step = between(log[i - 1].odom_from_robot, log[i].odom_from_robot);
+    step.x = -step.x;
+    log[i].odom_from_robot = step;  // for now the step alone
+  }
+  for (std::size_t i = back; i < log.size(); ++i) {
+    log[i].odom_from_robot = log[i - 1].odom_from_robot * log[i].odom_from_robot;
+  }
+  const SlamResult result = run_slam(log);
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("scans move against odometry, the first at")));
+  EXPECT_LT(worst_error(result, path, 0), 0.1);
+}
+
 /// A drive along two walls that go on for ever.
 std::vector<Observation> record_bare_corridor(const std::vector<Pose2>& path, int run,
                                               std::uint64_t seed) {
