@@ -17,6 +17,7 @@
 #include "core/patch/patch_learner.hpp"
 #include "core/slam/slam.hpp"
 #include "memory/nodes/timescale_config.hpp"
+#include "tools/pipeline/topology.hpp"
 #include "tools/simulate/scenario.hpp"
 
 namespace strata::reference {
@@ -60,6 +61,9 @@ std::vector<Page> make_pages() {
           "How sub-maps and their configurations are found (`core/patch`)."),
       page<memory::TimescaleConfig>("timescale.md", "Settings of the timescale memory",
                                     "Nodes, levels and how fast they forget (`memory/nodes`)."),
+      page<pipeline::TopologyMapConfig>(
+          "topology.md", "Settings of topological mapping",
+          "What `strata topology --config FILE` reads (`core/topology`, `tools/pipeline`)."),
       page<simulate::ScenarioConfig>("scenario.md", "Scenario files",
                                      "What `strata simulate SCENARIO.yaml` reads; a file begins "
                                      "with `version: 1`. Examples lie "

@@ -24,6 +24,7 @@ void add_record(CLI::App& app, VerbContext& context);
 void add_replay(CLI::App& app, VerbContext& context);
 void add_run(CLI::App& app, VerbContext& context);
 void add_simulate(CLI::App& app, VerbContext& context);
+void add_topology(CLI::App& app, VerbContext& context);
 void add_volume(CLI::App& app, VerbContext& context);
 
 /// In the order of the help text.
@@ -34,6 +35,7 @@ inline constexpr AddVerb kVerbs[] = {
     add_localize,  //
     add_compare,   //
     add_evaluate,  //
+    add_topology,  //
     add_volume,    //
     add_simulate,  //
     add_run,       //

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/visit_maker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace strata::topology {
+namespace {
+
+/// Scans this near to the one before are left out of local maps.
+constexpr double kThinM = 0.05;
+/// Way that is remembered behind the robot.
+constexpr double kMemoryM = 40.0;
+
+}  // namespace
+
+std::vector<MadeVisit> VisitMaker::add(const PosedScan& scan) {
+  if (!passed_.empty()) {
+    const PosedScan& last = passed_.back().scan;
+    if (scan.scan.stamp <= last.scan.stamp) return {};
+    way_m_ += translation_distance(last.map_from_robot, scan.map_from_robot);
+    // The newest scan is always kept; the one before only if it is away from its predecessor.
+    const std::size_t n = passed_.size();
+    if (n >= 2 && passed_[n - 1].way_m - passed_[n - 2].way_m < kThinM) passed_.pop_back();
+  }
+  passed_.push_back({scan, way_m_});
+  if (config_.source == LandmarkSource::kDetected) {
+    for (const LandmarkEvent& event : detector_.add(scan)) {
+      waiting_.push_back({event.stamp, event.center_m});
+    }
+  }
+  std::vector<MadeVisit> visits = make(false);
+  forget_far_scans();
+  return visits;
+}
+
+void VisitMaker::mark(Stamp stamp) { waiting_.push_back({stamp, std::nullopt}); }
+
+std::vector<MadeVisit> VisitMaker::finish() {
+  if (config_.source == LandmarkSource::kDetected) {
+    for (const LandmarkEvent& event : detector_.finish()) {
+      waiting_.push_back({event.stamp, event.center_m});
+    }
+  }
+  return make(true);
+}
+
+std::size_t VisitMaker::nearest(Stamp stamp) const {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < passed_.size(); ++i) {
+    const auto off = [&](std::size_t k) {
+      return std::abs((passed_[k].scan.scan.stamp - stamp).seconds());
+    };
+    if (off(i) < off(best)) best = i;
+  }
+  return best;
+}
+
+std::vector<MadeVisit> VisitMaker::make(bool all) {
+  std::vector<MadeVisit> visits;
+  if (passed_.empty()) return visits;
+  std::stable_sort(waiting_.begin(), waiting_.end(),
+                   [](const Place& a, const Place& b) { return a.stamp < b.stamp; });
+  while (!waiting_.empty()) {
+    const Place place = waiting_.front();
+    if (!all && passed_.back().scan.scan.stamp < place.stamp) break;
+    const Passed& at = passed_[nearest(place.stamp)];
+    if (!all && way_m_ - at.way_m < config_.patch.path_radius_m) break;
+    waiting_.erase(waiting_.begin());
+    // The filter takes visits in order of time only.
+    if (last_visit_ && at.scan.scan.stamp <= *last_visit_) continue;
+    Pose2 pose = at.scan.map_from_robot;
+    if (place.center_m) pose = {place.center_m->x(), place.center_m->y(), pose.theta};
+    std::vector<PosedScan> around;
+    for (const Passed& passed : passed_) {
+      if (std::abs(passed.way_m - at.way_m) > 2.0 * config_.patch.path_radius_m) continue;
+      around.push_back(passed.scan);
+    }
+    MadeVisit made;
+    made.visit.stamp = at.scan.scan.stamp;
+    made.visit.odom_from_robot = pose;
+    made.visit.way_m = last_visit_way_m_ ? at.way_m - *last_visit_way_m_ : 0.0;
+    made.visit.patch = make_place_patch(around, pose, config_.patch);
+    made.robot_from_visit = between(at.scan.map_from_robot, pose);
+    last_visit_ = made.visit.stamp;
+    last_visit_way_m_ = at.way_m;
+    visits.push_back(std::move(made));
+  }
+  return visits;
+}
+
+void VisitMaker::forget_far_scans() {
+  const auto keep = std::find_if(passed_.begin(), passed_.end(), [&](const Passed& passed) {
+    return way_m_ - passed.way_m <= kMemoryM;
+  });
+  if (keep - passed_.begin() < 200) return;  // seldom, since it moves all others
+  passed_.erase(passed_.begin(), keep);
+}
+
+}  // namespace strata::topology

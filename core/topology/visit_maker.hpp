@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Scans in, visits of landmarks out: the front of the topology filter.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/topology/landmark_detector.hpp"
+#include "core/topology/place_patch.hpp"
+#include "core/topology/topology_filter.hpp"
+
+namespace strata::topology {
+
+/// Where landmarks come from.
+enum class LandmarkSource { kDetected, kGiven };
+
+struct VisitConfig {
+  LandmarkSource source = LandmarkSource::kDetected;
+  LandmarkConfig detector;
+  PlacePatchConfig patch;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("source", c.source,
+            {.doc = "detected: junctions and rooms from the scans; given: by hand or by events"});
+    v.group("detector", c.detector, "finding junctions and rooms");
+    v.group("patch", c.patch, "local maps around landmarks");
+  }
+};
+
+/// A visit with where it belongs in the run.
+struct MadeVisit {
+  LandmarkVisit visit;
+  Pose2 robot_from_visit;  ///< the landmark's frame seen from the robot at the visit's stamp
+};
+
+/// Makes the visits of one run. Not thread-safe; two objects are independent.
+class VisitMaker {
+ public:
+  explicit VisitMaker(const VisitConfig& config) : config_(config), detector_(config.detector) {}
+
+  /// The next scan; map_from_robot: by odometry, corrected by scan matching or not, in a frame that
+  /// may drift but never jumps. A stamp not after the last one is left out. Returns the visits
+  /// whose surroundings are complete: the robot has gone on by the radius of their local map. O(1)
+  /// about but where the detector looks around and visits are made.
+  [[nodiscard]] std::vector<MadeVisit> add(const PosedScan& scan);
+  /// The robot is (or was, a moment ago) at a landmark: of the scan nearest to that moment. For
+  /// `source: given`.
+  void mark(Stamp stamp);
+  /// Whatever is left.
+  [[nodiscard]] std::vector<MadeVisit> finish();
+
+ private:
+  struct Place {
+    Stamp stamp;
+    std::optional<Eigen::Vector2d> center_m;  // or where the robot is
+  };
+  struct Passed {
+    PosedScan scan;
+    double way_m = 0.0;
+  };
+  [[nodiscard]] std::vector<MadeVisit> make(bool all);
+  [[nodiscard]] std::size_t nearest(Stamp stamp) const;
+  void forget_far_scans();
+  VisitConfig config_;
+  LandmarkDetector detector_;
+  std::vector<Passed> passed_;  // of the last metres, thinned
+  std::vector<Place> waiting_;  // in the order of their stamps
+  double way_m_ = 0.0;
+  std::optional<double> last_visit_way_m_;
+  std::optional<Stamp> last_visit_;
+};
+
+}  // namespace strata::topology
+
+template <>
+struct strata::EnumNames<strata::topology::LandmarkSource> {
+  static constexpr std::array values{
+      std::pair{strata::topology::LandmarkSource::kDetected, "detected"},
+      std::pair{strata::topology::LandmarkSource::kGiven, "given"}};
+};

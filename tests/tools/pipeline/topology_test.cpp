@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/pipeline/topology.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "tests/tools/pipeline/simulated_room.hpp"
+#include "tools/pipeline/topology_files.hpp"
+
+namespace strata::pipeline {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string file_with(const std::string& text) {
+  const std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) / "strata_landmark_times.txt";
+  std::ofstream(path) << text;
+  return path.string();
+}
+
+TEST(LandmarkTimes, AreReadLineByLineAndBadOnesNamed) {
+  EXPECT_THAT(read_landmark_times(file_with("# hall\n1.5\n\n 20 # door\n")),
+              ElementsAre(1.5, 20.0));
+  for (const char* text : {"1.0\nsoon\n", "1.0\n2.0 3.0\n", "1.0\nnan\n"}) {
+    try {
+      (void)read_landmark_times(file_with(text));
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(".txt:2"));
+    }
+  }
+  EXPECT_THROW((void)read_landmark_times("/no/such/file"), InputError);
+}
+
+/// Three landmarks, the first visited twice.
+topology::Hypothesis triangle() {
+  topology::Hypothesis hypothesis;
+  hypothesis.labels = {0, 1, 2, 0, 1};
+  hypothesis.probability = 0.75;
+  hypothesis.poses = {{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {0.1, 0, 0}, {4.1, 0, 0}};
+  return hypothesis;
+}
+
+TEST(TopologyFiles, TellLandmarksWaysAndHowOftenTheyWereDriven) {
+  const nlohmann::json json = topology_json(triangle(), {});
+  ASSERT_EQ(json["landmarks"].size(), 3U);
+  EXPECT_EQ(json["landmarks"][0]["visits"], (std::vector<int>{0, 3}));
+  EXPECT_EQ(json["landmarks"][2]["y"], 3.0);
+  ASSERT_EQ(json["edges"].size(), 3U);
+  EXPECT_EQ(json["edges"][0], (nlohmann::json{{"from", 0}, {"to", 1}, {"traversals", 2}}));
+  std::vector<Pose2Gaussian> locations(5);
+  locations[1].covariance(0, 0) = 0.25;
+  const std::string graphml = topology_graphml(triangle(), locations);
+  EXPECT_THAT(graphml, HasSubstr("<node id=\"n2\">"));
+  EXPECT_THAT(graphml, HasSubstr("<data key=\"var_x\">0.25</data>"));
+  EXPECT_THAT(graphml, HasSubstr("<edge source=\"n0\" target=\"n1\"><data key=\"traversals\">2<"));
+  EXPECT_THAT(graphml, HasSubstr("<data key=\"probability\">0.75</data>"));
+}
+
+TEST(TopologyAgreement, CountsPairsByTheirTrueDistance) {
+  TopologyMap map;
+  std::vector<Observation> observations(3);
+  const std::vector<std::optional<Pose2>> truths{Pose2{0, 0, 0}, Pose2{0.5, 0, 0}, Pose2{9, 0, 0}};
+  for (int i = 0; i < 3; ++i) {
+    observations[static_cast<std::size_t>(i)].scan.stamp = Stamp::from_seconds(i);
+    topology::MadeVisit visit;
+    visit.visit.stamp = Stamp::from_seconds(i);
+    map.visits.push_back(visit);
+  }
+  topology::Hypothesis hypothesis;
+  hypothesis.labels = {0, 0, 0};
+  const TopologyAgreement counted = agreement(map, hypothesis, observations, truths, 1.0);
+  EXPECT_EQ(counted.near, 1U);
+  EXPECT_EQ(counted.near_merged, 1U);
+  EXPECT_EQ(counted.far, 2U);
+  EXPECT_EQ(counted.far_merged, 2U);
+}
+
+TEST(MapTopology, OfARunWithLandmarksByHandIsWholeAndTheSameAtAnyNumberOfThreads) {
+  const Runs runs = test_room::simulate_runs(11, 1);
+  const double end_s = elapsed_seconds(runs.observations).back();
+  const std::vector<double> times_s{0.2 * end_s, 0.5 * end_s, 0.8 * end_s};
+  const TopologyMap one = map_topology(runs.observations, {}, times_s, {}, 1, 1, nullptr);
+  ASSERT_EQ(one.visits.size(), 3U);
+  double sum = 0.0;
+  for (const topology::Hypothesis& hypothesis : one.posterior) sum += hypothesis.probability;
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+  EXPECT_EQ(one.scans.size(), runs.observations.size());
+  EXPECT_TRUE(one.optimized);
+  const TopologyMap two = map_topology(runs.observations, {}, times_s, {}, 1, 2, nullptr);
+  ASSERT_EQ(two.posterior.size(), one.posterior.size());
+  EXPECT_EQ(two.posterior.front().poses, one.posterior.front().poses);
+  for (std::size_t i = 0; i < one.scans.size(); ++i) {
+    EXPECT_EQ(two.scans[i].map_from_robot, one.scans[i].map_from_robot);
+  }
+  const std::filesystem::path dir = std::filesystem::path(testing::TempDir()) / "strata_topology";
+  std::filesystem::create_directories(dir);
+  const nlohmann::json json = write_topology(dir, "room", one, {});
+  EXPECT_EQ(json["visits"].size(), 3U);
+  for (const char* name : {"topologies.json", "topology.graphml", "occupancy.yaml", "occupancy.pgm",
+                           "trajectory.tum", "topologies.png", "landmarks.png", "map.png"}) {
+    EXPECT_GT(std::filesystem::file_size(dir / name), 50U) << name;
+  }
+  std::filesystem::remove_all(dir);
+}
+
+TEST(MapTopology, RefusesALogWithoutTwoLandmarks) {
+  const Runs runs = test_room::simulate_runs(11, 1);
+  const std::vector<double> none;
+  EXPECT_THROW((void)map_topology(runs.observations, {}, none, {}, 1, 1, nullptr), InputError);
+}
+
+}  // namespace
+}  // namespace strata::pipeline

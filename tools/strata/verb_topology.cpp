@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata topology LOG --out DIR`: the posterior over topologies, and the map of the likeliest.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "components/settings/settings.hpp"
+#include "core/base/error.hpp"
+#include "tools/pipeline/cost.hpp"
+#include "tools/pipeline/topology.hpp"
+#include "tools/pipeline/topology_files.hpp"
+#include "tools/strata/run_options.hpp"
+#include "tools/strata/verb_config.hpp"
+#include "tools/strata/verbs.hpp"
+
+namespace strata::tools {
+namespace {
+
+/// Places of the truth within this distance are one landmark.
+constexpr double kNearM = 1.0;
+
+struct Options {
+  pipeline::RunsInput input;
+  std::string log;
+  std::string out;
+  std::string landmarks;
+};
+
+void run_topology(Options options, VerbContext& context) {
+  const pipeline::CostMeter meter;
+  const auto config = settings::read_config<pipeline::TopologyMapConfig>(
+      load_config(context.options), config_place(context.options));
+  std::vector<double> times_s;
+  if (!options.landmarks.empty()) times_s = pipeline::read_landmark_times(options.landmarks);
+  options.input.logs = {options.log};
+  const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress());
+  note_reports(context, runs);
+  std::optional<std::span<const double>> landmarks;
+  if (!options.landmarks.empty()) landmarks = times_s;
+  const pipeline::TopologyMap result =
+      pipeline::map_topology(runs.observations, runs.poses, landmarks, config, context.options.seed,
+                             context.options.threads, context.progress());
+  OutputDirectory out(options.out, context.staged());
+  std::optional<pipeline::TopologyAgreement> agreement;
+  if (!options.input.truths.empty()) {
+    agreement = pipeline::agreement(result, result.posterior.front(), runs.observations,
+                                    runs.truths, kNearM);
+  }
+  const nlohmann::json json =
+      pipeline::write_topology(out.path(), options.log, result, meter.read(), agreement);
+  out.commit();
+  if (context.options.quiet) return;
+  const topology::Hypothesis& best = result.posterior.front();
+  std::cout << result.visits.size() << " visits of " << topology::landmark_count(best.labels)
+            << " landmarks with probability " << best.probability << "; " << result.posterior.size()
+            << " topologies in " << options.out << "; an update took "
+            << json["cost"]["update_ms"]["median"].get<double>() << " ms (median), "
+            << json["cost"]["update_ms"]["max"].get<double>() << " ms at most\n";
+  if (!agreement) return;
+  std::cout << agreement->near_merged << " of " << agreement->near << " pairs of visits within "
+            << kNearM << " m are merged; " << agreement->far_merged << " of " << agreement->far
+            << " at least " << 2.0 * kNearM << " m apart are too\n";
+}
+
+}  // namespace
+
+void add_topology(CLI::App& app, VerbContext& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      add_verb(app, context, "topology", "find the topologies that a run may have, with their odds",
+               "strata topology office.clf --out topology",
+               [options, &context] { run_topology(*options, context); });
+  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
+  verb->add_option("--out", options->out, "folder for the results")->required();
+  verb->add_option("--landmarks", options->landmarks,
+                   "file of landmark times, seconds from the first scan, one a line; without it "
+                   "junctions and rooms are found in the scans");
+  add_run_options(*verb, options->input);
+}
+
+}  // namespace strata::tools
