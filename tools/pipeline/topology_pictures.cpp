@@ -122,7 +122,8 @@ std::string draw_topologies(const TopologyMap& result, std::size_t count) {
   for (std::size_t i = 0; i < drawn; ++i) {
     const topology::Hypothesis& hypothesis = result.posterior[i];
     const double x = kWidth * static_cast<double>(i % columns);
-    const double y = kHeight * static_cast<double>(i / columns);
+    const std::size_t row = i / columns;
+    const double y = kHeight * static_cast<double>(row);
     draw_graph(out, hypothesis,
                Frame(positions(hypothesis.poses), x, y + 20.0, kWidth, kHeight - 20.0), 4.0);
     text(out, x + 12.0, y + 20.0, 15.0,
