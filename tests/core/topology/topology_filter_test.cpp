@@ -122,8 +122,8 @@ Tally tally(const std::vector<test_world::Junction>& junctions, const std::vecto
 // SPEC E9 (b): twelve visits over 120 m, three looks of three junctions each.
 TEST(TopologyFilter, FindsTheTruthAmongLookAlikes) {
   const Tally result = tally(test_world::nine_junctions(), test_world::twelve_visits(),
-                             kLandmarkOdometryNoise, {}, 4);
-  EXPECT_EQ(result.above_80_percent, 4);
+                             kLandmarkOdometryNoise, {}, 20);
+  EXPECT_GE(result.above_80_percent, 19);
 }
 
 // SPEC E9 (c): 60 m wide, twenty visits of fourteen junctions, odometry that is 8% off.
@@ -132,7 +132,7 @@ TEST(TopologyFilter, FindsTheTruthInALargeBuildingWhereDrawnParticlesLoseIt) {
   config.odometry.per_metre_m = 0.08;
   const std::vector<test_world::Junction> junctions = test_world::fourteen_junctions();
   const std::vector<int> order = test_world::twenty_visits();
-  EXPECT_EQ(tally(junctions, order, config.odometry, config, 1).truth_first, 1);
+  EXPECT_GE(tally(junctions, order, config.odometry, config, 20).truth_first, 15);
   config.expansion = Expansion::kParticles;
   EXPECT_EQ(tally(junctions, order, config.odometry, config, 1).truth_first, 0);
 }
