@@ -18,16 +18,19 @@
 namespace strata::volume {
 
 struct VoxelFilterConfig {
-  double prior = 0.9;
+  /// Where voxels that half of the clouds saw ended begin to count as moving, chosen on simulated
+  /// rooms: a 3-D log holds few clouds, so that who waits through a few is seen in many of them.
+  double prior = 0.77;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("prior", c.prior,
-            {.doc = "probability that a point lies on something static; voxels in which at most "
-                    "about twice 1 - prior of the clouds that saw them ended are taken for moving",
-             .unit = "1",
-             .min = 0.501,
-             .max = 0.999});
+    v.field(
+        "prior", c.prior,
+        {.doc = "probability that a point lies on something static; a voxel is taken for moving "
+                "when at most about twice (1 - prior) of the clouds that saw it ended in it",
+         .unit = "1",
+         .min = 0.501,
+         .max = 0.999});
   }
 };
 
@@ -44,9 +47,10 @@ class VoxelFilter {
   VoxelFilter(const VoxelFilterConfig& config, const VoxelLattice& lattice,
               const RayLimits& limits);
 
-  /// A voxel counts once a cloud, as in VolumeMap::insert: rays that graze a wall pass many of its
-  /// voxels, and single beams of one cloud are no independent evidence. This departs from the
-  /// paper, which counts beams. O(voxels passed).
+  /// A voxel counts once a cloud, as in VolumeMap::insert: single beams of one cloud are no
+  /// independent evidence. Voxels passed beside one in which the same cloud ended count as not
+  /// seen: rays that graze a floor pass through the voxels that its noise ends in, which would look
+  /// as if it came and went. Both depart from the paper, which counts beams. O(voxels passed).
   void count(const Cloud& cloud, WorkerPool& pool);
 
   /// P(c = 1) of a point that ends in a voxel, eq. (1.10) at the limit of EM: with h clouds that
@@ -61,10 +65,15 @@ class VoxelFilter {
   [[nodiscard]] std::size_t bytes() const { return counts_.bytes(); }
 
  private:
+  using BrickBits = std::array<std::uint64_t, 8>;
+  void find_surroundings();
+  void add_neighbours(const VoxelKey& key);
+
   VoxelFilterConfig config_;
   VoxelLattice lattice_;
   RayLimits limits_;
   CloudMarks marks_;
+  BrickMap<BrickBits> near_ends_;  ///< of the present cloud
   BrickMap<BrickCounts> counts_;
 };
 

@@ -181,6 +181,25 @@ rosgraph_msgs::msg::Clock sample() {
 }
 
 template <>
+sensor_msgs::msg::PointCloud2 sample() {
+  sensor_msgs::msg::PointCloud2 result;
+  result.header(header("lidar"));
+  result.height(2);
+  result.width(3);
+  sensor_msgs::msg::PointField field;
+  field.name("x");
+  field.offset(4);
+  field.datatype(7);
+  field.count(1);
+  result.fields({field, field});
+  result.point_step(16);
+  result.row_step(48);
+  for (int i = 0; i < 96; ++i) result.data().push_back(static_cast<std::uint8_t>(3 * i));
+  result.is_dense(true);
+  return result;
+}
+
+template <>
 sensor_msgs::msg::LaserScan sample() {
   sensor_msgs::msg::LaserScan result;
   result.header(header("laser_front"));
