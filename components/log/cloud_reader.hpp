@@ -30,7 +30,9 @@ class CloudReader {
   virtual ~CloudReader() = default;
 
   /// Told by content: OctoMap's text log (`NODE x y z roll pitch yaw`, then a point a line; plain
-  /// or gzipped) and its binary scan graph. Neither has stamps; clouds are put a second apart.
+  /// or gzipped) and its binary scan graph. Neither has stamps; clouds are put a second apart. And
+  /// rosbag2 bags
+  /// (`open_bag_clouds`).
   /// Poses are rounded as OctoMap rounds them, so that its tools and ours make the same tree.
   /// Throws InputError for anything else.
   [[nodiscard]] static std::unique_ptr<CloudReader> open(const std::filesystem::path& path);

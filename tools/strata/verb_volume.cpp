@@ -63,7 +63,8 @@ void add_volume(CLI::App& app, VerbContext& context) {
   CLI::App* verb = add_verb(app, context, "volume", "a 3-D map of what stands still (OctoMap)",
                             "strata volume hallway.log.gz --out hallway --resolution 0.05",
                             [options, &context] { run_volume(*options, context); });
-  verb->add_option("LOG3D", options->log, "OctoMap log (plain or gzipped) or scan graph")
+  verb->add_option("LOG3D", options->log,
+                   "OctoMap log (plain or gzipped), scan graph, or a bag with PointCloud2 and tf")
       ->required();
   verb->add_option("--out", options->out,
                    "folder for map.bt, map.ot, slices, pictures, report.html, summary.json")

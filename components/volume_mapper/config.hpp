@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Parameters of strata::VolumeMapper.
+#pragma once
+
+#include <string>
+
+#include "core/volume/dynamic_boxes.hpp"
+#include "core/volume/volume_config.hpp"
+
+namespace strata::volume_mapper {
+
+struct VolumeMapperConfig {
+  volume::VolumeConfig map;
+  volume::DynamicBoxConfig boxes;
+  bool leave_out_moving = true;
+  std::string map_frame = "map";
+  std::string topic = "octomap_binary";
+  std::string points_qos = "sensor_data";
+  double publish_period_s = 1.0;
+  int waiting_clouds = 20;
+  std::string save;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.group("map", c.map, "the octree");
+    v.group("boxes", c.boxes, "boxes about what the 2-D beam filter takes for moving");
+    v.field("leave_out_moving", c.leave_out_moving,
+            {.doc = "points in these boxes free the space before them and enter nothing"});
+    v.field("map_frame", c.map_frame, {.doc = "frame of the map; tf must tie it to the clouds'"});
+    v.field("topic", c.topic, {.doc = "octomap_msgs/Octomap out, binary, latched"});
+    v.field("points_qos", c.points_qos,
+            {.doc = "QoS profile of points: sensor_data, or lossless for clouds that must not be "
+                    "dropped"});
+    v.field("publish_period_s", c.publish_period_s,
+            {.doc = "the map goes out at most this often, by the stamps of the clouds; 0: after "
+                    "every cloud",
+             .unit = "s",
+             .min = 0.0});
+    v.field("waiting_clouds", c.waiting_clouds,
+            {.doc = "so many clouds may wait for tf; then the oldest is dropped and counted",
+             .unit = "1",
+             .min = 1.0,
+             .max = 1000.0});
+    v.field("save", c.save,
+            {.doc = "write the map to this .bt file when the component is deactivated; empty: do "
+                    "not"});
+  }
+};
+
+}  // namespace strata::volume_mapper

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/volume_mapper/volume_mapper.hpp"
+
+#include <cmath>
+#include <span>
+
+#include "components/convert/cloud_messages.hpp"
+#include "components/convert/geometry_messages.hpp"
+#include "components/convert/scan_messages.hpp"
+#include "components/log/whole_file.hpp"
+
+namespace strata::volume_mapper {
+namespace {
+
+/// How long tf and labels are remembered; clouds that wait longer are hopeless.
+constexpr double kRemembered_s = 10.0;
+
+}  // namespace
+
+void VolumeMapper::on_configure() {
+  config_ = read_parameters<VolumeMapperConfig>();
+  keep_live(config_, {"publish_period_s", "leave_out_moving"});
+  map_.emplace(config_.map);
+  pool_.emplace(context().threads);
+  transforms_ = log::TransformHistory(kRemembered_s);
+  publish_ = advertise<octomap_msgs::msg::Octomap>(config_.topic, "latched");
+  subscribe<tf2_msgs::msg::TFMessage>(
+      "/tf_static", "tf_static", [this](const auto& message) { on_transforms(message, true); });
+  subscribe<tf2_msgs::msg::TFMessage>(
+      "/tf", "tf", [this](const auto& message) { on_transforms(message, false); });
+  subscribe<strata_msgs::msg::LabeledScan>("labeled_scan", "lossless",
+                                           [this](const auto& message) { on_scan(message); });
+  subscribe<sensor_msgs::msg::PointCloud2>("points", config_.points_qos,
+                                           [this](const auto& message) { on_cloud(message); });
+}
+
+void VolumeMapper::on_transforms(const tf2_msgs::msg::TFMessage& message, bool is_static) {
+  for (const auto& transform : message.transforms()) {
+    const Pose3 pose = convert::from_message(transform.transform());
+    if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) continue;
+    const std::string& parent = transform.header().frame_id();
+    if (is_static) {
+      transforms_.add_fixed(parent, transform.child_frame_id(), pose);
+    } else {
+      transforms_.add(parent, transform.child_frame_id(),
+                      convert::from_message(transform.header().stamp()), pose);
+    }
+  }
+  work_off();
+}
+
+void VolumeMapper::on_scan(const strata_msgs::msg::LabeledScan& message) {
+  const PosedScan scan = convert::from_message(message);
+  for (const auto& point : volume::dynamic_points(std::span(&scan, 1))) moving_.push_back(point);
+  const Stamp oldest = scan.scan.stamp - Duration::from_seconds(kRemembered_s);
+  std::erase_if(moving_, [&](const auto& point) { return point.stamp < oldest; });
+}
+
+void VolumeMapper::on_cloud(const sensor_msgs::msg::PointCloud2& message) {
+  Waiting waiting;
+  waiting.cloud.points_m = convert::from_message(message);
+  waiting.cloud.stamp = convert::from_message(message.header().stamp());
+  waiting.frame = message.header().frame_id();
+  waiting_.push_back(std::move(waiting));
+  work_off();
+  while (waiting_.size() > static_cast<std::size_t>(config_.waiting_clouds)) {
+    waiting_.pop_front();
+    ++without_pose_;
+  }
+}
+
+void VolumeMapper::work_off() {
+  for (auto it = waiting_.begin(); it != waiting_.end();) {
+    const auto pose = transforms_.find(config_.map_frame, it->frame, it->cloud.stamp);
+    if (!pose) {
+      ++it;
+      continue;
+    }
+    it->cloud.map_from_sensor = *pose;
+    enter(it->cloud);
+    it = waiting_.erase(it);
+  }
+}
+
+void VolumeMapper::enter(const volume::Cloud& cloud) {
+  std::vector<std::uint8_t> is_dynamic;
+  if (config_.leave_out_moving && !moving_.empty()) {
+    is_dynamic = volume::DynamicBoxes(config_.boxes, moving_).label(cloud);
+  }
+  counts_ += map_->insert(cloud, is_dynamic, *pool_);
+  ++clouds_;
+  // Stamps may run backwards, as when a bag starts again.
+  const bool is_due = !last_published_ || std::abs((cloud.stamp - *last_published_).seconds()) >=
+                                              config_.publish_period_s;
+  if (!is_due) return;
+  last_published_ = cloud.stamp;
+  publish_(convert::to_binary_octomap(map_->binary_message_data(), config_.map.resolution_m,
+                                      cloud.stamp, config_.map_frame));
+}
+
+void VolumeMapper::on_deactivate() {
+  if (config_.save.empty() || !map_) return;
+  log::WholeFile file(config_.save);
+  file.stream() << map_->binary_file();
+  file.commit();
+}
+
+void VolumeMapper::on_diagnose(runtime::Health& health) const {
+  health.add("clouds", std::uint64_t{clouds_});
+  health.add("clouds without pose", std::uint64_t{without_pose_});
+  health.add("points that are no numbers", std::uint64_t{counts_.not_finite});
+  health.add("points taken for moving", std::uint64_t{counts_.dynamic});
+}
+
+void VolumeMapper::on_cleanup() {
+  map_.reset();
+  pool_.reset();
+  transforms_ = log::TransformHistory(kRemembered_s);
+  waiting_.clear();
+  moving_.clear();
+  counts_ = {};
+  clouds_ = 0;
+  without_pose_ = 0;
+  last_published_.reset();
+}
+
+}  // namespace strata::volume_mapper

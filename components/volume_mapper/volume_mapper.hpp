@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+/// strata::VolumeMapper: point clouds and tf in, a 3-D map of what stands still out.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/log/transform_history.hpp"
+#include "components/runtime/component.hpp"
+#include "components/volume_mapper/config.hpp"
+#include "core/volume/volume_map.hpp"
+
+namespace strata::volume_mapper {
+
+/// In: points (sensor_msgs/PointCloud2), /tf, /tf_static, labeled_scan. Out: octomap_binary. A
+/// cloud waits until tf tells where it was seen from. Clouds that make no sense, or whose pose
+/// stays unknown, are dropped and counted on /diagnostics; the map is as before.
+class VolumeMapper final : public runtime::Component {
+ public:
+  using Component::Component;
+
+ private:
+  struct Waiting {
+    volume::Cloud cloud;
+    std::string frame;
+  };
+  void on_configure() override;
+  void on_deactivate() override;
+  void on_cleanup() override;
+  void on_diagnose(runtime::Health& health) const override;
+  void on_transforms(const tf2_msgs::msg::TFMessage& message, bool is_static);
+  void on_cloud(const sensor_msgs::msg::PointCloud2& message);
+  void on_scan(const strata_msgs::msg::LabeledScan& message);
+  /// Enters the clouds whose pose is known by now, in order.
+  void work_off();
+  void enter(const volume::Cloud& cloud);
+
+  VolumeMapperConfig config_;
+  std::optional<volume::VolumeMap> map_;
+  std::optional<WorkerPool> pool_;
+  log::TransformHistory transforms_;
+  std::deque<Waiting> waiting_;
+  std::vector<volume::DynamicPoint> moving_;
+  volume::CloudCounts counts_;
+  std::size_t clouds_ = 0;
+  std::size_t without_pose_ = 0;
+  std::optional<Stamp> last_published_;
+  std::function<void(const octomap_msgs::msg::Octomap&)> publish_;
+};
+
+}  // namespace strata::volume_mapper

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/volume_mapper/volume_mapper.hpp"
+
+#include <chrono>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <octomap/OcTree.h>
+
+#include "components/convert/cloud_messages.hpp"
+#include "components/convert/geometry_messages.hpp"
+#include "components/convert/scan_messages.hpp"
+#include "components/volume_mapper/register.hpp"
+#include "tests/components/runtime/host_fixture.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::volume_mapper {
+namespace {
+
+using octomap_msgs::msg::Octomap;
+using sensor_msgs::msg::PointCloud2;
+using tf2_msgs::msg::TFMessage;
+
+TFMessage transform(const std::string& parent, const std::string& child, double time_s, double x) {
+  geometry_msgs::msg::TransformStamped stamped;
+  stamped.header(convert::make_header(Stamp::from_seconds(time_s), parent));
+  stamped.child_frame_id(child);
+  stamped.transform().translation().x(x);
+  stamped.transform().rotation().w(1.0);
+  TFMessage message;
+  message.transforms({stamped});
+  return message;
+}
+
+std::vector<Eigen::Vector3f> wall(float x) {
+  std::vector<Eigen::Vector3f> points;
+  for (int y = -5; y <= 5; ++y) {
+    for (int z = -5; z <= 5; ++z) {
+      points.emplace_back(x, 0.1F * static_cast<float>(y) + 0.05F,
+                          0.1F * static_cast<float>(z) + 0.05F);
+    }
+  }
+  return points;
+}
+
+octomap::OcTree tree_of(const Octomap& message) {
+  octomap::OcTree tree(message.resolution());
+  std::istringstream data(std::string(message.data().begin(), message.data().end()));
+  tree.readBinaryData(data);
+  return tree;
+}
+
+bool is_occupied(const octomap::OcTree& tree, double x, double y, double z) {
+  const octomap::OcTreeNode* node = tree.search(x, y, z);
+  return node != nullptr && tree.isNodeOccupied(node);
+}
+
+/// A robot that publishes, and what the component answers.
+class Robot {
+ public:
+  explicit Robot(const std::string& parameters)
+      : participant_(test::make_participant()),
+        maps_(participant_, "/octomap_binary", "latched"),
+        points_(participant_, "/points", bus::qos_profile("lossless")),
+        tf_(participant_, "/tf", bus::qos_profile("tf")),
+        tf_static_(participant_, "/tf_static", bus::qos_profile("tf_static")),
+        scans_(participant_, "/labeled_scan", bus::qos_profile("lossless")) {
+    register_component(registry_);
+    host_ = test::make_host(
+        "{type: strata::VolumeMapper, name: mapper, parameters: {points_qos: lossless, " +
+            parameters + "}}",
+        registry_, test::make_participant());
+    host_->activate();
+    const std::chrono::seconds patience(20);
+    EXPECT_TRUE(points_.raw().wait_for_readers(1, patience));
+    EXPECT_TRUE(tf_.raw().wait_for_readers(1, patience));
+    EXPECT_TRUE(scans_.raw().wait_for_readers(1, patience));
+    tf_static_.publish(transform("base_link", "lidar", 0.0, 0.25));
+  }
+  void move(double time_s, double x) { tf_.publish(transform("map", "base_link", time_s, x)); }
+  void see(double time_s, const std::vector<Eigen::Vector3f>& points,
+           const std::string& frame = "lidar") {
+    publish(convert::to_message(points, Stamp::from_seconds(time_s), frame));
+  }
+  void publish(const PointCloud2& message) { points_.publish(message); }
+  void label(const PosedScan& scan) { scans_.publish(convert::to_message(scan, "map", "laser")); }
+  [[nodiscard]] std::vector<Octomap> wait_for(std::size_t maps) { return maps_.wait_for(maps); }
+  void deactivate() { host_.reset(); }
+
+ private:
+  std::shared_ptr<bus::Participant> participant_;
+  test::Collector<Octomap> maps_;
+  bus::Writer<PointCloud2> points_;
+  bus::Writer<TFMessage> tf_;
+  bus::Writer<TFMessage> tf_static_;
+  bus::Writer<strata_msgs::msg::LabeledScan> scans_;
+  runtime::Registry registry_;
+  std::unique_ptr<runtime::Host> host_;
+};
+
+TEST(VolumeMapper, PublishesTheMapOfCloudsAtThePosesOfTf) {
+  Robot robot("publish_period_s: 0");
+  robot.move(1.0, 0.0);
+  robot.move(2.0, 1.0);
+  robot.see(1.5, wall(2.05F));  // from x = 0.5 + 0.25
+  const auto maps = robot.wait_for(1);
+  ASSERT_EQ(maps.size(), 1U);
+  EXPECT_EQ(maps[0].header().frame_id(), "map");
+  EXPECT_TRUE(maps[0].binary());
+  EXPECT_EQ(maps[0].id(), "OcTree");
+  const octomap::OcTree tree = tree_of(maps[0]);
+  EXPECT_TRUE(is_occupied(tree, 2.8, 0.05, 0.05));
+  EXPECT_FALSE(is_occupied(tree, 1.8, 0.05, 0.05));
+  EXPECT_NE(tree.search(1.8, 0.05, 0.05), nullptr);
+}
+
+TEST(VolumeMapper, WaitsForTfAndIsUnharmedByCloudsThatMakeNoSense) {
+  Robot robot("publish_period_s: 0, waiting_clouds: 3");
+  PointCloud2 fieldless = convert::to_message(wall(1.0F), Stamp::from_seconds(1.5), "lidar");
+  fieldless.fields().clear();
+  robot.publish(fieldless);
+  robot.see(1.5, wall(1.0F), "unknown_frame");
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  auto points = wall(2.05F);
+  points.insert(points.begin(), {nan, 0.0F, 0.0F});
+  robot.see(1.5, points);
+  robot.move(1.0, 0.0);
+  robot.move(2.0, 1.0);
+  const auto maps = robot.wait_for(1);
+  ASSERT_EQ(maps.size(), 1U);
+  volume::VolumeMap expected(volume::VolumeConfig{});
+  volume::Cloud cloud;
+  cloud.map_from_sensor.translation.x() = 0.75;
+  cloud.points_m = wall(2.05F);
+  WorkerPool pool(1);
+  expected.insert(cloud, {}, pool);
+  const std::string data = expected.binary_message_data();
+  EXPECT_EQ(maps[0].data(), std::vector<std::int8_t>(data.begin(), data.end()));
+}
+
+TEST(VolumeMapper, LeavesOutPointsAboutDynamicBeamsAndSavesTheMap) {
+  const test::TemporaryDirectory folder;
+  const auto file = folder.path() / "map.bt";
+  Robot robot("publish_period_s: 0, save: '" + file.string() + "'");
+  PosedScan scan;
+  scan.scan.stamp = Stamp::from_seconds(1.5);
+  scan.scan.angle_min_rad = -0.02F;
+  scan.scan.angle_increment_rad = 0.01F;
+  scan.scan.range_max_m = 10.0F;
+  scan.scan.ranges_m.assign(5, 2.8F);
+  scan.static_probability.assign(5, 0.1F);
+  robot.label(scan);
+  robot.move(1.0, 0.0);
+  robot.move(2.0, 1.0);
+  robot.see(1.5, wall(2.05F));
+  const auto maps = robot.wait_for(1);
+  ASSERT_EQ(maps.size(), 1U);
+  const octomap::OcTree tree = tree_of(maps[0]);
+  EXPECT_FALSE(is_occupied(tree, 2.8, 0.05, 0.25));  // in the box about (2.8, 0)
+  EXPECT_TRUE(is_occupied(tree, 2.8, 0.45, 0.25));   // beside it
+  robot.deactivate();
+  octomap::OcTree saved(1.0);
+  ASSERT_TRUE(saved.readBinary(file.string()));
+  EXPECT_EQ(saved.size(), tree.size());
+}
+
+}  // namespace
+}  // namespace strata::volume_mapper
