@@ -13,6 +13,7 @@ struct VolumeMapperConfig {
   volume::VolumeConfig map;
   volume::DynamicBoxConfig boxes;
   bool leave_out_moving = true;
+  bool wait_for_labels = false;
   std::string map_frame = "map";
   std::string topic = "octomap_binary";
   std::string points_qos = "sensor_data";
@@ -25,6 +26,9 @@ struct VolumeMapperConfig {
     v.group("boxes", c.boxes, "boxes about what the 2-D beam filter takes for moving");
     v.field("leave_out_moving", c.leave_out_moving,
             {.doc = "points in these boxes free the space before them and enter nothing"});
+    v.field("wait_for_labels", c.wait_for_labels,
+            {.doc = "a cloud also waits until labeled_scan has come past its moment; for robots "
+                    "that have a 2-D scanner and a beam filter"});
     v.field("map_frame", c.map_frame, {.doc = "frame of the map; tf must tie it to the clouds'"});
     v.field("topic", c.topic, {.doc = "octomap_msgs/Octomap out, binary, latched"});
     v.field("points_qos", c.points_qos,

@@ -54,6 +54,13 @@ void VolumeMapper::on_scan(const strata_msgs::msg::LabeledScan& message) {
   for (const auto& point : volume::dynamic_points(std::span(&scan, 1))) moving_.push_back(point);
   const Stamp oldest = scan.scan.stamp - Duration::from_seconds(kRemembered_s);
   std::erase_if(moving_, [&](const auto& point) { return point.stamp < oldest; });
+  last_label_ = scan.scan.stamp;
+  work_off();
+}
+
+bool VolumeMapper::is_labeled(Stamp stamp) const {
+  if (!config_.wait_for_labels) return true;
+  return last_label_ && *last_label_ >= stamp + Duration::from_seconds(config_.boxes.window_s);
 }
 
 void VolumeMapper::on_cloud(const sensor_msgs::msg::PointCloud2& message) {
@@ -72,7 +79,7 @@ void VolumeMapper::on_cloud(const sensor_msgs::msg::PointCloud2& message) {
 void VolumeMapper::work_off() {
   for (auto it = waiting_.begin(); it != waiting_.end();) {
     const auto pose = transforms_.find(config_.map_frame, it->frame, it->cloud.stamp);
-    if (!pose) {
+    if (!pose || !is_labeled(it->cloud.stamp)) {
       ++it;
       continue;
     }
@@ -121,6 +128,7 @@ void VolumeMapper::on_cleanup() {
   counts_ = {};
   clouds_ = 0;
   without_pose_ = 0;
+  last_label_.reset();
   last_published_.reset();
 }
 

@@ -36,6 +36,7 @@ class VolumeMapper final : public runtime::Component {
   void on_scan(const strata_msgs::msg::LabeledScan& message);
   /// Enters the clouds whose pose is known by now, in order.
   void work_off();
+  [[nodiscard]] bool is_labeled(Stamp stamp) const;
   void enter(const volume::Cloud& cloud);
 
   VolumeMapperConfig config_;
@@ -47,6 +48,7 @@ class VolumeMapper final : public runtime::Component {
   volume::CloudCounts counts_;
   std::size_t clouds_ = 0;
   std::size_t without_pose_ = 0;
+  std::optional<Stamp> last_label_;
   std::optional<Stamp> last_published_;
   std::function<void(const octomap_msgs::msg::Octomap&)> publish_;
 };

@@ -105,14 +105,14 @@ TEST(VolumeMapper, PublishesTheMapOfCloudsAtThePosesOfTf) {
   Robot robot("publish_period_s: 0");
   robot.move(1.0, 0.0);
   robot.move(2.0, 1.0);
-  robot.see(1.5, wall(2.05F));  // from x = 0.5 + 0.25
+  robot.see(1.5, wall(2.1F));  // from x = 0.5 + 0.25
   const auto maps = robot.wait_for(1);
   ASSERT_EQ(maps.size(), 1U);
   EXPECT_EQ(maps[0].header().frame_id(), "map");
   EXPECT_TRUE(maps[0].binary());
   EXPECT_EQ(maps[0].id(), "OcTree");
   const octomap::OcTree tree = tree_of(maps[0]);
-  EXPECT_TRUE(is_occupied(tree, 2.8, 0.05, 0.05));
+  EXPECT_TRUE(is_occupied(tree, 2.85, 0.05, 0.05));
   EXPECT_FALSE(is_occupied(tree, 1.8, 0.05, 0.05));
   EXPECT_NE(tree.search(1.8, 0.05, 0.05), nullptr);
 }
@@ -124,7 +124,7 @@ TEST(VolumeMapper, WaitsForTfAndIsUnharmedByCloudsThatMakeNoSense) {
   robot.publish(fieldless);
   robot.see(1.5, wall(1.0F), "unknown_frame");
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  auto points = wall(2.05F);
+  auto points = wall(2.1F);
   points.insert(points.begin(), {nan, 0.0F, 0.0F});
   robot.see(1.5, points);
   robot.move(1.0, 0.0);
@@ -134,7 +134,7 @@ TEST(VolumeMapper, WaitsForTfAndIsUnharmedByCloudsThatMakeNoSense) {
   volume::VolumeMap expected(volume::VolumeConfig{});
   volume::Cloud cloud;
   cloud.map_from_sensor.translation.x() = 0.75;
-  cloud.points_m = wall(2.05F);
+  cloud.points_m = wall(2.1F);
   WorkerPool pool(1);
   expected.insert(cloud, {}, pool);
   const std::string data = expected.binary_message_data();
@@ -144,7 +144,7 @@ TEST(VolumeMapper, WaitsForTfAndIsUnharmedByCloudsThatMakeNoSense) {
 TEST(VolumeMapper, LeavesOutPointsAboutDynamicBeamsAndSavesTheMap) {
   const test::TemporaryDirectory folder;
   const auto file = folder.path() / "map.bt";
-  Robot robot("publish_period_s: 0, save: '" + file.string() + "'");
+  Robot robot("publish_period_s: 0, wait_for_labels: true, save: '" + file.string() + "'");
   PosedScan scan;
   scan.scan.stamp = Stamp::from_seconds(1.5);
   scan.scan.angle_min_rad = -0.02F;
@@ -153,14 +153,16 @@ TEST(VolumeMapper, LeavesOutPointsAboutDynamicBeamsAndSavesTheMap) {
   scan.scan.ranges_m.assign(5, 2.8F);
   scan.static_probability.assign(5, 0.1F);
   robot.label(scan);
+  scan.scan.stamp = Stamp::from_seconds(1.9);
+  robot.label(scan);
   robot.move(1.0, 0.0);
   robot.move(2.0, 1.0);
-  robot.see(1.5, wall(2.05F));
+  robot.see(1.5, wall(2.1F));
   const auto maps = robot.wait_for(1);
   ASSERT_EQ(maps.size(), 1U);
   const octomap::OcTree tree = tree_of(maps[0]);
-  EXPECT_FALSE(is_occupied(tree, 2.8, 0.05, 0.25));  // in the box about (2.8, 0)
-  EXPECT_TRUE(is_occupied(tree, 2.8, 0.45, 0.25));   // beside it
+  EXPECT_FALSE(is_occupied(tree, 2.85, 0.05, 0.25));  // in the box about (2.8, 0)
+  EXPECT_TRUE(is_occupied(tree, 2.85, 0.45, 0.25));   // beside it
   robot.deactivate();
   octomap::OcTree saved(1.0);
   ASSERT_TRUE(saved.readBinary(file.string()));
