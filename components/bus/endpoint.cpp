@@ -100,6 +100,9 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
   dds::DataWriterQos writer_qos = dds::DATAWRITER_QOS_DEFAULT;
   apply_profile(qos, writer_qos);
   writer_qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
+  if (qos.manual_liveliness) {
+    writer_qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+  }
   auto& times = writer_qos.reliable_writer_qos().times;
   times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0, 100'000'000);
   times.nackResponseDelay = eprosima::fastrtps::Duration_t(0, 0);
@@ -147,6 +150,8 @@ std::int64_t RawWriter::publish(const std::vector<std::uint8_t>& cdr,
   ++state_->count;
   return from_wire(parameters.sample_identity()).sequence_number;
 }
+
+void RawWriter::send_heartbeat() { state_->writer->assert_liveliness(); }
 
 std::uint64_t RawWriter::count() const { return state_->count; }
 Guid RawWriter::guid() const { return to_guid(state_->writer->guid()); }

@@ -52,6 +52,8 @@ class RawWriter {
   void publish(const std::vector<std::uint8_t>& cdr) { (void)publish(cdr, {}); }
   /// The same, saying to which message it belongs. Returns the message's own number.
   std::int64_t publish(const std::vector<std::uint8_t>& cdr, const SampleIdentity& related);
+  /// Tells every reader now what has been published so far; needs QosProfile::manual_liveliness.
+  void send_heartbeat();
   /// How many messages were published.
   [[nodiscard]] std::uint64_t count() const;
   [[nodiscard]] Guid guid() const;

@@ -14,6 +14,9 @@ struct QosProfile {
   bool reliable = true;          ///< false: best effort
   bool transient_local = false;  ///< late readers get the writer's history
   int depth = 10;
+  /// The writer can send its readers a heartbeat when it is asked to (RawWriter::send_heartbeat):
+  /// its liveliness is manual, which every reader that asks for no more than ROS 2's default takes.
+  bool manual_liveliness = false;
 
   /// Nothing is ever lost or overwritten: reliable, keep-all, volatile (a latched writer would keep
   /// every message). What lockstep replay uses in place of every profile, once all are matched.

@@ -3,18 +3,28 @@
 
 #include <algorithm>
 
+#include "core/base/error.hpp"
+
 namespace strata::bus {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 4;
 constexpr std::size_t kPrefixBytes = 16;
 constexpr auto kReplyWaits = std::chrono::seconds(2);
+/// How long Cyclone may take from saying that a reader is matched until it hears the writer.
+constexpr auto kSettling = std::chrono::milliseconds(150);
+constexpr auto kSettlingStep = std::chrono::milliseconds(10);
 
 RawWriter make_writer(const std::shared_ptr<Participant>& participant, const std::string& name,
                       TopicKind kind, const std::string& type, const QosProfile& qos,
                       std::function<void()> on_match) {
   const char* suffix = kind == TopicKind::kRequest ? "_Request" : "_Response";
   return {participant, TopicName(name, kind), type + suffix, qos, std::move(on_match)};
+}
+
+QosProfile reply_qos(QosProfile qos) {
+  qos.manual_liveliness = true;
+  return qos;
 }
 
 RawReader make_reader(const std::shared_ptr<Participant>& participant, const std::string& name,
@@ -67,7 +77,8 @@ ServiceServer::ServiceServer(const std::shared_ptr<Participant>& participant,
                              const std::string& name, const std::string& type,
                              const QosProfile& qos, std::function<void(ServiceRequest)> on_request,
                              std::function<void()> on_match)
-    : writer_(make_writer(participant, name, TopicKind::kReply, type, qos, std::move(on_match))),
+    : writer_(make_writer(participant, name, TopicKind::kReply, type, reply_qos(qos),
+                          std::move(on_match))),
       reader_(make_reader(participant, name, TopicKind::kRequest, type, qos,
                           [on_request = std::move(on_request)](const RawMessage& message) {
                             if (auto request = read_service_request(message)) {
@@ -76,19 +87,59 @@ ServiceServer::ServiceServer(const std::shared_ptr<Participant>& participant,
                           })) {}
 
 void ServiceServer::reply(const ServiceRequest& request, const std::vector<std::uint8_t>& cdr) {
+  const bool is_for_cyclone = request.prefix.has_value();
+  const auto now = std::chrono::steady_clock::now();
+  const std::lock_guard lock(mutex_);
   waiting_.push_back({service_reply_bytes(request, cdr), request.client, request.reply_to,
-                      std::chrono::steady_clock::now() + kReplyWaits});
-  flush();
+                      is_for_cyclone, is_for_cyclone ? settled(request.client) : now,
+                      now + kReplyWaits});
+  send_what_can_be_sent();
+  if (!is_for_cyclone || waiting_.empty()) return;
+  if (!later_.joinable()) {
+    later_ = std::jthread([this](const std::stop_token& stop) { send_later(stop); });
+  }
+  changed_.notify_all();
 }
 
 void ServiceServer::flush() {
+  const std::lock_guard lock(mutex_);
+  send_what_can_be_sent();
+}
+
+void ServiceServer::send_what_can_be_sent() {
   const auto now = std::chrono::steady_clock::now();
   // The topic is volatile: what is sent before the client's reader is matched is lost.
   std::erase_if(waiting_, [&](const Waiting& waiting) {
     if (!writer_.is_matched_with(waiting.client)) return now > waiting.deadline;
+    if (now < waiting.not_before) return false;
+    // A volatile reader of Cyclone takes all that was published up to the first heartbeat it hears
+    // for the past. Fast DDS sends one when it matches, maybe before the reader listens, and the
+    // next one behind the reply, which would then be lost.
+    if (waiting.is_for_cyclone) writer_.send_heartbeat();
     writer_.publish(waiting.bytes, waiting.related);
     return true;
   });
+}
+
+void ServiceServer::send_later(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    if (!changed_.wait(lock, stop, [&] { return !waiting_.empty(); })) return;
+    changed_.wait_for(lock, stop, kSettlingStep, [] { return false; });
+    try {
+      send_what_can_be_sent();
+    } catch (const OutputError&) {  // a client that does not take it: nobody here can be told
+      waiting_.clear();
+    }
+  }
+}
+
+std::chrono::steady_clock::time_point ServiceServer::settled(const Guid& client) {
+  const auto now = std::chrono::steady_clock::now();
+  std::erase_if(settled_, [&](const auto& entry) {
+    return now > entry.second + kReplyWaits && !writer_.is_matched_with(entry.first);
+  });
+  return settled_.try_emplace(client, now + kSettling).first->second;
 }
 
 ServiceClient::ServiceClient(const std::shared_ptr<Participant>& participant,

@@ -15,10 +15,13 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "components/bus/endpoint.hpp"
@@ -42,7 +45,8 @@ struct ServiceRequest {
 [[nodiscard]] std::vector<std::uint8_t> service_reply_bytes(const ServiceRequest& request,
                                                             const std::vector<std::uint8_t>& cdr);
 
-/// Answers one service. reply() and flush() are for one thread at a time.
+/// Answers one service. The first replies to a client of Cyclone DDS are held for a moment, on a
+/// thread of their own: its reader says that it is matched before it listens.
 class ServiceServer {
  public:
   /// name: full ("/localizer/get_state"); type: "lifecycle_msgs/srv/GetState". on_request and
@@ -64,11 +68,21 @@ class ServiceServer {
     std::vector<std::uint8_t> bytes;
     Guid client{};
     SampleIdentity related;
+    bool is_for_cyclone = false;
+    std::chrono::steady_clock::time_point not_before;
     std::chrono::steady_clock::time_point deadline;
   };
-  std::deque<Waiting> waiting_;
+  void send_what_can_be_sent();  // under mutex_
+  void send_later(const std::stop_token& stop);
+  [[nodiscard]] std::chrono::steady_clock::time_point settled(const Guid& client);
+
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::deque<Waiting> waiting_;                                    // under mutex_
+  std::map<Guid, std::chrono::steady_clock::time_point> settled_;  // Cyclone's clients; the same
   RawWriter writer_;
-  RawReader reader_;  // last: its callback uses the others
+  RawReader reader_;
+  std::jthread later_;  // last: it uses the others; started for the first client of Cyclone
 };
 
 /// Asks one service, in the way of Fast DDS.

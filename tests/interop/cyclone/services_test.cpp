@@ -60,5 +60,13 @@ TEST_F(CycloneServices, AnswerBothKindsOfClientsOnOneTopic) {
   EXPECT_EQ(cyclone.wait_for_line("value"), "value 4 'floor2' 0 0");
 }
 
+/// Clients come and go while the service stays.
+TEST_F(CycloneServices, AnswerClientsThatComeAfterOthersHaveLeft) {
+  for (int i = 0; i < 8; ++i) {
+    CycloneProcess get({"get_parameter", "/robot1/maps", "map_frame"});
+    ASSERT_EQ(get.wait_for_line("value"), "value 4 'floor2' 0 0") << "client " << i;
+  }
+}
+
 }  // namespace
 }  // namespace strata::test
