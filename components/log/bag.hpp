@@ -79,6 +79,7 @@ struct BagOptions {
 
 /// Writes a bag folder as it goes: what was written more than a second or a megabyte ago survives
 /// a crash. `close` completes it (summary, metadata.yaml); the destructor does, ignoring errors.
+/// What is written after `close` goes to another file of the same bag, until the next `close`.
 class BagWriter {
  public:
   /// Throws OutputError when the folder exists and is not empty, or cannot be made.

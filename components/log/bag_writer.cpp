@@ -101,14 +101,17 @@ std::size_t BagWriter::add_topic(const BagTopic& topic) {
   if (is_new) {
     state.summary.topics.push_back(topic);
     state.summary.counts.push_back(0);
-    state.file->add_topic(topic);
+    if (state.file) state.file->add_topic(topic);
   }
   return entry->second;
 }
 
 void BagWriter::write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) {
   State& state = *state_;
-  if (state.is_full(stamp)) {
+  if (state.closed) {
+    state.open_file();
+    state.closed = false;
+  } else if (state.is_full(stamp)) {
     state.close_file();
     state.open_file();
   }

@@ -16,7 +16,8 @@ namespace strata::recorder {
 
 /// Reads as the writers that are there offer: reliably when all do, latched messages too;
 /// losslessly in lockstep. Messages are stamped with when they were written, in lockstep with the
-/// log's time from /clock. What came more than a second ago survives the end of the process by
+/// log's time from /clock. Deactivating completes the bag; activating again goes on in another file
+/// of it. What came more than a second ago survives the end of the process by
 /// whatever cause.
 class Recorder final : public runtime::Component {
  public:

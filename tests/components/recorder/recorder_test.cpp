@@ -123,6 +123,28 @@ TEST_P(RecorderStorage, BeginsAnotherFileWhenOneIsLargeEnough) {
   EXPECT_EQ(read_bag(bag()).at("/scan").size(), 20U);
 }
 
+TEST_P(RecorderStorage, GoesOnInTheSameBagWhenItIsActivatedAgain) {
+  auto scans = writer("/scan", "default");
+  const auto host = make("");
+  host->activate();
+  scans.publish(numbered(1));
+  host->components()[0]->deactivate();
+  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 1U);  // complete while it rests
+  scans.publish(numbered(2));
+  host->components()[0]->activate();
+  auto late = writer("/late", "default");
+  host->tick();                        // finds the topic
+  host->components()[0]->configure();  // no transition from here; waits for the tick
+  scans.publish(numbered(3));
+  late.publish(numbered(4));
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  EXPECT_EQ(read_bag(bag()),
+            (Messages{{"/scan", {convert::to_cdr(numbered(1)), convert::to_cdr(numbered(3))}},
+                      {"/late", {convert::to_cdr(numbered(4))}}}));
+  EXPECT_TRUE(std::filesystem::exists(bag() / "metadata.yaml"));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, RecorderStorage, testing::Values("sqlite3", "mcap"));
 
 }  // namespace
