@@ -7,6 +7,7 @@
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "core/base/error.hpp"
 #include "core/geometry/pose3.hpp"
 #include "core/scan/undistort.hpp"
 
@@ -61,7 +62,15 @@ void SensorInput::add_odometry(Stamp stamp, const Pose2& odom_from_robot) {
   while (odometry_.front().stamp < stamp - kOdometryKept) odometry_.pop_front();
 }
 
-void SensorInput::add(const sensor_msgs::msg::LaserScan& scan) { scans_.push_back(scan); }
+void SensorInput::add(const sensor_msgs::msg::LaserScan& scan) {
+  if (!std::isfinite(scan.angle_min()) || !std::isfinite(scan.angle_increment()) ||
+      !std::isfinite(scan.range_min()) || !std::isfinite(scan.time_increment()) ||
+      std::isnan(scan.range_max())) {
+    throw InputError(config_.scan_topic, "a scan's angles or limits are not numbers",
+                     "see what publishes it");
+  }
+  scans_.push_back(scan);
+}
 
 std::vector<Observation> SensorInput::take() {
   std::vector<Observation> result;

@@ -56,6 +56,7 @@ class SensorInput {
   /// /tf, for robots that give odometry there only. The first nav_msgs/Odometry ends that.
   void add_moving(const tf2_msgs::msg::TFMessage& transforms);
   void add(const nav_msgs::msg::Odometry& odometry);
+  /// Throws InputError, and forgets the scan, when its angles or limits are not numbers.
   void add(const sensor_msgs::msg::LaserScan& scan);
   /// The scans that are complete now, in order.
   [[nodiscard]] std::vector<Observation> take();

@@ -139,10 +139,12 @@ void Localizer::search_everywhere() {
 
 Pose2 Localizer::motion_since_last(const Observation& observation) {
   Pose2 motion;
-  if (last_ && last_->run == observation.run && last_->has_odometry && observation.has_odometry) {
+  const bool has_odometry = observation.has_odometry && is_finite(observation.odom_from_robot);
+  const bool same_run = last_ && last_->run == observation.run;
+  // Scans without odometry, or with damaged odometry, are bridged by that of the next with it.
+  if (same_run && !has_odometry) return motion;
+  if (same_run && last_->has_odometry) {
     motion = between(last_->odom_from_robot, observation.odom_from_robot);
-    // Damaged odometry must not destroy the filter.
-    if (!is_finite(motion)) motion = Pose2{};
     const double dt_s = std::max(0.0, (observation.scan.stamp - last_->scan.stamp).seconds());
     const double reach_m = config_.gating.jump_m + config_.gating.most_speed_mps * dt_s;
     if (std::hypot(motion.x, motion.y) > reach_m) {
@@ -153,7 +155,7 @@ Pose2 Localizer::motion_since_last(const Observation& observation) {
   last_.emplace();
   last_->scan.stamp = observation.scan.stamp;
   last_->run = observation.run;
-  last_->has_odometry = observation.has_odometry && is_finite(observation.odom_from_robot);
+  last_->has_odometry = has_odometry;
   last_->odom_from_robot = observation.odom_from_robot;
   return motion;
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "components/convert/geometry_messages.hpp"
+#include "core/base/error.hpp"
 
 namespace strata::runtime {
 namespace {
@@ -162,6 +163,20 @@ TEST(SensorInput, TimeThatRunsBackwardsBeginsOdometryAnew) {
   const auto taken = input.take();
   ASSERT_EQ(taken.size(), 1U);
   expect_near(taken[0].odom_from_robot, {0.5, 0.0, 0.0});
+}
+
+TEST(SensorInput, AScanWhoseAnglesAreNoNumbersIsRefusedAndTheNextIsTaken) {
+  SensorInput input({}, false);
+  input.add(link(0.0, "base_link", "laser", {}));
+  sensor_msgs::msg::LaserScan broken = scan(1.0);
+  broken.angle_increment(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_THROW(input.add(broken), InputError);
+  EXPECT_TRUE(input.take().empty());
+  sensor_msgs::msg::LaserScan empty = scan(2.0);
+  empty.ranges().clear();
+  input.add(empty);
+  input.add(scan(3.0));
+  EXPECT_EQ(input.take().size(), 2U);
 }
 
 }  // namespace
