@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "components/log/carmen_scan.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
 #include "core/geometry/angle.hpp"
@@ -16,15 +16,7 @@
 namespace strata::log {
 namespace {
 
-constexpr float kSickMaximum = 80.0F;  ///< m, of the mode that logs were recorded in
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t kMostBeams = 100'000;
-
-struct RawScan {
-  Observation observation;
-  Pose2 laser_pose;
-  bool states_maximum = false;  ///< ROBOTLASER1
-};
 
 /// The words of one line with a cursor; every failure is remembered, not thrown.
 class Fields {
@@ -84,18 +76,18 @@ class CarmenParser {
       if (stamp(scans_[i]) < stamp(scans_[i - 1])) ++report_.scans_out_of_order;
     }
     std::stable_sort(scans_.begin(), scans_.end(),
-                     [](const RawScan& a, const RawScan& b) { return stamp(a) < stamp(b); });
-    replace_no_return_codes();
-    find_mounting();
+                     [](const CarmenScan& a, const CarmenScan& b) { return stamp(a) < stamp(b); });
+    mark_no_returns(scans_, report_);
+    find_mounting(scans_, front_laser_offset_, report_);
     std::stable_sort(content_.odometry.begin(), content_.odometry.end(),
                      [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
-    for (RawScan& scan : scans_) content_.observations.push_back(std::move(scan.observation));
+    for (CarmenScan& scan : scans_) content_.observations.push_back(std::move(scan.observation));
     report_.odometry_source = "scan";
     return std::move(content_);
   }
 
  private:
-  static Stamp stamp(const RawScan& scan) { return scan.observation.scan.stamp; }
+  static Stamp stamp(const CarmenScan& scan) { return scan.observation.scan.stamp; }
 
   void bad(const std::string& place, const std::string& why) {
     if (report_.bad_lines++ == 0) report_.first_bad = place + ": " + why;
@@ -137,7 +129,7 @@ class CarmenParser {
 
   void flaser(const std::vector<std::string_view>& words, bool cut, const LineReader& lines) {
     Fields fields(words);
-    RawScan raw;
+    CarmenScan raw;
     Scan& scan = raw.observation.scan;
     const std::size_t beams = fields.count();
     // Behind the beams: two poses and the ipc stamp; host and logger stamp may be missing, but not
@@ -156,7 +148,7 @@ class CarmenParser {
 
   void robot_laser(const std::vector<std::string_view>& words, bool cut, const LineReader& lines) {
     Fields fields(words);
-    RawScan raw;
+    CarmenScan raw;
     raw.states_maximum = true;
     Scan& scan = raw.observation.scan;
     fields.number();  // laser type
@@ -198,7 +190,7 @@ class CarmenParser {
     content_.odometry.push_back(sample);
   }
 
-  void keep(RawScan raw) {
+  void keep(CarmenScan raw) {
     raw.observation.run = options_.run;
     const auto& ranges = raw.observation.scan.ranges_m;
     if (std::all_of(ranges.begin(), ranges.end(), [](float r) { return std::isnan(r); })) {
@@ -208,80 +200,10 @@ class CarmenParser {
     scans_.push_back(std::move(raw));
   }
 
-  void replace_no_return_codes() {
-    float code = kSickMaximum;
-    std::vector<float> readings;
-    for (const RawScan& raw : scans_) {
-      for (const float range : raw.observation.scan.ranges_m) {
-        if (!raw.states_maximum && range < kSickMaximum && range > 1.0F) readings.push_back(range);
-      }
-    }
-    const bool has_sick_code = std::any_of(scans_.begin(), scans_.end(), [](const RawScan& raw) {
-      return !raw.states_maximum &&
-             std::any_of(raw.observation.scan.ranges_m.begin(), raw.observation.scan.ranges_m.end(),
-                         [](float r) { return r >= kSickMaximum; });
-    });
-    if (!readings.empty() && !has_sick_code) {
-      const float top = *std::max_element(readings.begin(), readings.end());
-      const auto within = [&](float from, float to) {
-        return std::count_if(readings.begin(), readings.end(),
-                             [&](float r) { return r >= from && r < to; });
-      };
-      const auto pile = within(top - 0.1F, top + 1.0F);
-      if (pile >= 20 && pile >= 10 * within(top - 1.1F, top - 0.1F)) {
-        code = top + 1.0F;
-        for (const float r : readings) {
-          if (r >= top - 0.1F) code = std::min(code, r);
-        }
-        report_.warnings.push_back("readings from " + format_number(code) +
-                                   " m on pile up and are taken for no return");
-      }
-    }
-    for (RawScan& raw : scans_) {
-      Scan& scan = raw.observation.scan;
-      if (!raw.states_maximum) scan.range_max_m = code;
-      for (float& range : scan.ranges_m) {
-        if (range >= scan.range_max_m) range = kInfinity;
-      }
-    }
-  }
-
-  void find_mounting() {
-    std::vector<double> x, y, theta;
-    for (const RawScan& raw : scans_) {
-      const Pose2 difference = between(raw.observation.odom_from_robot, raw.laser_pose);
-      x.push_back(difference.x);
-      y.push_back(difference.y);
-      theta.push_back(difference.theta);
-    }
-    // Rounded: the poses carry few decimals, and the mounting of a robot is not known better.
-    const auto median = [](std::vector<double>& values) {
-      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      return std::round(*middle * 1e4) / 1e4 + 0.0;
-    };
-    Pose2 mounting{median(x), median(y), median(theta)};
-    report_.mounting_source = "laser - odometry";
-    const auto differs = [&](const RawScan& raw) {
-      const Pose2 seen = between(raw.observation.odom_from_robot, raw.laser_pose);
-      return translation_distance(seen, mounting) > 0.02 ||
-             std::abs(angle_difference(seen.theta, mounting.theta)) > 0.02;
-    };
-    const auto odd = static_cast<std::size_t>(std::count_if(scans_.begin(), scans_.end(), differs));
-    if (2 * odd > scans_.size()) {
-      mounting = {front_laser_offset_.value_or(0.0), 0.0, 0.0};
-      report_.mounting_source = front_laser_offset_ ? "PARAM robot_frontlaser_offset" : "assumed";
-      report_.warnings.push_back(
-          "laser and odometry poses drift apart (a corrected log?); the laser is taken to be " +
-          format_number(mounting.x) + " m ahead");
-    }
-    for (RawScan& raw : scans_) raw.observation.scan.robot_from_laser = mounting;
-  }
-
   std::filesystem::path path_;
   const ReadOptions& options_;
   ReadReport& report_;
-  std::vector<RawScan> scans_;
+  std::vector<CarmenScan> scans_;
   LogContent content_;
   std::optional<double> front_laser_offset_;
 };
