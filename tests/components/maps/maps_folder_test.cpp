@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/maps/maps_folder.hpp"
 
-#include <cstring>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -12,19 +11,16 @@
 #include "core/base/error.hpp"
 #include "memory/store/store.hpp"
 #include "tests/components/maps/learned_room.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::maps {
 namespace {
 
+using strata::test::same_bits;
+
 using nlohmann::json;
 using test::TemporaryDirectory;
-
-template <typename T>
-bool same_bits(const Grid<T>& a, const Grid<T>& b) {
-  return a.rect() == b.rect() && a.resolution_m() == b.resolution_m() && a.size() == b.size() &&
-         std::memcmp(a.values().data(), b.values().data(), a.size() * sizeof(T)) == 0;
-}
 
 json read_json(const std::filesystem::path& path) {
   std::ifstream in(path);

@@ -12,9 +12,12 @@
 #include "core/base/parallel.hpp"
 #include "core/beam_filter/beam_filter.hpp"
 #include "core/random/stream.hpp"
+#include "tests/support/same_bits.hpp"
 
 namespace strata::beam_filter {
 namespace {
+
+using strata::test::same_bits;
 
 constexpr double kHalfRoom_m = 4.0;
 constexpr std::size_t kBeams = 180;
@@ -92,14 +95,6 @@ BeamFilterConfig iterate_config(int iterations) {
   config.max_iterations = iterations;
   config.min_gain = 0.0;
   return config;
-}
-
-/// Exactly equal, unknown equal to unknown.
-bool same_bits(const ReflectionGrid& a, const ReflectionGrid& b) {
-  return a.rect() == b.rect() &&
-         std::equal(a.values().begin(), a.values().end(), b.values().begin(), [](float x, float y) {
-           return is_known(x) == is_known(y) && (!is_known(x) || x == y);
-         });
 }
 
 TEST(FilterAtFixedPoses, FindsTheBeamsThatHitAWalker) {

@@ -3,16 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
 #include "core/random/stream.hpp"
 #include "tests/core/patch/toy_world.hpp"
+#include "tests/support/same_bits.hpp"
 
 namespace strata::patch {
 namespace {
+
+using strata::test::same_bits;
 
 constexpr double kResolution = 0.05;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -28,11 +30,6 @@ PatchMap learn(const std::vector<PosedScan>& scans, const PatchLearnerConfig& co
   PatchLearner learner(config, threads);
   for (const PosedScan& scan : scans) learner.add(scan);
   return learner.finish(map_of(scans));
-}
-
-bool same_bits(const ReflectionGrid& a, const ReflectionGrid& b) {
-  return a.rect() == b.rect() && a.size() == b.size() &&
-         std::memcmp(a.values().data(), b.values().data(), a.size() * sizeof(float)) == 0;
 }
 
 /// Drives along the corridor, once a visit, with the door closed where `closed` says so. Each visit

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstring>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -9,10 +8,13 @@
 #include "core/base/error.hpp"
 #include "core/random/stream.hpp"
 #include "memory/store/store.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::memory {
 namespace {
+
+using strata::test::same_bits;
 
 using test::TemporaryDirectory;
 using testing::ElementsAre;
@@ -44,11 +46,6 @@ std::vector<PosedScan> random_scans(int run, std::size_t count) {
     }
   }
   return scans;
-}
-
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() &&
-         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
 }
 
 void execute(const std::filesystem::path& path, const char* sql) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <bit>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <thread>
 
@@ -11,19 +10,15 @@
 #include "core/base/error.hpp"
 #include "core/random/stream.hpp"
 #include "memory/store/store.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::memory {
 namespace {
 
-using test::TemporaryDirectory;
+using strata::test::same_bits;
 
-template <typename T>
-bool same_bits(const Grid<T>& a, const Grid<T>& b) {
-  return a.rect() == b.rect() && a.resolution_m() == b.resolution_m() && a.size() == b.size() &&
-         std::memcmp(&a.fill(), &b.fill(), sizeof(T)) == 0 &&
-         std::memcmp(a.values().data(), b.values().data(), a.size() * sizeof(T)) == 0;
-}
+using test::TemporaryDirectory;
 
 ReflectionGrid random_reflection(RandomStream& random, const CellRect& rect) {
   ReflectionGrid grid = make_reflection_grid(0.05, rect);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Learning and localizing in a simulated room, as the verbs do it.
-#include <cstring>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/same_bits.hpp"
 #include "tests/tools/pipeline/simulated_room.hpp"
 #include "tools/pipeline/learn.hpp"
 #include "tools/pipeline/localize.hpp"
@@ -11,14 +11,10 @@
 namespace strata::pipeline {
 namespace {
 
+using strata::test::same_bits;
+
 constexpr int kDays = 3;
 constexpr std::uint64_t kSeed = 5;
-
-template <typename T>
-bool same_bits(const Grid<T>& a, const Grid<T>& b) {
-  return a.rect() == b.rect() && a.size() == b.size() &&
-         std::memcmp(a.values().data(), b.values().data(), a.size() * sizeof(T)) == 0;
-}
 
 /// All days but the last.
 std::vector<Observation> learning_part(const Runs& runs) {
