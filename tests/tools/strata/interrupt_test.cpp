@@ -3,6 +3,7 @@
 ///
 /// The moments are spread over the time that the same command takes undisturbed, from a fixed seed.
 /// `timeout` sends SIGINT and, a minute later, would kill; nothing here asserts a speed.
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -126,6 +127,33 @@ class Interrupted : public test::ReplayFixture {
 
 TEST_F(Interrupted, LearnLeavesAllOfItsMapsOrNothing) {
   expect_whole_or_nothing("learn " + quoted(log()));
+}
+
+TEST_F(Interrupted, LearnThatIsKilledLeavesNothingThatLooksWholeAndRunsAgain) {
+  const std::string command = "learn --quiet " + quoted(log()) + " --out " + quoted(at("killed"));
+  for (const double moment : moments(0.4, kInterrupts)) {
+    (void)test::run_strata_under("timeout --signal=KILL " + std::to_string(moment), command);
+    if (fs::exists(at("killed"))) {
+      EXPECT_EQ(file_names(at("killed")), file_names(at("direct"))) << moment;
+    }
+    fs::remove_all(at("killed"));
+  }
+  EXPECT_EQ(test::run_strata(command).code, 0);
+  test::expect_same_maps(at("killed"), at("direct"));
+}
+
+/// No file may become larger than a few kilobytes, which to a program is a full disk.
+TEST_F(Interrupted, AFullDiskIsOneLineAndLeavesNothing) {
+  const std::string full_disk = "ulimit -f 8; trap '' XFSZ;";
+  fs::create_directories(at("full"));
+  const Outcome outcome =
+      test::run_strata_under(full_disk, "learn --quiet " + quoted(log()) + " --out " +
+                                            quoted(at("full") / "out") + " 2>&1");
+  EXPECT_EQ(outcome.code, 1) << outcome.out;
+  EXPECT_NE(outcome.out.find(": error: "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("; "), std::string::npos) << "no remedy: " << outcome.out;
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 1) << outcome.out;
+  EXPECT_TRUE(fs::is_empty(at("full"))) << *fs::directory_iterator(at("full"));
 }
 
 TEST_F(Interrupted, LocalizeLeavesAllOfItsFilesOrNothing) {
