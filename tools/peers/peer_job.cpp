@@ -75,8 +75,8 @@ PeerScan peer_scan(const Observation& observation, const std::optional<Pose2>& t
   PeerScan peer{observation.odom_from_robot,
                 scan.robot_from_laser,
                 scan.bearing_rad(0),
-                scan.angle_increment_rad,
-                scan.range_max_m,
+                static_cast<double>(scan.angle_increment_rad),
+                static_cast<double>(scan.range_max_m),
                 {},
                 truth};
   for (std::size_t i = 0; i < scan.size(); ++i) {
