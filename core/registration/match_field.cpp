@@ -181,9 +181,22 @@ MatchField::MatchField(const ReflectionGrid& map, const MatchFieldConfig& config
   }
 }
 
+void MatchField::reserve(const Eigen::Vector2d& least_m, const Eigen::Vector2d& most_m) {
+  const Cell least = cell_at(least_m, resolution_m());
+  const Cell most = cell_at(most_m, resolution_m());
+  const CellRect rect =
+      nearest_.rect().united(CellRect{least, {most.x + 1, most.y + 1}}.inflated(reach_cells()));
+  nearest_ = nearest_.cropped(rect);
+  squared_m2_ = squared_m2_.cropped(rect);
+}
+
+int MatchField::reach_cells() const {
+  return static_cast<int>(std::ceil(config_.radius_m / resolution_m()));
+}
+
 std::size_t MatchField::add(const SurfacePoint& point) {
   const double resolution = resolution_m();
-  const int reach = static_cast<int>(std::ceil(config_.radius_m / resolution));
+  const int reach = reach_cells();
   const Cell center{cell_coordinate(point.x_m, resolution), cell_coordinate(point.y_m, resolution)};
   const CellRect rect = CellRect{center, {center.x + 1, center.y + 1}}.inflated(reach);
   const CellRect wide = with_room(nearest_, rect);

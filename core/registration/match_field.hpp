@@ -70,6 +70,9 @@ class MatchField {
   [[nodiscard]] const MatchFieldConfig& config() const { return config_; }
   [[nodiscard]] const std::vector<SurfacePoint>& points() const { return points_; }
 
+  /// Makes room for points up to these corners at once, where many are to come: growing point by
+  /// point copies the field again and again. O(area).
+  void reserve(const Eigen::Vector2d& least_m, const Eigen::Vector2d& most_m);
   /// Adds a point and takes over the cells that are nearest to it; returns its index.
   std::size_t add(const SurfacePoint& point);
   /// Changes a point in place; which cells are nearest to it stays as it was when it was added, so
@@ -88,6 +91,7 @@ class MatchField {
   }
 
  private:
+  [[nodiscard]] int reach_cells() const;
   MatchFieldConfig config_;
   std::vector<SurfacePoint> points_;
   Grid<std::int32_t> nearest_;  // index into points_, -1: none

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "core/geometry/angle.hpp"
 #include "core/registration/match_field.hpp"
@@ -68,6 +72,11 @@ MatchField field_of(const Scan& scan) {
   const Endpoints endpoints = endpoints_in_robot(scan);
   std::vector<SweepSurface> surfaces;
   surfaces_in_sweep(endpoints, std::abs(static_cast<double>(scan.angle_increment_rad)), surfaces);
+  Eigen::AlignedBox2d box;
+  for (std::size_t i = 0; i < endpoints.size(); ++i) {
+    box.extend(Eigen::Vector2d(endpoints.x_m[i], endpoints.y_m[i]));
+  }
+  if (!box.isEmpty()) field.reserve(box.min(), box.max());
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     SurfacePoint point;
     point.x_m = endpoints.x_m[i];
@@ -78,11 +87,15 @@ MatchField field_of(const Scan& scan) {
   return field;
 }
 
-/// Cost of matching each pair under a timing [nats]; pairs without odometry cost nothing.
+/// Cost of matching each pair under a timing [nats]; pairs without odometry cost nothing. Stops
+/// once the sum is above `limit`: no cost is negative, so the rest cannot bring it down.
 std::vector<double> costs_of(std::span<const Scan> scans, const std::vector<Pair>& pairs,
-                             const OdometryAt& odometry, const SweepTiming& timing) {
+                             const OdometryAt& odometry, const SweepTiming& timing,
+                             double limit = std::numeric_limits<double>::infinity()) {
   std::vector<double> costs;
+  double sum = 0.0;
   for (const Pair& pair : pairs) {
+    if (sum > limit) break;
     costs.push_back(0.0);
     const auto first = placed(scans[pair.first], odometry, timing);
     const auto second = placed(scans[pair.first + 1], odometry, timing);
@@ -94,14 +107,13 @@ std::vector<double> costs_of(std::span<const Scan> scans, const std::vector<Pair
     const MatchResult result = match(thin(endpoints_in_robot(second->scan), kMostBeams), {},
                                      field_of(first->scan), prior.mean, &prior);
     costs.back() = result.cost;
+    sum += result.cost;
   }
   return costs;
 }
 
-double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+double sum_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
 /// Where the parabola through three equidistant values has its least, in steps from the middle.
@@ -123,30 +135,39 @@ SweepTimingEstimate estimate_sweep_timing(std::span<const Scan> scans, const Odo
   result.pairs = pairs.size();
   if (pairs.size() < kLeastPairs) return result;
 
+  const auto count = static_cast<double>(pairs.size());
   const std::vector<double> stated = costs_of(scans, pairs, odometry, stated_timing);
-  result.stated_cost = mean_of(stated);
-  result.estimate_cost = result.stated_cost;
   std::vector<double> best = stated;
   SweepTiming timing = stated_timing;
-  for (const bool reversed : {false, true}) {
-    std::vector<double> means;
-    int lowest = 0;
-    for (int step = -kDelaysPerSweep; step <= 2 * kDelaysPerSweep; ++step) {
-      const SweepTiming candidate{reversed, sweep_s * step / kDelaysPerSweep};
-      std::vector<double> costs = costs_of(scans, pairs, odometry, candidate);
-      means.push_back(mean_of(costs));
-      if (means.back() >= result.estimate_cost) continue;
-      result.estimate_cost = means.back();
-      best = std::move(costs);
-      timing = candidate;
-      lowest = static_cast<int>(means.size()) - 1;
-    }
-    if (lowest > 0 && timing.reversed == reversed && lowest + 1 < static_cast<int>(means.size())) {
-      const auto at = static_cast<std::size_t>(lowest);
-      timing.delay_s +=
-          sweep_s / kDelaysPerSweep * lowest_of_three(means[at - 1], means[at], means[at + 1]);
+  std::optional<int> lowest;  // the step that `best` belongs to
+  const auto candidate = [&](bool reversed, int step) {
+    return SweepTiming{reversed, sweep_s * step / kDelaysPerSweep};
+  };
+  const auto attempt = [&](bool reversed, int step) {
+    std::vector<double> costs =
+        costs_of(scans, pairs, odometry, candidate(reversed, step), sum_of(best));
+    if (sum_of(costs) >= sum_of(best)) return;
+    best = std::move(costs);
+    timing = candidate(reversed, step);
+    lowest = step;
+  };
+  // Whole sweeps first: what they find lets most others stop early.
+  for (const bool is_coarse : {true, false}) {
+    for (const bool reversed : {false, true}) {
+      for (int step = -kDelaysPerSweep; step <= 2 * kDelaysPerSweep; ++step) {
+        if ((step % kDelaysPerSweep == 0) == is_coarse) attempt(reversed, step);
+      }
     }
   }
+  if (lowest && *lowest > -kDelaysPerSweep && *lowest < 2 * kDelaysPerSweep) {
+    const auto beside = [&](int step) {
+      return sum_of(costs_of(scans, pairs, odometry, candidate(timing.reversed, step)));
+    };
+    timing.delay_s += sweep_s / kDelaysPerSweep *
+                      lowest_of_three(beside(*lowest - 1), sum_of(best), beside(*lowest + 1));
+  }
+  result.stated_cost = sum_of(stated) / count;
+  result.estimate_cost = sum_of(best) / count;
   std::size_t better = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) better += best[i] < stated[i] ? 1 : 0;
   result.certain = result.estimate_cost < (1.0 - kLeastGain) * result.stated_cost &&
