@@ -69,7 +69,10 @@ std::vector<MadeVisit> VisitMaker::make(bool all) {
     if (!all && way_m_ - at.way_m < config_.patch.path_radius_m) break;
     waiting_.erase(waiting_.begin());
     // The filter takes visits in order of time only.
-    if (last_visit_ && at.scan.scan.stamp <= *last_visit_) continue;
+    if (last_visit_ && at.scan.scan.stamp <= *last_visit_) {
+      ++late_;
+      continue;
+    }
     Pose2 pose = at.scan.map_from_robot;
     if (place.center_m) pose = {place.center_m->x(), place.center_m->y(), pose.theta};
     std::vector<PosedScan> around;

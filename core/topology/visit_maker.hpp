@@ -45,11 +45,13 @@ class VisitMaker {
   /// whose surroundings are complete: the robot has gone on by the radius of their local map. O(1)
   /// about but where the detector looks around and visits are made.
   [[nodiscard]] std::vector<MadeVisit> add(const PosedScan& scan);
-  /// The robot is (or was, a moment ago) at a landmark: of the scan nearest to that moment. For
-  /// `source: given`.
+  /// The robot is (or was, a moment ago) at a landmark: of the scan nearest to that moment. Beside
+  /// those that are found, or alone with `source: given`.
   void mark(Stamp stamp);
   /// Whatever is left.
   [[nodiscard]] std::vector<MadeVisit> finish();
+  /// Landmarks left out: by their time not after the one before.
+  [[nodiscard]] std::size_t late() const { return late_; }
 
  private:
   struct Place {
@@ -70,6 +72,7 @@ class VisitMaker {
   double way_m_ = 0.0;
   std::optional<double> last_visit_way_m_;
   std::optional<Stamp> last_visit_;
+  std::size_t late_ = 0;
 };
 
 }  // namespace strata::topology

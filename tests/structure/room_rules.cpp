@@ -25,7 +25,7 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"core/patch", {"core/beam_filter"}},
       {"core/localization", {"core/patch"}},
       {"core/pose_graph", {"core/registration"}},
-      {"core/topology", {"core/pose_graph"}},
+      {"core/topology", {"core/slam"}},
       {"core/slam", {"core/beam_filter", "core/pose_graph"}},
       {"core/volume", {"core/grid"}},
       {"memory/levels", {"core/grid", "core/patch"}},

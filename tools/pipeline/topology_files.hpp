@@ -13,15 +13,6 @@
 
 namespace strata::pipeline {
 
-/// One topology as a graph: landmarks with the mean pose and covariance of their first visit, edges
-/// with how often they were driven. locations: of every visit, may be empty (no covariances).
-[[nodiscard]] nlohmann::json topology_json(const topology::Hypothesis& hypothesis,
-                                           const std::vector<Pose2Gaussian>& locations);
-/// The same graph as GraphML (graphml.graphdrawing.org): nodes with x, y, theta, covariance and
-/// visits; edges with traversals.
-[[nodiscard]] std::string topology_graphml(const topology::Hypothesis& hypothesis,
-                                           const std::vector<Pose2Gaussian>& locations);
-
 /// topologies.json, topology.graphml (the likeliest), occupancy.{yaml,pgm}, trajectory.tum and the
 /// pictures topologies.png, landmarks.png, odometry.png, map.png (figures 3, 4, 6, 7 and 11 of
 /// [ranganathan2006rao]). Returns what topologies.json holds. Throws OutputError.

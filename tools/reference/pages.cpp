@@ -17,8 +17,8 @@
 #include "core/base/error.hpp"
 #include "core/patch/patch_learner.hpp"
 #include "core/slam/slam.hpp"
+#include "core/topology/mapper_config.hpp"
 #include "memory/nodes/timescale_config.hpp"
-#include "tools/pipeline/topology.hpp"
 #include "tools/simulate/scenario.hpp"
 
 namespace strata::reference {
@@ -63,9 +63,9 @@ std::vector<Page> make_pages() {
           "How sub-maps and their configurations are found (`core/patch`)."),
       page<memory::TimescaleConfig>("timescale.md", "Settings of the timescale memory",
                                     "Nodes, levels and how fast they forget (`memory/nodes`)."),
-      page<pipeline::TopologyMapConfig>(
+      page<topology::TopologyMapperConfig>(
           "topology.md", "Settings of topological mapping",
-          "What `strata topology --config FILE` reads (`core/topology`, `tools/pipeline`)."),
+          "What `strata topology --config FILE` reads (`core/topology`)."),
       page<simulate::ScenarioConfig>("scenario.md", "Scenario files",
                                      "What `strata simulate SCENARIO.yaml` reads; a file begins "
                                      "with `version: 1`. Examples lie "

@@ -28,7 +28,7 @@ struct Options {
 
 void run_topology(Options options, VerbContext& context) {
   const pipeline::CostMeter meter;
-  const auto config = settings::read_config<pipeline::TopologyMapConfig>(
+  const auto config = settings::read_config<topology::TopologyMapperConfig>(
       load_config(context.options), config_place(context.options));
   std::vector<double> times_s;
   if (!options.landmarks.empty()) times_s = pipeline::read_landmark_times(options.landmarks);

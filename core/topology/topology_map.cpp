@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/topology_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+
+#include "core/grid/counting_map.hpp"
+#include "core/pose_graph/pose_graph.hpp"
+
+namespace strata::topology {
+namespace {
+
+/// Information of a visit's frame hanging on its scan: a ruler.
+constexpr double kRigid = 1e8;
+/// Added to the information of a match: a corridor leaves its length open.
+constexpr double kFloorInformation = 1e-3;
+
+Eigen::Matrix3d way_information(double way_m, const WayNoiseConfig& noise) {
+  const double root = std::sqrt(std::max(way_m, 0.05));
+  const double m = 1.0 / (noise.per_root_metre_m * root);
+  const double rad = 1.0 / (noise.per_root_metre_rad * root);
+  return Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal();
+}
+
+/// The nodes of the graph: some scans, each tied to the one before.
+struct Chain {
+  std::vector<std::size_t> node_of;      ///< of each scan: its own node or the last before it
+  std::map<Stamp, std::size_t> node_at;  ///< of the scans that visits belong to
+  std::vector<Pose2> before;             ///< of each node, as it was tracked
+};
+
+Chain add_chain(const std::vector<PosedScan>& scans, std::span<const MadeVisit> visits,
+                const TopologyMapperConfig& config, pose_graph::PoseGraph& graph) {
+  Chain chain;
+  for (const MadeVisit& visit : visits) chain.node_at[visit.visit.stamp] = 0;
+  std::size_t last_scan = 0;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const Pose2& pose = scans[i].map_from_robot;
+    const Pose2 step = between(scans[last_scan].map_from_robot, pose);
+    const auto visited = chain.node_at.find(scans[i].scan.stamp);
+    const bool due = i == 0 || step.translation().norm() >= config.node_distance_m ||
+                     std::abs(step.theta) >= config.node_distance_m ||
+                     visited != chain.node_at.end();
+    if (due) {
+      const std::size_t node = graph.add_node(pose, i == 0);
+      if (i > 0) {
+        const double way_m = step.translation().norm() + std::abs(step.theta);
+        graph.add_edge({node - 1, node, step, way_information(way_m, config.way), false});
+      }
+      if (visited != chain.node_at.end()) visited->second = node;
+      chain.before.push_back(pose);
+      last_scan = i;
+    }
+    chain.node_of.push_back(graph.size() - 1);
+  }
+  return chain;
+}
+
+void add_visits(std::span<const MadeVisit> visits, const Hypothesis& hypothesis, const Chain& chain,
+                pose_graph::PoseGraph& graph) {
+  std::vector<std::size_t> visit_node;
+  for (const MadeVisit& visit : visits) {
+    const std::size_t robot = chain.node_at.at(visit.visit.stamp);
+    const std::size_t node = graph.add_node(graph.pose(robot) * visit.robot_from_visit);
+    graph.add_edge(
+        {robot, node, visit.robot_from_visit, kRigid * Eigen::Matrix3d::Identity(), false});
+    visit_node.push_back(node);
+  }
+  for (const ScanFactor& scan : hypothesis.scans) {
+    if (!scan.match.converged) continue;
+    const Eigen::Matrix3d& information = scan.match.information;
+    graph.add_edge({visit_node[scan.from], visit_node[scan.to], scan.match.a_from_b,
+                    0.5 * (information + information.transpose()) +
+                        kFloorInformation * Eigen::Matrix3d::Identity(),
+                    true});
+  }
+}
+
+}  // namespace
+
+TopologyMap make_topology_map(const TopologyMapper& mapper, Progress* progress) {
+  const TopologyMapperConfig& config = mapper.config();
+  TopologyMap result;
+  result.visits = mapper.visits();
+  result.posterior = mapper.posterior();
+  result.counts = mapper.counts();
+  result.scans = mapper.scans();
+  for (const PosedScan& scan : result.scans) result.tracked.push_back(scan.map_from_robot);
+  pose_graph::PoseGraph graph(config.pose_graph);
+  const Chain chain = add_chain(result.scans, result.visits, config, graph);
+  if (!result.posterior.empty()) {
+    const Hypothesis& likeliest = result.posterior.front();
+    result.locations = mapper.filter().locations(likeliest);
+    add_visits(result.visits, likeliest, chain, graph);
+  }
+  result.optimized = graph.size() > 0 && graph.optimize().converged;
+  CountingMap counts(config.resolution_m);
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    PosedScan& scan = result.scans[i];
+    const std::size_t node = chain.node_of[i];
+    scan.map_from_robot = graph.pose(node) * between(chain.before[node], scan.map_from_robot);
+    counts.add(scan);
+    report_progress(progress, "draw the map", i + 1, result.scans.size());
+  }
+  result.map = counts.reflection();
+  return result;
+}
+
+}  // namespace strata::topology
