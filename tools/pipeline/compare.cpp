@@ -1,200 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/compare.hpp"
 
-#include <algorithm>
-#include <iterator>
-#include <map>
-#include <mutex>
 #include <utility>
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
+#include "tools/pipeline/candidates.hpp"
+#include "tools/pipeline/learned_maps.hpp"
 #include "tools/pipeline/scan_prediction.hpp"
 #include "tools/pipeline/test_part.hpp"
 
 namespace strata::pipeline {
 namespace {
-
-using Poses = std::vector<std::optional<Pose2>>;
-
-bool any_known(const Poses& poses) {
-  return std::any_of(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); });
-}
-
-/// Poses of a SLAM result, one an observation; nothing for scans that it skipped.
-Poses poses_of(const slam::SlamResult& result, std::span<const Observation> observations) {
-  std::map<std::pair<int, std::int64_t>, Pose2> by_scan;
-  for (const PosedScan& scan : result.scans) {
-    by_scan[{scan.run, scan.scan.stamp.ns}] = scan.map_from_robot;
-  }
-  Poses poses;
-  for (const Observation& observation : observations) {
-    const auto found = by_scan.find({observation.run, observation.scan.stamp.ns});
-    poses.push_back(found == by_scan.end() ? std::nullopt : std::optional(found->second));
-  }
-  return poses;
-}
-
-/// The trajectory that SLAM gives to the whole log at once.
-Poses joint_trajectory(const Runs& runs, const CompareConfig& config, int threads,
-                       Progress* progress) {
-  LearnParts nothing_else{.patch = false, .timescale = false};
-  const LearnResult all =
-      learn(runs.observations, {}, config.learn, nothing_else, 1, threads, progress);
-  return poses_of(all.slam, runs.observations);
-}
-
-/// map_from_truth, from the learning part; one entry a learned observation.
-Pose2 align_truth(const Poses& truths, const Poses& learned) {
-  std::vector<Pose2> source;
-  std::vector<Pose2> target;
-  for (std::size_t i = 0; i < learned.size(); ++i) {
-    if (!truths[i] || !learned[i]) continue;
-    source.push_back(*truths[i]);
-    target.push_back(*learned[i]);
-  }
-  if (source.empty()) {
-    throw InputError("--truth", "has no pose in the learning part",
-                     "check that it belongs to this log");
-  }
-  return align(source, target);
-}
-
-/// Traces of the first seed's states, by sub-map.
-std::vector<StateTrace> traces_of(const std::vector<maps::StateRow>& rows, Stamp begin) {
-  std::map<int, StateTrace> traces;
-  for (const maps::StateRow& row : rows) {
-    StateTrace& trace = traces[row.submap];
-    trace.submap = row.submap;
-    const auto configuration = static_cast<std::size_t>(row.configuration);
-    if (trace.probability.size() <= configuration) trace.probability.resize(configuration + 1);
-    if (configuration == 0) trace.time_s.push_back((row.stamp - begin).seconds());
-    trace.probability[configuration].push_back(row.probability);
-  }
-  std::vector<StateTrace> result;
-  for (auto& [submap, trace] : traces) result.push_back(std::move(trace));
-  return result;
-}
-
-/// Maps of one split, and the truth in their frame.
-struct Learned {
-  LearnResult result;
-  maps::Maps maps;
-  Poses truths;  ///< map_from_robot, one an observation of the runs
-};
-
-Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
-                    const CompareConfig& config, const CompareJob& job) {
-  Learned learned;
-  const std::vector<Observation> train = learning_part(runs, split);
-  learned.result = learn(train, pick(poses, split.train), config.learn, {}, job.seeds.front(),
-                         job.threads, job.progress);
-  learned.truths = poses;
-  maps::Maps& maps = learned.maps;
-  maps.given = job.given_map;
-  if (any_known(runs.truths)) {
-    const Pose2 map_from_truth =
-        align_truth(pick(runs.truths, split.train), poses_of(learned.result.slam, train));
-    learned.truths = runs.truths;
-    for (auto& truth : learned.truths) {
-      if (truth) truth = map_from_truth * *truth;
-    }
-    maps.map_from_truth = map_from_truth;
-    maps.given_from_map = inverse(map_from_truth);
-  }
-  maps.occupancy = learned.result.slam.occupancy;
-  maps.filtered = learned.result.slam.filtered;
-  maps.patches = learned.result.patches;
-  maps.timescale = learned.result.timescale;
-  if (maps.timescale) maps.nodes = maps.timescale->decode();
-  return learned;
-}
-
-/// Progress that several threads report to.
-class SharedProgress {
- public:
-  SharedProgress(Progress* progress, std::size_t total) : progress_(progress), total_(total) {}
-  void one_done() {
-    const std::lock_guard lock(mutex_);
-    report_progress(progress_, "localize with every model", ++done_, total_);
-  }
-
- private:
-  Progress* progress_;
-  std::size_t total_;
-  std::mutex mutex_;
-  std::size_t done_ = 0;
-};
-
-LocalizationRun localize_here(const LocalizeJob& job) {
-  return localize(job.observations, job.truths, job.model, job.free_space, job.config, {job.start},
-                  job.seed, 1, nullptr);
-}
-
-/// Whoever localizes: one of our models or a peer.
-struct Candidate {
-  std::size_t map_bytes = 0;
-  std::function<LocalizationRun(std::uint64_t seed)> localize;
-};
-
-std::vector<Candidate> make_candidates(const std::vector<maps::MapModel>& models,
-                                       const LocalizeFunction& localize_one,
-                                       const std::vector<Peer>& peers, const Learned& learned,
-                                       const CompareConfig& config, const TestPart& part) {
-  std::vector<Candidate> candidates;
-  for (const maps::MapModel& model : models) {
-    candidates.push_back({model.bytes, [&](std::uint64_t seed) {
-                            return localize_one({part.observations, part.truths, model,
-                                                 learned.maps.filtered, config.localizer,
-                                                 part.start, seed});
-                          }});
-  }
-  for (const Peer& peer : peers) {
-    const ReflectionGrid& map = learned.maps.occupancy;
-    candidates.push_back({map.size() * sizeof(float), [&](std::uint64_t seed) {
-                            return peer.localize(
-                                {part.observations, part.truths, models.front(),
-                                 learned.maps.filtered, config.localizer, part.start, seed},
-                                map);
-                          }});
-  }
-  return candidates;
-}
-
-/// Every seed of every candidate in one part. One run a thread: the runs depend neither on each
-/// other nor on how many go at once.
-void run_candidates(const std::vector<Candidate>& candidates, const TestPart& part,
-                    std::size_t part_index, const std::vector<std::uint64_t>& seeds,
-                    WorkerPool& pool, SharedProgress& progress, Comparison& comparison) {
-  std::vector<ModelRun> runs(candidates.size() * seeds.size());
-  std::vector<std::vector<maps::StateRow>> states(candidates.size());
-  pool.for_chunks(runs.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    const std::size_t c = i / seeds.size();
-    LocalizationRun run = candidates[c].localize(seeds[i % seeds.size()]);
-    ModelRun& kept = runs[i];
-    kept.part = part_index;
-    kept.seed = seeds[i % seeds.size()];
-    kept.metrics = evaluate_run(run.errors);
-    kept.errors = std::move(run.errors);
-    kept.update_ms = std::move(run.update_ms);
-    for (const log::StampedPose& pose : run.trajectory) {
-      kept.estimates_m.push_back(pose.pose.translation());
-    }
-    judge_changed_places(part, kept);
-    if (i % seeds.size() == 0) states[c] = std::move(run.states);
-    progress.one_done();
-  });
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    ModelResult& result = comparison.models[c];
-    if (part_index == 0) {
-      result.map_bytes = candidates[c].map_bytes;
-      result.states = traces_of(states[c], part.observations.front().scan.stamp);
-    }
-    const auto first = runs.begin() + static_cast<std::ptrdiff_t>(c * seeds.size());
-    std::move(first, first + static_cast<std::ptrdiff_t>(seeds.size()),
-              std::back_inserter(result.runs));
-  }
-}
 
 /// timescale_frozen stays as it was learned.
 bool follows_timescale(const std::string& model) {
@@ -287,7 +104,7 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
       look_for_changes(learned.result.slam.scans, learned.maps.filtered, same_for_all, part);
       run_candidates(
           make_candidates(map_models, localize_one, job.peers, learned, same_for_all, part), part,
-          comparison.parts.size(), job.seeds, pool, progress, comparison);
+          comparison.parts.size(), job.seeds, pool, progress, comparison.models);
       predict_with_models(map_models, part, learned.maps, same_for_all, pool, comparison);
       comparison.parts.push_back(part.info);
     }

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Whoever localizes in a comparison, and every run of them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "components/maps/map_model.hpp"
+#include "core/base/parallel.hpp"
+#include "core/base/progress.hpp"
+#include "tools/pipeline/compare.hpp"
+#include "tools/pipeline/learned_maps.hpp"
+#include "tools/pipeline/test_part.hpp"
+
+namespace strata::pipeline {
+
+/// Progress that several threads report to.
+class SharedProgress {
+ public:
+  SharedProgress(Progress* progress, std::size_t total) : progress_(progress), total_(total) {}
+  void one_done() {
+    const std::lock_guard lock(mutex_);
+    report_progress(progress_, "localize with every model", ++done_, total_);
+  }
+
+ private:
+  Progress* progress_;
+  std::size_t total_;
+  std::mutex mutex_;
+  std::size_t done_ = 0;
+};
+
+/// The library itself, in this process.
+[[nodiscard]] LocalizationRun localize_here(const LocalizeJob& job);
+
+/// One of our models, or a peer.
+struct Candidate {
+  std::size_t map_bytes = 0;
+  std::function<LocalizationRun(std::uint64_t seed)> localize;
+};
+
+/// The models, then the peers. Refers to what is given, which must stay.
+[[nodiscard]] std::vector<Candidate> make_candidates(const std::vector<maps::MapModel>& models,
+                                                     const LocalizeFunction& localize_one,
+                                                     const std::vector<Peer>& peers,
+                                                     const Learned& learned,
+                                                     const CompareConfig& config,
+                                                     const TestPart& part);
+
+/// Every seed of every candidate in one part, added to `results`, one a candidate. One run a
+/// thread: the runs depend neither on each other nor on how many go at once.
+void run_candidates(const std::vector<Candidate>& candidates, const TestPart& part,
+                    std::size_t part_index, std::span<const std::uint64_t> seeds, WorkerPool& pool,
+                    SharedProgress& progress, std::vector<ModelResult>& results);
+
+}  // namespace strata::pipeline
