@@ -19,7 +19,7 @@ enum class Mode {
 struct BeamFilterConfig {
   Mode mode = Mode::kClosedForm;
   /// p(c = 1). Cells hit by a share of beams of at most (1 - p) / p become free.
-  double prior = 0.9;
+  double prior = 0.85;
   double resolution_m = 0.05;
   /// Cells with less evidence stay unknown.
   double min_evidence = 0.5;
@@ -38,10 +38,10 @@ struct BeamFilterConfig {
     v.require(c.prior > 0.5, "prior",
               "is one half or less, where every cell that a single beam passed becomes free and "
               "no map is left",
-              "choose a value above 0.5, such as 0.9");
+              "choose a value above 0.5, such as 0.85");
     v.require(c.prior < 1.0, "prior",
               "is 1 or more, which rules dynamic objects out before looking",
-              "choose a value below 1, such as 0.9");
+              "choose a value below 1, such as 0.85");
     v.field("resolution_m", c.resolution_m,
             {.doc = "edge of a cell", .unit = "m", .min = 0.005, .max = 10.0});
     v.field("min_evidence", c.min_evidence,

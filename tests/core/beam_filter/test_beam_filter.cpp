@@ -251,7 +251,8 @@ TEST(FilterAtFixedPoses, AcceptsNoScansAndScansThatSayNothing) {
             std::numeric_limits<float>::infinity());
   const FixedPoseResult result = filter_at_fixed_poses(room.scans, {}, pool);
   EXPECT_EQ(result.filtered.size(), 0U);
-  for (const float e : room.scans[0].static_probability) EXPECT_EQ(e, 0.9F);
+  const auto prior = static_cast<float>(BeamFilterConfig{}.prior);
+  for (const float e : room.scans[0].static_probability) EXPECT_EQ(e, prior);
 }
 
 TEST(FilterAtFixedPoses, RefusesAWrongPrior) {
@@ -330,7 +331,7 @@ TEST(Label, FollowsTheCellWhereTheBeamEnds) {
   const auto labels =
       label(three_beams(2.05F, 3.05F, 4.05F), {0.0, 0.05, 0.0}, map, exact_config());
   EXPECT_EQ(labels[0], 0.0F);
-  EXPECT_FLOAT_EQ(labels[1], 0.9F);
+  EXPECT_FLOAT_EQ(labels[1], static_cast<float>(exact_config().prior));
   EXPECT_EQ(labels[2], 1.0F);
 }
 
