@@ -60,6 +60,15 @@ std::string percent_encoded(const std::string& path) {
   return result;
 }
 
+/// Whether SQLite could not make its -wal and -shm files: in a folder that may not be written, or
+/// on a full disk.
+bool lacks_side_files(int code) {
+  const int primary = code & 0xff;
+  return primary == SQLITE_CANTOPEN || primary == SQLITE_READONLY || primary == SQLITE_FULL ||
+         code == SQLITE_IOERR_SHMSIZE || code == SQLITE_IOERR_SHMOPEN ||
+         code == SQLITE_IOERR_SHMMAP;
+}
+
 /// Whether a write-ahead log with content lies beside the file.
 bool has_pending_log(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -96,13 +105,11 @@ Database::Database(const std::filesystem::path& path, bool read_only, int busy_t
   // Opened for writing although nothing may be written through it: only such a connection removes
   // the -wal and -shm files when it is the last one to close.
   open(uri, SQLITE_OPEN_READWRITE);
-  // In a folder that may not be written those files cannot be made; when no log is pending the file
-  // alone holds everything.
+  // Where those files cannot be made and no log is pending, the file alone holds everything.
   const int code =
       sqlite3_exec(handle(), "SELECT count(*) FROM sqlite_master; PRAGMA query_only = ON", nullptr,
                    nullptr, nullptr);
-  const int primary = code & 0xff;
-  if ((primary == SQLITE_CANTOPEN || primary == SQLITE_READONLY) && !has_pending_log(path)) {
+  if (lacks_side_files(code) && !has_pending_log(path)) {
     open(uri + "?immutable=1", SQLITE_OPEN_READONLY);
   } else if (code != SQLITE_OK) {
     fail("read");
