@@ -63,12 +63,15 @@ inline void expect_same_maps(const fs::path& a, const fs::path& b) {
 class ReplayFixture : public testing::Test {
  protected:
   void SetUp() override {
-    const auto scenario = kSource / "tools" / "simulate" / "scenarios" / "empty_room.yaml";
     ASSERT_EQ(
-        run_strata("simulate --quiet " + quoted(scenario) + " --out " + quoted(at("sim"))).code, 0);
+        run_strata("simulate --quiet " + quoted(scenario()) + " --out " + quoted(at("sim"))).code,
+        0);
     learn(log());
   }
   [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
+  [[nodiscard]] static fs::path scenario() {
+    return kSource / "tools" / "simulate" / "scenarios" / "empty_room.yaml";
+  }
   [[nodiscard]] fs::path log() const { return at("sim") / "log.clf"; }
 
   void learn(const fs::path& log) const {

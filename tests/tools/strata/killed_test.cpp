@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `kill -9` at any moment: what was learned or recorded before is readable, and processes come
+/// back.
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "components/log/bag.hpp"
+#include "components/log/log_reader.hpp"
+#include "core/base/error.hpp"
+#include "tests/tools/strata/moments.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+using test::file_names;
+using test::moments;
+using test::quoted;
+
+class Killed : public test::ReplayFixture {};
+
+TEST_F(Killed, LearnLeavesNothingThatLooksWholeAndRunsAgain) {
+  const std::string command = "learn --quiet " + quoted(log()) + " --out " + quoted(at("killed"));
+  for (const double moment : moments(0.4, 4)) {
+    (void)test::run_strata_under("timeout --signal=KILL " + std::to_string(moment), command);
+    if (fs::exists(at("killed"))) {
+      EXPECT_EQ(file_names(at("killed")), file_names(at("direct"))) << moment;
+    }
+    fs::remove_all(at("killed"));
+  }
+  EXPECT_EQ(test::run_strata(command).code, 0);
+  test::expect_same_maps(at("killed"), at("direct"));
+}
+
+/// The program in the background, killed at the end of the scope.
+class Background {
+ public:
+  explicit Background(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), STRATA_PROGRAM);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    EXPECT_EQ(posix_spawn(&pid_, STRATA_PROGRAM, nullptr, nullptr, argv.data(), environ), 0);
+  }
+  ~Background() { kill_hard(); }
+  Background(const Background&) = delete;
+  Background& operator=(const Background&) = delete;
+  void kill_hard() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
+  [[nodiscard]] bool runs() const { return waitpid(pid_, nullptr, WNOHANG) == 0; }
+  /// The processes that it started.
+  [[nodiscard]] std::set<pid_t> children() const {
+    const std::string pid = std::to_string(pid_);
+    std::ifstream in("/proc/" + pid + "/task/" + pid + "/children");
+    return {std::istream_iterator<pid_t>(in), {}};
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+std::size_t readable_messages(const fs::path& bag) {
+  if (!fs::exists(bag) || fs::is_empty(bag)) return 0;
+  try {
+    const auto reader = log::BagReader::open(bag);
+    log::BagMessage message;
+    std::size_t count = 0;
+    while (reader->next(message)) ++count;
+    return count;
+  } catch (const InputError&) {
+    return 0;  // it was only just begun
+  }
+}
+
+TEST_F(Killed, RecorderLeavesWhatItRecordedReadable) {
+  for (const char* storage : {"sqlite3", "mcap"}) {
+    std::ofstream(at("kill.yaml"))
+        << "version: 1\ntransport: loopback\nprocesses:\n  - name: p\n    components:\n"
+           "      - {type: strata::Recorder, name: recorder, parameters: {storage: "
+        << storage << ", out: " << at("bag").string()
+        << ", topics: ['/scan:sensor_msgs/msg/LaserScan']}}\n"
+           "      - {type: strata::Player, name: player, parameters: {rate: 1000, log: "
+        << log().string() << "}}\n";
+    const std::size_t scans = log::read_observations(log()).size();
+    Background run({"run", "--quiet", at("kill.yaml").string(), "--set",
+                    "domain=" + std::to_string(test::own_domain())});
+    // Nothing comes any more once all has been played: the recorder itself has to bring it out.
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (readable_messages(at("bag")) < scans && std::chrono::steady_clock::now() < deadline) {
+      ASSERT_TRUE(run.runs());
+    }
+    run.kill_hard();
+    // MCAP's end mark is missing, which the reader counts; of the messages nothing is.
+    EXPECT_EQ(readable_messages(at("bag")), scans) << storage;
+    fs::remove_all(at("bag"));
+  }
+}
+
+bool comes_true(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+  }
+  return true;
+}
+
+TEST_F(Killed, AProcessThatDiesIsStartedAgainAsItsPolicySays) {
+  std::ofstream(at("restart.yaml"))
+      << "version: 1\ntransport: loopback\nprocesses:\n"
+         "  - name: one\n    restart: on_failure\n    restart_delay_s: 0\n"
+         "    components: [{type: strata::BeamFilter, name: one}]\n"
+         "  - name: two\n"
+         "    components: [{type: strata::BeamFilter, name: two}]\n";
+  const Background run({"run", "--quiet", at("restart.yaml").string(), "--set",
+                        "domain=" + std::to_string(test::own_domain())});
+  ASSERT_TRUE(comes_true([&] { return run.children().size() == 2; }));
+  const pid_t first = *run.children().begin();  // started first, so `one` has the smaller number
+  kill(first, SIGKILL);
+  EXPECT_TRUE(comes_true([&] {
+    const std::set<pid_t> now = run.children();
+    return now.size() == 2 && now.count(first) == 0;
+  }));
+  kill(*run.children().begin(), SIGKILL);
+  EXPECT_TRUE(comes_true([&] { return !run.runs(); })) << "`two` has no policy to come back";
+}
+
+}  // namespace
+}  // namespace strata::tools
