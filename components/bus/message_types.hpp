@@ -27,6 +27,7 @@ struct MessageType;
   }
 
 STRATA_MESSAGE_TYPE(diagnostic_msgs, DiagnosticArray);
+STRATA_MESSAGE_TYPE(geometry_msgs, PointStamped);
 STRATA_MESSAGE_TYPE(geometry_msgs, PoseWithCovarianceStamped);
 STRATA_MESSAGE_TYPE(lifecycle_msgs, TransitionEvent);
 STRATA_MESSAGE_TYPE(nav2_msgs, ParticleCloud);
@@ -47,6 +48,7 @@ STRATA_MESSAGE_TYPE(strata_msgs, ReflectionGrid);
 STRATA_MESSAGE_TYPE(strata_msgs, ScanPose);
 STRATA_MESSAGE_TYPE(strata_msgs, Step);
 STRATA_MESSAGE_TYPE(strata_msgs, SubmapStates);
+STRATA_MESSAGE_TYPE(strata_msgs, Topologies);
 STRATA_MESSAGE_TYPE(strata_msgs, Trajectory);
 
 #undef STRATA_MESSAGE_TYPE

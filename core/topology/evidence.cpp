@@ -49,11 +49,15 @@ Evidence evaluate(const Labels& labels, const Measurements& measurements,
   return evidence;
 }
 
+Eigen::Matrix3d marginal_covariance(const LocationGaussian& gaussian, std::size_t visit) {
+  const Eigen::Matrix3d block = block_of(gaussian.covariance_with(visit), visit);
+  return 0.5 * (block + block.transpose());
+}
+
 std::vector<Eigen::Matrix3d> marginal_covariances(const LocationGaussian& gaussian) {
   std::vector<Eigen::Matrix3d> covariances;
   for (std::size_t i = 0; i < gaussian.visits(); ++i) {
-    const Eigen::Matrix3d block = block_of(gaussian.covariance_with(i), i);
-    covariances.emplace_back(0.5 * (block + block.transpose()));
+    covariances.push_back(marginal_covariance(gaussian, i));
   }
   return covariances;
 }

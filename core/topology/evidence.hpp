@@ -59,6 +59,9 @@ struct Evidence {
                                 std::span<const ScanFactor> scans, const std::vector<Pose2>& start,
                                 const LocationPriorConfig& config);
 
+/// The covariance of one visit's pose, symmetric. O(fill of the factor).
+[[nodiscard]] Eigen::Matrix3d marginal_covariance(const LocationGaussian& gaussian,
+                                                  std::size_t visit);
 /// The covariance of every visit's pose. O(n x fill of the factor).
 [[nodiscard]] std::vector<Eigen::Matrix3d> marginal_covariances(const LocationGaussian& gaussian);
 

@@ -328,6 +328,20 @@ std::vector<Pose2Gaussian> TopologyFilter::locations(const Hypothesis& hypothesi
   return locations;
 }
 
+std::vector<TopologySummary> TopologyFilter::summaries(std::size_t most) const {
+  std::vector<TopologySummary> summaries;
+  for (const Hypothesis& hypothesis : state_->posterior) {
+    if (summaries.size() == most) break;
+    TopologySummary summary{hypothesis.probability, hypothesis.log_evidence, hypothesis.labels, {}};
+    for (const std::size_t first : first_visits(hypothesis.labels)) {
+      summary.landmarks.push_back(
+          {hypothesis.poses[first], marginal_covariance(*hypothesis.gaussian, first)});
+    }
+    summaries.push_back(std::move(summary));
+  }
+  return summaries;
+}
+
 std::size_t TopologyFilter::visits() const { return state_->log.size(); }
 const TopologyCounts& TopologyFilter::counts() const { return state_->counts; }
 

@@ -14,6 +14,7 @@
 #include "core/topology/evidence.hpp"
 #include "core/topology/partition.hpp"
 #include "core/topology/place_patch.hpp"
+#include "core/topology/topology_summary.hpp"
 
 namespace strata::topology {
 
@@ -75,6 +76,8 @@ class TopologyFilter {
   [[nodiscard]] const std::vector<Hypothesis>& posterior() const;
   /// The landmark locations of a hypothesis of the posterior: pose of each visit, with covariance.
   [[nodiscard]] std::vector<Pose2Gaussian> locations(const Hypothesis& hypothesis) const;
+  /// The most probable ones, at most as many as asked for. O(landmarks x fill of the factor) each.
+  [[nodiscard]] std::vector<TopologySummary> summaries(std::size_t most) const;
   [[nodiscard]] std::size_t visits() const;
   [[nodiscard]] const TopologyCounts& counts() const;
 

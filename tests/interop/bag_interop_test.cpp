@@ -147,6 +147,9 @@ std::vector<Sample> samples() {
   strata_msgs::msg::Trajectory trajectory;
   trajectory.run({1, 2});
   trajectory.labels().resize(1);
+  strata_msgs::msg::Topologies topologies;
+  topologies.topologies().resize(2);
+  topologies.topologies()[1].labels({0, 1, 0});
   nav_msgs::msg::OccupancyGrid grid;
   grid.data({0, 100, -1});
   tf2_msgs::msg::TFMessage transforms;
@@ -162,6 +165,7 @@ std::vector<Sample> samples() {
           sample("strata_msgs", "SubmapStates", states),
           sample("strata_msgs", "Step", step),
           sample("strata_msgs", "Ack", ack),
+          sample("strata_msgs", "Topologies", topologies),
           sample("strata_msgs", "Trajectory", trajectory),
           sample("strata_msgs", "LabeledScan", strata_msgs::msg::LabeledScan()),
           sample("strata_msgs", "LocalizationHealth", strata_msgs::msg::LocalizationHealth()),
@@ -171,6 +175,7 @@ std::vector<Sample> samples() {
           sample("octomap_msgs", "Octomap", octomap),
           sample("nav2_msgs", "ParticleCloud", cloud),
           sample("rosgraph_msgs", "Clock", rosgraph_msgs::msg::Clock()),
+          sample("geometry_msgs", "PointStamped", geometry_msgs::msg::PointStamped()),
           sample("geometry_msgs", "PoseWithCovarianceStamped",
                  geometry_msgs::msg::PoseWithCovarianceStamped()),
           sample("rmw_dds_common", "ParticipantEntitiesInfo",

@@ -13,6 +13,7 @@
 #include "components/scan_matcher/config.hpp"
 #include "components/settings/reference_page.hpp"
 #include "components/timescale_memory/config.hpp"
+#include "components/topology_mapper/config.hpp"
 #include "components/volume_mapper/config.hpp"
 #include "core/base/error.hpp"
 #include "core/patch/patch_learner.hpp"
@@ -53,6 +54,8 @@ std::vector<Page> make_pages() {
       component_page<timescale_memory::TimescaleMemoryConfig>("timescale_memory",
                                                               "TimescaleMemory"),
       component_page<map_server::MapServerConfig>("map_server", "MapServer"),
+      component_page<topology_mapper::TopologyMapperComponentConfig>("topology_mapper",
+                                                                     "TopologyMapper"),
       component_page<volume_mapper::VolumeMapperConfig>("volume_mapper", "VolumeMapper"),
       component_page<player::PlayerConfig>("player", "Player"),
       component_page<recorder::RecorderConfig>("recorder", "Recorder"),

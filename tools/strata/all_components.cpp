@@ -9,6 +9,7 @@
 #include "components/recorder/register.hpp"
 #include "components/scan_matcher/register.hpp"
 #include "components/timescale_memory/register.hpp"
+#include "components/topology_mapper/register.hpp"
 #include "components/volume_mapper/register.hpp"
 
 namespace strata::tools {
@@ -21,6 +22,7 @@ runtime::Registry all_components() {
   localizer::register_component(registry);
   timescale_memory::register_component(registry);
   map_server::register_component(registry);
+  topology_mapper::register_component(registry);
   volume_mapper::register_component(registry);
   player::register_component(registry);
   recorder::register_component(registry);

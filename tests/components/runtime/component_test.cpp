@@ -12,13 +12,14 @@
 
 #include "core/base/error.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
+#include "tests/components/runtime/status_watch.hpp"
 
 namespace strata::runtime {
 namespace {
 
-using diagnostic_msgs::msg::DiagnosticArray;
 using diagnostic_msgs::msg::DiagnosticStatus;
 using sensor_msgs::msg::LaserScan;
+using test::value_of;
 using ::testing::HasSubstr;
 
 /// Sends what comes on `in` to `out`; a scan of the frame "bad" is an error.
@@ -50,47 +51,9 @@ LaserScan scan_of(const std::string& frame) {
   return scan;
 }
 
-std::string value_of(const DiagnosticStatus& status, const std::string& key) {
-  for (const auto& entry : status.values()) {
-    if (entry.key() == key) return entry.value();
-  }
-  return "";
-}
-
-/// Ticks the host, as `run` does, until a status satisfies the condition.
-class Watch {
- public:
-  explicit Watch(const std::shared_ptr<bus::Participant>& participant)
-      : reader_(participant, "/diagnostics", bus::qos_profile("default"),
-                [this](const DiagnosticArray& array) {
-                  const std::lock_guard lock(mutex_);
-                  last_ = array;
-                  changed_.notify_all();
-                }) {}
-  [[nodiscard]] DiagnosticStatus wait_for(
-      Host& host, const std::function<bool(const DiagnosticStatus&)>& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    std::unique_lock lock(mutex_);
-    while (std::chrono::steady_clock::now() < deadline) {
-      if (!last_.status().empty() && condition(last_.status()[0])) return last_.status()[0];
-      lock.unlock();
-      host.tick();
-      lock.lock();
-      changed_.wait_for(lock, std::chrono::milliseconds(50));
-    }
-    return {};
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  DiagnosticArray last_;
-  bus::Reader<DiagnosticArray> reader_;
-};
-
 struct Bench {
   std::shared_ptr<bus::Participant> participant = test::make_participant();
-  Watch watch{participant};
+  test::StatusWatch watch{participant};
   bus::Writer<LaserScan> writer{participant, "/in", bus::qos_profile("latched")};
   std::unique_ptr<Host> host =
       test::make_host("{type: strata::Echo, name: echo}", echo_registry(), participant);

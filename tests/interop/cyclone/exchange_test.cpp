@@ -69,7 +69,8 @@ std::vector<std::unique_ptr<Exchange>> all_exchanges() {
       nav_msgs::msg::OccupancyGrid, nav_msgs::msg::Odometry, octomap_msgs::msg::Octomap,
       rcl_interfaces::msg::ParameterEvent, rosgraph_msgs::msg::Clock, sensor_msgs::msg::LaserScan,
       sensor_msgs::msg::PointCloud2, tf2_msgs::msg::TFMessage, Ack, LabeledScan, LocalizationHealth,
-      NodeMap, PatchMap, ReflectionGrid, ScanPose, Step, SubmapStates, Trajectory>();
+      NodeMap, PatchMap, ReflectionGrid, ScanPose, Step, SubmapStates, Topologies, Trajectory,
+      geometry_msgs::msg::PointStamped>();
 }
 
 TEST(Cyclone, ReadsAndWritesEveryTypeAsWeDoWhenItIsThereFirst) {

@@ -87,6 +87,15 @@ diagnostic_msgs::msg::DiagnosticArray sample() {
 }
 
 template <>
+geometry_msgs::msg::PointStamped sample() {
+  geometry_msgs::msg::PointStamped result;
+  result.header(header("base_link"));
+  result.point().x(0.25);
+  result.point().z(-1.0);
+  return result;
+}
+
+template <>
 geometry_msgs::msg::PoseWithCovarianceStamped sample() {
   geometry_msgs::msg::PoseWithCovarianceStamped result;
   result.header(header("map"));
@@ -349,6 +358,24 @@ strata_msgs::msg::SubmapStates sample() {
   result.header(header("map"));
   result.current(-1);
   result.states({state, {}, state});
+  return result;
+}
+
+template <>
+strata_msgs::msg::Topologies sample() {
+  strata_msgs::msg::Pose2Gaussian landmark;
+  landmark.mean(pose2(1.5));
+  landmark.covariance()[4] = 0.01;
+  strata_msgs::msg::Topology topology;
+  topology.probability(2.0 / 3.0);
+  topology.log_evidence(-12.5);
+  topology.labels({0, 1, 0});
+  topology.landmarks({landmark, landmark});
+  strata_msgs::msg::Topologies result;
+  result.header(header("map"));
+  result.visits().resize(3);
+  result.visits()[2].sec(9);
+  result.topologies({topology, {}, topology});
   return result;
 }
 

@@ -60,6 +60,21 @@ inline void expect_same_maps(const fs::path& a, const fs::path& b) {
   EXPECT_EQ(summary_without_cost(a), summary_without_cost(b));
 }
 
+/// What `strata topology` leaves and what a replay does, which draws no pictures and does not know
+/// what the log is called and what it cost.
+inline void expect_same_topologies(const fs::path& direct, const fs::path& replayed) {
+  auto expected = nlohmann::json::parse(content(direct / "topologies.json"));
+  expected.erase("log");
+  expected.erase("cost");
+  EXPECT_GT(expected["visits"].size(), 1U);
+  EXPECT_EQ(nlohmann::json::parse(content(replayed / "topologies.json")), expected);
+  for (const char* file :
+       {"topology.graphml", "occupancy.yaml", "occupancy.pgm", "trajectory.tum"}) {
+    EXPECT_FALSE(content(direct / file).empty()) << file;
+    EXPECT_TRUE(content(replayed / file) == content(direct / file)) << file << " differs";
+  }
+}
+
 class ReplayFixture : public testing::Test {
  protected:
   void SetUp() override {

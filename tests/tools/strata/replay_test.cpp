@@ -117,5 +117,20 @@ TEST(ReplayOfARealLog, GivesTheMapsOfTheDirectCall) {
   expect_same_maps(direct, replayed);
 }
 
+TEST(ReplayOfARealLog, GivesTheTopologiesOfTheDirectCall) {
+  STRATA_REQUIRE_DATA(log, "fr079/fr079.clf.gz");
+  const strata::test::TemporaryDirectory folder;
+  const std::string part = " --quiet --to 150 " + quoted(log);
+  const auto direct = folder.path() / "direct";
+  ASSERT_EQ(test::run_strata("topology" + part + " --out " + quoted(direct)).code, 0);
+  const auto replayed = folder.path() / "replayed";
+  const test::Outcome outcome = test::run_strata(
+      "replay" + part + " --composition " + quoted(kCompositions / "topology.yaml") +
+      " --threads 2 --out " + quoted(replayed) +
+      " --set domain=" + std::to_string(test::own_domain()) + " 2>&1");
+  ASSERT_EQ(outcome.code, 0) << outcome.out;
+  test::expect_same_topologies(direct, replayed / "topology");
+}
+
 }  // namespace
 }  // namespace strata::tools

@@ -28,6 +28,11 @@ class TwoInstances : public test::ReplayFixture {
                          " --initial-pose 0,0,0 --out " + quoted(at("localized")))
             .code,
         0);
+    std::ofstream(at("times.txt")) << "1\n3\n5\n";
+    ASSERT_EQ(test::run_strata("topology --quiet " + quoted(log()) + " --landmarks " +
+                               quoted(at("times.txt")) + " --out " + quoted(at("topology")))
+                  .code,
+              0);
     write_composition();
     const test::Outcome outcome = replay(log(), at("two.yaml"), "two");
     ASSERT_EQ(outcome.code, 0) << outcome.out;
@@ -62,6 +67,7 @@ class TwoInstances : public test::ReplayFixture {
       add("BeamFilter", "");
       add("PatchLearner", "");
       add("TimescaleMemory", "");
+      add("TopologyMapper", "mapping: {landmarks: {source: given}}, landmark_times_s: [1, 3, 5]");
       add("Localizer", "maps: " + at("direct").string() +
                            ", start: {pose: [0, 0, 0]}, out_subfolder: localization");
       add("Recorder", "out: " + bag(scope).string() +
@@ -70,6 +76,7 @@ class TwoInstances : public test::ReplayFixture {
                           "'scan_static:sensor_msgs/msg/LaserScan', "
                           "'patch_map:strata_msgs/msg/PatchMap', "
                           "'node_map:strata_msgs/msg/NodeMap', "
+                          "'topologies:strata_msgs/msg/Topologies', "
                           "'amcl_pose:geometry_msgs/msg/PoseWithCovarianceStamped']");
     }
   }
@@ -83,11 +90,13 @@ TEST_F(TwoInstances, OfEveryComponentInOneProcessDoWhatOneDoesAlone) {
       EXPECT_FALSE(content(localized / file).empty());
     }
     fs::remove_all(localized);
+    test::expect_same_topologies(at("topology"), at("two") / scope / "topology");
+    fs::remove_all(at("two") / scope / "topology");
     test::expect_same_maps(at("direct"), at("two") / scope);
   }
   const auto a = recorded("a");
   const auto b = recorded("b");
-  ASSERT_EQ(a.size(), 6U);
+  ASSERT_EQ(a.size(), 7U);
   const std::size_t scans = a.at("/a/scan_pose").size() - 1;  // the last one's twice
   EXPECT_GT(scans, 10U);
   EXPECT_EQ(a.at("/a/scan_static").size(), scans);
@@ -95,6 +104,7 @@ TEST_F(TwoInstances, OfEveryComponentInOneProcessDoWhatOneDoesAlone) {
   EXPECT_EQ(a.at("/a/served_map").size(), 1U);
   EXPECT_EQ(a.at("/a/patch_map").size(), 1U);
   EXPECT_EQ(a.at("/a/node_map").size(), 1U);
+  EXPECT_EQ(a.at("/a/topologies").size(), 3U);  // one a landmark
   for (const auto& [topic, messages] : a) {
     const auto other = b.find("/b" + topic.substr(2));
     ASSERT_NE(other, b.end()) << topic;

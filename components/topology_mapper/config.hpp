@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Parameters of strata::TopologyMapper.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "components/runtime/sensor_input.hpp"
+#include "core/topology/mapper_config.hpp"
+
+namespace strata::topology_mapper {
+
+struct TopologyMapperComponentConfig {
+  runtime::SensorInputConfig input;
+  topology::TopologyMapperConfig mapping;
+  std::vector<double> landmark_times_s;
+  std::string landmark_topic = "landmark";
+  std::string map_frame = "map";
+  std::string topic = "topologies";
+  int published_topologies = 10;
+  std::string sensor_qos = "sensor_data";
+  std::string out_subfolder = "topology";
+  std::string save;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.group("input", c.input, "where scans and odometry come from");
+    v.group("mapping", c.mapping, "landmarks, topologies and the metric map");
+    v.field("landmark_times_s", c.landmark_times_s,
+            {.doc = "the robot was at a landmark so long after the first scan; beside those that "
+                    "are found, or alone with mapping.landmarks.source: given",
+             .unit = "s"});
+    v.field("landmark_topic", c.landmark_topic,
+            {.doc = "geometry_msgs/PointStamped in: the robot is at a landmark at that stamp (0: "
+                    "now); the point itself is not looked at"});
+    v.field("map_frame", c.map_frame,
+            {.doc = "frame of the landmarks: that of the odometry when the first scan came"});
+    v.field("topic", c.topic, {.doc = "strata_msgs/Topologies out, latched, after each landmark"});
+    v.field("published_topologies", c.published_topologies,
+            {.doc = "the most probable ones that are published, at most", .min = 1});
+    v.field("sensor_qos", c.sensor_qos, {.doc = "QoS profile of scan and odometry"});
+    v.field("out_subfolder", c.out_subfolder,
+            {.doc = "at the end of a replay files go into this folder of its output"});
+    v.field("save", c.save,
+            {.doc = "live: write the same files into this folder, which must be new, when the "
+                    "component is deactivated; empty: do not"});
+  }
+};
+
+}  // namespace strata::topology_mapper

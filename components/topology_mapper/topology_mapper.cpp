@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/topology_mapper/topology_mapper.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "components/convert/geometry_messages.hpp"
+#include "components/convert/topology_messages.hpp"
+#include "components/log/whole_folder.hpp"
+#include "components/maps/topology_files.hpp"
+#include "core/topology/topology_map.hpp"
+
+namespace strata::topology_mapper {
+
+void TopologyMapper::on_configure() {
+  config_ = read_parameters<TopologyMapperComponentConfig>();
+  mapper_ = std::make_unique<topology::TopologyMapper>(config_.mapping, context().seed,
+                                                       context().threads);
+  publish_ = advertise<strata_msgs::msg::Topologies>(config_.topic, "latched");
+  subscribe<geometry_msgs::msg::PointStamped>(
+      config_.landmark_topic, "default", [this](const auto& message) { on_landmark(message); });
+  subscribe<strata_msgs::msg::ScanPose>("given_pose", "default",
+                                        [this](const auto& message) { given_ = message; });
+  subscribe_sensors(config_.input, config_.sensor_qos);
+}
+
+void TopologyMapper::on_landmark(const geometry_msgs::msg::PointStamped& message) {
+  const Stamp stamp = convert::from_message(message.header().stamp());
+  if (stamp.ns != 0) {
+    mapper_->mark(stamp);
+  } else if (last_scan_) {
+    mapper_->mark(*last_scan_);
+  }
+}
+
+void TopologyMapper::on_observation(const Observation& scanned) {
+  Observation observation = scanned;
+  std::optional<Pose2> given;
+  if (given_ && convert::from_message(given_->header().stamp()) == observation.scan.stamp) {
+    observation.run = given_->run();
+    given = convert::from_message(given_->map_from_robot().mean());
+    if (!is_finite(*given)) given.reset();
+  }
+  if (!last_scan_) {
+    for (const double time_s : config_.landmark_times_s) {
+      mapper_->mark(observation.scan.stamp + Duration::from_seconds(time_s));
+    }
+  }
+  last_scan_ = observation.scan.stamp;
+  update(mapper_->add(observation, given ? &*given : nullptr));
+}
+
+void TopologyMapper::update(std::vector<topology::MadeVisit> visits) {
+  bool grown = false;
+  for (topology::MadeVisit& visit : visits) {
+    const auto begin = std::chrono::steady_clock::now();
+    grown = mapper_->update(std::move(visit)) || grown;
+    update_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    most_update_s_ = std::max(most_update_s_, update_s_);
+  }
+  if (grown) publish();
+}
+
+void TopologyMapper::publish() {
+  std::vector<Stamp> stamps;
+  for (const topology::MadeVisit& visit : mapper_->visits()) stamps.push_back(visit.visit.stamp);
+  publish_(convert::to_message(
+      mapper_->filter().summaries(static_cast<std::size_t>(config_.published_topologies)), stamps,
+      config_.map_frame));
+}
+
+void TopologyMapper::on_finish(const std::filesystem::path& out_dir) {
+  update(mapper_->finish());
+  write(out_dir / config_.out_subfolder, context().progress);
+}
+
+void TopologyMapper::on_deactivate() {
+  if (lockstep() || config_.save.empty()) return;
+  update(mapper_->finish());
+  log::WholeFolder folder(config_.save);
+  write(folder.aside(), nullptr);  // the process ends, which cancels what has a progress
+  folder.commit();
+}
+
+void TopologyMapper::write(const std::filesystem::path& folder, Progress* progress) {
+  const topology::TopologyMap map = topology::make_topology_map(*mapper_, progress);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw OutputError(folder.string(), "cannot be made: " + error.message(),
+                      "check the folder and its permissions");
+  }
+  maps::write_topology_files(folder, map, maps::topologies_json(map));
+}
+
+void TopologyMapper::on_diagnose(runtime::Health& health) const {
+  if (!mapper_) return;
+  const topology::TopologyCounts counts = mapper_->counts();
+  const std::vector<topology::Hypothesis>& posterior = mapper_->posterior();
+  health.add("visits of landmarks", std::uint64_t{mapper_->visits().size()});
+  health.add("topologies", std::uint64_t{posterior.size()});
+  if (!posterior.empty()) {
+    health.add("probability of the likeliest", posterior.front().probability);
+    health.add("landmarks of the likeliest",
+               static_cast<std::uint64_t>(topology::landmark_count(posterior.front().labels)));
+  }
+  health.add("scans left out", std::uint64_t{mapper_->skipped_scans()});
+  health.add("landmarks out of order", std::uint64_t{counts.skipped_visits});
+  health.add("landmarks without points around", std::uint64_t{counts.empty_patches});
+  health.add("local maps that did not fit", std::uint64_t{counts.failed_matches});
+  health.add("topologies that did not converge", std::uint64_t{counts.not_converged});
+  health.add("update_time_s", update_s_);
+  health.add("longest_update_time_s", most_update_s_);
+}
+
+void TopologyMapper::on_cleanup() {
+  mapper_.reset();
+  given_.reset();
+  last_scan_.reset();
+  update_s_ = 0.0;
+  most_update_s_ = 0.0;
+}
+
+}  // namespace strata::topology_mapper

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+/// strata::TopologyMapper: scans, odometry and landmarks by hand in; the posterior over topologies
+/// out, after each landmark.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "components/runtime/sensor_component.hpp"
+#include "components/topology_mapper/config.hpp"
+#include "core/topology/topology_mapper.hpp"
+
+namespace strata::topology_mapper {
+
+/// In, beside scans and odometry: landmark (geometry_msgs/PointStamped), given_pose (ScanPose, as
+/// strata::ScanMatcher takes it). Out: topologies (Topologies); at the end of a log, or of the
+/// component's work, the files that `strata topology` writes, without its pictures. It tracks the
+/// robot itself: the poses of strata::ScanMatcher jump where it closes a loop, which is what is
+/// to be decided here.
+class TopologyMapper final : public runtime::SensorComponent {
+ public:
+  using SensorComponent::SensorComponent;
+
+ private:
+  void on_configure() override;
+  void on_deactivate() override;
+  void on_cleanup() override;
+  void on_finish(const std::filesystem::path& out_dir) override;
+  void on_diagnose(runtime::Health& health) const override;
+  void on_observation(const Observation& scanned) override;
+  [[nodiscard]] bool learns() const override { return true; }
+  void on_landmark(const geometry_msgs::msg::PointStamped& message);
+  void update(std::vector<topology::MadeVisit> visits);
+  void publish();
+  void write(const std::filesystem::path& folder, Progress* progress);
+
+  TopologyMapperComponentConfig config_;
+  std::unique_ptr<topology::TopologyMapper> mapper_;
+  std::optional<strata_msgs::msg::ScanPose> given_;
+  std::optional<Stamp> last_scan_;
+  double update_s_ = 0.0;       ///< wall clock of the last landmark
+  double most_update_s_ = 0.0;  ///< ... and of the slowest
+  std::function<void(const strata_msgs::msg::Topologies&)> publish_;
+};
+
+}  // namespace strata::topology_mapper

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/topology_mapper/topology_mapper.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "components/convert/geometry_messages.hpp"
+#include "components/convert/scan_messages.hpp"
+#include "components/convert/topology_messages.hpp"
+#include "components/topology_mapper/register.hpp"
+#include "tests/components/runtime/host_fixture.hpp"
+#include "tests/components/runtime/status_watch.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::topology_mapper {
+namespace {
+
+using geometry_msgs::msg::PointStamped;
+using strata_msgs::msg::Topologies;
+
+constexpr double kStepM = 0.2;
+constexpr double kStepS = 0.25;
+
+/// How far it is to the walls of a room of 14 m by 4 m with a pillar's niche at one end.
+double range_in_room(double x, double y, double angle) {
+  double range_m = 0.0;
+  const auto is_open = [](double px, double py) {
+    const bool room = px > 0.0 && px < 14.0 && py > 0.0 && py < 4.0;
+    const bool niche = px > 5.0 && px < 6.0 && py >= 4.0 && py < 5.0;
+    return room || niche;
+  };
+  while (range_m < 20.0 && is_open(x + range_m * std::cos(angle), y + range_m * std::sin(angle))) {
+    range_m += 0.01;
+  }
+  return range_m;
+}
+
+/// The robot goes from x = 2 m to x = 12 m and back, looking ahead and aside.
+struct Moment {
+  double time_s = 0.0;
+  Pose2 pose;
+};
+std::vector<Moment> there_and_back() {
+  std::vector<Moment> drive;
+  for (int i = 0; i <= 50; ++i) drive.push_back({1.0 + kStepS * i, {2.0 + kStepM * i, 2.0, 0.0}});
+  for (int i = 1; i <= 8; ++i) {
+    drive.push_back({drive.back().time_s + kStepS, {12.0, 2.0, std::numbers::pi * i / 8.0}});
+  }
+  for (int i = 1; i <= 50; ++i) {
+    drive.push_back({drive.back().time_s + kStepS, {12.0 - kStepM * i, 2.0, std::numbers::pi}});
+  }
+  return drive;
+}
+
+Scan scan_at(const Moment& moment) {
+  Scan scan;
+  scan.stamp = Stamp::from_seconds(moment.time_s);
+  scan.angle_min_rad = static_cast<float>(-std::numbers::pi);
+  scan.angle_increment_rad = static_cast<float>(std::numbers::pi / 90.0);
+  scan.range_max_m = 20.0F;
+  for (std::size_t i = 0; i < 180; ++i) {
+    scan.ranges_m.push_back(static_cast<float>(
+        range_in_room(moment.pose.x, moment.pose.y, moment.pose.theta + scan.bearing_rad(i))));
+  }
+  return scan;
+}
+
+PointStamped landmark_at(double time_s) {
+  PointStamped message;
+  message.header(convert::make_header(Stamp::from_seconds(time_s), "base_link"));
+  return message;
+}
+
+/// A robot that publishes, and what the component answers.
+class Robot {
+ public:
+  explicit Robot(const std::string& parameters)
+      : participant_(test::make_participant()),
+        watch_(participant_),
+        topologies_(participant_, "/topologies", "lossless"),
+        scans_(participant_, "/scan", bus::qos_profile("lossless")),
+        odometry_(participant_, "/odom", bus::qos_profile("lossless")),
+        landmarks_(participant_, "/landmark", bus::qos_profile("default")),
+        tf_static_(participant_, "/tf_static", bus::qos_profile("tf_static")) {
+    tf2_msgs::msg::TFMessage mounting;
+    mounting.transforms().push_back(convert::to_transform_stamped({}, {}, "base_link", "laser"));
+    tf_static_.publish(mounting);
+    register_component(registry_);
+    host_ = test::make_host(
+        "{type: strata::TopologyMapper, name: mapper, parameters: {sensor_qos: lossless, " +
+            parameters + "}}",
+        registry_, test::make_participant());
+    host_->activate();
+    const std::chrono::seconds patience(20);
+    EXPECT_TRUE(scans_.raw().wait_for_readers(1, patience));
+    EXPECT_TRUE(odometry_.raw().wait_for_readers(1, patience));
+    EXPECT_TRUE(landmarks_.raw().wait_for_readers(1, patience));
+  }
+  void drive(const std::vector<Moment>& moments) {
+    for (const Moment& moment : moments) {
+      const Scan scan = scan_at(moment);
+      odometry_.publish(convert::to_odometry(scan.stamp, moment.pose, "odom", "base_link"));
+      scans_.publish(convert::to_message(scan, "laser"));
+    }
+  }
+  void mark(double time_s) { landmarks_.publish(landmark_at(time_s)); }
+  /// The value of a status that has it, with the given value.
+  [[nodiscard]] bool says(const std::string& key, const std::string& value) {
+    return test::value_of(watch_.wait_for(*host_,
+                                          [&](const auto& status) {
+                                            return test::value_of(status, key) == value;
+                                          }),
+                          key) == value;
+  }
+  [[nodiscard]] std::vector<Topologies> wait_for(std::size_t count) {
+    return topologies_.wait_for(count);
+  }
+  [[nodiscard]] std::vector<Topologies> seen_by_a_late_joiner() {
+    test::Collector<Topologies> late(test::make_participant(), "/topologies", "latched");
+    return late.wait_for(1);
+  }
+  void end() { host_.reset(); }
+
+ private:
+  std::shared_ptr<bus::Participant> participant_;
+  test::StatusWatch watch_;
+  test::Collector<Topologies> topologies_;
+  bus::Writer<sensor_msgs::msg::LaserScan> scans_;
+  bus::Writer<nav_msgs::msg::Odometry> odometry_;
+  bus::Writer<PointStamped> landmarks_;
+  bus::Writer<tf2_msgs::msg::TFMessage> tf_static_;
+  runtime::Registry registry_;
+  std::unique_ptr<runtime::Host> host_;
+};
+
+void expect_sound(const Topologies& message) {
+  const std::vector<topology::TopologySummary> topologies = convert::from_message(message);
+  double sum = 0.0;
+  for (const topology::TopologySummary& summary : topologies) {
+    sum += summary.probability;
+    EXPECT_LE(summary.probability, topologies.front().probability);
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-9);  // fewer than fifty, so none is left out
+}
+
+// Times at which the robot passes x = 3 m and 9 m, there and back.
+constexpr double kThere3 = 1.0 + 5 * kStepS;
+constexpr double kThere9 = 1.0 + 35 * kStepS;
+constexpr double kBack9 = 1.0 + (58 + 15) * kStepS;
+constexpr double kBack3 = 1.0 + (58 + 45) * kStepS;
+
+TEST(TopologyMapper, TellsAfterEachLandmarkWhichPlacesAreTheSameAndLateJoinersToo) {
+  const test::TemporaryDirectory folder;
+  const auto saved = folder.path() / "saved";
+  Robot robot("mapping: {landmarks: {source: given}}, published_topologies: 50, save: '" +
+              saved.string() + "'");
+  for (const double time_s : {kThere3, kThere9, kBack9, kBack3}) robot.mark(time_s);
+  ASSERT_TRUE(robot.says("received /landmark", "4"));
+  robot.drive(there_and_back());
+  const auto first = robot.wait_for(3);
+  ASSERT_EQ(first.size(), 3U);  // around the fourth the robot has not gone on far enough
+  for (std::size_t i = 0; i < 3; ++i) {
+    expect_sound(first[i]);
+    EXPECT_EQ(first[i].visits().size(), i + 1);
+    EXPECT_EQ(first[i].header().frame_id(), "map");
+  }
+  EXPECT_EQ(robot.seen_by_a_late_joiner().back(), first.back());
+  robot.end();
+  const auto all = robot.wait_for(4);
+  ASSERT_EQ(all.size(), 4U);
+  expect_sound(all[3]);
+  const topology::TopologySummary likeliest = convert::from_message(all[3]).front();
+  EXPECT_EQ(likeliest.labels, (topology::Labels{0, 1, 1, 0}));
+  EXPECT_GT(likeliest.probability, 0.8);
+  EXPECT_LT((likeliest.landmarks[1].mean.translation() - Eigen::Vector2d(9.0, 2.0)).norm(), 0.1);
+  for (const char* file :
+       {"topologies.json", "topology.graphml", "occupancy.yaml", "trajectory.tum"}) {
+    EXPECT_TRUE(std::filesystem::exists(saved / file)) << file;
+  }
+}
+
+TEST(TopologyMapper, NamesWhatItLeftOutOnDiagnostics) {
+  Robot robot("mapping: {landmarks: {source: given}}");
+  robot.mark(kThere9);
+  ASSERT_TRUE(robot.says("received /landmark", "1"));
+  std::vector<Moment> moments = there_and_back();
+  robot.drive(moments);
+  ASSERT_EQ(robot.wait_for(1).size(), 1U);
+  robot.mark(kThere3);  // too late
+  ASSERT_TRUE(robot.says("received /landmark", "2"));
+  Moment beyond = moments.back();
+  beyond.time_s += kStepS;
+  Moment nowhere = beyond;
+  nowhere.pose.x = std::numeric_limits<double>::quiet_NaN();
+  robot.drive({nowhere, moments.front(), {beyond.time_s + kStepS, beyond.pose}});
+  EXPECT_TRUE(robot.says("landmarks out of order", "1"));
+  EXPECT_TRUE(robot.says("visits of landmarks", "1"));
+  EXPECT_TRUE(robot.says("probability of the likeliest", "1"));
+}
+
+}  // namespace
+}  // namespace strata::topology_mapper
