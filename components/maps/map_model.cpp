@@ -18,6 +18,8 @@ using localization::PatchMemory;
 using localization::RayCaster;
 
 constexpr const char* kTimescalePrefix = "timescale_";
+/// Of a ray caster, a cell: a distance. The map itself is not kept.
+constexpr std::size_t kCasterBytes = sizeof(float);
 
 template <typename Provider>
 RangeFunction ranges_of(std::shared_ptr<const Provider> provider) {
@@ -40,6 +42,7 @@ MapModel grid_model(const std::string& name, const ReflectionGrid& map, MakeSens
   model.sensor = make_sensor(caster);
   model.best_prediction = [ranges = ranges_of(caster)](const ParticleSet&) { return ranges; };
   model.bytes = map.size();
+  model.resident_bytes = map.size() * kCasterBytes;
   return model;
 }
 
@@ -77,6 +80,7 @@ MapModel given_model(const std::string& name, const Maps& maps,
       std::make_shared<const localization::RangeProviderModel<MovedRanges>>(ranges, config.beam);
   model.best_prediction = [moved = ranges_of(ranges)](const ParticleSet&) { return moved; };
   model.bytes = maps.given.size();
+  model.resident_bytes = maps.given.size() * kCasterBytes;
   return model;
 }
 
@@ -110,8 +114,11 @@ MapModel patch_model(const std::string& name, const Maps& maps, PatchBeamModelCo
     return ranges_of(caster);
   };
   model.bytes = map->base.size();
+  model.resident_bytes = map->base.size() * (sizeof(float) + kCasterBytes);
   for (const patch::Submap& submap : map->submaps) {
-    model.bytes += submap.rect.area() * submap.configurations.size();
+    const std::size_t cells = submap.rect.area() * submap.configurations.size();
+    model.bytes += cells;
+    model.resident_bytes += cells * (sizeof(float) + sizeof(CellCounts)) + submap.rect.area();
   }
   return model;
 }
@@ -136,7 +143,9 @@ MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamMod
   model.name = name;
   model.sensor = sensor;
   model.best_prediction = [ranges = ranges_of(sensor)](const ParticleSet&) { return ranges; };
-  model.bytes = bytes / (use.level ? nodes->level_names().size() : 1);
+  const std::size_t levels = use.level ? nodes->level_names().size() : 1;
+  model.bytes = bytes / levels;
+  model.resident_bytes = ((maps.timescale ? maps.timescale->bytes() : 0) + nodes->bytes()) / levels;
   return model;
 }
 

@@ -29,6 +29,9 @@ struct MapModel {
   std::function<RangeFunction(const localization::ParticleSet&)> best_prediction;
   /// A byte per cell of each grid, as map_server stores them; the state of the timescale levels.
   std::size_t bytes = 0;
+  /// What the map takes in memory while localizing: grids, the distances that rays leap by, counts
+  /// of configurations; the timescale memory and what was decoded from it.
+  std::size_t resident_bytes = 0;
 };
 
 /// Names that make_map_model accepts for these maps: occupancy, filtered, patch, patch_paper,

@@ -37,7 +37,7 @@ std::vector<Candidate> make_candidates(const std::vector<maps::MapModel>& models
                                        const CompareConfig& config, const TestPart& part) {
   std::vector<Candidate> candidates;
   for (const maps::MapModel& model : models) {
-    candidates.push_back({model.bytes, [&](std::uint64_t seed) {
+    candidates.push_back({model.bytes, model.resident_bytes, [&](std::uint64_t seed) {
                             return localize_one({part.observations, part.truths, model,
                                                  learned.maps.filtered, config.localizer,
                                                  part.start, seed});
@@ -45,7 +45,7 @@ std::vector<Candidate> make_candidates(const std::vector<maps::MapModel>& models
   }
   for (const Peer& peer : peers) {
     const ReflectionGrid& map = learned.maps.occupancy;
-    candidates.push_back({map.size() * sizeof(float), [&](std::uint64_t seed) {
+    candidates.push_back({map.size(), map.size() * sizeof(float), [&](std::uint64_t seed) {
                             return peer.localize(
                                 {part.observations, part.truths, models.front(),
                                  learned.maps.filtered, config.localizer, part.start, seed},
@@ -70,7 +70,7 @@ void run_candidates(const std::vector<Candidate>& candidates, const TestPart& pa
     kept.errors = std::move(run.errors);
     kept.update_ms = std::move(run.update_ms);
     for (const log::StampedPose& pose : run.trajectory) {
-      kept.estimates_m.push_back(pose.pose.translation());
+      kept.estimates.push_back(pose.pose);
     }
     judge_changed_places(part, kept);
     if (i % seeds.size() == 0) states[c] = std::move(run.states);
@@ -80,6 +80,7 @@ void run_candidates(const std::vector<Candidate>& candidates, const TestPart& pa
     ModelResult& result = results[c];
     if (part_index == 0) {
       result.map_bytes = candidates[c].map_bytes;
+      result.resident_bytes = candidates[c].resident_bytes;
       result.states = traces_of(states[c], part.observations.front().scan.stamp);
     }
     const auto first = runs.begin() + static_cast<std::ptrdiff_t>(c * seeds.size());

@@ -40,6 +40,7 @@ class SharedProgress {
 /// One of our models, or a peer.
 struct Candidate {
   std::size_t map_bytes = 0;
+  std::size_t resident_bytes = 0;
   std::function<LocalizationRun(std::uint64_t seed)> localize;
 };
 

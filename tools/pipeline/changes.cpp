@@ -40,14 +40,19 @@ class Viewer {
          double r_max_m)
       : tested_(tested), truths_(truths), r_max_m_(r_max_m) {}
 
-  [[nodiscard]] std::vector<std::uint32_t> telling_beams(std::size_t scan, const RayCaster& before,
-                                                         const RayCaster& after) const {
-    return select(scan, [&](const Pose2& laser, double bearing_rad, double z_m, double limit_m) {
-      const double after_m = std::min(after.expected_range_m(laser, bearing_rad), limit_m);
-      if (std::abs(after_m - z_m) > kBinTolerance_m) return false;
-      const double before_m = std::min(before.expected_range_m(laser, bearing_rad), limit_m);
-      return std::abs(before_m - after_m) > kBinTolerance_m;
-    });
+  [[nodiscard]] ChangeView telling_beams(std::size_t scan, const RayCaster& before,
+                                         const RayCaster& after) const {
+    ChangeView view{scan, {}, {}};
+    view.beams =
+        select(scan, [&](const Pose2& laser, double bearing_rad, double z_m, double limit_m) {
+          const double after_m = std::min(after.expected_range_m(laser, bearing_rad), limit_m);
+          if (std::abs(after_m - z_m) > kBinTolerance_m) return false;
+          const double before_m = std::min(before.expected_range_m(laser, bearing_rad), limit_m);
+          if (std::abs(before_m - after_m) <= kBinTolerance_m) return false;
+          view.before_m.push_back(static_cast<float>(before_m));
+          return true;
+        });
+    return view;
   }
   [[nodiscard]] std::vector<std::uint32_t> reaching_beams(std::size_t scan,
                                                           const RayCaster& places) const {
@@ -117,7 +122,7 @@ std::vector<ChangeEvent> make_events(const std::vector<ChangeCandidate>& candida
     event.oracle = std::make_shared<const RayCaster>(map);
     for (std::size_t i = candidate.first_scan; i <= candidate.last_scan; ++i) {
       const std::size_t scan = test_scan_of[i];
-      ChangeView view{scan, viewer.telling_beams(scan, *before, *event.oracle)};
+      ChangeView view = viewer.telling_beams(scan, *before, *event.oracle);
       if (view.beams.size() >= kLeastChangedBeams) event.views.push_back(std::move(view));
     }
     before = event.oracle;

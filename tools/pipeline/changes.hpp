@@ -27,6 +27,7 @@ namespace strata::pipeline {
 struct ChangeView {
   std::size_t scan = 0;  ///< of the test part
   std::vector<std::uint32_t> beams;
+  std::vector<float> before_m;  ///< what each of them would have measured before the change
 };
 
 /// The robot came by and found a place in another state than it was last seen in.

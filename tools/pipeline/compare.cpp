@@ -7,48 +7,11 @@
 #include "core/base/parallel.hpp"
 #include "tools/pipeline/candidates.hpp"
 #include "tools/pipeline/learned_maps.hpp"
-#include "tools/pipeline/scan_prediction.hpp"
+#include "tools/pipeline/model_scores.hpp"
 #include "tools/pipeline/test_part.hpp"
 
 namespace strata::pipeline {
 namespace {
-
-/// timescale_frozen stays as it was learned.
-bool follows_timescale(const std::string& model) {
-  return model.starts_with("timescale") && model != "timescale_frozen";
-}
-
-/// Held-out fit and adaptation of every model. The timescale memory goes on learning for the
-/// latter, as it would on the robot; grids are what they are, and patch models follow by beliefs.
-void predict_with_models(const std::vector<maps::MapModel>& models, const TestPart& part,
-                         const maps::Maps& maps, const CompareConfig& config, WorkerPool& pool,
-                         Comparison& comparison) {
-  const TestScans test{part.observations, part.truths, &part.changes};
-  std::vector<PredictionScore> scores(models.size());
-  pool.for_chunks(models.size(), 1, [&](std::size_t m, std::size_t, std::size_t) {
-    scores[m] =
-        score_predictions(test, models[m], config.sensor.beam, config.protocol.prediction_every);
-  });
-  std::vector<std::string> names;
-  for (const maps::MapModel& model : models) {
-    if (follows_timescale(model.name)) names.push_back(model.name);
-  }
-  if (!names.empty() && !part.changes.events.empty()) {
-    const auto followed = follow_timescale(test, maps, names, config.sensor);
-    std::size_t next = 0;
-    for (std::size_t m = 0; m < models.size(); ++m) {
-      if (!follows_timescale(models[m].name)) continue;
-      for (std::size_t e = 0; e < followed[next].size(); ++e) {
-        scores[m].events[e].adapted_after_scans = followed[next][e].adapted_after_scans;
-        scores[m].events[e].adapted_after_s = followed[next][e].adapted_after_s;
-      }
-      ++next;
-    }
-  }
-  for (std::size_t m = 0; m < models.size(); ++m) {
-    comparison.models[m].scores.push_back(std::move(scores[m]));
-  }
-}
 
 std::vector<maps::MapModel> make_models(const maps::Maps& maps, const CompareConfig& config) {
   std::vector<maps::MapModel> models;
@@ -105,7 +68,8 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
       run_candidates(
           make_candidates(map_models, localize_one, job.peers, learned, same_for_all, part), part,
           comparison.parts.size(), job.seeds, pool, progress, comparison.models);
-      predict_with_models(map_models, part, learned.maps, same_for_all, pool, comparison);
+      score_models(map_models, part, comparison.parts.size(), learned.maps, same_for_all, pool,
+                   comparison.models);
       comparison.parts.push_back(part.info);
     }
     if (s > 0) continue;

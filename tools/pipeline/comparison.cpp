@@ -30,11 +30,12 @@ double mean_failure_rate(const ModelResult& model) {
   return over_runs(model, [](const ModelRun& run) { return run.metrics.failure_rate; });
 }
 
-ScanPrediction pool_predictions(const ModelResult& model, ScanPrediction PredictionScore::*which) {
+namespace {
+
+ScanPrediction pool(const std::vector<ScanPrediction>& parts) {
   ScanPrediction pooled;
   std::vector<double> medians;
-  for (const PredictionScore& score : model.scores) {
-    const ScanPrediction& one = score.*which;
+  for (const ScanPrediction& one : parts) {
     if (one.beams == 0) continue;
     pooled.log_likelihood_per_beam += one.log_likelihood_per_beam * static_cast<double>(one.beams);
     pooled.beams += one.beams;
@@ -46,6 +47,16 @@ ScanPrediction pool_predictions(const ModelResult& model, ScanPrediction Predict
   return pooled;
 }
 
+}  // namespace
+
+ScanPrediction pool_predictions(const ModelResult& model, ScanPrediction PredictionScore::*which) {
+  std::vector<ScanPrediction> parts;
+  for (const PredictionScore& score : model.scores) parts.push_back(score.*which);
+  return pool(parts);
+}
+
+ScanPrediction pool_own_pose(const ModelResult& model) { return pool(model.own_pose); }
+
 std::optional<double> seed_spread_m(const ModelResult& model) {
   std::map<std::size_t, std::vector<const ModelRun*>> by_part;
   for (const ModelRun& run : model.runs) by_part[run.part].push_back(&run);
@@ -53,11 +64,11 @@ std::optional<double> seed_spread_m(const ModelResult& model) {
   std::size_t count = 0;
   for (const auto& [part, runs] : by_part) {
     if (runs.size() < 2) continue;
-    for (std::size_t i = 0; i < runs.front()->estimates_m.size(); ++i) {
+    for (std::size_t i = 0; i < runs.front()->estimates.size(); ++i) {
       Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-      for (const ModelRun* run : runs) mean += run->estimates_m[i];
+      for (const ModelRun* run : runs) mean += run->estimates[i].translation();
       mean /= static_cast<double>(runs.size());
-      for (const ModelRun* run : runs) sum += (run->estimates_m[i] - mean).norm();
+      for (const ModelRun* run : runs) sum += (run->estimates[i].translation() - mean).norm();
       count += runs.size();
     }
   }
@@ -71,9 +82,11 @@ AdaptationSummary summarize_adaptation(const ModelResult& model) {
   std::vector<double> seconds;
   std::vector<double> recalls;
   std::vector<double> probabilities;
+  std::vector<double> mixed;
   for (const PredictionScore& score : model.scores) {
     for (const EventOutcome& outcome : score.events) {
       ++summary.events;
+      mixed.push_back(outcome.mixed_share);
       if (outcome.adapted_after_scans) scans.push_back(*outcome.adapted_after_scans);
       if (outcome.adapted_after_s) seconds.push_back(*outcome.adapted_after_s);
       if (outcome.recall) recalls.push_back(*outcome.recall);
@@ -87,7 +100,70 @@ AdaptationSummary summarize_adaptation(const ModelResult& model) {
   summary.s = censored_median(std::move(seconds), never);
   if (!recalls.empty()) summary.recall_old_state = statistics::mean(recalls);
   if (!probabilities.empty()) summary.true_state_probability = statistics::mean(probabilities);
+  if (!mixed.empty()) summary.mixed_share = statistics::mean(mixed);
   return summary;
+}
+
+RecoverySummary summarize_recovery(const ModelResult& model) {
+  RecoverySummary summary;
+  std::vector<double> seconds;
+  for (const ModelRun& run : model.runs) {
+    summary.lost += run.metrics.lost ? 1 : 0;
+    if (run.metrics.recovered_after_s) seconds.push_back(*run.metrics.recovered_after_s);
+  }
+  summary.recovered = seconds.size();
+  summary.s = censored_median(std::move(seconds), summary.lost - summary.recovered);
+  return summary;
+}
+
+std::optional<double> false_adaptation_share(const ModelResult& model) {
+  FalseAdaptation sum;
+  for (const FalseAdaptation& part : model.false_adaptation) {
+    sum.right += part.right;
+    sum.wrong += part.wrong;
+  }
+  if (sum.right == 0) return std::nullopt;
+  return static_cast<double>(sum.wrong) / static_cast<double>(sum.right);
+}
+
+PlanningScore pool_planning(const ModelResult& model) {
+  PlanningScore pooled;
+  std::vector<double> variations;
+  std::vector<double> steps_m;
+  for (const PlanningScore& part : model.planning) {
+    pooled.queries += part.queries;
+    pooled.without_path += part.without_path;
+    pooled.blocked += part.blocked;
+    if (part.length_cv) variations.push_back(*part.length_cv);
+    if (part.frechet_m) steps_m.push_back(*part.frechet_m);
+  }
+  if (!variations.empty()) pooled.length_cv = statistics::mean(variations);
+  if (!steps_m.empty()) pooled.frechet_m = statistics::mean(steps_m);
+  return pooled;
+}
+
+std::optional<statistics::Interval> fit_interval(const ModelResult& model,
+                                                 const ModelResult* minus) {
+  constexpr double kBlock_s = 30.0;
+  std::vector<double> nats;
+  std::vector<double> beams;
+  double length_s = 0.0;
+  for (std::size_t p = 0; p < model.scores.size(); ++p) {
+    const std::vector<ScanFit>& series = model.scores[p].series;
+    if (series.empty()) continue;
+    length_s += series.back().time_s - series.front().time_s;
+    for (std::size_t i = 0; i < series.size(); ++i) {
+      double value = series[i].nats;
+      if (minus != nullptr) value -= minus->scores[p].series[i].nats;
+      nats.push_back(value);
+      beams.push_back(static_cast<double>(series[i].beams));
+    }
+  }
+  if (length_s < 2.0 * kBlock_s || statistics::mean(beams) == 0.0) return std::nullopt;
+  const double per_second = static_cast<double>(nats.size()) / length_s;
+  const auto block = static_cast<std::size_t>(std::ceil(kBlock_s * per_second));
+  return statistics::moving_block_ratio(nats, beams, std::min(block, nats.size()), 0.95,
+                                        kBootstrapSeed);
 }
 
 }  // namespace strata::pipeline

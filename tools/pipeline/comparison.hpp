@@ -14,7 +14,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/pipeline/localization_metrics.hpp"
+#include "tools/pipeline/planning.hpp"
 #include "tools/pipeline/scan_prediction.hpp"
+#include "tools/pipeline/transients.hpp"
 #include "tools/statistics/statistics.hpp"
 
 namespace strata::pipeline {
@@ -27,13 +29,16 @@ struct ModelRun {
   std::size_t part = 0;  ///< place in Comparison::parts
   std::uint64_t seed = 0;
   std::vector<ScanError> errors;
-  std::vector<std::uint8_t> sees_change;     ///< one an error: 1 where it changed
-  std::vector<Eigen::Vector2d> estimates_m;  ///< mean of the particles, one a scan, map frame
+  std::vector<std::uint8_t> sees_change;  ///< one an error: 1 where it changed
+  std::vector<Pose2> estimates;           ///< of the particles, one a scan, map frame
   std::vector<double> update_ms;
   LocalizationMetrics metrics;
   /// Over the scans that see a place that changed; nothing when there are none.
   std::optional<double> changed_error_m;
   std::optional<double> changed_failure_rate;
+  /// Over the scans that show a change back to an old state, and to one never seen before.
+  std::optional<double> old_state_error_m;
+  std::optional<double> new_state_error_m;
 };
 
 /// P(configuration | data) of one sub-map over the test part.
@@ -45,10 +50,14 @@ struct StateTrace {
 
 struct ModelResult {
   std::string model;
-  std::size_t map_bytes = 0;            ///< of the first split
+  std::size_t map_bytes = 0;            ///< of the first split, as stored
+  std::size_t resident_bytes = 0;       ///< ... in memory
   std::vector<PredictionScore> scores;  ///< one a part
   std::vector<ModelRun> runs;           ///< part by part, seeds in order, the same for every model
   std::vector<StateTrace> states;       ///< of the first part and seed; patch models only
+  std::vector<FalseAdaptation> false_adaptation;  ///< one a part; empty for peers, like the rest
+  std::vector<PlanningScore> planning;
+  std::vector<ScanPrediction> own_pose;  ///< unseen beams from the runs' own poses
 };
 
 /// A change that the robot met, for the figure of errors over time and the table of events.
@@ -127,8 +136,33 @@ struct AdaptationSummary {
   std::size_t old_states = 0;
   std::optional<double> recall_old_state;        ///< mean over the old states that came back
   std::optional<double> true_state_probability;  ///< likewise
+  std::optional<double> mixed_share;             ///< mean over the events
 };
 [[nodiscard]] AdaptationSummary summarize_adaptation(const ModelResult& model);
+
+/// Of the runs that were lost: how many found back, and the median of the seconds it took, where
+/// never is the longest.
+struct RecoverySummary {
+  std::size_t lost = 0;
+  std::size_t recovered = 0;
+  std::optional<double> s;
+};
+[[nodiscard]] RecoverySummary summarize_recovery(const ModelResult& model);
+
+/// Share of the beams predicted right that a transient obstacle makes wrong, over all parts;
+/// nothing when none could be placed.
+[[nodiscard]] std::optional<double> false_adaptation_share(const ModelResult& model);
+
+/// All parts together; variations and distances as the mean over the parts that have them.
+[[nodiscard]] PlanningScore pool_planning(const ModelResult& model);
+
+/// 95% interval of log p per beam within the drives, by blocks of 30 s in time; nothing when all
+/// scans together last less than two of them. With another model: of the difference.
+[[nodiscard]] std::optional<statistics::Interval> fit_interval(const ModelResult& model,
+                                                               const ModelResult* minus = nullptr);
+
+/// All parts together, of own_pose.
+[[nodiscard]] ScanPrediction pool_own_pose(const ModelResult& model);
 
 /// All parts together: beams weigh the same, the median is that of the parts' medians.
 [[nodiscard]] ScanPrediction pool_predictions(const ModelResult& model,

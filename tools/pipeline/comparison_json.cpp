@@ -13,11 +13,7 @@ using nlohmann::json;
 
 json or_null(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
 
-json update_time(const ModelResult& model) {
-  std::vector<double> all;
-  for (const ModelRun& run : model.runs) {
-    all.insert(all.end(), run.update_ms.begin(), run.update_ms.end());
-  }
+json median_and_p99(std::vector<double> all) {
   if (all.empty()) return nullptr;
   std::sort(all.begin(), all.end());
   const auto at = [&](double share) {
@@ -26,11 +22,48 @@ json update_time(const ModelResult& model) {
   return {{"median", at(0.5)}, {"p99", at(0.99)}};
 }
 
+json update_time(const ModelResult& model) {
+  std::vector<double> all;
+  for (const ModelRun& run : model.runs) {
+    all.insert(all.end(), run.update_ms.begin(), run.update_ms.end());
+  }
+  return median_and_p99(std::move(all));
+}
+
+json query_time(const ModelResult& model) {
+  std::vector<double> all;
+  for (const PredictionScore& score : model.scores) {
+    all.insert(all.end(), score.query_ms.begin(), score.query_ms.end());
+  }
+  return median_and_p99(std::move(all));
+}
+
+json planning_json(const ModelResult& model) {
+  const PlanningScore planning = pool_planning(model);
+  if (planning.queries == 0) return nullptr;
+  const auto share = [&](std::size_t count) {
+    return static_cast<double>(count) / static_cast<double>(planning.queries);
+  };
+  return {{"queries", planning.queries},
+          {"no_path_rate", share(planning.without_path)},
+          {"blocked_path_rate", share(planning.blocked)},
+          {"path_length_cv", or_null(planning.length_cv)},
+          {"frechet_m", or_null(planning.frechet_m)}};
+}
+
 json prediction_json(const ScanPrediction& prediction) {
   if (prediction.beams == 0) return nullptr;
   return {{"log_likelihood_per_beam", prediction.log_likelihood_per_beam},
           {"median_abs_error_m", prediction.median_abs_error_m},
           {"beams", prediction.beams}};
+}
+
+json fit_json(const ModelResult& model) {
+  json fit = prediction_json(pool_predictions(model, &PredictionScore::overall));
+  if (fit.is_null()) return fit;
+  const auto ci = fit_interval(model);
+  fit["ci95"] = ci ? json({ci->low, ci->high}) : json(nullptr);
+  return fit;
 }
 
 json interval_json(const std::vector<double>& values) {
@@ -51,13 +84,16 @@ json changed_json(const ModelResult& model) {
   return {{"error_m", error},
           {"failure_rate", or_null(mean_over_runs(
                                model, [](const ModelRun& r) { return r.changed_failure_rate; }))},
+          {"old_state_error_m",
+           or_null(mean_over_runs(model, [](const ModelRun& r) { return r.old_state_error_m; }))},
+          {"new_state_error_m",
+           or_null(mean_over_runs(model, [](const ModelRun& r) { return r.new_state_error_m; }))},
           {"scan_prediction", prediction_json(pool_predictions(model, &PredictionScore::changed))}};
 }
 
 json model_json(const ModelResult& model) {
   const std::vector<double> means = run_means(model);
-  const auto lost = std::count_if(model.runs.begin(), model.runs.end(),
-                                  [](const ModelRun& run) { return run.metrics.lost; });
+  const RecoverySummary recovery = summarize_recovery(model);
   const AdaptationSummary adaptation = summarize_adaptation(model);
   return {
       {"error_m",
@@ -68,14 +104,25 @@ json model_json(const ModelResult& model) {
         {"per_seed", means},
         {"ci95", interval_json(means)}}},
       {"error_rad",
-       {{"mean", over_runs(model, [](const ModelRun& r) { return r.metrics.error_rad.mean; })}}},
+       {{"mean", over_runs(model, [](const ModelRun& r) { return r.metrics.error_rad.mean; })},
+        {"median", over_runs(model, [](const ModelRun& r) { return r.metrics.error_rad.median; })},
+        {"p95", over_runs(model, [](const ModelRun& r) { return r.metrics.error_rad.p95; })},
+        {"max", over_runs(model, [](const ModelRun& r) { return r.metrics.error_rad.max; })}}},
       {"failure_rate", mean_failure_rate(model)},
-      {"lost_runs", lost},
+      {"lost_runs", recovery.lost},
+      {"recovered_runs", recovery.recovered},
+      {"recovery_s", or_null(recovery.s)},
       {"seed_spread_m", or_null(seed_spread_m(model))},
-      {"scan_prediction", prediction_json(pool_predictions(model, &PredictionScore::overall))},
+      {"scan_prediction", fit_json(model)},
+      {"own_pose_prediction", prediction_json(pool_own_pose(model))},
       {"where_it_changed", changed_json(model)},
       {"map_bytes", model.map_bytes},
+      {"resident_bytes", model.resident_bytes},
       {"update_ms", update_time(model)},
+      {"query_ms", query_time(model)},
+      {"false_adaptation", or_null(false_adaptation_share(model))},
+      {"planning", planning_json(model)},
+      {"half_changed_share", or_null(adaptation.mixed_share)},
       {"adaptation_s", or_null(adaptation.s)},
       {"adaptation_scans", or_null(adaptation.scans)},
       {"changes", adaptation.events},

@@ -25,17 +25,18 @@ std::optional<std::size_t> convergence_index(std::span<const ScanError> errors) 
   return begin;
 }
 
-bool stays_above(std::span<const ScanError> errors, double distance_m) {
-  std::optional<Stamp> begin;
-  for (const ScanError& error : errors) {
-    if (error.error_m <= distance_m) {
+/// Index of the first scan from which the error stays above the distance for kHold_s.
+std::optional<std::size_t> lost_index(std::span<const ScanError> errors, double distance_m) {
+  std::optional<std::size_t> begin;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (errors[i].error_m <= distance_m) {
       begin.reset();
       continue;
     }
-    if (!begin) begin = error.stamp;
-    if ((error.stamp - *begin).seconds() >= kHold_s) return true;
+    if (!begin) begin = i;
+    if ((errors[i].stamp - errors[*begin].stamp).seconds() >= kHold_s) return begin;
   }
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -83,7 +84,13 @@ LocalizationMetrics evaluate_run(std::span<const ScanError> errors) {
     return error.error_m > kFailureDistance_m;
   });
   metrics.failure_rate = static_cast<double>(failures) / static_cast<double>(counted.size());
-  metrics.lost = stays_above(counted, kLostDistance_m);
+  const std::optional<std::size_t> lost = lost_index(counted, kLostDistance_m);
+  metrics.lost = lost.has_value();
+  if (!lost) return metrics;
+  const std::span<const ScanError> after = counted.subspan(*lost);
+  if (const std::optional<std::size_t> found = convergence_index(after)) {
+    metrics.recovered_after_s = (after[*found].stamp - after.front().stamp).seconds();
+  }
   return metrics;
 }
 

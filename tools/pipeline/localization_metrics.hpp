@@ -41,6 +41,9 @@ struct LocalizationMetrics {
   /// Seconds from the first scan to the first time from which the error stays below 0.5 m for 5 s
   /// (or to the end of the log when that comes first).
   std::optional<double> converged_after_s;
+  /// When lost: seconds from where it was lost to the first time from which the error stays below
+  /// 0.5 m for 5 s again; nothing when it never does.
+  std::optional<double> recovered_after_s;
 };
 
 /// Mean, median, 95th percentile (nearest rank), maximum and root mean square. All zero when empty.

@@ -2,6 +2,7 @@
 #include "tools/pipeline/scan_prediction.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -21,6 +22,8 @@ constexpr std::size_t kAdaptedWindow = 5;
 constexpr std::size_t kRecallScans = 10;
 /// A configuration that agrees with fewer of the changed cells is another state.
 constexpr double kSameConfiguration = 0.8;
+/// Half old, half new: each at least this share of the beams.
+constexpr double kMixedShare = 0.25;
 
 /// Sums of a ScanPrediction.
 class Fit {
@@ -60,21 +63,44 @@ Scan only_beams(const Scan& scan, const std::vector<std::uint32_t>& beams) {
   return result;
 }
 
-/// How many of the changed bins of a view are predicted.
-std::size_t count_predicted(const Observation& observation, const Pose2& map_from_robot,
-                            const ChangeView& view, const maps::RangeFunction& expected_range,
-                            double limit_m) {
+/// The scan without the beams that a localizer would choose of it, but moved by half a step: as
+/// many others.
+Scan without_chosen_beams(const Scan& scan, const localization::BeamSelectionConfig& config) {
+  const double step_rad = std::abs(static_cast<double>(scan.angle_increment_rad));
+  const auto every = static_cast<std::size_t>(
+      std::max(1.0, std::ceil(config.least_angle_rad / std::max(step_rad, 1e-9) - 0.01)));
+  Scan result = scan;
+  const std::size_t shift = every / 2;
+  if (shift == 0) return only_beams(scan, {});  // the localizer looks at every beam
+  result.ranges_m.erase(result.ranges_m.begin(),
+                        result.ranges_m.begin() +
+                            static_cast<std::ptrdiff_t>(std::min(shift, result.ranges_m.size())));
+  result.angle_min_rad += static_cast<float>(shift) * scan.angle_increment_rad;
+  return result;
+}
+
+/// Of the changed bins of a view: how many are expected as they are now, and as they were before.
+struct ViewCounts {
+  std::size_t as_now = 0;
+  std::size_t as_before = 0;
+};
+ViewCounts count_predicted(const Observation& observation, const Pose2& map_from_robot,
+                           const ChangeView& view, const maps::RangeFunction& expected_range,
+                           double limit_m) {
   const Scan& scan = observation.scan;
   const Pose2 laser = map_from_robot * scan.robot_from_laser;
-  std::size_t predicted = 0;
-  for (const std::uint32_t beam : view.beams) {
+  ViewCounts counts;
+  for (std::size_t b = 0; b < view.beams.size(); ++b) {
+    const std::uint32_t beam = view.beams[b];
     const bool is_hit = scan.kind(beam) == BeamKind::kHit;
     const double measured_m =
         is_hit ? std::min(static_cast<double>(scan.ranges_m[beam]), limit_m) : limit_m;
     const double expected_m = std::min(expected_range(laser, scan.bearing_rad(beam)), limit_m);
-    predicted += std::abs(expected_m - measured_m) <= kBinTolerance_m ? 1 : 0;
+    counts.as_now += std::abs(expected_m - measured_m) <= kBinTolerance_m ? 1 : 0;
+    const auto before_m = static_cast<double>(view.before_m[b]);
+    counts.as_before += std::abs(expected_m - before_m) <= kBinTolerance_m ? 1 : 0;
   }
-  return predicted;
+  return counts;
 }
 
 /// The configuration of a sub-map that shows the changed cells as they are, and its sub-map.
@@ -111,7 +137,7 @@ class EventFollower {
     views_.resize(test.observations.size());
     for (std::size_t e = 0; e < outcomes_.size(); ++e) {
       const auto& views = test.changes->events[e].views;
-      predicted_.emplace_back(views.size(), 0);
+      predicted_.emplace_back(views.size());
       for (std::size_t v = 0; v < views.size(); ++v) views_[views[v].scan].emplace_back(e, v);
     }
   }
@@ -132,7 +158,10 @@ class EventFollower {
   [[nodiscard]] EventOutcome& outcome(std::size_t event) { return outcomes_[event]; }
   /// The outcomes, adaptation included.
   [[nodiscard]] std::vector<EventOutcome> take() {
-    for (std::size_t e = 0; e < outcomes_.size(); ++e) judge_adaptation(e);
+    for (std::size_t e = 0; e < outcomes_.size(); ++e) {
+      judge_adaptation(e);
+      judge_consistency(e);
+    }
     return std::move(outcomes_);
   }
 
@@ -147,7 +176,7 @@ class EventFollower {
       std::size_t predicted = 0;
       for (std::size_t w = v; w < v + window; ++w) {
         bins += views[w].beams.size();
-        predicted += predicted_[e][w];
+        predicted += predicted_[e][w].as_now;
       }
       if (static_cast<double>(predicted) < kAdaptedShare * static_cast<double>(bins)) continue;
       const auto stamp_of = [&](std::size_t view) {
@@ -157,6 +186,19 @@ class EventFollower {
       outcomes_[e].adapted_after_s = (stamp_of(v) - stamp_of(0)).seconds();
       return;
     }
+  }
+  void judge_consistency(std::size_t e) {
+    const std::vector<ChangeView>& views = test_.changes->events[e].views;
+    std::size_t mixed = 0;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      const double least = kMixedShare * static_cast<double>(views[v].beams.size());
+      const ViewCounts& counts = predicted_[e][v];
+      mixed += static_cast<double>(counts.as_now) >= least &&
+                       static_cast<double>(counts.as_before) >= least
+                   ? 1
+                   : 0;
+    }
+    outcomes_[e].mixed_share = static_cast<double>(mixed) / static_cast<double>(views.size());
   }
   [[nodiscard]] double limit_of(const Scan& scan) const {
     const auto own_m = static_cast<double>(scan.range_max_m);
@@ -168,7 +210,7 @@ class EventFollower {
   double limit_m_;
   std::vector<EventOutcome> outcomes_;
   std::vector<std::vector<std::pair<std::size_t, std::size_t>>> views_;
-  std::vector<std::vector<std::size_t>> predicted_;  ///< per event and view
+  std::vector<std::vector<ViewCounts>> predicted_;  ///< per event and view
 };
 
 /// Fit per beam of a scan in the map as it was.
@@ -228,24 +270,34 @@ class Recall {
 }  // namespace
 
 PredictionScore score_predictions(const TestScans& test, const maps::MapModel& model,
-                                  const localization::BeamModelConfig& config, int every) {
+                                  const localization::BeamModelConfig& config,
+                                  const PredictionChoice& choice) {
   Onlooker onlooker(model);
   EventFollower follower(test, config.beams.max_range_m);
   Recall recall(test, model, config, test.changes ? test.changes->events.size() : 0);
   Fit overall;
   Fit changed;
+  PredictionScore score;
+  using Clock = std::chrono::steady_clock;
   for (std::size_t i = 0; i < test.observations.size(); ++i) {
     if (!test.truths[i]) continue;
     const Scan& scan = test.observations[i].scan;
     onlooker.go_to(*test.truths[i], scan.stamp);
-    const bool is_due = i % static_cast<std::size_t>(every) == 0;
+    const bool is_due = i % static_cast<std::size_t>(choice.every) == 0;
     const bool sees_change = test.changes != nullptr && test.changes->sees_change(i);
     if (is_due || sees_change || !follower.views_of(i).empty()) {
+      const auto begin = Clock::now();
       const maps::RangeFunction expected_range = onlooker.expected_range();
       if (is_due) {
-        overall.add(onlooker.likelihood(scan));
-        overall.add_deviations(localization::select_beams(scan, config.beams), *test.truths[i],
+        const Scan judged = choice.unseen_beams ? without_chosen_beams(scan, config.beams) : scan;
+        overall.add_deviations(localization::select_beams(judged, config.beams), *test.truths[i],
                                expected_range);
+        const std::chrono::duration<double, std::milli> took = Clock::now() - begin;
+        score.query_ms.push_back(took.count());
+        const Onlooker::Likelihood fit = onlooker.likelihood(judged);
+        overall.add(fit);
+        score.series.push_back(
+            {(scan.stamp - test.observations.front().scan.stamp).seconds(), fit.nats, fit.beams});
       }
       if (sees_change) {
         const Scan reaching = only_beams(scan, test.changes->place_beams[i]);
@@ -259,7 +311,10 @@ PredictionScore score_predictions(const TestScans& test, const maps::MapModel& m
     onlooker.learn(scan);
     recall.learned(i, onlooker, follower);
   }
-  return {overall.result(), changed.result(), follower.take()};
+  score.overall = overall.result();
+  score.changed = changed.result();
+  score.events = follower.take();
+  return score;
 }
 
 std::vector<std::vector<EventOutcome>> follow_timescale(

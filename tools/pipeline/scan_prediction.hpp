@@ -38,12 +38,31 @@ struct EventOutcome {
   /// Probability of the configuration that looks most like the place did, after those scans; for
   /// patch models whose sub-maps cover the change and have such a configuration.
   std::optional<double> true_state_probability;
+  /// Share of the scans that show the change in which what changed was expected half as before and
+  /// half as it is now: at least a quarter of the beams each.
+  double mixed_share = 0.0;
+};
+
+/// Fit of one scan, of those that count for the overall fit.
+struct ScanFit {
+  double time_s = 0.0;  ///< since the part began
+  double nats = 0.0;
+  std::size_t beams = 0;
 };
 
 struct PredictionScore {
   ScanPrediction overall;
   ScanPrediction changed;  ///< over the beams that reach places that changed
   std::vector<EventOutcome> events;
+  std::vector<ScanFit> series;
+  std::vector<double> query_ms;  ///< to expect one scan; not deterministic
+};
+
+/// Which scans and beams are predicted.
+struct PredictionChoice {
+  int every = 5;  ///< every so many scans count for the overall fit
+  /// Only beams that no localizer with this beam selection looks at.
+  bool unseen_beams = false;
 };
 
 /// Scans, poses and changes of the test part; equal lengths.
@@ -54,11 +73,11 @@ struct TestScans {
 };
 
 /// Follows the test scans in order with what the model believes, so that each scan is predicted
-/// from those before it; every `every`-th counts for the overall fit, all that see a changed place
-/// for the rest.
+/// from those before it; all scans that see a changed place count for the rest than the overall
+/// fit. With the estimates of a localizer in place of the truth it needs no truth at all.
 [[nodiscard]] PredictionScore score_predictions(const TestScans& test, const maps::MapModel& model,
                                                 const localization::BeamModelConfig& config,
-                                                int every);
+                                                const PredictionChoice& choice);
 
 /// The adaptation of timescale models while the memory goes on learning at the true poses: each
 /// scan is predicted before the memory observes it. One entry a name, one outcome an event; recall

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/test_part.hpp"
 
+#include <array>
 #include <utility>
 
 #include "core/base/error.hpp"
@@ -66,6 +67,32 @@ void look_for_changes(std::span<const PosedScan> learned, const ReflectionGrid& 
   }
 }
 
+namespace {
+
+/// Mean errors over the scans that show a state that came back, and one never seen before.
+void judge_states(const TestPart& part, ModelRun& run) {
+  std::vector<std::uint8_t> shows(part.observations.size(), 0);
+  for (const ChangeEvent& event : part.changes.events) {
+    for (const ChangeView& view : event.views) shows[view.scan] |= event.is_old_state ? 1 : 2;
+  }
+  std::array<double, 2> sums{};
+  std::array<double, 2> counts{};
+  std::size_t e = 0;
+  for (std::size_t i = 0; i < part.observations.size(); ++i) {
+    if (!part.truths[i]) continue;
+    const double error_m = run.errors[e++].error_m;
+    for (std::size_t kind = 0; kind < 2; ++kind) {
+      if ((shows[i] >> kind & 1) == 0) continue;
+      sums[kind] += error_m;
+      counts[kind] += 1.0;
+    }
+  }
+  if (counts[0] > 0.0) run.old_state_error_m = sums[0] / counts[0];
+  if (counts[1] > 0.0) run.new_state_error_m = sums[1] / counts[1];
+}
+
+}  // namespace
+
 void judge_changed_places(const TestPart& part, ModelRun& run) {
   double sum = 0.0;
   std::size_t failures = 0;
@@ -80,6 +107,7 @@ void judge_changed_places(const TestPart& part, ModelRun& run) {
     sum += error_m;
     failures += error_m > kFailureDistance_m ? 1 : 0;
   }
+  judge_states(part, run);
   if (count == 0) return;
   run.changed_error_m = sum / static_cast<double>(count);
   run.changed_failure_rate = static_cast<double>(failures) / static_cast<double>(count);

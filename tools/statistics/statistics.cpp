@@ -104,6 +104,38 @@ Interval bootstrap_mean(std::span<const double> values, double level, std::uint6
   return {bound(0.5 * (1.0 - level)), bound(0.5 * (1.0 + level))};
 }
 
+Interval moving_block_ratio(std::span<const double> values, std::span<const double> weights,
+                            std::size_t block, double level, std::uint64_t seed,
+                            std::size_t resamples) {
+  const std::size_t n = values.size();
+  // Sums up to each entry, so that a block costs two look-ups.
+  std::vector<double> value_sums(n + 1, 0.0);
+  std::vector<double> weight_sums(n + 1, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    value_sums[i + 1] = value_sums[i] + values[i];
+    weight_sums[i + 1] = weight_sums[i] + weights[i];
+  }
+  const std::size_t blocks = (n + block - 1) / block;
+  const auto starts = static_cast<std::uint32_t>(n - block + 1);
+  std::vector<double> ratios(resamples);
+  for (std::size_t r = 0; r < resamples; ++r) {
+    RandomStream random(seed, StreamId::kBootstrap, r);
+    double value = 0.0;
+    double weight = 0.0;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const std::size_t start = random.below(starts);
+      value += value_sums[start + block] - value_sums[start];
+      weight += weight_sums[start + block] - weight_sums[start];
+    }
+    ratios[r] = value / weight;
+  }
+  std::sort(ratios.begin(), ratios.end());
+  const auto at = [&](double share) {
+    return ratios[static_cast<std::size_t>(share * static_cast<double>(resamples - 1))];
+  };
+  return {at(0.5 * (1.0 - level)), at(0.5 * (1.0 + level))};
+}
+
 double wilcoxon_signed_rank(std::span<const double> differences) {
   const SignedRanks ranks = signed_ranks(differences);
   const std::size_t n = ranks.doubled_ranks.size();

@@ -25,6 +25,14 @@ struct Interval {
 [[nodiscard]] Interval bootstrap_mean(std::span<const double> values, double level,
                                       std::uint64_t seed, std::size_t resamples = 2000);
 
+/// Percentile interval of sum(values) / sum(weights) of one series in time, whose entries depend on
+/// their neighbours: moving blocks of `block` entries are drawn [kunsch1989jackknife]. Equal
+/// lengths; deterministic for a seed. Requires 1 <= block <= values.size() and positive weights.
+[[nodiscard]] Interval moving_block_ratio(std::span<const double> values,
+                                          std::span<const double> weights, std::size_t block,
+                                          double level, std::uint64_t seed,
+                                          std::size_t resamples = 2000);
+
 /// Two-sided p of the signed-rank test [wilcoxon1945individual] on paired differences; exact (by
 /// counting sign patterns) for up to 25 non-zero differences, ties shared by mid-ranks; beyond that
 /// the normal approximation. 1 when no difference is left.

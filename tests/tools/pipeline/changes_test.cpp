@@ -109,7 +109,7 @@ std::vector<EventOutcome> outcomes_of(const ReflectionGrid& map, const Tested& t
   localization::PatchBeamModelConfig sensor;
   sensor.beam.beams.max_range_m = 8.0;
   const TestScans scans{test.observations, test.truths, &changes};
-  return score_predictions(scans, maps::make_map_model(maps, "occupancy", sensor), sensor.beam, 5)
+  return score_predictions(scans, maps::make_map_model(maps, "occupancy", sensor), sensor.beam, {})
       .events;
 }
 

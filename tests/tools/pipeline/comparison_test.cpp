@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/comparison.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace strata::pipeline {
@@ -131,9 +133,29 @@ TEST(Adaptation, NeverIsLongerThanAnyDelay) {
 TEST(SeedSpread, IsTheDistanceFromTheMeanOfTheSeeds) {
   ModelResult model = model_of("patch", {0.1, 0.1});
   EXPECT_NEAR(seed_spread_m(model_of("one", {0.1})).value_or(-1.0), -1.0, 0.0);
-  model.runs[0].estimates_m = {{0.0, 0.0}, {1.0, 1.0}};
-  model.runs[1].estimates_m = {{0.2, 0.0}, {1.0, 1.4}};
+  model.runs[0].estimates = {{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}};
+  model.runs[1].estimates = {{0.2, 0.0, 0.0}, {1.0, 1.4, 0.0}};
   EXPECT_NEAR(*seed_spread_m(model), 0.15, 1e-12);
+}
+
+TEST(FitInterval, IsThatOfTheDifferenceWhenAnotherModelIsGiven) {
+  ModelResult a;
+  ModelResult b;
+  a.scores.resize(1);
+  b.scores.resize(1);
+  for (int i = 0; i < 300; ++i) {
+    const double wave = std::sin(0.05 * i);  // the same scenes are hard for both
+    a.scores[0].series.push_back({static_cast<double>(i), 10.0 * wave + 5.0, 10});
+    b.scores[0].series.push_back({static_cast<double>(i), 10.0 * wave, 10});
+  }
+  const auto alone = fit_interval(a);
+  const auto difference = fit_interval(a, &b);
+  ASSERT_TRUE(alone && difference);
+  EXPECT_GT(alone->high - alone->low, 0.1);
+  EXPECT_NEAR(difference->low, 0.5, 1e-9);
+  EXPECT_NEAR(difference->high, 0.5, 1e-9);
+  a.scores[0].series.resize(40);
+  EXPECT_FALSE(fit_interval(a).has_value());  // 40 s are no two blocks
 }
 
 }  // namespace

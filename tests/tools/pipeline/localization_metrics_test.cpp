@@ -60,5 +60,17 @@ TEST(EvaluateRun, ThatNeverConvergesFailsThroughout) {
   EXPECT_TRUE(metrics.lost);
 }
 
+TEST(EvaluateRun, TellsWhenALostRunCameBack) {
+  std::vector<double> distances(6, 0.1);
+  distances.insert(distances.end(), 8, 2.0);  // lost from 6 s on, for 8 s
+  distances.insert(distances.end(), 7, 0.2);
+  const auto metrics = evaluate_run(run_of(distances));
+  EXPECT_TRUE(metrics.lost);
+  ASSERT_TRUE(metrics.recovered_after_s.has_value());
+  EXPECT_DOUBLE_EQ(*metrics.recovered_after_s, 8.0);
+  distances.resize(14);
+  EXPECT_FALSE(evaluate_run(run_of(distances)).recovered_after_s.has_value());
+}
+
 }  // namespace
 }  // namespace strata::pipeline

@@ -44,8 +44,21 @@ def longest_runs(times, flags):
             begin = None
 
 
+def recovery(times, errors):
+    """Seconds from where a run is lost until it holds below 0.5 m again; None: not lost, or never."""
+    for begin, duration, _ in longest_runs(times, [e > LOST_M for e in errors]):
+        if duration < HOLD_S:
+            continue
+        low = [e < FAILED_M for e in errors[begin:]]
+        for found, length, last in longest_runs(times[begin:], low):
+            if length >= HOLD_S or begin + last + 1 == len(errors):
+                return times[begin + found] - times[begin]
+        return None
+    return None
+
+
 def judge_run(rows):
-    """Mean, median, p95, failure rate and lost of one run of (time, error, changed)."""
+    """What comparison.json tells of one run of (time, error, changed)."""
     times = [row[0] for row in rows]
     errors = [row[1] for row in rows]
     start = 0
@@ -66,6 +79,8 @@ def judge_run(rows):
         "p95": ordered[min(len(ordered), max(1, math.ceil(0.95 * len(ordered)))) - 1],
         "failure_rate": sum(e > FAILED_M for e in counted) / len(counted),
         "lost": lost,
+        "max": max(errors),
+        "recovery": recovery(times[start:], counted),
         "changed": statistics.fmean(changed) if changed else None,
         "changed_failures": statistics.fmean([e > FAILED_M for e in changed]) if changed else None,
     }
@@ -137,13 +152,15 @@ def read_units(path):
 
 def check_model(name, runs, claimed):
     means = [run["mean"] for run in runs.values()]
-    for key in ("mean", "median", "p95"):
+    for key in ("mean", "median", "p95", "max"):
         value = statistics.fmean(run[key] for run in runs.values())
         check(f"{name} error {key}", claimed["error_m"][key], value, 1e-7)
     check_interval(f"{name} ci95", claimed["error_m"]["ci95"], means)
     rate = statistics.fmean(run["failure_rate"] for run in runs.values())
     check(f"{name} failure rate", claimed["failure_rate"], rate, 1e-9)
     check(f"{name} lost", claimed["lost_runs"], sum(run["lost"] for run in runs.values()), 0)
+    recovered = sum(run["recovery"] is not None for run in runs.values())
+    check(f"{name} recovered", claimed["recovered_runs"], recovered, 0)
     changed = [run["changed"] for run in runs.values() if run["changed"] is not None]
     there = claimed["where_it_changed"]
     check(
@@ -159,6 +176,23 @@ def check_model(name, runs, claimed):
         statistics.fmean(failures) if failures else None,
         1e-9,
     )
+
+
+def check_predictions(path, models):
+    """Log p per beam, of which every beam of every scan weighs the same."""
+    sums = {}
+    with open(path, newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            total = sums.setdefault(row["model"], [0.0, 0])
+            total[0] += float(row["log_likelihood"])
+            total[1] += int(row["beams"])
+    for name, claimed in models.items():
+        if claimed["scan_prediction"] is None:
+            continue
+        nats, beams = sums[name]
+        found = claimed["scan_prediction"]
+        check(f"{name} log p", found["log_likelihood_per_beam"], nats / beams, 1e-6)
+        check(f"{name} beams", found["beams"], beams, 0)
 
 
 def check_pairs(models, wins):
@@ -217,6 +251,7 @@ def main():
         if len(runs) != claimed["seeds"] * len(claimed["parts"]):
             problems.append(f"{name}: {len(runs)} units")
         check_model(name, runs, claimed["models"][name])
+    check_predictions(folder / "predictions.csv", claimed["models"])
     check_pairs(models, claimed["wins"])
     check_verdict(models, claimed["wins"], claimed["verdict"])
     for problem in problems:

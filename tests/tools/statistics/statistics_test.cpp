@@ -87,5 +87,27 @@ TEST(Bootstrap, OfOneValueHasNoWidth) {
 
 TEST(Median, TakesTheMiddlePair) { EXPECT_EQ(median({4.0, 1.0, 3.0, 2.0}), 2.5); }
 
+TEST(MovingBlocks, AreWiderThanSingleDrawsWhereNeighboursAreAlike) {
+  // 20 stretches of 10 equal values: single draws would take them for 200 independent ones.
+  std::vector<double> values;
+  for (int stretch = 0; stretch < 20; ++stretch) {
+    values.insert(values.end(), 10, stretch % 2 == 0 ? 1.0 : -1.0);
+  }
+  const std::vector<double> weights(values.size(), 1.0);
+  const Interval blocks = moving_block_ratio(values, weights, 10, 0.95, 3);
+  const Interval single = moving_block_ratio(values, weights, 1, 0.95, 3);
+  EXPECT_GT(blocks.high - blocks.low, 1.5 * (single.high - single.low));
+  EXPECT_LT(blocks.low, 0.0);
+  EXPECT_GT(blocks.high, 0.0);
+}
+
+TEST(MovingBlocks, WeighAMeanByItsWeights) {
+  const std::vector<double> values{2.0, 6.0, 4.0};
+  const std::vector<double> weights{1.0, 3.0, 2.0};
+  const Interval interval = moving_block_ratio(values, weights, 2, 0.95, 1);
+  EXPECT_DOUBLE_EQ(interval.low, 2.0);
+  EXPECT_DOUBLE_EQ(interval.high, 2.0);
+}
+
 }  // namespace
 }  // namespace strata::statistics

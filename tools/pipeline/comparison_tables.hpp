@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The tables of a comparison's report. models: those of comparison.json.
+#pragma once
+
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/pipeline/comparison.hpp"
+#include "tools/report/html_report.hpp"
+
+namespace strata::pipeline {
+
+/// What decides, one row a model.
+void add_model_table(const Comparison& comparison, const nlohmann::json& models,
+                     report::HtmlReport& page);
+/// Every pair of models.
+void add_pair_table(const std::vector<PairedTest>& tests, report::HtmlReport& page);
+/// One row a drive; nothing when there is only one.
+void add_drives(const Comparison& comparison, report::HtmlReport& page);
+/// Places that changed, with what each model made of them.
+void add_changed_places(const Comparison& comparison, const nlohmann::json& models,
+                        report::HtmlReport& page);
+/// The other measures: tails, heading, recovery, memory, time.
+void add_more_measures(const Comparison& comparison, const nlohmann::json& models,
+                       report::HtmlReport& page);
+/// Transient obstacles and planning.
+void add_robustness(const Comparison& comparison, const nlohmann::json& models,
+                    report::HtmlReport& page);
+/// What needs no ground truth.
+void add_without_truth(const Comparison& comparison, const nlohmann::json& models,
+                       report::HtmlReport& page);
+
+}  // namespace strata::pipeline

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/pipeline/watcher.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "tools/pipeline/onlooker.hpp"
+
+namespace strata::pipeline {
+namespace {
+
+/// A grid that stays, or sub-maps that are believed.
+class BeliefWatcher final : public Watcher {
+ public:
+  BeliefWatcher(const maps::Maps& maps, const maps::MapModel& model)
+      : maps_(maps), onlooker_(model), is_patch_(model.sensor->patch_states() != nullptr) {
+    if (model.name == "occupancy") map_ = std::make_shared<const ReflectionGrid>(maps.occupancy);
+    if (model.name == "filtered") map_ = std::make_shared<const ReflectionGrid>(maps.filtered);
+  }
+  void go_to(const Pose2& map_from_robot, Stamp stamp) override {
+    onlooker_.go_to(map_from_robot, stamp);
+  }
+  maps::RangeFunction expected_range() override { return onlooker_.expected_range(); }
+  void learn(const Observation& observation, const Pose2& /*map_from_robot*/) override {
+    onlooker_.learn(observation.scan);
+  }
+  std::shared_ptr<const ReflectionGrid> map() override {
+    if (!is_patch_) return map_;
+    std::vector<int> chosen;
+    for (const localization::SubmapBelief& belief : onlooker_.beliefs()) {
+      const auto best = std::max_element(belief.probability.begin(), belief.probability.end());
+      chosen.push_back(static_cast<int>(best - belief.probability.begin()));
+    }
+    if (!map_ || chosen != chosen_) {
+      map_ = std::make_shared<const ReflectionGrid>(patch::compose(*maps_.patches, chosen));
+      chosen_ = std::move(chosen);
+    }
+    return map_;
+  }
+
+ private:
+  const maps::Maps& maps_;
+  Onlooker onlooker_;
+  bool is_patch_;
+  std::vector<int> chosen_;
+  std::shared_ptr<const ReflectionGrid> map_;
+};
+
+/// Cells that most levels that know them expect to be occupied.
+ReflectionGrid vote(const memory::NodeMap& nodes, double resolution_m) {
+  std::vector<ReflectionGrid> levels;
+  CellRect rect;
+  for (std::size_t level = 0; level < nodes.level_names().size(); ++level) {
+    levels.push_back(nodes.level_map(static_cast<int>(level), resolution_m));
+    rect = rect.united(levels.back().rect());
+  }
+  ReflectionGrid map = make_reflection_grid(resolution_m, rect);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Cell cell = map.cell(i);
+    std::size_t known = 0;
+    std::size_t occupied = 0;
+    for (const ReflectionGrid& level : levels) {
+      known += is_known(level.get(cell)) ? 1 : 0;
+      occupied += is_occupied(level.get(cell)) ? 1 : 0;
+    }
+    if (known > 0) map.values()[i] = 2 * occupied > known ? 1.0F : 0.0F;
+  }
+  return map;
+}
+
+class MemoryWatcher final : public Watcher {
+ public:
+  MemoryWatcher(const maps::Maps& maps, std::string name,
+                const localization::PatchBeamModelConfig& sensor)
+      : name_(std::move(name)),
+        sensor_(sensor),
+        memory_(std::make_shared<memory::TimescaleMemory>(*maps.timescale)),
+        resolution_m_(maps.filtered.resolution_m()) {
+    now_.timescale = memory_;
+  }
+  void go_to(const Pose2& /*map_from_robot*/, Stamp /*stamp*/) override {}
+  maps::RangeFunction expected_range() override {
+    decode();
+    return maps::make_map_model(now_, name_, sensor_).best_prediction({});
+  }
+  void learn(const Observation& observation, const Pose2& map_from_robot) override {
+    if (name_ == "timescale_frozen") return;
+    memory_->observe({observation.run, observation.scan, map_from_robot, {}});
+    is_decoded_ = false;
+  }
+  std::shared_ptr<const ReflectionGrid> map() override {
+    decode();
+    if (map_ && mapped_ == now_.nodes) return map_;
+    mapped_ = now_.nodes;
+    const auto& names = now_.nodes->level_names();
+    const auto level = std::find_if(names.begin(), names.end(), [&](const std::string& level_name) {
+      return name_ == "timescale_" + level_name;
+    });
+    map_ = std::make_shared<const ReflectionGrid>(
+        level == names.end()
+            ? vote(*now_.nodes, resolution_m_)
+            : now_.nodes->level_map(static_cast<int>(level - names.begin()), resolution_m_));
+    return map_;
+  }
+
+ private:
+  void decode() {
+    if (!is_decoded_) now_.nodes = memory_->decode({}, now_.nodes.get());
+    is_decoded_ = true;
+  }
+
+  std::string name_;
+  localization::PatchBeamModelConfig sensor_;
+  std::shared_ptr<memory::TimescaleMemory> memory_;
+  double resolution_m_;
+  maps::Maps now_;
+  bool is_decoded_ = false;
+  std::shared_ptr<const memory::NodeMap> mapped_;
+  std::shared_ptr<const ReflectionGrid> map_;
+};
+
+}  // namespace
+
+std::unique_ptr<Watcher> make_watcher(const maps::Maps& maps, const maps::MapModel& model,
+                                      const localization::PatchBeamModelConfig& sensor) {
+  if (model.name.starts_with("timescale") && maps.timescale) {
+    return std::make_unique<MemoryWatcher>(maps, model.name, sensor);
+  }
+  return std::make_unique<BeliefWatcher>(maps, model);
+}
+
+}  // namespace strata::pipeline
