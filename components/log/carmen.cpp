@@ -66,12 +66,7 @@ class CarmenParser {
 
   LogContent read() {
     read_lines();
-    if (scans_.empty()) {
-      throw InputError(report_.bad_lines > 0 ? report_.first_bad : path_.string(),
-                       report_.bad_lines > 0 ? "no line with a laser scan can be read"
-                                             : "holds no FLASER or ROBOTLASER1 line",
-                       "check that it is a CARMEN log of a laser scanner");
-    }
+    if (scans_.empty()) throw_no_scans();
     for (std::size_t i = 1; i < scans_.size(); ++i) {
       if (stamp(scans_[i]) < stamp(scans_[i - 1])) ++report_.scans_out_of_order;
     }
@@ -88,6 +83,19 @@ class CarmenParser {
 
  private:
   static Stamp stamp(const CarmenScan& scan) { return scan.observation.scan.stamp; }
+
+  [[noreturn]] void throw_no_scans() const {
+    if (report_.scans_without_beams > 0) {
+      throw InputError(path_.string(),
+                       "none of its " + std::to_string(report_.scans_without_beams) +
+                           " readable scans has a range that is a number",
+                       "check the scanner and what recorded it");
+    }
+    throw InputError(report_.bad_lines > 0 ? report_.first_bad : path_.string(),
+                     report_.bad_lines > 0 ? "no line with a laser scan can be read"
+                                           : "holds no FLASER or ROBOTLASER1 line",
+                     "check that it is a CARMEN log of a laser scanner");
+  }
 
   void bad(const std::string& place, const std::string& why) {
     if (report_.bad_lines++ == 0) report_.first_bad = place + ": " + why;

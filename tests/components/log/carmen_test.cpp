@@ -118,6 +118,15 @@ TEST_F(Carmen, AScanOfNaNsIsSkippedAndCounted) {
   EXPECT_EQ(report_.scans_without_beams, 1U);
 }
 
+TEST_F(Carmen, ALogOfNothingButNaNsSaysSo) {
+  try {
+    (void)read(flaser("nan nan", 2, "1") + flaser("nan nan", 2, "2"));
+    FAIL() << "was read";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("none of its 2 readable scans"));
+  }
+}
+
 TEST_F(Carmen, RobotLaserStatesItsGeometry) {
   const auto log = read(
       "ROBOTLASER1 0 -1.5 3.0 0.5 30 0.01 0 4 1 2 30.5 4 2 7 8 5.1 6 0 5 6 0 0 0 0.3 0.3 0 12.5 "
