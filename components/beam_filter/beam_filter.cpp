@@ -5,15 +5,13 @@
 
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
-#include "core/beam_filter/beam_filter.hpp"
 
 namespace strata::beam_filter {
 
 void BeamFilter::on_configure() {
   config_ = read_parameters<BeamFilterComponentConfig>();
   keep_live(config_, {"map_every_scans"});
-  counts_ = CountingMap(config_.filter.resolution_m);
-  filtered_ = make_reflection_grid(config_.filter.resolution_m, {});
+  online_.emplace(config_.filter, config_.window);
   publish_static_ = advertise<sensor_msgs::msg::LaserScan>("scan_static", "sensor_data");
   publish_dynamic_ = advertise<sensor_msgs::msg::LaserScan>("scan_dynamic", "sensor_data");
   publish_labeled_ = advertise<strata_msgs::msg::LabeledScan>("labeled_scan", "default");
@@ -32,14 +30,12 @@ void BeamFilter::on_configure() {
 }
 
 void BeamFilter::on_scan(PosedScan scan) {
-  counts_.add(scan, config_.filter.counting);
-  if (scans_++ % static_cast<std::uint64_t>(config_.map_every_scans) == 0) {
-    filtered_ = filter_counts(counts_, config_.filter).filtered;
-    publish_map(filtered_, scan.scan.stamp);
-  }
-  scan.static_probability = label(scan.scan, scan.map_from_laser(), filtered_, config_.filter);
-  publish_labeled_(convert::to_message(scan, config_.map_frame, "laser"));
+  scan.static_probability = online_->add(scan);
   publish_classes(scan);
+  publish_labeled_(convert::to_message(scan, config_.map_frame, "laser"));
+  if (scans_++ % static_cast<std::uint64_t>(config_.map_every_scans) == 0) {
+    publish_map(online_->map(), scan.scan.stamp);
+  }
 }
 
 void BeamFilter::publish_classes(const PosedScan& scan) {
@@ -59,6 +55,9 @@ void BeamFilter::publish_map(const ReflectionGrid& filtered, Stamp stamp) {
   if (publish_reflection_) publish_reflection_(convert::to_message(filtered));
 }
 
-void BeamFilter::on_cleanup() { scans_ = 0; }
+void BeamFilter::on_cleanup() {
+  online_.reset();
+  scans_ = 0;
+}
 
 }  // namespace strata::beam_filter

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// strata::BeamFilter: posed scans in; which of their beams hit static things out, by the map so
-/// far.
+/// strata::BeamFilter: posed scans in; which of their beams hit static things out, by what was seen
+/// so far.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "components/beam_filter/config.hpp"
 #include "components/runtime/component.hpp"
@@ -13,7 +14,8 @@
 namespace strata::beam_filter {
 
 /// In: posed_scan. Out: scan_static, scan_dynamic (NaN for beams of the other class), labeled_scan,
-/// map_filtered and, live, reflection_filtered. The labels over a whole log need the poses too and
+/// map_filtered and, live, reflection_filtered. A scan's labels go out before anything else is
+/// done. Memory: a window of scans, and the map. The labels over a whole log need the poses too and
 /// come from the scan matcher's finish (docs/decisions/).
 class BeamFilter final : public runtime::Component {
  public:
@@ -28,8 +30,7 @@ class BeamFilter final : public runtime::Component {
   void publish_map(const ReflectionGrid& filtered, Stamp stamp);
 
   BeamFilterComponentConfig config_;
-  CountingMap counts_;
-  ReflectionGrid filtered_;
+  std::optional<OnlineFilter> online_;
   std::uint64_t scans_ = 0;
   std::function<void(const sensor_msgs::msg::LaserScan&)> publish_static_;
   std::function<void(const sensor_msgs::msg::LaserScan&)> publish_dynamic_;

@@ -4,20 +4,22 @@
 
 #include <string>
 
-#include "core/beam_filter/config.hpp"
+#include "core/beam_filter/online_filter.hpp"
 
 namespace strata::beam_filter {
 
 struct BeamFilterComponentConfig {
   BeamFilterConfig filter;
+  WindowConfig window;
   std::string map_frame = "map";
   int map_every_scans = 25;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("filter", c.filter, "what makes a beam static");
+    v.group("window", c.window, "which scans beams are judged by");
     v.field("map_frame", c.map_frame, {.doc = "frame of the maps out"});
     v.field("map_every_scans", c.map_every_scans,
-            {.doc = "the map that beams are judged by is made anew after so many scans",
+            {.doc = "the filtered map is published anew after so many scans",
              .unit = "scans",
              .min = 1.0});
   }

@@ -39,10 +39,11 @@ class Collector {
           changed_.notify_all();
         }) {}
 
-  /// At least so many messages, or as many as came within 20 s.
-  [[nodiscard]] std::vector<T> wait_for(std::size_t count) {
+  /// At least so many messages, or as many as came until patience ends.
+  [[nodiscard]] std::vector<T> wait_for(
+      std::size_t count, std::chrono::milliseconds patience = std::chrono::seconds(20)) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::seconds(20), [&] { return messages_.size() >= count; });
+    changed_.wait_for(lock, patience, [&] { return messages_.size() >= count; });
     return messages_;
   }
 

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/beam_filter/online_filter.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/beam_filter/beam_filter.hpp"
+#include "core/geometry/angle.hpp"
+
+namespace strata::beam_filter {
+
+OnlineFilter::OnlineFilter(const BeamFilterConfig& filter, const WindowConfig& window)
+    : filter_(filter), config_(window), counts_(filter.resolution_m) {
+  require_valid(filter, "filter");
+  require_valid(window, "window");
+}
+
+double OnlineFilter::judging_reflection(const Cell& end) const {
+  const int reach = filter_.endpoint_tolerance ? 1 : 0;
+  double best = std::numeric_limits<double>::quiet_NaN();
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const CellCounts& counts = counts_.cells().get({end.x + dx, end.y + dy});
+      const double m = closed_form(counts, filter_.prior, filter_.min_evidence);
+      if (m > best || std::isnan(best)) best = m;
+    }
+  }
+  return best;
+}
+
+std::vector<float> OnlineFilter::add(const PosedScan& scan) {
+  const Pose2& pose = scan.map_from_robot;
+  const bool key = !last_key_ || translation_distance(*last_key_, pose) >= config_.key_distance_m ||
+                   std::abs(angle_difference(pose.theta, last_key_->theta)) >= config_.key_turn_rad;
+  if (key) last_key_ = pose;
+  counts_.add(scan, filter_.counting, 1.0, BeamWeights::kAllStatic);
+  window_.push_back({scan, key});
+  if (window_.size() > static_cast<std::size_t>(config_.scans)) {
+    const Entry& oldest = window_.front();
+    if (!oldest.key) counts_.add(oldest.scan, filter_.counting, -1.0, BeamWeights::kAllStatic);
+    window_.pop_front();
+  }
+  std::vector<float> labels(scan.scan.size(), static_cast<float>(filter_.prior));
+  for_each_ray(scan.scan, scan.map_from_laser(), filter_.counting,
+               [&](std::size_t beam, const Ray& ray) {
+                 if (!ray.is_hit) return;
+                 const double m = judging_reflection(cell_at(ray.to_m, filter_.resolution_m));
+                 if (std::isnan(m)) return;
+                 labels[beam] = static_cast<float>(expectation(m, filter_.prior));
+               });
+  return labels;
+}
+
+ReflectionGrid OnlineFilter::map() const { return filter_counts(counts_, filter_).filtered; }
+
+}  // namespace strata::beam_filter

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The beam filter while the robot drives: labels for each scan as it comes, by all that was seen
+/// until then.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "core/beam_filter/config.hpp"
+#include "core/geometry/pose2.hpp"
+#include "core/grid/counting_map.hpp"
+#include "core/grid/reflection_grid.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::beam_filter {
+
+/// What of a running robot's scans is kept.
+struct WindowConfig {
+  int scans = 200;
+  double key_distance_m = 0.1;
+  double key_turn_rad = 0.0873;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("scans", c.scans,
+            {.doc = "the latest scans, which all count; of older ones only those that the robot "
+                    "took somewhere else than the one before stay in the map",
+             .unit = "scans",
+             .min = 1.0});
+    v.field("key_distance_m", c.key_distance_m,
+            {.doc = "a scan stays in the map after this much driving", .unit = "m", .min = 0.0});
+    v.field("key_turn_rad", c.key_turn_rad,
+            {.doc = "... or after this much turning", .unit = "rad", .min = 0.0});
+  }
+};
+
+/// Counts of a window of scans and of the key scans before it. A robot that stands before a
+/// standing person would otherwise hold her to be static for good (SPEC A7): what it saw standing
+/// still leaves the map with the window. Memory: the window, and the map's cells. Not thread-safe.
+class OnlineFilter {
+ public:
+  /// Throws ConfigError.
+  explicit OnlineFilter(const BeamFilterConfig& filter = {}, const WindowConfig& window = {});
+
+  /// Takes the scan in, and returns e(t, n) of its beams, eq. (1.10) of [stachniss2003chapter], by
+  /// the limit of EM on the counts so far, whatever `mode` says: it costs a cell only where it is
+  /// asked. With endpoint_tolerance the most reflecting cell of the 3 x 3 around the end decides.
+  /// Labels that the scan came with are not used.
+  /// O(beams x cells a beam crosses).
+  std::vector<float> add(const PosedScan& scan);
+
+  /// The filtered map of what is counted now. O(cells).
+  [[nodiscard]] ReflectionGrid map() const;
+
+  [[nodiscard]] const CountingMap& counts() const { return counts_; }
+  [[nodiscard]] std::size_t scans_in_window() const { return window_.size(); }
+
+ private:
+  struct Entry {
+    PosedScan scan;
+    bool key = false;
+  };
+  [[nodiscard]] double judging_reflection(const Cell& end) const;
+
+  BeamFilterConfig filter_;
+  WindowConfig config_;
+  CountingMap counts_;
+  std::deque<Entry> window_;
+  std::optional<Pose2> last_key_;
+};
+
+}  // namespace strata::beam_filter
