@@ -23,6 +23,8 @@ constexpr double kDisplacementM = 2.0;
 /// Local maps of a landmark that a new one is matched to: the first and the latest ones.
 constexpr std::size_t kMaxPartners = 4;
 constexpr int kPushSteps = 20;
+/// Standard deviations of a revisit from which on two visits may be of two places.
+constexpr double kApart = 2.0;
 /// Squared standard deviations beyond which a landmark is out of reach.
 constexpr double kReachSquared = 80.0;
 
@@ -146,6 +148,22 @@ double log_sum(const std::vector<Child>& children) {
   return highest + std::log(sum);
 }
 
+/// Whether the match shows another place from which the same walls are seen: their maps fit, well
+/// apart. One that fits in place looks the same, and either is the same or says nothing.
+bool is_neighbour(const PlaceMatch& match, const LocationPriorConfig& config) {
+  return match.gain > 0.0 && match.a_from_b.translation().norm() > kApart * config.revisit_stddev_m;
+}
+
+/// What a new landmark at this pose would cost, the others held.
+double penalty_of_newest(const Hypothesis& parent, std::span<const std::size_t> firsts,
+                         const Pose2& newest, const LocationPriorConfig& config) {
+  double sum = 0.0;
+  for (const std::size_t first : firsts) {
+    sum += penalty_at(translation_distance(parent.poses[first], newest), config).value;
+  }
+  return sum;
+}
+
 /// Visits of a landmark that the newest local map is matched to.
 std::vector<std::size_t> partners(const Labels& labels, int label) {
   std::vector<std::size_t> visits;
@@ -198,29 +216,61 @@ Children expand(const Hypothesis& parent, Prediction& prediction,
   return result;
 }
 
-Sight look(const Hypothesis& parent, const Child& child, Prediction& prediction, VisitLog& log,
-           const TopologyConfig& config) {
-  Sight sight{std::nullopt, parent.log_evidence + child.log_odometry, child.poses};
+std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& children,
+                                   VisitLog& log) {
+  std::vector<Overlap> overlaps;
   const std::size_t newest = parent.labels.size();
-  if (log.visit(newest).patch.empty()) return sight;
-  for (const std::size_t visit : partners(parent.labels, child.label)) {
-    if (log.visit(visit).patch.empty()) continue;
-    const PlaceMatch match =
-        log.match(visit, newest, between(child.poses[visit], child.poses[newest]));
-    if (sight.scan && match.gain <= sight.scan->match.gain) continue;
-    sight.scan = ScanFactor{visit, newest, match};
+  if (log.visit(newest).patch.empty()) return overlaps;
+  for (const Child& child : children.children) {
+    std::optional<ScanFactor> best;
+    for (const std::size_t visit : partners(parent.labels, child.label)) {
+      if (log.visit(visit).patch.empty()) continue;
+      const PlaceMatch match =
+          log.match(visit, newest, between(child.poses[visit], child.poses[newest]));
+      if (best && match.gain <= best->match.gain) continue;
+      best = ScanFactor{visit, newest, match};
+    }
+    if (best) overlaps.push_back({child.label, *best});
   }
-  if (!sight.scan) return sight;
-  sight.log_evidence += sight.scan->match.gain;
-  if (!sight.scan->match.converged) return sight;
-  const std::size_t first = first_visits(parent.labels)[static_cast<std::size_t>(child.label)];
-  const std::array<Pull, 2> pulls{prediction.same_place(first, config.location),
-                                  prediction.laid_on(sight.scan->from, sight.scan->match)};
-  Prediction::Pulled pulled = prediction.pulled_by(pulls);
-  sight.log_evidence = parent.log_evidence + log_revisit_constant(config.location) +
-                       sight.scan->match.gain + pulled.log_factor;
-  sight.poses = std::move(pulled.poses);
-  return sight;
+  return overlaps;
+}
+
+Sight look(const Hypothesis& parent, const Child& child, std::span<const Overlap> overlaps,
+           Prediction& prediction, const TopologyConfig& config, double log_new_density) {
+  const std::vector<std::size_t> firsts = first_visits(parent.labels);
+  const auto label = static_cast<std::size_t>(child.label);
+  const bool is_new = label == firsts.size();
+  Sight unseen{std::nullopt, parent.log_evidence + child.log_odometry, child.poses};
+  bool own_fits = false;
+  for (const Overlap& overlap : overlaps) {
+    if (overlap.label != child.label) continue;
+    own_fits = overlap.scan.match.converged;
+    if (own_fits) continue;
+    unseen.scan = overlap.scan;
+    unseen.log_evidence += overlap.scan.match.gain;
+  }
+  const double failure = unseen.scan ? unseen.scan->match.gain : 0.0;
+  std::optional<Sight> best;
+  for (const Overlap& overlap : overlaps) {
+    const PlaceMatch& match = overlap.scan.match;
+    if (!match.converged) continue;
+    if (overlap.label != child.label && !is_neighbour(match, config.location)) continue;
+    std::vector<Pull> pulls{prediction.laid_on(overlap.scan.from, match)};
+    if (!is_new) pulls.push_back(prediction.same_place(firsts[label], config.location));
+    Sight sight{overlap.scan, parent.log_evidence + match.gain + failure, {}};
+    sight.scan->match.gain += failure;
+    Prediction::Pulled pulled = prediction.pulled_by(pulls);
+    sight.log_evidence += pulled.log_factor;
+    sight.log_evidence +=
+        is_new ? log_new_density -
+                     penalty_of_newest(parent, firsts, pulled.poses.back(), config.location)
+               : log_revisit_constant(config.location);
+    sight.poses = std::move(pulled.poses);
+    if (!best || sight.log_evidence > best->log_evidence) best = std::move(sight);
+  }
+  // Its own landmark's map is always looked at; another's only where that explains more.
+  if (best && (own_fits || best->log_evidence > unseen.log_evidence)) return *best;
+  return unseen;
 }
 
 }  // namespace strata::topology

@@ -45,8 +45,23 @@ struct Sight {
                               std::span<const Eigen::Matrix3d> newest_covariances,
                               const VisitLog& log, const TopologyConfig& config);
 
-/// The child with its scan matched to the local maps of its landmark.
-[[nodiscard]] Sight look(const Hypothesis& parent, const Child& child, Prediction& prediction,
-                         VisitLog& log, const TopologyConfig& config);
+/// The newest local map laid on those of a known landmark: the best match, or a failed one.
+struct Overlap {
+  int label = 0;
+  ScanFactor scan;
+};
+
+/// One for every known landmark among the children whose local maps, and that of the newest visit,
+/// have points.
+[[nodiscard]] std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& children,
+                                                 VisitLog& log);
+
+/// The child with its scan: matched to the local maps of its landmark, or of another one that lies
+/// so near that both see the same walls. The paper matches within a landmark only, its landmarks
+/// lying further apart than its maps reach; else two neighbours would be taken for one because
+/// their maps overlap, whichever metres apart the match puts them.
+[[nodiscard]] Sight look(const Hypothesis& parent, const Child& child,
+                         std::span<const Overlap> overlaps, Prediction& prediction,
+                         const TopologyConfig& config, double log_new_density);
 
 }  // namespace strata::topology

@@ -33,11 +33,12 @@ inline constexpr OdometryNoiseConfig kMatchedOdometryNoise{.floor_m = 0.05,
                                                            .per_radian_rad = 0.0};
 
 /// For landmarks as the detector finds them: rooms and junctions of an office lie nearer to each
-/// other than the paper's, whose penalty reaches 10 m.
+/// other than the paper's, whose penalty reaches 10 m. The detector takes two findings within
+/// LandmarkConfig::same_m for one, so that no two landmarks lie nearer, and many not much further.
 [[nodiscard]] inline TopologyConfig detected_landmarks() {
   TopologyConfig config;
   config.odometry = kMatchedOdometryNoise;
-  config.location.penalty_radius_m = 3.0;
+  config.location.penalty_radius_m = LandmarkConfig{}.same_m;
   return config;
 }
 
@@ -50,6 +51,7 @@ struct TopologyMapperConfig {
   double node_distance_m = 0.25;
   WayNoiseConfig way;
   pose_graph::PoseGraphConfig pose_graph;
+  slam::EmConfig refinement;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("match_scans", c.match_scans,
@@ -62,6 +64,9 @@ struct TopologyMapperConfig {
             {.doc = "scans this far apart are poses of the graph", .unit = "m", .min = 0.05});
     v.group("way", c.way, "noise between two poses of the graph");
     v.group("pose_graph", c.pose_graph, "optimization of the metric map");
+    v.group("refinement", c.refinement,
+            "matching every scan again to the metric map, as SLAM does; track_again means nothing "
+            "here");
   }
 };
 

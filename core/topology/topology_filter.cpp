@@ -6,31 +6,27 @@
 #include <iterator>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "core/base/parallel.hpp"
-#include "core/random/stream.hpp"
 #include "core/topology/dirichlet_process.hpp"
 #include "core/topology/expansion.hpp"
+#include "core/topology/proposal.hpp"
 #include "core/topology/visit_log.hpp"
 
 namespace strata::topology {
 namespace {
 
-constexpr std::uint32_t kResampleIndex = 0xFFFFFFFFU;
 /// By so much linearizing may misjudge a topology against another one.
 constexpr double kLinearizationErrorNats = 5.0;
+/// Topologies with two landmarks made one that are tried after a visit, about at most.
+constexpr std::size_t kMostMergers = 12;
 
 /// One topology with what only the filter needs of it.
 struct Particle {
   Hypothesis hypothesis;
   std::vector<Eigen::Matrix3d> newest_covariances;  ///< of each visit when it was new
-};
-
-/// One label to follow: the parent's share of particles, and by what looking multiplies it.
-struct Choice {
-  std::size_t child = 0;
-  double log_factor = 0.0;  ///< weight before looking, less ln Z(L + j; odometry)
 };
 
 /// A label to follow, with its scan.
@@ -43,29 +39,23 @@ struct Candidate {
   [[nodiscard]] double log_weight() const { return log_factor + sight.log_evidence; }
 };
 
-/// How often each hypothesis is taken when `count` are drawn by probability (systematic).
-std::vector<int> draw_parents(const std::vector<Hypothesis>& posterior, int count,
-                              RandomStream random) {
-  std::vector<int> times(posterior.size(), 0);
-  const double step = 1.0 / count;
-  double next = random.uniform() * step;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < posterior.size(); ++i) {
-    sum += posterior[i].probability;
-    const bool last = i + 1 == posterior.size();
-    while (next < sum || (last && next < 1.0)) {
-      ++times[i];
-      next += step;
-    }
-  }
-  return times;
-}
-
 double log_sum_of(const std::vector<double>& logs) {
   const double highest = *std::max_element(logs.begin(), logs.end());
   double sum = 0.0;
   for (const double value : logs) sum += std::exp(value - highest);
   return highest + std::log(sum);
+}
+
+/// Heaviest first, equal ones by their labels.
+std::vector<std::size_t> by_weight(const std::vector<Particle>& particles,
+                                   const std::vector<double>& log_weights) {
+  std::vector<std::size_t> order(particles.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    if (log_weights[a] != log_weights[b]) return log_weights[a] > log_weights[b];
+    return particles[a].hypothesis.labels < particles[b].hypothesis.labels;
+  });
+  return order;
 }
 
 }  // namespace
@@ -82,15 +72,14 @@ struct TopologyFilter::State {
   std::vector<std::vector<Eigen::Matrix3d>> newest_covariances;  // of each hypothesis
   TopologyCounts counts;
 
+  [[nodiscard]] DrawKey draw_key() const { return {seed, log.size()}; }
   void begin();
   void grow();
   [[nodiscard]] std::vector<Candidate> candidates_of(std::size_t parent, int times,
                                                      std::uint32_t first);
   void leave_out_hopeless(std::vector<Candidate>& candidates) const;
   void settle(const std::vector<Candidate>& candidates);
-  [[nodiscard]] std::vector<int> parents() const;
-  [[nodiscard]] std::vector<Choice> choose(std::size_t parent, int times, std::uint32_t first,
-                                           const Children& children) const;
+  void propose_mergers(std::vector<Particle>& particles, std::vector<double>& log_weights);
   void keep(std::vector<Particle> particles, std::vector<double> log_weights);
   void keep_as_new();
 };
@@ -105,60 +94,8 @@ void TopologyFilter::State::begin() {
   newest_covariances = {{Eigen::Matrix3d::Zero()}};
 }
 
-/// Every hypothesis once when the best are kept exactly; else drawn by probability.
-std::vector<int> TopologyFilter::State::parents() const {
-  if (config.expansion == Expansion::kBest) return std::vector<int>(posterior.size(), 1);
-  return draw_parents(posterior, config.particles,
-                      RandomStream(seed, StreamId::kTopology, log.size(), kResampleIndex));
-}
-
-/// The labels that the copies of a parent draw (or all of them, when the best are kept exactly),
-/// each with the logarithm of its weight less ln Z(L + j; odometry).
-std::vector<Choice> TopologyFilter::State::choose(std::size_t parent, int times,
-                                                  std::uint32_t first,
-                                                  const Children& children) const {
-  std::vector<Choice> choices;
-  const Hypothesis& hypothesis = posterior[parent];
-  if (config.expansion == Expansion::kBest) {
-    for (std::size_t c = 0; c < children.children.size(); ++c) {
-      choices.push_back({c, std::log(hypothesis.probability) + children.children[c].log_prior -
-                                hypothesis.log_evidence});
-    }
-    return choices;
-  }
-  const bool with_odometry = config.proposal == Proposal::kOdometry;
-  std::vector<double> proposal;
-  if (with_odometry) {
-    for (const Child& child : children.children) {
-      proposal.push_back(std::exp(child.log_prior + child.log_odometry - children.log_normalizer));
-    }
-  } else {
-    proposal = label_prior(hypothesis.labels, config.concentration);
-  }
-  std::vector<int> drawn(proposal.size(), 0);
-  for (int copy = 0; copy < times; ++copy) {
-    RandomStream random(seed, StreamId::kTopology, log.size(),
-                        first + static_cast<std::uint32_t>(copy));
-    ++drawn[random.categorical(proposal)];
-  }
-  for (std::size_t c = 0; c < children.children.size(); ++c) {
-    const Child& child = children.children[c];
-    const int count = drawn[with_odometry ? c : static_cast<std::size_t>(child.label)];
-    if (count == 0) continue;
-    double log_factor = std::log(static_cast<double>(count));
-    if (!with_odometry) {
-      log_factor -= hypothesis.log_evidence;
-    } else {
-      log_factor -= hypothesis.log_evidence + child.log_odometry;
-      if (config.weighting == Weighting::kCorrected) log_factor += children.log_normalizer;
-    }
-    choices.push_back({c, log_factor});
-  }
-  return choices;
-}
-
 void TopologyFilter::State::grow() {
-  const std::vector<int> times = parents();
+  const std::vector<int> times = choose_parents(posterior, config, draw_key());
   std::vector<std::uint32_t> first(times.size(), 0);
   for (std::size_t i = 1; i < times.size(); ++i) {
     first[i] = first[i - 1] + static_cast<std::uint32_t>(times[i - 1]);
@@ -183,11 +120,14 @@ std::vector<Candidate> TopologyFilter::State::candidates_of(std::size_t parent, 
   const OdometryFactor& odometry = log.measurements(log.size()).odometry.back();
   Prediction prediction(hypothesis.poses, *hypothesis.gaussian, odometry);
   const Children children = expand(hypothesis, prediction, newest_covariances[parent], log, config);
+  const std::vector<Overlap> overlaps = find_overlaps(hypothesis, children, log);
+  const double log_new_density = log.measurements(log.size()).log_new_density.back();
   std::vector<Candidate> candidates;
-  for (const Choice& choice : choose(parent, times, first, children)) {
+  for (const Choice& choice :
+       choose_children(hypothesis, children, times, first, config, draw_key())) {
     const Child& child = children.children[choice.child];
-    candidates.push_back(
-        {parent, child.label, choice.log_factor, look(hypothesis, child, prediction, log, config)});
+    candidates.push_back({parent, child.label, choice.log_factor,
+                          look(hypothesis, child, overlaps, prediction, config, log_new_density)});
   }
   return candidates;
 }
@@ -244,18 +184,52 @@ void TopologyFilter::State::settle(const std::vector<Candidate>& candidates) {
   if (particles.empty()) {
     keep_as_new();
   } else {
+    if (config.expansion == Expansion::kBest) propose_mergers(particles, weights);
     keep(std::move(particles), std::move(weights));
+  }
+}
+
+/// A landmark that was taken for a new one is the old one after all, once a loop that closed later
+/// has brought the two together; no label of a later visit could say so any more.
+void TopologyFilter::State::propose_mergers(std::vector<Particle>& particles,
+                                            std::vector<double>& log_weights) {
+  std::set<Labels> known;
+  for (const Particle& particle : particles) known.insert(particle.hypothesis.labels);
+  const std::vector<std::size_t> order = by_weight(particles, log_weights);
+  std::vector<std::pair<std::size_t, Labels>> merged;  // from which particle
+  for (std::size_t k = 0; k < order.size() && merged.size() < kMostMergers; ++k) {
+    const Hypothesis& hypothesis = particles[order[k]].hypothesis;
+    for (Labels& labels : mergers(hypothesis, config.location)) {
+      if (known.insert(labels).second) merged.emplace_back(order[k], std::move(labels));
+    }
+  }
+  std::vector<std::optional<Particle>> settled(merged.size());
+  std::vector<double> weights(merged.size(), 0.0);
+  pool.for_chunks(merged.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    const Particle& from = particles[merged[i].first];
+    Hypothesis next{merged[i].second, 0.0, 0.0, {}, from.hypothesis.scans, nullptr};
+    Evidence evidence = evaluate(next.labels, log.measurements(log.size()), next.scans,
+                                 from.hypothesis.poses, config.location);
+    if (!evidence.converged) return;
+    weights[i] = log_weights[merged[i].first] + evidence.log_evidence -
+                 from.hypothesis.log_evidence +
+                 log_partition_prior(next.labels, config.concentration) -
+                 log_partition_prior(from.hypothesis.labels, config.concentration);
+    next.log_evidence = evidence.log_evidence;
+    next.poses = std::move(evidence.poses);
+    next.gaussian = std::move(evidence.gaussian);
+    settled[i] = Particle{std::move(next), from.newest_covariances};
+  });
+  for (std::size_t i = 0; i < merged.size(); ++i) {
+    if (!settled[i] || !std::isfinite(weights[i])) continue;
+    particles.push_back(std::move(*settled[i]));
+    log_weights.push_back(weights[i]);
   }
 }
 
 /// Sorts by weight, keeps as many as the config says, and normalizes.
 void TopologyFilter::State::keep(std::vector<Particle> particles, std::vector<double> log_weights) {
-  std::vector<std::size_t> order(particles.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    if (log_weights[a] != log_weights[b]) return log_weights[a] > log_weights[b];
-    return particles[a].hypothesis.labels < particles[b].hypothesis.labels;
-  });
+  std::vector<std::size_t> order = by_weight(particles, log_weights);
   if (order.size() > static_cast<std::size_t>(config.particles)) {
     order.resize(static_cast<std::size_t>(config.particles));
   }

@@ -6,8 +6,9 @@
 #include <map>
 #include <span>
 
-#include "core/grid/counting_map.hpp"
+#include "core/base/parallel.hpp"
 #include "core/pose_graph/pose_graph.hpp"
+#include "core/slam/em_loop.hpp"
 
 namespace strata::topology {
 namespace {
@@ -78,6 +79,30 @@ void add_visits(std::span<const MadeVisit> visits, const Hypothesis& hypothesis,
   }
 }
 
+/// Loops are closed at landmarks only: between them the walls of two passes still lie a little
+/// apart. Every scan is matched to the map of all, as SLAM does once its loops are closed.
+void refine_and_draw(const TopologyMapperConfig& config, int threads, Progress* progress,
+                     TopologyMap& result) {
+  std::vector<bool> mapped;
+  Pose2 last;
+  for (const PosedScan& scan : result.scans) {
+    const Pose2 step = between(last, scan.map_from_robot);
+    const bool is_key = mapped.empty() ||
+                        step.translation().norm() >= config.tracking.key_distance_m ||
+                        std::abs(step.theta) >= config.tracking.key_turn_rad;
+    mapped.push_back(is_key);
+    if (is_key) last = scan.map_from_robot;
+  }
+  std::vector<bool> moves(result.scans.size(), true);
+  if (!moves.empty()) moves.front() = false;  // the frame of the map
+  beam_filter::BeamFilterConfig filter;
+  filter.resolution_m = config.resolution_m;
+  WorkerPool pool(threads);
+  const slam::EmResult em = slam::run_em(result.scans, mapped, moves, config.refinement,
+                                         config.tracking, filter, pool, progress);
+  result.map = em.raw.reflection(filter.min_evidence);
+}
+
 }  // namespace
 
 TopologyMap make_topology_map(const TopologyMapper& mapper, Progress* progress) {
@@ -96,15 +121,12 @@ TopologyMap make_topology_map(const TopologyMapper& mapper, Progress* progress) 
     add_visits(result.visits, likeliest, chain, graph);
   }
   result.optimized = graph.size() > 0 && graph.optimize().converged;
-  CountingMap counts(config.resolution_m);
   for (std::size_t i = 0; i < result.scans.size(); ++i) {
     PosedScan& scan = result.scans[i];
     const std::size_t node = chain.node_of[i];
     scan.map_from_robot = graph.pose(node) * between(chain.before[node], scan.map_from_robot);
-    counts.add(scan);
-    report_progress(progress, "draw the map", i + 1, result.scans.size());
   }
-  result.map = counts.reflection();
+  refine_and_draw(config, mapper.threads(), progress, result);
   return result;
 }
 

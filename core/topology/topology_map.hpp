@@ -28,8 +28,8 @@ struct TopologyMap {
 };
 
 /// After `finish` and the updates that it asked for. Consecutive scans and the local maps that the
-/// likeliest topology laid on each other hold each other. Throws Cancelled. O(scans x beams) for
-/// drawing and about that for the pose graph.
+/// likeliest topology laid on each other hold each other; then every scan is matched to the map of
+/// all. Throws Cancelled. O(rounds x scans x beams).
 [[nodiscard]] TopologyMap make_topology_map(const TopologyMapper& mapper,
                                             Progress* progress = nullptr);
 

@@ -9,15 +9,17 @@
 namespace strata::topology {
 
 struct TopologyMapper::State {
-  State(const TopologyMapperConfig& mapper_config, std::uint64_t seed, int threads)
+  State(const TopologyMapperConfig& mapper_config, std::uint64_t seed, int thread_count)
       : config(mapper_config),
         maker(mapper_config.landmarks),
-        filter(mapper_config.topology, seed, threads) {}
+        filter(mapper_config.topology, seed, thread_count),
+        threads(thread_count) {}
 
   TopologyMapperConfig config;
   std::optional<slam::Tracker> tracker;
   VisitMaker maker;
   TopologyFilter filter;
+  int threads = 1;
   std::vector<PosedScan> scans;
   std::vector<MadeVisit> visits;
   std::size_t skipped = 0;
@@ -68,6 +70,7 @@ bool TopologyMapper::update(MadeVisit visit) {
 }
 
 const TopologyMapperConfig& TopologyMapper::config() const { return state_->config; }
+int TopologyMapper::threads() const { return state_->threads; }
 const TopologyFilter& TopologyMapper::filter() const { return state_->filter; }
 const std::vector<MadeVisit>& TopologyMapper::visits() const { return state_->visits; }
 const std::vector<PosedScan>& TopologyMapper::scans() const { return state_->scans; }

@@ -43,6 +43,7 @@ class TopologyMapper {
   bool update(MadeVisit visit);
 
   [[nodiscard]] const TopologyMapperConfig& config() const;
+  [[nodiscard]] int threads() const;
   [[nodiscard]] const TopologyFilter& filter() const;
   [[nodiscard]] const std::vector<Hypothesis>& posterior() const { return filter().posterior(); }
   /// Those that the filter took, in order.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
+#include "core/topology/proposal.hpp"
 #include "tests/core/topology/junction_world.hpp"
 
 namespace strata::topology {
@@ -197,6 +198,76 @@ TEST(TopologyFilter, StaysNormalizedWithTwoLandmarksWithinAMetre) {
   for (const Hypothesis& hypothesis : posterior) {
     EXPECT_TRUE(std::isfinite(hypothesis.log_evidence));
     EXPECT_EQ(hypothesis.poses.size(), drive.visits.size());
+  }
+}
+
+/// One room of 12 m by 8 m with a pillar, seen whole from two places 3 m apart.
+Drive room_with_two_places(const std::vector<int>& order) {
+  Drive drive;
+  drive.truth = canonical(order);
+  std::vector<Eigen::Vector2d> walls;
+  for (double t = 0.0; t <= 12.0; t += 0.1) {
+    walls.emplace_back(t, 0.0);
+    walls.emplace_back(t, 8.0);
+    if (t <= 8.0) walls.emplace_back(0.0, t);
+    if (t <= 8.0) walls.emplace_back(12.0, t);
+    if (t <= 1.0) walls.emplace_back(3.0 + t, 6.0);
+  }
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Pose2 pose{4.5 + 3.0 * order[i], 4.0 + 0.02 * static_cast<double>(i), 0.3 * order[i]};
+    LandmarkVisit visit;
+    visit.stamp = {static_cast<std::int64_t>(i + 1) * 1'000'000'000};
+    visit.odom_from_robot = pose;
+    visit.way_m = i == 0 ? 0.0 : 3.0;
+    std::vector<Eigen::Vector2d> seen;
+    for (const Eigen::Vector2d& wall : walls) seen.push_back(inverse(pose) * wall);
+    visit.patch = with_normals(seen, 5);
+    drive.visits.push_back(std::move(visit));
+  }
+  return drive;
+}
+
+TEST(TopologyFilter, DoesNotTakeTwoPlacesForOneBecauseTheySeeTheSameWalls) {
+  const Drive drive = room_with_two_places({0, 1, 0, 1});
+  TopologyConfig config;
+  config.location.penalty_radius_m = 1.5;
+  const std::vector<Hypothesis> posterior = posterior_of(drive.visits, config);
+  EXPECT_EQ(posterior.front().labels, drive.truth);
+  EXPECT_GT(posterior.front().probability, 0.9);
+}
+
+TEST(TopologyFilter, MakesOneLandmarkOfTwoThatALaterLoopBringsTogether) {
+  Hypothesis hypothesis;
+  hypothesis.labels = {0, 1, 2, 0};
+  hypothesis.poses = {{0, 0, 0}, {5, 0, 1}, {5.4, 0.3, 2}, {0, 0, 0}};
+  const LocationPriorConfig config;
+  EXPECT_EQ(mergers(hypothesis, config), (std::vector<Labels>{{0, 1, 1, 0}}));
+  hypothesis.poses[2].x = 7.0;
+  EXPECT_TRUE(mergers(hypothesis, config).empty());
+}
+
+/// Whatever is wrong with a visit, the posterior stays one, and the counts say what it was.
+TEST(TopologyFilter, StaysNormalizedAndSaysWhyWhateverComes) {
+  Drive drive = test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(),
+                                  kLandmarkOdometryNoise, 3);
+  TopologyConfig config;
+  config.match.min_overlap = 1.0;  // every match fails
+  for (const Expansion expansion : {Expansion::kBest, Expansion::kParticles}) {
+    config.expansion = expansion;
+    TopologyFilter filter(config, 1);
+    std::size_t taken = 0;
+    for (std::size_t i = 0; i < drive.visits.size(); ++i) {
+      LandmarkVisit visit = drive.visits[i];
+      if (i == 4) visit.patch = {};
+      if (i == 6) visit.stamp = drive.visits[2].stamp;
+      taken += filter.add(std::move(visit)) ? 1 : 0;
+      EXPECT_NEAR(sum_of(filter.posterior()), 1.0, 1e-12) << i;
+    }
+    EXPECT_EQ(taken, drive.visits.size() - 1);
+    EXPECT_EQ(filter.counts().skipped_visits, 1U);
+    EXPECT_EQ(filter.counts().empty_patches, 1U);
+    EXPECT_GT(filter.counts().failed_matches, 0U);
+    EXPECT_EQ(filter.posterior().front().labels.size(), taken);
   }
 }
 

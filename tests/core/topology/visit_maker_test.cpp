@@ -126,6 +126,7 @@ TEST(VisitMaker, TakesLandmarksByHandInOrderOfTime) {
   EXPECT_DOUBLE_EQ(visits[1].visit.stamp.seconds(), 30.0);
   EXPECT_NEAR(visits[1].visit.way_m, 8.0, 1e-9);
   EXPECT_EQ(visits[0].robot_from_visit, Pose2{});
+  EXPECT_EQ(maker.late(), 1U);
 }
 
 TEST(VisitMaker, LeavesOutScansThatDoNotFollowAndMakesNothingOfNothing) {

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/proposal.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/random/stream.hpp"
+#include "core/topology/dirichlet_process.hpp"
+
+namespace strata::topology {
+namespace {
+
+constexpr std::uint32_t kResampleIndex = 0xFFFFFFFFU;
+/// Landmarks within so many standard deviations of a revisit may be one.
+constexpr double kNearStddevs = 2.0;
+
+/// How often each hypothesis is taken when `count` are drawn by probability (systematic).
+std::vector<int> draw_parents(const std::vector<Hypothesis>& posterior, int count,
+                              RandomStream random) {
+  std::vector<int> times(posterior.size(), 0);
+  const double step = 1.0 / count;
+  double next = random.uniform() * step;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < posterior.size(); ++i) {
+    sum += posterior[i].probability;
+    const bool last = i + 1 == posterior.size();
+    while (next < sum || (last && next < 1.0)) {
+      ++times[i];
+      next += step;
+    }
+  }
+  return times;
+}
+
+}  // namespace
+
+std::vector<int> choose_parents(const std::vector<Hypothesis>& posterior,
+                                const TopologyConfig& config, const DrawKey& key) {
+  if (config.expansion == Expansion::kBest) return std::vector<int>(posterior.size(), 1);
+  return draw_parents(posterior, config.particles,
+                      RandomStream(key.seed, StreamId::kTopology, key.visits, kResampleIndex));
+}
+
+std::vector<Choice> choose_children(const Hypothesis& parent, const Children& children, int times,
+                                    std::uint32_t first, const TopologyConfig& config,
+                                    const DrawKey& key) {
+  std::vector<Choice> choices;
+  if (config.expansion == Expansion::kBest) {
+    for (std::size_t c = 0; c < children.children.size(); ++c) {
+      choices.push_back(
+          {c, std::log(parent.probability) + children.children[c].log_prior - parent.log_evidence});
+    }
+    return choices;
+  }
+  const bool with_odometry = config.proposal == Proposal::kOdometry;
+  std::vector<double> proposal;
+  if (with_odometry) {
+    for (const Child& child : children.children) {
+      proposal.push_back(std::exp(child.log_prior + child.log_odometry - children.log_normalizer));
+    }
+  } else {
+    proposal = label_prior(parent.labels, config.concentration);
+  }
+  std::vector<int> drawn(proposal.size(), 0);
+  for (int copy = 0; copy < times; ++copy) {
+    RandomStream random(key.seed, StreamId::kTopology, key.visits,
+                        first + static_cast<std::uint32_t>(copy));
+    ++drawn[random.categorical(proposal)];
+  }
+  for (std::size_t c = 0; c < children.children.size(); ++c) {
+    const Child& child = children.children[c];
+    const int count = drawn[with_odometry ? c : static_cast<std::size_t>(child.label)];
+    if (count == 0) continue;
+    double log_factor = std::log(static_cast<double>(count));
+    if (!with_odometry) {
+      log_factor -= parent.log_evidence;
+    } else {
+      log_factor -= parent.log_evidence + child.log_odometry;
+      if (config.weighting == Weighting::kCorrected) log_factor += children.log_normalizer;
+    }
+    choices.push_back({c, log_factor});
+  }
+  return choices;
+}
+
+std::vector<Labels> mergers(const Hypothesis& hypothesis, const LocationPriorConfig& config) {
+  std::vector<Labels> merged;
+  const std::vector<std::size_t> firsts = first_visits(hypothesis.labels);
+  for (std::size_t b = 1; b < firsts.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      if (translation_distance(hypothesis.poses[firsts[a]], hypothesis.poses[firsts[b]]) >
+          kNearStddevs * config.revisit_stddev_m) {
+        continue;
+      }
+      Labels labels = hypothesis.labels;
+      std::replace(labels.begin(), labels.end(), static_cast<int>(b), static_cast<int>(a));
+      merged.push_back(canonical(labels));
+    }
+  }
+  return merged;
+}
+
+}  // namespace strata::topology

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Which topologies and which labels are followed to the next visit [ranganathan2006rao, eqs. (4)
+/// and (16)].
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/topology/config.hpp"
+#include "core/topology/expansion.hpp"
+#include "core/topology/topology_filter.hpp"
+
+namespace strata::topology {
+
+/// What random numbers depend on.
+struct DrawKey {
+  std::uint64_t seed = 1;
+  std::size_t visits = 0;  ///< so far, with the newest
+};
+
+/// How often each hypothesis is followed: once when the best are kept exactly; else as often as it
+/// is drawn by probability (systematic), config.particles times in all. O(particles).
+[[nodiscard]] std::vector<int> choose_parents(const std::vector<Hypothesis>& posterior,
+                                              const TopologyConfig& config, const DrawKey& key);
+
+/// One label to follow: the parent's share of particles, and by what looking multiplies it.
+struct Choice {
+  std::size_t child = 0;
+  double log_factor = 0.0;  ///< weight before looking, less ln Z(L + j; odometry)
+};
+
+/// The labels that `times` copies of a parent draw (or all of them, when the best are kept
+/// exactly), each with the logarithm of its weight less ln Z(L + j; odometry). first: number of the
+/// first copy among those of all parents.
+[[nodiscard]] std::vector<Choice> choose_children(const Hypothesis& parent,
+                                                  const Children& children, int times,
+                                                  std::uint32_t first, const TopologyConfig& config,
+                                                  const DrawKey& key);
+
+/// The topologies that come of holding two landmarks of this one, whose first visits it puts within
+/// two standard deviations of a revisit, for one. Canonical. O(landmarks^2).
+[[nodiscard]] std::vector<Labels> mergers(const Hypothesis& hypothesis,
+                                          const LocationPriorConfig& config);
+
+}  // namespace strata::topology
