@@ -6,6 +6,8 @@
 #include <set>
 #include <string>
 
+#include "core/grid/map_sharpness.hpp"
+
 namespace strata::maps {
 namespace {
 
@@ -45,11 +47,15 @@ RunExtent extent_of(const std::vector<PosedScan>& scans) {
 
 json summarize_slam(const slam::SlamResult& result) {
   const RunExtent extent = extent_of(result.scans);
+  const MapSharpness sharpness = map_sharpness(result.occupancy);
   return {{"scans", result.scans.size()},
           {"skipped_scans", result.skipped_scans},
           {"duration_s", extent.duration_s},
           {"path_m", extent.path_m},
           {"runs", extent.runs},
+          {"sharpness",
+           {{"entropy_bits", sharpness.entropy_bits},
+            {"wall_thickness_m", sharpness.wall_thickness_m}}},
           {"em",
            {{"iterations", result.iterations},
             {"log_likelihood", result.log_likelihood},

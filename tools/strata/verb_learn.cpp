@@ -12,6 +12,7 @@
 #include "core/base/error.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/learn.hpp"
+#include "tools/pipeline/learn_pictures.hpp"
 #include "tools/pipeline/truth_frame.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
@@ -25,6 +26,7 @@ struct Options {
   std::string out;
   std::string update;
   std::vector<std::string> only;
+  bool pictures = false;
 };
 
 pipeline::LearnParts parts_of(const std::vector<std::string>& only) {
@@ -77,6 +79,9 @@ void run_learn(const Options& options, VerbContext& context) {
   maps::write_grid_maps(out.path(), result.slam);
   if (parts.patch) maps::write_patch_map(out.path(), result.patches);
   if (parts.timescale) maps::write_timescale(out.path(), *result.timescale);
+  if (options.pictures) {
+    pipeline::write_learn_pictures(out.path() / "pictures", result.slam, config.slam.beam_filter);
+  }
   // The frame of the truth is that of the first truth given: later ones are in it too.
   const auto frame = earlier && earlier->map_from_truth
                          ? earlier->map_from_truth
@@ -111,6 +116,9 @@ void add_learn(CLI::App& app, VerbContext& context) {
                    "folder of maps learned before: go on from them; their runs come first");
   verb->add_option("--only", options->only, "em, patch, timescale (comma separated)")
       ->delimiter(',');
+  verb->add_flag("--pictures", options->pictures,
+                 "beside the maps, pictures/report.html: the map before and after the beam filter, "
+                 "the likelihood and the map round by round");
   add_run_options(*verb, options->input);
 }
 

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What learning did to the map, for people to look at.
+#pragma once
+
+#include <filesystem>
+
+#include "core/beam_filter/config.hpp"
+#include "core/slam/slam.hpp"
+
+namespace strata::pipeline {
+
+/// Rounds of EM that `write_learn_pictures` shows.
+inline constexpr int kShownRounds = 6;
+
+/// Writes report.html into `folder`, which it creates, with: the map of all beams, those judged
+/// dynamic marked, against the filtered one (figures 1.4 to 1.6 of [stachniss2003chapter]); the log
+/// likelihood of the data round by round (figure 1.8); and the map after each of the first rounds
+/// of EM at the poses found (figure 1.7), also as map_server files round_N.yaml. The map of round 0
+/// is that of all beams. Each cell is judged by itself there, as in the paper. A result without
+/// scans gives a page that says so. Throws OutputError.
+void write_learn_pictures(const std::filesystem::path& folder, const slam::SlamResult& result,
+                          const beam_filter::BeamFilterConfig& config);
+
+}  // namespace strata::pipeline
