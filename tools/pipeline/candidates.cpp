@@ -26,6 +26,14 @@ std::vector<StateTrace> traces_of(const std::vector<maps::StateRow>& rows, Stamp
 
 }  // namespace
 
+std::vector<maps::MapModel> make_models(const maps::Maps& maps, const CompareConfig& config) {
+  std::vector<maps::MapModel> models;
+  for (const std::string& name : config.protocol.models) {
+    models.push_back(maps::make_map_model(maps, name, config.sensor));
+  }
+  return models;
+}
+
 LocalizationRun localize_here(const LocalizeJob& job) {
   return localize(job.observations, job.truths, job.model, job.free_space, job.config, {job.start},
                   job.seed, 1, nullptr);

@@ -7,6 +7,8 @@
 #include <functional>
 #include <mutex>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "components/maps/map_model.hpp"
@@ -21,18 +23,24 @@ namespace strata::pipeline {
 /// Progress that several threads report to.
 class SharedProgress {
  public:
-  SharedProgress(Progress* progress, std::size_t total) : progress_(progress), total_(total) {}
+  SharedProgress(Progress* progress, std::string stage, std::size_t total)
+      : progress_(progress), stage_(std::move(stage)), total_(total) {}
   void one_done() {
     const std::lock_guard lock(mutex_);
-    report_progress(progress_, "localize with every model", ++done_, total_);
+    report_progress(progress_, stage_, ++done_, total_);
   }
 
  private:
   Progress* progress_;
+  std::string stage_;
   std::size_t total_;
   std::mutex mutex_;
   std::size_t done_ = 0;
 };
+
+/// The models that the configuration names.
+[[nodiscard]] std::vector<maps::MapModel> make_models(const maps::Maps& maps,
+                                                      const CompareConfig& config);
 
 /// The library itself, in this process.
 [[nodiscard]] LocalizationRun localize_here(const LocalizeJob& job);

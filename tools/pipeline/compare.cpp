@@ -6,20 +6,13 @@
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 #include "tools/pipeline/candidates.hpp"
+#include "tools/pipeline/equal_memory.hpp"
 #include "tools/pipeline/learned_maps.hpp"
 #include "tools/pipeline/model_scores.hpp"
 #include "tools/pipeline/test_part.hpp"
 
 namespace strata::pipeline {
 namespace {
-
-std::vector<maps::MapModel> make_models(const maps::Maps& maps, const CompareConfig& config) {
-  std::vector<maps::MapModel> models;
-  for (const std::string& name : config.protocol.models) {
-    models.push_back(maps::make_map_model(maps, name, config.sensor));
-  }
-  return models;
-}
 
 void require_parts(const Split& split, const CompareJob& job) {
   if (!split.train.empty() && !split.test.empty()) return;
@@ -55,15 +48,17 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
   const std::vector<double> elapsed = elapsed_seconds(runs.observations);
   WorkerPool pool(job.jobs > 0 ? job.jobs : job.threads);
   SharedProgress progress(
-      job.progress, count_drives(runs, job.splits) * comparison.models.size() * job.seeds.size());
+      job.progress, "localize with every model",
+      count_drives(runs, job.splits) * comparison.models.size() * job.seeds.size());
   for (std::size_t s = 0; s < job.splits.size(); ++s) {
     Learned learned = learn_split(runs, job.splits[s], poses, config, job);
     const std::vector<maps::MapModel> map_models = make_models(learned.maps, same_for_all);
     const LocalizeFunction localize_one = job.localize_with
                                               ? job.localize_with(learned.result, same_for_all)
                                               : LocalizeFunction(localize_here);
-    for (TestPart& part :
-         make_test_parts(runs, job.splits[s], elapsed, learned.truths, config.protocol)) {
+    std::vector<TestPart> parts =
+        make_test_parts(runs, job.splits[s], elapsed, learned.truths, config.protocol);
+    for (TestPart& part : parts) {
       look_for_changes(learned.result.slam.scans, learned.maps.filtered, same_for_all, part);
       run_candidates(
           make_candidates(map_models, localize_one, job.peers, learned, same_for_all, part), part,
@@ -72,6 +67,8 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
                    comparison.models);
       comparison.parts.push_back(part.info);
     }
+    add_memory_curves(runs, {job.splits[s], learned, parts}, same_for_all, job, pool,
+                      comparison.models);
     if (s > 0) continue;
     outcome.learned = std::move(learned.result);
     outcome.maps = std::move(learned.maps);

@@ -18,6 +18,8 @@ struct CompareProtocol {
   double start_stddev_m = 0.1;
   double start_stddev_rad = 0.05;
   int prediction_every = 5;
+  int memory_steps = 2;
+  int memory_seeds = 5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("models", c.models, {.doc = "map models to compare"});
@@ -32,6 +34,14 @@ struct CompareProtocol {
             {.doc = "... and in heading", .unit = "rad", .min = 0.0});
     v.field("prediction_every", c.prediction_every,
             {.doc = "every so many test scans are predicted", .unit = "scans", .min = 1});
+    v.field(
+        "memory_steps", c.memory_steps,
+        {.doc = "every model is learned again in less memory (grids: a quarter of the bytes), this "
+                "many times; 0: not at all",
+         .min = 0,
+         .max = 4});
+    v.field("memory_seeds", c.memory_seeds,
+            {.doc = "... and localized in with the first seeds, this many", .min = 1});
     v.require(!c.models.empty(), "models", "is empty", "name at least one model");
   }
 };

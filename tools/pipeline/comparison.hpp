@@ -48,6 +48,14 @@ struct StateTrace {
   std::vector<std::vector<double>> probability;  ///< per configuration, one entry a time
 };
 
+/// A model learned in some memory, over all drives.
+struct MemoryPoint {
+  std::string setting;
+  std::size_t bytes = 0;            ///< as stored, of the first split
+  std::vector<double> run_means_m;  ///< one a drive and seed
+  std::size_t lost_runs = 0;
+};
+
 struct ModelResult {
   std::string model;
   std::size_t map_bytes = 0;            ///< of the first split, as stored
@@ -55,6 +63,7 @@ struct ModelResult {
   std::vector<PredictionScore> scores;  ///< one a part
   std::vector<ModelRun> runs;           ///< part by part, seeds in order, the same for every model
   std::vector<StateTrace> states;       ///< of the first part and seed; patch models only
+  std::vector<MemoryPoint> memory;      ///< from full memory on downwards; empty: not tried
   std::vector<FalseAdaptation> false_adaptation;  ///< one a part; empty for peers, like the rest
   std::vector<PlanningScore> planning;
   std::vector<ScanPrediction> own_pose;  ///< unseen beams from the runs' own poses

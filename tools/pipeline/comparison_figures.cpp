@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "tools/pipeline/comparison_tables.hpp"
 #include "tools/report/map_picture.hpp"
 
 namespace strata::pipeline {
@@ -114,10 +115,19 @@ LinePlot error_against_bytes(const Comparison& comparison) {
                 .x_label = "map size [kB]",
                 .y_label = "mean error [m]",
                 .from_zero = true,
-                .points = true};
+                .points = true,
+                .log_x = true};
   for (const ModelResult& model : comparison.models) {
-    plot.series.push_back(
-        {model.model, {static_cast<double>(model.map_bytes) / 1024.0}, {mean_error_m(model)}});
+    Series curve{model.model, {}, {}};
+    for (const MemoryPoint& point : model.memory) {
+      curve.x.push_back(static_cast<double>(point.bytes) / 1024.0);
+      curve.y.push_back(statistics::mean(point.run_means_m));
+    }
+    if (model.memory.empty()) {
+      curve.x.push_back(static_cast<double>(model.map_bytes) / 1024.0);
+      curve.y.push_back(mean_error_m(model));
+    }
+    plot.series.push_back(std::move(curve));
   }
   return plot;
 }
@@ -138,7 +148,9 @@ void add_errors(const Comparison& comparison, HtmlReport& page) {
             "percentile.");
   page.plot("error_against_bytes", error_against_bytes(comparison),
             "Lower and further left is better. Sizes are a byte a cell of each grid, and the state "
-            "of the timescale levels.");
+            "of the timescale levels. Each line is one model learned in ever less memory, with the "
+            "first seeds; the axis counts in powers of ten.");
+  add_equal_memory(comparison, page);
 }
 
 void add_maps(const CompareOutcome& outcome, HtmlReport& page) {

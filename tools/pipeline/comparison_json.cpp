@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "tools/pipeline/comparison.hpp"
+#include "tools/pipeline/equal_memory.hpp"
 #include "tools/pipeline/over_runs.hpp"
 
 namespace strata::pipeline {
@@ -91,6 +92,38 @@ json changed_json(const ModelResult& model) {
           {"scan_prediction", prediction_json(pool_predictions(model, &PredictionScore::changed))}};
 }
 
+json memory_json(const ModelResult& model) {
+  json points = json::array();
+  for (const MemoryPoint& point : model.memory) {
+    points.push_back({{"setting", point.setting},
+                      {"bytes", point.bytes},
+                      {"lost_runs", point.lost_runs},
+                      {"error_m",
+                       {{"mean", statistics::mean(point.run_means_m)},
+                        {"per_seed", point.run_means_m},
+                        {"ci95", interval_json(point.run_means_m)}}}});
+  }
+  return points;
+}
+
+json equal_memory_json(const Comparison& comparison) {
+  json budgets = json::array();
+  for (const MemoryBudget& budget : equal_memory(comparison)) {
+    json models = json::object();
+    for (std::size_t m = 0; m < comparison.models.size(); ++m) {
+      const MemoryPoint* point = budget.points[m];
+      if (comparison.models[m].memory.empty()) continue;
+      models[comparison.models[m].model] =
+          point == nullptr ? json(nullptr)
+                           : json({{"setting", point->setting},
+                                   {"bytes", point->bytes},
+                                   {"mean_error_m", statistics::mean(point->run_means_m)}});
+    }
+    budgets.push_back({{"bytes", budget.bytes}, {"models", models}});
+  }
+  return budgets;
+}
+
 json model_json(const ModelResult& model) {
   const std::vector<double> means = run_means(model);
   const RecoverySummary recovery = summarize_recovery(model);
@@ -118,6 +151,7 @@ json model_json(const ModelResult& model) {
       {"where_it_changed", changed_json(model)},
       {"map_bytes", model.map_bytes},
       {"resident_bytes", model.resident_bytes},
+      {"error_against_bytes", memory_json(model)},
       {"update_ms", update_time(model)},
       {"query_ms", query_time(model)},
       {"false_adaptation", or_null(false_adaptation_share(model))},
@@ -182,6 +216,7 @@ json to_json(const Comparison& comparison, const std::vector<PairedTest>& tests)
           {"truth", comparison.truth == TruthKind::kGiven ? "given" : "joint trajectory"},
           {"models", models},
           {"wins", wins},
+          {"equal_memory", equal_memory_json(comparison)},
           {"verdict", verdict(comparison, tests)}};
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "tools/pipeline/equal_memory.hpp"
+
 namespace strata::pipeline {
 namespace {
 
@@ -158,6 +160,35 @@ void add_drives(const Comparison& comparison, HtmlReport& page) {
         count += 1.0;
       }
       row.push_back(fixed(sum / count, 3));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  page.table(table);
+}
+
+void add_equal_memory(const Comparison& comparison, HtmlReport& page) {
+  const std::vector<MemoryBudget> budgets = equal_memory(comparison);
+  if (budgets.empty()) return;
+  report::Table table;
+  table.header = {"model"};
+  table.caption =
+      "Mean error in metres when every map must fit in as many bytes as stored. Every model was "
+      "learned again from the same scans at half and a quarter of its resolution (timescale: of "
+      "its angle bins, samples and nodes a metre); here stands the largest that fits, with its "
+      "setting, over " +
+      std::to_string(comparison.models.front().memory.front().run_means_m.size()) +
+      " runs. Few runs: see the intervals in comparison.json before making much of it.";
+  for (const MemoryBudget& budget : budgets) {
+    table.header.push_back("in " + kilobytes(budget.bytes));
+  }
+  for (std::size_t m = 0; m < comparison.models.size(); ++m) {
+    if (comparison.models[m].memory.empty()) continue;
+    std::vector<std::string> row{comparison.models[m].model};
+    for (const MemoryBudget& budget : budgets) {
+      const MemoryPoint* point = budget.points[m];
+      row.push_back(point == nullptr ? "does not fit"
+                                     : fixed(statistics::mean(point->run_means_m), 3) + " (" +
+                                           point->setting + ")");
     }
     table.rows.push_back(std::move(row));
   }

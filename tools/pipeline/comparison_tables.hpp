@@ -21,6 +21,8 @@ void add_drives(const Comparison& comparison, report::HtmlReport& page);
 /// Places that changed, with what each model made of them.
 void add_changed_places(const Comparison& comparison, const nlohmann::json& models,
                         report::HtmlReport& page);
+/// Error of every model in the same memory; nothing when that was not tried.
+void add_equal_memory(const Comparison& comparison, report::HtmlReport& page);
 /// The other measures: tails, heading, recovery, memory, time.
 void add_more_measures(const Comparison& comparison, const nlohmann::json& models,
                        report::HtmlReport& page);

@@ -53,6 +53,16 @@ Poses joint_trajectory(const Runs& runs, const CompareConfig& config, int thread
   return poses_of(all.slam, runs.observations);
 }
 
+maps::Maps maps_of(const LearnResult& result) {
+  maps::Maps maps;
+  maps.occupancy = result.slam.occupancy;
+  maps.filtered = result.slam.filtered;
+  maps.patches = result.patches;
+  maps.timescale = result.timescale;
+  if (maps.timescale) maps.nodes = maps.timescale->decode();
+  return maps;
+}
+
 Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
                     const CompareConfig& config, const CompareJob& job) {
   Learned learned;
@@ -60,6 +70,7 @@ Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
   learned.result = learn(train, pick(poses, split.train), config.learn, {}, job.seeds.front(),
                          job.threads, job.progress);
   learned.truths = poses;
+  learned.maps = maps_of(learned.result);
   maps::Maps& maps = learned.maps;
   maps.given = job.given_map;
   if (any_known(runs.truths)) {
@@ -72,11 +83,6 @@ Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
     maps.map_from_truth = map_from_truth;
     maps.given_from_map = inverse(map_from_truth);
   }
-  maps.occupancy = learned.result.slam.occupancy;
-  maps.filtered = learned.result.slam.filtered;
-  maps.patches = learned.result.patches;
-  maps.timescale = learned.result.timescale;
-  if (maps.timescale) maps.nodes = maps.timescale->decode();
   return learned;
 }
 

@@ -28,6 +28,9 @@ using Poses = std::vector<std::optional<Pose2>>;
 [[nodiscard]] Poses joint_trajectory(const Runs& runs, const CompareConfig& config, int threads,
                                      Progress* progress);
 
+/// What was learned, ready to localize in.
+[[nodiscard]] maps::Maps maps_of(const LearnResult& result);
+
 struct Learned {
   LearnResult result;
   maps::Maps maps;

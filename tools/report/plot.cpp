@@ -44,7 +44,10 @@ struct Frame {
   double top = kTop;
   double width = 0.0;
   double height = 0.0;
-  [[nodiscard]] double px(double value) const { return left + (value - x.low) / x.span() * width; }
+  bool log_x = false;  ///< x holds powers of ten
+  [[nodiscard]] double px(double value) const {
+    return left + ((log_x ? std::log10(value) : value) - x.low) / x.span() * width;
+  }
   [[nodiscard]] double py(double value) const {
     return top + height - (value - y.low) / y.span() * height;
   }
@@ -60,12 +63,14 @@ std::string number(double value) {
 Frame make_frame(const LinePlot& plot) {
   Frame frame;
   for (const Series& series : plot.series) {
-    for (const double x : series.x) frame.x.add(x);
+    for (const double x : series.x) frame.x.add(plot.log_x ? std::log10(x) : x);
     for (const double y : series.y) frame.y.add(y);
   }
   if (plot.from_zero) frame.y.add(0.0);
-  if (plot.points) frame.x.add(0.0);
+  frame.log_x = plot.log_x;
+  if (plot.points && !plot.log_x) frame.x.add(0.0);
   frame.x.settle();
+  if (plot.log_x) frame.x = {frame.x.low - 0.05, frame.x.high + 0.05};
   frame.y.settle();
   if (plot.y_max > 0.0) frame.y.high = plot.y_max;
   const double legend = kLegendRow * std::ceil(static_cast<double>(plot.series.size()) / 4.0);
@@ -83,10 +88,22 @@ Frame make_frame(const LinePlot& plot) {
   return frame;
 }
 
+/// 1, 2 and 5 of every power of ten.
+std::vector<double> log_ticks(const Range& powers) {
+  std::vector<double> result;
+  for (double power = std::floor(powers.low); power <= powers.high; power += 1.0) {
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double tick = digit * std::pow(10.0, power);
+      if (std::log10(tick) >= powers.low && std::log10(tick) <= powers.high) result.push_back(tick);
+    }
+  }
+  return result;
+}
+
 void draw_axes(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
   const double right = frame.left + frame.width;
   const double bottom = frame.top + frame.height;
-  for (const double tick : ticks(frame.x.low, frame.x.high, 8)) {
+  for (const double tick : plot.log_x ? log_ticks(frame.x) : ticks(frame.x.low, frame.x.high, 8)) {
     const std::string x = number(frame.px(tick));
     out << "<line class='grid' x1='" << x << "' x2='" << x << "' y1='" << frame.top << "' y2='"
         << bottom << "'/><text class='tick' text-anchor='middle' x='" << x << "' y='"
@@ -127,7 +144,6 @@ void draw_series(const LinePlot& plot, const Frame& frame, std::ostringstream& o
     const Series& series = plot.series[s];
     if (plot.points) {
       draw_points(series, frame, s % kColors, out);
-      continue;
     }
     out << "<path class='" << line_class(s) << "' d='";
     bool pen_down = false;

@@ -29,7 +29,8 @@ struct LinePlot {
   bool equal_axes = false;  ///< one metre is as long in x as in y
   bool from_zero = false;   ///< the y axis begins at 0
   double y_max = 0.0;       ///< > 0: the y axis ends here
-  bool points = false;      ///< dots instead of lines
+  bool points = false;      ///< dots, joined by lines
+  bool log_x = false;       ///< the x axis counts in powers of ten; x must be positive
   int width = 760;
   int height = 340;
 };

@@ -30,6 +30,7 @@ struct Options {
   std::string map;
   std::string via = "direct";
   bool peers = false;
+  bool json = false;
   int folds = 0;
   int seeds = 20;
   int jobs = 0;
@@ -109,7 +110,11 @@ void run_compare(const Options& options, VerbContext& context) {
   pipeline::write_report(outcome, settings::write_yaml(config), out.path());
   out.commit();
   const auto tests = pipeline::paired_tests(outcome.comparison);
-  std::cout << pipeline::verdict(outcome.comparison, tests) << '\n';
+  if (options.json) {
+    std::cout << pipeline::to_json(outcome.comparison, tests).dump(2) << '\n';
+  } else {
+    std::cout << pipeline::verdict(outcome.comparison, tests) << '\n';
+  }
   context.note("report: " + options.out + "/report.html");
 }
 
@@ -146,6 +151,7 @@ void add_compare(CLI::App& app, VerbContext& context) {
                    "runs of the localizer at once; the results do not depend on it (default: as "
                    "--threads)")
       ->check(CLI::Range(1, 256));
+  verb->add_flag("--json", options->json, "comparison.json on stdout, instead of the verdict");
   verb->add_option("--seeds", options->seeds, "runs of the localizer per model")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));

@@ -28,7 +28,9 @@ CompareOutcome compare_room(const Runs& runs, int threads) {
   job.seeds = kSeeds;
   job.threads = threads;
   job.jobs = threads;
-  return compare(runs, {}, job);
+  CompareConfig config;
+  config.protocol.memory_steps = 0;
+  return compare(runs, config, job);
 }
 
 std::string read_text(const std::filesystem::path& path) {
@@ -165,6 +167,7 @@ TEST(Compare, CountsScansTakenWhereNothingWasLearned) {
   runs.truths.assign(runs.truths.size(), std::nullopt);
   CompareConfig config;
   config.protocol.models = {"occupancy"};
+  config.protocol.memory_steps = 0;
   CompareJob job;
   job.seeds = {1};
   job.splits = {split_by_time(runs, "room", 0.6 * elapsed_seconds(runs.observations).back())};
@@ -200,6 +203,7 @@ TEST(Folds, GiveOneUnitAFoldAndSeed) {
   runs.poses = runs.truths;
   CompareConfig config;
   config.protocol.models = {"occupancy", "timescale_mixture"};
+  config.protocol.memory_steps = 0;
   CompareJob job;
   job.splits = make_folds(runs, {"one", "two"}, 2);
   job.seeds = {1, 2};

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/pipeline/equal_memory.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <span>
+#include <utility>
+
+namespace strata::pipeline {
+namespace {
+
+/// Adds a part's runs to a point of a curve.
+void add_runs(std::span<const ModelRun> runs, std::size_t part, std::size_t seeds,
+              MemoryPoint& point) {
+  std::size_t taken = 0;
+  for (const ModelRun& run : runs) {
+    if (run.part != part || taken == seeds) continue;
+    ++taken;
+    point.run_means_m.push_back(run.metrics.error_m.mean);
+    point.lost_runs += run.metrics.lost ? 1 : 0;
+  }
+}
+
+Learned learn_again(const Runs& runs, const FullMemory& full, const CompareConfig& config,
+                    const CompareJob& job) {
+  Learned learned;
+  const std::vector<Observation> train = learning_part(runs, full.split);
+  learned.result = learn(train, poses_of(full.learned.result.slam, train), config.learn, {},
+                         job.seeds.front(), job.threads, job.progress);
+  learned.maps = maps_of(learned.result);
+  return learned;
+}
+
+bool is_learned(const std::string& model) { return model != "map"; }
+
+/// The model's point at a step; made when it is not there yet.
+MemoryPoint& point_of(ModelResult& result, std::size_t step) {
+  if (result.memory.size() <= step) result.memory.resize(step + 1);
+  return result.memory[step];
+}
+
+}  // namespace
+
+maps::LearnConfig with_less_memory(const maps::LearnConfig& config, int step) {
+  maps::LearnConfig less = config;
+  const int factor = 1 << step;
+  less.slam.given_poses.refine = false;
+  less.slam.beam_filter.resolution_m *= factor;
+  less.timescale.angle_bins = std::max(3, less.timescale.angle_bins / factor);
+  less.timescale.node_spacing_m *= factor;
+  less.timescale.update_radius_m *= factor;
+  for (memory::LevelConfig& level : less.timescale.levels) {
+    level.samples = std::max(1, level.samples / factor);
+  }
+  return less;
+}
+
+std::string memory_setting(const std::string& model, const maps::LearnConfig& config) {
+  if (!model.starts_with("timescale")) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f m cells", config.slam.beam_filter.resolution_m);
+    return text;
+  }
+  std::string text = std::to_string(config.timescale.angle_bins) + " bins, ";
+  for (std::size_t l = 0; l < config.timescale.levels.size(); ++l) {
+    text += (l > 0 ? "/" : "") + std::to_string(config.timescale.levels[l].samples);
+  }
+  char spacing[40];
+  std::snprintf(spacing, sizeof spacing, " samples, nodes %g m apart",
+                config.timescale.node_spacing_m);
+  return text + spacing;
+}
+
+void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareConfig& config,
+                       const CompareJob& job, WorkerPool& pool, std::vector<ModelResult>& results) {
+  const int steps = config.protocol.memory_steps;
+  if (steps == 0) return;
+  const auto count =
+      std::min(job.seeds.size(), static_cast<std::size_t>(config.protocol.memory_seeds));
+  const std::span<const std::uint64_t> seeds = std::span(job.seeds).first(count);
+  CompareConfig less = config;
+  std::erase_if(less.protocol.models, [](const auto& model) { return !is_learned(model); });
+  const std::size_t first_part = results.front().scores.size() - full.parts.size();
+  SharedProgress progress(
+      job.progress, "localize in smaller maps",
+      static_cast<std::size_t>(steps) * full.parts.size() * less.protocol.models.size() * count);
+  for (int step = 0; step <= steps; ++step) {
+    less.learn = with_less_memory(config.learn, step);
+    Learned learned;
+    std::vector<maps::MapModel> models;
+    if (step > 0) {
+      learned = learn_again(runs, full, less, job);
+      models = make_models(learned.maps, less);
+    }
+    for (std::size_t p = 0; p < full.parts.size(); ++p) {
+      std::vector<ModelResult> fresh(models.size());
+      if (step > 0) {
+        run_candidates(make_candidates(models, localize_here, {}, learned, less, full.parts[p]),
+                       full.parts[p], 0, seeds, pool, progress, fresh);
+      }
+      std::size_t next = 0;
+      for (std::size_t m = 0; m < config.protocol.models.size(); ++m) {
+        if (!is_learned(config.protocol.models[m])) continue;
+        MemoryPoint& point = point_of(results[m], static_cast<std::size_t>(step));
+        point.setting = memory_setting(results[m].model, less.learn);
+        if (step == 0) {
+          point.bytes = results[m].map_bytes;
+          add_runs(results[m].runs, first_part + p, count, point);
+        } else {
+          if (point.bytes == 0) point.bytes = models[next].bytes;
+          add_runs(fresh[next].runs, 0, count, point);
+        }
+        ++next;
+      }
+    }
+  }
+}
+
+std::vector<MemoryBudget> equal_memory(const Comparison& comparison) {
+  std::vector<std::size_t> sizes;
+  for (const ModelResult& model : comparison.models) {
+    if (!model.memory.empty()) sizes.push_back(model.memory.front().bytes);
+  }
+  std::sort(sizes.begin(), sizes.end());
+  std::vector<MemoryBudget> budgets;
+  for (const std::size_t bytes : sizes) {
+    const bool is_alike = !budgets.empty() && 10 * bytes <= 11 * budgets.back().bytes;
+    if (!is_alike) budgets.emplace_back();
+    budgets.back().bytes = bytes;
+  }
+  for (MemoryBudget& budget : budgets) {
+    for (const ModelResult& model : comparison.models) {
+      const MemoryPoint* best = nullptr;
+      for (const MemoryPoint& point : model.memory) {
+        if (point.bytes > budget.bytes) continue;
+        if (best == nullptr || point.bytes > best->bytes) best = &point;
+      }
+      budget.points.push_back(best);
+    }
+  }
+  return budgets;
+}
+
+}  // namespace strata::pipeline
