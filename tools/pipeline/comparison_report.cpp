@@ -49,6 +49,15 @@ void write_predictions(const Comparison& comparison, const std::filesystem::path
   report::write_file(path, out.str());
 }
 
+}  // namespace
+
+void write_series(const Comparison& comparison, const std::filesystem::path& folder) {
+  write_errors(comparison, folder / "errors.csv");
+  write_predictions(comparison, folder / "predictions.csv");
+}
+
+namespace {
+
 /// A test part that leaves the learned area says little about maps.
 std::string warn_of_unmapped(const Comparison& comparison) {
   std::size_t scans = 0;
@@ -103,8 +112,7 @@ void write_report(const CompareOutcome& outcome, const std::string& settings,
   add_robustness(comparison, result["models"], page);
   add_without_truth(comparison, result["models"], page);
   page.details("Every parameter", settings);
-  write_errors(comparison, folder / "errors.csv");
-  write_predictions(comparison, folder / "predictions.csv");
+  write_series(comparison, folder);
   report::write_file(folder / "comparison.json", result.dump(2) + "\n");
   page.write();
 }

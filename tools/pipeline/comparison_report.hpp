@@ -14,4 +14,8 @@ namespace strata::pipeline {
 void write_report(const CompareOutcome& outcome, const std::string& settings,
                   const std::filesystem::path& folder);
 
+/// Writes errors.csv (every scan of every run) and predictions.csv (the held-out fit, scan by
+/// scan).
+void write_series(const Comparison& comparison, const std::filesystem::path& folder);
+
 }  // namespace strata::pipeline

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata compare`: which map model localizes best in this building?
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/log/map_file.hpp"
@@ -11,6 +13,7 @@
 #include "core/base/error.hpp"
 #include "tools/pipeline/compare.hpp"
 #include "tools/pipeline/comparison_report.hpp"
+#include "tools/pipeline/several_buildings.hpp"
 #include "tools/strata/dds_localize.hpp"
 #include "tools/strata/peer_localize.hpp"
 #include "tools/strata/run_options.hpp"
@@ -31,6 +34,7 @@ struct Options {
   std::string via = "direct";
   bool peers = false;
   bool json = false;
+  bool buildings = false;
   int folds = 0;
   int seeds = 20;
   int jobs = 0;
@@ -59,6 +63,9 @@ void require_one_way(const Options& options) {
   if (!divided && options.input.logs.empty()) {
     throw InputError("LOG", "is missing", "give a log, or --train and --test");
   }
+  if (options.buildings && divided) {
+    throw InputError("--buildings", "divides each log by itself", "leave out --train and --test");
+  }
   if (options.folds > 0 && (divided || options.train_until_s)) {
     throw InputError("--folds", "divides the logs by itself",
                      "leave out --train, --test and --train-until");
@@ -77,15 +84,19 @@ std::vector<pipeline::Split> make_splits(const Options& options, const pipeline:
                                   options.train_until_s.value_or(protocol.train_share * length_s))};
 }
 
-void run_compare(const Options& options, VerbContext& context) {
-  require_one_way(options);
+pipeline::CompareConfig config_of(const Options& options, const VerbContext& context) {
   auto config = settings::read_config<pipeline::CompareConfig>(load_config(context.options),
                                                                config_place(context.options));
   if (!options.models.empty()) config.protocol.models = options.models;
-  pipeline::RunsInput input = options.input;
-  for (const auto* logs : {&options.train, &options.test}) {
-    input.logs.insert(input.logs.end(), logs->begin(), logs->end());
+  if (!options.map.empty() && options.models.empty()) {
+    config.protocol.models.emplace_back("map");
   }
+  return config;
+}
+
+/// Reads the logs and compares in them.
+pipeline::CompareOutcome compare_logs(const Options& options, const pipeline::RunsInput& input,
+                                      const pipeline::CompareConfig& config, VerbContext& context) {
   const pipeline::Runs runs = pipeline::read_runs(input, context.progress());
   note_reports(context, runs);
   if (runs.observations.empty()) {
@@ -101,19 +112,65 @@ void run_compare(const Options& options, VerbContext& context) {
   job.via = options.via;
   if (options.via == "dds") job.localize_with = localize_over_dds(context, options.out);
   if (options.peers) job.peers = peers_of_this_build(context, options.out);
-  if (!options.map.empty()) {
-    job.given_map = log::read_map(options.map);
-    if (options.models.empty()) config.protocol.models.emplace_back("map");
-  }
-  const pipeline::CompareOutcome outcome = pipeline::compare(runs, config, job);
+  if (!options.map.empty()) job.given_map = log::read_map(options.map);
+  return pipeline::compare(runs, config, job);
+}
+
+/// Each log by itself, then all in one table.
+void compare_buildings(const Options& options, const pipeline::CompareConfig& config,
+                       VerbContext& context) {
+  const std::string settings = settings::write_yaml(config);
   OutputDirectory out(options.out, context.staged());
-  pipeline::write_report(outcome, settings::write_yaml(config), out.path());
+  std::vector<pipeline::Building> buildings;
+  for (std::size_t i = 0; i < options.input.logs.size(); ++i) {
+    pipeline::RunsInput input = options.input;
+    input.logs = {options.input.logs[i]};
+    for (auto* files : {&input.poses, &input.truths}) {
+      if (files->empty()) continue;
+      if (files->size() != options.input.logs.size()) {
+        throw InputError("--poses and --truth", "are not given once per log",
+                         "give them in the order of the logs");
+      }
+      *files = {(*files)[i]};
+    }
+    pipeline::CompareOutcome outcome = compare_logs(options, input, config, context);
+    const std::string name = std::filesystem::path(input.logs[0]).filename().string();
+    pipeline::Building building{std::to_string(i + 1) + "_" + name.substr(0, name.find('.')), {}};
+    std::filesystem::create_directories(out.path() / building.folder);
+    pipeline::write_report(outcome, settings, out.path() / building.folder);
+    building.comparison = std::move(outcome.comparison);
+    buildings.push_back(std::move(building));
+  }
+  pipeline::write_joint_report(buildings, settings, out.path());
   out.commit();
-  const auto tests = pipeline::paired_tests(outcome.comparison);
   if (options.json) {
-    std::cout << pipeline::to_json(outcome.comparison, tests).dump(2) << '\n';
+    std::cout << pipeline::joint_json(buildings).dump(2) << '\n';
+    return;
+  }
+  const pipeline::Comparison joint = pipeline::join(buildings);
+  std::cout << pipeline::verdict(joint, pipeline::paired_tests(joint)) << '\n';
+}
+
+void run_compare(const Options& options, VerbContext& context) {
+  require_one_way(options);
+  const pipeline::CompareConfig config = config_of(options, context);
+  if (options.buildings) {
+    compare_buildings(options, config, context);
   } else {
-    std::cout << pipeline::verdict(outcome.comparison, tests) << '\n';
+    pipeline::RunsInput input = options.input;
+    for (const auto* logs : {&options.train, &options.test}) {
+      input.logs.insert(input.logs.end(), logs->begin(), logs->end());
+    }
+    const pipeline::CompareOutcome outcome = compare_logs(options, input, config, context);
+    OutputDirectory out(options.out, context.staged());
+    pipeline::write_report(outcome, settings::write_yaml(config), out.path());
+    out.commit();
+    const auto tests = pipeline::paired_tests(outcome.comparison);
+    if (options.json) {
+      std::cout << pipeline::to_json(outcome.comparison, tests).dump(2) << '\n';
+    } else {
+      std::cout << pipeline::verdict(outcome.comparison, tests) << '\n';
+    }
   }
   context.note("report: " + options.out + "/report.html");
 }
@@ -151,6 +208,8 @@ void add_compare(CLI::App& app, VerbContext& context) {
                    "runs of the localizer at once; the results do not depend on it (default: as "
                    "--threads)")
       ->check(CLI::Range(1, 256));
+  verb->add_flag("--buildings", options->buildings,
+                 "every LOG is a building of its own: compared by itself, then in one table");
   verb->add_flag("--json", options->json, "comparison.json on stdout, instead of the verdict");
   verb->add_option("--seeds", options->seeds, "runs of the localizer per model")
       ->capture_default_str()
