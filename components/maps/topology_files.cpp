@@ -137,11 +137,26 @@ nlohmann::json topologies_json(const topology::TopologyMap& map) {
             {"metric_map_converged", map.optimized}}}};
 }
 
+std::string places_yaml(const topology::Hypothesis& hypothesis) {
+  std::ostringstream out;
+  out << "# Places of the likeliest topology, for sub-maps that follow them:\n"
+         "#   strata learn LOG --config places.yaml --out MAPS\n"
+         "version: 1\npatch:\n  regions:\n    places: [";
+  const char* separator = "";
+  for (const std::size_t first : topology::first_visits(hypothesis.labels)) {
+    out << separator << hypothesis.poses[first].x << ", " << hypothesis.poses[first].y;
+    separator = ", ";
+  }
+  out << "]\n";
+  return out.str();
+}
+
 void write_topology_files(const std::filesystem::path& dir, const topology::TopologyMap& map,
                           const nlohmann::json& json) {
   write_text(dir / "topologies.json", json.dump(2) + "\n");
   if (!map.posterior.empty()) {
     write_text(dir / "topology.graphml", topology_graphml(map.posterior.front(), map.locations));
+    write_text(dir / "places.yaml", places_yaml(map.posterior.front()));
   }
   log::write_map(dir / "occupancy.yaml", map.map);
   std::vector<log::StampedPose> trajectory;

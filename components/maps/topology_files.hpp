@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What topological mapping leaves behind: topologies.json, topology.graphml, occupancy.{yaml,pgm}
-/// and trajectory.tum. The direct path and the component both write through here.
+/// What topological mapping leaves behind: topologies.json, topology.graphml, places.yaml,
+/// occupancy.{yaml,pgm} and trajectory.tum. The direct path and the component both write through
+/// here.
 #pragma once
 
 #include <filesystem>
@@ -21,6 +22,8 @@ namespace strata::maps {
 /// visits; edges with traversals.
 [[nodiscard]] std::string topology_graphml(const topology::Hypothesis& hypothesis,
                                            const std::vector<Pose2Gaussian>& locations);
+/// A config file for `strata learn`: sub-maps follow the landmarks of this topology.
+[[nodiscard]] std::string places_yaml(const topology::Hypothesis& hypothesis);
 /// {"scans", "visits", "topologies", "diagnostics"}.
 [[nodiscard]] nlohmann::json topologies_json(const topology::TopologyMap& map);
 

@@ -103,7 +103,9 @@ PatchMap PatchLearner::finish(const ReflectionGrid& filtered, Progress* progress
     report_progress(progress, "test contradictions", 0, 1);
     regions = grow_regions(find_contradictions(visits, config_.contradiction), config_.regions);
   }
-  regions = merge_regions(std::move(regions), filtered, config_.regions);
+  regions = config_.regions.places.empty()
+                ? merge_regions(std::move(regions), filtered, config_.regions)
+                : group_by_places(std::move(regions), resolution, config_.regions);
   std::vector<CellRect> rects;
   for (const Region& region : regions) rects.push_back(region.rect);
   const auto sequences =

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -36,6 +38,13 @@ CellRect bounds(const std::vector<Cell>& cells) {
 void sort_cells(std::vector<Cell>& cells) {
   std::sort(cells.begin(), cells.end(),
             [](const Cell& a, const Cell& b) { return std::tie(a.y, a.x) < std::tie(b.y, b.x); });
+}
+
+void sort_regions(std::vector<Region>& regions) {
+  std::sort(regions.begin(), regions.end(), [](const Region& a, const Region& b) {
+    return std::tie(a.rect.min.y, a.rect.min.x, a.rect.max.y, a.rect.max.x) <
+           std::tie(b.rect.min.y, b.rect.min.x, b.rect.max.y, b.rect.max.x);
+  });
 }
 
 Region make_region(std::vector<Cell> cells, double resolution_m, const RegionConfig& config) {
@@ -169,10 +178,33 @@ std::vector<Region> merge_regions(std::vector<Region> regions, const ReflectionG
   for (std::size_t i = 0; i < regions.size(); ++i) {
     if (alive[i] != 0) result.push_back(std::move(regions[i]));
   }
-  std::sort(result.begin(), result.end(), [](const Region& a, const Region& b) {
-    return std::tie(a.rect.min.y, a.rect.min.x, a.rect.max.y, a.rect.max.x) <
-           std::tie(b.rect.min.y, b.rect.min.x, b.rect.max.y, b.rect.max.x);
-  });
+  sort_regions(result);
+  return result;
+}
+
+std::vector<Region> group_by_places(std::vector<Region> regions, double resolution_m,
+                                    const RegionConfig& config) {
+  std::map<std::size_t, std::vector<Cell>> cells_of;  // by place
+  for (Region& region : regions) {
+    const CellRect rect = bounds(region.cells);
+    const double x_m = 0.5 * resolution_m * (rect.min.x + rect.max.x);
+    const double y_m = 0.5 * resolution_m * (rect.min.y + rect.max.y);
+    std::size_t nearest = 0;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i + 1 < config.places.size(); i += 2) {
+      const double distance_m = std::hypot(config.places[i] - x_m, config.places[i + 1] - y_m);
+      if (distance_m >= nearest_m) continue;
+      nearest_m = distance_m;
+      nearest = i;
+    }
+    std::vector<Cell>& cells = cells_of[nearest];
+    cells.insert(cells.end(), region.cells.begin(), region.cells.end());
+  }
+  std::vector<Region> result;
+  for (auto& [place, cells] : cells_of) {
+    result.push_back(make_region(std::move(cells), resolution_m, config));
+  }
+  sort_regions(result);
   return result;
 }
 

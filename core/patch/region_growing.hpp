@@ -18,6 +18,7 @@ struct RegionConfig {
   double min_visible_share = 0.5;
   int visibility_samples = 50;
   double max_area_m2 = 20.0;
+  std::vector<double> places;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -40,6 +41,13 @@ struct RegionConfig {
             {.doc = "cell pairs sampled at most", .min = 1});
     v.field("max_area_m2", c.max_area_m2,
             {.doc = "merging stops at this area of a sub-map", .unit = "m^2", .min = 0.0});
+    v.field("places", c.places,
+            {.doc = "x, y of each place of a topology, one after the other, in the map frame "
+                    "(places.yaml of strata topology): then regions with the same nearest place "
+                    "are one sub-map, however large; empty: merged by what they see of each other",
+             .unit = "m"});
+    v.require(c.places.size() % 2 == 0, "places", "has an x without a y",
+              "give two numbers a place");
   }
 };
 
@@ -65,6 +73,12 @@ struct Region {
 [[nodiscard]] std::vector<Region> merge_regions(std::vector<Region> regions,
                                                 const ReflectionGrid& static_map,
                                                 const RegionConfig& config);
+
+/// Regions whose middles have the same place of config.places nearest become one: the sub-maps
+/// follow the places of a topology, which [stachniss2005patch] names as future work. Ordered as
+/// above. Requires a place. O(regions x places).
+[[nodiscard]] std::vector<Region> group_by_places(std::vector<Region> regions, double resolution_m,
+                                                  const RegionConfig& config);
 
 /// Whether at least min_visible_share of the sampled cell pairs see each other.
 [[nodiscard]] bool see_each_other(const Region& a, const Region& b,

@@ -12,6 +12,7 @@
 #include "core/base/parallel.hpp"
 #include "core/topology/dirichlet_process.hpp"
 #include "core/topology/expansion.hpp"
+#include "core/topology/particle.hpp"
 #include "core/topology/proposal.hpp"
 #include "core/topology/visit_log.hpp"
 
@@ -23,12 +24,6 @@ constexpr double kLinearizationErrorNats = 5.0;
 /// Topologies with two landmarks made one that are tried after a visit, about at most.
 constexpr std::size_t kMostMergers = 12;
 
-/// One topology with what only the filter needs of it.
-struct Particle {
-  Hypothesis hypothesis;
-  std::vector<Eigen::Matrix3d> newest_covariances;  ///< of each visit when it was new
-};
-
 /// A label to follow, with its scan.
 struct Candidate {
   std::size_t parent = 0;
@@ -38,25 +33,6 @@ struct Candidate {
 
   [[nodiscard]] double log_weight() const { return log_factor + sight.log_evidence; }
 };
-
-double log_sum_of(const std::vector<double>& logs) {
-  const double highest = *std::max_element(logs.begin(), logs.end());
-  double sum = 0.0;
-  for (const double value : logs) sum += std::exp(value - highest);
-  return highest + std::log(sum);
-}
-
-/// Heaviest first, equal ones by their labels.
-std::vector<std::size_t> by_weight(const std::vector<Particle>& particles,
-                                   const std::vector<double>& log_weights) {
-  std::vector<std::size_t> order(particles.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    if (log_weights[a] != log_weights[b]) return log_weights[a] > log_weights[b];
-    return particles[a].hypothesis.labels < particles[b].hypothesis.labels;
-  });
-  return order;
-}
 
 }  // namespace
 

@@ -25,6 +25,7 @@ TEST(TopologyFiles, TellLandmarksWaysAndHowOftenTheyWereDriven) {
   EXPECT_EQ(json["landmarks"][2]["y"], 3.0);
   ASSERT_EQ(json["edges"].size(), 3U);
   EXPECT_EQ(json["edges"][0], (nlohmann::json{{"from", 0}, {"to", 1}, {"traversals", 2}}));
+  EXPECT_THAT(places_yaml(triangle()), HasSubstr("places: [0, 0, 4, 0, 4, 3]"));
   std::vector<Pose2Gaussian> locations(5);
   locations[1].covariance(0, 0) = 0.25;
   const std::string graphml = topology_graphml(triangle(), locations);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/config.hpp"
+#include "core/base/error.hpp"
+
 namespace strata::patch {
 namespace {
 
@@ -104,6 +107,21 @@ TEST(RegionMerging, KeepsEveryCellExactlyOnce) {
     }
   }
   EXPECT_EQ(seen.values(), mask.values());
+}
+
+TEST(RegionGrouping, JoinsWhatHasTheSameNearestPlaceWhateverIsBetween) {
+  RegionConfig config;
+  config.places = {4.0, 4.0, 15.0, 15.0};
+  const std::vector<CellRect> blocks{
+      {{20, 20}, {24, 24}}, {{150, 150}, {153, 160}}, {{60, 60}, {64, 64}}};
+  const auto regions =
+      group_by_places(grow_regions(mask_with(blocks), config), kResolution, config);
+  ASSERT_EQ(regions.size(), 2U);  // the third place has none
+  EXPECT_EQ(regions[0].cells.size(), 32U);
+  EXPECT_EQ(regions[0].rect, (CellRect{{15, 15}, {69, 69}}));
+  EXPECT_EQ(regions[1].cells.size(), 30U);
+  config.places.push_back(6.0);
+  EXPECT_THROW(require_valid(config, "regions"), ConfigError);
 }
 
 }  // namespace
