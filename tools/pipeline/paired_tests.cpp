@@ -103,6 +103,13 @@ std::string verdict(const Comparison& comparison, const std::vector<PairedTest>&
   if (!tied.empty()) sentence += "; no significant difference to " + tied;
   if (beaten.empty()) sentence += "; no difference that matters was shown";
   sentence += ".";
+  // The lowest error is no praise when it is that of a robot that got lost.
+  const auto lost = static_cast<std::size_t>(std::count_if(
+      best->runs.begin(), best->runs.end(), [](const ModelRun& run) { return run.metrics.lost; }));
+  if (lost > 0 && 2 * lost >= units) {
+    sentence += " Even it was lost in " + std::to_string(lost) + " of " + std::to_string(units) +
+                " runs: above 1 m for 5 s or longer.";
+  }
   // The least p that a signed-rank test can reach, times the pairs that Holm's correction counts.
   const double least_p = std::ldexp(2.0, -static_cast<int>(units)) *
                          static_cast<double>(std::max<std::size_t>(1, tests.size()));

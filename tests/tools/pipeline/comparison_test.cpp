@@ -59,6 +59,15 @@ TEST(PairedTests, DifferencesBelowHalfACellAreNoVerdict) {
   EXPECT_NE(text.find("no difference that matters"), std::string::npos);
 }
 
+TEST(PairedTests, TheVerdictSaysWhenEvenTheBestWasLost) {
+  Comparison comparison =
+      compared({model_of("a", {1.0, 1.1, 1.2, 1.3}), model_of("b", {2, 2, 2, 2})});
+  EXPECT_EQ(verdict(comparison, paired_tests(comparison)).find("lost"), std::string::npos);
+  for (std::size_t i = 0; i < 3; ++i) comparison.models[0].runs[i].metrics.lost = true;
+  EXPECT_NE(verdict(comparison, paired_tests(comparison)).find("Even it was lost in 3 of 4 runs"),
+            std::string::npos);
+}
+
 TEST(PairedTests, FiveSeedsCannotDecideAndTheVerdictSaysSo) {
   const Comparison comparison = compared(
       {model_of("a", {0.1, 0.1, 0.1, 0.1, 0.1}), model_of("b", {0.9, 0.8, 0.9, 0.8, 0.7})});
