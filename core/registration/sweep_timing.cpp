@@ -2,6 +2,7 @@
 #include "core/registration/sweep_timing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -122,6 +123,96 @@ double lowest_of_three(double before, double middle, double after) {
   return bend > 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0;
 }
 
+/// The timings tried, and the best of them: delays in quarters of a sweep, for both orders of
+/// beams.
+class TimingSearch {
+ public:
+  TimingSearch(std::span<const Scan> scans, const std::vector<Pair>& pairs,
+               const OdometryAt& odometry, double sweep_s, const SweepTiming& stated_timing,
+               std::vector<double> stated_costs)
+      : scans_(scans),
+        pairs_(pairs),
+        odometry_(odometry),
+        sweep_s_(sweep_s),
+        best_(std::move(stated_costs)) {
+    if (stated_timing.delay_s == 0.0) {
+      lowest_[stated_timing.reversed ? 1 : 0] = {stated_timing.reversed, 0, sum_of(best_)};
+    }
+  }
+
+  /// Whole sweeps in both orders, then halves and quarters about the best of each order: the cost
+  /// has one valley about a sweep wide. The better order goes first and lets the other stop early.
+  void run() {
+    for (const bool reversed : {false, true}) {
+      for (int step = kLeastStep; step <= kMostStep; step += kDelaysPerSweep) {
+        const Step& lowest = lowest_[reversed ? 1 : 0];
+        const bool is_known = step == 0 && lowest.step == 0 && std::isfinite(lowest.cost);
+        if (!is_known) attempt(reversed, step, lowest.cost);
+      }
+    }
+    const bool first = lowest_[1].cost < lowest_[0].cost;
+    for (const bool reversed : {first, !first}) {
+      for (int width = kDelaysPerSweep / 2; width > 0; width /= 2) {
+        const int middle = lowest_[reversed ? 1 : 0].step;
+        attempt(reversed, middle - width, sum_of(best_));
+        attempt(reversed, middle + width, sum_of(best_));
+      }
+    }
+  }
+
+  [[nodiscard]] const std::vector<double>& best() const { return best_; }
+
+  /// The best timing with its delay between the steps; nothing when no step beats what is stated.
+  [[nodiscard]] std::optional<SweepTiming> timing() const {
+    if (!improved_) return std::nullopt;
+    SweepTiming timing = candidate(found_.reversed, found_.step);
+    if (found_.step > kLeastStep && found_.step < kMostStep) {
+      const auto beside = [&](int step) {
+        return sum_of(costs_of(scans_, pairs_, odometry_, candidate(timing.reversed, step)));
+      };
+      timing.delay_s +=
+          sweep_s_ / kDelaysPerSweep *
+          lowest_of_three(beside(found_.step - 1), sum_of(best_), beside(found_.step + 1));
+    }
+    return timing;
+  }
+
+ private:
+  static constexpr int kLeastStep = -kDelaysPerSweep;
+  static constexpr int kMostStep = 2 * kDelaysPerSweep;
+  struct Step {
+    bool reversed = false;
+    int step = 0;
+    double cost = std::numeric_limits<double>::infinity();
+  };
+
+  [[nodiscard]] SweepTiming candidate(bool reversed, int step) const {
+    return {reversed, sweep_s_ * step / kDelaysPerSweep};
+  }
+
+  void attempt(bool reversed, int step, double limit) {
+    if (step < kLeastStep || step > kMostStep) return;
+    std::vector<double> costs =
+        costs_of(scans_, pairs_, odometry_, candidate(reversed, step), limit);
+    const double cost = sum_of(costs);
+    if (cost >= limit) return;
+    lowest_[reversed ? 1 : 0] = {reversed, step, cost};
+    if (cost >= sum_of(best_)) return;
+    best_ = std::move(costs);
+    found_ = lowest_[reversed ? 1 : 0];
+    improved_ = true;
+  }
+
+  std::span<const Scan> scans_;
+  const std::vector<Pair>& pairs_;
+  const OdometryAt& odometry_;
+  double sweep_s_;
+  std::vector<double> best_;
+  Step found_;  ///< the step of `best_`, when any was better than what is stated
+  bool improved_ = false;
+  std::array<Step, 2> lowest_;
+};
+
 }  // namespace
 
 SweepTimingEstimate estimate_sweep_timing(std::span<const Scan> scans, const OdometryAt& odometry,
@@ -137,42 +228,16 @@ SweepTimingEstimate estimate_sweep_timing(std::span<const Scan> scans, const Odo
 
   const auto count = static_cast<double>(pairs.size());
   const std::vector<double> stated = costs_of(scans, pairs, odometry, stated_timing);
-  std::vector<double> best = stated;
-  SweepTiming timing = stated_timing;
-  std::optional<int> lowest;  // the step that `best` belongs to
-  const auto candidate = [&](bool reversed, int step) {
-    return SweepTiming{reversed, sweep_s * step / kDelaysPerSweep};
-  };
-  const auto attempt = [&](bool reversed, int step) {
-    std::vector<double> costs =
-        costs_of(scans, pairs, odometry, candidate(reversed, step), sum_of(best));
-    if (sum_of(costs) >= sum_of(best)) return;
-    best = std::move(costs);
-    timing = candidate(reversed, step);
-    lowest = step;
-  };
-  // Whole sweeps first: what they find lets most others stop early.
-  for (const bool is_coarse : {true, false}) {
-    for (const bool reversed : {false, true}) {
-      for (int step = -kDelaysPerSweep; step <= 2 * kDelaysPerSweep; ++step) {
-        if ((step % kDelaysPerSweep == 0) == is_coarse) attempt(reversed, step);
-      }
-    }
-  }
-  if (lowest && *lowest > -kDelaysPerSweep && *lowest < 2 * kDelaysPerSweep) {
-    const auto beside = [&](int step) {
-      return sum_of(costs_of(scans, pairs, odometry, candidate(timing.reversed, step)));
-    };
-    timing.delay_s += sweep_s / kDelaysPerSweep *
-                      lowest_of_three(beside(*lowest - 1), sum_of(best), beside(*lowest + 1));
-  }
+  TimingSearch search(scans, pairs, odometry, sweep_s, stated_timing, stated);
+  search.run();
+  const std::vector<double>& best = search.best();
   result.stated_cost = sum_of(stated) / count;
   result.estimate_cost = sum_of(best) / count;
   std::size_t better = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) better += best[i] < stated[i] ? 1 : 0;
   result.certain = result.estimate_cost < (1.0 - kLeastGain) * result.stated_cost &&
                    4 * better >= 3 * pairs.size();
-  if (result.certain) result.timing = timing;
+  if (result.certain) result.timing = search.timing().value_or(stated_timing);
   return result;
 }
 

@@ -4,9 +4,19 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "core/geometry/angle.hpp"
 
 namespace strata {
+namespace {
+
+/// The same transform with its sine and cosine worked out once.
+Eigen::Isometry2d isometry(const Pose2& a_from_b) {
+  return Eigen::Translation2d(a_from_b.translation()) * Eigen::Rotation2Dd(a_from_b.theta);
+}
+
+}  // namespace
 
 Duration sweep_duration(const Scan& scan) {
   const double beams = scan.size() > 0 ? static_cast<double>(scan.size() - 1) : 0.0;
@@ -23,18 +33,20 @@ Scan undistort(const Scan& scan, const Pose2& start_from_end, bool reversed) {
   for (std::size_t beam = 0; beam < scan.size(); ++beam) {
     if (scan.kind(beam) == BeamKind::kHit) corrected.ranges_m[beam] = nothing;
   }
-  const Pose2 laser_from_robot = inverse(scan.robot_from_laser);
+  const Eigen::Isometry2d robot_from_laser = isometry(scan.robot_from_laser);
+  const Eigen::Isometry2d laser_from_robot = isometry(inverse(scan.robot_from_laser));
   const double increment = static_cast<double>(scan.angle_increment_rad);
   const auto last = static_cast<double>(scan.size() - 1);
   for (std::size_t beam = 0; beam < scan.size(); ++beam) {
     if (scan.kind(beam) != BeamKind::kHit) continue;
     const double taken = static_cast<double>(reversed ? scan.size() - 1 - beam : beam) / last;
     const Pose2 start_from_robot = interpolate(Pose2{}, start_from_end, taken);
-    const Pose2 laser_from_laser = laser_from_robot * start_from_robot * scan.robot_from_laser;
     const double range_m = static_cast<double>(scan.ranges_m[beam]);
     const double bearing = scan.bearing_rad(beam);
-    const Eigen::Vector2d point = laser_from_laser * Eigen::Vector2d(range_m * std::cos(bearing),
-                                                                     range_m * std::sin(bearing));
+    const Eigen::Vector2d seen(range_m * std::cos(bearing), range_m * std::sin(bearing));
+    const Eigen::Vector2d in_robot = robot_from_laser * seen;
+    const Eigen::Vector2d in_start = start_from_robot * in_robot;
+    const Eigen::Vector2d point = laser_from_robot * in_start;
     // Unwrap next to the original bearing, so that a full turn does not fold onto itself.
     const double moved = bearing + angle_difference(std::atan2(point.y(), point.x()), bearing);
     const double index = std::round((moved - static_cast<double>(scan.angle_min_rad)) / increment);
