@@ -55,6 +55,12 @@ void BeamFilter::publish_map(const ReflectionGrid& filtered, Stamp stamp) {
   if (publish_reflection_) publish_reflection_(convert::to_message(filtered));
 }
 
+void BeamFilter::on_diagnose(runtime::Health& health) const {
+  health.add("scans", scans_);
+  health.add("scans in window", static_cast<std::uint64_t>(online_->scans_in_window()));
+  health.add("cells of the map", static_cast<std::uint64_t>(online_->counts().cells().size()));
+}
+
 void BeamFilter::on_cleanup() {
   online_.reset();
   scans_ = 0;

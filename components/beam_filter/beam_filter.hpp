@@ -24,6 +24,7 @@ class BeamFilter final : public runtime::Component {
  private:
   void on_configure() override;
   void on_cleanup() override;
+  void on_diagnose(runtime::Health& health) const override;
   [[nodiscard]] bool learns() const override { return true; }
   void on_scan(PosedScan scan);
   void publish_classes(const PosedScan& scan);
