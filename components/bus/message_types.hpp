@@ -36,6 +36,8 @@ STRATA_MESSAGE_TYPE(nav_msgs, Odometry);
 STRATA_MESSAGE_TYPE(octomap_msgs, Octomap);
 STRATA_MESSAGE_TYPE(rcl_interfaces, ParameterEvent);
 STRATA_MESSAGE_TYPE(rosgraph_msgs, Clock);
+STRATA_MESSAGE_TYPE(sensor_msgs, CameraInfo);
+STRATA_MESSAGE_TYPE(sensor_msgs, Image);
 STRATA_MESSAGE_TYPE(sensor_msgs, LaserScan);
 STRATA_MESSAGE_TYPE(sensor_msgs, PointCloud2);
 STRATA_MESSAGE_TYPE(tf2_msgs, TFMessage);

@@ -2,6 +2,7 @@
 /// Point clouds in, octrees out.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,20 @@ namespace strata::convert {
 [[nodiscard]] std::vector<Eigen::Vector3f> from_message(
     const sensor_msgs::msg::PointCloud2& message);
 
-/// One row of float32 x, y, z.
+/// What a cloud may say of each point beyond its place; empty where it does not.
+struct CloudColumns {
+  std::vector<float> offset_s;             ///< when it was measured, after the header's stamp
+  std::vector<std::uint8_t> truly_moving;  ///< a simulator's truth
+};
+/// The time of a point from a field time, t or timestamp: floating point in seconds, uint32 in
+/// nanoseconds; numbers that only fit a clock are taken as such. The truth from a field moving
+/// (uint8). Fields of other types are taken for missing. Throws as from_message.
+[[nodiscard]] CloudColumns columns_of(const sensor_msgs::msg::PointCloud2& message);
+
+/// One row of float32 x, y, z, then float32 time and uint8 moving where columns has them.
 [[nodiscard]] sensor_msgs::msg::PointCloud2 to_message(const std::vector<Eigen::Vector3f>& points_m,
-                                                       Stamp stamp, const std::string& frame);
+                                                       Stamp stamp, const std::string& frame,
+                                                       const CloudColumns& columns = {});
 
 /// The binary form of octomap_msgs; data: what VolumeMap::binary_message_data gives.
 [[nodiscard]] octomap_msgs::msg::Octomap to_binary_octomap(const std::string& data,

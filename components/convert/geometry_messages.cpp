@@ -105,6 +105,18 @@ geometry_msgs::msg::Transform to_transform(const Pose2& pose) {
   return message;
 }
 
+geometry_msgs::msg::Transform to_transform(const Pose3& pose) {
+  geometry_msgs::msg::Transform message;
+  message.translation().x(pose.translation.x());
+  message.translation().y(pose.translation.y());
+  message.translation().z(pose.translation.z());
+  message.rotation().x(pose.rotation.x());
+  message.rotation().y(pose.rotation.y());
+  message.rotation().z(pose.rotation.z());
+  message.rotation().w(pose.rotation.w());
+  return message;
+}
+
 Pose3 from_message(const geometry_msgs::msg::Pose& pose) {
   return make_pose3(pose.position(), pose.orientation());
 }
@@ -179,15 +191,31 @@ nav_msgs::msg::Odometry to_odometry(Stamp stamp, const Pose2& odom_from_robot,
   return message;
 }
 
-geometry_msgs::msg::TransformStamped to_transform_stamped(Stamp stamp,
-                                                          const Pose2& parent_from_child,
-                                                          const std::string& parent,
-                                                          const std::string& child) {
+namespace {
+
+template <typename Pose>
+geometry_msgs::msg::TransformStamped stamped(Stamp stamp, const Pose& parent_from_child,
+                                             const std::string& parent, const std::string& child) {
   geometry_msgs::msg::TransformStamped message;
   message.header(make_header(stamp, parent));
   message.child_frame_id(child);
   message.transform(to_transform(parent_from_child));
   return message;
+}
+
+}  // namespace
+
+geometry_msgs::msg::TransformStamped to_transform_stamped(Stamp stamp,
+                                                          const Pose2& parent_from_child,
+                                                          const std::string& parent,
+                                                          const std::string& child) {
+  return stamped(stamp, parent_from_child, parent, child);
+}
+geometry_msgs::msg::TransformStamped to_transform_stamped(Stamp stamp,
+                                                          const Pose3& parent_from_child,
+                                                          const std::string& parent,
+                                                          const std::string& child) {
+  return stamped(stamp, parent_from_child, parent, child);
 }
 
 }  // namespace strata::convert

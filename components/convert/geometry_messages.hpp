@@ -23,6 +23,7 @@ namespace strata::convert {
 
 [[nodiscard]] geometry_msgs::msg::Pose to_pose(const Pose2& pose);
 [[nodiscard]] geometry_msgs::msg::Transform to_transform(const Pose2& pose);
+[[nodiscard]] geometry_msgs::msg::Transform to_transform(const Pose3& pose);
 [[nodiscard]] Pose3 from_message(const geometry_msgs::msg::Pose& pose);
 [[nodiscard]] Pose3 from_message(const geometry_msgs::msg::Transform& transform);
 
@@ -43,6 +44,9 @@ namespace strata::convert {
                                                   const std::string& robot_frame);
 [[nodiscard]] geometry_msgs::msg::TransformStamped to_transform_stamped(
     Stamp stamp, const Pose2& parent_from_child, const std::string& parent,
+    const std::string& child);
+[[nodiscard]] geometry_msgs::msg::TransformStamped to_transform_stamped(
+    Stamp stamp, const Pose3& parent_from_child, const std::string& parent,
     const std::string& child);
 
 }  // namespace strata::convert

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-void write_messages(BagWriter& bag, const LogContent& content) {
+void write_messages(BagWriter& bag, const LogContent& content, const LogExtras& extras) {
   const std::size_t tf_static =
       bag.add_topic({"/tf_static", "tf2_msgs/msg/TFMessage", "cdr", recorded_qos(true)});
   const std::size_t scan_topic =
@@ -32,6 +32,15 @@ void write_messages(BagWriter& bag, const LogContent& content) {
   const std::size_t tf =
       has_odometry ? bag.add_topic({"/tf", "tf2_msgs/msg/TFMessage", "cdr", recorded_qos()}) : 0;
 
+  std::vector<std::size_t> more;
+  for (const BagTopic& topic : extras.topics) more.push_back(bag.add_topic(topic));
+  auto extra = extras.messages.begin();
+  const auto write_extras_until = [&](Stamp stamp) {
+    for (; extra != extras.messages.end() && extra->stamp <= stamp; ++extra) {
+      bag.write(more.at(extra->topic), extra->stamp, extra->data);
+    }
+  };
+
   if (content.observations.empty()) return;
   const Observation& first = content.observations.front();
   Stamp begin = first.scan.stamp;
@@ -39,6 +48,10 @@ void write_messages(BagWriter& bag, const LogContent& content) {
   tf2_msgs::msg::TFMessage mounting;
   mounting.transforms().push_back(convert::to_transform_stamped(
       begin, first.scan.robot_from_laser, content.robot_frame, content.scan_frame));
+  for (const LogExtras::Mounting& other : extras.mountings) {
+    mounting.transforms().push_back(convert::to_transform_stamped(
+        begin, other.robot_from_frame, content.robot_frame, other.frame));
+  }
   bag.write(tf_static, begin, convert::to_cdr(mounting));
 
   const auto write_odometry = [&](Stamp stamp, const Pose2& pose) {
@@ -65,7 +78,9 @@ void write_messages(BagWriter& bag, const LogContent& content) {
     }
     bag.write(scan_topic, stamp,
               convert::to_cdr(convert::to_message(observation.scan, content.scan_frame)));
+    write_extras_until(stamp);
   }
+  if (!extras.messages.empty()) write_extras_until(extras.messages.back().stamp);
   if (!content.odometry.empty()) {
     write_odometry_before(content.odometry.back().stamp + Duration{1});
   }
@@ -81,10 +96,11 @@ std::string recorded_qos(bool transient_local, bool reliable) {
          "sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false";
 }
 
-void write_bag(const fs::path& folder, const LogContent& content, const BagOptions& format) {
+void write_bag(const fs::path& folder, const LogContent& content, const BagOptions& format,
+               const LogExtras& extras) {
   WholeFolder whole(folder);
   BagWriter bag(whole.aside(), format);
-  write_messages(bag, content);
+  write_messages(bag, content, extras);
   bag.close();
   whole.commit();
 }

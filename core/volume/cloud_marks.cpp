@@ -16,14 +16,16 @@ constexpr std::size_t kPointsAtATime = 512;
 /// Marks the rays that one thread walks.
 class Lane {
  public:
-  Lane(BrickMap<BrickMarks>& bricks, const VoxelLattice& lattice, const RayLimits& limits,
-       const Eigen::Vector3f& origin)
+  Lane(BrickMap<BrickMarks>& bricks, const VoxelLattice& lattice, const RayLimits& limits)
       : bricks_(bricks),
         lattice_(lattice),
         limits_(limits),
-        origin_(origin),
-        origin_key_(lattice.key_at(origin)),
         is_boxed_(!limits.box.is_everything()) {}
+
+  void start_from(const Eigen::Vector3f& origin) {
+    origin_ = origin;
+    origin_key_ = lattice_.key_at(origin);
+  }
 
   void add(const Eigen::Vector3f& end, bool is_dynamic, CloudCounts& counts) {
     ++counts.points;
@@ -82,7 +84,7 @@ class Lane {
   BrickMap<BrickMarks>& bricks_;
   const VoxelLattice& lattice_;
   const RayLimits& limits_;
-  Eigen::Vector3f origin_;
+  Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();
   std::optional<VoxelKey> origin_key_;
   bool is_boxed_;
 };
@@ -100,7 +102,7 @@ CloudCounts& CloudCounts::operator+=(const CloudCounts& other) {
   return *this;
 }
 
-CloudCounts CloudMarks::mark(const Eigen::Vector3f& origin_m,
+CloudCounts CloudMarks::mark(std::span<const RayOrigin> origins,
                              std::span<const Eigen::Vector3f> ends_m,
                              std::span<const std::uint8_t> is_dynamic, const VoxelLattice& lattice,
                              const RayLimits& limits, WorkerPool& pool) {
@@ -112,13 +114,19 @@ CloudCounts CloudMarks::mark(const Eigen::Vector3f& origin_m,
   // matter.
   std::atomic<std::size_t> next{0};
   pool.for_chunks(lanes, 1, [&](std::size_t number, std::size_t, std::size_t) {
-    Lane lane(lanes_[number], lattice, limits, origin_m);
+    Lane lane(lanes_[number], lattice, limits);
     CloudCounts sum;
     while (true) {
       const std::size_t begin = next.fetch_add(kPointsAtATime);
       if (begin >= ends_m.size()) break;
       const std::size_t end = std::min(ends_m.size(), begin + kPointsAtATime);
+      auto origin = std::upper_bound(origins.begin(), origins.end(), begin,
+                                     [](std::size_t i, const RayOrigin& o) { return i < o.begin; });
+      lane.start_from((origin - 1)->origin_m);
       for (std::size_t i = begin; i < end; ++i) {
+        for (; origin != origins.end() && origin->begin == i; ++origin) {
+          lane.start_from(origin->origin_m);
+        }
         lane.add(ends_m[i], !is_dynamic.empty() && is_dynamic[i] != 0, sum);
       }
     }

@@ -40,15 +40,22 @@ struct RayLimits {
   VoxelBox box;
 };
 
+/// Where the rays of points come from.
+struct RayOrigin {
+  std::size_t begin = 0;  ///< its first point; it holds up to the next origin
+  Eigen::Vector3f origin_m = Eigen::Vector3f::Zero();
+};
+
 /// Marks of whole clouds; reused from cloud to cloud, so that memory is taken once.
 class CloudMarks {
  public:
-  /// Replaces the marks by those of one cloud. ends_m: in the map frame. is_dynamic: empty, or a
+  /// Replaces the marks by those of one cloud. origins: in order, the first begins at 0. Origins
+  /// and ends_m: in the map frame. is_dynamic: empty, or a
   /// flag a point: the ray frees what it passed, its end says nothing. A voxel in which a point
   /// ended counts as ended in only. Rays are walked as OctoMap's computeUpdate walks them
   /// [hornung2013octomap], except that a box here cuts them instead of dropping those that end
   /// outside. The same marks for any number of threads. O(voxels that rays pass).
-  CloudCounts mark(const Eigen::Vector3f& origin_m, std::span<const Eigen::Vector3f> ends_m,
+  CloudCounts mark(std::span<const RayOrigin> origins, std::span<const Eigen::Vector3f> ends_m,
                    std::span<const std::uint8_t> is_dynamic, const VoxelLattice& lattice,
                    const RayLimits& limits, WorkerPool& pool);
 

@@ -39,8 +39,8 @@ DynamicBoxes::DynamicBoxes(const DynamicBoxConfig& config, std::vector<DynamicPo
   require_valid(config, "boxes");
 }
 
-std::vector<DynamicBox> DynamicBoxes::at(Stamp stamp) const {
-  const Duration window = Duration::from_seconds(config_.window_s);
+std::vector<DynamicBox> DynamicBoxes::at(Stamp stamp, double longer_s) const {
+  const Duration window = Duration::from_seconds(config_.window_s + longer_s);
   const auto before = [](const DynamicPoint& point, Stamp s) { return point.stamp < s; };
   const auto after = [](Stamp s, const DynamicPoint& point) { return s < point.stamp; };
   const auto begin = std::lower_bound(points_.begin(), points_.end(), stamp - window, before);
@@ -76,16 +76,21 @@ std::vector<DynamicBox> DynamicBoxes::at(Stamp stamp) const {
 
 std::vector<std::uint8_t> DynamicBoxes::label(const Cloud& cloud) const {
   std::vector<std::uint8_t> is_dynamic(cloud.points_m.size(), 0);
-  const std::vector<DynamicBox> boxes = at(cloud.stamp);
-  if (boxes.empty()) return is_dynamic;
-  for (std::size_t i = 0; i < is_dynamic.size(); ++i) {
-    const Eigen::Vector3d p = cloud.map_from_sensor * cloud.points_m[i].cast<double>().eval();
-    if (!(p.z() >= config_.lowest_m && p.z() <= config_.highest_m)) continue;
-    const auto holds = [&](const DynamicBox& box) {
-      return p.x() >= box.low_m.x() && p.x() <= box.high_m.x() && p.y() >= box.low_m.y() &&
-             p.y() <= box.high_m.y();
-    };
-    is_dynamic[i] = std::any_of(boxes.begin(), boxes.end(), holds) ? 1 : 0;
+  const std::vector<CloudPart> parts = parts_of(cloud);
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    const std::vector<DynamicBox> boxes =
+        at(parts[part].stamp, cloud.parts.empty() ? 0.5 * cloud.sweep_s : 0.0);
+    if (boxes.empty()) continue;
+    const Pose3& map_from_sensor = parts[part].map_from_sensor;
+    for (std::size_t i = parts[part].begin; i < end_of_part(cloud, parts, part); ++i) {
+      const Eigen::Vector3d p = map_from_sensor * cloud.points_m[i].cast<double>().eval();
+      if (!(p.z() >= config_.lowest_m && p.z() <= config_.highest_m)) continue;
+      const auto holds = [&](const DynamicBox& box) {
+        return p.x() >= box.low_m.x() && p.x() <= box.high_m.x() && p.y() >= box.low_m.y() &&
+               p.y() <= box.high_m.y();
+      };
+      is_dynamic[i] = std::any_of(boxes.begin(), boxes.end(), holds) ? 1 : 0;
+    }
   }
   return is_dynamic;
 }

@@ -27,8 +27,8 @@ struct DynamicBoxConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("window_s", c.window_s,
-            {.doc = "2-D beams this much before or after a cloud speak for it; half the sweep of a "
-                    "tilting scanner goes on top",
+            {.doc = "2-D beams this much before or after a point was measured speak for it; half "
+                    "the sweep goes on top where a cloud does not say when each was",
              .unit = "s",
              .min = 0.0});
     v.field("link_m", c.link_m,
@@ -66,10 +66,11 @@ class DynamicBoxes {
   /// points: by stamp. Throws ConfigError.
   DynamicBoxes(const DynamicBoxConfig& config, std::vector<DynamicPoint> points);
 
-  /// The boxes about the points of [stamp - window, stamp + window]: single-linkage clusters.
-  /// O(n^2) of the points in the window.
-  [[nodiscard]] std::vector<DynamicBox> at(Stamp stamp) const;
-  /// A flag a point: 1 inside a box of the cloud's moment. O(points x boxes).
+  /// The boxes about the points of [stamp - window, stamp + window], the window widened by
+  /// longer_s: single-linkage clusters. O(n^2) of the points in the window.
+  [[nodiscard]] std::vector<DynamicBox> at(Stamp stamp, double longer_s = 0.0) const;
+  /// A flag a point: 1 inside a box of its part's moment; in a cloud without parts, of the cloud's,
+  /// the window widened by half its sweep. O(points x boxes).
   [[nodiscard]] std::vector<std::uint8_t> label(const Cloud& cloud) const;
 
  private:

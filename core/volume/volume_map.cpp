@@ -177,23 +177,30 @@ RayLimits ray_limits(const VolumeConfig& config) {
   return limits;
 }
 
-Eigen::Vector3f ends_in_map(const Cloud& cloud, WorkerPool& pool,
-                            std::vector<Eigen::Vector3f>& ends_m) {
-  const Pose3& given = cloud.map_from_sensor;
-  if (!given.translation.allFinite() || !given.rotation.coeffs().allFinite()) {
-    throw InputError("cloud at " + std::to_string(cloud.stamp.seconds()) + " s",
-                     "its pose is not finite", "give a pose, or leave the cloud out");
-  }
-  const octomath::Pose6D pose = octomap_pose(given);
-  ends_m.resize(cloud.points_m.size());
-  pool.for_chunks(ends_m.size(), 4096, [&](std::size_t begin, std::size_t end, std::size_t) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Eigen::Vector3f& p = cloud.points_m[i];
-      ends_m[i] = eigen_vector(pose.transform(octomath::Vector3(p.x(), p.y(), p.z())));
+void bring_into_map(const Cloud& cloud, WorkerPool& pool, CloudInMap& in_map) {
+  const std::vector<CloudPart> parts = parts_of(cloud);
+  in_map.origins.clear();
+  in_map.ends_m.resize(cloud.points_m.size());
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    const Pose3& given = parts[part].map_from_sensor;
+    if (!given.translation.allFinite() || !given.rotation.coeffs().allFinite()) {
+      throw InputError("cloud at " + std::to_string(cloud.stamp.seconds()) + " s",
+                       "its pose is not finite", "give a pose, or leave the cloud out");
     }
-  });
-  // There and back through the pose, rounding as OctoMap rounds a scan node's origin.
-  return eigen_vector(pose.transform(pose.inv().transform(pose.trans())));
+    const octomath::Pose6D pose = octomap_pose(given);
+    const std::size_t first = parts[part].begin;
+    pool.for_chunks(end_of_part(cloud, parts, part) - first, 4096,
+                    [&](std::size_t begin, std::size_t end, std::size_t) {
+                      for (std::size_t i = first + begin; i < first + end; ++i) {
+                        const Eigen::Vector3f& p = cloud.points_m[i];
+                        in_map.ends_m[i] =
+                            eigen_vector(pose.transform(octomath::Vector3(p.x(), p.y(), p.z())));
+                      }
+                    });
+    // There and back through the pose, rounding as OctoMap rounds a scan node's origin.
+    in_map.origins.push_back(
+        {first, eigen_vector(pose.transform(pose.inv().transform(pose.trans())))});
+  }
 }
 
 struct VolumeMap::State {
@@ -210,7 +217,7 @@ struct VolumeMap::State {
   RayLimits limits;
   Tree tree;
   CloudMarks marks;
-  std::vector<Eigen::Vector3f> ends_m;
+  CloudInMap in_map;
   std::vector<BrickUpdate> updates;
 };
 
@@ -228,8 +235,9 @@ const VoxelLattice& VolumeMap::lattice() const { return state_->lattice; }
 CloudCounts VolumeMap::insert(const Cloud& cloud, std::span<const std::uint8_t> is_dynamic,
                               WorkerPool& pool) {
   State& s = *state_;
-  const Eigen::Vector3f origin = ends_in_map(cloud, pool, s.ends_m);
-  const CloudCounts counts = s.marks.mark(origin, s.ends_m, is_dynamic, s.lattice, s.limits, pool);
+  bring_into_map(cloud, pool, s.in_map);
+  const CloudCounts counts =
+      s.marks.mark(s.in_map.origins, s.in_map.ends_m, is_dynamic, s.lattice, s.limits, pool);
   const BrickMap<BrickMarks>& bricks = s.marks.bricks();
   s.updates.resize(bricks.size());
   for (std::size_t i = 0; i < bricks.size(); ++i) {

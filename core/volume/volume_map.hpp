@@ -37,10 +37,13 @@ struct VolumeSize {
 /// How a config cuts rays.
 [[nodiscard]] RayLimits ray_limits(const VolumeConfig& config);
 
-/// The sensor's place, and into `ends_m` the points of a cloud, in the map frame, rounded as
-/// OctoMap rounds them when it inserts a scan node. Throws InputError when the pose is not finite.
-[[nodiscard]] Eigen::Vector3f ends_in_map(const Cloud& cloud, WorkerPool& pool,
-                                          std::vector<Eigen::Vector3f>& ends_m);
+/// A cloud in the map frame, rounded as OctoMap rounds it when it inserts a scan node.
+struct CloudInMap {
+  std::vector<RayOrigin> origins;  ///< one a part
+  std::vector<Eigen::Vector3f> ends_m;
+};
+/// Throws InputError when a pose is not finite.
+void bring_into_map(const Cloud& cloud, WorkerPool& pool, CloudInMap& in_map);
 
 class VolumeMap {
  public:

@@ -27,9 +27,9 @@ VoxelFilter::VoxelFilter(const VoxelFilterConfig& config, const VoxelLattice& la
 }
 
 void VoxelFilter::count(const Cloud& cloud, WorkerPool& pool) {
-  std::vector<Eigen::Vector3f> ends;
-  const Eigen::Vector3f origin = ends_in_map(cloud, pool, ends);
-  marks_.mark(origin, ends, {}, lattice_, limits_, pool);
+  CloudInMap in_map;
+  bring_into_map(cloud, pool, in_map);
+  marks_.mark(in_map.origins, in_map.ends_m, {}, lattice_, limits_, pool);
   find_surroundings();
   for (std::size_t i = 0; i < marks_.bricks().size(); ++i) {
     BrickMarks marks = marks_.bricks().value(i);
@@ -84,14 +84,15 @@ double VoxelFilter::static_probability(const VoxelKey& key) const {
 }
 
 std::vector<std::uint8_t> VoxelFilter::label(const Cloud& cloud, WorkerPool& pool) const {
-  std::vector<Eigen::Vector3f> ends;
-  const Eigen::Vector3f origin = ends_in_map(cloud, pool, ends);
+  CloudInMap in_map;
+  bring_into_map(cloud, pool, in_map);
+  const std::vector<Eigen::Vector3f>& ends = in_map.ends_m;
   std::vector<std::uint8_t> is_dynamic(ends.size(), 0);
   pool.for_chunks(ends.size(), 4096, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto key = lattice_.key_at(ends[i]);
       if (!key || !limits_.box.contains(*key)) continue;
-      const auto range = static_cast<double>((ends[i] - origin).norm());
+      const auto range = static_cast<double>(cloud.points_m[i].norm());
       if (limits_.max_range_m > 0.0 && range > limits_.max_range_m) continue;
       is_dynamic[i] = static_probability(*key) < 0.5 ? 1 : 0;
     }

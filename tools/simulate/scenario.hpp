@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/config.hpp"
+#include "tools/simulate/space_config.hpp"
 
 namespace strata::simulate {
 
@@ -43,9 +44,12 @@ struct WallConfig {
 /// A solid rectangle: furniture, a pillar, a room's outline.
 struct BlockConfig {
   std::vector<double> rect;
+  double height_m = 0.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("rect", c.rect, {.doc = "x0, y0, x1, y1: two opposite corners", .unit = "m"});
+    v.field("height_m", c.height_m,
+            {.doc = "for the 3-D scanner; 0: heights.block_m", .unit = "m", .min = 0.0});
     v.require(c.rect.size() == 4, "rect", "is not four numbers", "write [x0, y0, x1, y1]");
   }
 };
@@ -256,6 +260,9 @@ struct ScenarioConfig {
   std::vector<PersonConfig> people;
   RobotConfig robot;
   LaserConfig laser;
+  HeightsConfig heights;
+  Scanner3Config scanner3;
+  CameraConfig camera;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("name", c.name, {.doc = "what results call it"});
@@ -270,6 +277,9 @@ struct ScenarioConfig {
     v.list("people", c.people, "people who walk about");
     v.group("robot", c.robot, "how it drives and how its odometry errs");
     v.group("laser", c.laser, "the scanner");
+    v.group("heights", c.heights, "how high things are, for the 3-D scanner and the camera");
+    v.group("scanner3", c.scanner3, "the 3-D scanner");
+    v.group("camera", c.camera, "the camera");
   }
 };
 

@@ -7,6 +7,7 @@
 #include "components/settings/settings.hpp"
 #include "tools/simulate/people.hpp"
 #include "tools/simulate/robot.hpp"
+#include "tools/simulate/space_day.hpp"
 
 namespace strata::simulate {
 namespace {
@@ -20,6 +21,15 @@ std::vector<Segment> shapes_at(const std::vector<ChangeableObject>& objects, int
     segments.insert(segments.end(), shape.begin(), shape.end());
   }
   return segments;
+}
+
+/// Between two steps of a drive.
+Pose2 pose_at(const std::vector<Pose2>& steps, double time_s) {
+  const double at = time_s / kDriveStep_s;
+  const auto step = std::min(static_cast<std::size_t>(at), steps.size() - 1);
+  const std::size_t next = std::min(step + 1, steps.size() - 1);
+  return interpolate(steps[step], steps[next],
+                     std::clamp(at - static_cast<double>(step), 0.0, 1.0));
 }
 
 }  // namespace
@@ -60,12 +70,8 @@ Simulation simulate(const ScenarioConfig& scenario, std::uint64_t seed, Progress
     for (std::size_t i = 0; i < scans; ++i) {
       report_progress(progress, "simulate day " + std::to_string(day), i, scans);
       const double time_s = static_cast<double>(i) * period_s;
-      const double steps = time_s / kDriveStep_s;
-      const auto step = std::min(static_cast<std::size_t>(steps), truth.size() - 1);
-      const std::size_t next = std::min(step + 1, truth.size() - 1);
-      const double share = std::clamp(steps - static_cast<double>(step), 0.0, 1.0);
       SimulatedScan scan;
-      scan.map_from_robot = interpolate(truth[step], truth[next], share);
+      scan.map_from_robot = pose_at(truth, time_s);
       const Pose2 map_from_laser = scan.map_from_robot * robot_from_laser(scenario.laser);
       const auto changeable = shapes_at(result.objects, day, time_s);
       const auto legs = people.legs_at(time_s, scan.map_from_robot.translation());
@@ -75,12 +81,21 @@ Simulation simulate(const ScenarioConfig& scenario, std::uint64_t seed, Progress
       // Whole milliseconds: text logs carry them exactly.
       taken.scan.stamp = Stamp::from_seconds(std::round((day_start_s + time_s) * 1e3) * 1e-3);
       scan.sources = std::move(taken.sources);
-      scan.observation = {day - 1, std::move(taken.scan),
-                          interpolate(odom[step], odom[next], share), true};
+      scan.observation = {day - 1, std::move(taken.scan), pose_at(odom, time_s), true};
       simulated.scans.push_back(std::move(scan));
     }
     simulated.begin = simulated.scans.front().observation.scan.stamp;
     simulated.end = simulated.scans.back().observation.scan.stamp;
+    const SpaceDay space_day{day,
+                             day_start_s,
+                             length_s,
+                             [&](double time_s) { return pose_at(truth, time_s); },
+                             &people,
+                             result.walls,
+                             world.first_block_side(),
+                             result.objects};
+    simulated.clouds = clouds_of(scenario, space_day, seed);
+    simulated.images = images_of(scenario, space_day);
     day_start_s = std::ceil(day_start_s + length_s + scenario.night_s);
     result.days.push_back(std::move(simulated));
   }

@@ -10,6 +10,7 @@
 #include "core/scan/scan.hpp"
 #include "tools/simulate/laser.hpp"
 #include "tools/simulate/scenario.hpp"
+#include "tools/simulate/space.hpp"
 #include "tools/simulate/world.hpp"
 
 namespace strata::simulate {
@@ -25,6 +26,8 @@ struct SimulatedDay {
   Stamp begin;  ///< of the first scan
   Stamp end;    ///< of the last
   std::vector<SimulatedScan> scans;
+  std::vector<SimulatedCloud> clouds;
+  std::vector<SimulatedImage> images;
 };
 
 /// Everything that a run of a scenario gives.
@@ -38,7 +41,8 @@ struct Simulation {
 
 /// The same scenario and seed give the same bits. The robot spends the night where it stops, so
 /// truth and odometry go on without a jump and all days make one log. Throws ConfigError for a
-/// scenario that contradicts itself; honours cancellation. O(scans x beams x obstacles).
+/// scenario that contradicts itself; honours cancellation. O(scans x beams x obstacles), and
+/// the same for the points of clouds and the pixels of images.
 [[nodiscard]] Simulation simulate(const ScenarioConfig& scenario, std::uint64_t seed,
                                   Progress* progress = nullptr);
 

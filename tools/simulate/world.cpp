@@ -214,6 +214,7 @@ World::World(const ScenarioConfig& scenario, std::uint64_t seed, double day_leng
     cut_gap(walls_, objects_.back().shapes.front().front());
   }
   // After the doors: they cut walls, not furniture.
+  first_block_side_ = walls_.size();
   for (const BlockConfig& block : scenario.blocks) {
     const Vector2d a(block.rect[0], block.rect[1]);
     const Vector2d b(block.rect[2], block.rect[3]);

@@ -62,11 +62,14 @@ class World {
   /// redrawn. Throws ConfigError for a schedule with an unknown state, or two objects of one id.
   World(const ScenarioConfig& scenario, std::uint64_t seed, double day_length_s);
 
+  /// Walls, then from first_block_side on four sides a block.
   [[nodiscard]] const std::vector<Segment>& walls() const { return walls_; }
+  [[nodiscard]] std::size_t first_block_side() const { return first_block_side_; }
   [[nodiscard]] const std::vector<ChangeableObject>& objects() const { return objects_; }
 
  private:
   std::vector<Segment> walls_;
+  std::size_t first_block_side_ = 0;
   std::vector<ChangeableObject> objects_;
 };
 

@@ -12,6 +12,7 @@
 #include "core/base/error.hpp"
 #include "tools/report/image.hpp"
 #include "tools/simulate/simulation.hpp"
+#include "tools/simulate/space_log.hpp"
 #include "tools/simulate/truth.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -39,9 +40,10 @@ void write_logs(const fs::path& folder, const simulate::Simulation& simulation, 
     }
   }
   log::write_carmen(folder / "log.clf", content);
-  log::write_bag(
-      folder / "bag", content, storage,
-      storage == log::BagStorage::kMcap ? log::BagCompression::kZstd : log::BagCompression::kNone);
+  log::BagOptions format{.storage = storage};
+  if (storage == log::BagStorage::kMcap) format.chunks = log::BagCompression::kZstd;
+  log::write_bag(folder / "bag", content, format,
+                 simulate::space_messages(simulation, first, last));
   log::write_trajectory(folder / "truth.tum", truth);
 }
 

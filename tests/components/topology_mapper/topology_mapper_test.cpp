@@ -91,7 +91,8 @@ class Robot {
         landmarks_(participant_, "/landmark", bus::qos_profile("default")),
         tf_static_(participant_, "/tf_static", bus::qos_profile("tf_static")) {
     tf2_msgs::msg::TFMessage mounting;
-    mounting.transforms().push_back(convert::to_transform_stamped({}, {}, "base_link", "laser"));
+    mounting.transforms().push_back(
+        convert::to_transform_stamped({}, Pose2{}, "base_link", "laser"));
     tf_static_.publish(mounting);
     register_component(registry_);
     host_ = test::make_host(

@@ -46,7 +46,8 @@ static const struct Type kTypes[] = {
     TYPE(strata_msgs, ReflectionGrid),      TYPE(strata_msgs, ScanPose),
     TYPE(strata_msgs, Step),                TYPE(strata_msgs, SubmapStates),
     TYPE(strata_msgs, Trajectory),          TYPE(sensor_msgs, PointCloud2),
-    TYPE(geometry_msgs, PointStamped),      TYPE(strata_msgs, Topologies)};
+    TYPE(geometry_msgs, PointStamped),      TYPE(strata_msgs, Topologies),
+    TYPE(sensor_msgs, Image),               TYPE(sensor_msgs, CameraInfo)};
 enum { kTypeCount = sizeof kTypes / sizeof kTypes[0] };
 
 static dds_entity_t g_participant;

@@ -209,6 +209,42 @@ sensor_msgs::msg::PointCloud2 sample() {
 }
 
 template <>
+sensor_msgs::msg::Image sample() {
+  sensor_msgs::msg::Image result;
+  result.header(header("camera_optical"));
+  result.height(2);
+  result.width(5);
+  result.encoding("rgb8");
+  result.is_bigendian(1);
+  result.step(16);
+  for (int i = 0; i < 32; ++i) result.data().push_back(static_cast<std::uint8_t>(7 * i));
+  return result;
+}
+
+template <>
+sensor_msgs::msg::CameraInfo sample() {
+  sensor_msgs::msg::CameraInfo result;
+  result.header(header("camera_optical"));
+  result.height(480);
+  result.width(640);
+  result.distortion_model("plumb_bob");
+  result.d({-0.3, 0.1, 1e-3, -2e-3, 0.01});
+  for (std::size_t i = 0; i < 9; ++i) result.k()[i] = 100.5 + static_cast<double>(i);
+  for (std::size_t i = 0; i < 9; ++i) result.r()[i] = 0.125 * static_cast<double>(i);
+  for (std::size_t i = 0; i < 12; ++i) result.p()[i] = -3.25 * static_cast<double>(i);
+  result.binning_x(2);
+  result.binning_y(3);
+  sensor_msgs::msg::RegionOfInterest roi;
+  roi.x_offset(4);
+  roi.y_offset(5);
+  roi.height(6);
+  roi.width(7);
+  roi.do_rectify(true);
+  result.roi(roi);
+  return result;
+}
+
+template <>
 sensor_msgs::msg::LaserScan sample() {
   sensor_msgs::msg::LaserScan result;
   result.header(header("laser_front"));
