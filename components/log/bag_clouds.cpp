@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/log/bag_clouds.hpp"
 
-#include <set>
 #include <string>
+#include <utility>
 
 #include "strata_idl/sensor_msgs.h"
-#include "strata_idl/tf2_msgs.h"
 
 #include "components/convert/cdr.hpp"
 #include "components/convert/cloud_messages.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/log/bag.hpp"
-#include "components/log/transform_history.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::log {
@@ -19,9 +17,17 @@ namespace {
 
 class BagCloudReader final : public CloudReader {
  public:
-  explicit BagCloudReader(const std::filesystem::path& path) : path_(path) {
-    read_transforms();
-    map_frame_ = transforms_.knows("map") ? "map" : "odom";
+  BagCloudReader(const std::filesystem::path& path, const CloudReadOptions& options)
+      : path_(path), part_s_(options.part_s), poses_(path, options), topic_(options.points_topic) {
+    const auto topics = poses_.topics_of("sensor_msgs/msg/PointCloud2");
+    if (topics.empty() || (!topic_.empty() && topics.count(topic_) == 0)) {
+      throw InputError(path_.string(),
+                       "no sensor_msgs/msg/PointCloud2 can be read" +
+                           (topic_.empty() ? std::string() : " on " + topic_),
+                       "see `strata info` for its topics");
+    }
+    if (topic_.empty()) topic_ = *topics.begin();
+    for (const std::string& place_and_reason : poses_.bad()) bad(place_and_reason);
     bag_ = BagReader::open(path);
     report_.format = "rosbag2, " + bag_->description();
   }
@@ -39,6 +45,7 @@ class BagCloudReader final : public CloudReader {
           return true;
         }
       } catch (const InputError& error) {
+        ++report_.unreadable_clouds;
         bad(place + ": " + error.what());
       }
     }
@@ -47,62 +54,34 @@ class BagCloudReader final : public CloudReader {
   }
 
  private:
-  void read_transforms() {
-    const auto bag = BagReader::open(path_);
-    std::set<std::string> cloud_topics;
-    BagMessage message;
-    while (bag->next(message)) {
-      const BagTopic& topic = bag->topics()[message.topic];
-      if (topic.type == "sensor_msgs/msg/PointCloud2") cloud_topics.insert(topic.name);
-      if (topic.type != "tf2_msgs/msg/TFMessage") continue;
-      try {
-        add_transforms(
-            convert::from_cdr<tf2_msgs::msg::TFMessage>(message.data, path_.string() + ": tf"),
-            topic.name.find("tf_static") != std::string::npos);
-      } catch (const InputError& error) {
-        bad(error.what());
-      }
-    }
-    if (cloud_topics.empty()) {
-      throw InputError(path_.string(), "no sensor_msgs/msg/PointCloud2 can be read",
-                       "see `strata info` for its topics");
-    }
-    topic_ = *cloud_topics.begin();
-  }
-
-  void add_transforms(const tf2_msgs::msg::TFMessage& message, bool is_static) {
-    for (const auto& transform : message.transforms()) {
-      const Pose3 pose = convert::from_message(transform.transform());
-      if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) {
-        bad(path_.string() + ": a transform to " + transform.child_frame_id() + " is not finite");
-      } else if (is_static) {
-        transforms_.add_fixed(transform.header().frame_id(), transform.child_frame_id(), pose);
-      } else {
-        transforms_.add(transform.header().frame_id(), transform.child_frame_id(),
-                        convert::from_message(transform.header().stamp()), pose);
-      }
-    }
-  }
-
   bool take(const sensor_msgs::msg::PointCloud2& message, const std::string& place,
             volume::Cloud& cloud) {
+    cloud = {};
     cloud.points_m = convert::from_message(message);
     cloud.stamp = convert::from_message(message.header().stamp());
-    const auto pose = transforms_.find(map_frame_, message.header().frame_id(), cloud.stamp);
-    if (!pose) {
-      ++report_.clouds_without_pose;
-      report_.points_without_pose += cloud.points_m.size();
-      bad(place + ": tf does not tie " + message.header().frame_id() + " to " + map_frame_ +
-          " at its time");
-      return false;
+    convert::CloudColumns columns = convert::columns_of(message);
+    cloud.truly_moving = std::move(columns.truly_moving);
+    const std::string& frame = message.header().frame_id();
+    const std::size_t count = cloud.points_m.size();
+    const bool is_timed = part_s_ > 0.0 && count > 0 && columns.offset_s.size() == count;
+    if (is_timed) {
+      report_.points_without_pose += volume::cut_by_time(
+          cloud, columns.offset_s, part_s_, [&](Stamp stamp) { return poses_.find(frame, stamp); });
+      if (!cloud.parts.empty()) return true;
+    } else if (const auto pose = poses_.find(frame, cloud.stamp)) {
+      cloud.map_from_sensor = *pose;
+      return true;
+    } else {
+      report_.points_without_pose += count;
     }
-    cloud.map_from_sensor = *pose;
-    return true;
+    ++report_.clouds_without_pose;
+    bad(place + ": nothing ties " + frame + " to " + poses_.map_frame() + " at its time");
+    return false;
   }
 
   std::filesystem::path path_;
-  TransformHistory transforms_;
-  std::string map_frame_;
+  double part_s_;
+  BagPoses poses_;
   std::string topic_;
   std::unique_ptr<BagReader> bag_;
   std::size_t messages_ = 0;
@@ -111,8 +90,9 @@ class BagCloudReader final : public CloudReader {
 
 }  // namespace
 
-std::unique_ptr<CloudReader> open_bag_clouds(const std::filesystem::path& path) {
-  return std::make_unique<BagCloudReader>(path);
+std::unique_ptr<CloudReader> open_bag_clouds(const std::filesystem::path& path,
+                                             const CloudReadOptions& options) {
+  return std::make_unique<BagCloudReader>(path, options);
 }
 
 }  // namespace strata::log

@@ -13,8 +13,6 @@
 #include <octomap/octomap_types.h>
 
 #include "components/log/bag_clouds.hpp"
-#include "components/log/bag_storage.hpp"
-#include "components/log/compression.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
 
@@ -224,15 +222,14 @@ bool is_scan_graph(const fs::path& path) {
 
 }  // namespace
 
-std::unique_ptr<CloudReader> CloudReader::open(const fs::path& path) {
+std::unique_ptr<CloudReader> CloudReader::open(const fs::path& path,
+                                               const CloudReadOptions& options) {
   if (!fs::exists(path)) throw InputError(path.string(), "does not exist", "check the path");
   if (!fs::is_directory(path)) {
     if (is_scan_graph(path)) return std::make_unique<ScanGraphReader>(path);
     if (is_text_log(path)) return std::make_unique<TextLogReader>(path);
   }
-  const bool is_bag = fs::is_directory(path) || is_mcap(path) || is_sqlite(path) ||
-                      compression_of_file(path) != BagCompression::kNone;
-  if (is_bag) return open_bag_clouds(path);
+  if (is_bag(path)) return open_bag_clouds(path, options);
   throw InputError(path.string(), "is no 3-D log that is known here",
                    "give an OctoMap log (NODE lines), a scan graph, or a bag with PointCloud2");
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "components/log/bag_poses.hpp"
 #include "core/volume/cloud.hpp"
 
 namespace strata::log {
@@ -16,6 +17,7 @@ struct CloudReport {
   std::string format;  ///< for people: "OctoMap log"
   std::size_t clouds = 0;
   std::size_t bad_lines = 0;            ///< unreadable lines, records or messages
+  std::size_t unreadable_clouds = 0;    ///< messages without fields, with too little data, ...
   std::string first_bad;                ///< where the first one is and why
   std::size_t clouds_without_pose = 0;  ///< skipped with their points
   std::size_t points_without_pose = 0;
@@ -34,8 +36,9 @@ class CloudReader {
   /// rosbag2 bags
   /// (`open_bag_clouds`).
   /// Poses are rounded as OctoMap rounds them, so that its tools and ours make the same tree.
-  /// Throws InputError for anything else.
-  [[nodiscard]] static std::unique_ptr<CloudReader> open(const std::filesystem::path& path);
+  /// Throws InputError for anything else. options: for bags.
+  [[nodiscard]] static std::unique_ptr<CloudReader> open(const std::filesystem::path& path,
+                                                         const CloudReadOptions& options = {});
 
   /// The next cloud; false at the end. Damaged lines are skipped and counted; a damaged record
   /// ends the log.

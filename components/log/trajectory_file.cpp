@@ -129,6 +129,35 @@ std::vector<StampedPose> read_trajectory(const std::filesystem::path& path, doub
   return poses;
 }
 
+TransformHistory read_space_trajectory(const std::filesystem::path& path,
+                                       const std::string& robot_frame) {
+  TransformHistory history;
+  // Checks every row, and reads what has no height.
+  const std::vector<StampedPose> planar_poses = read_trajectory(path);
+  LineReader lines(path);
+  std::string line;
+  std::vector<std::string_view> words;
+  bool is_tum = false;
+  while (lines.next(line)) {
+    split(line, words);
+    if (words.empty() || words[0].front() == '#') continue;
+    if (words.size() != 8) break;
+    double v[7] = {};
+    for (std::size_t i = 0; i < 7; ++i) v[i] = parse_double(words[i + 1]).value_or(0.0);
+    Pose3 pose;
+    pose.translation = {v[0], v[1], v[2]};
+    pose.rotation = Eigen::Quaterniond(v[6], v[3], v[4], v[5]).normalized();
+    history.add("map", robot_frame, *parse_stamp(words[0]), pose);
+    is_tum = true;
+  }
+  if (!is_tum) {
+    for (const StampedPose& row : planar_poses) {
+      history.add("map", robot_frame, row.stamp, lift(row.pose));
+    }
+  }
+  return history;
+}
+
 void write_trajectory(const std::filesystem::path& path, std::span<const StampedPose> poses) {
   WholeFile file(path);
   for (const StampedPose& row : poses) {

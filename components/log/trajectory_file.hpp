@@ -5,8 +5,10 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "components/log/transform_history.hpp"
 #include "core/base/time.hpp"
 #include "core/geometry/pose2.hpp"
 
@@ -30,6 +32,12 @@ struct TrajectoryReport {
 [[nodiscard]] std::vector<StampedPose> read_trajectory(const std::filesystem::path& path,
                                                        double offset_s = 0.0,
                                                        TrajectoryReport* report = nullptr);
+
+/// The same files with height and full rotation where they are TUM; others lie in the plane.
+/// Ready for poses at any moment, interpolated over at most 1 s, as transforms from the frame map
+/// to the frame robot. Throws as read_trajectory.
+[[nodiscard]] TransformHistory read_space_trajectory(const std::filesystem::path& path,
+                                                     const std::string& robot_frame);
 
 /// TUM, one line a pose, 9 decimals; written aside and renamed.
 void write_trajectory(const std::filesystem::path& path, std::span<const StampedPose> poses);

@@ -10,6 +10,7 @@
 #include <octomap/OcTree.h>
 
 #include "core/base/error.hpp"
+#include "core/volume/octomap_header.hpp"
 
 namespace strata::volume {
 namespace {
@@ -154,14 +155,6 @@ octomap::OcTree likely_tree(const octomap::OcTree& tree) {
   return likely;
 }
 
-/// As OctoMap writes it; its own functions talk to the terminal.
-void write_header(std::ostringstream& out, const char* first_line, const octomap::OcTree& tree) {
-  out << first_line
-      << "\n# (feel free to add / change comments, but leave the first line as it is!)\n#\nid "
-      << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution()
-      << "\ndata\n";
-}
-
 }  // namespace
 
 RayLimits ray_limits(const VolumeConfig& config) {
@@ -281,14 +274,53 @@ void VolumeMap::for_each_cube(const std::function<void(const VoxelCube&)>& visit
 std::string VolumeMap::binary_file() const {
   const octomap::OcTree likely = likely_tree(state_->tree);
   std::ostringstream out(std::ios::binary);
-  write_header(out, "# Octomap OcTree binary file", likely);
+  out << octomap_header("# Octomap OcTree binary file", likely);
   likely.writeBinaryData(out);
   return std::move(out).str();
 }
 
+VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& place) {
+  const auto refuse = [&](const std::string& what) -> InputError {
+    return InputError(place, what, "give a .bt or .ot file of an OcTree, as OctoMap writes it");
+  };
+  std::istringstream in(bytes, std::ios::binary);
+  std::string line;
+  std::string id;
+  double resolution_m = 0.0;
+  std::size_t size = 0;
+  std::getline(in, line);
+  const bool is_binary = line == "# Octomap OcTree binary file";
+  if (!is_binary && line != "# Octomap OcTree file") throw refuse("is no OctoMap file");
+  while (std::getline(in, line) && line != "data") {
+    std::istringstream words(line);
+    std::string key;
+    words >> key;
+    if (key == "id") words >> id;
+    if (key == "size") words >> size;
+    if (key == "res") words >> resolution_m;
+  }
+  if (!in || id != "OcTree") throw refuse("holds a tree of the kind '" + id + "'");
+  // A node takes two bytes at least: a damaged size must not make us read without end.
+  const auto left = bytes.size() - static_cast<std::size_t>(in.tellg());
+  if (!(resolution_m > 0.0) || left < 2) throw refuse("says no voxel edge, or ends too early");
+  VolumeConfig config;
+  config.resolution_m = resolution_m;
+  VolumeMap map(config);
+  if (is_binary) {
+    map.state_->tree.readBinaryData(in);
+  } else {
+    map.state_->tree.readData(in);
+  }
+  if (!in || map.state_->tree.size() != size) {
+    throw refuse("is damaged: " + std::to_string(map.state_->tree.size()) + " nodes of " +
+                 std::to_string(size));
+  }
+  return map;
+}
+
 std::string VolumeMap::full_file() const {
   std::ostringstream out(std::ios::binary);
-  write_header(out, "# Octomap OcTree file", state_->tree);
+  out << octomap_header("# Octomap OcTree file", state_->tree);
   state_->tree.writeData(out);
   return std::move(out).str();
 }

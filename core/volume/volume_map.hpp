@@ -27,6 +27,18 @@ struct VoxelCube {
   bool is_occupied = false;
 };
 
+/// Calls visit(VoxelKey) for each voxel of a cube.
+template <typename Visit>
+void for_each_voxel(const VoxelCube& cube, Visit&& visit) {
+  for (std::int32_t z = 0; z < cube.edge; ++z) {
+    for (std::int32_t y = 0; y < cube.edge; ++y) {
+      for (std::int32_t x = 0; x < cube.edge; ++x) {
+        visit(VoxelKey{cube.corner.x + x, cube.corner.y + y, cube.corner.z + z});
+      }
+    }
+  }
+}
+
 /// How large a map is.
 struct VolumeSize {
   std::size_t nodes = 0;  ///< inner ones too
@@ -73,6 +85,8 @@ class VolumeMap {
 
   /// A .bt file: occupied, free or unknown, pruned. What octovis and octomap_server open.
   [[nodiscard]] std::string binary_file() const;
+  /// The map of a .bt or .ot file of an OcTree. place: its name in errors. Throws InputError.
+  [[nodiscard]] static VolumeMap from_file(const std::string& bytes, const std::string& place);
   /// A .ot file: every log odds.
   [[nodiscard]] std::string full_file() const;
   /// The data of an octomap_msgs/Octomap with binary = true, id = "OcTree".
@@ -82,5 +96,13 @@ class VolumeMap {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Calls visit(VoxelKey) for each occupied voxel, in the order of `for_each_cube`.
+template <typename Visit>
+void for_each_voxel(const VolumeMap& map, Visit&& visit) {
+  map.for_each_cube([&](const VoxelCube& cube) {
+    if (cube.is_occupied) for_each_voxel(cube, visit);
+  });
+}
 
 }  // namespace strata::volume

@@ -30,42 +30,14 @@ void VoxelFilter::count(const Cloud& cloud, WorkerPool& pool) {
   CloudInMap in_map;
   bring_into_map(cloud, pool, in_map);
   marks_.mark(in_map.origins, in_map.ends_m, {}, lattice_, limits_, pool);
-  find_surroundings();
+  near_ends_.find(marks_.bricks());
   for (std::size_t i = 0; i < marks_.bricks().size(); ++i) {
     BrickMarks marks = marks_.bricks().value(i);
-    if (const BrickBits* near = near_ends_.find(marks_.bricks().ids()[i])) {
-      for (std::size_t word = 0; word < 8; ++word) marks.passed[word] &= ~(*near)[word];
-    }
+    marks.passed = near_ends_.without(marks_.bricks().ids()[i], marks.passed);
     BrickCounts& counts = counts_.touch(marks_.bricks().ids()[i]);
     for (std::size_t word = 0; word < 8; ++word) {
       add_marks(marks.ended[word], 64 * word, counts.ended);
       add_marks(marks.passed[word], 64 * word, counts.passed);
-    }
-  }
-}
-
-void VoxelFilter::find_surroundings() {
-  near_ends_.clear();
-  const BrickMap<BrickMarks>& bricks = marks_.bricks();
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    for (std::size_t word = 0; word < 8; ++word) {
-      for (std::uint64_t ended = bricks.value(i).ended[word]; ended != 0; ended &= ended - 1) {
-        const auto bit = static_cast<unsigned>(std::countr_zero(ended));
-        add_neighbours(voxel_of(bricks.ids()[i], static_cast<unsigned>(64 * word) + bit));
-      }
-    }
-  }
-}
-
-void VoxelFilter::add_neighbours(const VoxelKey& key) {
-  for (std::int32_t z = key.z - 1; z <= key.z + 1; ++z) {
-    for (std::int32_t y = key.y - 1; y <= key.y + 1; ++y) {
-      for (std::int32_t x = key.x - 1; x <= key.x + 1; ++x) {
-        const VoxelKey other{x, y, z};
-        if (!VoxelBox{}.contains(other)) continue;
-        const unsigned place = place_in_brick(other);
-        near_ends_.touch(brick_id(other))[place >> 6] |= std::uint64_t{1} << (place & 63U);
-      }
     }
   }
 }

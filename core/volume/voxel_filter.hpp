@@ -14,6 +14,7 @@
 #include "core/volume/brick_map.hpp"
 #include "core/volume/cloud.hpp"
 #include "core/volume/cloud_marks.hpp"
+#include "core/volume/near_ends.hpp"
 
 namespace strata::volume {
 
@@ -65,15 +66,11 @@ class VoxelFilter {
   [[nodiscard]] std::size_t bytes() const { return counts_.bytes(); }
 
  private:
-  using BrickBits = std::array<std::uint64_t, 8>;
-  void find_surroundings();
-  void add_neighbours(const VoxelKey& key);
-
   VoxelFilterConfig config_;
   VoxelLattice lattice_;
   RayLimits limits_;
   CloudMarks marks_;
-  BrickMap<BrickBits> near_ends_;  ///< of the present cloud
+  NearEnds near_ends_;  ///< of the present cloud
   BrickMap<BrickCounts> counts_;
 };
 

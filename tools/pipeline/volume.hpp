@@ -3,57 +3,84 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "components/log/bag_images.hpp"
 #include "components/log/cloud_reader.hpp"
 #include "core/base/progress.hpp"
+#include "core/volume/color_map.hpp"
+#include "core/volume/dynamic_boxes.hpp"
 #include "core/volume/volume_map.hpp"
 #include "core/volume/voxel_filter.hpp"
-#include "tools/pipeline/cost.hpp"
+#include "core/volume/voxel_memory.hpp"
+#include "tools/pipeline/volume_sources.hpp"
+#include "tools/pipeline/volume_truth.hpp"
 
 namespace strata::pipeline {
 
 /// Everything that can be set about 3-D maps.
 struct VolumeJobConfig {
   volume::VolumeConfig map;
+  MovingKind moving = MovingKind::kAuto;
   volume::VoxelFilterConfig filter;
+  volume::DynamicBoxConfig boxes;
+  double part_s = 0.02;
+  double sweep_s = 0.0;
+  bool remember = false;
+  volume::VoxelMemoryConfig memory;
+  volume::ColorConfig colors;
+  slam::SlamConfig slam;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("map", c.map, "the octree");
-    v.group("filter", c.filter, "what is taken for moving");
+    v.field("moving", c.moving,
+            {.doc = "how points on what moves are told: boxes about dynamic planar beams, EM on "
+                    "voxels, both (either says so), none; auto: boxes when the log has planar "
+                    "scans, else voxels"});
+    v.group("filter", c.filter, "what voxels are taken for moving");
+    v.group("boxes", c.boxes, "boxes about what the planar scanner saw move");
+    v.field("part_s", c.part_s,
+            {.doc = "clouds whose points have times are cut into parts of this, each with its own "
+                    "pose and boxes; 0: they are not",
+             .unit = "s",
+             .min = 0.0});
+    v.field("sweep_s", c.sweep_s,
+            {.doc = "how long a cloud takes whose points have no times: half of it widens the "
+                    "window of boxes",
+             .unit = "s",
+             .min = 0.0});
+    v.field("remember", c.remember,
+            {.doc = "keep short, mid and long levels of every voxel, and tell what changed"});
+    v.group("memory", c.memory, "the levels of a voxel");
+    v.group("colors", c.colors, "which picture a voxel takes its colour from");
+    v.group("slam", c.slam, "poses and labels from planar scans");
   }
 };
 
 struct VolumeResult {
+  explicit VolumeResult(const volume::VolumeConfig& config) : map(config) {}
+
   volume::VolumeMap map;
   log::CloudReport report;
   volume::CloudCounts counts;
   bool is_filtered = false;
+  std::string moving;  ///< "boxes", "voxels", "boxes and voxels", "nothing"
+  std::string pose_source;
+  std::vector<std::string> warnings;
   std::vector<Pose3> sensor_poses;
+  std::optional<VolumeScore> score;           ///< where clouds had truth
+  std::optional<volume::VoxelMemory> memory;  ///< with `remember`
+  std::optional<volume::ColorMap> colors;     ///< where there were images
+  log::ImageReport images;
 };
 
-/// Reads the log once, or twice with the filter: the first time to learn what moves. Throws
-/// InputError, ConfigError, Cancelled.
-[[nodiscard]] VolumeResult make_volume(const std::filesystem::path& log,
-                                       const VolumeJobConfig& config, bool filter, int threads,
+/// Reads the log once, more often with the filter on voxels (the first time to learn what moves)
+/// and with images. A .bt or .ot file is a map already: it is read as such. poses: a file of
+/// map_from_robot, or empty. Throws InputError, ConfigError, Cancelled.
+[[nodiscard]] VolumeResult make_volume(const std::filesystem::path& log, const std::string& poses,
+                                       const VolumeJobConfig& config, int threads,
                                        Progress* progress);
-
-/// A height range [from, to) in metres.
-struct SliceRange {
-  double from_m = 0.0;
-  double to_m = 0.0;
-};
-
-/// "0.2:0.5". Throws InputError.
-[[nodiscard]] SliceRange parse_slice(const std::string& text);
-
-/// Writes map.bt, map.ot, slice_N.yaml/.pgm, pictures, report.html and summary.json; returns the
-/// summary. No slices: one of 0.4 m about the first sensor pose. Throws OutputError.
-nlohmann::json write_volume(const std::filesystem::path& folder, const std::string& log,
-                            const VolumeResult& result, std::vector<SliceRange> slices,
-                            const Cost& cost);
 
 }  // namespace strata::pipeline

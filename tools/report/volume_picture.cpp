@@ -122,17 +122,8 @@ std::array<Eigen::Vector3d, 2> bounds(std::span<const ColoredCube> cubes) {
 }  // namespace
 
 Color height_color(double share) {
-  // Anchors of a rainbow without its dark ends.
-  constexpr std::array<std::array<double, 3>, 5> kAnchors{
-      {{52, 84, 190}, {42, 157, 198}, {88, 186, 104}, {240, 196, 62}, {214, 72, 58}}};
-  const double place = std::clamp(share, 0.0, 1.0) * 4.0;
-  const auto below = static_cast<std::size_t>(std::min(3.0, std::floor(place)));
-  const double t = place - static_cast<double>(below);
-  std::array<std::uint8_t, 3> rgb{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    rgb[i] = static_cast<std::uint8_t>((1.0 - t) * kAnchors[below][i] + t * kAnchors[below + 1][i]);
-  }
-  return {rgb[0], rgb[1], rgb[2]};
+  const volume::Rgb rgb = volume::height_rgb(share);
+  return {rgb.r, rgb.g, rgb.b};
 }
 
 std::vector<ColoredCube> occupied_cubes(const volume::VolumeMap& map, double ceiling_m) {
@@ -150,6 +141,20 @@ std::vector<ColoredCube> occupied_cubes(const volume::VolumeMap& map, double cei
   const double span = std::max(high.z() - low.z(), resolution);
   for (ColoredCube& cube : cubes) {
     cube.color = height_color((cube.corner_m.z() - low.z()) / span);
+  }
+  return cubes;
+}
+
+std::vector<ColoredCube> colored_cubes(const volume::ColorMap& colors,
+                                       const volume::VoxelLattice& lattice, double ceiling_m) {
+  std::vector<ColoredCube> cubes;
+  const double edge_m = lattice.resolution_m();
+  for (const volume::ColoredVoxel& voxel : colors.voxels()) {
+    ColoredCube cube;
+    cube.corner_m = lattice.center_m(voxel.key) - Eigen::Vector3d::Constant(0.5 * edge_m);
+    cube.edge_m = edge_m;
+    cube.color = {voxel.color.r, voxel.color.g, voxel.color.b};
+    if (cube.corner_m.z() + edge_m <= ceiling_m) cubes.push_back(cube);
   }
   return cubes;
 }

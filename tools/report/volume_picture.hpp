@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "core/volume/color_map.hpp"
 #include "core/volume/volume_map.hpp"
 #include "tools/report/image.hpp"
 
@@ -37,6 +38,11 @@ struct VolumeView {
 /// The occupied cubes below `ceiling_m`, coloured by height.
 [[nodiscard]] std::vector<ColoredCube> occupied_cubes(
     const volume::VolumeMap& map, double ceiling_m = std::numeric_limits<double>::infinity());
+
+/// The occupied cubes below `ceiling_m` in the colours of `colors`.
+[[nodiscard]] std::vector<ColoredCube> colored_cubes(
+    const volume::ColorMap& colors, const volume::VoxelLattice& lattice,
+    double ceiling_m = std::numeric_limits<double>::infinity());
 
 /// Draws every face that looks at the camera, nearest first wins; faces are shaded by direction.
 /// O(cubes + pixels they cover).

@@ -92,8 +92,9 @@ TEST(BagClouds, HaveThePosesOfTfAndCountWhatHasNone) {
     EXPECT_FALSE(reader->next(cloud));
     EXPECT_EQ(reader->report().clouds, 2U);
     EXPECT_EQ(reader->report().clouds_without_pose, 1U);
+    EXPECT_EQ(reader->report().unreadable_clouds, 1U);  // the one without fields
     EXPECT_EQ(reader->report().bad_lines, 2U);
-    EXPECT_THAT(reader->report().first_bad, testing::HasSubstr("does not tie elsewhere to map"));
+    EXPECT_THAT(reader->report().first_bad, testing::HasSubstr("nothing ties elsewhere to map"));
   }
 }
 

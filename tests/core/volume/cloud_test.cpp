@@ -71,6 +71,23 @@ TEST(Cloud, TakesAPointWithoutTimeForOneOfTheStamp) {
   EXPECT_EQ(cloud.points_m[0].x(), 2.0F);
 }
 
+TEST(Cloud, MayHaveTenMillionPointsAndCountsThoseThatAreNoNumbers) {
+  Cloud cloud;
+  cloud.map_from_sensor = at(0.0);
+  cloud.points_m.resize(10'000'000);
+  for (std::size_t i = 0; i < cloud.points_m.size(); ++i) {
+    const auto y = 0.001F * static_cast<float>(i % 500);
+    cloud.points_m[i] = {0.5F, i % 1000 == 7 ? std::numeric_limits<float>::quiet_NaN() : y, 0.0F};
+  }
+  WorkerPool pool(2);
+  VolumeMap map(VolumeConfig{});
+  const CloudCounts counts = map.insert(cloud, {}, pool);
+  EXPECT_EQ(counts.points, 10'000'000U);
+  EXPECT_EQ(counts.not_finite, 10'000U);
+  EXPECT_GE(counts.voxels_ended, 5U);
+  EXPECT_GT(map.log_odds({0.55, 0.25, 0.05}).value(), 0.0F);
+}
+
 /// Someone walks along y with 1 m/s at x = 2, seen by a 2-D scanner.
 DynamicBoxes walker() {
   std::vector<DynamicPoint> points;

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata simulate` and `strata volume` together: people in rooms, and what is left of them.
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "components/log/map_file.hpp"
+#include "components/maps/map_model.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/tools/strata/program.hpp"
+#include "tools/pipeline/localization_metrics.hpp"
+#include "tools/pipeline/localize.hpp"
+#include "tools/pipeline/runs_input.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+using test::quoted;
+using test::run_strata;
+
+nlohmann::json json_of(const fs::path& path) { return nlohmann::json::parse(std::ifstream(path)); }
+
+/// One simulated drive for all tests. Few voxels outlive the rays of 44 clouds even unfiltered: how
+/// many depends on who stood where at the end of a drive; in this one enough to judge by.
+class VolumePeople : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<test::TemporaryDirectory>();
+    const auto outcome = run_strata("simulate '" STRATA_SOURCE_DIR
+                                    "/tools/simulate/scenarios/room_people_3d.yaml' --seed 112 "
+                                    "--quiet --out " +
+                                    quoted(folder_->path() / "sim"));
+    ASSERT_EQ(outcome.code, 0);
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static nlohmann::json volume(const std::string& name, const std::string& options) {
+    const fs::path out = folder_->path() / name;
+    const auto outcome = run_strata("volume " + quoted(folder_->path() / "sim" / "bag") +
+                                    " --quiet --out " + quoted(out) + " " + options + " 2>&1");
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    return outcome.code == 0 ? json_of(out / "summary.json") : nlohmann::json{};
+  }
+  static fs::path file(const std::string& name) { return folder_->path() / name; }
+
+  static void expect_gone(const nlohmann::json& summary) {
+    EXPECT_GT(summary["truth"]["moving_made"], 50) << summary["truth"];
+    EXPECT_GE(summary["truth"]["gone"], 0.95) << summary["truth"];
+    EXPECT_LE(summary["truth"]["lost"], 0.01) << summary["truth"];
+  }
+
+ private:
+  inline static std::unique_ptr<test::TemporaryDirectory> folder_;
+};
+
+TEST_F(VolumePeople, AreGoneWithPosesOfTheSameSlamThatLabelsBeams) {
+  const nlohmann::json summary = volume("slam", "--remember");
+  EXPECT_EQ(summary["poses"], "slam");
+  EXPECT_EQ(summary["moving"], "boxes");
+  expect_gone(summary);
+  // The crate that is put down at half time, at (10.4, 2.2).
+  bool is_crate_told = false;
+  const nlohmann::json changes = json_of(file("slam") / "changes.json");
+  for (const auto& change : changes) {
+    const auto& box = change["box_m"];
+    is_crate_told = is_crate_told || change["kind"] == "appeared";
+    ASSERT_EQ(box.size(), 6U);
+  }
+  EXPECT_TRUE(is_crate_told) << changes;
+  EXPECT_GE(summary["memory"]["bytes_per_voxel"], 7.0);
+  // Pictures colour what they show, and hardly anything is a person's magenta.
+  EXPECT_GT(summary["colors"]["images"], 30);
+  EXPECT_GT(summary["colors"]["colored"], 3000);
+}
+
+TEST_F(VolumePeople, AreGoneWithGivenPosesInTheirFrame) {
+  const nlohmann::json summary =
+      volume("given", "--slice 0.2:0.5 --poses " + quoted(file("sim") / "truth.tum"));
+  EXPECT_EQ(summary["poses"], "poses");
+  expect_gone(summary);
+  // The walls are where the scenario has them: x = 14 to the right of the second room.
+  const ReflectionGrid slice = log::read_map(file("given") / "slice_1.yaml");
+  EXPECT_EQ(slice.get({140, 50}), 1.0F);
+  EXPECT_EQ(slice.get({60, 45}), 0.0F);
+
+  // The localizer works in the slice as in any map.
+  const pipeline::Runs runs = pipeline::read_runs(
+      {.logs = {file("sim") / "log.clf"}, .poses = {}, .truths = {file("sim") / "truth.tum"}},
+      nullptr);
+  maps::Maps maps;
+  maps.given = slice;
+  const maps::MapModel model = maps::make_map_model(maps, "map", {});
+  localization::LocalizerConfig config;
+  config.particles = 500;
+  const Eigen::Vector3d variance(0.04, 0.04, 0.01);
+  const auto run = pipeline::localize(
+      std::span(runs.observations).first(150), std::span(runs.truths).first(150), model, slice,
+      config, {Pose2Gaussian{*runs.truths.front(), variance.asDiagonal()}}, 1, 1, nullptr);
+  const pipeline::LocalizationMetrics metrics = pipeline::evaluate_run(run.errors);
+  EXPECT_EQ(run.errors.size(), 150U);
+  EXPECT_LT(metrics.error_m.median, 0.1);
+  EXPECT_LT(metrics.error_m.max, 0.5);
+}
+
+TEST_F(VolumePeople, AreNotGoneWithoutFilter) {
+  const nlohmann::json summary = volume("raw", "--moving none");
+  EXPECT_EQ(summary["moving"], "nothing");
+  EXPECT_EQ(summary["truth"]["gone"], 0.0);
+}
+
+TEST_F(VolumePeople, CloudsOutsideTheGivenPosesAreLeftOutAndCounted) {
+  // Poses of the first 20 s only.
+  std::ifstream in(file("sim") / "truth.tum");
+  std::ofstream out(file("half.tum"));
+  std::string line;
+  for (int i = 0; i < 200 && std::getline(in, line); ++i) out << line << '\n';
+  out.close();
+  const nlohmann::json summary =
+      volume("half", "--moving none --poses " + quoted(file("half.tum")));
+  EXPECT_EQ(summary["clouds"], 20);
+  EXPECT_GT(summary["skipped"]["clouds_without_pose"], 15);
+  EXPECT_THAT(summary["skipped"]["first_bad"].get<std::string>(),
+              testing::HasSubstr("nothing ties scanner3 to map"));
+}
+
+}  // namespace
+}  // namespace strata::tools

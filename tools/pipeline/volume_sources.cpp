@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/pipeline/volume_sources.hpp"
+
+#include <memory>
+
+#include "components/log/log_reader.hpp"
+#include "components/log/trajectory_file.hpp"
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::pipeline {
+namespace {
+
+volume::SensorPoses poses_from(log::TransformHistory history, const std::string& robot_frame) {
+  const auto shared = std::make_shared<const log::TransformHistory>(std::move(history));
+  return [shared, robot_frame](Stamp stamp) { return shared->find("map", robot_frame, stamp); };
+}
+
+/// SLAM over the planar scans: at known poses, or to find them.
+slam::SlamResult map_plane(const std::vector<Observation>& observations,
+                           const volume::SensorPoses& known, const slam::SlamConfig& config,
+                           int threads, Progress* progress) {
+  slam::Slam slam(config, threads);
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    report_progress(progress, "match scans", i, observations.size());
+    if (!known) {
+      slam.add(observations[i]);
+    } else if (const auto pose = known(observations[i].scan.stamp)) {
+      const Pose2 given = planar(*pose);
+      slam.add(observations[i], &given);
+    }
+  }
+  return slam.finish(progress);
+}
+
+}  // namespace
+
+VolumeSources find_volume_sources(const fs::path& log, const std::string& poses, MovingKind moving,
+                                  const slam::SlamConfig& slam, int threads, Progress* progress) {
+  VolumeSources sources;
+  const bool wants_boxes = moving == MovingKind::kBoxes || moving == MovingKind::kBoth;
+  sources.uses_voxels = moving == MovingKind::kVoxels || moving == MovingKind::kBoth;
+  if (!fs::exists(log) || !log::is_bag(log)) {
+    if (!poses.empty()) {
+      throw InputError("--poses " + poses, "does not go with a log whose clouds have poses",
+                       "leave --poses out");
+    }
+    if (wants_boxes) {
+      throw InputError(log.string(), "has no planar scans to make boxes from",
+                       "use --moving voxels");
+    }
+    sources.pose_source = "log";
+    sources.uses_voxels = moving != MovingKind::kNone;
+    return sources;
+  }
+  const log::BagPoses bag(log, {});
+  const bool has_scans = !bag.topics_of("sensor_msgs/msg/LaserScan").empty();
+  if (wants_boxes && !has_scans) {
+    throw InputError(log.string(), "has no planar scans to make boxes from", "use --moving voxels");
+  }
+  sources.uses_boxes = wants_boxes || (moving == MovingKind::kAuto && has_scans);
+  if (moving == MovingKind::kAuto && !has_scans) sources.uses_voxels = true;
+
+  std::string& robot_frame = sources.reading.robot_frame;
+  log::LogContent content;
+  if (has_scans) {
+    log::ReadOptions reading;
+    reading.progress = progress;
+    content = log::read_log(log, reading);
+    robot_frame = content.robot_frame;
+  }
+  volume::SensorPoses known;
+  if (!poses.empty()) {
+    sources.pose_source = "poses";
+    known = sources.reading.robot_poses =
+        poses_from(log::read_space_trajectory(poses, robot_frame), robot_frame);
+  } else if (bag.knows_map()) {
+    sources.pose_source = "tf";
+    known = [&](Stamp stamp) { return bag.find(robot_frame, stamp); };
+  } else if (has_scans) {
+    sources.pose_source = "slam";
+  } else {
+    sources.pose_source = "tf";
+  }
+  if (!sources.uses_boxes && sources.pose_source != "slam") return sources;
+
+  slam::SlamResult plane = map_plane(content.observations, known, slam, threads, progress);
+  sources.scans = std::move(plane.scans);
+  sources.warnings = std::move(plane.warnings);
+  if (sources.pose_source == "slam") {
+    log::TransformHistory history;
+    for (const PosedScan& scan : sources.scans) {
+      history.add("map", robot_frame, scan.scan.stamp, lift(scan.map_from_robot));
+    }
+    sources.reading.robot_poses = poses_from(std::move(history), robot_frame);
+  }
+  return sources;
+}
+
+}  // namespace strata::pipeline
