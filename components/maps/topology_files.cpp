@@ -130,10 +130,12 @@ nlohmann::json topologies_json(const topology::TopologyMap& map) {
           {"visits", std::move(visits)},
           {"topologies", std::move(topologies)},
           {"diagnostics",
-           {{"skipped_visits", counts.skipped_visits},
+           {{"late_visits", counts.late_visits},
+            {"broken_visits", counts.broken_visits},
             {"empty_patches", counts.empty_patches},
             {"failed_matches", counts.failed_matches},
             {"not_converged", counts.not_converged},
+            {"near_landmarks", counts.near_landmarks},
             {"metric_map_converged", map.optimized}}}};
 }
 

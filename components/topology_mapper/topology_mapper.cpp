@@ -106,10 +106,12 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
                static_cast<std::uint64_t>(topology::landmark_count(posterior.front().labels)));
   }
   health.add("scans left out", std::uint64_t{mapper_->skipped_scans()});
-  health.add("landmarks out of order", std::uint64_t{counts.skipped_visits});
+  health.add("landmarks out of order", std::uint64_t{counts.late_visits});
+  health.add("landmarks with broken odometry", std::uint64_t{counts.broken_visits});
   health.add("landmarks without points around", std::uint64_t{counts.empty_patches});
   health.add("local maps that did not fit", std::uint64_t{counts.failed_matches});
   health.add("topologies that did not converge", std::uint64_t{counts.not_converged});
+  health.add("landmarks nearly at one place", std::uint64_t{counts.near_landmarks});
   health.add("update_time_s", update_s_);
   health.add("longest_update_time_s", most_update_s_);
 }

@@ -49,6 +49,7 @@ struct PatchMatchConfig {
   double max_distance_m = 1.0;
   double min_overlap = 0.3;
   double failure_gain = -5.0;
+  double look_alike_gain = 20.0;
   int max_iterations = 30;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -83,6 +84,11 @@ struct PatchMatchConfig {
             {.doc = "log likelihood of the same place after a failed match, against another place",
              .unit = "nats",
              .max = 0.0});
+    v.field("look_alike_gain", c.look_alike_gain,
+            {.doc = "log likelihood of the same place after the best of matches, against another "
+                    "place, which may look the same: no match says more",
+             .unit = "nats",
+             .min = 0.0});
     v.field("max_iterations", c.max_iterations, {.doc = "rounds of matching, at most", .min = 1});
   }
 };

@@ -217,7 +217,7 @@ Children expand(const Hypothesis& parent, Prediction& prediction,
 }
 
 std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& children,
-                                   VisitLog& log) {
+                                   VisitLog& log, const PatchMatchConfig& config) {
   std::vector<Overlap> overlaps;
   const std::size_t newest = parent.labels.size();
   if (log.visit(newest).patch.empty()) return overlaps;
@@ -230,7 +230,9 @@ std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& chi
       if (best && match.gain <= best->match.gain) continue;
       best = ScanFactor{visit, newest, match};
     }
-    if (best) overlaps.push_back({child.label, *best});
+    if (!best) continue;
+    best->match.gain = gain_over_look_alikes(best->match.gain, config);
+    overlaps.push_back({child.label, *best});
   }
   return overlaps;
 }

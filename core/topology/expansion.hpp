@@ -54,7 +54,7 @@ struct Overlap {
 /// One for every known landmark among the children whose local maps, and that of the newest visit,
 /// have points.
 [[nodiscard]] std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& children,
-                                                 VisitLog& log);
+                                                 VisitLog& log, const PatchMatchConfig& config);
 
 /// The child with its scan: matched to the local maps of its landmark, or of another one that lies
 /// so near that both see the same walls. The paper matches within a landmark only, its landmarks

@@ -126,6 +126,12 @@ PlaceMatch judge(const PlaceSurface& surface, const PlacePatch& b, const Pose2& 
 
 }  // namespace
 
+double gain_over_look_alikes(double gain, const PatchMatchConfig& config) {
+  const double beyond = gain - config.look_alike_gain;
+  // ln(1 + exp(beyond)), whose exponent must not overflow.
+  return gain - (std::max(beyond, 0.0) + std::log1p(std::exp(-std::abs(beyond))));
+}
+
 /// Few points try every start; all points go on from where the best of them came to rest.
 PlaceMatch match_patches(const PlaceSurface& a, const PlacePatch& b,
                          std::span<const Pose2> starts_a_from_b, const PatchMatchConfig& config) {

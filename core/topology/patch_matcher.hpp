@@ -24,6 +24,12 @@ struct PlaceMatch {
   double overlap = 0.0;  ///< share of b's points that lie on a surface of a
 };
 
+/// ln of exp(gain) against 1 + exp(gain - config.look_alike_gain): points of another place lie
+/// anywhere, but for the few places that look just the same. About the gain where it is small,
+/// never above the limit. Without it a look-alike outweighs any odometry, and a filter that draws
+/// few topologies loses the truth before a loop has told the two apart.
+[[nodiscard]] double gain_over_look_alikes(double gain, const PatchMatchConfig& config);
+
 /// The best of the alignments found from every start; deterministic. Not converged (with the
 /// config's failure gain) when the overlap stays too small, or a patch has too few points.
 /// The points of a patch are correlated: information and gain count as if it had

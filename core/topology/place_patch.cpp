@@ -11,6 +11,13 @@
 
 namespace strata::topology {
 
+bool is_sound(const PlacePatch& patch) {
+  const auto finite = [](const Eigen::Vector2d& vector) { return vector.allFinite(); };
+  return patch.points_m.size() == patch.normals.size() &&
+         std::all_of(patch.points_m.begin(), patch.points_m.end(), finite) &&
+         std::all_of(patch.normals.begin(), patch.normals.end(), finite);
+}
+
 NearestPoint::NearestPoint(const std::vector<Eigen::Vector2d>& points_m, double reach_m)
     : points_m_(points_m), reach_m_(reach_m), cell_m_(reach_m / kCellsPerReach) {
   if (points_m.empty()) return;

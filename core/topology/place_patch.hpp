@@ -42,6 +42,9 @@ struct PlacePatch {
   [[nodiscard]] bool empty() const { return points_m.empty(); }
 };
 
+/// Whether it has a normal for each point, and all of them are finite. O(points).
+[[nodiscard]] bool is_sound(const PlacePatch& patch);
+
 /// Points with normals by principal axes of each point and its nearest neighbours. Points that are
 /// not finite or have no neighbour within a metre are left out. O(n log n) about.
 [[nodiscard]] PlacePatch with_normals(std::span<const Eigen::Vector2d> points_m, int neighbours);

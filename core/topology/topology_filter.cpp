@@ -4,37 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numeric>
-#include <optional>
-#include <set>
 #include <utility>
 
 #include "core/base/parallel.hpp"
-#include "core/topology/dirichlet_process.hpp"
 #include "core/topology/expansion.hpp"
-#include "core/topology/particle.hpp"
+#include "core/topology/generation.hpp"
 #include "core/topology/proposal.hpp"
 #include "core/topology/visit_log.hpp"
 
 namespace strata::topology {
-namespace {
-
-/// By so much linearizing may misjudge a topology against another one.
-constexpr double kLinearizationErrorNats = 5.0;
-/// Topologies with two landmarks made one that are tried after a visit, about at most.
-constexpr std::size_t kMostMergers = 12;
-
-/// A label to follow, with its scan.
-struct Candidate {
-  std::size_t parent = 0;
-  int label = 0;
-  double log_factor = 0.0;
-  Sight sight;
-
-  [[nodiscard]] double log_weight() const { return log_factor + sight.log_evidence; }
-};
-
-}  // namespace
 
 struct TopologyFilter::State {
   State(const TopologyConfig& topology_config, std::uint64_t random_seed, int threads)
@@ -53,10 +31,7 @@ struct TopologyFilter::State {
   void grow();
   [[nodiscard]] std::vector<Candidate> candidates_of(std::size_t parent, int times,
                                                      std::uint32_t first);
-  void leave_out_hopeless(std::vector<Candidate>& candidates) const;
-  void settle(const std::vector<Candidate>& candidates);
-  void propose_mergers(std::vector<Particle>& particles, std::vector<double>& log_weights);
-  void keep(std::vector<Particle> particles, std::vector<double> log_weights);
+  void keep(Generation generation);
   void keep_as_new();
 };
 
@@ -84,9 +59,20 @@ void TopologyFilter::State::grow() {
   for (std::vector<Candidate>& brood : broods) {
     std::move(brood.begin(), brood.end(), std::back_inserter(candidates));
   }
-  if (config.expansion == Expansion::kBest) leave_out_hopeless(candidates);
+  const bool best = config.expansion == Expansion::kBest;
+  if (best) {
+    candidates =
+        without_hopeless(std::move(candidates), static_cast<std::size_t>(config.particles));
+  }
+  Generation generation = settle(candidates, {posterior, newest_covariances}, log, config, pool);
   counts.failed_matches = log.failed_matches();
-  settle(candidates);
+  counts.not_converged += generation.not_converged;
+  if (generation.particles.empty()) {
+    keep_as_new();
+    return;
+  }
+  if (best) add_mergers(generation, log, config, pool);
+  keep(std::move(generation));
 }
 
 /// The labels that the copies of one parent follow.
@@ -96,7 +82,7 @@ std::vector<Candidate> TopologyFilter::State::candidates_of(std::size_t parent, 
   const OdometryFactor& odometry = log.measurements(log.size()).odometry.back();
   Prediction prediction(hypothesis.poses, *hypothesis.gaussian, odometry);
   const Children children = expand(hypothesis, prediction, newest_covariances[parent], log, config);
-  const std::vector<Overlap> overlaps = find_overlaps(hypothesis, children, log);
+  const std::vector<Overlap> overlaps = find_overlaps(hypothesis, children, log, config.match);
   const double log_new_density = log.measurements(log.size()).log_new_density.back();
   std::vector<Candidate> candidates;
   for (const Choice& choice :
@@ -108,103 +94,10 @@ std::vector<Candidate> TopologyFilter::State::candidates_of(std::size_t parent, 
   return candidates;
 }
 
-/// Those that cannot be among the best even if linearizing did them wrong.
-void TopologyFilter::State::leave_out_hopeless(std::vector<Candidate>& candidates) const {
-  const auto kept = static_cast<std::size_t>(config.particles);
-  if (candidates.size() <= kept) return;
-  std::vector<std::size_t> order(candidates.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return candidates[a].log_weight() > candidates[b].log_weight();
-  });
-  const double least = candidates[order[kept - 1]].log_weight() - kLinearizationErrorNats;
-  std::vector<Candidate> hopeful;
-  for (const std::size_t i : order) {
-    if (hopeful.size() == 2 * kept || candidates[i].log_weight() < least) break;
-    hopeful.push_back(std::move(candidates[i]));
-  }
-  candidates = std::move(hopeful);
-}
-
-/// Optimizes every candidate and keeps the best.
-void TopologyFilter::State::settle(const std::vector<Candidate>& candidates) {
-  std::vector<std::optional<Particle>> settled(candidates.size());
-  std::vector<double> log_weights(candidates.size(), 0.0);
-  pool.for_chunks(candidates.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    const Candidate& candidate = candidates[i];
-    const Hypothesis& parent = posterior[candidate.parent];
-    Hypothesis next{parent.labels, 0.0, 0.0, {}, parent.scans, nullptr};
-    next.labels.push_back(candidate.label);
-    if (candidate.sight.scan) next.scans.push_back(*candidate.sight.scan);
-    Evidence evidence = evaluate(next.labels, log.measurements(log.size()), next.scans,
-                                 candidate.sight.poses, config.location);
-    if (!evidence.converged) return;
-    log_weights[i] = candidate.log_factor + evidence.log_evidence;
-    next.log_evidence = evidence.log_evidence;
-    next.poses = std::move(evidence.poses);
-    next.gaussian = std::move(evidence.gaussian);
-    settled[i] = Particle{std::move(next), newest_covariances[candidate.parent]};
-    settled[i]->newest_covariances.push_back(
-        block_of(settled[i]->hypothesis.gaussian->covariance_with(log.size() - 1), log.size() - 1));
-  });
-  std::vector<Particle> particles;
-  std::vector<double> weights;
-  for (std::size_t i = 0; i < settled.size(); ++i) {
-    if (!settled[i] || !std::isfinite(log_weights[i])) {
-      ++counts.not_converged;
-      continue;
-    }
-    particles.push_back(std::move(*settled[i]));
-    weights.push_back(log_weights[i]);
-  }
-  if (particles.empty()) {
-    keep_as_new();
-  } else {
-    if (config.expansion == Expansion::kBest) propose_mergers(particles, weights);
-    keep(std::move(particles), std::move(weights));
-  }
-}
-
-/// A landmark that was taken for a new one is the old one after all, once a loop that closed later
-/// has brought the two together; no label of a later visit could say so any more.
-void TopologyFilter::State::propose_mergers(std::vector<Particle>& particles,
-                                            std::vector<double>& log_weights) {
-  std::set<Labels> known;
-  for (const Particle& particle : particles) known.insert(particle.hypothesis.labels);
-  const std::vector<std::size_t> order = by_weight(particles, log_weights);
-  std::vector<std::pair<std::size_t, Labels>> merged;  // from which particle
-  for (std::size_t k = 0; k < order.size() && merged.size() < kMostMergers; ++k) {
-    const Hypothesis& hypothesis = particles[order[k]].hypothesis;
-    for (Labels& labels : mergers(hypothesis, config.location)) {
-      if (known.insert(labels).second) merged.emplace_back(order[k], std::move(labels));
-    }
-  }
-  std::vector<std::optional<Particle>> settled(merged.size());
-  std::vector<double> weights(merged.size(), 0.0);
-  pool.for_chunks(merged.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    const Particle& from = particles[merged[i].first];
-    Hypothesis next{merged[i].second, 0.0, 0.0, {}, from.hypothesis.scans, nullptr};
-    Evidence evidence = evaluate(next.labels, log.measurements(log.size()), next.scans,
-                                 from.hypothesis.poses, config.location);
-    if (!evidence.converged) return;
-    weights[i] = log_weights[merged[i].first] + evidence.log_evidence -
-                 from.hypothesis.log_evidence +
-                 log_partition_prior(next.labels, config.concentration) -
-                 log_partition_prior(from.hypothesis.labels, config.concentration);
-    next.log_evidence = evidence.log_evidence;
-    next.poses = std::move(evidence.poses);
-    next.gaussian = std::move(evidence.gaussian);
-    settled[i] = Particle{std::move(next), from.newest_covariances};
-  });
-  for (std::size_t i = 0; i < merged.size(); ++i) {
-    if (!settled[i] || !std::isfinite(weights[i])) continue;
-    particles.push_back(std::move(*settled[i]));
-    log_weights.push_back(weights[i]);
-  }
-}
-
 /// Sorts by weight, keeps as many as the config says, and normalizes.
-void TopologyFilter::State::keep(std::vector<Particle> particles, std::vector<double> log_weights) {
+void TopologyFilter::State::keep(Generation generation) {
+  std::vector<Particle>& particles = generation.particles;
+  const std::vector<double>& log_weights = generation.log_weights;
   std::vector<std::size_t> order = by_weight(particles, log_weights);
   if (order.size() > static_cast<std::size_t>(config.particles)) {
     order.resize(static_cast<std::size_t>(config.particles));
@@ -253,10 +146,15 @@ TopologyFilter::~TopologyFilter() = default;
 
 bool TopologyFilter::add(LandmarkVisit visit) {
   State& s = *state_;
-  if (!s.log.accepts(visit)) {
-    ++s.counts.skipped_visits;
+  if (!is_sound(visit)) {
+    ++s.counts.broken_visits;
     return false;
   }
+  if (!s.log.follows(visit.stamp)) {
+    ++s.counts.late_visits;
+    return false;
+  }
+  if (!is_sound(visit.patch)) visit.patch = {};
   s.counts.empty_patches += visit.patch.empty() ? 1 : 0;
   s.log.add(std::move(visit));
   if (s.log.size() == 1) {
@@ -264,6 +162,7 @@ bool TopologyFilter::add(LandmarkVisit visit) {
   } else {
     s.grow();
   }
+  s.counts.near_landmarks = mergers(s.posterior.front(), s.config.location).size();
   return true;
 }
 

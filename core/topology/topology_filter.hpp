@@ -41,10 +41,13 @@ struct Hypothesis {
 
 /// What did not go as it should.
 struct TopologyCounts {
-  std::size_t skipped_visits = 0;  ///< out of order, or odometry that is not finite
-  std::size_t empty_patches = 0;   ///< visits without a usable local map
+  std::size_t late_visits = 0;     ///< skipped: not after the one before
+  std::size_t broken_visits = 0;   ///< skipped: odometry or way that is not finite or negative
+  std::size_t empty_patches = 0;   ///< visits without a local map, or with one that is not finite
   std::size_t failed_matches = 0;  ///< pairs of visits whose local maps did not fit
   std::size_t not_converged = 0;   ///< optimizations that did not converge; their label is dropped
+  std::size_t near_landmarks = 0;  ///< pairs that the likeliest topology now puts within two
+                                   ///< standard deviations of a revisit: perhaps one, perhaps two
 };
 
 /// Rao-Blackwellized particle filter: a particle is a topology with a Gaussian over the landmark
@@ -67,8 +70,8 @@ class TopologyFilter {
   TopologyFilter(const TopologyFilter&) = delete;
   TopologyFilter& operator=(const TopologyFilter&) = delete;
 
-  /// Adds a visit; false when it was skipped (a stamp before the last one, odometry or way that is
-  /// not finite). O(unique topologies x labels near the robot x optimization).
+  /// Adds a visit; false when it was skipped (see the counts). O(unique topologies x labels near
+  /// the robot x optimization).
   bool add(LandmarkVisit visit);
 
   /// All topologies kept, most probable first; probabilities sum to one. Empty before the first

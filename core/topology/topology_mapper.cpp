@@ -78,7 +78,7 @@ std::size_t TopologyMapper::skipped_scans() const { return state_->skipped; }
 
 TopologyCounts TopologyMapper::counts() const {
   TopologyCounts counts = state_->filter.counts();
-  counts.skipped_visits += state_->maker.late();
+  counts.late_visits += state_->maker.late();
   return counts;
 }
 

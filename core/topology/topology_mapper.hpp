@@ -51,7 +51,7 @@ class TopologyMapper {
   /// Every scan not skipped with its tracked pose, in the odometry frame at the first scan.
   [[nodiscard]] const std::vector<PosedScan>& scans() const;
   [[nodiscard]] std::size_t skipped_scans() const;
-  /// What the filter counts, with landmarks given too late in `skipped_visits`.
+  /// What the filter counts, with landmarks given too late in `late_visits`.
   [[nodiscard]] TopologyCounts counts() const;
 
  private:

@@ -27,11 +27,12 @@ std::array<Pose2, 7> starts_around(const Pose2& guess) {
 
 }  // namespace
 
-bool VisitLog::accepts(const LandmarkVisit& visit) const {
-  if (!is_finite(visit.odom_from_robot) || !std::isfinite(visit.way_m) || visit.way_m < 0.0) {
-    return false;
-  }
-  return visits_.empty() || visits_.back().stamp < visit.stamp;
+bool is_sound(const LandmarkVisit& visit) {
+  return is_finite(visit.odom_from_robot) && std::isfinite(visit.way_m) && visit.way_m >= 0.0;
+}
+
+bool VisitLog::follows(Stamp stamp) const {
+  return visits_.empty() || visits_.back().stamp < stamp;
 }
 
 void VisitLog::add(LandmarkVisit visit) {

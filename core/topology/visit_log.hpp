@@ -14,14 +14,17 @@
 
 namespace strata::topology {
 
+/// Whether its odometry is finite and its way a length.
+[[nodiscard]] bool is_sound(const LandmarkVisit& visit);
+
 /// Shared by all hypotheses. `match` may be called by several threads at once.
 class VisitLog {
  public:
   explicit VisitLog(const TopologyConfig& config) : config_(config) {}
 
-  /// Whether the visit may follow the ones before.
-  [[nodiscard]] bool accepts(const LandmarkVisit& visit) const;
-  /// Requires accepts(visit).
+  /// Whether a visit at that time comes after the ones before.
+  [[nodiscard]] bool follows(Stamp stamp) const;
+  /// Requires is_sound(visit), is_sound(visit.patch) and follows(visit.stamp).
   void add(LandmarkVisit visit);
 
   [[nodiscard]] std::size_t size() const { return visits_.size(); }

@@ -65,5 +65,11 @@ int main() {
   config.proposal = Proposal::kOdometry;
   config.particles = 1000;
   print_row("1,000 particles, proposal (16), weight with its normalizer", config);
+  config.match.look_alike_gain = 1000.0;
+  print_row("... matches say as much as they like", config);
+  config.particles = 50;
+  print_row("50 particles, matches say as much as they like", config);
+  config.expansion = Expansion::kBest;
+  print_row("50 best, matches say as much as they like", config);
   return 0;
 }

@@ -203,6 +203,8 @@ TEST(TopologyMapper, NamesWhatItLeftOutOnDiagnostics) {
   nowhere.pose.x = std::numeric_limits<double>::quiet_NaN();
   robot.drive({nowhere, moments.front(), {beyond.time_s + kStepS, beyond.pose}});
   EXPECT_TRUE(robot.says("landmarks out of order", "1"));
+  EXPECT_TRUE(robot.says("landmarks with broken odometry", "0"));
+  EXPECT_TRUE(robot.says("landmarks nearly at one place", "0"));
   EXPECT_TRUE(robot.says("visits of landmarks", "1"));
   EXPECT_TRUE(robot.says("probability of the likeliest", "1"));
 }

@@ -131,6 +131,19 @@ TEST(PatchMatcher, CountsAsManyPointsAsTheConfigSaysHoweverDense) {
   EXPECT_TRUE(one.information.isApprox(four.information, 1e-6));
 }
 
+// With L the limit: exp(g) / (1 + exp(g - L)) is the likelihood of the same place against a mixture
+// of another place that looks like none and, with weight exp(-L), one that looks the same.
+TEST(PatchMatcher, SaysNoMoreThanThatAnotherPlaceMayLookTheSame) {
+  PatchMatchConfig config;
+  config.look_alike_gain = 3.0;
+  for (const double gain : {-40.0, -5.0, 0.0, 2.9, 3.0, 3.1, 20.0}) {
+    EXPECT_NEAR(gain_over_look_alikes(gain, config),
+                std::log(std::exp(gain) / (1.0 + std::exp(gain - 3.0))), 1e-12);
+  }
+  EXPECT_NEAR(gain_over_look_alikes(1e6, config), 3.0, 1e-9);
+  EXPECT_NEAR(gain_over_look_alikes(-1e6, config), -1e6, 1e-6);
+}
+
 TEST(PatchMatcher, FailsOpenlyWithoutPointsOrOverlap) {
   const PlacePatch here = seen_from(7, {}, 1);
   const PatchMatchConfig config;

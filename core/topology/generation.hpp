@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+/// From the labels worth following to the topologies of the next visit with their weights.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/parallel.hpp"
+#include "core/topology/expansion.hpp"
+#include "core/topology/particle.hpp"
+#include "core/topology/visit_log.hpp"
+
+namespace strata::topology {
+
+/// A label to follow, with its scan.
+struct Candidate {
+  std::size_t parent = 0;
+  int label = 0;
+  double log_factor = 0.0;
+  Sight sight;
+
+  [[nodiscard]] double log_weight() const { return log_factor + sight.log_evidence; }
+};
+
+/// The topologies before the newest visit; of each, the covariances of its visits when new.
+struct Parents {
+  std::span<const Hypothesis> hypotheses;
+  std::span<const std::vector<Eigen::Matrix3d>> newest_covariances;
+};
+
+struct Generation {
+  std::vector<Particle> particles;
+  std::vector<double> log_weights;  ///< one a particle
+  std::size_t not_converged = 0;    ///< candidates that could not be evaluated, left out
+};
+
+/// Without those that cannot be among the `kept` best even if linearizing did them wrong.
+[[nodiscard]] std::vector<Candidate> without_hopeless(std::vector<Candidate> candidates,
+                                                      std::size_t kept);
+
+/// Every candidate, optimized. O(candidates x optimization).
+[[nodiscard]] Generation settle(std::span<const Candidate> candidates, const Parents& parents,
+                                const VisitLog& log, const TopologyConfig& config,
+                                WorkerPool& pool);
+
+/// Adds topologies that hold two landmarks of another one for one. A landmark that was taken for a
+/// new one is the old one after all, once a loop that closed later has brought the two together; no
+/// label of a later visit could say so any more.
+void add_mergers(Generation& generation, const VisitLog& log, const TopologyConfig& config,
+                 WorkerPool& pool);
+
+}  // namespace strata::topology
