@@ -17,6 +17,7 @@
 #include "components/convert/scan_messages.hpp"
 #include "components/log/bag.hpp"
 #include "components/log/odometry_track.hpp"
+#include "components/log/set_back_clock.hpp"
 #include "components/log/transform_tree.hpp"
 #include "core/base/error.hpp"
 #include "core/registration/sweep_timing.hpp"
@@ -81,7 +82,7 @@ class BagParser {
     content.odom_frame = options_.odom_frame;
     OdometryTrack track(choose_odometry(content));
     const Pose3 mounting = find_mounting(content);
-    add_observations(scans->second.scans, mounting, track, content);
+    add_observations(in_time(scans->second.scans), mounting, track, content);
     content.odometry = track.samples();
     return content;
   }
@@ -178,6 +179,18 @@ class BagParser {
     }
   }
 
+  std::vector<Scan> in_time(std::vector<Scan> scans) {
+    std::vector<Stamp> stamps;
+    for (const Scan& scan : scans) stamps.push_back(scan.stamp);
+    const SetBackClock clock = mend_set_back_clock(stamps, [&](std::size_t i, std::size_t j) {
+      return scans[i].ranges_m == scans[j].ranges_m;
+    });
+    if (clock.times == 0) return scans;
+    report_.warnings.push_back(clock.sentence());
+    for (std::size_t i = 0; i < scans.size(); ++i) scans[i].stamp = stamps[i];
+    return scans;
+  }
+
   std::vector<OdometrySample> choose_odometry(LogContent& content) {
     const auto* chosen = choose(odometry_, options_.odom_topic, "/odom", "odometry", report_);
     report_.odometry_source = "none";
@@ -195,7 +208,9 @@ class BagParser {
     const OdometryStream& stream = chosen->second;
     if (!stream.frame.empty()) content.odom_frame = stream.frame;
     if (!stream.child.empty()) content.robot_frame = stream.child;
-    return stream.samples;
+    std::vector<OdometrySample> samples = stream.samples;
+    mend_odometry_clock(samples);
+    return samples;
   }
 
   Pose3 find_mounting(const LogContent& content) {
@@ -207,9 +222,8 @@ class BagParser {
     return Pose3{};
   }
 
-  void add_observations(const std::vector<Scan>& recorded, const Pose3& mounting,
-                        const OdometryTrack& track, LogContent& content) {
-    std::vector<Scan> scans = recorded;
+  void add_observations(std::vector<Scan> scans, const Pose3& mounting, const OdometryTrack& track,
+                        LogContent& content) {
     for (Scan& scan : scans) {
       scan.robot_from_laser = planar(mounting);
       if (is_upside_down(mounting)) turn_over(scan);

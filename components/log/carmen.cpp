@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "components/log/carmen_scan.hpp"
+#include "components/log/odometry_track.hpp"
+#include "components/log/set_back_clock.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
 #include "core/geometry/angle.hpp"
@@ -70,6 +72,7 @@ class CarmenParser {
     for (std::size_t i = 1; i < scans_.size(); ++i) {
       if (stamp(scans_[i]) < stamp(scans_[i - 1])) ++report_.scans_out_of_order;
     }
+    mend_clock();
     std::stable_sort(scans_.begin(), scans_.end(),
                      [](const CarmenScan& a, const CarmenScan& b) { return stamp(a) < stamp(b); });
     mark_no_returns(scans_, report_);
@@ -83,6 +86,19 @@ class CarmenParser {
 
  private:
   static Stamp stamp(const CarmenScan& scan) { return scan.observation.scan.stamp; }
+
+  void mend_clock() {
+    std::vector<Stamp> stamps;
+    for (const CarmenScan& scan : scans_) stamps.push_back(stamp(scan));
+    const auto same_scan = [&](std::size_t i, std::size_t j) {
+      return scans_[i].observation.scan.ranges_m == scans_[j].observation.scan.ranges_m;
+    };
+    const SetBackClock clock = mend_set_back_clock(stamps, same_scan);
+    if (clock.times == 0) return;
+    report_.warnings.push_back(clock.sentence());
+    for (std::size_t i = 0; i < scans_.size(); ++i) scans_[i].observation.scan.stamp = stamps[i];
+    mend_odometry_clock(content_.odometry);
+  }
 
   [[noreturn]] void throw_no_scans() const {
     if (report_.scans_without_beams > 0) {

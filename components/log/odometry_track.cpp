@@ -5,7 +5,19 @@
 #include <cmath>
 #include <utility>
 
+#include "components/log/set_back_clock.hpp"
+
 namespace strata::log {
+
+void mend_odometry_clock(std::vector<OdometrySample>& samples) {
+  std::vector<Stamp> stamps;
+  for (const OdometrySample& sample : samples) stamps.push_back(sample.stamp);
+  const auto same = [&](std::size_t i, std::size_t j) {
+    return samples[i].odom_from_robot == samples[j].odom_from_robot;
+  };
+  if (mend_set_back_clock(stamps, same).times == 0) return;
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].stamp = stamps[i];
+}
 
 OdometryTrack::OdometryTrack(std::vector<OdometrySample> samples) : samples_(std::move(samples)) {
   std::stable_sort(samples_.begin(), samples_.end(),

@@ -9,6 +9,9 @@
 
 namespace strata::log {
 
+/// As mend_set_back_clock. samples: in the order of recording.
+void mend_odometry_clock(std::vector<OdometrySample>& samples);
+
 /// Samples sorted by stamp; a sample's own stamp gives back its very pose.
 class OdometryTrack {
  public:
