@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+#include <utility>
 
 namespace strata::slam {
 namespace {
@@ -21,9 +22,8 @@ constexpr double kStuckM = 0.02;
 constexpr double kReversedM = 0.03;
 constexpr double kReversedShare = 0.3;
 constexpr std::size_t kEnoughReversed = 5;
-/// Shares of a log from which ambiguity and failure are worth a word.
-constexpr double kAmbiguousShare = 0.05;
-constexpr double kUnmatchedShare = 0.05;
+/// Share of a log from which ambiguity and failure are worth a word.
+constexpr double kWorthAWord = 0.05;
 
 template <class Value>
 std::string sentence(std::size_t count, const char* what, const char* detail, Value value,
@@ -64,11 +64,11 @@ void LogChecks::add(const Scan& scan, bool new_run, const ScanFindings& findings
     longest_gap_s_ = std::max(longest_gap_s_, gap_s);
   }
   const double moved_m = std::hypot(findings.odometry_step.x, findings.odometry_step.y);
-  if (moved_m > kStuckM && scan.ranges_m == last_ranges_) stuck_.add(at_s);
+  if (moved_m > kStuckM && !findings.empty && scan.ranges_m == last_ranges_) stuck_.add(at_s);
   last_ranges_ = scan.ranges_m;
   if (findings.odometry_jumped) jumps_.add(at_s);
   if (new_run || findings.odometry_jumped) return;
-  if (!findings.matched) unmatched_.add(at_s);
+  if (!findings.matched) (findings.empty ? empty_ : unmatched_).add(at_s);
   if (findings.ambiguous) ambiguous_.add(at_s);
   if (!findings.matched || findings.ambiguous) return;
   const double forward = findings.odometry_step.x * findings.matched_step.x +
@@ -115,21 +115,19 @@ std::vector<std::string> LogChecks::warnings() const {
   }
   if (turn_odometry_ > kEnoughTurnRad2 && turn_match_ < kLeastAgreement * turn_odometry_) {
     all.push_back(
-        "the scans turn against odometry: is the scanner upside down, and does the log say so?");
+        "the scans turn against odometry: is the scanner upside down, and does the log say so? Or "
+        "does a round hall leave the heading open?");
   }
-  if (percent(ambiguous_.count, scans_) > 100.0 * kAmbiguousShare) {
+  for (const auto& [seen, what] :
+       {std::pair(ambiguous_,
+                  "leave the position open in one direction (a bare corridor or hall): "
+                  "odometry or given poses rule there"),
+        std::pair(empty_, "hit nothing within reach (an open hall?): their poses are odometry's"),
+        std::pair(unmatched_, "fit no map: their poses are odometry's")}) {
+    if (percent(seen.count, scans_) <= 100.0 * kWorthAWord) continue;
     std::ostringstream text;
-    text << std::fixed << std::setprecision(0) << percent(ambiguous_.count, scans_)
-         << "% of the scans, the first at " << ambiguous_.first_s
-         << " s, leave the position open in one direction (a bare corridor or hall): odometry or "
-            "given poses rule there";
-    all.push_back(text.str());
-  }
-  if (percent(unmatched_.count, scans_) > 100.0 * kUnmatchedShare) {
-    std::ostringstream text;
-    text << std::fixed << std::setprecision(0) << percent(unmatched_.count, scans_)
-         << "% of the scans, the first at " << unmatched_.first_s
-         << " s, fit no map: their poses are odometry's";
+    text << std::fixed << std::setprecision(0) << percent(seen.count, scans_)
+         << "% of the scans, the first at " << seen.first_s << " s, " << what;
     all.push_back(text.str());
   }
   return all;

@@ -17,6 +17,7 @@ namespace strata::slam {
 /// What the tracker noticed about one scan.
 struct ScanFindings {
   bool matched = false;
+  bool empty = false;            ///< the scan hit nothing
   bool ambiguous = false;        ///< the scan leaves its position open in some direction
   bool odometry_jumped = false;  ///< odometry moved faster than a robot can, and was not believed
   Pose2 odometry_step;           ///< since the scan before; identity without odometry
@@ -60,6 +61,7 @@ class LogChecks {
   Seen stuck_;
   Seen ambiguous_;
   Seen unmatched_;
+  Seen empty_;
   Seen reversed_;
   std::vector<float> last_ranges_;
   // Agreement of odometry with the matches: sums of odometry x match, and odometry squared.

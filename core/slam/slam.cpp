@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -23,6 +24,9 @@ constexpr double kWorthTrackingAgain = 0.003;
 constexpr double kPlacedStddevM = 0.005;
 constexpr double kPlacedStddevRad = 0.001;
 
+/// A run in which no scan hit anything has none.
+constexpr std::size_t kNoSubmap = std::numeric_limits<std::size_t>::max();
+
 /// One accepted scan and what is known of its pose.
 struct Record {
   PosedScan posed;
@@ -32,7 +36,7 @@ struct Record {
   bool placed = false;  // given by an earlier job, and final
   bool key = false;
   bool used = false;  // its scan is in the result
-  std::size_t submap = 0;
+  std::size_t submap = kNoSubmap;
 };
 
 }  // namespace
@@ -69,6 +73,11 @@ struct Slam::State {
   [[nodiscard]] std::optional<Pose2Gaussian> given_submap(const Submap& submap) const;
   /// A given pose, or one that an earlier job placed, as far as it is believed.
   [[nodiscard]] Pose2Gaussian believed(const Pose2& given, bool placed) const;
+  /// Without any sub-map the first run's frame is the map's: odometry is better than nothing.
+  [[nodiscard]] bool located(const Record& record) const {
+    if (record.submap != kNoSubmap) return graph.located(record.submap);
+    return graph.size() == 0 && record.posed.run == records.front().posed.run;
+  }
   /// Whether the scan keeps the pose it came with.
   [[nodiscard]] bool stays(const Record& record) const {
     const bool keep_given = runs <= 1 || !config.given_poses.refine;
@@ -210,6 +219,10 @@ void Slam::State::place_scans() {
       continue;
     }
     const std::size_t own = record.submap;
+    if (own == kNoSubmap) {
+      record.posed.map_from_robot = record.run_from_robot;
+      continue;
+    }
     const Submap& submap = graph.submap(own);
     const double middle = 0.5 * static_cast<double>(submap.first_scan + submap.last_scan);
     const bool later = static_cast<double>(i) >= middle;
@@ -240,7 +253,7 @@ SlamResult Slam::State::finish(Progress* progress) {
   std::vector<bool> mapped;
   std::vector<bool> moves;
   for (Record& record : records) {
-    record.used = stays(record) || graph.located(record.submap);
+    record.used = stays(record) || located(record);
     if (!record.used) {
       if (result.unplaced_runs.empty() || result.unplaced_runs.back() != record.posed.run) {
         result.unplaced_runs.push_back(record.posed.run);

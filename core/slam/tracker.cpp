@@ -110,11 +110,11 @@ Tracker::Tracker(const TrackingConfig& config, double resolution_m, int run, con
 }
 
 Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* odom_from_robot) const {
-  if (!started_) return pose_;
   const Pose2Gaussian known{pose_.mean, Eigen::Matrix3d::Zero()};
   if (odom_from_robot != nullptr && last_odom_) {
     return known * doubted_step(between(*last_odom_, *odom_from_robot), config_.odometry, doubt_);
   }
+  if (!started_) return pose_;
   const double step_s = (scan.stamp - last_stamp_).seconds();
   const double scale = last_step_s_ > 0.0 ? std::min(3.0, step_s / last_step_s_) : 0.0;
   const Pose2 last_step = between(last_pose_, pose_.mean);
@@ -199,6 +199,7 @@ void Tracker::doubt_odometry(const ScanFindings& findings) {
 TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index,
                          const Pose2Gaussian* given, std::span<const float> static_probability) {
   TrackedScan result;
+  if (!first_scan_) first_scan_ = scan_index;
   const Pose2* believed = odom_from_robot;
   if (odom_from_robot != nullptr && last_odom_) {
     result.findings.odometry_step = between(*last_odom_, *odom_from_robot);
@@ -206,6 +207,7 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
         !is_possible(result.findings.odometry_step, (scan.stamp - last_stamp_).seconds());
     if (result.findings.odometry_jumped) believed = nullptr;
   }
+  result.findings.empty = count_beams(scan).hits == 0;
   Pose2Gaussian guess = predict(scan, believed);
   if (started_ && given != nullptr) guess = fused(guess, *given);
   result.run_from_robot = guess;
@@ -229,7 +231,7 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   const bool moved =
       !last_key_ || translation_distance(*last_key_, pose_.mean) >= config_.key_distance_m ||
       std::abs(angle_difference(pose_.mean.theta, last_key_->theta)) >= config_.key_turn_rad;
-  if (moved && count_beams(scan).hits > 0) {
+  if (moved && !result.findings.empty) {
     result.key = true;
     last_key_ = pose_.mean;
     insert(scan, scan_index, static_probability);
@@ -242,7 +244,7 @@ void Tracker::insert(const Scan& scan, std::size_t scan_index,
                      std::span<const float> static_probability) {
   if (active_.empty()) {
     active_.push_back({SurfaceMap(resolution_m_, config_.field), 0});
-    owned_from_ = scan_index;
+    owned_from_ = *first_scan_;  // with those that hit nothing yet
     owned_pose_ = pose_.mean;
     drift_.setZero();
   }

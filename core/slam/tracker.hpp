@@ -70,7 +70,8 @@ class Tracker {
   TrackingConfig config_;
   double resolution_m_;
   int run_;
-  bool started_ = false;
+  bool started_ = false;  // some scan hit something
+  std::optional<std::size_t> first_scan_;
   Pose2Gaussian pose_;
   Pose2 last_pose_;
   double last_step_s_ = 0.0;

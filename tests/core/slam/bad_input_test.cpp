@@ -18,6 +18,7 @@ using test::drive_round;
 using test::record;
 using test::ring;
 using test::run_slam;
+using test::Wall;
 using test::worst_error;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -151,6 +152,86 @@ TEST(BadInput, GivenPosesRuleAlongABareCorridor) {
                      translation_distance(result.scans[i].map_from_robot, path[i % path.size()]));
   }
   EXPECT_LT(worst, 0.2);  // what given poses are believed to be off
+}
+
+/// Out of a room into a hall whose walls nobody sees, and on.
+std::vector<Wall> room_before_a_hall() {
+  return {{0.0, 0.0, 0.0, 4.0}, {0.0, 0.0, 6.0, 0.0}, {0.0, 4.0, 6.0, 4.0}, {6.0, 0.0, 6.0, 1.2},
+          {6.0, 2.8, 6.0, 4.0}, {1.5, 3.0, 2.0, 3.0}, {2.0, 3.0, 2.0, 4.0}};
+}
+
+/// In x from `from_m` on, along the middle of that room.
+std::vector<Pose2> drive_along_x(double from_m, int scans, double step_m) {
+  std::vector<Pose2> path;
+  const double heading = step_m < 0.0 ? std::numbers::pi : 0.0;
+  for (int i = 0; i < scans; ++i) path.push_back({from_m + step_m * i, 2.0, heading});
+  return path;
+}
+
+constexpr const char* kHitsNothing = "hit nothing within reach (an open hall?)";
+
+/// Largest difference of a step between two scans from what odometry counted there.
+double worst_step(const SlamResult& result, const std::vector<Observation>& log, std::size_t first,
+                  std::size_t last) {
+  double worst_m = 0.0;
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const Pose2 found = between(result.scans[i - 1].map_from_robot, result.scans[i].map_from_robot);
+    const Pose2 counted = between(log[i - 1].odom_from_robot, log[i].odom_from_robot);
+    worst_m = std::max(worst_m, (found.translation() - counted.translation()).norm());
+  }
+  return worst_m;
+}
+
+TEST(BadInput, AHallWithoutWallsInReachIsSaidAndLeftToOdometry) {
+  const std::vector<Pose2> path = drive_along_x(1.0, 210, 0.1);
+  const std::vector<Observation> log = record(room_before_a_hall(), path, 0, 31);
+  const SlamResult result = run_slam(log);
+  EXPECT_THAT(result.warnings, ::testing::ElementsAre(HasSubstr(kHitsNothing)));
+  ASSERT_EQ(result.scans.size(), path.size());
+  EXPECT_LT(worst_step(result, log, 60, path.size()), 1e-3);
+  // The room before it is mapped.
+  const ReflectionGrid& map = result.filtered;
+  const Pose2 map_from_world = result.scans.front().map_from_robot * inverse(path.front());
+  EXPECT_TRUE(is_occupied(map.get(map.cell_at(map_from_world * Eigen::Vector2d(3.0, 4.02)))) ||
+              is_occupied(map.get(map.cell_at(map_from_world * Eigen::Vector2d(3.0, 3.98)))));
+}
+
+TEST(BadInput, ALogThatBeginsInAHallWithoutWallsComesToTheRoomAsOdometryHasIt) {
+  const std::vector<Pose2> path = drive_along_x(30.0, 280, -0.1);
+  const std::vector<Observation> log = record(room_before_a_hall(), path, 0, 32);
+  const SlamResult result = run_slam(log);
+  EXPECT_THAT(result.warnings,
+              Contains(HasSubstr("the first at 0 s, " + std::string(kHitsNothing))));
+  ASSERT_EQ(result.scans.size(), path.size());
+  EXPECT_LT(worst_step(result, log, 0, 30), 1e-3);
+}
+
+TEST(BadInput, ALogThatHitsNothingHasNoMapAndOdometrysPoses) {
+  const std::vector<Pose2> path = drive_along_x(100.0, 60, 0.1);
+  const std::vector<Observation> log = record(room_before_a_hall(), path, 0, 33);
+  const SlamResult result = run_slam(log);
+  EXPECT_THAT(result.warnings, ::testing::ElementsAre(HasSubstr(kHitsNothing)));
+  ASSERT_EQ(result.scans.size(), path.size());
+  EXPECT_LT(worst_step(result, log, 0, path.size()), 1e-9);
+  EXPECT_TRUE(std::none_of(result.filtered.values().begin(), result.filtered.values().end(),
+                           [](float m) { return is_occupied(m); }));
+}
+
+TEST(BadInput, ARunThatHitsNothingAfterOneThatDidIsLeftOut) {
+  std::vector<Observation> log = record(ring(), drive_round(0.1, 8.0), 0, 34);
+  const std::size_t first_run = log.size();
+  for (Observation& o : record(room_before_a_hall(), drive_along_x(100.0, 20, 0.1), 1, 35)) {
+    log.push_back(std::move(o));
+  }
+  const SlamResult result = run_slam(log);
+  EXPECT_EQ(result.scans.size(), first_run);
+  EXPECT_THAT(result.unplaced_runs, ::testing::ElementsAre(1));
+}
+
+TEST(BadInput, ALoneWallIsSaidToBeAmbiguous) {
+  const std::vector<Pose2> path = drive_along_x(0.0, 100, 0.1);
+  const SlamResult result = run_slam(record({{-100.0, 4.0, 100.0, 4.0}}, path, 0, 36));
+  EXPECT_THAT(result.warnings, Contains(HasSubstr("leave the position open")));
 }
 
 }  // namespace
