@@ -2,6 +2,7 @@
 /// The ROS 2 name of each message and service type that generated code brings.
 #pragma once
 
+#include "strata_idl/bond.h"
 #include "strata_idl/diagnostic_msgs.h"
 #include "strata_idl/geometry_msgs.h"
 #include "strata_idl/lifecycle_msgs.h"
@@ -11,6 +12,7 @@
 #include "strata_idl/rcl_interfaces.h"
 #include "strata_idl/rosgraph_msgs.h"
 #include "strata_idl/sensor_msgs.h"
+#include "strata_idl/std_srvs.h"
 #include "strata_idl/strata_msgs.h"
 #include "strata_idl/tf2_msgs.h"
 
@@ -26,6 +28,7 @@ struct MessageType;
     static constexpr const char* name = #package "/msg/" #type; \
   }
 
+STRATA_MESSAGE_TYPE(bond, Status);
 STRATA_MESSAGE_TYPE(diagnostic_msgs, DiagnosticArray);
 STRATA_MESSAGE_TYPE(geometry_msgs, PointStamped);
 STRATA_MESSAGE_TYPE(geometry_msgs, PoseWithCovarianceStamped);
@@ -75,12 +78,17 @@ STRATA_SERVICE_TYPE(lifecycle_msgs, ChangeState);
 STRATA_SERVICE_TYPE(lifecycle_msgs, GetState);
 STRATA_SERVICE_TYPE(lifecycle_msgs, GetAvailableStates);
 STRATA_SERVICE_TYPE(lifecycle_msgs, GetAvailableTransitions);
+STRATA_SERVICE_TYPE(nav2_msgs, LoadMap);
+STRATA_SERVICE_TYPE(nav2_msgs, SaveMap);
+STRATA_SERVICE_TYPE(nav2_msgs, SetInitialPose);
+STRATA_SERVICE_TYPE(nav_msgs, GetMap);
 STRATA_SERVICE_TYPE(rcl_interfaces, DescribeParameters);
 STRATA_SERVICE_TYPE(rcl_interfaces, GetParameters);
 STRATA_SERVICE_TYPE(rcl_interfaces, GetParameterTypes);
 STRATA_SERVICE_TYPE(rcl_interfaces, ListParameters);
 STRATA_SERVICE_TYPE(rcl_interfaces, SetParameters);
 STRATA_SERVICE_TYPE(rcl_interfaces, SetParametersAtomically);
+STRATA_SERVICE_TYPE(std_srvs, Empty);
 
 #undef STRATA_SERVICE_TYPE
 

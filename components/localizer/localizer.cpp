@@ -37,7 +37,8 @@ void Localizer::on_configure() {
   if (config_.maps.empty()) subscribe_maps();
   subscribe<geometry_msgs::msg::PoseWithCovarianceStamped>(
       config_.initial_pose_topic, config_.pose_qos,
-      [this](const auto& message) { restart(message); });
+      [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); });
+  offer_services();
   subscribe_sensors(config_.input, config_.sensor_qos);
 }
 
@@ -51,7 +52,7 @@ void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussi
   if (start) {
     localizer_->initialize(*start);
   } else {
-    localizer_->initialize_global(maps.filtered);
+    localizer_->initialize_global();
   }
 }
 
@@ -111,17 +112,36 @@ void Localizer::advertise_topics() {
                                    bus::qos_profile(config_.sensor_qos));
 }
 
-void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message) {
+void Localizer::offer_services() {
+  offer<bus::srv::SetInitialPose>("set_initial_pose", [this](const auto& request) {
+    restart(request.pose(), resolve("set_initial_pose"));
+    return nav2_msgs::srv::SetInitialPose_Response();
+  });
+  offer<bus::srv::Empty>("reinitialize_global_localization", [this](const auto&) {
+    restart_anywhere();
+    return std_srvs::srv::Empty_Response();
+  });
+}
+
+void Localizer::restart_anywhere() {
+  if (!localizer_) {
+    throw InputError(resolve("reinitialize_global_localization"), "no map has come yet",
+                     "ask again when the localizer has its map");
+  }
+  localizer_->initialize_global();
+}
+
+void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message,
+                        const std::string& source) {
   const std::string& frame = message.header().frame_id();
   if (!frame.empty() && frame != config_.map_frame && frame != "/" + config_.map_frame) {
-    throw InputError(resolve(config_.initial_pose_topic),
-                     "the pose is in the frame '" + frame + "'", "give it in " + config_.map_frame);
+    throw InputError(source, "the pose is in the frame '" + frame + "'",
+                     "give it in " + config_.map_frame);
   }
   Pose2Gaussian pose = convert::from_message(message.pose());
   if (!is_finite(pose.mean) || !pose.covariance.allFinite() ||
       pose.covariance.diagonal().minCoeff() < 0.0) {
-    throw InputError(resolve(config_.initial_pose_topic),
-                     "the pose is not finite or has a negative variance", "send another");
+    throw InputError(source, "the pose is not finite or has a negative variance", "send another");
   }
   // All zero means unknown, as many tools leave it.
   if (pose.covariance.isZero(0.0)) pose.covariance = start_covariance(config_.start);

@@ -17,7 +17,8 @@
 namespace strata::localizer {
 
 /// Out, once a scan: amcl_pose, map -> odom on /tf (REP 105; as AMCL), particle_cloud,
-/// submap_states (maps with sub-maps only), localization_health. In: initialpose, and the maps when
+/// submap_states (maps with sub-maps only), localization_health. Services, as AMCL's:
+/// reinitialize_global_localization, set_initial_pose. In: initialpose, and the maps when
 /// no MAPS folder is named: scans that come before them are passed over, and when one comes again
 /// the robot goes on in it from where it is. At the end of a log trajectory.tum, states.csv and
 /// metrics.json, byte for byte those of `strata localize` without truth but for the cost.
@@ -35,7 +36,11 @@ class Localizer final : public runtime::SensorComponent {
   void subscribe_maps();
   void advertise_topics();
   void subscribe_topics();
-  void restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message);
+  void offer_services();
+  /// source: who gave the pose, for errors.
+  void restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message,
+               const std::string& source);
+  void restart_anywhere();
   [[nodiscard]] std::optional<Pose2Gaussian> place_now(const Observation& observation) const;
   void localize(const Observation& observation);
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);

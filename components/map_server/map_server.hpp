@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// strata::MapServer: a map file in, a latched map out.
+/// strata::MapServer: a map file in, a latched map out; another file on request.
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "components/map_server/config.hpp"
 #include "components/runtime/component.hpp"
@@ -10,6 +11,8 @@
 
 namespace strata::map_server {
 
+/// Services, as nav2's map_server: ~/map gives the map, ~/load_map reads another file in its place
+/// and publishes it (a path or file://; only while active).
 class MapServer final : public runtime::Component {
  public:
   using Component::Component;
@@ -17,6 +20,8 @@ class MapServer final : public runtime::Component {
  private:
   void on_configure() override;
   void on_activate() override;
+  [[nodiscard]] nav2_msgs::srv::LoadMap_Response load(const std::string& url);
+  [[nodiscard]] nav_msgs::msg::OccupancyGrid message() const;
 
   MapServerConfig config_;
   ReflectionGrid map_;

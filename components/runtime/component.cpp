@@ -48,6 +48,7 @@ void Component::perform(const LifecycleTransition& transition) {
       do_shutdown();
   }
   state_ = transition.goal;
+  if (bond_ && !is_active()) bond_->end();
   if (is_active() && !lockstep()) {
     for (const auto& subscription : subscriptions_) {
       while (take_live(*subscription)) {
@@ -86,6 +87,10 @@ void Component::join_domain() {
 }
 
 void Component::leave_domain() {
+  {
+    const std::lock_guard lock(bond_mutex_);
+    bond_.reset();
+  }
   services_.reset();
   transition_events_.reset();
   parameter_events_.reset();
@@ -111,6 +116,7 @@ void Component::take_use_sim_time() {
 }
 
 void Component::release() {
+  own_services_.reset();
   step_reader_.reset();
   step_.reset();
   for (const auto& subscription : subscriptions_) subscription->reader.reset();
@@ -122,6 +128,11 @@ void Component::release() {
 }
 
 void Component::tick() {
+  // Beside the mailbox: who works on something long is not dead.
+  if (is_active()) {
+    const std::lock_guard lock(bond_mutex_);
+    if (bond_) bond_->tick();
+  }
   // A component that works on something long must not find a heap of ticks afterwards.
   if (tick_waits_.exchange(true)) return;
   context_.mailbox->post([this] {
@@ -149,9 +160,14 @@ void Component::announce() {
   for (const auto& subscription : subscriptions_) readers.push_back(subscription->reader->guid());
   for (const auto& writer : writers_) writers.push_back(writer->guid());
   if (diagnostics_) writers.push_back(diagnostics_->writer().guid());
+  for (const ServiceHub* hub : {services_.get(), own_services_.get()}) {
+    if (hub == nullptr) continue;
+    for (const bus::Guid& guid : hub->readers()) readers.push_back(guid);
+    for (const bus::Guid& guid : hub->writers()) writers.push_back(guid);
+  }
   if (services_) {
-    for (const bus::Guid& guid : services_->readers()) readers.push_back(guid);
-    for (const bus::Guid& guid : services_->writers()) writers.push_back(guid);
+    readers.push_back(bond_->reader_guid());
+    writers.push_back(bond_->writer_guid());
     writers.push_back(transition_events_->raw().guid());
     writers.push_back(parameter_events_->raw().guid());
   }

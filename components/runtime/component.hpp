@@ -24,6 +24,7 @@
 #include "components/bus/endpoint.hpp"
 #include "components/bus/names.hpp"
 #include "components/bus/node.hpp"
+#include "components/runtime/bond.hpp"
 #include "components/runtime/clock.hpp"
 #include "components/runtime/diagnostics.hpp"
 #include "components/runtime/executor.hpp"
@@ -145,6 +146,25 @@ class Component {
                                                               const std::string& type,
                                                               const bus::QosProfile& qos);
 
+  /// Answers a service until cleanup, live only, on the component's own thread. name: as a topic's;
+  /// "~/NAME" is private. An error of the handler is counted and told; the client gets the empty
+  /// response, so what can fail says so in its response.
+  template <typename S>
+  void offer(const std::string& name, std::function<typename bus::ServiceType<S>::Response(
+                                          const typename bus::ServiceType<S>::Request&)>
+                                          handler) {
+    if (lockstep()) return;
+    if (!own_services_) {
+      own_services_ = std::make_unique<ServiceHub>(context_.participant, context_.mailbox);
+    }
+    own_services_->serve<S>(resolve(name), "default",
+                            [this, handler = std::move(handler)](const auto& request) {
+                              typename bus::ServiceType<S>::Response response;
+                              guarded([&] { response = handler(request); });
+                              return response;
+                            });
+  }
+
   /// The parameters as this struct; it is also what others may ask for and set over DDS.
   template <typename Config>
   [[nodiscard]] Config read_parameters() {
@@ -241,7 +261,10 @@ class Component {
   std::uint64_t told_failed_ = 0;
   std::unique_ptr<bus::Node> node_;
   std::unique_ptr<Diagnostics> diagnostics_;
-  std::unique_ptr<ServiceHub> services_;  // live only, as the two below
+  std::unique_ptr<ServiceHub> services_;      // live only, as those below
+  std::unique_ptr<ServiceHub> own_services_;  // from configure to cleanup
+  std::mutex bond_mutex_;                     // making and dropping bond_, and tick()
+  std::unique_ptr<Bond> bond_;
   std::unique_ptr<bus::Writer<lifecycle_msgs::msg::TransitionEvent>> transition_events_;
   std::unique_ptr<bus::Writer<rcl_interfaces::msg::ParameterEvent>> parameter_events_;
   std::vector<TopicUse> topics_;

@@ -62,6 +62,10 @@ void Component::serve() {
       context_.participant, full_name_ + "/transition_event", bus::qos_profile("default"));
   parameter_events_ = std::make_unique<bus::Writer<rcl_interfaces::msg::ParameterEvent>>(
       context_.participant, "/parameter_events", bus::qos_profile("parameters"));
+  {
+    const std::lock_guard lock(bond_mutex_);
+    bond_ = std::make_unique<Bond>(context_.participant, resolve("bond"), context_.name);
+  }
   serve_lifecycle();
   serve_parameters();
 }

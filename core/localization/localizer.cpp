@@ -92,6 +92,10 @@ void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
 
 void Localizer::initialize_global(const ReflectionGrid& map) {
   free_space_ = FreeSpace(map);
+  initialize_global();
+}
+
+void Localizer::initialize_global() {
   if (free_space_.empty()) {
     throw InputError("map", "has no free cell to start from", "use a map that was learned");
   }

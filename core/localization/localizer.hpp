@@ -45,6 +45,8 @@ class Localizer {
   /// Starts from nowhere: uniform over the free cells of `map` and all headings, annealed. Throws
   /// InputError when no cell is free.
   void initialize_global(const ReflectionGrid& map);
+  /// Again in the free space given last.
+  void initialize_global();
   /// Where recovery may look for the robot; without it (or a global start) it does nothing. A drop
   /// of the likelihood replaces some particles by random ones (augmented MCL); when the filter
   /// stays lost, half of the weight goes to as many as a global start has, and the old ones

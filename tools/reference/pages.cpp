@@ -6,6 +6,7 @@
 
 #include "components/beam_filter/config.hpp"
 #include "components/localizer/config.hpp"
+#include "components/map_saver/config.hpp"
 #include "components/map_server/config.hpp"
 #include "components/patch_learner/config.hpp"
 #include "components/player/config.hpp"
@@ -54,6 +55,7 @@ std::vector<Page> make_pages() {
       component_page<timescale_memory::TimescaleMemoryConfig>("timescale_memory",
                                                               "TimescaleMemory"),
       component_page<map_server::MapServerConfig>("map_server", "MapServer"),
+      component_page<map_saver::MapSaverConfig>("map_saver", "MapSaver"),
       component_page<topology_mapper::TopologyMapperComponentConfig>("topology_mapper",
                                                                      "TopologyMapper"),
       component_page<volume_mapper::VolumeMapperConfig>("volume_mapper", "VolumeMapper"),

@@ -3,6 +3,7 @@
 
 #include "components/beam_filter/register.hpp"
 #include "components/localizer/register.hpp"
+#include "components/map_saver/register.hpp"
 #include "components/map_server/register.hpp"
 #include "components/patch_learner/register.hpp"
 #include "components/player/register.hpp"
@@ -21,6 +22,7 @@ runtime::Registry all_components() {
   patch_learner::register_component(registry);
   localizer::register_component(registry);
   timescale_memory::register_component(registry);
+  map_saver::register_component(registry);
   map_server::register_component(registry);
   topology_mapper::register_component(registry);
   volume_mapper::register_component(registry);

@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "components/bus/service.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/localizer/register.hpp"
 #include "components/player/log_player.hpp"
@@ -25,6 +26,7 @@
 #include "components/settings/yaml_document.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/bus/domain.hpp"
+#include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/test_data.hpp"
 #include "tools/pipeline/learn.hpp"
 #include "tools/pipeline/localize.hpp"
@@ -253,6 +255,83 @@ TEST(Localizer, TransformFromMapToOdometryCarriesTheOdometryToThePose) {
     ++compared;
   }
   EXPECT_EQ(compared, pairs.size());
+}
+
+/// A localizer as it runs beside a robot, and the robot.
+class LiveLocalizer : public ::testing::Test {
+ protected:
+  LiveLocalizer() {
+    const runtime::Composition composition = composition_of(parameters_of("filtered", false));
+    runtime::Registry registry;
+    register_component(registry);
+    host_ = std::make_unique<runtime::Host>(composition, composition.processes[0], registry,
+                                            runtime::make_participant(composition),
+                                            runtime::HostOptions{.seed = kSeed});
+    host_->activate();
+    player::Outputs outputs;
+    outputs.clock = [](const auto&) {};
+    outputs.tf_static = [this](const auto& message) { tf_static_.publish(message); };
+    outputs.tf = [this](const auto& message) { tf_.publish(message); };
+    outputs.odometry = [this](const auto& message) { odometry_.publish(message); };
+    outputs.scan = [this](const auto& message) { scan_.publish(message); };
+    player_.emplace(room().observations, outputs);
+  }
+
+  /// Plays on until a pose comes; scans without odometry beside them give none.
+  [[nodiscard]] geometry_msgs::msg::PoseWithCovarianceStamped next_pose() {
+    const std::size_t before = poses_.wait_for(0).size();
+    while (next_scan_ < room().observations.size()) {
+      player_->publish(next_scan_++);
+      const auto poses = poses_.wait_for(before + 1, std::chrono::milliseconds(500));
+      if (poses.size() > before) return poses.back();
+    }
+    ADD_FAILURE() << "no pose came";
+    return {};
+  }
+
+  std::shared_ptr<bus::Participant> robot_ = test::make_participant();
+  bus::Writer<tf2_msgs::msg::TFMessage> tf_static_{robot_, "/tf_static",
+                                                   bus::qos_profile("latched")};
+  bus::Writer<tf2_msgs::msg::TFMessage> tf_{robot_, "/tf", bus::qos_profile("tf")};
+  bus::Writer<nav_msgs::msg::Odometry> odometry_{robot_, "/odom", bus::qos_profile("default")};
+  bus::Writer<sensor_msgs::msg::LaserScan> scan_{robot_, "/scan", bus::qos_profile("default")};
+  test::Collector<geometry_msgs::msg::PoseWithCovarianceStamped> poses_{robot_, "/amcl_pose",
+                                                                        "default"};
+  std::optional<player::LogPlayer> player_;
+  std::size_t next_scan_ = 0;
+  std::unique_ptr<runtime::Host> host_;
+};
+
+TEST_F(LiveLocalizer, StartsAgainWhereAServiceSaysOrAnywhere) {
+  const double settled_m2 = next_pose().pose().covariance()[0];
+  nav2_msgs::srv::SetInitialPose_Request request;
+  request.pose().header().frame_id("map");
+  request.pose().pose(convert::to_pose_with_covariance(
+      {Pose2{5.5, 3.5, 2.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()}));
+  const auto answer = bus::call_service<bus::srv::SetInitialPose>(
+      robot_, "/set_initial_pose", request, std::chrono::seconds(20));
+  ASSERT_TRUE(answer.has_value());
+  const Pose2 there = planar(convert::from_message(next_pose().pose().pose()));
+  EXPECT_LT(translation_distance(there, Pose2{5.5, 3.5, 2.0}), 0.5);
+  ASSERT_TRUE(bus::call_service<bus::srv::Empty>(robot_, "/reinitialize_global_localization", {},
+                                                 std::chrono::seconds(20))
+                  .has_value());
+  const auto anywhere = next_pose();
+  EXPECT_GT(anywhere.pose().covariance()[0], 10.0 * settled_m2);
+  EXPECT_GT(anywhere.pose().covariance()[0], 0.25);
+  EXPECT_TRUE(host_->take_errors().empty());
+}
+
+TEST_F(LiveLocalizer, TellsWhyAPoseInAnotherFrameIsRefused) {
+  nav2_msgs::srv::SetInitialPose_Request request;
+  request.pose().header().frame_id("kitchen");
+  ASSERT_TRUE(bus::call_service<bus::srv::SetInitialPose>(robot_, "/set_initial_pose", request,
+                                                          std::chrono::seconds(20))
+                  .has_value());
+  const auto errors = host_->take_errors();
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_THAT(errors[0], ::testing::HasSubstr("set_initial_pose"));
+  EXPECT_THAT(errors[0], ::testing::HasSubstr("kitchen"));
 }
 
 TEST(CompositionOverride, ReachesTheParametersOfTheNamedComponent) {

@@ -8,11 +8,7 @@
  *   cyclone_peer DOMAIN get_parameter NODE NAME   prints "value TYPE STRING INTEGER DOUBLE"
  *
  * Says "ready" once everything is made; ends when its standard input does. */
-#include <pthread.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "bond.h"
 #include "cyclone_requests.h"
 #include "dds/dds.h"
 #include "diagnostic_msgs.h"
@@ -27,45 +23,63 @@
 #include "sensor_msgs.h"
 #include "strata_msgs.h"
 #include "tf2_msgs.h"
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 struct Type {
-  const char *package;
-  const char *name;
-  const dds_topic_descriptor_t *descriptor;
+  const char* package;
+  const char* name;
+  const dds_topic_descriptor_t* descriptor;
 };
-#define TYPE(package, name) {#package, #name, &package##_msg_##name##_desc}
-static const struct Type kTypes[] = {
-    TYPE(diagnostic_msgs, DiagnosticArray), TYPE(geometry_msgs, PoseWithCovarianceStamped),
-    TYPE(lifecycle_msgs, TransitionEvent),  TYPE(nav2_msgs, ParticleCloud),
-    TYPE(nav_msgs, OccupancyGrid),          TYPE(nav_msgs, Odometry),
-    TYPE(octomap_msgs, Octomap),            TYPE(rcl_interfaces, ParameterEvent),
-    TYPE(rosgraph_msgs, Clock),             TYPE(sensor_msgs, LaserScan),
-    TYPE(tf2_msgs, TFMessage),              TYPE(strata_msgs, Ack),
-    TYPE(strata_msgs, LabeledScan),         TYPE(strata_msgs, LocalizationHealth),
-    TYPE(strata_msgs, NodeMap),             TYPE(strata_msgs, PatchMap),
-    TYPE(strata_msgs, ReflectionGrid),      TYPE(strata_msgs, ScanPose),
-    TYPE(strata_msgs, Step),                TYPE(strata_msgs, SubmapStates),
-    TYPE(strata_msgs, Trajectory),          TYPE(sensor_msgs, PointCloud2),
-    TYPE(geometry_msgs, PointStamped),      TYPE(strata_msgs, Topologies),
-    TYPE(sensor_msgs, Image),               TYPE(sensor_msgs, CameraInfo)};
+#define TYPE(package, name) \
+  { #package, #name, &package##_msg_##name##_desc }
+static const struct Type kTypes[] = {TYPE(diagnostic_msgs, DiagnosticArray),
+                                     TYPE(geometry_msgs, PoseWithCovarianceStamped),
+                                     TYPE(lifecycle_msgs, TransitionEvent),
+                                     TYPE(nav2_msgs, ParticleCloud),
+                                     TYPE(nav_msgs, OccupancyGrid),
+                                     TYPE(nav_msgs, Odometry),
+                                     TYPE(octomap_msgs, Octomap),
+                                     TYPE(rcl_interfaces, ParameterEvent),
+                                     TYPE(rosgraph_msgs, Clock),
+                                     TYPE(sensor_msgs, LaserScan),
+                                     TYPE(tf2_msgs, TFMessage),
+                                     TYPE(strata_msgs, Ack),
+                                     TYPE(strata_msgs, LabeledScan),
+                                     TYPE(strata_msgs, LocalizationHealth),
+                                     TYPE(strata_msgs, NodeMap),
+                                     TYPE(strata_msgs, PatchMap),
+                                     TYPE(strata_msgs, ReflectionGrid),
+                                     TYPE(strata_msgs, ScanPose),
+                                     TYPE(strata_msgs, Step),
+                                     TYPE(strata_msgs, SubmapStates),
+                                     TYPE(strata_msgs, Trajectory),
+                                     TYPE(sensor_msgs, PointCloud2),
+                                     TYPE(geometry_msgs, PointStamped),
+                                     TYPE(strata_msgs, Topologies),
+                                     TYPE(sensor_msgs, Image),
+                                     TYPE(sensor_msgs, CameraInfo),
+                                     TYPE(bond, Status)};
 enum { kTypeCount = sizeof kTypes / sizeof kTypes[0] };
 
 static dds_entity_t g_participant;
 static dds_entity_t g_waitset;
 static dds_entity_t g_end;
 
-static void require(dds_return_t result, const char *what) {
+static void require(dds_return_t result, const char* what) {
   if (result >= 0) return;
   fprintf(stderr, "cyclone_peer: %s: %s\n", what, dds_strretcode(-result));
   exit(1);
 }
 
-static void say(const char *line) {
+static void say(const char* line) {
   puts(line);
   fflush(stdout);
 }
 
-static void *wait_for_end(void *unused) {
+static void* wait_for_end(void* unused) {
   (void)unused;
   while (getchar() != EOF) {
   }
@@ -73,8 +87,8 @@ static void *wait_for_end(void *unused) {
   return NULL;
 }
 
-static dds_qos_t *make_qos(bool latched, int depth) {
-  dds_qos_t *qos = dds_create_qos();
+static dds_qos_t* make_qos(bool latched, int depth) {
+  dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));
   dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos, depth > 0 ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL, depth);
@@ -82,8 +96,8 @@ static dds_qos_t *make_qos(bool latched, int depth) {
 }
 
 /* The topic of that wire name, with the type name that ROS 2 gives the descriptor's type. */
-static dds_entity_t make_topic(const dds_topic_descriptor_t *descriptor, const char *topic,
-                               const char *wire_type) {
+static dds_entity_t make_topic(const dds_topic_descriptor_t* descriptor, const char* topic,
+                               const char* wire_type) {
   dds_topic_descriptor_t renamed = *descriptor;
   renamed.m_typename = wire_type;
   const dds_entity_t made = dds_create_topic(g_participant, &renamed, topic, NULL, NULL);
@@ -92,7 +106,7 @@ static dds_entity_t make_topic(const dds_topic_descriptor_t *descriptor, const c
 }
 
 static dds_entity_t make_reader(dds_entity_t topic, bool latched, int depth) {
-  dds_qos_t *qos = make_qos(latched, depth);
+  dds_qos_t* qos = make_qos(latched, depth);
   const dds_entity_t reader = dds_create_reader(g_participant, topic, qos, NULL);
   dds_delete_qos(qos);
   require(reader, "reader");
@@ -100,7 +114,7 @@ static dds_entity_t make_reader(dds_entity_t topic, bool latched, int depth) {
 }
 
 static dds_entity_t make_writer(dds_entity_t topic, bool latched) {
-  dds_qos_t *qos = make_qos(latched, latched ? 1 : 10);
+  dds_qos_t* qos = make_qos(latched, latched ? 1 : 10);
   const dds_entity_t writer = dds_create_writer(g_participant, topic, qos, NULL);
   dds_delete_qos(qos);
   require(writer, "writer");
@@ -114,7 +128,7 @@ static void attach(dds_entity_t reader, dds_attach_t tag) {
 }
 
 /* The next message, lent; false when none is there. */
-static bool take(dds_entity_t reader, void **sample) {
+static bool take(dds_entity_t reader, void** sample) {
   for (;;) {
     dds_sample_info_t info;
     *sample = NULL;
@@ -144,7 +158,7 @@ static void echo(void) {
     const int count = dds_waitset_wait(g_waitset, tags, kTypeCount + 1, DDS_INFINITY);
     for (int i = 0; i < count; ++i) {
       if (tags[i] >= kTypeCount) return;
-      void *sample = NULL;
+      void* sample = NULL;
       while (take(readers[tags[i]], &sample)) {
         require(dds_write(writers[tags[i]], sample), kTypes[tags[i]].name);
         dds_return_loan(readers[tags[i]], &sample, 1);
@@ -168,11 +182,11 @@ static void nodes(void) {
     for (int i = 0; i < count; ++i) {
       if (tags[i] != 0) return;
     }
-    void *sample = NULL;
+    void* sample = NULL;
     while (take(reader, &sample)) {
-      const rmw_dds_common_msg_ParticipantEntitiesInfo *info = sample;
+      const rmw_dds_common_msg_ParticipantEntitiesInfo* info = sample;
       for (uint32_t i = 0; i < info->node_entities_info_seq._length; ++i) {
-        const rmw_dds_common_msg_NodeEntitiesInfo *node = &info->node_entities_info_seq._buffer[i];
+        const rmw_dds_common_msg_NodeEntitiesInfo* node = &info->node_entities_info_seq._buffer[i];
         printf("node %s %s\n", node->node_namespace, node->node_name);
       }
       fflush(stdout);
@@ -183,15 +197,15 @@ static void nodes(void) {
 
 /* Whether two messages begin with the same client and number: rmw_cyclonedds passes over replies to
  * others, which every client of a topic sees. */
-static bool same_call(const void *request, const void *reply) {
+static bool same_call(const void* request, const void* reply) {
   return memcmp(request, reply, 2 * sizeof(uint64_t)) == 0;
 }
 
 /* Sends one request of a service, as rmw_cyclonedds does, and waits for its reply; the caller reads
  * the body and may leave the loan. */
-static void *call(const char *node, const char *package, const char *service, const char *path,
-                  const dds_topic_descriptor_t *request_type,
-                  const dds_topic_descriptor_t *reply_type, const void *request) {
+static void* call(const char* node, const char* package, const char* service, const char* path,
+                  const dds_topic_descriptor_t* request_type,
+                  const dds_topic_descriptor_t* reply_type, const void* request) {
   char topic[256];
   char type[256];
   snprintf(topic, sizeof topic, "rq%s/%sRequest", node, path);
@@ -229,7 +243,7 @@ static void *call(const char *node, const char *package, const char *service, co
     for (int i = 0; i < count; ++i) {
       if (tags[i] != 0) exit(1);
     }
-    void *sample = NULL;
+    void* sample = NULL;
     while (take(reader, &sample)) {
       if (same_call(request, sample)) return sample;
       dds_return_loan(reader, &sample, 1);
@@ -237,28 +251,27 @@ static void *call(const char *node, const char *package, const char *service, co
   }
 }
 
-static void change_state(char *node, int id) {
+static void change_state(char* node, int id) {
   cyclone_requests_ChangeStateRequest request;
   memset(&request, 0, sizeof request);
   request.guid = 0x0123456789abcdefULL;
   request.number = 77;
   request.body.transition.id = (uint8_t)id;
   request.body.transition.label = "";
-  const cyclone_requests_ChangeStateReply *reply =
-      call(node, "lifecycle_msgs", "ChangeState", "change_state",
-           &cyclone_requests_ChangeStateRequest_desc, &cyclone_requests_ChangeStateReply_desc,
-           &request);
+  const cyclone_requests_ChangeStateReply* reply = call(
+      node, "lifecycle_msgs", "ChangeState", "change_state",
+      &cyclone_requests_ChangeStateRequest_desc, &cyclone_requests_ChangeStateReply_desc, &request);
   printf("success %d\n", reply->body.success ? 1 : 0);
 }
 
-static void get_parameter(char *node, char *name) {
+static void get_parameter(char* node, char* name) {
   cyclone_requests_GetParametersRequest request;
   memset(&request, 0, sizeof request);
   request.guid = 0xfedcba9876543210ULL;
   request.number = 1;
   request.body.names._length = request.body.names._maximum = 1;
   request.body.names._buffer = &name;
-  const cyclone_requests_GetParametersReply *reply =
+  const cyclone_requests_GetParametersReply* reply =
       call(node, "rcl_interfaces", "GetParameters", "get_parameters",
            &cyclone_requests_GetParametersRequest_desc, &cyclone_requests_GetParametersReply_desc,
            &request);
@@ -266,12 +279,12 @@ static void get_parameter(char *node, char *name) {
     say("a reply without the value");
     return;
   }
-  const rcl_interfaces_msg_ParameterValue *value = &reply->body.values._buffer[0];
+  const rcl_interfaces_msg_ParameterValue* value = &reply->body.values._buffer[0];
   printf("value %d '%s' %lld %g\n", value->type, value->string_value,
          (long long)value->integer_value, value->double_value);
 }
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   if (argc < 3) return 2;
   g_participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
   require(g_participant, "participant");

@@ -71,7 +71,7 @@ std::vector<std::unique_ptr<Exchange>> all_exchanges() {
       sensor_msgs::msg::PointCloud2, sensor_msgs::msg::Image, sensor_msgs::msg::CameraInfo,
       tf2_msgs::msg::TFMessage, Ack, LabeledScan, LocalizationHealth, NodeMap, PatchMap,
       ReflectionGrid, ScanPose, Step, SubmapStates, Topologies, Trajectory,
-      geometry_msgs::msg::PointStamped>();
+      geometry_msgs::msg::PointStamped, bond::msg::Status>();
 }
 
 TEST(Cyclone, ReadsAndWritesEveryTypeAsWeDoWhenItIsThereFirst) {

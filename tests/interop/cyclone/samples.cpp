@@ -162,6 +162,18 @@ nav_msgs::msg::Odometry sample() {
 }
 
 template <>
+bond::msg::Status sample() {
+  bond::msg::Status result;
+  result.header(header(""));
+  result.id("localizer");
+  result.instance_id("0f9a");
+  result.active(true);
+  result.heartbeat_timeout(4.0F);
+  result.heartbeat_period(0.1F);
+  return result;
+}
+
+template <>
 octomap_msgs::msg::Octomap sample() {
   octomap_msgs::msg::Octomap result;
   result.header(header("map"));

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+/// strata::MapSaver: any map topic into files of map_server, on request.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "components/map_saver/config.hpp"
+#include "components/runtime/component.hpp"
+
+namespace strata::map_saver {
+
+/// Service ~/save_map, as nav2's map_saver: waits for the map on map_topic and writes map_url.yaml
+/// and map_url.pgm. The map is taken as it was published last, so the topic must be latched. Only
+/// what we write can be asked for: pgm, trinary (both may be left empty); thresholds of 0 are
+/// nav2's, 0.25 and 0.65.
+class MapSaver final : public runtime::Component {
+ public:
+  using Component::Component;
+
+ private:
+  void on_configure() override;
+  /// Throws InputError and OutputError.
+  void save(const nav2_msgs::srv::SaveMap_Request& request) const;
+  [[nodiscard]] std::optional<nav_msgs::msg::OccupancyGrid> wait_for_map(
+      const std::string& topic) const;
+
+  MapSaverConfig config_;
+};
+
+}  // namespace strata::map_saver

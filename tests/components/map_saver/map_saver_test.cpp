@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/map_saver/map_saver.hpp"
+
+#include <chrono>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "components/bus/service.hpp"
+#include "components/convert/map_messages.hpp"
+#include "components/log/map_file.hpp"
+#include "components/map_saver/register.hpp"
+#include "tests/components/runtime/host_fixture.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::map_saver {
+namespace {
+
+/// A map with an obstacle, a free cell, something in between and the unknown, latched.
+class SaveMap : public testing::Test {
+ protected:
+  SaveMap() {
+    runtime::Registry registry;
+    register_component(registry);
+    host_ = test::make_host("{type: strata::MapSaver, name: map_saver, parameters: {folder: '" +
+                                folder_.path().string() + "', save_map_timeout_s: 5}}",
+                            registry, participant_);
+    grid_.at({-3, 2}) = 1.0F;
+    grid_.at({3, 5}) = 0.0F;
+    grid_.at({0, 3}) = 0.5F;
+    writer_.publish(convert::to_occupancy(grid_, Stamp(), "map"));
+  }
+
+  [[nodiscard]] bool save(const nav2_msgs::srv::SaveMap_Request& request) {
+    const auto response = bus::call_service<bus::srv::SaveMap>(
+        test::make_participant(), "/map_saver/save_map", request, std::chrono::seconds(20));
+    EXPECT_TRUE(response.has_value());
+    return response && response->result();
+  }
+
+  test::TemporaryDirectory folder_;
+  ReflectionGrid grid_ = make_reflection_grid(0.1, CellRect{{-3, 2}, {4, 6}});
+  std::shared_ptr<bus::Participant> participant_ = test::make_participant();
+  bus::Writer<nav_msgs::msg::OccupancyGrid> writer_{participant_, "/map_filtered",
+                                                    bus::qos_profile("latched")};
+  std::unique_ptr<runtime::Host> host_;
+};
+
+TEST_F(SaveMap, WritesTheMapOfAnyTopicAsMapServerReadsIt) {
+  host_->activate();
+  nav2_msgs::srv::SaveMap_Request request;
+  request.map_topic("map_filtered");
+  request.map_url("floor1");
+  request.image_format("pgm");
+  request.map_mode("trinary");
+  request.free_thresh(0.25F);
+  request.occupied_thresh(0.65F);
+  ASSERT_TRUE(save(request));
+  const ReflectionGrid saved = log::read_map(folder_.path() / "floor1.yaml");
+  EXPECT_EQ(saved.get({-3, 2}), 1.0F);
+  EXPECT_EQ(saved.get({3, 5}), 0.0F);
+  EXPECT_FALSE(is_known(saved.get({0, 3})));
+  EXPECT_FALSE(is_known(saved.get({1, 2})));
+}
+
+TEST_F(SaveMap, TakesTheThresholdsOfTheRequest) {
+  host_->activate();
+  nav2_msgs::srv::SaveMap_Request request;
+  request.map_topic("/map_filtered");
+  request.map_url((folder_.path() / "strict.yaml").string());
+  request.free_thresh(0.1F);
+  request.occupied_thresh(0.4F);
+  ASSERT_TRUE(save(request));
+  EXPECT_EQ(log::read_map(folder_.path() / "strict.yaml").get({0, 3}), 1.0F);
+}
+
+TEST_F(SaveMap, RefusesWhatItCannotDoAndWritesNothing) {
+  nav2_msgs::srv::SaveMap_Request request;
+  request.map_topic("map_filtered");
+  request.map_url("refused");
+  EXPECT_FALSE(save(request)) << "while inactive";
+  host_->activate();
+  request.image_format("png");
+  EXPECT_FALSE(save(request)) << "as png";
+  request.image_format("pgm");
+  request.map_mode("raw");
+  EXPECT_FALSE(save(request)) << "raw";
+  request.map_mode("trinary");
+  request.free_thresh(0.9F);
+  EXPECT_FALSE(save(request)) << "with thresholds crossed";
+  request.free_thresh(0.0F);
+  request.map_url("");
+  EXPECT_FALSE(save(request)) << "without a name";
+  request.map_url("missing_folder/map");
+  EXPECT_FALSE(save(request)) << "into a folder that is not there";
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+  EXPECT_EQ(host_->take_errors().size(), 5U);
+}
+
+}  // namespace
+}  // namespace strata::map_saver
