@@ -2,7 +2,6 @@
 #include "core/volume/voxel_filter.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 
 #include "core/volume/volume_map.hpp"
@@ -10,12 +9,10 @@
 namespace strata::volume {
 namespace {
 
-void add_marks(std::uint64_t marks, std::size_t first,
-               std::array<std::uint16_t, kBrickVoxels>& to) {
-  for (; marks != 0; marks &= marks - 1) {
-    std::uint16_t& count = to[first + static_cast<std::size_t>(std::countr_zero(marks))];
-    if (count < std::numeric_limits<std::uint16_t>::max()) ++count;
-  }
+void add_marks(const BrickBits& marks, std::array<std::uint16_t, kBrickVoxels>& to) {
+  for_each_place(marks, [&](unsigned place) {
+    if (to[place] < std::numeric_limits<std::uint16_t>::max()) ++to[place];
+  });
 }
 
 }  // namespace
@@ -27,18 +24,12 @@ VoxelFilter::VoxelFilter(const VoxelFilterConfig& config, const VoxelLattice& la
 }
 
 void VoxelFilter::count(const Cloud& cloud, WorkerPool& pool) {
-  CloudInMap in_map;
-  bring_into_map(cloud, pool, in_map);
-  marks_.mark(in_map.origins, in_map.ends_m, {}, lattice_, limits_, pool);
-  near_ends_.find(marks_.bricks());
-  for (std::size_t i = 0; i < marks_.bricks().size(); ++i) {
-    BrickMarks marks = marks_.bricks().value(i);
-    marks.passed = near_ends_.without(marks_.bricks().ids()[i], marks.passed);
-    BrickCounts& counts = counts_.touch(marks_.bricks().ids()[i]);
-    for (std::size_t word = 0; word < 8; ++word) {
-      add_marks(marks.ended[word], 64 * word, counts.ended);
-      add_marks(marks.passed[word], 64 * word, counts.passed);
-    }
+  evidence_.see(cloud, {}, lattice_, limits_, pool);
+  for (std::size_t i = 0; i < evidence_.bricks().size(); ++i) {
+    const BrickMarks& seen = evidence_.bricks().value(i);
+    BrickCounts& counts = counts_.touch(evidence_.bricks().ids()[i]);
+    add_marks(seen.ended, counts.ended);
+    add_marks(seen.passed, counts.passed);
   }
 }
 
@@ -46,9 +37,9 @@ double VoxelFilter::static_probability(const VoxelKey& key) const {
   const BrickCounts* counts = counts_.find(brick_id(key));
   if (counts == nullptr) return config_.prior;
   const unsigned place = place_in_brick(key);
-  const double ended = counts->ended[place];
+  if (counts->ended[place] + counts->passed[place] == 0) return config_.prior;
+  const double ended = config_.static_clouds + counts->ended[place];
   const double passed = counts->passed[place];
-  if (ended + passed == 0.0) return config_.prior;
   const double p = config_.prior;
   const double m = std::max(
       0.0, (ended * (2.0 * p - 1.0) - passed * (1.0 - p)) / ((2.0 * p - 1.0) * (ended + passed)));

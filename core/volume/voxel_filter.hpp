@@ -13,15 +13,15 @@
 #include "core/base/parallel.hpp"
 #include "core/volume/brick_map.hpp"
 #include "core/volume/cloud.hpp"
-#include "core/volume/cloud_marks.hpp"
-#include "core/volume/near_ends.hpp"
+#include "core/volume/cloud_evidence.hpp"
 
 namespace strata::volume {
 
 struct VoxelFilterConfig {
-  /// Where voxels that half of the clouds saw ended begin to count as moving, chosen on simulated
-  /// rooms: a 3-D log holds few clouds, so that who waits through a few is seen in many of them.
-  double prior = 0.77;
+  /// Lower than that of beams, chosen on simulated rooms: a 3-D log holds few clouds, so that who
+  /// waits through a few is seen in many of them.
+  double prior = 0.59;
+  double static_clouds = 4.0;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -32,6 +32,10 @@ struct VoxelFilterConfig {
          .unit = "1",
          .min = 0.501,
          .max = 0.999});
+    v.field("static_clouds", c.static_clouds,
+            {.doc = "so many clouds count as having ended in every voxel beside those that did: "
+                    "where few looked, more of them must have passed",
+             .min = 0.0});
   }
 };
 
@@ -49,14 +53,13 @@ class VoxelFilter {
               const RayLimits& limits);
 
   /// A voxel counts once a cloud, as in VolumeMap::insert: single beams of one cloud are no
-  /// independent evidence. Voxels passed beside one in which the same cloud ended count as not
-  /// seen: rays that graze a floor pass through the voxels that its noise ends in, which would look
-  /// as if it came and went. Both depart from the paper, which counts beams. O(voxels passed).
+  /// independent evidence; and rays that graze a surface count as CloudEvidence counts them. Both
+  /// depart from the paper, which counts beams. O(voxels passed).
   void count(const Cloud& cloud, WorkerPool& pool);
 
   /// P(c = 1) of a point that ends in a voxel, eq. (1.10) at the limit of EM: with h clouds that
-  /// ended there and f that passed, m maximizes h ln[(1 - p) + (2 p - 1) m] + f ln(1 - m). The
-  /// prior where nothing was counted.
+  /// ended there, static_clouds among them, and f that passed, m maximizes
+  /// h ln[(1 - p) + (2 p - 1) m] + f ln(1 - m). The prior where nothing was counted.
   [[nodiscard]] double static_probability(const VoxelKey& key) const;
 
   /// A flag a point: 1 where its end has a static probability below one half. Points beyond the
@@ -69,8 +72,7 @@ class VoxelFilter {
   VoxelFilterConfig config_;
   VoxelLattice lattice_;
   RayLimits limits_;
-  CloudMarks marks_;
-  NearEnds near_ends_;  ///< of the present cloud
+  CloudEvidence evidence_;  ///< of the present cloud
   BrickMap<BrickCounts> counts_;
 };
 

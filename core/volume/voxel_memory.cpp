@@ -2,7 +2,6 @@
 #include "core/volume/voxel_memory.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -25,9 +24,8 @@ VoxelMemory::VoxelMemory(const VoxelMemoryConfig& config, const VoxelLattice& la
   }
 }
 
-void VoxelMemory::learn(Brick& brick, std::uint64_t voxels, std::size_t first, bool is_end) const {
-  for (; voxels != 0; voxels &= voxels - 1) {
-    const std::size_t place = first + static_cast<std::size_t>(std::countr_zero(voxels));
+void VoxelMemory::learn(Brick& brick, const BrickBits& voxels, bool is_end) const {
+  for_each_place(voxels, [&](unsigned place) {
     std::uint8_t& seen = brick.seen[place];
     if (seen < 255) ++seen;
     for (std::size_t level = 0; level < kVoxelLevels; ++level) {
@@ -36,23 +34,16 @@ void VoxelMemory::learn(Brick& brick, std::uint64_t voxels, std::size_t first, b
       const double value = share + rate * ((is_end ? kWhole : 0.0) - share);
       share = static_cast<std::uint16_t>(std::lround(value));
     }
-  }
+  });
 }
 
 void VoxelMemory::observe(const Cloud& cloud, std::span<const std::uint8_t> is_dynamic,
                           WorkerPool& pool) {
-  bring_into_map(cloud, pool, in_map_);
-  marks_.mark(in_map_.origins, in_map_.ends_m, is_dynamic, lattice_, limits_, pool);
-  near_.find(marks_.bricks());
-  for (std::size_t i = 0; i < marks_.bricks().size(); ++i) {
-    const std::uint64_t id = marks_.bricks().ids()[i];
-    const BrickMarks& marks = marks_.bricks().value(i);
-    const BrickBits passed = near_.without(id, marks.passed);
-    Brick& brick = bricks_.touch(id);
-    for (std::size_t word = 0; word < 8; ++word) {
-      learn(brick, marks.ended[word], 64 * word, true);
-      learn(brick, passed[word], 64 * word, false);
-    }
+  evidence_.see(cloud, is_dynamic, lattice_, limits_, pool);
+  for (std::size_t i = 0; i < evidence_.bricks().size(); ++i) {
+    Brick& brick = bricks_.touch(evidence_.bricks().ids()[i]);
+    learn(brick, evidence_.bricks().value(i).ended, true);
+    learn(brick, evidence_.bricks().value(i).passed, false);
   }
 }
 

@@ -14,8 +14,7 @@
 #include "core/base/parallel.hpp"
 #include "core/volume/brick_map.hpp"
 #include "core/volume/cloud.hpp"
-#include "core/volume/cloud_marks.hpp"
-#include "core/volume/near_ends.hpp"
+#include "core/volume/cloud_evidence.hpp"
 #include "core/volume/volume_map.hpp"
 
 namespace strata::volume {
@@ -81,15 +80,13 @@ class VoxelMemory {
     std::array<std::array<std::uint16_t, kBrickVoxels>, kVoxelLevels> share{};  ///< in 1 / 65535
     std::array<std::uint8_t, kBrickVoxels> seen{};  ///< clouds, up to 255
   };
-  void learn(Brick& brick, std::uint64_t voxels, std::size_t first, bool is_end) const;
+  void learn(Brick& brick, const BrickBits& voxels, bool is_end) const;
 
   VoxelMemoryConfig config_;
   VoxelLattice lattice_;
   RayLimits limits_;
   std::array<double, kVoxelLevels> rates_{};
-  CloudMarks marks_;
-  NearEnds near_;
-  CloudInMap in_map_;
+  CloudEvidence evidence_;  ///< of the present cloud
   BrickMap<Brick> bricks_;
 };
 

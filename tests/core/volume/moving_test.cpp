@@ -22,7 +22,9 @@ Cloud cloud_with(const std::vector<Eigen::Vector3f>& points) {
   return cloud;
 }
 
-VoxelFilter filter_with(double prior) { return {{.prior = prior}, VoxelLattice(0.1), RayLimits{}}; }
+VoxelFilter filter_with(double prior, double static_clouds = 0.0) {
+  return {{.prior = prior, .static_clouds = static_clouds}, VoxelLattice(0.1), RayLimits{}};
+}
 
 VoxelKey key_at(const Eigen::Vector3f& point) { return VoxelLattice(0.1).key_at(point).value(); }
 
@@ -58,6 +60,42 @@ TEST(VoxelFilter, LabelsWhatWasPassedMostOfTheTime) {
   for (int i = 0; i < 4; ++i) filter.count(wall, pool);
   EXPECT_EQ(filter.label(person, pool), (std::vector<std::uint8_t>{1, 0}));
   EXPECT_EQ(filter.label(wall, pool), (std::vector<std::uint8_t>{0, 0}));
+}
+
+TEST(VoxelFilter, NeedsMoreCloudsThatPassedWhereFewLooked) {
+  WorkerPool pool(1);
+  const Cloud person = cloud_with({{1.0F, 0.0F, 0.0F}});
+  const Cloud wall = cloud_with({{3.0F, 0.0F, 0.0F}});
+  // p = 0.6: moving below 80% of looks, three of them given.
+  VoxelFilter filter = filter_with(0.6, 3.0);
+  filter.count(person, pool);
+  filter.count(person, pool);
+  filter.count(wall, pool);
+  EXPECT_EQ(filter.label(person, pool).front(), 0);  // 5 of 6
+  filter.count(wall, pool);
+  EXPECT_EQ(filter.label(person, pool).front(), 1);  // 5 of 7
+}
+
+TEST(VoxelFilter, CountsNothingInTheTailOfARayThatComesInFlat) {
+  VoxelFilter filter = filter_with(0.77);
+  WorkerPool pool(1);
+  // From 1 m above a floor at z = 0: noise lifts the floor into the voxels above it once.
+  const Eigen::Vector3f lifted(5.0F, 0.0F, -0.99F);
+  Cloud cloud = cloud_with({lifted});
+  cloud.map_from_sensor.translation = {0.05, 0.05, 1.05};
+  filter.count(cloud, pool);
+  // Later rays reach the floor 0.4 m behind, and run just above it before.
+  cloud.points_m = {{5.4F, 0.0F, -1.05F}};
+  for (int i = 0; i < 9; ++i) filter.count(cloud, pool);
+  cloud.points_m = {lifted};
+  EXPECT_EQ(filter.label(cloud, pool).front(), 0);
+  // A person's knee there is passed by rays to the wall behind.
+  cloud.points_m = {{5.0F, 0.0F, -0.6F}};
+  filter.count(cloud, pool);
+  cloud.points_m = {{8.0F, 0.0F, -0.96F}};
+  for (int i = 0; i < 9; ++i) filter.count(cloud, pool);
+  cloud.points_m = {{5.0F, 0.0F, -0.6F}};
+  EXPECT_EQ(filter.label(cloud, pool).front(), 1);
 }
 
 TEST(VoxelFilter, DoesNotCountWhatIsPassedBesideAnEndOfTheSameCloud) {

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include "core/base/error.hpp"
 #include "core/grid/counting_map.hpp"
+#include "tests/support/decoded_png.hpp"
 #include "tests/support/test_data.hpp"
 #include "tools/report/html_report.hpp"
 #include "tools/report/map_picture.hpp"
@@ -18,21 +17,7 @@
 namespace strata::report {
 namespace {
 
-Image decode(const std::string& bytes) {
-  png_image header;
-  std::memset(&header, 0, sizeof header);
-  header.version = PNG_IMAGE_VERSION;
-  EXPECT_NE(png_image_begin_read_from_memory(&header, bytes.data(), bytes.size()), 0);
-  header.format = PNG_FORMAT_RGB;
-  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(header));
-  EXPECT_NE(png_image_finish_read(&header, nullptr, pixels.data(), 0, nullptr), 0);
-  Image image(static_cast<int>(header.width), static_cast<int>(header.height));
-  for (int i = 0; i < image.width() * image.height(); ++i) {
-    const auto at = static_cast<std::size_t>(3 * i);
-    image.set(i % image.width(), i / image.width(), {pixels[at], pixels[at + 1], pixels[at + 2]});
-  }
-  return image;
-}
+using test::decode;
 
 TEST(Png, CarriesEveryPixel) {
   Image image(7, 3, {1, 2, 3});

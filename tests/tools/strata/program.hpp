@@ -4,6 +4,8 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 
 #include <sys/wait.h>
@@ -31,6 +33,14 @@ inline Outcome run_strata_under(const std::string& prefix, const std::string& ar
 }
 
 inline Outcome run_strata(const std::string& arguments) { return run_strata_under("", arguments); }
+
+/// What a file holds.
+inline std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  return bytes.str();
+}
 
 inline std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
 

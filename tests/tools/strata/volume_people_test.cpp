@@ -9,9 +9,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <octomap/ColorOcTree.h>
 
 #include "components/log/map_file.hpp"
 #include "components/maps/map_model.hpp"
+#include "tests/support/decoded_png.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/tools/strata/program.hpp"
 #include "tools/pipeline/localization_metrics.hpp"
@@ -49,6 +51,19 @@ class VolumePeople : public testing::Test {
     EXPECT_EQ(outcome.code, 0) << outcome.out;
     return outcome.code == 0 ? json_of(out / "summary.json") : nlohmann::json{};
   }
+  /// How many voxels of map_color.ot have a colour like this.
+  template <typename Like>
+  static std::size_t colored(const std::string& name, const Like& is_like) {
+    const std::unique_ptr<octomap::AbstractOcTree> tree(
+        octomap::AbstractOcTree::read((file(name) / "map_color.ot").string()));
+    const auto* map = dynamic_cast<const octomap::ColorOcTree*>(tree.get());
+    EXPECT_NE(map, nullptr);
+    std::size_t count = 0;
+    for (auto it = map->begin_leafs(); it != map->end_leafs(); ++it) {
+      if (map->isNodeOccupied(*it) && is_like(it->getColor())) ++count;
+    }
+    return count;
+  }
   static fs::path file(const std::string& name) { return folder_->path() / name; }
 
   static void expect_gone(const nlohmann::json& summary) {
@@ -61,7 +76,7 @@ class VolumePeople : public testing::Test {
   inline static std::unique_ptr<test::TemporaryDirectory> folder_;
 };
 
-TEST_F(VolumePeople, AreGoneWithPosesOfTheSameSlamThatLabelsBeams) {
+TEST_F(VolumePeople, AreGoneWithPosesOfTheSameSlamThatLabelsBeamsFromTheColoursToo) {
   const nlohmann::json summary = volume("slam", "--remember");
   EXPECT_EQ(summary["poses"], "slam");
   EXPECT_EQ(summary["moving"], "boxes");
@@ -76,9 +91,33 @@ TEST_F(VolumePeople, AreGoneWithPosesOfTheSameSlamThatLabelsBeams) {
   }
   EXPECT_TRUE(is_crate_told) << changes;
   EXPECT_GE(summary["memory"]["bytes_per_voxel"], 7.0);
-  // Pictures colour what they show, and hardly anything is a person's magenta.
+  // What appeared is green in the picture, and nothing is red for gone.
+  const report::Image picture = test::decode(test::bytes_of(file("slam") / "changes.png"));
+  int green = 0;
+  int red = 0;
+  for (int i = 0; i < picture.width() * picture.height(); ++i) {
+    const report::Color c = picture.at(i % picture.width(), i / picture.width());
+    green += c.g > c.r + 60 ? 1 : 0;
+    red += c.r > c.g + 60 ? 1 : 0;
+  }
+  EXPECT_GT(green, 100);
+  EXPECT_EQ(red, 0);
+  // People are magenta, furniture is brown.
   EXPECT_GT(summary["colors"]["images"], 30);
-  EXPECT_GT(summary["colors"]["colored"], 3000);
+  const std::size_t colored_voxels = summary["colors"]["colored"];
+  EXPECT_GT(colored_voxels, 3000U);
+  using Color = octomap::ColorOcTreeNode::Color;
+  const auto magenta = colored("slam", [](const Color& c) { return c.r > c.g + 100; });
+  const auto brown = colored("slam", [](const Color& c) { return c.r > c.b + 40; });
+  EXPECT_LE(magenta, colored_voxels / 1000);
+  EXPECT_GT(brown, 300U);
+}
+
+TEST_F(VolumePeople, AreGoneWithoutAPlanarScanner) {
+  const nlohmann::json summary =
+      volume("voxels", "--moving voxels --poses " + quoted(file("sim") / "truth.tum"));
+  EXPECT_EQ(summary["moving"], "voxels");
+  expect_gone(summary);
 }
 
 TEST_F(VolumePeople, AreGoneWithGivenPosesInTheirFrame) {

@@ -19,15 +19,9 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
+using test::bytes_of;
 using test::quoted;
 using test::run_strata;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
-  return bytes.str();
-}
 
 bool shell(const std::string& command) { return std::system(command.c_str()) == 0; }
 
@@ -62,6 +56,16 @@ TEST(Volume, MakesTheTreesOfOctomapsTools) {
   expect_same_trees(hallway, false, "0.1");
   expect_same_trees(scan, false, "0.1");
   expect_same_trees(sphere, true, "0.05");
+}
+
+TEST(Volume, PicturesATreeOfOctomapAndWritesItAsItWas) {
+  STRATA_REQUIRE_DATA(tree, "octomap_3d/geb079.bt");
+  const test::TemporaryDirectory folder;
+  const fs::path out = folder.path() / "out";
+  ASSERT_EQ(run_strata("volume " + quoted(tree) + " --quiet --out " + quoted(out)).code, 0);
+  EXPECT_TRUE(bytes_of(out / "map.bt") == bytes_of(tree));
+  EXPECT_EQ(nlohmann::json::parse(bytes_of(out / "summary.json"))["nodes"], 532566);
+  EXPECT_TRUE(fs::exists(out / "outside_1.png"));
 }
 
 /// Points on two walls, 2 m ahead and 2 m to the left.
