@@ -46,6 +46,7 @@ struct DiscoveredEndpoint {
   bool reliable = false;
   bool transient_local = false;
   double deadline_s = 0.0;  ///< 0: none
+  std::string type_hash;    ///< "RIHS01_...", as ROS 2 tells it since Iron; empty: not told
 };
 
 struct DomainView {

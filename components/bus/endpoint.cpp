@@ -13,6 +13,7 @@
 
 #include "components/bus/match_count.hpp"
 #include "components/bus/participant_state.hpp"
+#include "components/convert/type_hash.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::bus {
@@ -20,9 +21,19 @@ namespace {
 
 constexpr auto kPublishTimeout = std::chrono::seconds(10);
 
+/// The type's hash for a message type of a ROS 2 topic that we know. A service's is that of the
+/// whole service, with types we do not have, and is not told.
+std::string hash_of(const TopicName& topic, const std::string& type) {
+  return topic.kind == TopicKind::kTopic ? convert::type_hash(type) : std::string();
+}
+
 /// Sets what writers and readers have in common.
 template <typename EndpointQos>
-void apply_profile(const QosProfile& profile, EndpointQos& qos) {
+void apply_profile(const QosProfile& profile, const std::string& type_hash, EndpointQos& qos) {
+  if (!type_hash.empty()) {
+    const std::string text = "typehash=" + type_hash + ";";
+    qos.user_data().setValue(std::vector<rtps::octet>(text.begin(), text.end()));
+  }
   qos.reliability().kind =
       profile.reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
   qos.durability().kind =
@@ -98,7 +109,8 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
   state_->profile = qos.name;
   Participant::State& owner = state_->participant->state();
   dds::DataWriterQos writer_qos = dds::DATAWRITER_QOS_DEFAULT;
-  apply_profile(qos, writer_qos);
+  const std::string type_hash = hash_of(topic, type);
+  apply_profile(qos, type_hash, writer_qos);
   writer_qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   if (qos.manual_liveliness) {
     writer_qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
@@ -116,8 +128,8 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
     throw OutputError(state_->topic, "no writer can be made", "check the QoS profile " + qos.name);
   }
   require_granted(qos, granted_qos(), state_->topic);
-  owner.add_endpoint(
-      {guid(), true, wire_topic(topic), wire_type(type), qos.reliable, qos.transient_local, 0.0});
+  owner.add_endpoint({guid(), true, wire_topic(topic), wire_type(type), qos.reliable,
+                      qos.transient_local, 0.0, type_hash});
 }
 
 RawWriter::~RawWriter() {
@@ -208,7 +220,8 @@ RawReader::RawReader(std::shared_ptr<Participant> participant, TopicName topic,
   state_->profile = qos.name;
   Participant::State& owner = state_->participant->state();
   dds::DataReaderQos reader_qos = dds::DATAREADER_QOS_DEFAULT;
-  apply_profile(qos, reader_qos);
+  const std::string type_hash = hash_of(topic, type);
+  apply_profile(qos, type_hash, reader_qos);
   if (qos.depth == 0) {
     // 5 ms by default, which is what bounds a reliable reader's rate.
     reader_qos.reliable_reader_qos().times.heartbeatResponseDelay =
@@ -221,8 +234,8 @@ RawReader::RawReader(std::shared_ptr<Participant> participant, TopicName topic,
     throw OutputError(state_->topic, "no reader can be made", "check the QoS profile " + qos.name);
   }
   require_granted(qos, granted_qos(), state_->topic);
-  owner.add_endpoint(
-      {guid(), false, wire_topic(topic), wire_type(type), qos.reliable, qos.transient_local, 0.0});
+  owner.add_endpoint({guid(), false, wire_topic(topic), wire_type(type), qos.reliable,
+                      qos.transient_local, 0.0, type_hash});
 }
 
 RawReader::~RawReader() {

@@ -13,18 +13,14 @@
 #include "core/base/error.hpp"
 
 namespace strata::bus {
-namespace {
 
-/// "enclave=/robot;" -> "/robot".
-std::string enclave_of(const std::string& user_data) {
-  const std::string key = "enclave=";
-  const std::size_t begin = user_data.find(key);
+std::string user_data_value(const std::vector<rtps::octet>& user_data, const std::string& key) {
+  const std::string text(user_data.begin(), user_data.end());
+  const std::size_t begin = text.find(key + "=");
   if (begin == std::string::npos) return {};
-  const std::size_t first = begin + key.size();
-  return user_data.substr(first, user_data.find(';', first) - first);
+  const std::size_t first = begin + key.size() + 1;
+  return text.substr(first, text.find(';', first) - first);
 }
-
-}  // namespace
 
 Participant::Participant(const ParticipantOptions& options) : state_(std::make_unique<State>()) {
   if (options.domain < 0 || options.domain > 232) {
@@ -128,9 +124,8 @@ void Participant::State::on_participant_discovery(dds::DomainParticipant* /*part
     participants.erase(guid);
     return;
   }
-  const std::vector<rtps::octet>& data = info.info.m_userData.getValue();
   participants[guid] = {guid, info.info.m_participantName.to_string(),
-                        enclave_of(std::string(data.begin(), data.end()))};
+                        user_data_value(info.info.m_userData.getValue(), "enclave")};
 }
 
 void Participant::State::on_publisher_discovery(dds::DomainParticipant* /*participant*/,

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -31,6 +32,10 @@ class GraphWriter;
   return result;
 }
 
+/// What stands behind `key`= in user data of ROS 2 ("enclave=/;"); empty where it does not.
+[[nodiscard]] std::string user_data_value(const std::vector<rtps::octet>& user_data,
+                                          const std::string& key);
+
 /// The endpoint as it announces itself; info: a reader's or writer's proxy data.
 template <typename ProxyData>
 [[nodiscard]] DiscoveredEndpoint describe_endpoint(const ProxyData& info, bool writes) {
@@ -45,6 +50,7 @@ template <typename ProxyData>
   if (period != eprosima::fastrtps::c_TimeInfinite) {
     endpoint.deadline_s = static_cast<double>(period.to_ns()) * 1e-9;
   }
+  endpoint.type_hash = user_data_value(info.m_qos.m_userData.getValue(), "typehash");
   return endpoint;
 }
 

@@ -129,6 +129,13 @@ class Examiner {
            "remap one of the two topics");
       return;
     }
+    if (!writer.type_hash.empty() && !reader.type_hash.empty() &&
+        writer.type_hash != reader.type_hash) {
+      find(false, topic,
+           pair + " reads another version of the type (" + writer.type_hash + ", " +
+               reader.type_hash + ")",
+           "build both with the same message package");
+    }
     const bool reliability = reader.reliable && !writer.reliable;
     const bool durability = reader.transient_local && !writer.transient_local;
     const bool deadline =

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "components/bus/graph_message.hpp"
+#include "components/convert/type_hash.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/bus/domain.hpp"
 
@@ -99,6 +100,13 @@ TEST(Graph, HasLongGidsUpToHumbleAndShortOnesAfter) {
   EXPECT_THROW((void)gid_bytes_of("noetic"), ConfigError);
 }
 
+std::string hash_seen_from(const Participant& participant, const Guid& guid) {
+  for (const DiscoveredEndpoint& endpoint : participant.view().endpoints) {
+    if (endpoint.guid == guid) return endpoint.type_hash;
+  }
+  return "not seen";
+}
+
 TEST(Discovery, ShowsParticipantsAndEndpointsOfBothSides) {
   const auto here = test::make_participant();
   const auto there = test::make_participant();
@@ -124,6 +132,12 @@ TEST(Discovery, ShowsParticipantsAndEndpointsOfBothSides) {
   EXPECT_TRUE(find(writer.guid()).transient_local);
   EXPECT_EQ(find(reader.guid()).wire_type, "nav_msgs::msg::dds_::OccupancyGrid_");
   EXPECT_FALSE(find(reader.guid()).writes);
+  const std::string hash = convert::type_hash("nav_msgs/msg/OccupancyGrid");
+  EXPECT_THAT(hash, ::testing::StartsWith("RIHS01_"));
+  for (const Guid& guid : {reader.guid(), writer.guid()}) {
+    EXPECT_EQ(find(guid).type_hash, hash);
+    EXPECT_EQ(hash_seen_from(*there, guid), hash);
+  }
   EXPECT_TRUE(same_participant(reader.guid(), here->guid()));
   EXPECT_TRUE(writer.is_matched_with(here->guid()));
   EXPECT_FALSE(writer.is_matched_with(there->guid()));

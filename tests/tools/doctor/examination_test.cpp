@@ -33,7 +33,7 @@ bus::Guid guid(std::uint8_t participant, std::uint8_t entity) {
 bus::DiscoveredEndpoint endpoint(bus::Guid id, bool writes, bool reliable, bool latched,
                                  const std::string& topic = "/scan",
                                  const std::string& type = "sensor_msgs/msg/LaserScan") {
-  return {id, writes, bus::wire_topic(topic), bus::wire_type(type), reliable, latched, 0.0};
+  return {id, writes, bus::wire_topic(topic), bus::wire_type(type), reliable, latched, 0.0, {}};
 }
 
 /// A driver (participant 1) and a localizer (participant 2), seen from participant 9.
@@ -86,6 +86,18 @@ TEST(Doctor, FindsTwoTypesOnOneTopic) {
                    endpoint(guid(2, 4), false, true, false, "/scan", "nav_msgs/msg/Odometry")));
   ASSERT_THAT(report.findings, SizeIs(1));
   EXPECT_THAT(report.findings[0].what, HasSubstr("another type"));
+}
+
+TEST(Doctor, FindsTwoVersionsOfATypeWhereBothSidesTellTheirs) {
+  auto writer = endpoint(guid(1, 3), true, true, false);
+  auto reader = endpoint(guid(2, 4), false, true, false);
+  writer.type_hash = "RIHS01_aa";
+  EXPECT_THAT(examine(pair(writer, reader)).findings, IsEmpty());
+  reader.type_hash = "RIHS01_bb";
+  const Report report = examine(pair(writer, reader));
+  ASSERT_THAT(report.findings, SizeIs(1));
+  EXPECT_FALSE(report.findings[0].is_error);
+  EXPECT_THAT(report.findings[0].what, HasSubstr("RIHS01_bb"));
 }
 
 TEST(Doctor, FindsADeadlineThatNobodyKeeps) {

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/convert/type_hash.hpp"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/convert/message_definitions.hpp"
+
+namespace strata::convert {
+namespace {
+
+/// As ROS 2 Jazzy's own packages have them.
+TEST(TypeHash, IsTheOneOfRos2) {
+  EXPECT_EQ(type_hash("sensor_msgs/msg/LaserScan"),
+            "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828");
+  EXPECT_EQ(type_hash("rosgraph_msgs/msg/Clock"),
+            "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564");
+  EXPECT_EQ(type_hash("tf2_msgs/msg/TFMessage"),
+            "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087");
+  EXPECT_EQ(type_hash("nav_msgs/msg/Odometry"),
+            "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0");
+}
+
+TEST(TypeHash, DescribesATypeAsRep2016Says) {
+  EXPECT_EQ(type_description("std_msgs/msg/Header"),
+            R"({"type_description": {"type_name": "std_msgs/msg/Header", "fields": [)"
+            R"({"name": "stamp", "type": {"type_id": 1, "capacity": 0, "string_capacity": 0, )"
+            R"("nested_type_name": "builtin_interfaces/msg/Time"}}, )"
+            R"({"name": "frame_id", "type": {"type_id": 17, "capacity": 0, "string_capacity": 0, )"
+            R"("nested_type_name": ""}}]}, "referenced_type_descriptions": [)"
+            R"({"type_name": "builtin_interfaces/msg/Time", "fields": [)"
+            R"({"name": "sec", "type": {"type_id": 6, "capacity": 0, "string_capacity": 0, )"
+            R"("nested_type_name": ""}}, )"
+            R"({"name": "nanosec", "type": {"type_id": 7, "capacity": 0, "string_capacity": 0, )"
+            R"("nested_type_name": ""}}]}]})");
+}
+
+TEST(TypeHash, TellsArraysFromSequencesAndLeavesConstantsOut) {
+  EXPECT_THAT(type_description("geometry_msgs/msg/PoseWithCovariance"),
+              ::testing::HasSubstr(R"("covariance", "type": {"type_id": 59, "capacity": 36,)"));
+  EXPECT_THAT(type_description("nav_msgs/msg/OccupancyGrid"),
+              ::testing::HasSubstr(R"("data", "type": {"type_id": 146, "capacity": 0,)"));
+  ASSERT_THAT(message_definition("strata_msgs/msg/Step"), ::testing::HasSubstr("STEP_CYCLE=2"));
+  EXPECT_THAT(type_description("strata_msgs/msg/Step"),
+              ::testing::Not(::testing::HasSubstr("STEP_CYCLE")));
+}
+
+TEST(TypeHash, AForeignTypeHasNone) {
+  EXPECT_EQ(type_description("foreign_msgs/msg/Thing"), "");
+  EXPECT_EQ(type_hash("foreign_msgs/msg/Thing"), "");
+}
+
+}  // namespace
+}  // namespace strata::convert
