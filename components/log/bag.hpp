@@ -22,6 +22,7 @@ struct BagTopic {
   /// definition of the types in idl/ itself.
   std::string definition = {};
   std::string definition_encoding = "ros2msg";  ///< or "ros2idl"
+  std::string type_hash = {};                   ///< "RIHS01_..."; as the definition
 };
 
 struct BagMessage {

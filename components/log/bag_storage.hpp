@@ -57,5 +57,7 @@ struct TypeDefinition {
 };
 /// What the topic brings from another bag, else what we know.
 [[nodiscard]] TypeDefinition definition_of(const BagTopic& topic);
+/// The hash of a topic's type, from the bag it comes from or of the types in idl/; else empty.
+[[nodiscard]] std::string type_hash_of(const BagTopic& topic);
 
 }  // namespace strata::log

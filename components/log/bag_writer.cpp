@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "components/convert/message_definitions.hpp"
+#include "components/convert/type_hash.hpp"
 #include "components/log/bag.hpp"
 #include "components/log/bag_storage.hpp"
 #include "components/log/compression.hpp"
@@ -59,6 +60,10 @@ struct BagWriter::State {
 TypeDefinition definition_of(const BagTopic& topic) {
   if (!topic.definition.empty()) return {topic.definition_encoding, topic.definition};
   return {"ros2msg", convert::message_definition(topic.type)};
+}
+
+std::string type_hash_of(const BagTopic& topic) {
+  return topic.type_hash.empty() ? convert::type_hash(topic.type) : topic.type_hash;
 }
 
 BagWriter::BagWriter(const fs::path& folder, const BagOptions& options)

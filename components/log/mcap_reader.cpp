@@ -237,6 +237,9 @@ class McapReader : public BagReader {
     if (const auto qos = metadata.find("offered_qos_profiles"); qos != metadata.end()) {
       topic.offered_qos_profiles = qos->second;
     }
+    if (const auto hash = metadata.find("topic_type_hash"); hash != metadata.end()) {
+      topic.type_hash = hash->second;
+    }
     places_[id] = topics_.size();
     topics_.push_back(std::move(topic));
   }

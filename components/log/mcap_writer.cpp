@@ -78,6 +78,9 @@ class McapFile : public BagWriter::File {
     }
     Record metadata;
     metadata.text("offered_qos_profiles").text(topic.offered_qos_profiles);
+    if (const std::string hash = type_hash_of(topic); !hash.empty()) {
+      metadata.text("topic_type_hash").text(hash);
+    }
     Record channel;
     channel.number(channels_).number(schema->second).text(topic.name);
     channel.text(topic.serialization_format);

@@ -120,6 +120,12 @@ class SqliteBagReader : public BagReader {
     const Statement rows = prepare_statement(
         database_.get(),
         "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions");
+    const Statement hashes =
+        prepare_statement(database_.get(), "SELECT id, type_description_hash FROM topics");
+    while (hashes && sqlite3_step(hashes.get()) == SQLITE_ROW) {
+      const auto place = places_.find(sqlite3_column_int64(hashes.get(), 0));
+      if (place != places_.end()) topics_[place->second].type_hash = column_text(hashes.get(), 1);
+    }
     while (rows && sqlite3_step(rows.get()) == SQLITE_ROW) {
       const std::string type = column_text(rows.get(), 0);
       for (BagTopic& topic : topics_) {

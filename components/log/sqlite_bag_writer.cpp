@@ -42,7 +42,7 @@ class SqliteBagFile : public BagWriter::File {
               "serialization_format TEXT NOT NULL,offered_qos_profiles TEXT NOT NULL);"
               "INSERT INTO schema VALUES (3, 'humble');");
     add_topic_ = prepare_statement(database_.get(), with_definitions_
-                                                        ? "INSERT INTO topics VALUES (?,?,?,?,?,'')"
+                                                        ? "INSERT INTO topics VALUES (?,?,?,?,?,?)"
                                                         : "INSERT INTO topics VALUES (?,?,?,?,?)");
     add_message_ = prepare_statement(
         database_.get(), "INSERT INTO messages (topic_id, timestamp, data) VALUES (?,?,?)");
@@ -54,9 +54,10 @@ class SqliteBagFile : public BagWriter::File {
     sqlite3_stmt* statement = add_topic_.get();
     sqlite3_reset(statement);
     sqlite3_bind_int64(statement, 1, ++topics_);
+    const std::string hash = type_hash_of(topic);
     const std::string* const texts[] = {&topic.name, &topic.type, &topic.serialization_format,
-                                        &topic.offered_qos_profiles};
-    for (int i = 0; i < 4; ++i) {
+                                        &topic.offered_qos_profiles, &hash};
+    for (int i = 0; i < (with_definitions_ ? 5 : 4); ++i) {
       sqlite3_bind_text(statement, i + 2, texts[i]->c_str(), -1, SQLITE_TRANSIENT);
     }
     if (sqlite3_step(statement) != SQLITE_DONE) fail();
@@ -99,11 +100,12 @@ class SqliteBagFile : public BagWriter::File {
     const Statement statement = prepare_statement(
         database_.get(),
         "INSERT INTO message_definitions (topic_type, encoding, encoded_message_definition, "
-        "type_description_hash) VALUES (?,?,?,'')");
+        "type_description_hash) VALUES (?,?,?,?)");
     if (!statement) fail();
     const std::string encoding = text.empty() ? "unknown" : known;
-    const std::string* const values[] = {&topic.type, &encoding, &text};
-    for (int i = 0; i < 3; ++i) {
+    const std::string hash = type_hash_of(topic);
+    const std::string* const values[] = {&topic.type, &encoding, &text, &hash};
+    for (int i = 0; i < 4; ++i) {
       sqlite3_bind_text(statement.get(), i + 1, values[i]->c_str(), -1, SQLITE_TRANSIENT);
     }
     if (sqlite3_step(statement.get()) != SQLITE_DONE) fail();

@@ -15,6 +15,8 @@ namespace {
 TEST(TypeHash, IsTheOneOfRos2) {
   EXPECT_EQ(type_hash("sensor_msgs/msg/LaserScan"),
             "RIHS01_64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828");
+  EXPECT_EQ(type_hash("std_msgs/msg/String"),
+            "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18");
   EXPECT_EQ(type_hash("rosgraph_msgs/msg/Clock"),
             "RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564");
   EXPECT_EQ(type_hash("tf2_msgs/msg/TFMessage"),

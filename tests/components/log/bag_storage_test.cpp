@@ -11,6 +11,7 @@
 #include <sqlite3.h>
 
 #include "components/convert/message_definitions.hpp"
+#include "components/convert/type_hash.hpp"
 #include "components/log/bag.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/log/log_fixture.hpp"
@@ -110,6 +111,10 @@ TEST_F(BagFilesTest, TheSchemasOfEveryReleaseRead) {
     ASSERT_EQ(content.topics.size(), 1U);
     EXPECT_EQ(content.topics[0].name, "/a");
     EXPECT_EQ(content.topics[0].offered_qos_profiles, "- history: 3");
+    EXPECT_EQ(content.topics[0].type_hash,
+              sql == schema4
+                  ? "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
+                  : "");
     EXPECT_EQ(content.damage.count, 0U);
     EXPECT_THAT(content.description, ::testing::HasSubstr(description));
   }
@@ -141,6 +146,24 @@ TEST_F(BagFilesTest, SchemaFourCarriesTheDefinitionOfEachTypeOnce) {
   EXPECT_EQ(sqlite3_step(rows), SQLITE_DONE);
   sqlite3_finalize(rows);
   sqlite3_close(database);
+}
+
+TEST_F(BagFilesTest, TypesKeepTheirHashesInSchemaFourAndMcap) {
+  for (const auto storage : {BagStorage::kSqlite3, BagStorage::kMcap}) {
+    const fs::path bag = folder_.path() / (storage == BagStorage::kMcap ? "mcap" : "sqlite");
+    BagWriter writer(bag, BagOptions{.storage = storage, .sqlite_schema = 4});
+    writer.add_topic({"/known", "std_msgs/msg/String"});
+    BagTopic foreign{"/foreign", "foreign_msgs/msg/Thing"};
+    foreign.type_hash = "RIHS01_00";
+    writer.add_topic(foreign);
+    writer.add_topic({"/unknown", "foreign_msgs/msg/Other"});
+    writer.close();
+    const Content content = read_all(bag);
+    ASSERT_EQ(content.topics.size(), 3U);
+    EXPECT_EQ(content.topics[0].type_hash, convert::type_hash("std_msgs/msg/String"));
+    EXPECT_EQ(content.topics[1].type_hash, "RIHS01_00");
+    EXPECT_EQ(content.topics[2].type_hash, "");
+  }
 }
 
 TEST_F(BagFilesTest, ABagOfManyFilesIsOneBag) {
