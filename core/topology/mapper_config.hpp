@@ -14,8 +14,8 @@ namespace strata::topology {
 /// How scan matching over a short way goes wrong over a long one; standard deviations per square
 /// root of a metre.
 struct WayNoiseConfig {
-  double per_root_metre_m = 0.02;
-  double per_root_metre_rad = 0.006;
+  double per_root_metre_m = 0.01;
+  double per_root_metre_rad = 0.003;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("per_root_metre_m", c.per_root_metre_m,

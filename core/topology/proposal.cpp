@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/random/stream.hpp"
 #include "core/topology/dirichlet_process.hpp"
@@ -14,36 +15,50 @@ constexpr std::uint32_t kResampleIndex = 0xFFFFFFFFU;
 /// Landmarks within so many standard deviations of a revisit may be one.
 constexpr double kNearStddevs = 2.0;
 
-/// How often each hypothesis is taken when `count` are drawn by probability (systematic).
-std::vector<int> draw_parents(const std::vector<Hypothesis>& posterior, int count,
-                              RandomStream random) {
-  std::vector<int> times(posterior.size(), 0);
-  const double step = 1.0 / count;
-  double next = random.uniform() * step;
+/// The index whose share of the sum a place in [0, 1) falls into; never one without a share.
+std::size_t index_at(double place, const std::vector<double>& shares) {
+  const double at = place * std::accumulate(shares.begin(), shares.end(), 0.0);
   double sum = 0.0;
-  for (std::size_t i = 0; i < posterior.size(); ++i) {
-    sum += posterior[i].probability;
-    const bool last = i + 1 == posterior.size();
-    while (next < sum || (last && next < 1.0)) {
-      ++times[i];
-      next += step;
-    }
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (shares[i] <= 0.0) continue;
+    last = i;
+    sum += shares[i];
+    if (at < sum) break;
   }
-  return times;
+  return last;
 }
 
 }  // namespace
 
-std::vector<int> choose_parents(const std::vector<Hypothesis>& posterior,
-                                const TopologyConfig& config, const DrawKey& key) {
-  if (config.expansion == Expansion::kBest) return std::vector<int>(posterior.size(), 1);
-  return draw_parents(posterior, config.particles,
-                      RandomStream(key.seed, StreamId::kTopology, key.visits, kResampleIndex));
+std::vector<std::vector<double>> choose_parents(const std::vector<Hypothesis>& posterior,
+                                                const TopologyConfig& config, const DrawKey& key) {
+  std::vector<std::vector<double>> places(posterior.size());
+  if (config.expansion == Expansion::kBest) {
+    places.assign(posterior.size(), {0.0});
+    return places;
+  }
+  RandomStream random(key.seed, StreamId::kTopology, key.visits, kResampleIndex);
+  const double first = random.uniform();
+  double before = 0.0;
+  int drawn = 0;
+  for (std::size_t i = 0; i < posterior.size(); ++i) {
+    const double share = posterior[i].probability;
+    const bool last = i + 1 == posterior.size();
+    for (; drawn < config.particles; ++drawn) {
+      const double place = (drawn + first) / config.particles;
+      if (place >= before + share && !last) break;
+      const double within = share > 0.0 ? (place - before) / share : 0.0;
+      places[i].push_back(std::clamp(within, 0.0, std::nextafter(1.0, 0.0)));
+    }
+    before += share;
+  }
+  return places;
 }
 
-std::vector<Choice> choose_children(const Hypothesis& parent, const Children& children, int times,
-                                    std::uint32_t first, const TopologyConfig& config,
-                                    const DrawKey& key) {
+std::vector<Choice> choose_children(const Hypothesis& parent, const Children& children,
+                                    const std::vector<double>& places,
+                                    const TopologyConfig& config) {
   std::vector<Choice> choices;
   if (config.expansion == Expansion::kBest) {
     for (std::size_t c = 0; c < children.children.size(); ++c) {
@@ -62,11 +77,7 @@ std::vector<Choice> choose_children(const Hypothesis& parent, const Children& ch
     proposal = label_prior(parent.labels, config.concentration);
   }
   std::vector<int> drawn(proposal.size(), 0);
-  for (int copy = 0; copy < times; ++copy) {
-    RandomStream random(key.seed, StreamId::kTopology, key.visits,
-                        first + static_cast<std::uint32_t>(copy));
-    ++drawn[random.categorical(proposal)];
-  }
+  for (const double place : places) ++drawn[index_at(place, proposal)];
   for (std::size_t c = 0; c < children.children.size(); ++c) {
     const Child& child = children.children[c];
     const int count = drawn[with_odometry ? c : static_cast<std::size_t>(child.label)];

@@ -19,10 +19,13 @@ struct DrawKey {
   std::size_t visits = 0;  ///< so far, with the newest
 };
 
-/// How often each hypothesis is followed: once when the best are kept exactly; else as often as it
-/// is drawn by probability (systematic), config.particles times in all. O(particles).
-[[nodiscard]] std::vector<int> choose_parents(const std::vector<Hypothesis>& posterior,
-                                              const TopologyConfig& config, const DrawKey& key);
+/// Of each hypothesis the particles that follow it, each as a place in [0, 1) from which its label
+/// is drawn. One each when the best are kept exactly; else config.particles in all, drawn by
+/// probability. Parents and labels are drawn at once by one comb of evenly spaced places
+/// (systematic): each particle's law is that of drawing one after the other, as the paper does, and
+/// the counts scatter less. O(particles).
+[[nodiscard]] std::vector<std::vector<double>> choose_parents(
+    const std::vector<Hypothesis>& posterior, const TopologyConfig& config, const DrawKey& key);
 
 /// One label to follow: the parent's share of particles, and by what looking multiplies it.
 struct Choice {
@@ -30,13 +33,12 @@ struct Choice {
   double log_factor = 0.0;  ///< weight before looking, less ln Z(L + j; odometry)
 };
 
-/// The labels that `times` copies of a parent draw (or all of them, when the best are kept
-/// exactly), each with the logarithm of its weight less ln Z(L + j; odometry). first: number of the
-/// first copy among those of all parents.
+/// The labels that a parent's particles draw from their places (or all of them, when the best are
+/// kept exactly), each with the logarithm of its weight less ln Z(L + j; odometry).
 [[nodiscard]] std::vector<Choice> choose_children(const Hypothesis& parent,
-                                                  const Children& children, int times,
-                                                  std::uint32_t first, const TopologyConfig& config,
-                                                  const DrawKey& key);
+                                                  const Children& children,
+                                                  const std::vector<double>& places,
+                                                  const TopologyConfig& config);
 
 /// The topologies that come of holding two landmarks of this one, whose first visits it puts within
 /// two standard deviations of a revisit, for one. Canonical. O(landmarks^2).

@@ -26,11 +26,10 @@ struct TopologyFilter::State {
   std::vector<std::vector<Eigen::Matrix3d>> newest_covariances;  // of each hypothesis
   TopologyCounts counts;
 
-  [[nodiscard]] DrawKey draw_key() const { return {seed, log.size()}; }
   void begin();
   void grow();
-  [[nodiscard]] std::vector<Candidate> candidates_of(std::size_t parent, int times,
-                                                     std::uint32_t first);
+  [[nodiscard]] std::vector<Candidate> candidates_of(std::size_t parent,
+                                                     const std::vector<double>& places);
   void keep(Generation generation);
   void keep_as_new();
 };
@@ -46,14 +45,11 @@ void TopologyFilter::State::begin() {
 }
 
 void TopologyFilter::State::grow() {
-  const std::vector<int> times = choose_parents(posterior, config, draw_key());
-  std::vector<std::uint32_t> first(times.size(), 0);
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    first[i] = first[i - 1] + static_cast<std::uint32_t>(times[i - 1]);
-  }
+  const std::vector<std::vector<double>> places =
+      choose_parents(posterior, config, {seed, log.size()});
   std::vector<std::vector<Candidate>> broods(posterior.size());
   pool.for_chunks(posterior.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    if (times[i] > 0) broods[i] = candidates_of(i, times[i], first[i]);
+    if (!places[i].empty()) broods[i] = candidates_of(i, places[i]);
   });
   std::vector<Candidate> candidates;
   for (std::vector<Candidate>& brood : broods) {
@@ -75,9 +71,9 @@ void TopologyFilter::State::grow() {
   keep(std::move(generation));
 }
 
-/// The labels that the copies of one parent follow.
-std::vector<Candidate> TopologyFilter::State::candidates_of(std::size_t parent, int times,
-                                                            std::uint32_t first) {
+/// The labels that the particles of one parent follow.
+std::vector<Candidate> TopologyFilter::State::candidates_of(std::size_t parent,
+                                                            const std::vector<double>& places) {
   const Hypothesis& hypothesis = posterior[parent];
   const OdometryFactor& odometry = log.measurements(log.size()).odometry.back();
   Prediction prediction(hypothesis.poses, *hypothesis.gaussian, odometry);
@@ -85,8 +81,7 @@ std::vector<Candidate> TopologyFilter::State::candidates_of(std::size_t parent, 
   const std::vector<Overlap> overlaps = find_overlaps(hypothesis, children, log, config.match);
   const double log_new_density = log.measurements(log.size()).log_new_density.back();
   std::vector<Candidate> candidates;
-  for (const Choice& choice :
-       choose_children(hypothesis, children, times, first, config, draw_key())) {
+  for (const Choice& choice : choose_children(hypothesis, children, places, config)) {
     const Child& child = children.children[choice.child];
     candidates.push_back({parent, child.label, choice.log_factor,
                           look(hypothesis, child, overlaps, prediction, config, log_new_density)});

@@ -58,9 +58,10 @@ struct TopologyCounts {
 /// likelihood (the weights make up for what linearizing does to the proposal), and with `expansion:
 /// best` only the topologies that may be among the best after linearizing are optimized; by default
 /// the most probable topologies are kept exactly
-/// (`expansion: particles` draws them, as the paper does): fifty drawn ones often lose the truth
-/// where a loop closes late, the fifty best hold it; with as many as there are topologies it
-/// enumerates. Not thread-safe; two objects are independent. The same bits at any number of
+/// (`expansion: particles` draws them, as the paper does, parents and labels from one comb): where
+/// many topologies are left fifty draws scatter, the fifty best do not; with as many as there are
+/// topologies it enumerates. A match counts no more than that another place may look the same. Not
+/// thread-safe; two objects are independent. The same bits at any number of
 /// threads.
 class TopologyFilter {
  public:

@@ -39,20 +39,27 @@ double sum_of(const std::vector<Hypothesis>& posterior) {
   return sum;
 }
 
+/// Odometry so bad that several topologies of `ambiguous_drive` are left.
+TopologyConfig with_bad_odometry() {
+  TopologyConfig config;
+  config.odometry.per_metre_m = 0.15;
+  return config;
+}
+
 /// Every partition, none left out.
 TopologyConfig enumeration() {
-  TopologyConfig config;
-  config.expansion = Expansion::kBest;
+  TopologyConfig config = with_bad_odometry();
   config.particles = 1000;
   config.negligible = 1e6;
   return config;
 }
 
-/// Seven visits known by odometry alone, so that several topologies are left.
+/// Seven visits known by odometry alone.
 Drive ambiguous_drive(std::uint64_t seed) {
   const std::vector<test_world::Junction> junctions{
-      {0.0, 0.0, 15}, {6.0, 0.0, 15}, {6.0, 6.0, 15}, {0.0, 6.0, 15}};
-  Drive drive = test_world::drive(junctions, {0, 1, 2, 3, 0, 1, 2}, kLandmarkOdometryNoise, seed);
+      {0.0, 0.0, 15}, {12.0, 0.0, 15}, {12.0, 12.0, 15}, {0.0, 12.0, 15}};
+  Drive drive =
+      test_world::drive(junctions, {0, 1, 2, 3, 0, 1, 2}, with_bad_odometry().odometry, seed);
   for (LandmarkVisit& visit : drive.visits) visit.patch = {};
   return drive;
 }
@@ -73,32 +80,39 @@ TEST(TopologyFilter, KeepsTheMostProbableFirstAndSumsToOne) {
   }
 }
 
-// SPEC E9 (a): mean over runs of 50 particles, up to 7 visits.
+// SPEC E9 (a): mean over runs of 50 particles, up to 7 visits, that leave something to be unsure
+// of.
 TEST(TopologyFilter, IsNearTheExactPosterior) {
+  double best = 0.0;
   double corrected = 0.0;
   double as_printed = 0.0;
+  double plain = 0.0;
+  double likeliest = 0.0;
   constexpr int kRuns = 20;
   for (int run = 0; run < kRuns; ++run) {
     const auto seed = static_cast<std::uint64_t>(run + 1);
     const Drive drive = ambiguous_drive(seed);
     const std::vector<Hypothesis> exact = posterior_of(drive.visits, enumeration());
-    TopologyConfig config;
+    likeliest += exact.front().probability / kRuns;
+    TopologyConfig config = with_bad_odometry();
+    best += total_variation(posterior_of(drive.visits, config), exact) / kRuns;
     config.expansion = Expansion::kParticles;
     corrected += total_variation(posterior_of(drive.visits, config, seed), exact) / kRuns;
     config.weighting = Weighting::kPaper;
     as_printed += total_variation(posterior_of(drive.visits, config, seed), exact) / kRuns;
+    config.proposal = Proposal::kPrior;
+    plain += total_variation(posterior_of(drive.visits, config, seed), exact) / kRuns;
   }
+  RecordProperty("best", std::to_string(best));
   RecordProperty("corrected", std::to_string(corrected));
   RecordProperty("as_printed", std::to_string(as_printed));
+  RecordProperty("plain", std::to_string(plain));
+  RecordProperty("likeliest", std::to_string(likeliest));
+  EXPECT_LT(likeliest, 0.9);  // else anything would be near it
+  EXPECT_LE(best, 0.05);
   EXPECT_LE(corrected, 0.05);
   EXPECT_LT(corrected, as_printed);
-}
-
-TEST(TopologyFilter, BestFirstExpansionIsAlmostExactWithFiftyTopologies) {
-  const Drive drive = ambiguous_drive(4);
-  EXPECT_LE(
-      total_variation(posterior_of(drive.visits, {}), posterior_of(drive.visits, enumeration())),
-      0.05);
+  EXPECT_LT(corrected, plain);
 }
 
 struct Tally {
