@@ -19,6 +19,8 @@ struct VolumeMapperConfig {
   std::string points_qos = "sensor_data";
   double publish_period_s = 1.0;
   int waiting_clouds = 20;
+  double part_s = 0.02;
+  std::string out_subfolder = "volume";
   std::string save;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -44,6 +46,13 @@ struct VolumeMapperConfig {
              .unit = "1",
              .min = 1.0,
              .max = 1000.0});
+    v.field("part_s", c.part_s,
+            {.doc = "clouds whose points have times are cut into parts of this, each with its own "
+                    "pose and boxes; 0: they are not",
+             .unit = "s",
+             .min = 0.0});
+    v.field("out_subfolder", c.out_subfolder,
+            {.doc = "at the end of a replay map.bt and map.ot go into this folder of its output"});
     v.field("save", c.save,
             {.doc = "write the map to this .bt file when the component is deactivated; empty: do "
                     "not"});

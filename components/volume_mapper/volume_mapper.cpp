@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/volume_mapper/volume_mapper.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "components/convert/cloud_messages.hpp"
 #include "components/convert/geometry_messages.hpp"
@@ -68,6 +70,15 @@ void VolumeMapper::on_cloud(const sensor_msgs::msg::PointCloud2& message) {
   waiting.cloud.points_m = convert::from_message(message);
   waiting.cloud.stamp = convert::from_message(message.header().stamp());
   waiting.frame = message.header().frame_id();
+  waiting.last = waiting.cloud.stamp;
+  if (config_.part_s > 0.0 && !waiting.cloud.points_m.empty()) {
+    waiting.offset_s = convert::columns_of(message).offset_s;
+    float last_s = 0.0F;
+    for (const float offset_s : waiting.offset_s) {
+      if (std::isfinite(offset_s)) last_s = std::max(last_s, offset_s);
+    }
+    waiting.last = waiting.cloud.stamp + Duration::from_seconds(static_cast<double>(last_s));
+  }
   waiting_.push_back(std::move(waiting));
   work_off();
   while (waiting_.size() > static_cast<std::size_t>(config_.waiting_clouds)) {
@@ -78,15 +89,27 @@ void VolumeMapper::on_cloud(const sensor_msgs::msg::PointCloud2& message) {
 
 void VolumeMapper::work_off() {
   for (auto it = waiting_.begin(); it != waiting_.end();) {
-    const auto pose = transforms_.find(config_.map_frame, it->frame, it->cloud.stamp);
-    if (!pose || !is_labeled(it->cloud.stamp)) {
+    if (!is_labeled(it->last) || !find_poses(*it)) {
       ++it;
       continue;
     }
-    it->cloud.map_from_sensor = *pose;
     enter(it->cloud);
     it = waiting_.erase(it);
   }
+}
+
+bool VolumeMapper::find_poses(Waiting& waiting) const {
+  const auto at = [&](Stamp stamp) {
+    return transforms_.find(config_.map_frame, waiting.frame, stamp);
+  };
+  const auto pose = at(waiting.cloud.stamp);
+  if (!pose || !at(waiting.last)) return false;
+  waiting.cloud.map_from_sensor = *pose;
+  if (waiting.offset_s.size() == waiting.cloud.points_m.size() &&
+      waiting.last != waiting.cloud.stamp) {
+    (void)volume::cut_by_time(waiting.cloud, waiting.offset_s, config_.part_s, at);
+  }
+  return true;
 }
 
 void VolumeMapper::enter(const volume::Cloud& cloud) {
@@ -106,10 +129,21 @@ void VolumeMapper::enter(const volume::Cloud& cloud) {
 }
 
 void VolumeMapper::on_deactivate() {
-  if (config_.save.empty() || !map_) return;
+  if (lockstep() || config_.save.empty() || !map_) return;
   log::WholeFile file(config_.save);
   file.stream() << map_->binary_file();
   file.commit();
+}
+
+void VolumeMapper::on_finish(const std::filesystem::path& out_dir) {
+  const std::filesystem::path folder = out_dir / config_.out_subfolder;
+  std::filesystem::create_directories(folder);
+  for (const auto& [name, bytes] :
+       {std::pair("map.bt", map_->binary_file()), std::pair("map.ot", map_->full_file())}) {
+    log::WholeFile file(folder / name);
+    file.stream() << bytes;
+    file.commit();
+  }
 }
 
 void VolumeMapper::on_diagnose(runtime::Health& health) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -26,9 +27,12 @@ class VolumeMapper final : public runtime::Component {
   struct Waiting {
     volume::Cloud cloud;
     std::string frame;
+    std::vector<float> offset_s;  ///< of each point; empty: unknown, or not asked for
+    Stamp last;                   ///< when its last point was measured
   };
   void on_configure() override;
   void on_deactivate() override;
+  void on_finish(const std::filesystem::path& out_dir) override;
   void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;
   void on_transforms(const tf2_msgs::msg::TFMessage& message, bool is_static);
@@ -37,6 +41,8 @@ class VolumeMapper final : public runtime::Component {
   /// Enters the clouds whose pose is known by now, in order.
   void work_off();
   [[nodiscard]] bool is_labeled(Stamp stamp) const;
+  /// Finds where the cloud was seen from; false while that is not known up to its last point.
+  bool find_poses(Waiting& waiting) const;
   void enter(const volume::Cloud& cloud);
 
   VolumeMapperConfig config_;

@@ -29,6 +29,15 @@ void leave_out_players(runtime::Composition& composition) {
   }
 }
 
+bool maps_clouds(const runtime::Composition& composition) {
+  for (const runtime::ProcessEntry& process : composition.processes) {
+    for (const runtime::ComponentEntry& entry : process.components) {
+      if (entry.type == "strata::VolumeMapper") return true;
+    }
+  }
+  return false;
+}
+
 std::vector<std::string> component_names(const runtime::Composition& composition) {
   std::vector<std::string> names;
   for (const runtime::ProcessEntry& process : composition.processes) {
@@ -154,13 +163,18 @@ void ReplaySession::record(const std::vector<std::string>& topics,
   names_.push_back(bus::expand_name(entry.name, entry.node_namespace, entry.name));
 }
 
-void ReplaySession::connect(const pipeline::Runs& runs, bool with_poses) {
+void ReplaySession::connect(const pipeline::Runs& runs, bool with_poses,
+                            const std::optional<std::filesystem::path>& bag) {
   elapsed_s_ = pipeline::elapsed_seconds(runs.observations);
   conductor_ =
       std::make_unique<runtime::Conductor>(participant_, names_, [this] { return keep_waiting(); });
-  player_ = std::make_unique<player::LogPlayer>(
-      runs.observations, make_outputs(*conductor_, composition_.node_namespace, with_poses),
-      runs.poses);
+  player::Outputs outputs = make_outputs(*conductor_, composition_.node_namespace, with_poses);
+  if (bag && maps_clouds(composition_)) {
+    const std::string topic = bus::expand_name("points", composition_.node_namespace, "player");
+    clouds_ = ReplayClouds::open(
+        *bag, {outputs.tf_static, conductor_->advertise<sensor_msgs::msg::PointCloud2>(topic)});
+  }
+  player_ = std::make_unique<player::LogPlayer>(runs.observations, std::move(outputs), runs.poses);
   for (const std::string& topic : other_readers_) conductor_->expect_reader(topic);
   conductor_->connect();
 }
@@ -169,6 +183,7 @@ void ReplaySession::play(std::size_t begin, std::size_t end, double rate) {
   Pace pace(rate, context_);
   for (std::size_t i = begin; i < end; ++i) {
     pace.wait_for(elapsed_s_[i] - elapsed_s_[begin]);
+    if (clouds_) clouds_->publish_until(player_->observations()[i].scan.stamp);
     player_->publish(i);
     conductor_->cycle();
     report_progress(options_.progress, "replay", i + 1, elapsed_s_.size());

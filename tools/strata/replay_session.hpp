@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "core/base/progress.hpp"
 #include "tools/pipeline/runs_input.hpp"
 #include "tools/strata/process_group.hpp"
+#include "tools/strata/replay_clouds.hpp"
 #include "tools/strata/verb_context.hpp"
 
 namespace strata::tools {
@@ -43,7 +45,9 @@ class ReplaySession {
   void expect_reader(const std::string& full_topic) { other_readers_.push_back(full_topic); }
   /// Matches everything with everything. runs must outlive the session. with_poses: the runs and
   /// given poses of scans are published too.
-  void connect(const pipeline::Runs& runs, bool with_poses);
+  /// bag: whose clouds are sent too when a component maps them; nothing: none.
+  void connect(const pipeline::Runs& runs, bool with_poses,
+               const std::optional<std::filesystem::path>& bag = std::nullopt);
   /// Sends scans [begin, end) through the components, at `rate` times the pace of the log; 0: as
   /// fast as they are. Throws Cancelled.
   void play(std::size_t begin, std::size_t end, double rate);
@@ -73,7 +77,8 @@ class ReplaySession {
   std::vector<std::string> other_readers_;
   std::unique_ptr<runtime::Conductor> conductor_;
   std::unique_ptr<player::LogPlayer> player_;
-  std::vector<double> elapsed_s_;  ///< of each scan since the first
+  std::unique_ptr<ReplayClouds> clouds_;  ///< null without
+  std::vector<double> elapsed_s_;         ///< of each scan since the first
 };
 
 }  // namespace strata::tools

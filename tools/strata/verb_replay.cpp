@@ -125,7 +125,10 @@ void replay_into(const fs::path& out, const ReplayOptions& options, VerbContext&
                         options.composition);
   if (!options.topics.empty()) session.record(options.topics, out / expect::kTopicsFolder);
   TruthOfReplay truth(options, runs, session);
-  session.connect(runs, options.input.logs.size() > 1 || !options.input.poses.empty());
+  // Stamps of several logs may overlap: clouds go with one only.
+  const bool is_one = options.input.logs.size() == 1;
+  session.connect(runs, !is_one || !options.input.poses.empty(),
+                  is_one ? std::optional<fs::path>(options.input.logs.front()) : std::nullopt);
   truth.wait_until_heard();
   std::size_t begin = 0;
   if (options.learn_until_s) {

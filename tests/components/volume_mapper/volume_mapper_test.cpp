@@ -85,6 +85,13 @@ class Robot {
            const std::string& frame = "lidar") {
     publish(convert::to_message(points, Stamp::from_seconds(time_s), frame));
   }
+  /// Points that were measured time_s + offset_s.
+  void see_over_time(double time_s, const std::vector<Eigen::Vector3f>& points,
+                     const std::vector<float>& offset_s) {
+    convert::CloudColumns columns;
+    columns.offset_s = offset_s;
+    publish(convert::to_message(points, Stamp::from_seconds(time_s), "lidar", columns));
+  }
   void publish(const PointCloud2& message) { points_.publish(message); }
   void label(const PosedScan& scan) { scans_.publish(convert::to_message(scan, "map", "laser")); }
   [[nodiscard]] std::vector<Octomap> wait_for(std::size_t maps) { return maps_.wait_for(maps); }
@@ -139,6 +146,26 @@ TEST(VolumeMapper, WaitsForTfAndIsUnharmedByCloudsThatMakeNoSense) {
   expected.insert(cloud, {}, pool);
   const std::string data = expected.binary_message_data();
   EXPECT_EQ(maps[0].data(), std::vector<std::int8_t>(data.begin(), data.end()));
+}
+
+TEST(VolumeMapper, TakesPointsFromWhereEachWasMeasured) {
+  Robot robot("publish_period_s: 0");
+  robot.move(1.0, 0.0);
+  // The second half is seen from 0.8 m further on; the cloud waits until tf has come that far.
+  std::vector<Eigen::Vector3f> points = wall(2.1F);
+  std::vector<float> offset_s(points.size(), 0.0F);
+  for (const Eigen::Vector3f& p : wall(1.3F)) {
+    points.push_back(p);
+    offset_s.push_back(0.8F);
+  }
+  robot.see_over_time(1.0, points, offset_s);
+  robot.move(1.5, 0.5);
+  robot.move(2.0, 1.0);
+  const auto maps = robot.wait_for(1);
+  ASSERT_EQ(maps.size(), 1U);
+  const octomap::OcTree tree = tree_of(maps[0]);
+  EXPECT_TRUE(is_occupied(tree, 2.35, 0.05, 0.05));
+  EXPECT_FALSE(is_occupied(tree, 1.55, 0.05, 0.05));
 }
 
 TEST(VolumeMapper, LeavesOutPointsAboutDynamicBeamsAndSavesTheMap) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata simulate` and `strata volume` together: people in rooms, and what is left of them.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,6 +16,7 @@
 
 #include "components/log/map_file.hpp"
 #include "components/maps/map_model.hpp"
+#include "core/volume/volume_map.hpp"
 #include "tests/support/decoded_png.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/tools/strata/program.hpp"
@@ -63,6 +67,12 @@ class VolumePeople : public testing::Test {
       if (map->isNodeOccupied(*it) && is_like(it->getColor())) ++count;
     }
     return count;
+  }
+  static std::set<volume::VoxelKey> occupied(const fs::path& tree) {
+    std::set<volume::VoxelKey> keys;
+    volume::for_each_voxel(volume::VolumeMap::from_file(test::bytes_of(tree), tree.string()),
+                           [&](const volume::VoxelKey& key) { keys.insert(key); });
+    return keys;
   }
   static fs::path file(const std::string& name) { return folder_->path() / name; }
 
@@ -147,6 +157,30 @@ TEST_F(VolumePeople, AreGoneWithGivenPosesInTheirFrame) {
   EXPECT_EQ(run.errors.size(), 150U);
   EXPECT_LT(metrics.error_m.median, 0.1);
   EXPECT_LT(metrics.error_m.max, 0.5);
+}
+
+TEST_F(VolumePeople, MapOfTheComponentInAReplayAgreesWithTheVerbs) {
+  const auto replay = [](const std::string& name, const std::string& options) {
+    const auto outcome = run_strata("replay " + quoted(file("sim") / "bag") +
+                                    " --composition '" STRATA_SOURCE_DIR
+                                    "/components/config/volume.yaml' --quiet --out " +
+                                    quoted(file(name)) + " " + options + " 2>&1");
+    ASSERT_EQ(outcome.code, 0) << outcome.out;
+  };
+  replay("one", "--threads 1");
+  replay("two", "--threads 2");
+  EXPECT_TRUE(test::bytes_of(file("one") / "volume/map.ot") ==
+              test::bytes_of(file("two") / "volume/map.ot"));
+  (void)volume("offline", "");
+  // Labels and poses are those of the moment: alike, not the same.
+  const std::set<volume::VoxelKey> ours = occupied(file("one") / "volume/map.bt");
+  const std::set<volume::VoxelKey> offline = occupied(file("offline") / "map.bt");
+  std::vector<volume::VoxelKey> both;
+  std::set_intersection(ours.begin(), ours.end(), offline.begin(), offline.end(),
+                        std::back_inserter(both));
+  EXPECT_GT(offline.size(), 40000U);
+  EXPECT_GT(both.size(), 0.95 * static_cast<double>(offline.size()));
+  EXPECT_GT(both.size(), 0.95 * static_cast<double>(ours.size()));
 }
 
 TEST_F(VolumePeople, AreNotGoneWithoutFilter) {
