@@ -41,6 +41,29 @@ std::string metres(double value) {
   return out.str();
 }
 
+std::size_t lost_runs(const ModelResult& model) {
+  return static_cast<std::size_t>(std::count_if(
+      model.runs.begin(), model.runs.end(), [](const ModelRun& run) { return run.metrics.lost; }));
+}
+
+/// Of the models that got lost more often than the best one, beyond chance: a mean error can hide
+/// it.
+std::string lost_more_often(const Comparison& comparison, const ModelResult& best,
+                            const std::vector<PairedTest>& tests) {
+  std::string sentence;
+  for (const PairedTest& test : tests) {
+    if (test.better != best.model || test.p_lost >= kAlpha) continue;
+    if (test.lost_only_worse <= test.lost_only_better) continue;
+    const auto worse =
+        std::find_if(comparison.models.begin(), comparison.models.end(),
+                     [&](const ModelResult& model) { return model.model == test.worse; });
+    sentence += " " + test.worse + " got lost in " + std::to_string(lost_runs(*worse)) + " of " +
+                std::to_string(worse->runs.size()) + " runs, " + best.model + " in " +
+                std::to_string(lost_runs(best)) + ": more than chance.";
+  }
+  return sentence;
+}
+
 }  // namespace
 
 std::vector<PairedTest> paired_tests(const Comparison& comparison) {
@@ -101,11 +124,14 @@ std::string verdict(const Comparison& comparison, const std::vector<PairedTest>&
     sentence += "; equal for practical purposes, less than half a cell apart: " + alike;
   }
   if (!tied.empty()) sentence += "; no significant difference to " + tied;
-  if (beaten.empty()) sentence += "; no difference that matters was shown";
-  sentence += ".";
+  const std::string lost_more = lost_more_often(comparison, *best, tests);
+  if (beaten.empty()) {
+    sentence += lost_more.empty() ? "; no difference that matters was shown"
+                                  : "; no difference of the mean error that matters was shown";
+  }
+  sentence += "." + lost_more;
   // The lowest error is no praise when it is that of a robot that got lost.
-  const auto lost = static_cast<std::size_t>(std::count_if(
-      best->runs.begin(), best->runs.end(), [](const ModelRun& run) { return run.metrics.lost; }));
+  const std::size_t lost = lost_runs(*best);
   if (lost > 0 && 2 * lost >= units) {
     sentence += " Even it was lost in " + std::to_string(lost) + " of " + std::to_string(units) +
                 " runs: above 1 m for 5 s or longer.";

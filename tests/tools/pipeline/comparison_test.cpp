@@ -68,6 +68,19 @@ TEST(PairedTests, TheVerdictSaysWhenEvenTheBestWasLost) {
             std::string::npos);
 }
 
+TEST(PairedTests, TheVerdictSaysWhoGotLostMoreOftenWhateverTheMeans) {
+  Comparison comparison = compared({model_of("a", {0.30, 0.31, 0.32, 0.33, 0.30, 0.31, 0.32, 0.33}),
+                                    model_of("b", {0.29, 0.30, 0.31, 0.32, 0.9, 0.9, 0.9, 0.9})});
+  EXPECT_EQ(verdict(comparison, paired_tests(comparison)).find("lost"), std::string::npos);
+  for (ModelRun& run : comparison.models[1].runs) run.metrics.lost = true;
+  const std::string text = verdict(comparison, paired_tests(comparison));
+  EXPECT_NE(text.find("b got lost in 8 of 8 runs, a in 0"), std::string::npos) << text;
+  EXPECT_EQ(text.find("no difference that matters"), std::string::npos) << text;
+  // Three more lost runs of eight are not beyond chance.
+  for (std::size_t i = 3; i < 8; ++i) comparison.models[1].runs[i].metrics.lost = false;
+  EXPECT_EQ(verdict(comparison, paired_tests(comparison)).find("got lost"), std::string::npos);
+}
+
 TEST(PairedTests, FiveSeedsCannotDecideAndTheVerdictSaysSo) {
   const Comparison comparison = compared(
       {model_of("a", {0.1, 0.1, 0.1, 0.1, 0.1}), model_of("b", {0.9, 0.8, 0.9, 0.8, 0.7})});

@@ -20,6 +20,7 @@ FAILED_M = 0.5
 LOST_M = 1.0
 HOLD_S = 5.0
 MATTERS_M = 0.025
+ALPHA = 0.05
 
 problems = []
 
@@ -239,6 +240,9 @@ def check_verdict(models, wins, verdict):
         named = [p for p in phrases if phrase in p and f"{win['worse']} (" in p]
         if not named:
             problems.append(f"verdict: does not say '{phrase}' of {win['worse']}: {verdict}")
+        lost_more = win["p_lost_holm"] < ALPHA and win["lost_only_worse"] > win["lost_only_better"]
+        if lost_more != (f"{win['worse']} got lost in " in verdict):
+            problems.append(f"verdict: is wrong about how often {win['worse']} got lost: {verdict}")
 
 
 def main():
