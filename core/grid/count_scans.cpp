@@ -14,13 +14,17 @@ constexpr std::size_t kScansPerRound = 128;    // between two looks at Progress
 
 }  // namespace
 
+CellRect extent_of(const Ray& ray, double resolution_m) {
+  const Cell a = cell_at(ray.from_m, resolution_m);
+  const Cell b = cell_at(ray.to_m, resolution_m);
+  return {{std::min(a.x, b.x), std::min(a.y, b.y)},
+          {std::max(a.x, b.x) + 1, std::max(a.y, b.y) + 1}};
+}
+
 CellRect extent_of(const PosedScan& scan, double resolution_m, const CountingOptions& options) {
   CellRect extent;
   for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
-    const Cell a = cell_at(ray.from_m, resolution_m);
-    const Cell b = cell_at(ray.to_m, resolution_m);
-    extent = extent.united({{std::min(a.x, b.x), std::min(a.y, b.y)},
-                            {std::max(a.x, b.x) + 1, std::max(a.y, b.y) + 1}});
+    extent = extent.united(extent_of(ray, resolution_m));
   });
   return extent;
 }

@@ -19,6 +19,8 @@ namespace strata {
                                       const CountingOptions& options, BeamWeights weights,
                                       WorkerPool& pool, Progress* progress = nullptr);
 
+/// The cells between its ends. O(1).
+[[nodiscard]] CellRect extent_of(const Ray& ray, double resolution_m);
 /// The cells that the rays of a scan cover, as the smallest rectangle. O(beams).
 [[nodiscard]] CellRect extent_of(const PosedScan& scan, double resolution_m,
                                  const CountingOptions& options);

@@ -79,6 +79,9 @@ class MatchField {
   /// it should move by less than a cell.
   void set(std::size_t index, const SurfacePoint& point) { points_[index] = point; }
 
+  /// The point is no longer occupied.
+  void hide(std::size_t index) { points_[index].occupied = false; }
+
   /// The surface nearest to the centre of the cell at (x, y); null when none lies within the
   /// radius, or it is no longer occupied. O(1).
   [[nodiscard]] const SurfacePoint* nearest(double x_m, double y_m) const {

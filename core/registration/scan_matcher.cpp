@@ -103,6 +103,7 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
     result.gradient = {g0, g1, g2};
     result.hessian << h00, h01, h02, h01, h11, h12, h02, h12, h22;
   }
+  result.scan_cost = result.cost;
   if (problem.has_prior) {
     const Eigen::Vector3d d = difference_from(pose, problem.prior_mean);
     const Eigen::Vector3d pull = problem.prior_information * d;
@@ -116,12 +117,14 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
 }
 
 /// Levenberg-Marquardt over three parameters.
+/// first: the cost at `start`; last: set to the cost where it ends.
 LevelResult minimize_directly(const Problem& problem, const Pose2& start, double hit_stddev_m,
-                              int max_iterations) {
+                              int max_iterations, const MatchCost& first, MatchCost& last) {
   // Metres and radians: a thousandth of what a beam is trusted.
   const double step_tolerance = 1e-3 * hit_stddev_m;
   LevelResult result{start, false, 0};
-  MatchCost here = evaluate<true>(problem, start, hit_stddev_m);
+  MatchCost& here = last;
+  here = first;
   double damping = 1e-4;
   while (result.iterations < max_iterations) {
     ++result.iterations;
@@ -179,7 +182,7 @@ Eigen::Matrix3d scan_information(const Problem& problem, const Pose2& pose, cons
                            config.hit_stddev_m)
         .cost;
   };
-  const double rise = 0.5 * (cost_at(step_m) + cost_at(-step_m)) - cost_at(0.0);
+  const double rise = 0.5 * (cost_at(step_m) + cost_at(-step_m)) - at.scan_cost;
   const double tried = std::max(0.0, 2.0 * rise / (step_m * step_m));
   if (tried >= analytic || analytic <= 0.0) return information;
   // Shrinks the weak axis and its couplings alike, so that the matrix stays positive.
@@ -222,21 +225,28 @@ MatchResult match(const Endpoints& endpoints, std::span<const float> beam_weight
     return result;
   }
   LevelResult level{guess, false, 0};
+  const MatchCost here = evaluate<true>(problem, guess, config.hit_stddev_m);
+  MatchCost there;
   for (int i = config.levels - 1; i >= 0; --i) {
     const double sigma = config.hit_stddev_m * std::pow(2.0, i);
-    level = config.solver == MatchSolver::kCeres
-                ? minimize_with_ceres(endpoints, beam_weights, field, level.pose, prior, sigma,
-                                      config.hit_weight, config.max_iterations)
-                : minimize_directly(problem, level.pose, sigma, config.max_iterations);
+    if (config.solver == MatchSolver::kCeres) {
+      level = minimize_with_ceres(endpoints, beam_weights, field, level.pose, prior, sigma,
+                                  config.hit_weight, config.max_iterations);
+    } else {
+      const bool at_guess = i == 0 && config.levels == 1;
+      const MatchCost first = at_guess ? here : evaluate<true>(problem, level.pose, sigma);
+      level = minimize_directly(problem, level.pose, sigma, config.max_iterations, first, there);
+    }
     result.iterations += level.iterations;
   }
-  MatchCost there = evaluate<true>(problem, level.pose, config.hit_stddev_m);
-  const MatchCost here = evaluate<false>(problem, guess, config.hit_stddev_m);
+  if (config.solver == MatchSolver::kCeres) {
+    there = evaluate<true>(problem, level.pose, config.hit_stddev_m);
+  }
   const bool improved = there.cost <= here.cost;
   if (improved) {
     result.pose = level.pose;
   } else {
-    there = evaluate<true>(problem, guess, config.hit_stddev_m);
+    there = here;
   }
   result.cost = there.cost;
   result.explained = there.explained;

@@ -94,6 +94,7 @@ struct MatchResult {
 /// fixed in the derivatives. O(hits).
 struct MatchCost {
   double cost = 0.0;
+  double scan_cost = 0.0;  ///< the beams' part of it
   double explained = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();

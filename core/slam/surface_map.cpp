@@ -25,7 +25,9 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
   const double resolution = cells_.resolution_m();
   const CountingOptions options{.no_return_free_range_m = 0.0, .max_range_m = max_range_m};
   CellRect needed;
-  for_each_ray(scan, frame_from_laser, options, [&](std::size_t, const Ray& ray) {
+  rays_.clear();
+  for_each_ray(scan, frame_from_laser, options, [&](std::size_t beam, const Ray& ray) {
+    rays_.emplace_back(beam, ray);
     for (const Eigen::Vector2d& point : {ray.from_m, ray.to_m}) {
       const Cell cell = cell_at(point, resolution);
       needed = needed.united({cell, {cell.x + 1, cell.y + 1}});
@@ -44,19 +46,23 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
   const double c2 = std::cos(2.0 * turn);
   const double s2 = std::sin(2.0 * turn);
   const auto per_metre = static_cast<float>(1.0 / resolution);
-  for_each_ray(scan, frame_from_laser, options, [&](std::size_t beam, const Ray& ray) {
+  for (const auto& [beam, ray] : rays_) {
     const Cell end = cell_at(ray.to_m, resolution);
+    const std::size_t end_index = cells_.index(end);
     if (carve) {
-      traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {
-        if (ray.is_hit && cell == end) return;
-        CellData& data = cells_.at(cell);
+      traverse_ray(cells_, ray.from_m, ray.to_m, [&](std::size_t index, double length_m) {
+        if (ray.is_hit && index == end_index) return;
+        CellData& data = cells_.values()[index];
         data.misses += per_metre * static_cast<float>(length_m);
-        if (data.point >= 0) changed_.push_back(cell);
+        // Beams that pass change nothing of a point but whether it is still there.
+        if (data.point >= 0 && !is_surface(data)) {
+          field_.hide(static_cast<std::size_t>(data.point));
+        }
       });
     }
-    if (!ray.is_hit) return;
+    if (!ray.is_hit) continue;
     const float weight = beam_weights.empty() ? 1.0F : beam_weights[beam];
-    CellData& data = cells_.at(end);
+    CellData& data = cells_.values()[end_index];
     data.hits += weight;
     data.misses += 1.0F - weight;
     data.sum_x += weight * static_cast<float>(ray.to_m.x() - end.x * resolution);
@@ -72,7 +78,7 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
     data.normals.xy += weight * static_cast<float>(s2 * difference + c2 * cross);
     if (weight > 0.0F) data.slack_m = std::min(data.slack_m, surfaces_[next_hit].slack_m);
     changed_.push_back(end);
-  });
+  }
   std::sort(changed_.begin(), changed_.end());
   changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
   for (const Cell& cell : changed_) refresh(cell);

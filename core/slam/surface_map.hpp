@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.hpp"
+#include "core/grid/counting_map.hpp"
 #include "core/grid/grid.hpp"
 #include "core/registration/match_field.hpp"
 #include "core/scan/scan.hpp"
@@ -61,7 +62,9 @@ class SurfaceMap {
   Grid<CellData> cells_;
   registration::MatchField field_;
   CellRect touched_;
-  std::vector<Cell> changed_;  // scratch
+  // Scratch.
+  std::vector<std::pair<std::size_t, Ray>> rays_;
+  std::vector<Cell> changed_;
   std::vector<registration::SweepSurface> surfaces_;
 };
 
