@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/base/parallel.hpp"
 #include "core/slam/em_loop.hpp"
@@ -19,6 +20,9 @@ namespace {
 
 /// Fewer dynamic beams than this do not bend a trajectory.
 constexpr double kWorthTrackingAgain = 0.003;
+
+/// Rounds of EM before that: enough to tell which beams are dynamic.
+constexpr int kRoundsBefore = 3;
 
 /// How far a sub-map of scans that are placed may give way: hardly.
 constexpr double kPlacedStddevM = 0.005;
@@ -55,7 +59,8 @@ struct Slam::State {
   std::vector<Record> records;
   int run = 0;
   int runs = 0;
-  bool moving = false;        // some scan does not keep the pose it came with
+  std::vector<bool> mapped;   // of the scans in the result
+  std::vector<bool> moves;    // those that do not keep the pose they came with
   bool run_is_given = false;  // the run's frame is that of its given poses
   Stamp last_stamp;
   LogChecks checks;
@@ -64,7 +69,10 @@ struct Slam::State {
 
   Pose2Gaussian add(const Observation& observation, const Pose2* given_pose, bool placed,
                     std::span<const float> static_probability = {});
-  [[nodiscard]] SlamResult finish(Progress* progress);
+  /// The map of all that was added, after so many rounds of EM at most.
+  [[nodiscard]] SlamResult finish(int rounds, Progress* progress);
+  /// Rounds of EM from the poses as they are.
+  void improve(SlamResult& result, int rounds, Progress* progress);
   void track_again(SlamResult& before, State& again);
   void start_run(const Observation& observation, const Pose2* given_pose);
   void end_run();
@@ -240,7 +248,7 @@ void Slam::State::place_scans() {
   }
 }
 
-SlamResult Slam::State::finish(Progress* progress) {
+SlamResult Slam::State::finish(int rounds, Progress* progress) {
   end_run();
   const bool all_stay = std::all_of(records.begin(), records.end(),
                                     [&](const Record& record) { return stays(record); });
@@ -250,8 +258,6 @@ SlamResult Slam::State::finish(Progress* progress) {
   result.skipped_scans = checks.skipped();
   result.warnings = checks.warnings();
   result.loop_closures = graph.closures();
-  std::vector<bool> mapped;
-  std::vector<bool> moves;
   for (Record& record : records) {
     record.used = stays(record) || located(record);
     if (!record.used) {
@@ -264,7 +270,14 @@ SlamResult Slam::State::finish(Progress* progress) {
     moves.push_back(!stays(record));
     result.scans.push_back(std::move(record.posed));
   }
-  EmResult em = run_em(result.scans, mapped, moves, config.em, config.tracking, config.beam_filter,
+  improve(result, rounds, progress);
+  return result;
+}
+
+void Slam::State::improve(SlamResult& result, int rounds, Progress* progress) {
+  EmConfig at_most = config.em;
+  at_most.max_iterations = std::min(rounds, config.em.max_iterations);
+  EmResult em = run_em(result.scans, mapped, moves, at_most, config.tracking, config.beam_filter,
                        pool, progress);
   result.raw = std::move(em.raw);
   result.occupancy = result.raw.reflection(config.beam_filter.min_evidence);
@@ -272,8 +285,6 @@ SlamResult Slam::State::finish(Progress* progress) {
   result.log_likelihood = std::move(em.log_likelihood);
   result.iterations = em.iterations;
   result.dynamic_fraction = em.dynamic_fraction;
-  moving = std::find(moves.begin(), moves.end(), true) != moves.end();
-  return result;
 }
 
 void Slam::State::track_again(SlamResult& before, State& again) {
@@ -289,15 +300,25 @@ void Slam::State::track_again(SlamResult& before, State& again) {
 }
 
 SlamResult Slam::finish(Progress* progress) {
-  SlamResult result = state_->finish(progress);
-  const SlamConfig& config = state_->config;
-  if (!config.em.track_again || !state_->moving || result.dynamic_fraction < kWorthTrackingAgain) {
+  const EmConfig& em = state_->config.em;
+  if (!em.track_again) return state_->finish(em.max_iterations, progress);
+  SlamResult result = state_->finish(kRoundsBefore, progress);
+  const std::vector<bool>& moves = state_->moves;
+  if (std::find(moves.begin(), moves.end(), true) == moves.end()) return result;
+  if (result.dynamic_fraction < kWorthTrackingAgain) {
+    // The trace goes on from its best round.
+    std::vector<double> trace(result.log_likelihood.begin(),
+                              result.log_likelihood.begin() + result.iterations + 1);
+    state_->improve(result, em.max_iterations, progress);
+    result.iterations += static_cast<int>(trace.size()) - 1;
+    trace.insert(trace.end(), result.log_likelihood.begin() + 1, result.log_likelihood.end());
+    result.log_likelihood = std::move(trace);
     return result;
   }
-  auto again = std::make_unique<State>(config, state_->pool.threads());
+  auto again = std::make_unique<State>(state_->config, state_->pool.threads());
   state_->track_again(result, *again);
   state_ = std::move(again);
-  return state_->finish(progress);
+  return state_->finish(state_->config.em.max_iterations, progress);
 }
 
 }  // namespace strata::slam
