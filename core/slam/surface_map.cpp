@@ -49,9 +49,10 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
   for (const auto& [beam, ray] : rays_) {
     const Cell end = cell_at(ray.to_m, resolution);
     const std::size_t end_index = cells_.index(end);
+    const bool is_hit = ray.is_hit;
     if (carve) {
       traverse_ray(cells_, ray.from_m, ray.to_m, [&](std::size_t index, double length_m) {
-        if (ray.is_hit && index == end_index) return;
+        if (is_hit && index == end_index) return;
         CellData& data = cells_.values()[index];
         data.misses += per_metre * static_cast<float>(length_m);
         // Beams that pass change nothing of a point but whether it is still there.
@@ -60,7 +61,7 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
         }
       });
     }
-    if (!ray.is_hit) continue;
+    if (!is_hit) continue;
     const float weight = beam_weights.empty() ? 1.0F : beam_weights[beam];
     CellData& data = cells_.values()[end_index];
     data.hits += weight;
