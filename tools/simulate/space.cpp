@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/geometry/angle.hpp"
@@ -12,7 +13,6 @@ namespace {
 
 using report::Color;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Where legs end and a body begins, as a share of the height.
 constexpr double kLegShare = 0.45;
 
