@@ -97,8 +97,8 @@ VolumeResult make_volume(const fs::path& log, const std::string& poses,
     return result;
   }
   WorkerPool pool(threads);
-  VolumeSources sources =
-      find_volume_sources(log, poses, config.moving, config.slam, threads, progress);
+  VolumeSources sources = find_volume_sources(log, poses, config.moving, config.remember,
+                                              config.slam, threads, progress);
   sources.reading.part_s = config.part_s;
   result.is_filtered = sources.uses_boxes || sources.uses_voxels;
   result.moving = name_of(sources);

@@ -37,8 +37,8 @@ struct VolumeJobConfig {
     v.group("map", c.map, "the octree");
     v.field("moving", c.moving,
             {.doc = "how points on what moves are told: boxes about dynamic planar beams, EM on "
-                    "voxels, both (either says so), none; auto: boxes when the log has planar "
-                    "scans, else voxels"});
+                    "voxels, both (either says so), none; auto: both when the log has planar "
+                    "scans (boxes alone when change is remembered), else voxels"});
     v.group("filter", c.filter, "what voxels are taken for moving");
     v.group("boxes", c.boxes, "boxes about what the planar scanner saw move");
     v.field("part_s", c.part_s,

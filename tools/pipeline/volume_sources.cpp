@@ -36,11 +36,17 @@ slam::SlamResult map_plane(const std::vector<Observation>& observations,
 
 }  // namespace
 
-VolumeSources find_volume_sources(const fs::path& log, const std::string& poses, MovingKind moving,
-                                  const slam::SlamConfig& slam, int threads, Progress* progress) {
+MovingKind resolve_moving(MovingKind moving, bool has_scans, bool remember) {
+  if (moving != MovingKind::kAuto) return moving;
+  if (!has_scans) return MovingKind::kVoxels;
+  return remember ? MovingKind::kBoxes : MovingKind::kBoth;
+}
+
+VolumeSources find_volume_sources(const fs::path& log, const std::string& poses, MovingKind asked,
+                                  bool remember, const slam::SlamConfig& slam, int threads,
+                                  Progress* progress) {
   VolumeSources sources;
-  const bool wants_boxes = moving == MovingKind::kBoxes || moving == MovingKind::kBoth;
-  sources.uses_voxels = moving == MovingKind::kVoxels || moving == MovingKind::kBoth;
+  const bool wants_boxes = asked == MovingKind::kBoxes || asked == MovingKind::kBoth;
   if (!fs::exists(log) || !log::is_bag(log)) {
     if (!poses.empty()) {
       throw InputError("--poses " + poses, "does not go with a log whose clouds have poses",
@@ -51,7 +57,7 @@ VolumeSources find_volume_sources(const fs::path& log, const std::string& poses,
                        "use --moving voxels");
     }
     sources.pose_source = "log";
-    sources.uses_voxels = moving != MovingKind::kNone;
+    sources.uses_voxels = asked != MovingKind::kNone;
     return sources;
   }
   const log::BagPoses bag(log, {});
@@ -59,8 +65,9 @@ VolumeSources find_volume_sources(const fs::path& log, const std::string& poses,
   if (wants_boxes && !has_scans) {
     throw InputError(log.string(), "has no planar scans to make boxes from", "use --moving voxels");
   }
-  sources.uses_boxes = wants_boxes || (moving == MovingKind::kAuto && has_scans);
-  if (moving == MovingKind::kAuto && !has_scans) sources.uses_voxels = true;
+  const MovingKind moving = resolve_moving(asked, has_scans, remember);
+  sources.uses_boxes = moving == MovingKind::kBoxes || moving == MovingKind::kBoth;
+  sources.uses_voxels = moving == MovingKind::kVoxels || moving == MovingKind::kBoth;
 
   std::string& robot_frame = sources.reading.robot_frame;
   log::LogContent content;

@@ -18,7 +18,7 @@ namespace strata::pipeline {
 
 /// How points on what moves are told.
 enum class MovingKind {
-  kAuto,    ///< boxes when the log has planar scans, else voxels
+  kAuto,    ///< both when the log has planar scans, else voxels; see resolve_moving
   kVoxels,  ///< EM on voxels
   kBoxes,   ///< boxes about dynamic planar beams
   kBoth,    ///< either says so
@@ -49,13 +49,17 @@ struct VolumeSources {
   std::vector<std::string> warnings;
 };
 
+/// What kAuto stands for. Where change is to be remembered, boxes alone: on voxels a thing that is
+/// put down in the course of a log counts as moving, and would be left out.
+[[nodiscard]] MovingKind resolve_moving(MovingKind moving, bool has_scans, bool remember);
+
 /// Poses: from `poses` (TUM or what --poses reads; map_from_robot) when given; else tf's when it
 /// knows the frame map; else from planar SLAM when the bag has scans; else tf's odometry. Labels of
 /// beams: of the same SLAM. Throws InputError when boxes are asked of a log without planar scans,
 /// or poses given for a log that has its own; Cancelled.
 [[nodiscard]] VolumeSources find_volume_sources(const std::filesystem::path& log,
                                                 const std::string& poses, MovingKind moving,
-                                                const slam::SlamConfig& slam, int threads,
-                                                Progress* progress);
+                                                bool remember, const slam::SlamConfig& slam,
+                                                int threads, Progress* progress);
 
 }  // namespace strata::pipeline

@@ -134,6 +134,7 @@ TEST_F(VolumePeople, AreGoneWithGivenPosesInTheirFrame) {
   const nlohmann::json summary =
       volume("given", "--slice 0.2:0.5 --poses " + quoted(file("sim") / "truth.tum"));
   EXPECT_EQ(summary["poses"], "poses");
+  EXPECT_EQ(summary["moving"], "boxes and voxels");
   expect_gone(summary);
   // The walls are where the scenario has them: x = 14 to the right of the second room.
   const ReflectionGrid slice = log::read_map(file("given") / "slice_1.yaml");
@@ -171,7 +172,7 @@ TEST_F(VolumePeople, MapOfTheComponentInAReplayAgreesWithTheVerbs) {
   replay("two", "--threads 2");
   EXPECT_TRUE(test::bytes_of(file("one") / "volume/map.ot") ==
               test::bytes_of(file("two") / "volume/map.ot"));
-  (void)volume("offline", "");
+  (void)volume("offline", "--moving boxes");
   // Labels and poses are those of the moment: alike, not the same.
   const std::set<volume::VoxelKey> ours = occupied(file("one") / "volume/map.bt");
   const std::set<volume::VoxelKey> offline = occupied(file("offline") / "map.bt");
