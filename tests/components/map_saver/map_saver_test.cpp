@@ -97,5 +97,36 @@ TEST_F(SaveMap, RefusesWhatItCannotDoAndWritesNothing) {
   EXPECT_EQ(host_->take_errors().size(), 5U);
 }
 
+TEST(SaveMaps, TwoInOneProcessSaveTheMapsOfTheirOwnNamespaces) {
+  const test::TemporaryDirectory folder;
+  const auto participant = test::make_participant();
+  runtime::Registry registry;
+  register_component(registry);
+  const auto entry = [&](const std::string& scope) {
+    return "{type: strata::MapSaver, name: map_saver, namespace: /" + scope +
+           ", parameters: {folder: '" + folder.path().string() + "'}}";
+  };
+  const auto host = test::make_host(entry("a") + ", " + entry("b"), registry, participant);
+  host->activate();
+  std::vector<std::unique_ptr<bus::Writer<nav_msgs::msg::OccupancyGrid>>> writers;
+  for (const std::string scope : {"a", "b"}) {
+    ReflectionGrid grid = make_reflection_grid(0.1, CellRect{{0, 0}, {4, 6}});
+    grid.at({0, 0}) = scope == "a" ? 1.0F : 0.0F;
+    writers.push_back(std::make_unique<bus::Writer<nav_msgs::msg::OccupancyGrid>>(
+        participant, "/" + scope + "/map", bus::qos_profile("latched")));
+    writers.back()->publish(convert::to_occupancy(grid, Stamp(), "map"));
+  }
+  for (const std::string scope : {"a", "b"}) {
+    nav2_msgs::srv::SaveMap_Request request;
+    request.map_url(scope);
+    const auto response = bus::call_service<bus::srv::SaveMap>(test::make_participant(),
+                                                               "/" + scope + "/map_saver/save_map",
+                                                               request, std::chrono::seconds(20));
+    ASSERT_TRUE(response && response->result()) << scope;
+  }
+  EXPECT_EQ(log::read_map(folder.path() / "a.yaml").get({0, 0}), 1.0F);
+  EXPECT_EQ(log::read_map(folder.path() / "b.yaml").get({0, 0}), 0.0F);
+}
+
 }  // namespace
 }  // namespace strata::map_saver
