@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/convert/type_hash.hpp"
 
-#include <algorithm>
 #include <array>
 #include <map>
 #include <sstream>

@@ -2,7 +2,6 @@
 #include "components/map_saver/map_saver.hpp"
 
 #include <chrono>
-#include <cmath>
 #include <condition_variable>
 #include <filesystem>
 #include <limits>

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/map_server/map_server.hpp"
 
+#include <cstdint>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 
 #include "components/convert/map_messages.hpp"
@@ -53,7 +55,8 @@ nav2_msgs::srv::LoadMap_Response MapServer::load(const std::string& url) {
   }
   try {
     map_ = log::read_map(path);
-  } catch (const InputError&) {  // the client is told; the map as it was stays
+  } catch (const InputError& reason) {  // the map as it was stays; the client gets a number only
+    if (context().on_error) context().on_error(full_name() + ": " + reason.what());
     response.result(kInvalidMap);
     return response;
   }

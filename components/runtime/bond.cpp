@@ -17,27 +17,16 @@ constexpr float kPeriodS = 0.1F;
 constexpr double kLongestTimeoutS = 60.0;
 constexpr double kUnstatedTimeoutS = 4.0;
 
-std::string hex_of(const bus::Guid& guid) {
-  constexpr const char* kDigits = "0123456789abcdef";
-  std::string text;
-  for (const std::uint8_t byte : guid) {
-    text += kDigits[byte >> 4U];
-    text += kDigits[byte & 15U];
-  }
-  return text;
-}
-
 }  // namespace
 
 Bond::Bond(const std::shared_ptr<bus::Participant>& participant, const std::string& topic,
            std::string id)
     : id_(std::move(id)),
       writer_(participant, topic, bus::qos_profile("default")),
+      // As unique on the domain as the UUID that others take.
+      instance_id_(bus::guid_text(writer_.raw().guid())),
       reader_(participant, topic, bus::qos_profile("default"),
-              [this](const bond::msg::Status& status) { hear(status); }) {
-  // Unique on the domain, as the UUID that others take; nothing sends before the first tick.
-  instance_id_ = hex_of(writer_.raw().guid());
-}
+              [this](const bond::msg::Status& status) { hear(status); }) {}
 
 void Bond::hear(const bond::msg::Status& status) {
   if (status.id() != id_) return;

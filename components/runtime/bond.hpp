@@ -37,11 +37,11 @@ class Bond {
   void send(bool active);
 
   std::string id_;
-  std::string instance_id_;  ///< of this side; the manager's differs
   mutable std::mutex mutex_;
   std::optional<Clock::time_point> heard_until_;  // under mutex_
   bool must_answer_end_ = false;                  // under mutex_
   bus::Writer<bond::msg::Status> writer_;
+  std::string instance_id_;  ///< of this side, after its writer; the manager's differs
   bus::Reader<bond::msg::Status> reader_;  // last: its callback uses the others
 };
 

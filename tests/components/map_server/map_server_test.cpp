@@ -77,6 +77,9 @@ TEST(MapServer, LoadsAnotherMapOnRequestAndKeepsItsOwnWhenThatFails) {
   host->activate();
   EXPECT_EQ(load((folder.path() / "absent.yaml").string()).result(), 1);
   EXPECT_EQ(load((folder.path() / "broken.yaml").string()).result(), 2);
+  const auto errors = host->take_errors();
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_NE(errors[0].find("broken.yaml"), std::string::npos) << errors[0];
   const auto first = convert::to_occupancy(log::read_map(file), Stamp(), "map");
   const auto second = convert::to_occupancy(log::read_map(other), Stamp(), "map");
   ASSERT_TRUE(served().has_value());
