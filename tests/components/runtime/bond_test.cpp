@@ -79,11 +79,20 @@ TEST_F(BondOf, AnActiveComponentAnswersItsManagerUntilItIsDeactivated) {
 }
 
 TEST_F(BondOf, NothingIsSentToWhoDoesNotAsk) {
-  Bond bond(test::make_participant(), "/robot1/bond", "maps");
-  // Of a bond of another node, of the own one at its end, and of silence.
-  say(true, "others");
-  say(false);
-  for (int i = 0; i < 20; ++i) bond.tick();
+  const auto participant = test::make_participant();
+  Bond bond(participant, "/robot1/bond", "maps");
+  Bond beside(participant, "/robot1/bond", "beside");
+  // Bonds of other nodes, and the own one at its end; what the one beside has heard, ours has too.
+  for (int i = 0; i < 200 && !beside.is_formed(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      say(true, "others");
+      say(false);
+      say(true, "beside");
+    }
+    bond.tick();
+    (void)seen_.wait_for(10000, std::chrono::milliseconds(20));
+  }
+  ASSERT_TRUE(beside.is_formed());
   EXPECT_FALSE(bond.is_formed());
   // What is sent now is the first: ours answers who asks.
   const auto beats = answers(
