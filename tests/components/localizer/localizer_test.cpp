@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -104,8 +105,10 @@ std::string parameters_of(const std::string& model, bool global) {
 }
 
 /// Replays the second day in lockstep; before the scan `restart_at`, somebody publishes a pose.
-void replay(const std::string& parameters, const fs::path& out, int threads,
-            std::optional<std::size_t> restart_at = {}) {
+/// before_scans: called when everything is there and nothing has been published.
+void replay(
+    const std::string& parameters, const fs::path& out, int threads,
+    std::optional<std::size_t> restart_at = {}, const std::function<void()>& before_scans = [] {}) {
   const runtime::Composition composition = composition_of(parameters);
   const auto participant = runtime::make_participant(composition);
   runtime::Registry registry;
@@ -123,6 +126,7 @@ void replay(const std::string& parameters, const fs::path& out, int threads,
       conductor.advertise<geometry_msgs::msg::PoseWithCovarianceStamped>("/initialpose");
   player::LogPlayer player(room().observations, outputs);
   conductor.connect();
+  before_scans();
   for (std::size_t i = 0; i < room().observations.size(); ++i) {
     if (restart_at == i) {
       geometry_msgs::msg::PoseWithCovarianceStamped message;
@@ -212,6 +216,12 @@ class Listener {
                   planar(convert::from_message(transform.transform()));
             }) {}
 
+  /// Until the localizer's writers are found, and the conductor's of /tf.
+  void wait_for_writers() {
+    EXPECT_TRUE(pose_.raw().wait_for_writers(1, std::chrono::seconds(20)));
+    EXPECT_TRUE(tf_.raw().wait_for_writers(2, std::chrono::seconds(20)));
+  }
+
   /// Pose and map_from_odom of every stamp of which both came.
   [[nodiscard]] std::map<Stamp, std::pair<Pose2, Pose2>> pairs() {
     const std::lock_guard lock(mutex_);
@@ -235,11 +245,12 @@ TEST(Localizer, TransformFromMapToOdometryCarriesTheOdometryToThePose) {
   const test::TemporaryDirectory out;
   const auto participant = test::make_participant();
   Listener listener(participant);
-  // The conductor does not wait for a reader that is no component: on a busy machine a whole replay
-  // may be over before the listener is discovered.
+  // The conductor does not wait for a reader that is no component. The listener waits for its
+  // writers, but these may find it later than it finds them, and a replay is short.
   constexpr int kReplays = 10;
   for (int i = 0; i < kReplays && listener.pairs().empty(); ++i) {
-    replay(parameters_of("patch", false), out.path() / std::to_string(i), 1);
+    replay(parameters_of("patch", false), out.path() / std::to_string(i), 1, {},
+           [&] { listener.wait_for_writers(); });
   }
   const auto pairs = listener.pairs();
   ASSERT_FALSE(pairs.empty());
