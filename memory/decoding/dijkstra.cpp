@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <functional>
-#include <queue>
-#include <tuple>
+#include <numeric>
 
 #include "memory/decoding/graph.hpp"
 
@@ -16,32 +16,44 @@ class DijkstraSearch {
     for (std::size_t row = 0; row <= graph.rows(); ++row) {
       first_.push_back(first_.back() + states(row));
     }
+    bound_costs_to_go();
   }
 
-  /// Cost of the cheapest path from the start to its copy; kNoEdge for none.
-  double run(std::size_t start) {
+  /// Starts that have a prior, the most promising first.
+  [[nodiscard]] std::vector<std::size_t> starts() const {
+    std::vector<std::size_t> order(states(0));
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [this](std::size_t a, std::size_t b) { return bound(a) < bound(b); });
+    return order;
+  }
+  /// No path from the start is cheaper.
+  [[nodiscard]] double bound(std::size_t start) const {
+    return graph_.start_cost()[start] + to_go_[start];
+  }
+
+  /// Cost of the cheapest path from the start to its copy; kNoEdge when none is below `limit`.
+  double run(std::size_t start, double limit) {
     cost_.assign(first_.back(), kNoEdge);
-    back_.assign(first_.back(), 0);
-    using Entry = std::tuple<double, std::size_t, std::size_t>;  // cost, row, state
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    back_.resize(first_.back());
+    open_.clear();
     cost_[start] = graph_.start_cost()[start];
-    open.emplace(cost_[start], 0, start);
-    while (!open.empty()) {
-      const auto [cost, row, state] = open.top();
-      open.pop();
-      if (cost > cost_[first_[row] + state]) continue;
-      if (row == graph_.rows()) {
-        if (state == start) return cost;
-        continue;
-      }
-      const std::span<const double> edges = graph_.edges_from(row, state);
+    push({bound(start), 0, start, cost_[start]});
+    while (!open_.empty() && open_.front().estimate < limit) {
+      const Entry entry = pop();
+      const std::size_t row = entry.row;
+      if (entry.cost > cost_[first_[row] + entry.state]) continue;
+      if (row == graph_.rows()) return entry.cost;
+      const std::span<const double> edges = graph_.edges_from(row, entry.state);
+      const bool is_last = row + 1 == graph_.rows();
       for (std::size_t j = 0; j < edges.size(); ++j) {
+        if (is_last && j != start) continue;
         const std::size_t target = first_[row + 1] + j;
-        if (cost + edges[j] < cost_[target]) {
-          cost_[target] = cost + edges[j];
-          back_[target] = static_cast<std::uint8_t>(state);
-          open.emplace(cost_[target], row + 1, j);
-        }
+        const double cost = entry.cost + edges[j];
+        if (!(cost < cost_[target]) || !(cost + to_go_[target] < limit)) continue;
+        cost_[target] = cost;
+        back_[target] = static_cast<std::uint8_t>(entry.state);
+        push({cost + to_go_[target], row + 1, j, cost});
       }
     }
     return kNoEdge;
@@ -58,13 +70,50 @@ class DijkstraSearch {
   }
 
  private:
+  struct Entry {
+    double estimate = 0.0;  ///< cost and the least that is to come
+    std::size_t row = 0;
+    std::size_t state = 0;
+    double cost = 0.0;
+    bool operator>(const Entry& other) const {
+      // Of equal estimates the one that has come further: it is nearest to an end.
+      return estimate != other.estimate ? estimate > other.estimate : row < other.row;
+    }
+  };
+  void push(const Entry& entry) {
+    open_.push_back(entry);
+    std::push_heap(open_.begin(), open_.end(), std::greater<>());
+  }
+  Entry pop() {
+    std::pop_heap(open_.begin(), open_.end(), std::greater<>());
+    const Entry entry = open_.back();
+    open_.pop_back();
+    return entry;
+  }
+  /// From every state to the nearest state of the last row, whichever that is.
+  void bound_costs_to_go() {
+    to_go_.assign(first_.back(), 0.0);
+    for (std::size_t row = graph_.rows(); row-- > 0;) {
+      for (std::size_t i = 0; i < states(row); ++i) {
+        double least = kNoEdge;
+        const std::span<const double> edges = graph_.edges_from(row, i);
+        for (std::size_t j = 0; j < edges.size(); ++j) {
+          least = std::min(least, edges[j] + to_go_[first_[row + 1] + j]);
+        }
+        to_go_[first_[row] + i] = least;
+      }
+    }
+  }
   [[nodiscard]] std::size_t states(std::size_t row) const {
     return graph_.states(row == graph_.rows() ? 0 : row).size();
   }
+
   const LayeredGraph& graph_;
   std::vector<std::size_t> first_;
+  std::vector<double> to_go_;
   std::vector<double> cost_;
   std::vector<std::uint8_t> back_;
+  std::vector<Entry> open_;
 };
 
 }  // namespace
@@ -72,9 +121,9 @@ class DijkstraSearch {
 ClosedPath search_dijkstra(const LayeredGraph& graph) {
   DijkstraSearch search(graph);
   ClosedPath best;
-  for (std::size_t start = 0; start < graph.states(0).size(); ++start) {
-    if (graph.start_cost()[start] == kNoEdge) continue;
-    const double cost = search.run(start);
+  for (const std::size_t start : search.starts()) {
+    if (!(search.bound(start) < best.cost)) break;
+    const double cost = search.run(start, best.cost);
     if (cost < best.cost) best = {true, cost, search.path_to(start)};
   }
   return best;

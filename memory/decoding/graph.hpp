@@ -69,8 +69,12 @@ struct ClosedPath {
 /// Cheapest closed path by dynamic programming. A closed path costs the same wherever one starts to
 /// walk it, so this starts in the row with fewest states, S of them: O(S x edges).
 [[nodiscard]] ClosedPath search_layered(const LayeredGraph& graph);
-/// Cheapest closed path by one Dijkstra search per state of row 0, as the paper does:
-/// O(starts x edges x log states). The same cost up to rounding.
+/// Cheapest closed path by one Dijkstra search per state of row 0, as the paper does, with two
+/// things on top that leave the result as it is. Costs are reduced by what is at least to come (A*
+/// with consistent potentials [hart1968formal]): the way on to any state of the last row, found
+/// once for all starts by going through the rows backwards. And starts come in the order of that
+/// bound and end where they can no longer undercut the best one so far. O(starts x edges x log
+/// states) at worst, usually O(edges). The same cost up to rounding.
 [[nodiscard]] ClosedPath search_dijkstra(const LayeredGraph& graph);
 
 }  // namespace strata::memory

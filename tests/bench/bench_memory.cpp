@@ -12,6 +12,7 @@
 #include "memory/decoding/decode.hpp"
 #include "memory/decoding/graph.hpp"
 #include "memory/nodes/timescale_memory.hpp"
+#include "tests/memory/decoding/textbook_dijkstra.hpp"
 
 namespace strata::memory {
 namespace {
@@ -46,6 +47,12 @@ void search_dense_dijkstra(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(search_dijkstra(graph).cost);
 }
 BENCHMARK(search_dense_dijkstra)->Arg(20)->Unit(benchmark::kMicrosecond);
+
+void search_dense_textbook(benchmark::State& state) {
+  const LayeredGraph graph = dense_graph(static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(textbook::search_dijkstra(graph).cost);
+}
+BENCHMARK(search_dense_textbook)->Arg(20)->Unit(benchmark::kMicrosecond);
 
 /// A corridor 3 m wide and 30 m long, with a box for every second scan.
 PosedScan corridor_scan(const Pose2& map_from_robot, int t) {
@@ -82,6 +89,13 @@ void decode_level(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(decode(level, exact_decoding()).cost);
 }
 BENCHMARK(decode_level)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
+
+void decode_level_as_the_paper(benchmark::State& state) {
+  const TimescaleMemory memory = standing(2000);
+  const NodeLevel& level = memory.nodes()[0].levels[static_cast<std::size_t>(state.range(0))];
+  for (auto _ : state) benchmark::DoNotOptimize(decode(level, paper_decoding()).cost);
+}
+BENCHMARK(decode_level_as_the_paper)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
 
 void observe_taken(benchmark::State& state) {
   TimescaleMemory memory({}, 1);

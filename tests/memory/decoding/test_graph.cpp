@@ -6,6 +6,7 @@
 
 #include "core/random/stream.hpp"
 #include "memory/decoding/graph.hpp"
+#include "tests/memory/decoding/textbook_dijkstra.hpp"
 
 namespace strata::memory {
 namespace {
@@ -87,6 +88,68 @@ TEST(ClosedPath, CostsTheSameByLayersAndByDijkstraOnLargeGraphs) {
     if (!layered.found) continue;
     EXPECT_NEAR(layered.cost, dijkstra.cost, 1e-9 * dijkstra.cost);
     EXPECT_NEAR(cost_of(graph, layered), layered.cost, 1e-9 * layered.cost);
+  }
+}
+
+/// As random_graph, 20 states in each row, with two halves that are never left but for a price: the
+/// cheapest way out of a start leads to the other half, where its path may not end.
+LayeredGraph graph_of_two_worlds(RandomStream& random, double price) {
+  LayeredGraph graph;
+  std::vector<std::uint8_t> states(20);
+  for (std::size_t i = 0; i < states.size(); ++i) states[i] = static_cast<std::uint8_t>(i);
+  for (int row = 0; row < 60; ++row) graph.add_row(states);
+  graph.finish_rows();
+  for (double& cost : graph.start_cost()) cost = random.uniform(0.0, 3.0);
+  for (std::size_t row = 0; row < graph.rows(); ++row) {
+    for (std::size_t i = 0; i < 20; ++i) {
+      for (std::size_t j = 0; j < 20; ++j) {
+        const bool crosses = (i < 10) != (j < 10);
+        graph.edge(row, i, j) = random.uniform(i < 10 ? 2.0 : 0.0, 3.0) + (crosses ? price : 0.0);
+      }
+    }
+  }
+  return graph;
+}
+
+TEST(ClosedPath, IsThatOfTheTextbooksDijkstra) {
+  RandomStream random(22, StreamId::kTest);
+  int found = 0;
+  for (int trial = 0; trial < 120; ++trial) {
+    const double kind = random.uniform();
+    const LayeredGraph graph = kind < 0.5   ? random_graph(random, 80, 12, 0.5 * kind)
+                               : kind < 0.7 ? random_graph(random, 80, 12, 0.85)
+                                            : graph_of_two_worlds(random, random.uniform(0.0, 60));
+    const ClosedPath truth = textbook::search_dijkstra(graph);
+    const ClosedPath path = search_dijkstra(graph);
+    ASSERT_EQ(path.found, truth.found) << trial;
+    found += truth.found ? 1 : 0;
+    // Costs are drawn from a continuum: the best path is the only one of its cost.
+    EXPECT_EQ(path.states, truth.states) << trial;
+    EXPECT_EQ(path.cost, truth.cost) << trial;
+  }
+  EXPECT_GT(found, 80);
+  EXPECT_LT(found, 120);
+}
+
+TEST(ClosedPath, WithEqualCostsEverywhereCostsWhatTheTextbookSays) {
+  RandomStream random(23, StreamId::kTest);
+  for (int trial = 0; trial < 50; ++trial) {
+    LayeredGraph graph = random_graph(random, 40, 6, 0.4);
+    for (double& cost : graph.start_cost()) cost = std::floor(cost);
+    for (std::size_t row = 0; row < graph.rows(); ++row) {
+      for (std::size_t i = 0; i < graph.states(row).size(); ++i) {
+        for (std::size_t j = 0; j < graph.states(graph.next(row)).size(); ++j) {
+          graph.edge(row, i, j) = std::floor(graph.edge(row, i, j));
+        }
+      }
+    }
+    const ClosedPath truth = textbook::search_dijkstra(graph);
+    const ClosedPath path = search_dijkstra(graph);
+    ASSERT_EQ(path.found, truth.found) << trial;
+    EXPECT_EQ(path.cost, truth.cost) << trial;
+    if (path.found) {
+      EXPECT_EQ(cost_of(graph, path), path.cost) << trial;
+    }
   }
 }
 
