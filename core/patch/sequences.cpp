@@ -20,43 +20,6 @@ double distance_m(const Eigen::Vector2d& point_m, const CellRect& rect, double r
   return std::hypot(dx, dy);
 }
 
-/// Opens and closes the sequences of one rectangle.
-class SequenceBuilder {
- public:
-  SequenceBuilder(std::span<const PosedScan> scans, const SequenceConfig& config)
-      : scans_(scans), config_(&config) {}
-
-  /// The scan belongs to the sub-map.
-  void take(std::uint32_t scan) {
-    if (!open_.scans.empty() && must_close(scan)) close();
-    open_.scans.push_back(scan);
-  }
-  std::vector<Sequence> finish() && {
-    close();
-    return std::move(done_);
-  }
-
- private:
-  [[nodiscard]] bool must_close(std::uint32_t scan) const {
-    const PosedScan& first = scans_[open_.scans.front()];
-    const PosedScan& last = scans_[open_.scans.back()];
-    const PosedScan& now = scans_[scan];
-    return now.run != last.run ||
-           (now.scan.stamp - last.scan.stamp).seconds() > config_->hysteresis_s ||
-           (now.scan.stamp - first.scan.stamp).seconds() > config_->max_duration_s;
-  }
-  void close() {
-    if (open_.scans.size() >= static_cast<std::size_t>(config_->min_scans)) {
-      done_.push_back(std::move(open_));
-    }
-    open_ = {};
-  }
-  std::span<const PosedScan> scans_;
-  const SequenceConfig* config_;
-  Sequence open_;
-  std::vector<Sequence> done_;
-};
-
 int touching_beams(const std::vector<Ray>& rays, const CellRect& rect, double resolution_m,
                    int enough) {
   int count = 0;
@@ -70,6 +33,55 @@ int touching_beams(const std::vector<Ray>& rays, const CellRect& rect, double re
 }
 
 }  // namespace
+
+bool SequenceBuilder::must_close(int run, Stamp stamp) const {
+  return run != run_ || (stamp - last_).seconds() > config_->hysteresis_s ||
+         (stamp - first_).seconds() > config_->max_duration_s;
+}
+
+std::optional<Sequence> SequenceBuilder::finish() {
+  std::optional<Sequence> ended;
+  if (open_.scans.size() >= static_cast<std::size_t>(config_->min_scans)) {
+    ended = std::move(open_);
+  }
+  open_ = {};
+  return ended;
+}
+
+std::optional<Sequence> SequenceBuilder::pass(int run, Stamp stamp) {
+  if (open_.scans.empty() || !must_close(run, stamp)) return std::nullopt;
+  return finish();
+}
+
+std::optional<Sequence> SequenceBuilder::take(std::uint32_t scan, int run, Stamp stamp) {
+  std::optional<Sequence> ended = pass(run, stamp);
+  if (open_.scans.empty()) first_ = stamp;
+  open_.scans.push_back(scan);
+  run_ = run;
+  last_ = stamp;
+  return ended;
+}
+
+void SequenceMembership::set_scan(const PosedScan& scan) {
+  robot_m_ = scan.map_from_robot.translation();
+  laser_m_ = scan.map_from_laser().translation();
+  rays_.clear();
+  reach_m_ = 0.0;
+  if (config_->mode != SequenceMode::kVisibility) return;
+  for_each_ray(scan.scan, scan.map_from_laser(), *counting_, [&](std::size_t, const Ray& ray) {
+    rays_.push_back(ray);
+    reach_m_ = std::max(reach_m_, (ray.to_m - ray.from_m).norm());
+  });
+}
+
+bool SequenceMembership::belongs_to(const CellRect& rect) const {
+  if (config_->mode == SequenceMode::kEntered) {
+    return distance_m(robot_m_, rect, resolution_m_) <= config_->entry_margin_m;
+  }
+  return distance_m(laser_m_, rect, resolution_m_) <= reach_m_ &&
+         touching_beams(rays_, rect, resolution_m_, config_->min_beams_per_scan) >=
+             config_->min_beams_per_scan;
+}
 
 bool clip_to_rect(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m, const CellRect& rect,
                   double resolution_m, double& t_enter, double& t_leave) {
@@ -98,34 +110,22 @@ std::vector<std::vector<Sequence>> find_sequences(std::span<const PosedScan> sca
                                                   double resolution_m, const SequenceConfig& config,
                                                   const CountingOptions& counting,
                                                   Progress* progress) {
-  std::vector<SequenceBuilder> builders(rects.size(), SequenceBuilder(scans, config));
-  std::vector<Ray> rays;
+  std::vector<SequenceBuilder> builders(rects.size(), SequenceBuilder(config));
+  std::vector<std::vector<Sequence>> result(rects.size());
+  const auto keep = [&](std::size_t s, std::optional<Sequence> ended) {
+    if (ended) result[s].push_back(std::move(*ended));
+  };
+  SequenceMembership membership(config, counting, resolution_m);
   for (std::size_t t = 0; t < scans.size() && !rects.empty(); ++t) {
     if (t % kProgressStride == 0) report_progress(progress, "find sequences", t, scans.size());
     const PosedScan& scan = scans[t];
-    rays.clear();
-    double reach_m = 0.0;
-    if (config.mode == SequenceMode::kVisibility) {
-      for_each_ray(scan.scan, scan.map_from_laser(), counting, [&](std::size_t, const Ray& ray) {
-        rays.push_back(ray);
-        reach_m = std::max(reach_m, (ray.to_m - ray.from_m).norm());
-      });
-    }
+    membership.set_scan(scan);
     for (std::size_t s = 0; s < rects.size(); ++s) {
-      bool belongs = false;
-      if (config.mode == SequenceMode::kEntered) {
-        belongs = distance_m(scan.map_from_robot.translation(), rects[s], resolution_m) <=
-                  config.entry_margin_m;
-      } else if (distance_m(scan.map_from_laser().translation(), rects[s], resolution_m) <=
-                 reach_m) {
-        belongs = touching_beams(rays, rects[s], resolution_m, config.min_beams_per_scan) >=
-                  config.min_beams_per_scan;
-      }
-      if (belongs) builders[s].take(static_cast<std::uint32_t>(t));
+      if (!membership.belongs_to(rects[s])) continue;
+      keep(s, builders[s].take(static_cast<std::uint32_t>(t), scan.run, scan.scan.stamp));
     }
   }
-  std::vector<std::vector<Sequence>> result;
-  for (SequenceBuilder& builder : builders) result.push_back(std::move(builder).finish());
+  for (std::size_t s = 0; s < rects.size(); ++s) keep(s, builders[s].finish());
   return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -62,6 +63,53 @@ struct SequenceConfig {
 /// The scans of one stay, by their place in the sequence of all scans; ascending.
 struct Sequence {
   std::vector<std::uint32_t> scans;
+};
+
+/// Cuts the scans that belong to one sub-map into sequences while they come. O(1) a call.
+class SequenceBuilder {
+ public:
+  explicit SequenceBuilder(const SequenceConfig& config) : config_(&config) {}
+
+  /// Scan number `scan` belongs to the sub-map. Gives the sequence that ended before it, unless it
+  /// was too short.
+  std::optional<Sequence> take(std::uint32_t scan, int run, Stamp stamp);
+  /// A scan that does not belong passed by. Gives the sequence that has ended by then.
+  std::optional<Sequence> pass(int run, Stamp stamp);
+  /// Nothing more comes.
+  std::optional<Sequence> finish();
+  /// The sequence that is still open; empty when none is.
+  [[nodiscard]] const Sequence& open() const { return open_; }
+
+ private:
+  [[nodiscard]] bool must_close(int run, Stamp stamp) const;
+
+  const SequenceConfig* config_;
+  Sequence open_;
+  int run_ = 0;
+  Stamp first_;
+  Stamp last_;
+};
+
+/// Which sub-maps a scan belongs to; rays are found once for all of them.
+class SequenceMembership {
+ public:
+  SequenceMembership(const SequenceConfig& config, const CountingOptions& counting,
+                     double resolution_m)
+      : config_(&config), counting_(&counting), resolution_m_(resolution_m) {}
+
+  /// The scan that is asked about next. O(beams).
+  void set_scan(const PosedScan& scan);
+  /// Whether it belongs to the sub-map of that rectangle. O(beams) for those in range.
+  [[nodiscard]] bool belongs_to(const CellRect& rect) const;
+
+ private:
+  const SequenceConfig* config_;
+  const CountingOptions* counting_;
+  double resolution_m_;
+  Eigen::Vector2d robot_m_;
+  Eigen::Vector2d laser_m_;
+  std::vector<Ray> rays_;
+  double reach_m_ = 0.0;
 };
 
 /// The sequences of each rectangle. Scans are ordered by run, then time; sequences never span two

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "core/beam_filter/beam_model.hpp"
-#include "core/grid/ray_traversal.hpp"
 
 namespace strata::patch {
 namespace {
@@ -44,15 +43,6 @@ Grid<std::int32_t> make_slots(std::span<const PosedScan> scans, double resolutio
     if (slot == 0) slot = static_cast<std::int32_t>(count++);
   }
   return slots;
-}
-
-/// Where the part of a beam that says "free" ends.
-Eigen::Vector2d clear_end(const Ray& ray, double end_reach_m) {
-  if (!ray.is_hit || end_reach_m <= 0.0) return ray.to_m;
-  const Eigen::Vector2d along = ray.to_m - ray.from_m;
-  const double length_m = along.norm();
-  if (length_m <= end_reach_m) return ray.from_m;
-  return ray.from_m + (1.0 - end_reach_m / length_m) * along;
 }
 
 /// Appends visits per slot while the scans go by.
@@ -100,6 +90,23 @@ class VisitCollector {
 
 }  // namespace
 
+CountingOptions visit_options(const VisitConfig& config, const CountingOptions& counting) {
+  CountingOptions options = counting;
+  if (config.max_range_m > 0.0 &&
+      (options.max_range_m <= 0.0 || options.max_range_m > config.max_range_m)) {
+    options.max_range_m = config.max_range_m;
+  }
+  return options;
+}
+
+Eigen::Vector2d clear_end(const Ray& ray, double end_reach_m) {
+  if (!ray.is_hit || end_reach_m <= 0.0) return ray.to_m;
+  const Eigen::Vector2d along = ray.to_m - ray.from_m;
+  const double length_m = along.norm();
+  if (length_m <= end_reach_m) return ray.from_m;
+  return ray.from_m + (1.0 - end_reach_m / length_m) * along;
+}
+
 VisitTable::VisitTable(Grid<std::int32_t> slots, std::vector<std::uint32_t> offsets,
                        std::vector<Visit> visits)
     : slots_(std::move(slots)), offsets_(std::move(offsets)), visits_(std::move(visits)) {}
@@ -126,28 +133,20 @@ void VisitTable::filter(double prior) {
 VisitTable find_visits(std::span<const PosedScan> scans, double resolution_m,
                        const VisitConfig& config, const CountingOptions& counting,
                        Progress* progress) {
-  CountingOptions options = counting;
-  if (config.max_range_m > 0.0 &&
-      (options.max_range_m <= 0.0 || options.max_range_m > config.max_range_m)) {
-    options.max_range_m = config.max_range_m;
-  }
+  const CountingOptions options = visit_options(config, counting);
   std::size_t count = 0;
   Grid<std::int32_t> slots = make_slots(scans, resolution_m, options, count);
   VisitCollector collector(scans, count, Duration::from_seconds(config.gap_s));
   for (std::size_t t = 0; t < scans.size(); ++t) {
     if (t % kProgressStride == 0) report_progress(progress, "find visits", t, scans.size());
     const auto scan = static_cast<std::uint32_t>(t);
-    const PosedScan& posed = scans[t];
-    for_each_ray(posed.scan, posed.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
-      const Cell end = cell_at(ray.to_m, resolution_m);
-      const Eigen::Vector2d clear = clear_end(ray, config.end_reach_m);
-      traverse_ray(ray.from_m, clear, resolution_m, [&](const Cell& cell, double length_m) {
-        const std::int32_t slot = slots.get(cell);
-        if (slot < 0 || (ray.is_hit && cell == end)) return;
-        collector.current(slot, scan).misses += static_cast<float>(length_m / resolution_m);
-      });
-      if (ray.is_hit) collector.current(slots.at(end), scan).hits += 1.0F;
-    });
+    for_each_evidence(scans[t], resolution_m, options, config.end_reach_m,
+                      [&](const Cell& cell, bool is_hit, float amount) {
+                        const std::int32_t slot = slots.get(cell);
+                        if (slot < 0) return;
+                        Visit& visit = collector.current(slot, scan);
+                        (is_hit ? visit.hits : visit.misses) += amount;
+                      });
   }
   return std::move(collector).finish(std::move(slots));
 }

@@ -13,6 +13,7 @@
 #include "core/base/progress.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/grid/grid.hpp"
+#include "core/grid/ray_traversal.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata::patch {
@@ -86,6 +87,30 @@ struct VisitConfig {
              .min = 0.0});
   }
 };
+
+/// How scans are counted for visits: `counting`, cut at max_range_m.
+[[nodiscard]] CountingOptions visit_options(const VisitConfig& config,
+                                            const CountingOptions& counting);
+
+/// Where the part of a beam that says "free" ends.
+[[nodiscard]] Eigen::Vector2d clear_end(const Ray& ray, double end_reach_m);
+
+/// What one scan says of cells: calls visit(cell, is_hit, amount) for each cell that a beam crosses
+/// (amount: length in units of the resolution) and each that one ends in (1). options: of
+/// visit_options. O(beams x cells a beam crosses).
+template <typename Visit>
+void for_each_evidence(const PosedScan& scan, double resolution_m, const CountingOptions& options,
+                       double end_reach_m, Visit&& visit) {
+  for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
+    const Cell end = cell_at(ray.to_m, resolution_m);
+    const Eigen::Vector2d clear = clear_end(ray, end_reach_m);
+    traverse_ray(ray.from_m, clear, resolution_m, [&](const Cell& cell, double length_m) {
+      if (ray.is_hit && cell == end) return;
+      visit(cell, false, static_cast<float>(length_m / resolution_m));
+    });
+    if (ray.is_hit) visit(end, true, 1.0F);
+  });
+}
 
 /// Collects the visits of all scans (ordered by run, then time; static probabilities are not used:
 /// they judge by the map of all visits, which takes the rarer state of a door for a person).
