@@ -5,30 +5,12 @@
 #include <cmath>
 #include <utility>
 
-#include "core/patch/sequence_vectors.hpp"
+#include "core/patch/configurations.hpp"
 
 namespace strata::patch {
 namespace {
 
 constexpr std::size_t kRegionsPerReport = 8;
-
-Grid<std::uint8_t> mask_of(const Region& region, double resolution_m) {
-  Grid<std::uint8_t> mask(resolution_m, region.rect, 0);
-  for (const Cell& cell : region.cells) mask.at(cell) = 1;
-  return mask;
-}
-
-bool is_informative(std::span<const float> features, int least) {
-  return std::count_if(features.begin(), features.end(), is_known) >= least;
-}
-
-/// counts += weight * more.
-void add_weighted(Grid<CellCounts>& counts, const Grid<CellCounts>& more, double weight) {
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    counts.values()[i].hits += weight * more.values()[i].hits;
-    counts.values()[i].misses += weight * more.values()[i].misses;
-  }
-}
 
 }  // namespace
 
@@ -45,51 +27,18 @@ void PatchLearner::add(PosedScan scan) {
 
 Submap PatchLearner::learn_submap(const Region& region, std::span<const Sequence> sequences,
                                   const ReflectionGrid& filtered) const {
-  const double resolution = filtered.resolution_m();
-  Submap submap;
-  submap.rect = region.rect;
-  submap.contradictory = mask_of(region, resolution);
-  // Counts are made twice instead of kept, so that memory does not grow with the sequences.
-  const auto count = [&](const Sequence& sequence) {
-    return count_sequence(scans_, sequence, region.rect, resolution, config_.counting);
-  };
-  VectorSet all{region.cells.size(), {}};
-  VectorSet informative{region.cells.size(), {}};
+  std::vector<SequenceInfo> infos;
   for (const Sequence& sequence : sequences) {
-    const std::vector<float> features = feature_vector(
-        filter_counts(count(sequence), config_.prior, config_.min_evidence), region.cells);
-    all.values.insert(all.values.end(), features.begin(), features.end());
-    if (!is_informative(features, config_.clustering.min_features)) continue;
-    informative.values.insert(informative.values.end(), features.begin(), features.end());
+    const PosedScan& first = scans_[sequence.scans.front()];
+    const PosedScan& last = scans_[sequence.scans.back()];
+    infos.push_back({first.run, first.scan.stamp, last.scan.stamp, sequence.scans.size(), {}});
   }
-  if (informative.size() == 0) return submap;
-  const Clustering clustering = select_clusters(informative, config_.clustering);
-  const auto memberships =
-      memberships_of(all, clustering.clusters.centroids, config_.clustering.fuzzy);
-  submap.configurations.resize(clustering.k());
-  for (Configuration& c : submap.configurations) {
-    c.counts = Grid<CellCounts>(resolution, region.rect);
-  }
-  for (std::size_t i = 0; i < sequences.size(); ++i) {
-    const Grid<CellCounts> counts = count(sequences[i]);
-    for (std::size_t k = 0; k < clustering.k(); ++k) {
-      add_weighted(submap.configurations[k].counts, counts, memberships[i][k]);
-      submap.configurations[k].prior += memberships[i][k] / static_cast<double>(sequences.size());
-    }
-    const auto& scans = sequences[i].scans;
-    const PosedScan& first = scans_[scans.front()];
-    const PosedScan& last = scans_[scans.back()];
-    submap.sequences.push_back(
-        {first.run, first.scan.stamp, last.scan.stamp, scans.size(), memberships[i]});
-  }
-  for (Configuration& c : submap.configurations) {
-    c.reflection = filter_counts(c.counts, config_.prior, config_.min_evidence);
-    for (std::size_t i = 0; i < c.reflection.size(); ++i) {
-      float& m = c.reflection.values()[i];
-      if (!is_known(m)) m = filtered.get(c.reflection.cell(i));
-    }
-  }
-  return submap;
+  // Counts are made twice instead of kept, so that memory does not grow with the sequences.
+  const auto count = [&](std::size_t i) {
+    return count_sequence(scans_, sequences[i], region.rect, filtered.resolution_m(),
+                          config_.counting);
+  };
+  return learn_configurations(region, infos, count, filtered, config_);
 }
 
 PatchMap PatchLearner::finish(const ReflectionGrid& filtered, Progress* progress) {
@@ -103,9 +52,7 @@ PatchMap PatchLearner::finish(const ReflectionGrid& filtered, Progress* progress
     report_progress(progress, "test contradictions", 0, 1);
     regions = grow_regions(find_contradictions(visits, config_.contradiction), config_.regions);
   }
-  regions = config_.regions.places.empty()
-                ? merge_regions(std::move(regions), filtered, config_.regions)
-                : group_by_places(std::move(regions), resolution, config_.regions);
+  regions = join_regions(std::move(regions), filtered, config_.regions);
   std::vector<CellRect> rects;
   for (const Region& region : regions) rects.push_back(region.rect);
   const auto sequences =
@@ -119,12 +66,7 @@ PatchMap PatchLearner::finish(const ReflectionGrid& filtered, Progress* progress
                            learn_submap(regions[begin + i], sequences[begin + i], filtered);
                      });
   }
-  const std::size_t least = config_.keep_single_configuration ? 1 : 2;
-  for (Submap& submap : submaps) {
-    if (submap.configurations.size() < least) continue;
-    submap.id = static_cast<int>(map.submaps.size());
-    map.submaps.push_back(std::move(submap));
-  }
+  keep_changing(std::move(submaps), config_, map);
   report_progress(progress, "learn configurations", regions.size(), regions.size());
   return map;
 }

@@ -208,4 +208,11 @@ std::vector<Region> group_by_places(std::vector<Region> regions, double resoluti
   return result;
 }
 
+std::vector<Region> join_regions(std::vector<Region> regions, const ReflectionGrid& static_map,
+                                 const RegionConfig& config) {
+  return config.places.empty()
+             ? merge_regions(std::move(regions), static_map, config)
+             : group_by_places(std::move(regions), static_map.resolution_m(), config);
+}
+
 }  // namespace strata::patch

@@ -80,6 +80,11 @@ struct Region {
 [[nodiscard]] std::vector<Region> group_by_places(std::vector<Region> regions, double resolution_m,
                                                   const RegionConfig& config);
 
+/// group_by_places where the config names places, else merge_regions.
+[[nodiscard]] std::vector<Region> join_regions(std::vector<Region> regions,
+                                               const ReflectionGrid& static_map,
+                                               const RegionConfig& config);
+
 /// Whether at least min_visible_share of the sampled cell pairs see each other.
 [[nodiscard]] bool see_each_other(const Region& a, const Region& b,
                                   const ReflectionGrid& static_map,

@@ -11,15 +11,6 @@ namespace {
 
 constexpr std::size_t kProgressStride = 256;
 
-/// Distance from a point to a rectangle, 0 inside.
-double distance_m(const Eigen::Vector2d& point_m, const CellRect& rect, double resolution_m) {
-  const double dx = std::max(
-      {0.0, rect.min.x * resolution_m - point_m.x(), point_m.x() - rect.max.x * resolution_m});
-  const double dy = std::max(
-      {0.0, rect.min.y * resolution_m - point_m.y(), point_m.y() - rect.max.y * resolution_m});
-  return std::hypot(dx, dy);
-}
-
 int touching_beams(const std::vector<Ray>& rays, const CellRect& rect, double resolution_m,
                    int enough) {
   int count = 0;
@@ -33,6 +24,14 @@ int touching_beams(const std::vector<Ray>& rays, const CellRect& rect, double re
 }
 
 }  // namespace
+
+double distance_m(const Eigen::Vector2d& point_m, const CellRect& rect, double resolution_m) {
+  const double dx = std::max(
+      {0.0, rect.min.x * resolution_m - point_m.x(), point_m.x() - rect.max.x * resolution_m});
+  const double dy = std::max(
+      {0.0, rect.min.y * resolution_m - point_m.y(), point_m.y() - rect.max.y * resolution_m});
+  return std::hypot(dx, dy);
+}
 
 bool SequenceBuilder::must_close(int run, Stamp stamp) const {
   return run != run_ || (stamp - last_).seconds() > config_->hysteresis_s ||

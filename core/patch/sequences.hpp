@@ -101,6 +101,8 @@ class SequenceMembership {
   void set_scan(const PosedScan& scan);
   /// Whether it belongs to the sub-map of that rectangle. O(beams) for those in range.
   [[nodiscard]] bool belongs_to(const CellRect& rect) const;
+  /// How far its longest beam goes; 0 where sub-maps have to be entered.
+  [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:
   const SequenceConfig* config_;
@@ -123,6 +125,10 @@ class SequenceMembership {
 [[nodiscard]] Grid<CellCounts> count_sequence(std::span<const PosedScan> scans,
                                               const Sequence& sequence, const CellRect& rect,
                                               double resolution_m, const CountingOptions& counting);
+
+/// Distance from a point to a rectangle, 0 inside. O(1).
+[[nodiscard]] double distance_m(const Eigen::Vector2d& point_m, const CellRect& rect,
+                                double resolution_m);
 
 /// The part of the segment from + t (to - from), t in [0, 1], inside the rectangle; false when
 /// there is none. Requires resolution_m > 0. O(1).

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/configurations.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/patch/sequence_vectors.hpp"
+
+namespace strata::patch {
+namespace {
+
+Grid<std::uint8_t> mask_of(const Region& region, double resolution_m) {
+  Grid<std::uint8_t> mask(resolution_m, region.rect, 0);
+  for (const Cell& cell : region.cells) mask.at(cell) = 1;
+  return mask;
+}
+
+bool is_informative(std::span<const float> features, int least) {
+  return std::count_if(features.begin(), features.end(), is_known) >= least;
+}
+
+/// counts += weight * more.
+void add_weighted(Grid<CellCounts>& counts, const Grid<CellCounts>& more, double weight) {
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    counts.values()[i].hits += weight * more.values()[i].hits;
+    counts.values()[i].misses += weight * more.values()[i].misses;
+  }
+}
+
+}  // namespace
+
+Submap learn_configurations(const Region& region, std::span<const SequenceInfo> infos,
+                            const std::function<Grid<CellCounts>(std::size_t)>& counts_of,
+                            const ReflectionGrid& filtered, const PatchLearnerConfig& config) {
+  const double resolution = filtered.resolution_m();
+  Submap submap;
+  submap.rect = region.rect;
+  submap.contradictory = mask_of(region, resolution);
+  VectorSet all{region.cells.size(), {}};
+  VectorSet informative{region.cells.size(), {}};
+  for (std::size_t i = 0; i < infos.size(); ++i) {
+    const std::vector<float> features = feature_vector(
+        filter_counts(counts_of(i), config.prior, config.min_evidence), region.cells);
+    all.values.insert(all.values.end(), features.begin(), features.end());
+    if (!is_informative(features, config.clustering.min_features)) continue;
+    informative.values.insert(informative.values.end(), features.begin(), features.end());
+  }
+  if (informative.size() == 0) return submap;
+  const Clustering clustering = select_clusters(informative, config.clustering);
+  const auto memberships =
+      memberships_of(all, clustering.clusters.centroids, config.clustering.fuzzy);
+  submap.configurations.resize(clustering.k());
+  for (Configuration& c : submap.configurations) {
+    c.counts = Grid<CellCounts>(resolution, region.rect);
+  }
+  for (std::size_t i = 0; i < infos.size(); ++i) {
+    const Grid<CellCounts> counts = counts_of(i);
+    for (std::size_t k = 0; k < clustering.k(); ++k) {
+      add_weighted(submap.configurations[k].counts, counts, memberships[i][k]);
+      submap.configurations[k].prior += memberships[i][k] / static_cast<double>(infos.size());
+    }
+    submap.sequences.push_back(infos[i]);
+    submap.sequences.back().membership = memberships[i];
+  }
+  for (Configuration& c : submap.configurations) {
+    c.reflection = filter_counts(c.counts, config.prior, config.min_evidence);
+    for (std::size_t i = 0; i < c.reflection.size(); ++i) {
+      float& m = c.reflection.values()[i];
+      if (!is_known(m)) m = filtered.get(c.reflection.cell(i));
+    }
+  }
+  return submap;
+}
+
+void keep_changing(std::vector<Submap> submaps, const PatchLearnerConfig& config, PatchMap& map) {
+  const std::size_t least = config.keep_single_configuration ? 1 : 2;
+  for (Submap& submap : submaps) {
+    if (submap.configurations.size() < least) continue;
+    submap.id = static_cast<int>(map.submaps.size());
+    map.submaps.push_back(std::move(submap));
+  }
+}
+
+}  // namespace strata::patch

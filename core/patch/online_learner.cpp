@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/online_learner.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "core/patch/configurations.hpp"
+#include "core/patch/contradiction.hpp"
+
+namespace strata::patch {
+namespace {
+
+/// A check looks at no more than this at a time, and this far beyond for tolerance and context.
+constexpr double kWindowM = 20.0;
+constexpr double kContextM = 1.0;
+
+}  // namespace
+
+OnlinePatchLearner::OnlinePatchLearner(const PatchLearnerConfig& config, const OnlineConfig& online,
+                                       ReflectionGrid base, int threads)
+    : config_(config),
+      online_(online),
+      pool_(threads),
+      base_(std::move(base)),
+      visits_(base_.resolution_m(), config.visits, config.counting, online.most_visits),
+      contradictory_(base_.resolution_m(), CellRect{}, 0),
+      most_sequences_(online.most_sequences) {
+  require_valid(config_, "patch_learner");
+  require_valid(online_, "patch_learner.online");
+}
+
+bool OnlinePatchLearner::add(PosedScan scan) {
+  if (!is_finite(scan.map_from_robot)) return false;
+  scan.static_probability = {};
+  const auto index = static_cast<std::uint32_t>(status_.scans_seen++);
+  const bool is_new_run = scans_.empty() || scan.run != last_run_;
+  const Stamp now = scan.scan.stamp;
+  last_run_ = scan.run;
+  // Before the scan is added: the places that it sees may have been left long before.
+  visits_.advance(scan, index);
+  bool has_changed = false;
+  if (!is_checked_ || is_new_run || (now - last_check_).seconds() >= online_.check_every_s) {
+    is_checked_ = true;
+    last_check_ = now;
+    has_changed = check();
+  }
+  visits_.add(scan, index);
+  scan_bytes_ += scan_bytes_of(scan);
+  scans_.push_back(std::move(scan));
+  reach_m_.push_back(0.0F);
+  follow_sequences(scans_.back(), index);
+  has_changed = learn_dirty() || has_changed;
+  hold_budget();
+  return has_changed;
+}
+
+void OnlinePatchLearner::follow_sequences(const PosedScan& scan, std::uint32_t index) {
+  SequenceMembership membership(config_.sequences, config_.counting, base_.resolution_m());
+  membership.set_scan(scan);
+  reach_m_.back() = static_cast<float>(membership.reach_m());
+  for (Track& track : tracks_) {
+    const auto ended = membership.belongs_to(track.region.rect)
+                           ? track.builder.take(index, scan.run, scan.scan.stamp)
+                           : track.builder.pass(scan.run, scan.scan.stamp);
+    if (ended) keep(track, *ended);
+  }
+}
+
+void OnlinePatchLearner::keep(Track& track, const Sequence& sequence) const {
+  Sequence here = sequence;
+  for (std::uint32_t& scan : here.scans) scan -= first_scan_;
+  const Grid<CellCounts> counts =
+      count_sequence(scans_, here, track.region.rect, base_.resolution_m(), config_.counting);
+  const PosedScan& first = scans_[here.scans.front()];
+  const PosedScan& last = scans_[here.scans.back()];
+  Kept kept;
+  kept.first_scan = sequence.scans.front();
+  kept.last_scan = sequence.scans.back();
+  kept.info = {first.run, first.scan.stamp, last.scan.stamp, here.scans.size(), {}};
+  kept.counts = Grid<Evidence>(base_.resolution_m(), track.region.rect);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const CellCounts& cell = counts.values()[i];
+    kept.counts.values()[i] = {static_cast<float>(cell.hits), static_cast<float>(cell.misses)};
+  }
+  track.kept.push_back(std::move(kept));
+  track.is_dirty = true;
+}
+
+bool OnlinePatchLearner::check() {
+  const std::vector<CellRect> tiles = visits_.take_ended(kWindowM);
+  if (tiles.empty()) return false;
+  CellRect window;
+  for (const CellRect& tile : tiles) window = window.united(tile);
+  if (!look_at(window, tiles)) return false;
+  update_tracks();
+  return true;
+}
+
+bool OnlinePatchLearner::look_at(const CellRect& window, std::span<const CellRect> tiles) {
+  const int context = static_cast<int>(kContextM / base_.resolution_m());
+  VisitTable table = visits_.table(window.inflated(context));
+  table.filter(config_.contradiction.prior);
+  const Grid<std::uint8_t> found = find_contradictions(table, config_.contradiction);
+  contradictory_.grow(window);
+  bool differs = false;
+  for (const CellRect& tile : tiles) {
+    for (int y = tile.min.y; y < tile.max.y; ++y) {
+      for (int x = tile.min.x; x < tile.max.x; ++x) {
+        std::uint8_t& before = contradictory_.at({x, y});
+        const std::uint8_t now = found.get({x, y});
+        differs = differs || before != now;
+        before = now;
+      }
+    }
+  }
+  return differs;
+}
+
+void OnlinePatchLearner::update_tracks() {
+  const std::vector<Region> regions =
+      join_regions(grow_regions(contradictory_, config_.regions), base_, config_.regions);
+  std::vector<Track> before = std::exchange(tracks_, {});
+  std::vector<Track> fresh;
+  for (const Region& region : regions) {
+    const auto same = std::find_if(before.begin(), before.end(), [&](const Track& track) {
+      return track.region.rect == region.rect && track.region.cells == region.cells;
+    });
+    if (same != before.end()) {
+      tracks_.push_back(*same);
+    } else {
+      fresh.push_back({region, SequenceBuilder(config_.sequences), {}, {}, true});
+    }
+  }
+  for (Track& track : fresh) take_over(before, track);
+  recall(fresh);
+  for (Track& track : fresh) tracks_.push_back(std::move(track));
+  std::sort(tracks_.begin(), tracks_.end(), [](const Track& a, const Track& b) {
+    return std::tie(a.region.rect.min.y, a.region.rect.min.x, a.region.rect.max.y,
+                    a.region.rect.max.x) < std::tie(b.region.rect.min.y, b.region.rect.min.x,
+                                                    b.region.rect.max.y, b.region.rect.max.x);
+  });
+}
+
+/// Sequences whose scans are forgotten come from sub-maps that were here before; what those did not
+/// cover stays unknown.
+void OnlinePatchLearner::take_over(const std::vector<Track>& before, Track& track) const {
+  for (const Track& old : before) {
+    if (old.region.rect.intersected(track.region.rect).empty()) continue;
+    for (const Kept& kept : old.kept) {
+      if (kept.first_scan >= first_scan_) continue;
+      track.kept.push_back(
+          {kept.first_scan, kept.last_scan, kept.info, kept.counts.cropped(track.region.rect)});
+    }
+  }
+  std::stable_sort(track.kept.begin(), track.kept.end(),
+                   [](const Kept& a, const Kept& b) { return a.first_scan < b.first_scan; });
+}
+
+/// Sequences of the scans that are still there, the open ones included.
+void OnlinePatchLearner::recall(std::span<Track> fresh) {
+  if (fresh.empty()) return;
+  const double resolution = base_.resolution_m();
+  SequenceMembership membership(config_.sequences, config_.counting, resolution);
+  const double entry_m =
+      config_.sequences.mode == SequenceMode::kEntered ? config_.sequences.entry_margin_m : 0.0;
+  for (std::size_t t = 0; t < scans_.size(); ++t) {
+    const PosedScan& scan = scans_[t];
+    const Eigen::Vector2d laser_m = scan.map_from_laser().translation();
+    const double reach_m =
+        std::max(static_cast<double>(reach_m_[t]),
+                 entry_m + (laser_m - scan.map_from_robot.translation()).norm()) +
+        resolution;
+    bool is_set = false;
+    for (Track& track : fresh) {
+      if (distance_m(laser_m, track.region.rect, resolution) > reach_m) continue;
+      if (!is_set) membership.set_scan(scan);
+      is_set = true;
+      if (!membership.belongs_to(track.region.rect)) continue;
+      const auto index = first_scan_ + static_cast<std::uint32_t>(t);
+      if (const auto ended = track.builder.take(index, scan.run, scan.scan.stamp)) {
+        keep(track, *ended);
+      }
+    }
+  }
+  for (Track& track : fresh) {
+    const PosedScan& newest = scans_.back();
+    if (const auto ended = track.builder.pass(newest.run, newest.scan.stamp)) keep(track, *ended);
+  }
+}
+
+bool OnlinePatchLearner::learn_dirty() {
+  std::vector<Track*> dirty;
+  for (Track& track : tracks_) {
+    if (track.is_dirty) dirty.push_back(&track);
+  }
+  pool_.for_chunks(dirty.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    Track& track = *dirty[i];
+    std::vector<SequenceInfo> infos;
+    for (const Kept& kept : track.kept) infos.push_back(kept.info);
+    const auto counts_of = [&](std::size_t s) {
+      Grid<CellCounts> counts(base_.resolution_m(), track.region.rect);
+      for (std::size_t c = 0; c < counts.size(); ++c) {
+        const Evidence& cell = track.kept[s].counts.values()[c];
+        counts.values()[c] = {static_cast<double>(cell.hits), static_cast<double>(cell.misses)};
+      }
+      return counts;
+    };
+    track.submap = learn_configurations(track.region, infos, counts_of, base_, config_);
+    track.is_dirty = false;
+  });
+  for (Track* track : dirty) pool_surplus(*track);
+  return !dirty.empty();
+}
+
+PatchMap OnlinePatchLearner::map() const {
+  PatchMap map;
+  map.base = base_;
+  std::vector<Submap> submaps;
+  for (const Track& track : tracks_) submaps.push_back(track.submap);
+  keep_changing(std::move(submaps), config_, map);
+  return map;
+}
+
+PatchMap OnlinePatchLearner::finish() {
+  const CellRect all = visits_.rect();
+  if (!all.empty() && look_at(all, std::span(&all, 1))) update_tracks();
+  for (Track& track : tracks_) {
+    if (const auto ended = track.builder.finish()) keep(track, *ended);
+  }
+  (void)learn_dirty();
+  hold_budget();
+  return map();
+}
+
+}  // namespace strata::patch

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Learns a patch map while scans come, in bounded time and memory. [stachniss2005patch] and
+/// [stachniss2003chapter] name online clustering as future work; this is ours.
+///
+/// Once nobody has looked at a place for longer than a visit's gap, its visits are tested for
+/// contradictions, and sub-maps appear, grow or go. An observation sequence is counted and its
+/// sub-map clustered anew when it ends. The scans themselves are kept as far as memory allows, so
+/// that a new sub-map knows what was seen there before.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/config.hpp"
+#include "core/base/parallel.hpp"
+#include "core/grid/reflection_grid.hpp"
+#include "core/patch/patch_learner_config.hpp"
+#include "core/patch/patch_map.hpp"
+#include "core/patch/visit_store.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::patch {
+
+struct OnlineConfig {
+  double check_every_s = 5.0;
+  double memory_mb = 256.0;
+  int most_visits = 16;
+  int most_sequences = 40;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("check_every_s", c.check_every_s,
+            {.doc = "places that the robot has left are looked over for changes this often",
+             .unit = "s",
+             .min = 0.0});
+    v.field("memory_mb", c.memory_mb,
+            {.doc = "budget for visits, scans and configurations; the oldest scans go first, then "
+                    "sequences of one configuration become one, then visits and configurations "
+                    "are forgotten",
+             .unit = "MB",
+             .min = 1.0});
+    v.field("most_visits", c.most_visits,
+            {.doc = "visits kept of a cell; of more, the oldest of the more frequent kind go",
+             .min = 2});
+    v.field("most_sequences", c.most_sequences,
+            {.doc = "sequences kept of a sub-map; of more, two of one configuration become one",
+             .min = 4});
+  }
+};
+
+/// What an online learner holds and did.
+struct OnlineStatus {
+  std::size_t bytes = 0;  ///< of everything that grows with scans, the map it makes included
+  std::size_t scans = 0;  ///< kept, of all that came
+  std::size_t scans_seen = 0;
+  std::size_t sequences = 0;  ///< kept
+  std::size_t pooled_sequences = 0;
+  std::size_t forgotten_configurations = 0;
+  bool is_over_budget = false;  ///< the area alone takes more than the budget
+};
+
+/// Scans must come ordered by run, then time. Bit-identical at any number of threads. Not
+/// thread-safe.
+class OnlinePatchLearner {
+ public:
+  /// base: the static map, whose lattice the sub-maps share. Throws ConfigError. threads: as
+  /// WorkerPool.
+  OnlinePatchLearner(const PatchLearnerConfig& config, const OnlineConfig& online,
+                     ReflectionGrid base, int threads = 1);
+
+  /// A newer static map on the same lattice. Configurations take it over when they are learned
+  /// again.
+  void set_base(ReflectionGrid base) { base_ = std::move(base); }
+
+  /// Adds a scan (its static probabilities are not needed); a pose that is not finite is left out.
+  /// True when the map changed. Most calls cost O(beams x cells a beam crosses); one that ends a
+  /// sequence also O(scans of the sequence x beams) and the clustering of at most most_sequences
+  /// vectors; a check O(cells of a window of 20 m and their visits); a new sub-map O(kept scans in
+  /// reach x beams). None grows with the length of the run.
+  bool add(PosedScan scan);
+  /// The map as of now: sub-maps with at least two configurations. O(its cells).
+  [[nodiscard]] PatchMap map() const;
+  /// Ends the open sequences, looks everywhere and returns the map: that of PatchLearner as long as
+  /// nothing was forgotten. Scans may follow.
+  PatchMap finish();
+
+  [[nodiscard]] const OnlineStatus& status() const { return status_; }
+
+ private:
+  /// What one sequence counted. Floats: half of the memory, and counts below 2^24 are exact.
+  struct Evidence {
+    float hits = 0.0F;
+    float misses = 0.0F;
+  };
+  struct Kept {
+    std::uint32_t first_scan = 0;
+    std::uint32_t last_scan = 0;
+    SequenceInfo info;
+    Grid<Evidence> counts;
+  };
+  struct Track {
+    Region region;
+    SequenceBuilder builder;
+    std::vector<Kept> kept;
+    Submap submap;
+    bool is_dirty = false;
+  };
+
+  void follow_sequences(const PosedScan& scan, std::uint32_t index);
+  void keep(Track& track, const Sequence& sequence) const;
+  [[nodiscard]] bool check();
+  [[nodiscard]] bool look_at(const CellRect& window, std::span<const CellRect> tiles);
+  void update_tracks();
+  void recall(std::span<Track> fresh);
+  void take_over(const std::vector<Track>& before, Track& track) const;
+  [[nodiscard]] bool learn_dirty();
+  void pool_surplus(Track& track);
+  void forget_configuration();
+  void hold_budget();
+  void forget_scans(std::size_t bytes_to_free);
+  [[nodiscard]] static std::size_t scan_bytes_of(const PosedScan& scan);
+  [[nodiscard]] std::size_t count_bytes();
+
+  PatchLearnerConfig config_;
+  OnlineConfig online_;
+  WorkerPool pool_;
+  ReflectionGrid base_;
+  VisitStore visits_;
+  Grid<std::uint8_t> contradictory_;
+  std::vector<Track> tracks_;
+  std::vector<PosedScan> scans_;  // the newest ones, the first is number first_scan_
+  std::vector<float> reach_m_;    // of each
+  std::uint32_t first_scan_ = 0;
+  std::size_t scan_bytes_ = 0;
+  int most_sequences_;
+  bool is_checked_ = false;
+  Stamp last_check_;
+  int last_run_ = 0;
+  OnlineStatus status_;
+};
+
+}  // namespace strata::patch

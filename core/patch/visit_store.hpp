@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The visits of every cell while scans come one by one, in bounded memory.
+///
+/// Unlike find_visits it cannot know which cells will be hit later, so it keeps visits of free
+/// cells too; of a cell with too many visits it forgets the oldest of the more frequent kind, so
+/// that the rarer state of a door outlives any number of visits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/patch/visits.hpp"
+
+namespace strata::patch {
+
+class VisitStore {
+ public:
+  /// most: visits kept of one cell, at least 2.
+  VisitStore(double resolution_m, const VisitConfig& config, const CountingOptions& counting,
+             int most);
+
+  /// Time has come to the scan of that number; visits that have ended by then may be taken before
+  /// it is added. Scans are ordered by run, then time, and numbered upwards. O(1) amortized.
+  void advance(const PosedScan& scan, std::uint32_t index);
+  /// The scan that time has come to. O(beams x cells a beam crosses).
+  void add(const PosedScan& scan, std::uint32_t index);
+  /// Tiles with news that nobody has looked at for longer than the gap, so that all their visits
+  /// have ended; those of one window of at most window_m. They count as seen to from now on. O(area
+  /// / tile area).
+  [[nodiscard]] std::vector<CellRect> take_ended(double window_m);
+  /// As find_visits over all scans so far, within the window: the cells that some beam ended in. O(
+  /// cells of the window and their visits).
+  [[nodiscard]] VisitTable table(const CellRect& window) const;
+  [[nodiscard]] const CellRect& rect() const { return last_.rect(); }
+
+  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] int most() const { return most_; }
+  /// Keeps at most so many visits of each cell from now on. O(cells and visits).
+  void trim(int most);
+
+ private:
+  struct Node {
+    Visit visit;
+    std::int32_t previous = -1;  ///< of the same cell; of a free node the next free one
+  };
+  Visit& current(const Cell& cell, std::uint32_t index);
+  /// Down to most_ visits, the newest stays.
+  void forget_surplus(std::int32_t last);
+  [[nodiscard]] Node& node(std::int32_t i) { return nodes_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] const Node& node(std::int32_t i) const {
+    return nodes_[static_cast<std::size_t>(i)];
+  }
+
+  VisitConfig config_;
+  CountingOptions options_;
+  int most_;
+  Grid<std::int32_t> last_;  // newest visit of each cell; -1: none
+  std::deque<Node> nodes_;   // grows without a copy
+  std::int32_t free_ = -1;
+  Grid<std::uint32_t> touched_;  // per tile: 1 + the last scan that saw it; 0: no news
+  std::deque<std::pair<std::uint32_t, Stamp>> recent_;  // scans within the gap, of this run
+  std::optional<int> run_;
+  std::uint32_t joins_from_ = 0;  // a visit that saw this scan or a later one goes on
+};
+
+}  // namespace strata::patch

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/online_learner.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/patch/patch_learner.hpp"
+#include "core/random/stream.hpp"
+#include "tests/core/patch/toy_world.hpp"
+#include "tests/support/same_bits.hpp"
+
+namespace strata::patch {
+namespace {
+
+using strata::test::same_bits;
+
+constexpr double kResolution = 0.05;
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+ReflectionGrid map_of(const std::vector<PosedScan>& scans) {
+  CountingMap counts(kResolution);
+  for (const PosedScan& scan : scans) counts.add(scan);
+  return counts.reflection();
+}
+
+/// One drive along the corridor a visit, in one long run: a robot at work. 60 s lie between visits.
+std::vector<PosedScan> working_day(const std::vector<bool>& closed, double position_stddev_m,
+                                   double heading_stddev_rad, std::uint64_t seed) {
+  std::vector<PosedScan> scans;
+  for (std::size_t v = 0; v < closed.size(); ++v) {
+    RandomStream random(seed, StreamId::kTest, v);
+    const Pose2 error = test::random_error(position_stddev_m, heading_stddev_rad, random);
+    const bool back = v % 2 != 0;
+    const double y = random.uniform(0.9, 1.5);
+    const Pose2 west{1.0, y, back ? 3.14159265 : 0.0};
+    const Pose2 east{10.0, y, back ? 3.14159265 : 0.0};
+    test::ToyRobot{}.drive(test::corridor_with_door(closed[v]), back ? east : west,
+                           back ? west : east, 0, 100.0 * static_cast<double>(v), error, random,
+                           scans);
+  }
+  return scans;
+}
+
+std::vector<bool> now_and_then(std::size_t visits, std::uint64_t seed) {
+  std::vector<bool> closed;
+  RandomStream random(seed, StreamId::kTest, 999);
+  for (std::size_t v = 0; v < visits; ++v)
+    closed.push_back(v < 4 ? v % 2 == 0 : random.bernoulli(0.5));
+  return closed;
+}
+
+PatchMap batch(const std::vector<PosedScan>& scans, const ReflectionGrid& base) {
+  PatchLearner learner({}, 1);
+  for (const PosedScan& scan : scans) learner.add(scan);
+  return learner.finish(base);
+}
+
+bool is_at_door(const Submap& submap) {
+  return submap.rect.inflated(4).contains(cell_at({5.5, 2.4}, kResolution));
+}
+
+/// How far two maps are apart: the number of sub-maps and configurations must agree, rectangles to
+/// the cell, and grids by the root mean square given back.
+double distance(const PatchMap& a, const PatchMap& b) {
+  EXPECT_EQ(a.submaps.size(), b.submaps.size());
+  double squared = 0.0;
+  double cells = 1e-9;
+  for (std::size_t s = 0; s < std::min(a.submaps.size(), b.submaps.size()); ++s) {
+    const Submap& of_a = a.submaps[s];
+    const Submap& of_b = b.submaps[s];
+    EXPECT_EQ(of_a.rect, of_b.rect);
+    EXPECT_EQ(of_a.configurations.size(), of_b.configurations.size());
+    if (of_a.rect != of_b.rect) continue;
+    for (std::size_t k = 0; k < std::min(of_a.configurations.size(), of_b.configurations.size());
+         ++k) {
+      const ReflectionGrid& m = of_a.configurations[k].reflection;
+      const ReflectionGrid& n = of_b.configurations[k].reflection;
+      for (std::size_t i = 0; i < m.size(); ++i) {
+        EXPECT_EQ(is_known(m.values()[i]), is_known(n.values()[i]));
+        if (!is_known(m.values()[i]) || !is_known(n.values()[i])) continue;
+        const double d = static_cast<double>(m.values()[i]) - static_cast<double>(n.values()[i]);
+        squared += d * d;
+        cells += 1.0;
+      }
+    }
+  }
+  return std::sqrt(squared / cells);
+}
+
+TEST(OnlinePatchLearner, EndsWithTheMapOfTheBatchLearner) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const auto scans = working_day(now_and_then(4 + 2 * seed, seed), 0.01, 0.1 * kDegree, seed);
+    const ReflectionGrid base = map_of(scans);
+    OnlinePatchLearner online({}, {}, base);
+    for (const PosedScan& scan : scans) online.add(scan);
+    const PatchMap whole = batch(scans, base);
+    ASSERT_FALSE(whole.submaps.empty()) << "seed " << seed;
+    // Counts are kept in single precision.
+    EXPECT_LT(distance(online.finish(), whole), 1e-5) << "seed " << seed;
+    EXPECT_EQ(online.status().pooled_sequences, 0U);
+  }
+}
+
+TEST(OnlinePatchLearner, TheDoorAppearsOnceItsOtherStateWasSeenAndLeft) {
+  const auto scans = working_day({true, true, false, false, true}, 0.01, 0.1 * kDegree, 3);
+  OnlinePatchLearner online({}, {}, map_of(scans));
+  std::vector<std::size_t> after_visit;  // configurations at the door
+  std::size_t changes = 0;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    changes += online.add(scans[i]) ? 1 : 0;
+    const bool is_last =
+        i + 1 == scans.size() || (scans[i + 1].scan.stamp - scans[i].scan.stamp).seconds() > 10.0;
+    if (!is_last) continue;
+    const PatchMap map = online.map();
+    after_visit.push_back(map.submaps.empty() ? 0 : map.submaps[0].configurations.size());
+    if (!map.submaps.empty()) {
+      EXPECT_TRUE(is_at_door(map.submaps[0]));
+      EXPECT_EQ(map.submaps.size(), 1U);
+    }
+  }
+  // The third visit sees it open; once the fourth has begun, that visit has ended.
+  EXPECT_EQ(after_visit, (std::vector<std::size_t>{0, 0, 0, 2, 2}));
+  EXPECT_LT(changes, 20U) << "most scans change nothing";
+}
+
+TEST(OnlinePatchLearner, WithoutChangeThereIsNeverASubmapAndTheBaseStays) {
+  const auto scans = working_day(std::vector<bool>(6, true), 0.01, 0.1 * kDegree, 5);
+  const ReflectionGrid base = map_of(scans);
+  OnlinePatchLearner online({}, {}, base);
+  for (const PosedScan& scan : scans) {
+    online.add(scan);
+    ASSERT_TRUE(online.map().submaps.empty());
+  }
+  const PatchMap map = online.finish();
+  EXPECT_TRUE(map.submaps.empty());
+  EXPECT_TRUE(same_bits(map.base, base));
+}
+
+TEST(OnlinePatchLearner, KeepsItsBudgetOverALongRunAndStillKnowsTheDoor) {
+  const auto closed = now_and_then(40, 6);
+  const auto scans = working_day(closed, 0.01, 0.1 * kDegree, 6);
+  OnlineConfig tight;
+  tight.memory_mb = 4.0;
+  OnlinePatchLearner online({}, tight, map_of(scans));
+  std::size_t most = 0;
+  for (const PosedScan& scan : scans) {
+    online.add(scan);
+    most = std::max(most, online.status().bytes);
+    ASSERT_FALSE(online.status().is_over_budget);
+  }
+  EXPECT_LE(most, 4'000'000U);
+  EXPECT_GT(most, 2'000'000U) << "uses what it may";
+  EXPECT_LT(online.status().scans, scans.size() / 4) << "most scans are forgotten";
+  EXPECT_GT(online.status().pooled_sequences, 0U);
+  const PatchMap map = online.finish();
+  ASSERT_EQ(map.submaps.size(), 1U);
+  EXPECT_TRUE(is_at_door(map.submaps[0]));
+  EXPECT_EQ(map.submaps[0].configurations.size(), 2U);
+}
+
+TEST(OnlinePatchLearner, ABudgetBelowTheAreaIsToldAndDoesNoHarm) {
+  const auto scans = working_day({true, false, true}, 0.0, 0.0, 7);
+  OnlineConfig tiny;
+  tiny.memory_mb = 1.0;
+  OnlinePatchLearner online({}, tiny, map_of(scans));
+  bool was_over = false;
+  for (const PosedScan& scan : scans) {
+    online.add(scan);
+    was_over = was_over || online.status().is_over_budget;
+  }
+  EXPECT_TRUE(was_over);
+}
+
+TEST(OnlinePatchLearner, ResultIsTheSameOnOneTwoAndEightThreads) {
+  const auto scans = working_day(now_and_then(6, 8), 0.02, 0.3 * kDegree, 8);
+  const ReflectionGrid base = map_of(scans);
+  OnlinePatchLearner one({}, {}, base, 1);
+  OnlinePatchLearner two({}, {}, base, 2);
+  OnlinePatchLearner eight({}, {}, base, 8);
+  for (const PosedScan& scan : scans) {
+    const bool changed = one.add(scan);
+    EXPECT_EQ(two.add(scan), changed);
+    EXPECT_EQ(eight.add(scan), changed);
+  }
+  const PatchMap expected = one.finish();
+  ASSERT_FALSE(expected.submaps.empty());
+  for (OnlinePatchLearner* other : {&two, &eight}) {
+    const PatchMap map = other->finish();
+    ASSERT_EQ(map.submaps.size(), expected.submaps.size());
+    for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+      ASSERT_EQ(map.submaps[s].configurations.size(), expected.submaps[s].configurations.size());
+      for (std::size_t k = 0; k < map.submaps[s].configurations.size(); ++k) {
+        EXPECT_TRUE(same_bits(map.submaps[s].configurations[k].reflection,
+                              expected.submaps[s].configurations[k].reflection));
+      }
+    }
+  }
+}
+
+TEST(OnlinePatchLearner, UnusableScansAndBadSettingsAreHarmlessOrRefused) {
+  OnlinePatchLearner online({}, {}, make_reflection_grid(kResolution, {}));
+  PosedScan scan;
+  scan.map_from_robot.x = std::nan("");
+  EXPECT_FALSE(online.add(scan)) << "a pose that is not finite";
+  scan.map_from_robot = {};
+  EXPECT_FALSE(online.add(scan)) << "no beams";
+  scan.scan.range_max_m = 10.0F;
+  scan.scan.ranges_m.assign(180, std::nanf(""));
+  EXPECT_FALSE(online.add(scan)) << "no valid beams";
+  EXPECT_TRUE(online.finish().submaps.empty());
+  OnlineConfig bad;
+  bad.most_visits = 1;
+  EXPECT_THROW(OnlinePatchLearner({}, bad, make_reflection_grid(kResolution, {})), ConfigError);
+}
+
+}  // namespace
+}  // namespace strata::patch
