@@ -9,7 +9,8 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/SparseCholesky>
+
+#include "core/topology/block_factor.hpp"
 
 namespace strata::topology {
 
@@ -17,12 +18,10 @@ namespace strata::topology {
 /// factor of its information. The errors are of (x, y, theta) in the map frame. Immutable.
 class LocationGaussian {
  public:
-  using Factor =
-      Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>;
   /// Of one visit: nothing is uncertain.
   LocationGaussian() = default;
-  /// rows: where the three errors of each visit begin in the factor; of the first one unused.
-  LocationGaussian(std::unique_ptr<const Factor> factor, std::vector<int> rows)
+  /// rows: of each visit in the factor; of the first one unused.
+  LocationGaussian(std::unique_ptr<const BlockFactor> factor, std::vector<int> rows)
       : factor_(std::move(factor)), rows_(std::move(rows)) {}
 
   [[nodiscard]] std::size_t visits() const { return factor_ ? rows_.size() : 1; }
@@ -32,7 +31,7 @@ class LocationGaussian {
   [[nodiscard]] double log_determinant() const;
 
  private:
-  std::unique_ptr<const Factor> factor_;
+  std::unique_ptr<const BlockFactor> factor_;
   std::vector<int> rows_;
 };
 

@@ -103,7 +103,7 @@ PlaceMatch judge(const PlaceSurface& surface, const PlacePatch& b, const Pose2& 
   std::size_t on_surface = 0;
   for (const Eigen::Vector2d& point : b.points_m) {
     const Eigen::Vector2d at = pose * point;
-    const std::size_t i = surface.exact().find(at, config.first_gate_m);
+    const std::size_t i = surface.find(at, config.first_gate_m);
     double density = 1.0 - config.hit_share;
     if (i != NearestPoint::kNone) {
       const double rho = a.normals[i].dot(at - a.points_m[i]) / config.noise_m;

@@ -68,7 +68,7 @@ std::optional<Eigen::Vector2i> NearestPoint::cell_of(const Eigen::Vector2d& at) 
                          static_cast<int>(std::floor(place.y())));
 }
 
-std::size_t NearestPoint::find(const Eigen::Vector2d& at, double gate_m) const {
+std::size_t NearestPoint::find(const Eigen::Vector2d& at, double gate_m, std::size_t hint) const {
   const double gate = std::min(gate_m, reach_m_);
   double best = gate * gate;
   std::size_t nearest = kNone;
@@ -80,6 +80,7 @@ std::size_t NearestPoint::find(const Eigen::Vector2d& at, double gate_m) const {
     best = squared;
     nearest = i;
   };
+  if (hint != kNone) look(hint);
   // Ring after ring of cells, until the next one is further away than the best.
   for (int ring = 0; ring == 0 || (ring - 1) * cell_m_ * (ring - 1) * cell_m_ <= best; ++ring) {
     for (int y = cell->y() - ring; y <= cell->y() + ring; ++y) {

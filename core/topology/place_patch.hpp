@@ -57,11 +57,13 @@ struct PlacePatch {
 /// Nearest points within a fixed reach, by buckets.
 class NearestPoint {
  public:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   /// reach_m > 0; keeps a reference to the points.
   NearestPoint(const std::vector<Eigen::Vector2d>& points_m, double reach_m);
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  /// Index of the nearest point within min(reach_m, gate_m), or kNone; the first of equals.
-  [[nodiscard]] std::size_t find(const Eigen::Vector2d& at, double gate_m) const;
+  /// Index of the nearest point within min(reach_m, gate_m), or kNone; the first of equals. hint:
+  /// a point that may be near, which makes it faster.
+  [[nodiscard]] std::size_t find(const Eigen::Vector2d& at, double gate_m,
+                                 std::size_t hint = kNone) const;
   /// Indices of all points within the reach, in no particular order; replaces `found`.
   void within(const Eigen::Vector2d& at, std::vector<std::size_t>& found) const;
 
@@ -86,23 +88,35 @@ class PlaceSurface {
   /// reach_m > 0: nothing further away counts.
   PlaceSurface(const PlacePatch& patch, double reach_m);
   [[nodiscard]] const PlacePatch& patch() const { return patch_; }
-  [[nodiscard]] const NearestPoint& exact() const { return exact_; }
+  /// Index of the nearest point within gate_m, or NearestPoint::kNone; the first of equals. The
+  /// table tells where there is none.
+  [[nodiscard]] std::size_t find(const Eigen::Vector2d& at, double gate_m) const {
+    const std::size_t about = in_table(at);
+    if (about == NearestPoint::kNone) return about;
+    const double no_nearer_m = (patch_.points_m[about] - at).norm() - kTableErrorM;
+    return no_nearer_m > gate_m ? NearestPoint::kNone : exact_.find(at, gate_m, about);
+  }
   /// Index of a point about as near as the nearest, within gate_m; NearestPoint::kNone: none. One
   /// look into a table: right up to a cell of kCellM.
   [[nodiscard]] std::size_t find_about(const Eigen::Vector2d& at, double gate_m) const {
+    const std::size_t about = in_table(at);
+    if (about == NearestPoint::kNone) return about;
+    const bool near = (patch_.points_m[about] - at).squaredNorm() <= gate_m * gate_m;
+    return near ? about : NearestPoint::kNone;
+  }
+
+ private:
+  static constexpr double kCellM = 0.1;
+  static constexpr double kTableErrorM = kCellM * 1.4143;  // twice half a cell's diagonal
+  /// What is nearest to the middle of the cell; every point within the reach of the cell is there.
+  [[nodiscard]] std::size_t in_table(const Eigen::Vector2d& at) const {
     const double x = (at.x() - min_.x()) / kCellM;
     const double y = (at.y() - min_.y()) / kCellM;
     if (!(x >= 0.0 && y >= 0.0 && x < width_ && y < height_)) return NearestPoint::kNone;
     const std::int32_t i = nearest_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                                     static_cast<std::size_t>(x)];
-    if (i < 0) return NearestPoint::kNone;
-    const auto index = static_cast<std::size_t>(i);
-    if ((patch_.points_m[index] - at).squaredNorm() > gate_m * gate_m) return NearestPoint::kNone;
-    return index;
+    return i < 0 ? NearestPoint::kNone : static_cast<std::size_t>(i);
   }
-
- private:
-  static constexpr double kCellM = 0.1;
   const PlacePatch& patch_;
   NearestPoint exact_;
   Eigen::Vector2d min_{0.0, 0.0};

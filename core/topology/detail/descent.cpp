@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
 
 #include "core/geometry/angle.hpp"
 #include "core/pose_graph/pose_graph.hpp"
@@ -25,65 +26,47 @@ constexpr double kSlow = 0.1;
 constexpr double kSameM = 0.01;
 constexpr double kSameRad = 0.002;
 
-using Factor = LocationGaussian::Factor;
-
 enum class PenaltyCurvature { kTrue, kOfResidual, kNone };
 
 /// Gradient and curvature of the cost by all poses but the first.
 class Quadratic {
  public:
-  /// rows: of each visit's three errors; with_curvature: or only the gradient.
+  /// rows: of each visit; with_curvature: or only the gradient.
   Quadratic(const std::vector<int>& rows, bool with_curvature)
       : rows_(rows),
-        size_(3 * (static_cast<int>(rows.size()) - 1)),
+        size_(static_cast<int>(rows.size()) - 1),
         with_curvature_(with_curvature),
-        gradient_(Eigen::VectorXd::Zero(size_)) {
-    if (with_curvature) triplets_.reserve(40 * rows.size());
+        gradient_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(size_))) {
+    if (with_curvature) blocks_.reserve(5 * rows.size());
   }
   [[nodiscard]] bool with_curvature() const { return with_curvature_; }
   void add_gradient(std::size_t visit, const Eigen::Vector3d& by_pose) {
-    if (visit > 0) gradient_.segment<3>(row_of(visit)) += by_pose;
+    if (visit > 0) gradient_.segment<3>(3 * static_cast<Eigen::Index>(rows_[visit])) += by_pose;
   }
   void add(std::size_t a, std::size_t b, const Eigen::Matrix3d& block) {
-    if (a == 0 || b == 0 || row_of(a) < row_of(b)) return;
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < (a == b ? r + 1 : 3); ++c) {
-        triplets_.emplace_back(row_of(a) + r, row_of(b) + c, block(r, c));
-      }
-    }
+    if (a == 0 || b == 0 || rows_[a] < rows_[b]) return;
+    blocks_.push_back({rows_[a], rows_[b], block});
   }
-  /// Of the two positions: +block on their own, -block between them.
+  /// Of the two positions: +block on their own, -block between them. block: symmetric.
   void add_apart(const Pair& pair, const Eigen::Matrix2d& block) {
-    for (const std::size_t visit : {pair.a, pair.b}) {
-      for (int r = 0; visit > 0 && r < 2; ++r) {
-        for (int c = 0; c <= r; ++c) {
-          triplets_.emplace_back(row_of(visit) + r, row_of(visit) + c, block(r, c));
-        }
-      }
-    }
-    if (pair.a == 0 || pair.b == 0) return;
-    const int low = std::min(row_of(pair.a), row_of(pair.b));
-    const int high = std::max(row_of(pair.a), row_of(pair.b));
-    for (int r = 0; r < 2; ++r) {
-      for (int c = 0; c < 2; ++c) triplets_.emplace_back(high + r, low + c, -block(r, c));
-    }
+    Eigen::Matrix3d whole = Eigen::Matrix3d::Zero();
+    whole.topLeftCorner<2, 2>() = block;
+    add(pair.a, pair.a, whole);
+    add(pair.b, pair.b, whole);
+    add(pair.a, pair.b, -whole);
+    add(pair.b, pair.a, -whole);
   }
-  [[nodiscard]] std::unique_ptr<Factor> factorize() const {
-    Eigen::SparseMatrix<double> matrix(size_, size_);
-    matrix.setFromTriplets(triplets_.begin(), triplets_.end());
-    auto factor = std::make_unique<Factor>(matrix);
-    if (factor->info() != Eigen::Success) return nullptr;
-    return factor;
+  [[nodiscard]] std::unique_ptr<const BlockFactor> factorize() const {
+    return BlockFactor::of(size_, blocks_);
   }
   [[nodiscard]] const Eigen::VectorXd& gradient() const { return gradient_; }
 
  private:
-  [[nodiscard]] int row_of(std::size_t visit) const { return rows_[visit]; }
   const std::vector<int>& rows_;
   int size_;
   bool with_curvature_;
   Eigen::VectorXd gradient_;
-  std::vector<Eigen::Triplet<double>> triplets_;
+  std::vector<Block> blocks_;
 };
 
 void add_links(const Terms& terms, std::span<const Pose2> poses, Quadratic& quadratic) {
@@ -175,7 +158,7 @@ std::vector<int> ordered_rows(const Terms& terms, const LocationPriorConfig& con
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
   Eigen::AMDOrdering<int>()(pattern, order);
   std::vector<int> rows(poses.size(), 0);
-  for (int i = 0; i < size; ++i) rows[static_cast<std::size_t>(order.indices()[i]) + 1] = 3 * i;
+  for (int i = 0; i < size; ++i) rows[static_cast<std::size_t>(order.indices()[i]) + 1] = i;
   return rows;
 }
 
@@ -193,7 +176,7 @@ std::vector<Pose2> moved(std::span<const Pose2> poses, const std::vector<int>& r
                          const Eigen::VectorXd& step, double share) {
   std::vector<Pose2> result(poses.begin(), poses.end());
   for (std::size_t i = 1; i < result.size(); ++i) {
-    const Eigen::Vector3d by = share * step.segment<3>(rows[i]);
+    const Eigen::Vector3d by = share * step.segment<3>(3 * static_cast<Eigen::Index>(rows[i]));
     result[i] = {result[i].x + by.x(), result[i].y + by.y(), wrap_angle(result[i].theta + by.z())};
   }
   return result;
@@ -216,7 +199,7 @@ bool go(const Terms& terms, const LocationPriorConfig& config, const std::vector
 
 /// A factor and the poses where it was made.
 struct Linearized {
-  std::unique_ptr<Factor> factor;
+  std::unique_ptr<const BlockFactor> factor;
   bool true_curvature = true;
   std::vector<Pose2> poses;
 };
@@ -271,7 +254,8 @@ std::optional<Optimum> descend(const Terms& terms, const LocationPriorConfig& co
     if (!linearized.factor) return std::nullopt;
     const Eigen::VectorXd gradient =
         quadratic_at(terms, config, at.poses, rows, PenaltyCurvature::kNone, false).gradient();
-    const Eigen::VectorXd step = -linearized.factor->solve(gradient);
+    Eigen::VectorXd step = -gradient;
+    linearized.factor->solve(step);
     const double fall = -0.5 * gradient.dot(step);
     const bool here = still_holds(linearized, at.poses);
     if (fall < kSettled && here) {

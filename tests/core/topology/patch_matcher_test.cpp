@@ -60,11 +60,14 @@ TEST(NearestPoint, FindsWhatAPlainSearchFinds) {
 TEST(PlaceSurface, FindsAPointAboutAsNearAsTheNearest) {
   const PlacePatch patch = seen_from(7, {0.3, -0.2, 0.4}, 3);
   const PlaceSurface surface(patch, 0.5);
+  const NearestPoint nearest(patch.points_m, 0.5);
   RandomStream random(6, StreamId::kTest);
   int found = 0;
   for (int i = 0; i < 5000; ++i) {
     const Eigen::Vector2d at(random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0));
-    const std::size_t exact = surface.exact().find(at, 0.3);
+    const std::size_t exact = nearest.find(at, 0.3);
+    ASSERT_EQ(surface.find(at, 0.3), exact);
+    ASSERT_EQ(surface.find(at, 0.5), nearest.find(at, 0.5));
     const std::size_t about = surface.find_about(at, 0.5);
     if (exact == NearestPoint::kNone) continue;
     ++found;

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/topology/block_factor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace strata::topology {
+namespace {
+
+/// The blocks of A by rows.
+struct Rows {
+  std::vector<std::size_t> begin;
+  std::vector<std::size_t> blocks;
+
+  [[nodiscard]] std::span<const std::size_t> of(int row) const {
+    const auto r = static_cast<std::size_t>(row);
+    return std::span(blocks).subspan(begin[r], begin[r + 1] - begin[r]);
+  }
+};
+
+Rows sorted_by_row(int size, std::span<const Block> blocks) {
+  Rows rows{std::vector<std::size_t>(static_cast<std::size_t>(size) + 1, 0),
+            std::vector<std::size_t>(blocks.size())};
+  for (const Block& block : blocks) ++rows.begin[static_cast<std::size_t>(block.row) + 1];
+  for (std::size_t r = 1; r < rows.begin.size(); ++r) rows.begin[r] += rows.begin[r - 1];
+  std::vector<std::size_t> next = rows.begin;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    rows.blocks[next[static_cast<std::size_t>(blocks[b].row)]++] = b;
+  }
+  return rows;
+}
+
+/// Which columns of L each row has entries in, ascending: the row's blocks and all their ancestors
+/// in the elimination tree below the row.
+std::vector<std::vector<int>> fill_of_rows(int size, std::span<const Block> blocks,
+                                           const Rows& rows) {
+  std::vector<int> parent(static_cast<std::size_t>(size), -1);
+  std::vector<int> seen_by(static_cast<std::size_t>(size), -1);
+  std::vector<std::vector<int>> fill(static_cast<std::size_t>(size));
+  for (int row = 0; row < size; ++row) {
+    seen_by[static_cast<std::size_t>(row)] = row;
+    std::vector<int>& columns = fill[static_cast<std::size_t>(row)];
+    for (const std::size_t b : rows.of(row)) {
+      for (int column = blocks[b].column; seen_by[static_cast<std::size_t>(column)] != row;) {
+        seen_by[static_cast<std::size_t>(column)] = row;
+        columns.push_back(column);
+        int& up = parent[static_cast<std::size_t>(column)];
+        if (up < 0) up = row;
+        column = up;
+      }
+    }
+    std::sort(columns.begin(), columns.end());
+  }
+  return fill;
+}
+
+/// The inverse of the lower triangular factor of a block; false when it is not positive definite.
+bool invert_factor(const Eigen::Matrix3d& block, Eigen::Matrix3d& inverse) {
+  const Eigen::LLT<Eigen::Matrix3d> factor(block);
+  if (factor.info() != Eigen::Success) return false;
+  inverse = factor.matrixL().solve(Eigen::Matrix3d::Identity());
+  return inverse.allFinite();
+}
+
+}  // namespace
+
+/// Row after row of L, each from the rows above it.
+std::unique_ptr<const BlockFactor> BlockFactor::of(int size, std::span<const Block> blocks) {
+  const Rows rows = sorted_by_row(size, blocks);
+  const std::vector<std::vector<int>> fill = fill_of_rows(size, blocks, rows);
+  const auto count = static_cast<std::size_t>(size);
+  std::unique_ptr<BlockFactor> factor(new BlockFactor);
+  factor->begin_.assign(count + 1, 0);
+  for (const std::vector<int>& columns : fill) {
+    for (const int column : columns) ++factor->begin_[static_cast<std::size_t>(column) + 1];
+  }
+  for (std::size_t c = 1; c <= count; ++c) factor->begin_[c] += factor->begin_[c - 1];
+  factor->entries_.resize(factor->begin_.back());
+  factor->inverse_diagonal_.resize(count);
+  std::vector<std::size_t> end = factor->begin_;  // of what is known of each column
+  std::vector<Eigen::Matrix3d> left(count, Eigen::Matrix3d::Zero());
+  for (std::size_t row = 0; row < count; ++row) {
+    for (const std::size_t b : rows.of(static_cast<int>(row))) {
+      left[static_cast<std::size_t>(blocks[b].column)] += blocks[b].value;
+    }
+    for (const int fill_column : fill[row]) {
+      const auto column = static_cast<std::size_t>(fill_column);
+      const Eigen::Matrix3d entry = left[column] * factor->inverse_diagonal_[column].transpose();
+      left[column].setZero();
+      for (std::size_t e = factor->begin_[column]; e < end[column]; ++e) {
+        const Entry& above = factor->entries_[e];
+        left[static_cast<std::size_t>(above.row)].noalias() -= entry * above.value.transpose();
+      }
+      left[row].noalias() -= entry * entry.transpose();
+      factor->entries_[end[column]++] = {static_cast<int>(row), entry};
+    }
+    if (!invert_factor(left[row], factor->inverse_diagonal_[row])) return nullptr;
+    left[row].setZero();
+  }
+  return factor;
+}
+
+/// Rows before `first` of x are zero.
+template <int kColumns>
+void BlockFactor::solve_from(int first, std::vector<Eigen::Matrix<double, 3, kColumns>>& x) const {
+  using Rows3 = Eigen::Matrix<double, 3, kColumns>;
+  for (std::size_t c = static_cast<std::size_t>(first); c < x.size(); ++c) {
+    x[c] = (inverse_diagonal_[c] * x[c]).eval();
+    for (std::size_t e = begin_[c]; e < begin_[c + 1]; ++e) {
+      x[static_cast<std::size_t>(entries_[e].row)].noalias() -= entries_[e].value * x[c];
+    }
+  }
+  for (std::size_t c = x.size(); c-- > 0;) {
+    Rows3 sum = x[c];
+    for (std::size_t e = begin_[c]; e < begin_[c + 1]; ++e) {
+      sum.noalias() -= entries_[e].value.transpose() * x[static_cast<std::size_t>(entries_[e].row)];
+    }
+    x[c].noalias() = inverse_diagonal_[c].transpose() * sum;
+  }
+}
+
+void BlockFactor::solve(Eigen::VectorXd& b) const {
+  std::vector<Eigen::Vector3d> x(inverse_diagonal_.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    x[i] = b.segment<3>(3 * static_cast<Eigen::Index>(i));
+  }
+  solve_from<1>(0, x);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    b.segment<3>(3 * static_cast<Eigen::Index>(i)) = x[i];
+  }
+}
+
+Eigen::MatrixX3d BlockFactor::inverse_of(int row) const {
+  std::vector<Eigen::Matrix3d> x(inverse_diagonal_.size(), Eigen::Matrix3d::Zero());
+  x[static_cast<std::size_t>(row)].setIdentity();
+  solve_from<3>(row, x);
+  Eigen::MatrixX3d columns(3 * static_cast<Eigen::Index>(x.size()), 3);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    columns.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = x[i];
+  }
+  return columns;
+}
+
+double BlockFactor::log_determinant() const {
+  double log_determinant = 0.0;
+  for (const Eigen::Matrix3d& inverse : inverse_diagonal_) {
+    log_determinant -= 2.0 * inverse.diagonal().array().log().sum();
+  }
+  return log_determinant;
+}
+
+}  // namespace strata::topology

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Sparse Cholesky factor of an information matrix whose entries are 3 x 3 blocks, one row a pose.
+/// Eigen factors scalar by scalar: five times slower for a hundred poses, where an update factors a
+/// hundred matrices.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace strata::topology {
+
+/// A block on or below the diagonal.
+struct Block {
+  int row = 0;
+  int column = 0;  ///< at most row
+  Eigen::Matrix3d value;
+};
+
+/// The lower triangular L with L L' = A [davis2006direct, section 4.7, by blocks]. Immutable.
+class BlockFactor {
+ public:
+  /// The sum of the blocks is A: symmetric, of size x size blocks; in blocks on the diagonal only
+  /// the lower triangle is read. Null when A is not positive definite. O(fill^2 / size) about.
+  [[nodiscard]] static std::unique_ptr<const BlockFactor> of(int size,
+                                                             std::span<const Block> blocks);
+
+  [[nodiscard]] int size() const { return static_cast<int>(inverse_diagonal_.size()); }
+  /// A^-1 b, in place; b: 3 size() rows. O(fill).
+  void solve(Eigen::VectorXd& b) const;
+  /// The three columns of A^-1 that belong to `row`: 3 size() x 3. O(fill).
+  [[nodiscard]] Eigen::MatrixX3d inverse_of(int row) const;
+  /// ln of the determinant of A.
+  [[nodiscard]] double log_determinant() const;
+
+ private:
+  struct Entry {
+    int row = 0;
+    Eigen::Matrix3d value;
+  };
+  BlockFactor() = default;
+  template <int kColumns>
+  void solve_from(int first, std::vector<Eigen::Matrix<double, 3, kColumns>>& x) const;
+  std::vector<std::size_t> begin_;                 // of each column's entries below the diagonal
+  std::vector<Entry> entries_;                     // rows ascending within a column
+  std::vector<Eigen::Matrix3d> inverse_diagonal_;  // of L's blocks, lower triangular
+};
+
+}  // namespace strata::topology
