@@ -27,6 +27,12 @@ bool is_filled(const std::vector<std::shared_ptr<const NodeMap::Level>>& levels)
                      [](const auto& level) { return level->insertions > 0; });
 }
 
+/// Requires that `to` covers `from`.
+template <typename T>
+void copy_into(const Grid<T>& from, Grid<T>& to) {
+  for (std::size_t i = 0; i < from.size(); ++i) to.at(from.cell(i)) = from.values()[i];
+}
+
 float range_of(const Reach& reach) {
   switch (reach.end) {
     case Edge::kSurface:
@@ -47,22 +53,39 @@ NodeMap::NodeMap(const PolarBins& bins, const DecodingConfig& decoding,
       decoding_(decoding),
       level_names_(std::move(level_names)),
       nodes_(std::move(nodes)) {
-  if (previous != nullptr && may_share_lookup(*previous)) {
-    lookup_ = previous->lookup_;
-    lookup_age_ = previous->lookup_age_ + 1;
-  } else {
+  if (previous == nullptr || !may_keep_lookup(*previous)) {
     lookup_ = std::make_shared<const Grid<Around>>(make_lookup());
+    return;
+  }
+  lookup_age_ = previous->lookup_age_ + 1;
+  const std::vector<std::int32_t> newly_filled = filled_since(*previous);
+  if (newly_filled.empty()) {
+    lookup_ = previous->lookup_;
+  } else {
+    Grid<Around> lookup = empty_lookup();
+    copy_into(*previous->lookup_, lookup);
+    for (const std::int32_t node : newly_filled) enter(node, lookup);
+    lookup_ = std::make_shared<const Grid<Around>>(std::move(lookup));
   }
 }
 
-bool NodeMap::may_share_lookup(const NodeMap& other) const {
-  // A node that has just been filled for the first time must become known.
-  return other.lookup_age_ < kOldestLookup &&
-         std::equal(nodes_.begin(), nodes_.end(), other.nodes_.begin(), other.nodes_.end(),
-                    [](const Node& a, const Node& b) {
-                      return a.position_m == b.position_m &&
-                             is_filled(a.levels) == is_filled(b.levels);
+bool NodeMap::may_keep_lookup(const NodeMap& other) const {
+  return other.lookup_age_ < kOldestLookup && other.bins_ == bins_ &&
+         other.nodes_.size() <= nodes_.size() &&
+         std::equal(other.nodes_.begin(), other.nodes_.end(), nodes_.begin(),
+                    [](const Node& old, const Node& now) {
+                      return old.position_m == now.position_m &&
+                             (is_filled(now.levels) || !is_filled(old.levels));
                     });
+}
+
+std::vector<std::int32_t> NodeMap::filled_since(const NodeMap& other) const {
+  std::vector<std::int32_t> result;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const bool was_filled = n < other.nodes_.size() && is_filled(other.nodes_[n].levels);
+    if (!was_filled && is_filled(nodes_[n].levels)) result.push_back(static_cast<std::int32_t>(n));
+  }
+  return result;
 }
 
 std::shared_ptr<const NodeMap::Level> NodeMap::make_level(const PolarBins& bins, double own_place_m,
@@ -112,6 +135,12 @@ void NodeMap::enter(std::int32_t node, Grid<Around>& lookup) const {
 }
 
 Grid<NodeMap::Around> NodeMap::make_lookup() const {
+  Grid<Around> lookup = empty_lookup();
+  for (std::size_t n = 0; n < nodes_.size(); ++n) enter(static_cast<std::int32_t>(n), lookup);
+  return lookup;
+}
+
+Grid<NodeMap::Around> NodeMap::empty_lookup() const {
   Around nobody;
   nobody.fill(-1);
   CellRect all;
@@ -120,9 +149,7 @@ Grid<NodeMap::Around> NodeMap::make_lookup() const {
     const Cell cell = cell_at(node.position_m, kLookupCell_m);
     all = all.united(CellRect{cell, {cell.x + 1, cell.y + 1}}.inflated(reach));
   }
-  Grid<Around> lookup(kLookupCell_m, all, nobody);
-  for (std::size_t n = 0; n < nodes_.size(); ++n) enter(static_cast<std::int32_t>(n), lookup);
-  return lookup;
+  return Grid<Around>(kLookupCell_m, all, nobody);
 }
 
 int NodeMap::level_index(const std::string& name) const {

@@ -38,10 +38,13 @@ class NodeMap {
     Eigen::Vector2d position_m;
     std::uint64_t observations = 0;
     std::vector<std::shared_ptr<const Level>> levels;
+    /// Not decoded yet: its levels expect nothing.
+    bool is_pending = false;
   };
 
-  /// previous: a snapshot whose look-up table may be shared when it has the same nodes, or null. A
-  /// table leaves out what a node comes to see (a door that opens) until it is made anew.
+  /// previous: a snapshot whose look-up table may be shared, and only grows by the nodes that have
+  /// come since, or null. A table leaves out what a node comes to see (a door that opens) until it
+  /// is made anew, after a hundred snapshots.
   NodeMap(const PolarBins& bins, const DecodingConfig& decoding,
           std::vector<std::string> level_names, std::vector<Node> nodes,
           const NodeMap* previous = nullptr);
@@ -121,9 +124,12 @@ class NodeMap {
   }
   [[nodiscard]] static NodeOutline::Reach reach_in_sight(const View& view,
                                                          const Eigen::Vector2d& direction);
-  [[nodiscard]] bool may_share_lookup(const NodeMap& other) const;
+  /// The other's look-up table still holds, but for nodes filled since.
+  [[nodiscard]] bool may_keep_lookup(const NodeMap& other) const;
+  [[nodiscard]] std::vector<std::int32_t> filled_since(const NodeMap& other) const;
   [[nodiscard]] bool sees(const Node& node, const Eigen::Vector2d& center_m) const;
   void enter(std::int32_t node, Grid<Around>& lookup) const;
+  [[nodiscard]] Grid<Around> empty_lookup() const;
   [[nodiscard]] Grid<Around> make_lookup() const;
 
   PolarBins bins_;
