@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -22,6 +23,7 @@
 #include "memory/levels/virtual_scan.hpp"
 #include "memory/nodes/day_batch.hpp"
 #include "memory/nodes/node_map.hpp"
+#include "memory/nodes/node_source.hpp"
 #include "memory/nodes/timescale_config.hpp"
 
 namespace strata::memory {
@@ -29,13 +31,23 @@ namespace strata::memory {
 /// A place with its levels, in the order of the configuration.
 struct MemoryNode {
   Eigen::Vector2d position_m;
+  /// Empty while the node is asleep: only what follows below `today` is in memory then.
   std::vector<NodeLevel> levels;
   std::optional<DayBatch> today;   ///< when a level learns by days
   std::uint64_t observations = 0;  ///< scans that passed the gate
   // What the gate compares with: the last scan taken.
   int last_run = 0;
+  int last_robot = 0;
   Stamp last_stamp;
   Pose2 last_pose;
+  std::uint64_t last_used = 0;  ///< observations of the whole memory when it was last needed
+  /// revisions() when it was last read from where it lies or fell asleep; empty: never.
+  std::vector<std::uint64_t> stored_revisions;
+
+  [[nodiscard]] bool is_asleep() const { return levels.empty(); }
+  /// Numbers that change with the content: observations, insertions of each level, and the day's.
+  /// Requires that it is awake.
+  [[nodiscard]] std::vector<std::uint64_t> revisions() const;
 };
 
 /// What became of a scan.
@@ -66,8 +78,13 @@ class TimescaleMemory {
   /// One scan updates at most one node: the nearest to the laser, within update_radius_m, that lies
   /// in what the scan saw. Where there is none, the laser's place becomes a node, unless another is
   /// within half of node_spacing_m. covariance: of map_from_robot as (x, y, theta) in the map
-  /// frame; null when the pose is known. O(nodes + beams + levels x angle bins).
-  Observed observe(const PosedScan& scan, const Eigen::Matrix3d* covariance = nullptr);
+  /// frame; null when the pose is known. robot: who took it, from 0, where several feed one memory
+  /// in whatever order; their scans then have one clock and one run. A node between two robots
+  /// takes a scan of the other when its period is over: it forgets as if one robot were there. A
+  /// node asleep is read first: throws InputError, without any change, when that fails. O(nodes +
+  /// beams + levels x angle bins).
+  Observed observe(const PosedScan& scan, const Eigen::Matrix3d* covariance = nullptr,
+                   int robot = 0);
 
   /// The day is over: levels that learn by days take in what they gathered. Happens by itself when
   /// a node sees a scan of a later day or run; call it after the last.
@@ -77,11 +94,21 @@ class TimescaleMemory {
   /// since `previous` (a snapshot of this memory with the same configuration) are not decoded
   /// again. With `unsettled_s`, nodes that took a scan of the newest scan's run less than this
   /// before it stay as they were: a robot must not localize by what it has learned a moment ago.
-  [[nodiscard]] std::shared_ptr<const NodeMap> decode(const DecodingConfig& decoding = {},
-                                                      const NodeMap* previous = nullptr,
-                                                      double unsettled_s = 0.0) const;
+  /// Nodes asleep that `previous` lacks are read, decoded and forgotten again, at most
+  /// `most_asleep` of them, those nearest to the place of the last scan; the others are pending and
+  /// expect nothing until a later snapshot has them.
+  [[nodiscard]] std::shared_ptr<const NodeMap> decode(
+      const DecodingConfig& decoding = {}, const NodeMap* previous = nullptr,
+      double unsettled_s = 0.0,
+      std::size_t most_asleep = std::numeric_limits<std::size_t>::max()) const;
 
-  /// Size of the whole state, as stored before compression.
+  /// Nodes whose levels are in memory.
+  [[nodiscard]] std::size_t awake() const;
+  /// Lets the nodes that were needed longest ago fall asleep until at most `most_awake` are awake.
+  /// `source` must hold what they are at this moment. They wake when a scan is for them. O(nodes).
+  void let_sleep(std::size_t most_awake, std::shared_ptr<const NodeSource> source);
+
+  /// Size of the whole state, as stored before compression; of nodes asleep only what is in memory.
   [[nodiscard]] std::size_t bytes() const;
   /// The whole state; two memories are equal when these are.
   [[nodiscard]] std::vector<std::byte> state() const;
@@ -98,17 +125,37 @@ class TimescaleMemory {
   [[nodiscard]] static TimescaleMemory restore(std::span<const std::byte> head,
                                                std::span<const NodeState> nodes,
                                                const std::string& place);
+  /// The same with all nodes asleep: of each only its head is read. O(nodes).
+  [[nodiscard]] static TimescaleMemory restore_asleep(
+      std::span<const std::byte> head, std::span<const std::vector<std::byte>> node_heads,
+      std::shared_ptr<const NodeSource> source);
 
  private:
   /// Fills near_: distance and index of the nodes within node_spacing_m, nearest first.
   void find_near(const Eigen::Vector2d& point_m);
   /// The node for a scan, made if need be; when it is kTaken, virtual_scan_ is the node's.
-  Observed choose_node(const PosedScan& scan);
+  Observed choose_node(const PosedScan& scan, int robot);
   int add_node(const Eigen::Vector2d& position_m);
+  /// Empty levels, and the day's when one learns by days.
+  void furnish(MemoryNode& node) const;
+  /// Requires a node that is awake, new or just furnished.
+  void read_levels(MemoryNode& node, std::span<const std::vector<std::byte>> levels,
+                   const std::string& place) const;
+  void wake(int index);
+  [[nodiscard]] MemoryNode awakened(std::size_t index) const;
+  /// Which nodes asleep `decode` may read: nearest to the last scan's node first.
+  [[nodiscard]] std::vector<bool> to_read(const NodeMap* previous, std::size_t most) const;
+  struct DecodeRules {
+    const DecodingConfig& decoding;
+    double unsettled_s = 0.0;
+    std::shared_ptr<const NodeMap::Level> nothing;
+  };
+  [[nodiscard]] NodeMap::Node decode_node(std::size_t index, const NodeMap::Node* old,
+                                          const DecodeRules& rules, bool may_read) const;
   void insert(MemoryNode& node, int index, const PosedScan& scan);
   void absorb_day(MemoryNode& node, int index);
   [[nodiscard]] double insertion_probability(const MemoryNode& node, std::size_t level) const;
-  [[nodiscard]] bool is_due(const MemoryNode& node, const PosedScan& scan) const;
+  [[nodiscard]] bool is_due(const MemoryNode& node, const PosedScan& scan, int robot) const;
   [[nodiscard]] bool is_settled(const MemoryNode& node, double unsettled_s) const;
   [[nodiscard]] bool is_certain(const Eigen::Matrix3d& covariance) const;
 
@@ -117,6 +164,8 @@ class TimescaleMemory {
   std::uint64_t observations_ = 0;
   int newest_run_ = 0;
   Stamp newest_stamp_;
+  std::size_t newest_node_ = 0;
+  std::shared_ptr<const NodeSource> source_;   ///< of the nodes asleep
   std::vector<double> insertion_probability_;  ///< per level, after warming up
   std::vector<MemoryNode> nodes_;
   VirtualScanner scanner_;

@@ -26,7 +26,7 @@ void check_for_damage(Database& database) {
 
 Store::Store(const std::filesystem::path& path, const StoreOptions& options)
     : path_(path),
-      impl_(std::make_unique<Impl>(
+      impl_(std::make_shared<Impl>(
           Impl{detail::Database(path, options.read_only, options.busy_timeout_ms), 0})) {
   detail::prepare_schema(impl_->database);
   if (options.check) detail::check_for_damage(impl_->database);

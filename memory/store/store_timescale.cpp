@@ -10,13 +10,6 @@ namespace {
 using detail::Database;
 using detail::Statement;
 
-std::vector<std::uint64_t> revisions_of(const MemoryNode& node) {
-  std::vector<std::uint64_t> revisions{node.observations};
-  for (const NodeLevel& level : node.levels) revisions.push_back(level.insertions());
-  if (node.today) revisions.push_back(node.today->revision());
-  return revisions;
-}
-
 void write_head(Database& database, const std::string& map, const TimescaleMemory& memory) {
   Statement(database,
             "INSERT INTO timescale (name, nodes, observations, data) VALUES (?, ?, ?, ?) "
@@ -27,6 +20,14 @@ void write_head(Database& database, const std::string& map, const TimescaleMemor
       .bind(static_cast<std::int64_t>(memory.observations()))
       .bind(memory.head_state())
       .run();
+}
+
+std::vector<std::byte> read_head(Database& database, const std::string& map) {
+  Statement head(database, "SELECT data FROM timescale WHERE name = ?");
+  if (!head.bind(map).step()) {
+    detail::throw_missing(database.place(), "timescale memory '" + map + "'");
+  }
+  return head.blob(0);
 }
 
 void write_level(Database& database, const std::string& map, std::size_t node, std::size_t place,
@@ -51,7 +52,7 @@ void write_level(Database& database, const std::string& map, std::size_t node, s
 bool write_node(Database& database, const std::string& map, const TimescaleMemory& memory,
                 std::size_t index, const std::vector<std::uint64_t>& saved) {
   const MemoryNode& node = memory.nodes()[index];
-  const std::vector<std::uint64_t> revisions = revisions_of(node);
+  const std::vector<std::uint64_t> revisions = node.revisions();
   if (revisions == saved) return false;
   const bool is_new = saved.size() != revisions.size();
   const TimescaleMemory::NodeState state = memory.node_state(index);
@@ -94,7 +95,9 @@ void Store::save_timescale(const TimescaleMemory& memory, const std::string& nam
 
 SavedTimescale Store::all_saved(const TimescaleMemory& memory) {
   SavedTimescale saved{true, memory.observations(), {}};
-  for (const MemoryNode& node : memory.nodes()) saved.nodes.push_back(revisions_of(node));
+  for (const MemoryNode& node : memory.nodes()) {
+    saved.nodes.push_back(node.is_asleep() ? std::vector<std::uint64_t>() : node.revisions());
+  }
   return saved;
 }
 
@@ -114,11 +117,13 @@ std::size_t Store::save_timescale_changes(const TimescaleMemory& memory, SavedTi
     head.reset();
     write_head(database, name, memory);
     for (std::size_t n = 0; n < memory.nodes().size(); ++n) {
-      const bool is_new = n >= saved.nodes.size();
-      written += write_node(database, name, memory, n,
-                            is_new ? std::vector<std::uint64_t>() : saved.nodes[n])
-                     ? 1
-                     : 0;
+      const MemoryNode& node = memory.nodes()[n];
+      if (node.is_asleep()) continue;  // it was saved before it fell asleep, or came from here
+      std::vector<std::uint64_t> there;
+      if (n < saved.nodes.size()) {
+        there = saved.nodes[n].empty() ? node.stored_revisions : saved.nodes[n];
+      }
+      written += write_node(database, name, memory, n, there) ? 1 : 0;
     }
   });
   saved = all_saved(memory);
@@ -129,11 +134,7 @@ TimescaleMemory Store::load_timescale(const std::string& name) const {
   Database& database = impl_->database;
   const detail::ReadScope scope(database);
   const std::string place = database.place() + ": timescale memory '" + name + "'";
-  Statement head(database, "SELECT data FROM timescale WHERE name = ?");
-  if (!head.bind(name).step()) {
-    detail::throw_missing(database.place(), "timescale memory '" + name + "'");
-  }
-  const std::vector<std::byte> head_bytes = head.blob(0);
+  const std::vector<std::byte> head = read_head(database, name);
   std::vector<TimescaleMemory::NodeState> nodes;
   Statement rows(database, "SELECT node, data FROM timescale_node WHERE map = ? ORDER BY node");
   Statement levels(database,
@@ -146,7 +147,50 @@ TimescaleMemory Store::load_timescale(const std::string& name) const {
     while (levels.step()) node.levels.push_back(detail::decompress(levels.blob(0), place));
     levels.reset();
   }
-  return TimescaleMemory::restore(head_bytes, nodes, place);
+  return TimescaleMemory::restore(head, nodes, place);
+}
+
+namespace {
+
+/// Reads through the connection of the store that made it, which it keeps open.
+class StoredNodes final : public NodeSource {
+ public:
+  StoredNodes(std::shared_ptr<Database> database, std::string name)
+      : database_(std::move(database)), name_(std::move(name)) {}
+
+  [[nodiscard]] std::vector<std::vector<std::byte>> levels_of(std::size_t node) const override {
+    Statement rows(*database_,
+                   "SELECT data FROM timescale_level WHERE map = ? AND node = ? ORDER BY level");
+    rows.bind(name_).bind(static_cast<std::int64_t>(node));
+    std::vector<std::vector<std::byte>> levels;
+    while (rows.step()) levels.push_back(detail::decompress(rows.blob(0), place()));
+    return levels;
+  }
+  [[nodiscard]] std::string place() const override {
+    return database_->place() + ": timescale memory '" + name_ + "'";
+  }
+
+ private:
+  std::shared_ptr<Database> database_;
+  std::string name_;
+};
+
+}  // namespace
+
+std::shared_ptr<const NodeSource> Store::timescale_nodes(const std::string& name) const {
+  return std::make_shared<const StoredNodes>(std::shared_ptr<Database>(impl_, &impl_->database),
+                                             name);
+}
+
+TimescaleMemory Store::open_timescale(const std::string& name) const {
+  Database& database = impl_->database;
+  const detail::ReadScope scope(database);
+  const std::vector<std::byte> head = read_head(database, name);
+  std::vector<std::vector<std::byte>> nodes;
+  Statement rows(database, "SELECT data FROM timescale_node WHERE map = ? ORDER BY node");
+  rows.bind(name);
+  while (rows.step()) nodes.push_back(rows.blob(0));
+  return TimescaleMemory::restore_asleep(head, nodes, timescale_nodes(name));
 }
 
 bool Store::has_timescale(const std::string& name) const {

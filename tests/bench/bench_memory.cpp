@@ -2,6 +2,8 @@
 /// Timescale memory: decoding, update and casting beams. The dense case is 360 angle bins x 20
 /// range bins with samples in every one, so that all 20 starts and all edges are possible.
 #include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <numbers>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "memory/decoding/decode.hpp"
 #include "memory/decoding/graph.hpp"
 #include "memory/nodes/timescale_memory.hpp"
+#include "memory/store/store.hpp"
 #include "tests/memory/decoding/textbook_dijkstra.hpp"
 
 namespace strata::memory {
@@ -136,6 +139,77 @@ void expected_ranges(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * 36'000);
 }
 BENCHMARK(expected_ranges)->Unit(benchmark::kMicrosecond);
+
+/// A store of 10,000 full nodes, the same node again and again, each at its own place.
+class LargeStore {
+ public:
+  static constexpr std::size_t kNodes = 10'000;
+  LargeStore() : path_(std::filesystem::temp_directory_path() / "strata_bench_memory.db") {
+    remove();
+    const TimescaleMemory one = standing(1000);
+    std::vector<std::byte> head = one.head_state();
+    std::memcpy(head.data() + head.size() - sizeof kNodes, &kNodes, sizeof kNodes);
+    std::vector<TimescaleMemory::NodeState> states(kNodes, one.node_state(0));
+    for (std::size_t n = 0; n < kNodes; ++n) {
+      const double place[2] = {20.0 * static_cast<double>(n % 100),
+                               20.0 * static_cast<double>(n / 100)};
+      std::memcpy(states[n].head.data(), place, sizeof place);
+    }
+    Store(path_).save_timescale(TimescaleMemory::restore(head, states, "bench"));
+  }
+  ~LargeStore() { remove(); }
+  LargeStore(const LargeStore&) = delete;
+  LargeStore& operator=(const LargeStore&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  void remove() const {
+    for (const char* end : {"", "-wal", "-shm"}) std::filesystem::remove(path_.string() + end);
+  }
+  std::filesystem::path path_;
+};
+
+const LargeStore& large_store() {
+  static const LargeStore store;
+  return store;
+}
+
+/// Until the first scan is in: open, all heads, the one node that it is for.
+void open_10000_nodes(benchmark::State& state) {
+  const std::filesystem::path& path = large_store().path();
+  const PosedScan scan = corridor_scan({0.2, 0.1, 0.0}, 5000);
+  for (auto _ : state) {
+    const Store store(path, {.check = false});
+    TimescaleMemory memory = store.open_timescale();
+    benchmark::DoNotOptimize(memory.observe(scan).node);
+  }
+  state.counters["file_MB"] = 1e-6 * static_cast<double>(std::filesystem::file_size(path));
+}
+BENCHMARK(open_10000_nodes)->Unit(benchmark::kMillisecond);
+
+/// What a localizer needs of a whole building: every level of every node, decoded.
+void decode_10000_nodes(benchmark::State& state) {
+  const Store store(large_store().path(), {.check = false});
+  const TimescaleMemory memory = store.open_timescale();
+  for (auto _ : state) benchmark::DoNotOptimize(memory.decode()->nodes().size());
+}
+BENCHMARK(decode_10000_nodes)->Unit(benchmark::kMillisecond)->Iterations(1);
+
+/// One second of a live component in such a building: some scans, one saved change, one snapshot.
+void second_among_10000_nodes(benchmark::State& state) {
+  Store store(large_store().path(), {.check = false});
+  TimescaleMemory memory = store.open_timescale();
+  SavedTimescale saved = Store::all_saved(memory);
+  auto map = memory.decode({}, nullptr, 0.0, 100);
+  int second = 6000;
+  for (auto _ : state) {
+    memory.observe(corridor_scan({0.2, 0.1, 0.0}, ++second));
+    store.save_timescale_changes(memory, saved);
+    memory.let_sleep(500, store.timescale_nodes());
+    map = memory.decode({}, map.get(), 0.0, 100);
+  }
+}
+BENCHMARK(second_among_10000_nodes)->Unit(benchmark::kMillisecond);
 
 void level_map(benchmark::State& state) {
   const auto map = standing(200).decode();

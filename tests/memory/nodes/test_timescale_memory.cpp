@@ -132,6 +132,16 @@ TEST(TimescaleMemory, TakesAScanSoonerWhenTheRobotMovedOrANewRunBegan) {
   EXPECT_EQ(outcome({0.2, 0.0, 0.2}, 1), ObserveOutcome::kTaken);
 }
 
+TEST(TimescaleMemory, ForgetsAsFastWithTwoRobotsAtANodeAsWithOne) {
+  TimescaleMemory memory({}, 1);
+  for (int t = 0; t < 200; ++t) {  // 10 Hz, standing 0.6 m apart
+    memory.observe(observe({0.0, 0.0, 0.0}, 0.1 * t, false), nullptr, 0);
+    memory.observe(observe({0.6, 0.0, 0.0}, 0.1 * t + 0.05, false), nullptr, 1);
+  }
+  ASSERT_EQ(memory.nodes().size(), 1U);
+  EXPECT_NEAR(static_cast<double>(memory.nodes()[0].observations), 20.0, 1.0);
+}
+
 TEST(TimescaleMemory, RemembersNothingFromAnUncertainPose) {
   TimescaleMemory memory;
   Eigen::Matrix3d covariance = Eigen::Vector3d(0.2 * 0.2, 1e-4, 1e-4).asDiagonal();

@@ -49,16 +49,17 @@ class Reference {
   TimescaleMemory memory_{small_config()};
 };
 
-/// Goes on where the store stopped and saves each scan; tells the pipe how many are safe. Never
-/// returns.
+/// Goes on where the store stopped and saves each scan, with one node awake at a time; tells the
+/// pipe how many are safe. Never returns.
 [[noreturn]] void run_robot(const std::filesystem::path& path, int pipe) {
   Store store(path, kQuick);
   TimescaleMemory memory =
-      store.has_timescale() ? store.load_timescale() : TimescaleMemory(small_config());
+      store.has_timescale() ? store.open_timescale() : TimescaleMemory(small_config());
   SavedTimescale saved = store.has_timescale() ? Store::all_saved(memory) : SavedTimescale();
   while (true) {
     memory.observe(scan_of(memory.observations()));
     store.save_timescale_changes(memory, saved);
+    memory.let_sleep(1, store.timescale_nodes());
     const std::uint64_t safe = memory.observations();
     if (write(pipe, &safe, sizeof safe) != sizeof safe) _exit(1);
   }

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Nodes that are not in memory: how they fall asleep and wake, and how a snapshot is decoded in
+/// spite of them.
+#include <algorithm>
+
+#include "memory/decoding/decode.hpp"
+#include "memory/nodes/timescale_memory.hpp"
+
+namespace strata::memory {
+
+std::vector<std::uint64_t> MemoryNode::revisions() const {
+  std::vector<std::uint64_t> result{observations};
+  for (const NodeLevel& level : levels) result.push_back(level.insertions());
+  if (today) result.push_back(today->revision());
+  return result;
+}
+
+std::size_t TimescaleMemory::awake() const {
+  return static_cast<std::size_t>(std::count_if(
+      nodes_.begin(), nodes_.end(), [](const auto& node) { return !node.is_asleep(); }));
+}
+
+MemoryNode TimescaleMemory::awakened(std::size_t index) const {
+  MemoryNode node = nodes_[index];
+  furnish(node);
+  read_levels(node, source_->levels_of(index), source_->place());
+  node.stored_revisions = node.revisions();
+  return node;
+}
+
+void TimescaleMemory::wake(int index) {
+  const auto n = static_cast<std::size_t>(index);
+  if (nodes_[n].is_asleep()) nodes_[n] = awakened(n);
+}
+
+void TimescaleMemory::let_sleep(std::size_t most_awake, std::shared_ptr<const NodeSource> source) {
+  std::vector<std::size_t> up;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    if (!nodes_[n].is_asleep()) up.push_back(n);
+  }
+  if (up.size() <= most_awake) return;
+  source_ = std::move(source);
+  std::stable_sort(up.begin(), up.end(), [this](std::size_t a, std::size_t b) {
+    return nodes_[a].last_used < nodes_[b].last_used;
+  });
+  up.resize(up.size() - most_awake);
+  for (const std::size_t n : up) {
+    MemoryNode& node = nodes_[n];
+    node.stored_revisions = node.revisions();
+    node.levels = {};
+    node.today.reset();
+  }
+}
+
+std::vector<bool> TimescaleMemory::to_read(const NodeMap* previous, std::size_t most) const {
+  std::vector<std::size_t> missing;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const bool is_known =
+        previous != nullptr && n < previous->nodes().size() && !previous->nodes()[n].is_pending;
+    if (nodes_[n].is_asleep() && !is_known) missing.push_back(n);
+  }
+  if (missing.size() > most) {
+    const Eigen::Vector2d here = nodes_[newest_node_].position_m;
+    std::nth_element(missing.begin(), missing.begin() + static_cast<std::ptrdiff_t>(most),
+                     missing.end(), [&](std::size_t a, std::size_t b) {
+                       const double to_a = (nodes_[a].position_m - here).squaredNorm();
+                       const double to_b = (nodes_[b].position_m - here).squaredNorm();
+                       return to_a != to_b ? to_a < to_b : a < b;
+                     });
+    missing.resize(most);
+  }
+  std::vector<bool> result(nodes_.size(), false);
+  for (const std::size_t n : missing) result[n] = true;
+  return result;
+}
+
+NodeMap::Node TimescaleMemory::decode_node(std::size_t index, const NodeMap::Node* old,
+                                           const DecodeRules& rules, bool may_read) const {
+  const MemoryNode& node = nodes_[index];
+  NodeMap::Node result{node.position_m, node.observations, {}, false};
+  const bool settled = is_settled(node, rules.unsettled_s);
+  if (old != nullptr && old->is_pending) old = nullptr;
+  const auto is_up_to_date = [&](std::size_t level) {
+    if (old == nullptr) return false;
+    if (!settled) return true;
+    if (!node.is_asleep()) return old->levels[level]->insertions == node.levels[level].insertions();
+    // Without a revision it has not been awake since `old` was read from where it lies.
+    return node.stored_revisions.empty() ||
+           old->levels[level]->insertions == node.stored_revisions[level + 1];
+  };
+  const std::size_t levels = config_.levels.size();
+  bool is_complete = true;
+  for (std::size_t level = 0; level < levels; ++level) is_complete &= is_up_to_date(level);
+  std::optional<MemoryNode> read;
+  if (node.is_asleep() && !is_complete) {
+    result.is_pending = !settled || (old == nullptr && !may_read);
+    if (!result.is_pending) read = awakened(index);
+  }
+  const std::vector<NodeLevel>& source = read ? read->levels : node.levels;
+  for (std::size_t level = 0; level < levels; ++level) {
+    if (is_up_to_date(level)) {
+      result.levels.push_back(old->levels[level]);
+    } else if (!settled || result.is_pending) {
+      result.levels.push_back(rules.nothing);
+    } else {
+      result.levels.push_back(NodeMap::make_level(config_.bins(), config_.visibility.own_place_m,
+                                                  source[level].insertions(),
+                                                  memory::decode(source[level], rules.decoding)));
+    }
+  }
+  return result;
+}
+
+std::shared_ptr<const NodeMap> TimescaleMemory::decode(const DecodingConfig& decoding,
+                                                       const NodeMap* previous, double unsettled_s,
+                                                       std::size_t most_asleep) const {
+  const bool reusable = previous != nullptr && previous->decoding() == decoding;
+  const std::vector<bool> may_read = to_read(reusable ? previous : nullptr, most_asleep);
+  const DecodeRules rules{
+      decoding, unsettled_s,
+      NodeMap::make_level(config_.bins(), config_.visibility.own_place_m, 0,
+                          memory::decode(NodeLevel(config_.bins(), 1, false), decoding))};
+  std::vector<NodeMap::Node> nodes;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const NodeMap::Node* old =
+        reusable && n < previous->nodes().size() ? &previous->nodes()[n] : nullptr;
+    nodes.push_back(decode_node(n, old, rules, may_read[n]));
+  }
+  std::vector<std::string> names;
+  for (const LevelConfig& level : config_.levels) names.push_back(level.name);
+  return std::make_shared<const NodeMap>(config_.bins(), decoding, std::move(names),
+                                         std::move(nodes), previous);
+}
+
+}  // namespace strata::memory

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How a timescale memory becomes bytes and comes back.
+#include "memory/nodes/config_bytes.hpp"
+#include "memory/nodes/timescale_memory.hpp"
+
+namespace strata::memory {
+namespace {
+
+/// 2: a node may gather a day. Memories of version 1 have no level that learns by days.
+constexpr std::uint32_t kStateVersion = 2;
+
+/// Run and robot share a number: files of before several robots could feed a memory have robot 0.
+std::int64_t run_and_robot(const MemoryNode& node) {
+  return static_cast<std::int64_t>(
+      static_cast<std::uint64_t>(static_cast<std::uint32_t>(node.last_robot)) << 32U |
+      static_cast<std::uint32_t>(node.last_run));
+}
+
+struct Head {
+  TimescaleConfig config;
+  std::uint64_t seed = 0;
+  std::uint64_t observations = 0;
+};
+
+/// nodes: how many there must be.
+Head read_head(std::span<const std::byte> bytes, std::size_t nodes, const std::string& place) {
+  ByteReader in(bytes, place);
+  if (const auto version = in.read<std::uint32_t>(); version > kStateVersion) {
+    in.fail("was written by a newer Strata");
+  }
+  Head head;
+  head.config = read_config(in);
+  head.seed = in.read<std::uint64_t>();
+  head.observations = in.read<std::uint64_t>();
+  if (in.read<std::uint64_t>() != nodes) in.fail("lacks nodes");
+  in.finish();
+  return head;
+}
+
+void read_node_head(MemoryNode& node, std::span<const std::byte> bytes, const std::string& place) {
+  ByteReader in(bytes, place);
+  node.position_m.x() = in.read<double>();
+  node.position_m.y() = in.read<double>();
+  node.observations = in.read<std::uint64_t>();
+  const auto run = in.read<std::int64_t>();
+  node.last_run = static_cast<int>(run & 0xffffffff);
+  node.last_robot = run < 0 ? 0 : static_cast<int>(run >> 32);
+  node.last_stamp.ns = in.read<std::int64_t>();
+  node.last_pose.x = in.read<double>();
+  node.last_pose.y = in.read<double>();
+  node.last_pose.theta = in.read<double>();
+  in.finish();
+}
+
+}  // namespace
+
+std::vector<std::byte> TimescaleMemory::head_state() const {
+  ByteWriter out;
+  out.write(kStateVersion);
+  write_config(config_, out);
+  out.write(seed_);
+  out.write(observations_);
+  out.write(static_cast<std::uint64_t>(nodes_.size()));
+  return std::move(out).take();
+}
+
+TimescaleMemory::NodeState TimescaleMemory::node_state(std::size_t index) const {
+  const MemoryNode& node = nodes_[index];
+  ByteWriter head;
+  head.write(node.position_m.x());
+  head.write(node.position_m.y());
+  head.write(node.observations);
+  head.write(run_and_robot(node));
+  head.write(node.last_stamp.ns);
+  head.write(node.last_pose.x);
+  head.write(node.last_pose.y);
+  head.write(node.last_pose.theta);
+  NodeState state{std::move(head).take(), {}};
+  if (node.is_asleep()) {
+    state.levels = source_->levels_of(index);
+    return state;
+  }
+  for (const NodeLevel& level : node.levels) {
+    ByteWriter out;
+    level.write(out);
+    state.levels.push_back(std::move(out).take());
+  }
+  if (node.today) {
+    ByteWriter out;
+    node.today->write(out);
+    state.levels.push_back(std::move(out).take());
+  }
+  return state;
+}
+
+std::vector<std::byte> TimescaleMemory::state() const {
+  std::vector<std::byte> all = head_state();
+  auto append = [&all](const std::vector<std::byte>& part) {
+    all.insert(all.end(), part.begin(), part.end());
+  };
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const NodeState node = node_state(n);
+    append(node.head);
+    for (const auto& level : node.levels) append(level);
+  }
+  return all;
+}
+
+std::size_t TimescaleMemory::bytes() const {
+  // A node's head and, per level, insertions and two counts an angle bin.
+  constexpr std::size_t kHeadBytes = 64;
+  std::size_t total = head_state().size();
+  for (const MemoryNode& node : nodes_) {
+    total += kHeadBytes;
+    for (const NodeLevel& level : node.levels) {
+      total += 8 + 4 * static_cast<std::size_t>(config_.angle_bins);
+      total += level.sample_count() * sizeof(float) + level.pair_count() * sizeof(RangePair);
+    }
+    if (node.today) total += node.today->bytes();
+  }
+  return total;
+}
+
+void TimescaleMemory::read_levels(MemoryNode& node, std::span<const std::vector<std::byte>> levels,
+                                  const std::string& place) const {
+  if (levels.size() != node.levels.size() + (node.today ? 1U : 0U)) {
+    ByteReader({}, place).fail("lacks levels");
+  }
+  for (std::size_t level = 0; level < node.levels.size(); ++level) {
+    ByteReader in(levels[level], place);
+    node.levels[level].read(in);
+    in.finish();
+  }
+  if (!node.today) return;
+  ByteReader in(levels.back(), place);
+  node.today->read(in);
+  in.finish();
+}
+
+TimescaleMemory TimescaleMemory::restore(std::span<const std::byte> head,
+                                         std::span<const NodeState> nodes,
+                                         const std::string& place) {
+  Head read = read_head(head, nodes.size(), place);
+  TimescaleMemory memory(std::move(read.config), read.seed);
+  memory.observations_ = read.observations;
+  for (const NodeState& state : nodes) {
+    MemoryNode& node = memory.nodes_[static_cast<std::size_t>(memory.add_node({0.0, 0.0}))];
+    read_node_head(node, state.head, place);
+    memory.read_levels(node, state.levels, place);
+  }
+  return memory;
+}
+
+TimescaleMemory TimescaleMemory::restore_asleep(std::span<const std::byte> head,
+                                                std::span<const std::vector<std::byte>> node_heads,
+                                                std::shared_ptr<const NodeSource> source) {
+  const std::string place = source->place();
+  Head read = read_head(head, node_heads.size(), place);
+  TimescaleMemory memory(std::move(read.config), read.seed);
+  memory.observations_ = read.observations;
+  memory.source_ = std::move(source);
+  memory.nodes_.resize(node_heads.size());
+  for (std::size_t n = 0; n < node_heads.size(); ++n) {
+    read_node_head(memory.nodes_[n], node_heads[n], place);
+  }
+  return memory;
+}
+
+}  // namespace strata::memory

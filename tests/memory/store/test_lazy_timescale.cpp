@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A building of ten thousand nodes: nobody waits for those he does not need.
+#include <cstring>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "core/base/error.hpp"
+#include "memory/store/store.hpp"
+#include "tests/memory/nodes/room_world.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::memory {
+namespace {
+
+using test_world::observe;
+
+constexpr std::size_t kNodes = 10'000;
+constexpr int kColumns = 100;
+constexpr double kSpacing_m = 20.0;
+
+TimescaleConfig tiny_config() {
+  TimescaleConfig config;
+  config.angle_bins = 8;
+  config.levels = {{"short", 5, 3.1}, {"mid", 20, 27.0}};
+  return config;
+}
+
+Eigen::Vector2d place_of(std::size_t node) {
+  return {kSpacing_m * static_cast<double>(node % kColumns),
+          kSpacing_m * static_cast<double>(node / kColumns)};
+}
+
+/// The room's scan, as if the room were around that node.
+PosedScan scan_at(std::size_t node, int k) {
+  PosedScan scan = observe({0.1, 0.0, 0.02 * k}, 10.0 * k, k % 2 == 0);
+  scan.map_from_robot.x += place_of(node).x();
+  scan.map_from_robot.y += place_of(node).y();
+  return scan;
+}
+
+/// The same node ten thousand times, each at its own place.
+TimescaleMemory large_building() {
+  TimescaleMemory one(tiny_config());
+  for (int k = 0; k < 30; ++k) one.observe(scan_at(0, k));
+  std::vector<std::byte> head = one.head_state();
+  const std::uint64_t nodes = kNodes;
+  std::memcpy(head.data() + head.size() - sizeof nodes, &nodes, sizeof nodes);
+  std::vector<TimescaleMemory::NodeState> states(kNodes, one.node_state(0));
+  for (std::size_t n = 0; n < kNodes; ++n) {
+    const Eigen::Vector2d place = place_of(n);
+    std::memcpy(states[n].head.data(), place.data(), 2 * sizeof(double));
+  }
+  return TimescaleMemory::restore(head, states, "large building");
+}
+
+class LargeBuilding : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    directory_ = new test::TemporaryDirectory;
+    memory_ = new TimescaleMemory(large_building());
+    Store(path()).save_timescale(*memory_);
+  }
+  static void TearDownTestSuite() {
+    delete memory_;
+    delete directory_;
+  }
+  [[nodiscard]] static std::filesystem::path path() { return directory_->path() / "strata.db"; }
+  [[nodiscard]] static const TimescaleMemory& memory() { return *memory_; }
+  /// A copy of the file that a test may spoil.
+  [[nodiscard]] static std::filesystem::path copy(const char* name) {
+    std::filesystem::copy_file(path(), directory_->path() / name);
+    return directory_->path() / name;
+  }
+
+ private:
+  inline static test::TemporaryDirectory* directory_ = nullptr;
+  inline static TimescaleMemory* memory_ = nullptr;
+};
+
+TEST_F(LargeBuilding, OpensWithoutReadingItsNodes) {
+  const Store store(path(), {.read_only = true, .check = false});
+  const TimescaleMemory opened = store.open_timescale();
+  EXPECT_EQ(opened.nodes().size(), kNodes);
+  EXPECT_EQ(opened.awake(), 0U);
+  EXPECT_EQ(opened.observations(), memory().observations());
+  EXPECT_EQ(opened.head_state(), memory().head_state());
+}
+
+TEST_F(LargeBuilding, IsTheSameAsWhenReadAtOnce) {
+  const Store store(path(), {.read_only = true, .check = false});
+  EXPECT_EQ(store.open_timescale().state(), store.load_timescale().state());
+}
+
+TEST_F(LargeBuilding, WakesTheNodesThatScansAreForAndSavesThoseOnly) {
+  const auto file = copy("walk.db");
+  TimescaleMemory truth = memory();
+  {
+    Store store(file, {.check = false});
+    TimescaleMemory opened = store.open_timescale();
+    SavedTimescale saved = Store::all_saved(opened);
+    for (std::size_t n = 0; n < 50; ++n) {
+      const std::size_t node = 37 * n;
+      ASSERT_EQ(opened.observe(scan_at(node, 100)).node, static_cast<int>(node));
+      truth.observe(scan_at(node, 100));
+      EXPECT_EQ(store.save_timescale_changes(opened, saved), 1U);
+      opened.let_sleep(10, store.timescale_nodes());
+      EXPECT_LE(opened.awake(), 10U);
+    }
+    // Back to nodes that have slept since.
+    for (std::size_t n = 0; n < 50; ++n) {
+      opened.observe(scan_at(37 * n, 200));
+      truth.observe(scan_at(37 * n, 200));
+    }
+    EXPECT_EQ(store.save_timescale_changes(opened, saved), 50U);
+    EXPECT_EQ(store.save_timescale_changes(opened, saved), 0U);
+    EXPECT_EQ(opened.state(), truth.state());
+  }
+  EXPECT_EQ(Store(file, {.check = false}).load_timescale().state(), truth.state());
+}
+
+TEST_F(LargeBuilding, OutlivesTheStoreItWasOpenedFrom) {
+  std::optional<TimescaleMemory> opened;
+  {
+    const Store store(path(), {.read_only = true, .check = false});
+    opened = store.open_timescale();
+  }
+  EXPECT_EQ(opened->observe(scan_at(7, 100)).node, 7);
+  EXPECT_EQ(opened->awake(), 1U);
+}
+
+TEST_F(LargeBuilding, WithOneDamagedNodeWorksEverywhereElseAndSaysWhatIsWrong) {
+  const auto file = copy("damaged.db");
+  sqlite3* handle = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &handle), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(handle,
+                         "UPDATE timescale_level SET data = substr(data, 1, length(data) - 1) || "
+                         "x'5a' WHERE node = 42 AND level = 1",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(handle);
+  const Store store(file, {.check = false});
+  TimescaleMemory opened = store.open_timescale();
+  EXPECT_EQ(opened.observe(scan_at(41, 100)).node, 41);
+  try {
+    opened.observe(scan_at(42, 100));
+    FAIL() << "took a damaged node";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("damaged"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("damaged.db"));
+    EXPECT_FALSE(error.remedy().empty());
+  }
+  EXPECT_EQ(opened.observe(scan_at(43, 100)).node, 43);
+}
+
+}  // namespace
+}  // namespace strata::memory
