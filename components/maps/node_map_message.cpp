@@ -19,6 +19,7 @@ strata_msgs::msg::NodeMap to_message(const memory::TimescaleMemory& memory,
   message.radius(map.bins().max_range_m);
   for (std::size_t i = 0; i < map.nodes().size(); ++i) {
     const auto& node = map.nodes()[i];
+    if (node.is_pending) continue;
     strata_msgs::msg::MemoryNode entry;
     entry.id(static_cast<std::int32_t>(i));
     entry.pose(convert::to_message(Pose2{node.position_m.x(), node.position_m.y(), 0.0}));

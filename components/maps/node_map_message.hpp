@@ -12,7 +12,7 @@
 
 namespace strata::maps {
 
-/// What every level of every node expects.
+/// What every level of every node expects; nodes that are pending are left out.
 [[nodiscard]] strata_msgs::msg::NodeMap to_message(const memory::TimescaleMemory& memory,
                                                    const memory::NodeMap& map, Stamp stamp,
                                                    const std::string& frame);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "memory/decoding/decoding_config.hpp"
 #include "memory/nodes/timescale_config.hpp"
@@ -16,6 +17,8 @@ struct TimescaleMemoryConfig {
   double publish_period_s = 1.0;
   std::string store;
   double save_period_s = 0.5;
+  int resident_nodes = 500;
+  std::vector<std::string> robots;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("timescale", c.timescale, "the timescale memory");
@@ -32,6 +35,15 @@ struct TimescaleMemoryConfig {
                     "what it holds; empty: in RAM only"});
     v.field("save_period_s", c.save_period_s,
             {.doc = "live: what a crash may lose at most", .unit = "s", .min = 0.0, .max = 60.0});
+    v.field(
+        "resident_nodes", c.resident_nodes,
+        {.doc = "with a store: levels of this many nodes stay in RAM (about 160 kB each), those "
+                "needed last; others are read again when the robot comes back",
+         .min = 1});
+    v.field("robots", c.robots,
+            {.doc = "live: namespaces of the robots that feed this memory, such as [/robot1, "
+                    "/robot2], all in one map frame and with one clock; empty: the one in this "
+                    "namespace"});
   }
 };
 

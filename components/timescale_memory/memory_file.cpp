@@ -5,13 +5,16 @@
 
 namespace strata::timescale_memory {
 
-MemoryFile::MemoryFile(const std::string& path, double save_period_s)
-    : store_(path), save_period_(save_period_s) {}
+MemoryFile::MemoryFile(const std::string& path, double save_period_s, std::size_t resident_nodes)
+    // To look for damage reads the whole file; what is read later has checksums of its own.
+    : store_(path, {.check = false}),
+      save_period_(save_period_s),
+      resident_nodes_(resident_nodes) {}
 
 memory::TimescaleMemory MemoryFile::resume(const memory::TimescaleConfig& config,
                                            std::uint64_t seed) {
   if (!store_.has_timescale()) return memory::TimescaleMemory(config, seed);
-  memory::TimescaleMemory memory = store_.load_timescale();
+  memory::TimescaleMemory memory = store_.open_timescale();
   if (!(memory.config() == config)) {
     throw ConfigError(store_.path().string(), "holds a timescale memory made with other settings",
                       "give the settings it was made with, or another store");
@@ -20,12 +23,13 @@ memory::TimescaleMemory MemoryFile::resume(const memory::TimescaleConfig& config
   return memory;
 }
 
-void MemoryFile::save(const memory::TimescaleMemory& memory, bool force) {
+void MemoryFile::save(memory::TimescaleMemory& memory, bool force) {
   const Clock::time_point now = Clock::now();
   if (!force && now - last_save_ < save_period_) return;
   last_save_ = now;
   if (saved_.is_known && saved_.observations == memory.observations()) return;
   store_.save_timescale_changes(memory, saved_);
+  memory.let_sleep(resident_nodes_, store_.timescale_nodes());
 }
 
 }  // namespace strata::timescale_memory

@@ -3,18 +3,37 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "components/convert/scan_messages.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/node_map_message.hpp"
 
 namespace strata::timescale_memory {
+namespace {
+
+/// Nodes on disk that one published map reads and decodes, nearest first: a large building comes
+/// in parts instead of keeping the robot waiting.
+constexpr std::size_t kMostReadAtOnce = 50;
+/// After publishing for t, nothing is published for so many t: at most a twentieth of a core.
+constexpr int kRestsAWork = 19;
+
+/// "robot1", "/robot1" and "/robot1/" are the same.
+std::string topic_of(const std::string& robot) {
+  const std::size_t begin = robot.find_first_not_of('/');
+  if (begin == std::string::npos) return "/labeled_scan";
+  const std::size_t end = robot.find_last_not_of('/');
+  return "/" + robot.substr(begin, end + 1 - begin) + "/labeled_scan";
+}
+
+}  // namespace
 
 void TimescaleMemory::on_configure() {
   config_ = read_parameters<TimescaleMemoryConfig>();
   keep_live(config_, {"publish_period_s"});
   if (!lockstep() && !config_.store.empty()) {
-    file_.emplace(config_.store, config_.save_period_s);
+    file_.emplace(config_.store, config_.save_period_s,
+                  static_cast<std::size_t>(config_.resident_nodes));
     memory_.emplace(file_->resume(config_.timescale, context().seed));
   } else {
     memory_.emplace(config_.timescale, context().seed);
@@ -24,8 +43,24 @@ void TimescaleMemory::on_configure() {
     publish_level_.push_back(
         advertise<sensor_msgs::msg::LaserScan>("expected_scan/" + level.name, "default"));
   }
-  subscribe<strata_msgs::msg::LabeledScan>(lockstep() ? "mapped_scan" : "labeled_scan", "lossless",
-                                           [this](const auto& message) { on_scan(message); });
+  if (lockstep() || config_.robots.empty()) {
+    subscribe<strata_msgs::msg::LabeledScan>(lockstep() ? "mapped_scan" : "labeled_scan",
+                                             "lossless",
+                                             [this](const auto& message) { on_scan(message); });
+    return;
+  }
+  for (std::size_t robot = 0; robot < config_.robots.size(); ++robot) {
+    subscribe<strata_msgs::msg::LabeledScan>(
+        topic_of(config_.robots[robot]), "lossless",
+        [this, robot](const auto& message) { on_scan(message, static_cast<int>(robot)); });
+  }
+}
+
+void TimescaleMemory::on_diagnose(runtime::Health& health) const {
+  if (!memory_) return;
+  health.add("nodes", std::uint64_t{memory_->nodes().size()});
+  health.add("nodes in RAM", std::uint64_t{memory_->awake()});
+  health.add("observations", memory_->observations());
 }
 
 void TimescaleMemory::on_tick() {
@@ -38,6 +73,7 @@ void TimescaleMemory::on_deactivate() {
 
 bool TimescaleMemory::is_time_to_publish(Stamp stamp) {
   if (lockstep() || config_.publish_period_s <= 0.0) return false;
+  if (std::chrono::steady_clock::now() < rest_until_) return false;
   // Stamps may run backwards, as when a bag starts again.
   const bool is_due = !last_published_ ||
                       std::abs((stamp - *last_published_).seconds()) >= config_.publish_period_s;
@@ -45,16 +81,21 @@ bool TimescaleMemory::is_time_to_publish(Stamp stamp) {
   return is_due;
 }
 
-void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message) {
-  const PosedScan scan = convert::from_message(message);
-  memory_->observe(scan);
+void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message, int robot) {
+  PosedScan scan = convert::from_message(message);
+  // Robots that share a memory count their runs each for itself: only the clock is common.
+  if (!config_.robots.empty()) scan.run = 0;
+  memory_->observe(scan, nullptr, robot);
   if (!is_time_to_publish(scan.scan.stamp)) return;
-  publish_map(scan.scan.stamp);
+  const auto begin = std::chrono::steady_clock::now();
+  publish_map(scan.scan.stamp, kMostReadAtOnce);
   publish_expected(scan, message.scan().header().frame_id());
+  const auto end = std::chrono::steady_clock::now();
+  rest_until_ = end + kRestsAWork * (end - begin);
 }
 
-void TimescaleMemory::publish_map(Stamp stamp) {
-  decoded_ = memory_->decode(config_.decoding, decoded_.get());
+void TimescaleMemory::publish_map(Stamp stamp, std::size_t most_read) {
+  decoded_ = memory_->decode(config_.decoding, decoded_.get(), 0.0, most_read);
   publish_map_(maps::to_message(*memory_, *decoded_, stamp, config_.map_frame));
 }
 
@@ -73,7 +114,7 @@ void TimescaleMemory::publish_expected(const PosedScan& scan, const std::string&
 
 void TimescaleMemory::on_finish(const std::filesystem::path& out_dir) {
   memory_->close_day();
-  publish_map(Stamp());
+  publish_map(Stamp(), std::numeric_limits<std::size_t>::max());
   maps::write_timescale(out_dir, *memory_);
 }
 
@@ -81,6 +122,7 @@ void TimescaleMemory::on_cleanup() {
   memory_.reset();
   decoded_.reset();
   last_published_.reset();
+  rest_until_ = {};
   file_.reset();
   publish_level_.clear();
 }

@@ -2,6 +2,8 @@
 /// strata::TimescaleMemory: posed scans in; what each level expects around each node out.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -18,7 +20,8 @@ namespace strata::timescale_memory {
 
 /// In: mapped_scan (lockstep) or labeled_scan (live). Out: node_map; expected_scan/LEVEL, what a
 /// scan from the robot's pose would look like if the level were right; at the end of a log the
-/// memory in MAPS. Live, with a store: the memory survives the process.
+/// memory in MAPS. Live, with a store: the memory survives the process. Several robots may feed it,
+/// each from its namespace's labeled_scan; every scan that arrives is offered to the memory.
 class TimescaleMemory final : public runtime::Component {
  public:
   using Component::Component;
@@ -30,9 +33,11 @@ class TimescaleMemory final : public runtime::Component {
   void on_tick() override;
   [[nodiscard]] bool learns() const override { return true; }
   void on_finish(const std::filesystem::path& out_dir) override;
-  void on_scan(const strata_msgs::msg::LabeledScan& message);
+  void on_diagnose(runtime::Health& health) const override;
+  void on_scan(const strata_msgs::msg::LabeledScan& message, int robot = 0);
   [[nodiscard]] bool is_time_to_publish(Stamp stamp);
-  void publish_map(Stamp stamp);
+  /// most_read: nodes that may be read from the store for it.
+  void publish_map(Stamp stamp, std::size_t most_read);
   void publish_expected(const PosedScan& scan, const std::string& frame);
 
   TimescaleMemoryConfig config_;
@@ -40,6 +45,7 @@ class TimescaleMemory final : public runtime::Component {
   std::optional<MemoryFile> file_;
   std::shared_ptr<const memory::NodeMap> decoded_;
   std::optional<Stamp> last_published_;
+  std::chrono::steady_clock::time_point rest_until_;
   std::function<void(const strata_msgs::msg::NodeMap&)> publish_map_;
   std::vector<std::function<void(const sensor_msgs::msg::LaserScan&)>> publish_level_;
 };

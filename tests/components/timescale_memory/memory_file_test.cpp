@@ -31,24 +31,24 @@ TEST_F(MemoryFileTest, GoesOnWhereItStoppedAsIfNothingHadHappened) {
   memory::TimescaleMemory uninterrupted({}, 3);
   take_in(uninterrupted, 0, 60);
   for (int part = 0; part < 3; ++part) {
-    MemoryFile file(path(), 0.0);
+    MemoryFile file(path(), 0.0, 100);
     memory::TimescaleMemory memory = file.resume({}, 3);
     take_in(memory, 20 * part, 20 * (part + 1));
     file.save(memory, true);
   }
-  EXPECT_EQ(MemoryFile(path(), 0.0).resume({}, 3).state(), uninterrupted.state());
+  EXPECT_EQ(MemoryFile(path(), 0.0, 100).resume({}, 3).state(), uninterrupted.state());
 }
 
 TEST_F(MemoryFileTest, RefusesAMemoryMadeWithOtherSettings) {
   {
-    MemoryFile file(path(), 0.0);
+    MemoryFile file(path(), 0.0, 100);
     memory::TimescaleMemory memory = file.resume({}, 1);
     take_in(memory, 0, 3);
     file.save(memory, true);
   }
   memory::TimescaleConfig other;
   other.max_range_m = 6.0;
-  MemoryFile file(path(), 0.0);
+  MemoryFile file(path(), 0.0, 100);
   try {
     static_cast<void>(file.resume(other, 1));
     FAIL() << "took a memory of 8 m for one of 6 m";
@@ -57,8 +57,25 @@ TEST_F(MemoryFileTest, RefusesAMemoryMadeWithOtherSettings) {
   }
 }
 
+TEST_F(MemoryFileTest, KeepsNoMoreNodesInRamThanItIsTold) {
+  memory::TimescaleMemory unbounded({}, 3);
+  take_in(unbounded, 0, 120);
+  ASSERT_GT(unbounded.nodes().size(), 2U);
+  for (int part = 0; part < 2; ++part) {
+    MemoryFile file(path(), 0.0, 1);
+    memory::TimescaleMemory memory = file.resume({}, 3);
+    EXPECT_EQ(memory.awake(), 0U);
+    for (int t = 60 * part; t < 60 * (part + 1); ++t) {
+      take_in(memory, t, t + 1);
+      file.save(memory, true);
+      EXPECT_EQ(memory.awake(), 1U);
+    }
+  }
+  EXPECT_EQ(MemoryFile(path(), 0.0, 1).resume({}, 3).state(), unbounded.state());
+}
+
 TEST_F(MemoryFileTest, WaitsForItsPeriodUnlessForced) {
-  MemoryFile file(path(), 1000.0);
+  MemoryFile file(path(), 1000.0, 100);
   memory::TimescaleMemory memory = file.resume({}, 1);
   take_in(memory, 0, 3);
   file.save(memory, false);

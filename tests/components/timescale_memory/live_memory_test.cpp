@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The memory of running robots, over DDS.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/convert/scan_messages.hpp"
+#include "components/timescale_memory/register.hpp"
+#include "memory/store/store.hpp"
+#include "tests/components/runtime/host_fixture.hpp"
+#include "tests/components/runtime/status_watch.hpp"
+#include "tests/memory/nodes/room_world.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::timescale_memory {
+namespace {
+
+using memory::TimescaleMemory;
+using memory::test_world::observe;
+using strata_msgs::msg::LabeledScan;
+
+/// The k-th scan of a robot in its end of the room, at 2 Hz.
+PosedScan scan_of(int robot, int k) {
+  const double x = robot == 0 ? -2.5 : 1.0;
+  return observe({x + 0.4 * std::sin(0.3 * k), 0.4, 0.3 * k}, 1000.0 + 0.5 * k, false,
+                 static_cast<std::uint64_t>(robot + 1));
+}
+
+/// A memory in a process of its own.
+class LiveMemory {
+ public:
+  explicit LiveMemory(const std::string& parameters)
+      : participant_(test::make_participant()), watch_(participant_) {
+    register_component(registry_);
+    host_ = test::make_host(
+        "{type: strata::TimescaleMemory, name: memory, parameters: {" + parameters + "}}",
+        registry_, test::make_participant());
+    host_->activate();
+  }
+  [[nodiscard]] bool has_received(const std::string& topic, int count) {
+    const std::string key = "received " + topic;
+    const auto status = watch_.wait_for(
+        *host_, [&](const auto& now) { return test::value_of(now, key) == std::to_string(count); });
+    return test::value_of(status, key) == std::to_string(count);
+  }
+
+ private:
+  std::shared_ptr<bus::Participant> participant_;
+  test::StatusWatch watch_;
+  runtime::Registry registry_;
+  std::unique_ptr<runtime::Host> host_;
+};
+
+class Robot {
+ public:
+  explicit Robot(const std::string& topic)
+      : scans_(test::make_participant(), topic, bus::qos_profile("lossless")) {
+    EXPECT_TRUE(scans_.raw().wait_for_readers(1, std::chrono::seconds(20)));
+  }
+  void publish(const PosedScan& scan) { scans_.publish(convert::to_message(scan, "map", "laser")); }
+
+ private:
+  bus::Writer<LabeledScan> scans_;
+};
+
+class LiveMemoryTest : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path() const { return (directory_.path() / "strata.db").string(); }
+  [[nodiscard]] TimescaleMemory stored() const { return memory::Store(path()).load_timescale(); }
+
+ private:
+  test::TemporaryDirectory directory_;
+};
+
+/// Who sends when.
+using Order = std::vector<std::pair<int, int>>;  // robot, which of its scans
+
+class OneMemoryForTwoRobots : public LiveMemoryTest, public testing::WithParamInterface<int> {
+ protected:
+  static constexpr int kScans = 40;
+  [[nodiscard]] static Order order() {
+    Order order;
+    for (int k = 0; k < kScans; ++k) {
+      for (int robot = 0; robot < 2; ++robot) order.emplace_back(robot, k);
+    }
+    RandomStream random(5, StreamId::kTest);
+    if (GetParam() == 1) {  // one after the other
+      std::stable_sort(order.begin(), order.end(),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
+    } else if (GetParam() == 2) {  // the second late, and its scans backwards
+      std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first < b.first : a.first == 1 && a.second > b.second;
+      });
+    } else if (GetParam() == 3) {  // as it happens
+      for (std::size_t i = order.size(); i > 1; --i) {
+        std::swap(order[i - 1], order[random.below(static_cast<std::uint32_t>(i))]);
+      }
+    }
+    return order;
+  }
+};
+
+TEST_P(OneMemoryForTwoRobots, LosesNoScanOfEither) {
+  {
+    LiveMemory memory("store: '" + path() + "', robots: [robot1, /robot2]");
+    Robot one("/robot1/labeled_scan");
+    Robot two("/robot2/labeled_scan");
+    for (const auto& [robot, k] : order()) (robot == 0 ? one : two).publish(scan_of(robot, k));
+    ASSERT_TRUE(memory.has_received("/robot1/labeled_scan", kScans));
+    ASSERT_TRUE(memory.has_received("/robot2/labeled_scan", kScans));
+  }
+  // A robot turns by more than the gate asks for between two scans: each of them counts.
+  const TimescaleMemory memory = stored();
+  std::uint64_t left = 0;
+  std::uint64_t right = 0;
+  for (const memory::MemoryNode& node : memory.nodes()) {
+    (node.position_m.x() < -0.8 ? left : right) += node.observations;
+  }
+  EXPECT_EQ(left, static_cast<std::uint64_t>(kScans));
+  EXPECT_EQ(right, static_cast<std::uint64_t>(kScans));
+  // Each of them as if it had been there alone.
+  for (int robot = 0; robot < 2; ++robot) {
+    const Pose2 laser{robot == 0 ? -2.5 : 1.0, 0.4, 0.0};
+    const float expected = memory.decode()->expected_range_m(2, laser, 1.0);
+    EXPECT_NEAR(expected, memory::test_world::range_m(laser.translation(), 1.0, false), 0.1);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(InAnyOrder, OneMemoryForTwoRobots, testing::Range(0, 4));
+
+TEST_F(LiveMemoryTest, GoesOnAfterARestartAsIfNothingHadHappened) {
+  TimescaleMemory uninterrupted({}, 1);
+  for (int part = 0; part < 3; ++part) {
+    LiveMemory memory("store: '" + path() + "', resident_nodes: 1");
+    Robot robot("/labeled_scan");
+    for (int k = 20 * part; k < 20 * (part + 1); ++k) {
+      robot.publish(scan_of(0, k));
+      uninterrupted.observe(scan_of(0, k));
+    }
+    ASSERT_TRUE(memory.has_received("/labeled_scan", 20));
+  }
+  EXPECT_EQ(stored().state(), uninterrupted.state());
+}
+
+TEST_F(LiveMemoryTest, PublishesWhatTheStoreHoldsFromTheFirstScanOn) {
+  {
+    TimescaleMemory memory({}, 1);
+    for (int k = 0; k < 40; ++k) {
+      memory.observe(scan_of(0, k));
+      memory.observe(scan_of(1, k));
+    }
+    memory::Store(path()).save_timescale(memory);
+  }
+  const std::size_t nodes = stored().nodes().size();
+  ASSERT_GT(nodes, 1U);
+  LiveMemory memory("store: '" + path() + "'");
+  test::Collector<strata_msgs::msg::NodeMap> maps(test::make_participant(), "/node_map", "latched");
+  Robot robot("/labeled_scan");
+  robot.publish(scan_of(0, 40));
+  const auto received = maps.wait_for(1);
+  ASSERT_EQ(received.size(), 1U);
+  EXPECT_EQ(received[0].nodes().size(), nodes);
+}
+
+}  // namespace
+}  // namespace strata::timescale_memory
