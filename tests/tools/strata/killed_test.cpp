@@ -12,13 +12,11 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "components/log/bag.hpp"
 #include "components/log/log_reader.hpp"
 #include "core/base/error.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/tools/strata/moments.hpp"
 
 namespace fs = std::filesystem;
@@ -45,37 +43,6 @@ TEST_F(Killed, LearnLeavesNothingThatLooksWholeAndRunsAgain) {
   test::expect_same_maps(at("killed"), at("direct"));
 }
 
-/// The program in the background, killed at the end of the scope.
-class Background {
- public:
-  explicit Background(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), STRATA_PROGRAM);
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    EXPECT_EQ(posix_spawn(&pid_, STRATA_PROGRAM, nullptr, nullptr, argv.data(), environ), 0);
-  }
-  ~Background() { kill_hard(); }
-  Background(const Background&) = delete;
-  Background& operator=(const Background&) = delete;
-  void kill_hard() {
-    if (pid_ <= 0) return;
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-    pid_ = -1;
-  }
-  [[nodiscard]] bool runs() const { return waitpid(pid_, nullptr, WNOHANG) == 0; }
-  /// The processes that it started.
-  [[nodiscard]] std::set<pid_t> children() const {
-    const std::string pid = std::to_string(pid_);
-    std::ifstream in("/proc/" + pid + "/task/" + pid + "/children");
-    return {std::istream_iterator<pid_t>(in), {}};
-  }
-
- private:
-  pid_t pid_ = -1;
-};
-
 std::size_t readable_messages(const fs::path& bag) {
   if (!fs::exists(bag) || fs::is_empty(bag)) return 0;
   try {
@@ -99,8 +66,8 @@ TEST_F(Killed, RecorderLeavesWhatItRecordedReadable) {
            "      - {type: strata::Player, name: player, parameters: {rate: 1000, log: "
         << log().string() << "}}\n";
     const std::size_t scans = log::read_observations(log()).size();
-    Background run({"run", "--quiet", at("kill.yaml").string(), "--set",
-                    "domain=" + std::to_string(test::own_domain())});
+    test::ChildProcess run({STRATA_PROGRAM, "run", "--quiet", at("kill.yaml").string(), "--set",
+                            "domain=" + std::to_string(test::own_domain())});
     // Nothing comes any more once all has been played: the recorder itself has to bring it out.
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (readable_messages(at("bag")) < scans && std::chrono::steady_clock::now() < deadline) {
@@ -128,8 +95,8 @@ TEST_F(Killed, AProcessThatDiesIsStartedAgainAsItsPolicySays) {
          "    components: [{type: strata::BeamFilter, name: one}]\n"
          "  - name: two\n"
          "    components: [{type: strata::BeamFilter, name: two}]\n";
-  const Background run({"run", "--quiet", at("restart.yaml").string(), "--set",
-                        "domain=" + std::to_string(test::own_domain())});
+  test::ChildProcess run({STRATA_PROGRAM, "run", "--quiet", at("restart.yaml").string(), "--set",
+                          "domain=" + std::to_string(test::own_domain())});
   ASSERT_TRUE(comes_true([&] { return run.children().size() == 2; }));
   const pid_t first = *run.children().begin();  // started first, so `one` has the smaller number
   kill(first, SIGKILL);
