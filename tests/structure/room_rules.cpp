@@ -36,7 +36,8 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"components/convert", {"core", "memory", "idl"}},
       {"components/log", {"components/convert"}},
       {"components/maps", {"core", "memory", "components/log", "components/settings"}},
-      {"components/bus", {"core/base", "components/convert"}},
+      {"components/security", {"core"}},
+      {"components/bus", {"core/base", "components/convert", "components/security"}},
       {"components/runtime", {"components/bus", "components/log", "components/maps"}},
   };
   return table;
