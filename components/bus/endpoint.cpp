@@ -64,6 +64,20 @@ void require_granted(const QosProfile& asked, const QosProfile& granted, const s
                     "remove XML profiles that override endpoints");
 }
 
+/// Says why the middleware made no endpoint.
+[[noreturn]] void refuse(const Participant::State& owner, const TopicName& topic,
+                         const QosProfile& qos, bool writes) {
+  const std::string verb = writes ? "write" : "read";
+  if (!owner.is_secured) {
+    throw OutputError(topic.full,
+                      std::string("no ") + (writes ? "writer" : "reader") + " can be made",
+                      "check the QoS profile " + qos.name);
+  }
+  throw OutputError(
+      topic.full, "enclave " + owner.options.enclave + " may not " + verb + " " + wire_topic(topic),
+      "allow it with `strata keystore permissions`");
+}
+
 Guid guid_of(const dds::InstanceHandle_t& handle) { return to_guid(rtps::iHandle2GUID(handle)); }
 
 SampleIdentity from_wire(const rtps::SampleIdentity& identity) {
@@ -124,9 +138,7 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
   }
   state_->writer = owner.publisher->create_datawriter(
       owner.topic(topic, type), writer_qos, state_.get(), dds::StatusMask::publication_matched());
-  if (state_->writer == nullptr) {
-    throw OutputError(state_->topic, "no writer can be made", "check the QoS profile " + qos.name);
-  }
+  if (state_->writer == nullptr) refuse(owner, topic, qos, true);
   require_granted(qos, granted_qos(), state_->topic);
   owner.add_endpoint({guid(), true, wire_topic(topic), wire_type(type), qos.reliable,
                       qos.transient_local, 0.0, type_hash});
@@ -230,9 +242,7 @@ RawReader::RawReader(std::shared_ptr<Participant> participant, TopicName topic,
   state_->reader = owner.subscriber->create_datareader(
       owner.topic(topic, type), reader_qos, state_.get(),
       dds::StatusMask::data_available() << dds::StatusMask::subscription_matched());
-  if (state_->reader == nullptr) {
-    throw OutputError(state_->topic, "no reader can be made", "check the QoS profile " + qos.name);
-  }
+  if (state_->reader == nullptr) refuse(owner, topic, qos, false);
   require_granted(qos, granted_qos(), state_->topic);
   owner.add_endpoint({guid(), false, wire_topic(topic), wire_type(type), qos.reliable,
                       qos.transient_local, 0.0, type_hash});

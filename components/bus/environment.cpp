@@ -34,6 +34,28 @@ std::vector<std::string> split(const std::string& text) {
   return parts;
 }
 
+SecurityOptions security_options() {
+  SecurityOptions options;
+  const std::string enabled = variable("ROS_SECURITY_ENABLE");
+  if (!enabled.empty() && enabled != "true" && enabled != "false") {
+    throw ConfigError("ROS_SECURITY_ENABLE", "is '" + enabled + "'", "set it to true or false");
+  }
+  options.enabled = enabled == "true";
+  if (!options.enabled) return options;
+  const std::string strategy = variable("ROS_SECURITY_STRATEGY");
+  if (!strategy.empty() && strategy != "Enforce" && strategy != "Permissive") {
+    throw ConfigError("ROS_SECURITY_STRATEGY", "is '" + strategy + "'",
+                      "set it to Enforce or Permissive");
+  }
+  options.enforced = strategy == "Enforce";
+  options.keystore = variable("ROS_SECURITY_KEYSTORE");
+  if (options.keystore.empty()) {
+    throw ConfigError("ROS_SECURITY_KEYSTORE", "is not set though ROS_SECURITY_ENABLE is true",
+                      "set it to a folder that `strata keystore create` made");
+  }
+  return options;
+}
+
 }  // namespace
 
 ParticipantOptions options_from_environment() {
@@ -57,6 +79,10 @@ ParticipantOptions options_from_environment() {
   } else if (!range.empty() && range != "SUBNET" && range != "SYSTEM_DEFAULT") {
     throw ConfigError("ROS_AUTOMATIC_DISCOVERY_RANGE", "is '" + range + "'",
                       "set it to SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT");
+  }
+  options.security = security_options();
+  if (const std::string enclave = variable("ROS_SECURITY_ENCLAVE_OVERRIDE"); !enclave.empty()) {
+    options.enclave = enclave;
   }
   return options;
 }

@@ -14,7 +14,10 @@ namespace strata::bus {
 /// - ROS_LOCALHOST_ONLY=1: LOCALHOST without static peers, whatever the range says;
 /// - ROS_STATIC_PEERS: addresses to ask besides, with ';' between them;
 /// - ROS_DISCOVERY_SERVER: transport discovery_server;
-/// - ROS_DISTRO: the release.
+/// - ROS_DISTRO: the release;
+/// - ROS_SECURITY_ENABLE=true: with security, from the folder ROS_SECURITY_KEYSTORE;
+///   ROS_SECURITY_STRATEGY=Enforce: or not at all (default Permissive);
+/// - ROS_SECURITY_ENCLAVE_OVERRIDE: as that enclave of the keystore.
 ///
 /// FASTRTPS_DEFAULT_PROFILES_FILE is read by Fast DDS itself; what we set comes on top of it.
 /// Throws ConfigError, at the variable's name, for a value that is none.

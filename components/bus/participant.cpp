@@ -9,6 +9,7 @@
 #include "components/bus/names.hpp"
 #include "components/bus/participant_state.hpp"
 #include "components/bus/raw_type.hpp"
+#include "components/bus/security.hpp"
 #include "components/bus/transports.hpp"
 #include "core/base/error.hpp"
 
@@ -28,7 +29,8 @@ Participant::Participant(const ParticipantOptions& options) : state_(std::make_u
                       "choose a ROS_DOMAIN_ID from 0 to 232");
   }
   state_->options = options;
-  const dds::DomainParticipantQos qos = participant_qos(options);
+  dds::DomainParticipantQos qos = participant_qos(options);
+  state_->is_secured = options.transport != Transport::kAlone && secure(options, qos);
   auto* factory = dds::DomainParticipantFactory::get_instance();
   state_->participant = factory->create_participant(static_cast<dds::DomainId_t>(options.domain),
                                                     qos, state_.get(), dds::StatusMask::none());
@@ -38,7 +40,10 @@ Participant::Participant(const ParticipantOptions& options) : state_(std::make_u
   }
   if (state_->publisher == nullptr || state_->subscriber == nullptr) {
     throw OutputError("domain " + std::to_string(options.domain), "no DDS participant can be made",
-                      "check the network interfaces and free ports above 7400");
+                      state_->is_secured
+                          ? "see what Fast DDS says above; make the enclave again with `strata "
+                            "keystore` if it is at fault"
+                          : "check the network interfaces and free ports above 7400");
   }
 }
 
@@ -50,6 +55,8 @@ Participant::~Participant() {
 }
 
 const ParticipantOptions& Participant::options() const { return state_->options; }
+
+bool Participant::is_secured() const { return state_->is_secured; }
 
 Guid Participant::guid() const { return to_guid(state_->participant->guid()); }
 

@@ -23,6 +23,13 @@ enum class Transport {
 /// "default", "loopback", "shared_memory" or "discovery_server"; throws ConfigError for another.
 [[nodiscard]] Transport transport_from_name(std::string_view name);
 
+/// As ROS 2's variables ROS_SECURITY_ENABLE, _STRATEGY and _KEYSTORE say.
+struct SecurityOptions {
+  bool enabled = false;
+  bool enforced = false;  ///< no participant without an enclave; else one that is missing is fine
+  std::string keystore;   ///< folder in SROS2's layout
+};
+
 struct ParticipantOptions {
   int domain = 0;  ///< ROS_DOMAIN_ID, 0 to 232
   Transport transport = Transport::kDefault;
@@ -30,6 +37,7 @@ struct ParticipantOptions {
   std::string ros_distro = "jazzy";       ///< whose layout ros_discovery_info has
   std::vector<std::string> static_peers;  ///< addresses to ask besides, without DNS
   bool is_alone = false;                  ///< sees this process only
+  SecurityOptions security;               ///< with kAlone never used
 };
 
 /// What the writers of a topic offer.
@@ -42,7 +50,8 @@ struct PublishedTopic {
 /// Discovers others and owns the middleware's entities. Thread safe.
 class Participant {
  public:
-  /// Throws ConfigError for a domain out of range, OutputError when the middleware refuses.
+  /// Throws ConfigError for a domain out of range, InputError for an enclave that is not good,
+  /// OutputError when the middleware refuses.
   explicit Participant(const ParticipantOptions& options);
   ~Participant();
   Participant(const Participant&) = delete;
@@ -50,6 +59,8 @@ class Participant {
 
   [[nodiscard]] const ParticipantOptions& options() const;
   [[nodiscard]] Guid guid() const;
+  /// Whether it has shown its enclave; false where a permissive one was not there.
+  [[nodiscard]] bool is_secured() const;
   /// Every ROS 2 topic that some writer of the domain, here or elsewhere, publishes now.
   [[nodiscard]] std::map<std::string, PublishedTopic> published_topics() const;
   /// Everything that discovery knows now, this participant and its endpoints included.

@@ -56,6 +56,7 @@ template <typename ProxyData>
 
 struct Participant::State : dds::DomainParticipantListener {
   ParticipantOptions options;
+  bool is_secured = false;
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;

@@ -7,6 +7,7 @@
 #include "components/bus/environment.hpp"
 #include "components/bus/node.hpp"
 #include "components/runtime/composition_settings.hpp"
+#include "components/security/enclave.hpp"
 #include "components/settings/config_reader.hpp"
 #include "components/settings/yaml_document.hpp"
 #include "core/base/error.hpp"
@@ -195,6 +196,12 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
   }
   composition.ros_distro = section.get<std::string>("ros_distro", usual.ros_distro);
   section.located("ros_distro", [&] { return bus::gid_bytes_of(composition.ros_distro); });
+  composition.security = usual.security;
+  composition.enclave = usual.enclave;
+  if (usual.enclave == "/") {  // else ROS_SECURITY_ENCLAVE_OVERRIDE rules
+    composition.enclave = section.get<std::string>("enclave", "/");
+    section.located("enclave", [&] { security::require_enclave_name(composition.enclave); });
+  }
   const std::vector<YAML::Node> processes = section.items("processes");
   for (std::size_t i = 0; i < processes.size(); ++i) {
     composition.processes.push_back(read_process(

@@ -48,6 +48,8 @@ struct Composition {
   std::string ros_distro = "jazzy";       ///< the ROS 2 release of the robot; see bus::gid_bytes_of
   std::vector<std::string> static_peers;  ///< from the environment
   bool is_alone = false;                  ///< from the environment
+  std::string enclave = "/";              ///< of every process
+  bus::SecurityOptions security;          ///< from the environment
   std::vector<ProcessEntry> processes;
 };
 

@@ -209,7 +209,7 @@ std::string read_text(const std::filesystem::path& file) {
 }  // namespace
 
 std::vector<std::string> composition_keys() {
-  return {"domain", "namespace", "use_sim_time", "transport", "ros_distro", "processes"};
+  return {"domain", "namespace", "use_sim_time", "transport", "ros_distro", "enclave", "processes"};
 }
 
 void apply_composition_override(YAML::Node& document, const std::string& option) {

@@ -49,6 +49,8 @@ std::shared_ptr<bus::Participant> make_participant(const Composition& compositio
   options.ros_distro = composition.ros_distro;
   options.static_peers = composition.static_peers;
   options.is_alone = composition.is_alone;
+  options.enclave = composition.enclave;
+  options.security = composition.security;
   return std::make_shared<bus::Participant>(options);
 }
 
