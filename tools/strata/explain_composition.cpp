@@ -9,6 +9,7 @@
 #include "components/runtime/host.hpp"
 #include "tools/strata/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
+#include "tools/strata/explained_hosts.hpp"
 
 namespace strata::tools {
 namespace {
@@ -100,19 +101,25 @@ const char* transport_name(bus::Transport transport) {
 
 }  // namespace
 
-void explain(const runtime::Composition& composition) {
+ExplainedHosts explained_hosts(const runtime::Composition& composition) {
   bus::ParticipantOptions alone;
   alone.domain = composition.domain;
   alone.transport = bus::Transport::kAlone;
-  const auto participant = std::make_shared<bus::Participant>(alone);
+  ExplainedHosts result;
+  result.participant = std::make_shared<bus::Participant>(alone);
   const runtime::Registry registry = all_components();
   runtime::HostOptions options;
   options.only_explained = true;
-  Hosts hosts;
   for (const runtime::ProcessEntry& process : composition.processes) {
-    hosts.push_back(
-        std::make_unique<runtime::Host>(composition, process, registry, participant, options));
+    result.hosts.push_back(std::make_unique<runtime::Host>(composition, process, registry,
+                                                           result.participant, options));
   }
+  return result;
+}
+
+void explain(const runtime::Composition& composition) {
+  const ExplainedHosts explained = explained_hosts(composition);
+  const Hosts& hosts = explained.hosts;
   const Topics topics = collect(hosts);
   std::cout << composition.place << ": domain " << composition.domain << ", transport "
             << transport_name(composition.transport) << '\n';

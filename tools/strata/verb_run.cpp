@@ -50,8 +50,12 @@ void run_here(const RunOptions& options, VerbContext& context,
   host_options.seed = context.options.seed;
   host_options.threads = context.options.threads;
   const runtime::Registry registry = all_components();
-  runtime::Host host(composition, process, registry, runtime::make_participant(composition),
-                     host_options);
+  const auto participant = runtime::make_participant(composition);
+  if (composition.security.enabled && !participant->is_secured()) {
+    context.note("warning: runs without security: enclave " + composition.enclave +
+                 " is not in the keystore and ROS_SECURITY_STRATEGY is not Enforce");
+  }
+  runtime::Host host(composition, process, registry, participant, host_options);
   if (!options.lockstep) {
     host.activate();
     context.note("process " + process.name + " runs; Ctrl-C ends it");

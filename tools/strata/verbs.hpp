@@ -18,6 +18,7 @@ void add_convert(CLI::App& app, VerbContext& context);
 void add_doctor(CLI::App& app, VerbContext& context);
 void add_evaluate(CLI::App& app, VerbContext& context);
 void add_info(CLI::App& app, VerbContext& context);
+void add_keystore(CLI::App& app, VerbContext& context);
 void add_learn(CLI::App& app, VerbContext& context);
 void add_localize(CLI::App& app, VerbContext& context);
 void add_record(CLI::App& app, VerbContext& context);
@@ -42,6 +43,7 @@ inline constexpr AddVerb kVerbs[] = {
     add_replay,    //
     add_record,    //
     add_doctor,    //
+    add_keystore,  //
 };
 
 /// The command line of one process of a composition (verb_run.cpp).
