@@ -46,6 +46,12 @@ void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussi
   model_ = config_.sensor_model == maps::SensorModelKind::kBeam
                ? maps::make_map_model(maps, config_.model, config_.sensor)
                : maps::make_likelihood_field_model(maps, config_.model, config_.likelihood_field);
+  if (localizer_) {
+    // A newer map: all that is known of the pose stays, be it one place or many.
+    localizer_->set_model(model_.sensor);
+    localizer_->set_free_space(maps.filtered);
+    return;
+  }
   localizer_ = std::make_unique<localization::Localizer>(config_.localizer, model_.sensor,
                                                          context().seed, context().threads);
   localizer_->set_free_space(maps.filtered);

@@ -38,7 +38,8 @@ strata_msgs::msg::NodeMap to_message(const memory::TimescaleMemory& memory,
 }
 
 std::shared_ptr<const memory::NodeMap> from_message(const strata_msgs::msg::NodeMap& message,
-                                                    const NodeMapShape& shape) {
+                                                    const NodeMapShape& shape,
+                                                    const memory::NodeMap* previous) {
   const auto refuse = [] {
     throw InputError("NodeMap", "its nodes differ in their levels or bins",
                      "check the sender's version");
@@ -70,7 +71,7 @@ std::shared_ptr<const memory::NodeMap> from_message(const strata_msgs::msg::Node
     nodes.push_back(std::move(node));
   }
   return std::make_shared<const memory::NodeMap>(bins, memory::DecodingConfig{}, std::move(names),
-                                                 std::move(nodes));
+                                                 std::move(nodes), previous);
 }
 
 }  // namespace strata::maps

@@ -21,9 +21,11 @@ namespace strata::maps {
 struct NodeMapShape {
   double own_place_m = memory::TimescaleConfig{}.visibility.own_place_m;
 };
-/// The same expectations again, bit for bit when the shape is the memory's own. Throws InputError
-/// when nodes differ in their levels or bins.
+/// The same expectations again, bit for bit when the shape is the memory's own. previous: the map
+/// of an earlier message, whose look-up table may be shared, or null. Throws InputError when nodes
+/// differ in their levels or bins.
 [[nodiscard]] std::shared_ptr<const memory::NodeMap> from_message(
-    const strata_msgs::msg::NodeMap& message, const NodeMapShape& shape);
+    const strata_msgs::msg::NodeMap& message, const NodeMapShape& shape,
+    const memory::NodeMap* previous = nullptr);
 
 }  // namespace strata::maps

@@ -2,8 +2,8 @@
 #include "components/maps/timescale_model.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -16,25 +16,19 @@ using memory::NodeMap;
 using memory::NodeOutline;
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
-/// Views of one particle's pose are kept on the stack.
-constexpr std::size_t kMostLevels = 16;
-
-std::vector<Eigen::Vector2d> directions_of(const ScanBeams& beams) {
-  std::vector<Eigen::Vector2d> directions;
-  for (const double bearing : beams.bearing_rad) {
-    directions.emplace_back(std::cos(bearing), std::sin(bearing));
-  }
-  return directions;
-}
-
-double likelihood(const BeamMixture& mixture, bool is_hit, double range_m,
-                  const NodeOutline::Reach& reach) {
-  return reach.end == NodeOutline::Edge::kSurface
-             ? mixture.likelihood(is_hit, range_m, reach.range_m)
-             : mixture.likelihood_beyond(is_hit, range_m, reach.range_m);
-}
 
 }  // namespace
+
+void TimescaleModel::BelievedLevels::add(const Believed& level) {
+  std::size_t place = size_;
+  while (place > 0 && levels_[place - 1].weight < level.weight) --place;
+  if (place == kMost) return;
+  size_ = std::min(size_ + 1, kMost);
+  std::move_backward(levels_.begin() + static_cast<std::ptrdiff_t>(place),
+                     levels_.begin() + static_cast<std::ptrdiff_t>(size_) - 1,
+                     levels_.begin() + static_cast<std::ptrdiff_t>(size_));
+  levels_[place] = level;
+}
 
 TimescaleModel::TimescaleModel(std::shared_ptr<const memory::TimescaleMemory> memory,
                                std::shared_ptr<const NodeMap> map,
@@ -42,65 +36,103 @@ TimescaleModel::TimescaleModel(std::shared_ptr<const memory::TimescaleMemory> me
     : memory_(std::move(memory)),
       map_(std::move(map)),
       config_(config),
+      beam_mixture_(config.mixture, 1.0),
       use_(use),
       mixture_(use.mixture, map_->level_names().size()) {
   require_valid(config, "beam_model");
 }
 
-std::vector<TimescaleModel::Believed> TimescaleModel::believed() const {
-  if (use_.level) return {{*use_.level, 1.0}};
-  std::vector<Believed> levels;
-  for (const double weight : mixture_.weights(node_)) {
-    levels.push_back({static_cast<int>(levels.size()), weight});
+TimescaleModel::BelievedLevels TimescaleModel::believed() const {
+  BelievedLevels levels;
+  if (use_.level) {
+    levels.add({*use_.level, 1.0});
+    return levels;
   }
-  std::stable_sort(levels.begin(), levels.end(),
-                   [](const Believed& a, const Believed& b) { return a.weight > b.weight; });
-  if (levels.size() > kMostLevels) levels.resize(kMostLevels);
+  int level = 0;
+  for (const double weight : mixture_.weights(node_)) {
+    if (weight >= use_.least_weight) levels.add({level, weight});
+    ++level;
+  }
   return levels;
+}
+
+void TimescaleModel::weigh(const NodeMap::View& view, double heading_cosine, double heading_sine,
+                           const Scratch& scratch, std::size_t begin, std::size_t count,
+                           double* log_p) const {
+  const ScanBeams& beams = scratch.beams;
+  std::array<NodeOutline::Reach, kBlock> reach;
+  std::array<double, kBlock> expected_m{};
+  for (std::size_t k = 0; k < count; ++k) {
+    const double c = beams.cosine[begin + k];
+    const double s = beams.sine[begin + k];
+    reach[k] = map_->reach(
+        view, {heading_cosine * c - heading_sine * s, heading_sine * c + heading_cosine * s});
+    expected_m[k] = reach[k].end == NodeOutline::Edge::kSurface ? reach[k].range_m : kNothing;
+  }
+  scratch.mixture.log_likelihoods(begin, count, expected_m.data(), log_p);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (reach[k].end == NodeOutline::Edge::kSurface || reach[k].range_m >= beams.r_max_m) continue;
+    log_p[k] = std::log(scratch.mixture.mixture().likelihood_beyond(
+        beams.is_hit[begin + k] != 0, beams.range_m[begin + k], reach[k].range_m));
+  }
+}
+
+double TimescaleModel::log_likelihood_at(const Pose2& laser, const BelievedLevels& levels,
+                                         const Scratch& scratch) const {
+  const double c = std::cos(laser.theta);
+  const double s = std::sin(laser.theta);
+  std::array<NodeMap::View, BelievedLevels::kMost> views;
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    views[l] = map_->view(levels[l].level, laser.translation());
+  }
+  std::array<double, kBlock> log_p;
+  std::array<double, kBlock> p;
+  double sum = 0.0;
+  for (std::size_t begin = 0; begin < scratch.beams.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, scratch.beams.size() - begin);
+    if (levels.size() == 1) {
+      weigh(views[0], c, s, scratch, begin, count, log_p.data());
+      for (std::size_t k = 0; k < count; ++k) sum += log_p[k];
+      continue;
+    }
+    std::fill_n(p.begin(), count, 0.0);
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      weigh(views[l], c, s, scratch, begin, count, log_p.data());
+      for (std::size_t k = 0; k < count; ++k) p[k] += levels[l].weight * std::exp(log_p[k]);
+    }
+    for (std::size_t k = 0; k < count; ++k) sum += std::log(p[k]);
+  }
+  return sum;
 }
 
 std::size_t TimescaleModel::log_likelihoods(const Scan& scan, double tempering,
                                             localization::ParticleSet& particles,
                                             std::span<double> log_likelihood,
                                             WorkerPool& pool) const {
-  const ScanBeams beams = select_beams(scan, config_.beams);
-  const std::vector<Eigen::Vector2d> directions = directions_of(beams);
-  const BeamMixture mixture(config_.mixture, beams.r_max_m);
-  const std::vector<Believed> levels = believed();
+  const auto scratch = scratch_.borrow();
+  select_beams(scan, config_.beams, scratch->beams);
+  scratch->mixture.prepare(beam_mixture_.limited_to(scratch->beams.r_max_m), scratch->beams);
+  const BelievedLevels levels = believed();
   constexpr std::size_t kChunk = 64;
-  pool.for_chunks(particles.size(), kChunk, [&](std::size_t begin, std::size_t end, std::size_t) {
-    std::array<NodeMap::View, kMostLevels> views;
+  const auto weigh_chunk = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Pose2 laser = particles.pose(i) * beams.robot_from_laser;
-      for (std::size_t l = 0; l < levels.size(); ++l) {
-        views[l] = map_->view(levels[l].level, laser.translation());
-      }
-      const double c = std::cos(laser.theta);
-      const double s = std::sin(laser.theta);
-      double sum = 0.0;
-      for (std::size_t k = 0; k < beams.size(); ++k) {
-        const Eigen::Vector2d& d = directions[k];
-        const Eigen::Vector2d direction(c * d.x() - s * d.y(), s * d.x() + c * d.y());
-        double p = 0.0;
-        for (std::size_t l = 0; l < levels.size(); ++l) {
-          p += levels[l].weight * likelihood(mixture, beams.is_hit[k] != 0, beams.range_m[k],
-                                             map_->reach(views[l], direction));
-        }
-        sum += std::log(p);
-      }
-      log_likelihood[i] = sum / tempering;
+      const Pose2 laser = particles.pose(i) * scratch->beams.robot_from_laser;
+      log_likelihood[i] = log_likelihood_at(laser, levels, *scratch) / tempering;
     }
-  });
-  return beams.size();
+  };
+  pool.for_chunks(particles.size(), kChunk, std::cref(weigh_chunk));
+  return scratch->beams.size();
 }
 
 double TimescaleModel::explained_share(const Scan& scan, const Pose2& map_from_robot,
                                        const localization::ParticleSet& /*particles*/) const {
-  const ScanBeams beams = select_beams(scan, config_.beams);
+  const auto scratch = scratch_.borrow();
+  select_beams(scan, config_.beams, scratch->beams);
+  const ScanBeams& beams = scratch->beams;
   if (beams.size() == 0) return 1.0;
-  const BeamMixture mixture(config_.mixture, beams.r_max_m);
+  const BeamMixture mixture = beam_mixture_.limited_to(beams.r_max_m);
   const Pose2 laser = map_from_robot * beams.robot_from_laser;
-  const std::vector<Believed> levels = believed();
+  const BelievedLevels levels = believed();
   std::size_t explained = 0;
   for (std::size_t k = 0; k < beams.size(); ++k) {
     const double angle = laser.theta + beams.bearing_rad[k];
@@ -131,13 +163,23 @@ void TimescaleModel::learn(const Observation& observation, const Pose2Gaussian& 
     node_ = mixture_.node_at(*map_, laser.translation());
   }
   if (!own_memory_) return;
-  PosedScan posed;
-  posed.run = observation.run;
-  posed.scan = observation.scan;
-  posed.map_from_robot = map_from_robot.mean;
-  const memory::Observed observed = own_memory_->observe(posed, &map_from_robot.covariance);
+  posed_.run = observation.run;
+  posed_.scan = observation.scan;
+  posed_.map_from_robot = map_from_robot.mean;
+  const memory::Observed observed = own_memory_->observe(posed_, &map_from_robot.covariance);
   if (observed.outcome != memory::ObserveOutcome::kTaken) return;
   map_ = own_memory_->decode(map_->decoding(), map_.get(), use_.unsettled_s);
+}
+
+void TimescaleModel::adopt(const SensorModel& before) {
+  const auto* other = dynamic_cast<const TimescaleModel*>(&before);
+  if (other == nullptr) return;
+  mixture_.adopt(other->mixture_, *other->map_, *map_);
+  if (other->node_ < 0) return;
+  const auto& place = other->map_->nodes()[static_cast<std::size_t>(other->node_)].position_m;
+  const auto same = std::find_if(map_->nodes().begin(), map_->nodes().end(),
+                                 [&](const auto& node) { return node.position_m == place; });
+  if (same != map_->nodes().end()) node_ = static_cast<int>(same - map_->nodes().begin());
 }
 
 double TimescaleModel::expected_range_m(const Pose2& map_from_laser, double bearing_rad) const {

@@ -2,13 +2,16 @@
 /// Timescale levels as sensor models.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/localization/beam_mixture.hpp"
+#include "core/localization/lender.hpp"
 #include "core/localization/range_provider_model.hpp"
+#include "core/localization/scan_mixture.hpp"
 #include "core/localization/sensor_model.hpp"
 #include "memory/nodes/level_mixture.hpp"
 #include "memory/nodes/timescale_memory.hpp"
@@ -24,6 +27,9 @@ struct TimescaleUse {
   /// What it took in counts for localizing only after this, or the robot would pull the map along
   /// with the errors of its own pose.
   double unsettled_s = 20.0;
+  /// Levels that hold less of the belief than this are not asked: they would cost as much as the
+  /// others. The forgetting alone leaves each level of three 0.0067.
+  double least_weight = 0.01;
   memory::LevelMixtureConfig mixture;
 };
 
@@ -47,6 +53,7 @@ class TimescaleModel final : public localization::SensorModel {
                                        const localization::ParticleSet& particles) const override;
   [[nodiscard]] std::unique_ptr<SensorModel> for_one_run() const override;
   void learn(const Observation& observation, const Pose2Gaussian& map_from_robot) override;
+  void adopt(const SensorModel& before) override;
 
   /// Metres that the most trusted level expects, or the next one where it knows nothing; +infinity
   /// where none expects anything.
@@ -56,17 +63,45 @@ class TimescaleModel final : public localization::SensorModel {
     int level = 0;
     double weight = 1.0;
   };
-  [[nodiscard]] std::vector<Believed> believed() const;
+  class BelievedLevels {
+   public:
+    /// Keeps the order; what no longer fits, the least trusted, is left out.
+    void add(const Believed& level);
+    [[nodiscard]] const Believed* begin() const { return levels_.data(); }
+    [[nodiscard]] const Believed* end() const { return levels_.data() + size_; }
+    [[nodiscard]] std::size_t size() const { return size_; }
+    [[nodiscard]] const Believed& operator[](std::size_t i) const { return levels_[i]; }
+    static constexpr std::size_t kMost = 16;
+
+   private:
+    std::array<Believed, kMost> levels_;
+    std::size_t size_ = 0;
+  };
+  [[nodiscard]] BelievedLevels believed() const;
   [[nodiscard]] const memory::NodeMap& map() const { return *map_; }
 
  private:
+  static constexpr std::size_t kBlock = 64;
+  struct Scratch {
+    localization::ScanBeams beams;
+    localization::ScanMixture mixture;
+  };
+  /// log_p[k] = ln p(beam begin + k | one level) for k < count <= kBlock.
+  void weigh(const memory::NodeMap::View& view, double heading_cosine, double heading_sine,
+             const Scratch& scratch, std::size_t begin, std::size_t count, double* log_p) const;
+  [[nodiscard]] double log_likelihood_at(const Pose2& laser, const BelievedLevels& levels,
+                                         const Scratch& scratch) const;
+
   std::shared_ptr<const memory::TimescaleMemory> memory_;
   std::shared_ptr<const memory::NodeMap> map_;
   localization::BeamModelConfig config_;
+  localization::BeamMixture beam_mixture_;
   TimescaleUse use_;
   memory::LevelMixture mixture_;
   int node_ = -1;                                      ///< where the robot was last believed to be
   std::optional<memory::TimescaleMemory> own_memory_;  ///< of a copy for one run that learns
+  PosedScan posed_;                                    ///< kept for its memory
+  localization::Lender<Scratch> scratch_;
 };
 
 }  // namespace strata::maps

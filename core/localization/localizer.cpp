@@ -57,7 +57,11 @@ void Localizer::start(std::size_t count) {
 }
 
 void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
-  const std::shared_ptr<const SensorModel> before = std::exchange(model_, std::move(model));
+  std::shared_ptr<SensorModel> own = model->for_one_run();
+  if (own != nullptr) own->adopt(*model_);
+  const std::shared_ptr<const SensorModel> before =
+      std::exchange(model_, own != nullptr ? own : std::move(model));
+  own_model_ = std::move(own);
   if (!is_started_) return;
   if (const PatchStates* states = model_->patch_states()) {
     // A step of its own, so that its draws are not those of the next scan's transition.

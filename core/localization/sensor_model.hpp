@@ -47,6 +47,9 @@ class SensorModel {
   /// A scan was weighed, and this is where the robot is believed to be. Called on such a copy only,
   /// after log_likelihoods. Must not depend on the number of threads.
   virtual void learn(const Observation& /*observation*/, const Pose2Gaussian& /*map_from_robot*/) {}
+  /// This copy takes the place of `before` in the middle of a run: what that one has learned about
+  /// the scans, and still fits this map, goes on.
+  virtual void adopt(const SensorModel& /*before*/) {}
 
   /// The states of the sub-maps, for a model that has any; null otherwise.
   [[nodiscard]] virtual const PatchStates* patch_states() const { return nullptr; }

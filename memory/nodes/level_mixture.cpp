@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "core/base/config.hpp"
 
@@ -52,11 +54,28 @@ double LevelMixture::log_likelihood(std::span<const float> expected_m,
   return sum / static_cast<double>(expected_m.size());
 }
 
+void LevelMixture::adopt(const LevelMixture& before, const NodeMap& map_before,
+                         const NodeMap& map) {
+  if (before.even_.size() != even_.size()) return;
+  std::map<std::pair<double, double>, std::size_t> known;
+  for (std::size_t n = 0; n < before.weights_.size() && n < map_before.nodes().size(); ++n) {
+    const Eigen::Vector2d& place = map_before.nodes()[n].position_m;
+    known.emplace(std::pair(place.x(), place.y()), n);
+  }
+  weights_.assign(map.nodes().size(), even_);
+  for (std::size_t n = 0; n < weights_.size(); ++n) {
+    const Eigen::Vector2d& place = map.nodes()[n].position_m;
+    const auto found = known.find(std::pair(place.x(), place.y()));
+    if (found != known.end()) weights_[n] = before.weights_[found->second];
+  }
+}
+
 int LevelMixture::update(const NodeMap& map, const Pose2& map_from_laser, const Scan& scan) {
   const int node = node_at(map, map_from_laser.translation());
   if (node < 0) return -1;
-  std::vector<double> bearings;
-  std::vector<float> measured;
+  auto& [bearings, measured, expected, score] = scratch_;
+  bearings.clear();
+  measured.clear();
   const std::size_t step = std::max<std::size_t>(1, scan.size() / kMostBeams);
   for (std::size_t beam = 0; beam < scan.size(); beam += step) {
     const BeamKind kind = scan.kind(beam);
@@ -70,8 +89,8 @@ int LevelMixture::update(const NodeMap& map, const Pose2& map_from_laser, const 
     weights_.resize(static_cast<std::size_t>(node) + 1, even_);
   }
   std::vector<double>& weights = weights_[static_cast<std::size_t>(node)];
-  std::vector<double> score(weights.size());
-  std::vector<float> expected(bearings.size());
+  score.resize(weights.size());
+  expected.resize(bearings.size());
   for (std::size_t level = 0; level < weights.size(); ++level) {
     map.expected_ranges_m(static_cast<int>(level), map_from_laser, bearings, expected);
     score[level] =

@@ -45,8 +45,13 @@ class LevelMixture {
   /// The node whose weights hold at a place: the nearest that sees it in any level; -1 for none.
   [[nodiscard]] static int node_at(const NodeMap& map, const Eigen::Vector2d& point_m);
 
+  /// Takes over the weights of the nodes that are at the same places in both maps; this mixture is
+  /// for `map`, `before` for `map_before`. Nothing when their levels differ in number.
+  void adopt(const LevelMixture& before, const NodeMap& map_before, const NodeMap& map);
+
   /// Learns from a scan taken at a known pose; uses at most 60 of its beams. Returns the node whose
-  /// weights changed, -1 for none.
+  /// weights changed, -1 for none. Allocates only when a node is met for the first time, or a scan
+  /// has more beams than any before.
   int update(const NodeMap& map, const Pose2& map_from_laser, const Scan& scan);
 
   /// Expected ranges of the most trusted level at the laser's node; beams that this level does not
@@ -62,6 +67,13 @@ class LevelMixture {
   LevelMixtureConfig config_;
   std::vector<double> even_;
   std::vector<std::vector<double>> weights_;  ///< per node
+  struct Scratch {
+    std::vector<double> bearings_rad;
+    std::vector<float> measured_m;
+    std::vector<float> expected_m;
+    std::vector<double> score;
+  };
+  Scratch scratch_;
 };
 
 }  // namespace strata::memory

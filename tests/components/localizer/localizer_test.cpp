@@ -19,7 +19,9 @@
 
 #include "components/bus/service.hpp"
 #include "components/convert/geometry_messages.hpp"
+#include "components/convert/map_messages.hpp"
 #include "components/localizer/register.hpp"
+#include "components/maps/node_map_message.hpp"
 #include "components/player/log_player.hpp"
 #include "components/runtime/composition.hpp"
 #include "components/runtime/conductor.hpp"
@@ -195,6 +197,62 @@ TEST(Localizer, StartsAgainFromAPublishedPose) {
   ASSERT_EQ(restarted.size(), undisturbed.size());
   EXPECT_EQ(restarted[middle - 1].pose, undisturbed[middle - 1].pose);
   EXPECT_LT(translation_distance(restarted[middle].pose, Pose2{5.5, 3.5, 2.0}), 0.1);
+}
+
+/// Replays the second day with the memory of the first on its topic, again every so many scans.
+void replay_with_map_topics(const std::string& parameters, const fs::path& out,
+                            std::size_t again_every) {
+  const runtime::Composition composition = composition_of(parameters);
+  const auto participant = runtime::make_participant(composition);
+  runtime::Registry registry;
+  register_component(registry);
+  runtime::Host host(composition, composition.processes[0], registry, participant,
+                     {.mode = runtime::FeedMode::kLockstep, .seed = kSeed, .threads = 1});
+  runtime::Conductor conductor(participant, {"/localizer"}, [] { return true; });
+  player::Outputs outputs;
+  outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
+  outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");
+  outputs.tf = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf");
+  outputs.odometry = conductor.advertise<nav_msgs::msg::Odometry>("/odom");
+  outputs.scan = conductor.advertise<sensor_msgs::msg::LaserScan>("/scan");
+  const auto filtered =
+      conductor.advertise<strata_msgs::msg::ReflectionGrid>("/reflection_filtered");
+  const auto nodes = conductor.advertise<strata_msgs::msg::NodeMap>("/node_map");
+  player::LogPlayer player(room().observations, outputs);
+  conductor.connect();
+  const maps::Maps maps = maps::read_maps(room().folder.path());
+  filtered(convert::to_message(maps.filtered));
+  for (std::size_t i = 0; i < room().observations.size(); ++i) {
+    if (i % again_every == 0) {
+      nodes(maps::to_message(*maps.timescale, *maps.timescale->decode(), Stamp(), "map"));
+    }
+    player.publish(i);
+    conductor.cycle();
+  }
+  conductor.finish(out);
+  host.stop();
+}
+
+TEST(Localizer, LosesNothingThatItKnowsWhenItsMapComesAgain) {
+  for (const char* where : {"start: {pose: [%X, %Y, %T]}",
+                            // many places at once: no single pose could stand for them
+                            "localizer: {global_start: {most_particles: 2000}}"}) {
+    std::string parameters = std::string("{model: timescale, ") + where + "}";
+    const std::pair<const char*, double> values[] = {
+        {"%X", room().start.x}, {"%Y", room().start.y}, {"%T", room().start.theta}};
+    for (const auto& [name, value] : values) {
+      const std::size_t at = parameters.find(name);
+      if (at != std::string::npos) parameters.replace(at, 2, std::to_string(value));
+    }
+    const test::TemporaryDirectory out;
+    fs::create_directories(out.path() / "once");
+    fs::create_directories(out.path() / "again");
+    replay_with_map_topics(parameters, out.path() / "once", 1'000'000);
+    replay_with_map_topics(parameters, out.path() / "again", 7);
+    const std::string once = bytes_of(out.path() / "once" / "trajectory.tum");
+    EXPECT_GT(once.size(), 1000U);
+    EXPECT_EQ(bytes_of(out.path() / "again" / "trajectory.tum"), once);
+  }
 }
 
 /// Takes a private hold of what goes out, by stamp.

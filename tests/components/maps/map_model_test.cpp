@@ -153,6 +153,7 @@ TEST(TimescaleModel, LearnsNothingFromAnUncertainPose) {
 TEST(TimescaleModel, TrustsTheLevelThatExplainsTheScansEvenWhenFrozen) {
   TimescaleUse use;
   use.goes_on_learning = false;
+  use.least_weight = 0.0;
   const auto own = copy_for_one_run(use);
   const auto& model = dynamic_cast<const TimescaleModel&>(*own);
   ASSERT_EQ(model.believed().size(), 3U);
@@ -164,11 +165,20 @@ TEST(TimescaleModel, TrustsTheLevelThatExplainsTheScansEvenWhenFrozen) {
     own->learn(observation, pose);
   }
   EXPECT_NEAR(ahead(model), 3.5, 0.15);
-  EXPECT_EQ(model.believed().front().level, 0);
-  EXPECT_GT(model.believed().front().weight, 0.4);
+  EXPECT_EQ(model.believed()[0].level, 0);
+  EXPECT_GT(model.believed()[0].weight, 0.4);
   double total = 0.0;
   for (const auto& believed : model.believed()) total += believed.weight;
   EXPECT_NEAR(total, 1.0, 1e-9);
+  // By default a level that nobody believes is not asked.
+  use.least_weight = TimescaleUse{}.least_weight;
+  const auto usual = copy_for_one_run(use);
+  for (int t = 0; t < 200; ++t) {
+    observation.scan = memory::test_world::observe(pose.mean, 9000.0 + t, true).scan;
+    usual->learn(observation, pose);
+  }
+  EXPECT_LT(dynamic_cast<const TimescaleModel&>(*usual).believed().size(), 3U);
+  EXPECT_NEAR(ahead(dynamic_cast<const TimescaleModel&>(*usual)), 3.5, 0.15);
   use.level = 1;
   EXPECT_EQ(copy_for_one_run(use), nullptr);  // nothing to learn: may be shared
 }
