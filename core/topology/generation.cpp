@@ -16,8 +16,8 @@ namespace {
 
 /// By so much linearizing may misjudge a topology against another one.
 constexpr double kLinearizationErrorNats = 5.0;
-/// Topologies with two landmarks made one that are tried after a visit, about at most.
-constexpr std::size_t kMostMergers = 12;
+/// Topologies that revise another one, tried after a visit, about at most.
+constexpr std::size_t kMostRevisions = 12;
 
 /// Optimizes a topology from its poses; false when that does not converge.
 bool evaluate_from(const std::vector<Pose2>& start, const VisitLog& log,
@@ -78,33 +78,36 @@ Generation settle(std::span<const Candidate> candidates, const Parents& parents,
   return generation;
 }
 
-void add_mergers(Generation& generation, const VisitLog& log, const TopologyConfig& config,
-                 WorkerPool& pool) {
+void add_revisions(Generation& generation, const VisitLog& log, const TopologyConfig& config,
+                   WorkerPool& pool) {
   std::vector<Particle>& particles = generation.particles;
   std::set<Labels> known;
   for (const Particle& particle : particles) known.insert(particle.hypothesis.labels);
   const std::vector<std::size_t> order = by_weight(particles, generation.log_weights);
-  std::vector<std::pair<std::size_t, Labels>> merged;  // from which particle
-  for (std::size_t k = 0; k < order.size() && merged.size() < kMostMergers; ++k) {
-    for (Labels& labels : mergers(particles[order[k]].hypothesis, config.location)) {
-      if (known.insert(labels).second) merged.emplace_back(order[k], std::move(labels));
+  std::vector<std::pair<std::size_t, Labels>> revised;  // from which particle
+  for (std::size_t k = 0; k < order.size() && revised.size() < kMostRevisions; ++k) {
+    const Hypothesis& from = particles[order[k]].hypothesis;
+    for (auto* revisions : {mergers, moved_visits}) {
+      for (Labels& labels : revisions(from, config.location)) {
+        if (known.insert(labels).second) revised.emplace_back(order[k], std::move(labels));
+      }
     }
   }
-  std::vector<std::optional<Particle>> settled(merged.size());
-  std::vector<double> log_weights(merged.size(), 0.0);
-  pool.for_chunks(merged.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    const Particle& from = particles[merged[i].first];
-    Particle particle{{merged[i].second, 0.0, 0.0, {}, from.hypothesis.scans, nullptr},
+  std::vector<std::optional<Particle>> settled(revised.size());
+  std::vector<double> log_weights(revised.size(), 0.0);
+  pool.for_chunks(revised.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    const Particle& from = particles[revised[i].first];
+    Particle particle{{revised[i].second, 0.0, 0.0, {}, from.hypothesis.scans, nullptr},
                       from.newest_covariances};
     Hypothesis& next = particle.hypothesis;
     if (!evaluate_from(from.hypothesis.poses, log, config, next)) return;
-    log_weights[i] = generation.log_weights[merged[i].first] + next.log_evidence -
+    log_weights[i] = generation.log_weights[revised[i].first] + next.log_evidence -
                      from.hypothesis.log_evidence +
                      log_partition_prior(next.labels, config.concentration) -
                      log_partition_prior(from.hypothesis.labels, config.concentration);
     settled[i] = std::move(particle);
   });
-  for (std::size_t i = 0; i < merged.size(); ++i) {
+  for (std::size_t i = 0; i < revised.size(); ++i) {
     if (!settled[i] || !std::isfinite(log_weights[i])) continue;
     particles.push_back(std::move(*settled[i]));
     generation.log_weights.push_back(log_weights[i]);

@@ -46,10 +46,10 @@ struct Generation {
                                 const VisitLog& log, const TopologyConfig& config,
                                 WorkerPool& pool);
 
-/// Adds topologies that hold two landmarks of another one for one. A landmark that was taken for a
-/// new one is the old one after all, once a loop that closed later has brought the two together; no
-/// label of a later visit could say so any more.
-void add_mergers(Generation& generation, const VisitLog& log, const TopologyConfig& config,
-                 WorkerPool& pool);
+/// Adds topologies that revise another one: two landmarks are one, or a visit belongs to another
+/// landmark. What was decided while the robot's place was uncertain may be wrong once a later loop
+/// has closed, and no label of a later visit could say so any more.
+void add_revisions(Generation& generation, const VisitLog& log, const TopologyConfig& config,
+                   WorkerPool& pool);
 
 }  // namespace strata::topology

@@ -111,4 +111,30 @@ std::vector<Labels> mergers(const Hypothesis& hypothesis, const LocationPriorCon
   return merged;
 }
 
+std::vector<Labels> moved_visits(const Hypothesis& hypothesis, const LocationPriorConfig& config) {
+  std::vector<Labels> moved;
+  const std::vector<std::size_t> firsts = first_visits(hypothesis.labels);
+  for (std::size_t visit = 1; visit < hypothesis.labels.size(); ++visit) {
+    const int own = hypothesis.labels[visit];
+    if (firsts[static_cast<std::size_t>(own)] == visit) continue;
+    const auto away_m = [&](int label) {
+      return translation_distance(hypothesis.poses[visit],
+                                  hypothesis.poses[firsts[static_cast<std::size_t>(label)]]);
+    };
+    int nearest = own;
+    for (int label = 0; label < static_cast<int>(firsts.size()); ++label) {
+      if (away_m(label) < away_m(nearest)) nearest = label;
+    }
+    Labels labels = hypothesis.labels;
+    if (nearest != own) {
+      labels[visit] = nearest;
+      moved.push_back(canonical(labels));
+    }
+    if (away_m(own) <= kNearStddevs * config.revisit_stddev_m) continue;
+    labels[visit] = static_cast<int>(firsts.size());
+    moved.push_back(canonical(labels));
+  }
+  return moved;
+}
+
 }  // namespace strata::topology

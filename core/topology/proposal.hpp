@@ -45,4 +45,10 @@ struct Choice {
 [[nodiscard]] std::vector<Labels> mergers(const Hypothesis& hypothesis,
                                           const LocationPriorConfig& config);
 
+/// The topologies that come of one visit belonging elsewhere: to the landmark that now lies
+/// nearest, if that is another one, or to one of its own, if it lies more than two standard
+/// deviations from its landmark. Canonical. O(visits x landmarks).
+[[nodiscard]] std::vector<Labels> moved_visits(const Hypothesis& hypothesis,
+                                               const LocationPriorConfig& config);
+
 }  // namespace strata::topology

@@ -67,7 +67,7 @@ void TopologyFilter::State::grow() {
     keep_as_new();
     return;
   }
-  if (best) add_mergers(generation, log, config, pool);
+  if (best) add_revisions(generation, log, config, pool);
   keep(std::move(generation));
 }
 

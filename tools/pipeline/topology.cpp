@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -33,6 +34,43 @@ void follow_landmarks(const std::vector<Observation>& observations,
     report_progress(progress, "follow landmarks", i + 1, observations.size());
   }
   take(mapper.finish());
+}
+
+/// Places that a chain of pairs within near_m links have the same number. O(places^2).
+std::vector<std::size_t> chains(const std::vector<std::optional<Pose2>>& places, double near_m) {
+  std::vector<std::size_t> chain(places.size());
+  std::iota(chain.begin(), chain.end(), std::size_t{0});
+  for (std::size_t b = 1; b < places.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      if (!places[a] || !places[b] || chain[a] == chain[b]) continue;
+      if (translation_distance(*places[a], *places[b]) > near_m) continue;
+      std::replace(chain.begin(), chain.end(), std::size_t{chain[b]}, std::size_t{chain[a]});
+    }
+  }
+  return chain;
+}
+
+void count_pairs(const std::vector<std::optional<Pose2>>& places, const topology::Labels& labels,
+                 double near_m, TopologyAgreement& counts) {
+  const std::vector<std::size_t> chain = chains(places, near_m);
+  for (std::size_t b = 1; b < places.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      if (!places[a] || !places[b]) continue;
+      const double apart_m = translation_distance(*places[a], *places[b]);
+      const std::size_t merged = labels[a] == labels[b] ? 1 : 0;
+      if (apart_m <= near_m) {
+        ++counts.near;
+        counts.near_merged += merged;
+      } else if (apart_m < 2.0 * near_m) {
+        ++counts.between;
+        counts.between_merged += merged;
+        counts.between_chained += chain[a] == chain[b] ? 1 : 0;
+      } else {
+        ++counts.far;
+        counts.far_merged += merged;
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -75,20 +113,7 @@ TopologyAgreement agreement(const TopologyMap& result, const topology::Hypothesi
     places.emplace_back();
     if (pose != true_poses.end()) places.back() = pose->second * visit.robot_from_visit;
   }
-  for (std::size_t b = 1; b < places.size(); ++b) {
-    for (std::size_t a = 0; a < b && places[b]; ++a) {
-      if (!places[a]) continue;
-      const double apart_m = translation_distance(*places[a], *places[b]);
-      const bool merged = hypothesis.labels[a] == hypothesis.labels[b];
-      if (apart_m <= near_m) {
-        ++agreement.near;
-        agreement.near_merged += merged ? 1 : 0;
-      } else if (apart_m >= 2.0 * near_m) {
-        ++agreement.far;
-        agreement.far_merged += merged ? 1 : 0;
-      }
-    }
-  }
+  count_pairs(places, hypothesis.labels, near_m, agreement);
   return agreement;
 }
 

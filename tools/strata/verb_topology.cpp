@@ -58,8 +58,10 @@ void run_topology(Options options, VerbContext& context) {
             << json["cost"]["update_ms"]["max"].get<double>() << " ms at most\n";
   if (!agreement) return;
   std::cout << agreement->near_merged << " of " << agreement->near << " pairs of visits within "
-            << kNearM << " m are merged; " << agreement->far_merged << " of " << agreement->far
-            << " at least " << 2.0 * kNearM << " m apart are too\n";
+            << kNearM << " m are merged; " << agreement->between_merged << " of "
+            << agreement->between << " less than " << 2.0 * kNearM << " m apart are too ("
+            << agreement->between_chained << " are linked by others), " << agreement->far_merged
+            << " of " << agreement->far << " further apart\n";
 }
 
 }  // namespace

@@ -275,6 +275,18 @@ TEST(TopologyFilter, MakesOneLandmarkOfTwoThatALaterLoopBringsTogether) {
   EXPECT_TRUE(mergers(hypothesis, config).empty());
 }
 
+TEST(TopologyFilter, MovesAVisitToTheLandmarkThatALaterLoopPutsItAt) {
+  Hypothesis hypothesis;
+  hypothesis.labels = {0, 1, 1, 0};
+  hypothesis.poses = {{0, 0, 0}, {5, 0, 1}, {0.3, 0, 2}, {0.2, 0, 0}};
+  const LocationPriorConfig config;
+  EXPECT_EQ(moved_visits(hypothesis, config), (std::vector<Labels>{{0, 1, 0, 0}, {0, 1, 2, 0}}));
+  hypothesis.poses[2] = {6.2, 0, 2};  // beyond its own landmark, and far from the other
+  EXPECT_EQ(moved_visits(hypothesis, config), (std::vector<Labels>{{0, 1, 2, 0}}));
+  hypothesis.poses[2].x = 5.8;
+  EXPECT_TRUE(moved_visits(hypothesis, config).empty());
+}
+
 /// Whatever is wrong with a visit, the posterior stays one, and the counts say what it was.
 TEST(TopologyFilter, StaysNormalizedAndSaysWhyWhateverComes) {
   Drive drive = test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(),

@@ -41,21 +41,25 @@ TEST(LandmarkTimes, AreReadLineByLineAndBadOnesNamed) {
 
 TEST(TopologyAgreement, CountsPairsByTheirTrueDistance) {
   TopologyMap map;
-  std::vector<Observation> observations(3);
-  const std::vector<std::optional<Pose2>> truths{Pose2{0, 0, 0}, Pose2{0.5, 0, 0}, Pose2{9, 0, 0}};
-  for (int i = 0; i < 3; ++i) {
+  std::vector<Observation> observations(5);
+  const std::vector<std::optional<Pose2>> truths{Pose2{0, 0, 0}, Pose2{0.9, 0, 0}, Pose2{9, 0, 0},
+                                                 Pose2{1.8, 0, 0}, Pose2{0, 1.7, 0}};
+  for (int i = 0; i < 5; ++i) {
     observations[static_cast<std::size_t>(i)].scan.stamp = Stamp::from_seconds(i);
     topology::MadeVisit visit;
     visit.visit.stamp = Stamp::from_seconds(i);
     map.visits.push_back(visit);
   }
   topology::Hypothesis hypothesis;
-  hypothesis.labels = {0, 0, 0};
+  hypothesis.labels = {0, 0, 0, 0, 1};
   const TopologyAgreement counted = agreement(map, hypothesis, observations, truths, 1.0);
-  EXPECT_EQ(counted.near, 1U);
-  EXPECT_EQ(counted.near_merged, 1U);
-  EXPECT_EQ(counted.far, 2U);
-  EXPECT_EQ(counted.far_merged, 2U);
+  EXPECT_EQ(counted.near, 2U);
+  EXPECT_EQ(counted.near_merged, 2U);
+  EXPECT_EQ(counted.between, 3U);          // 1.8 m along x, 1.7 and 1.92 m to the last one
+  EXPECT_EQ(counted.between_merged, 1U);   // the first of these
+  EXPECT_EQ(counted.between_chained, 1U);  // linked by the place halfway
+  EXPECT_EQ(counted.far, 5U);
+  EXPECT_EQ(counted.far_merged, 3U);
 }
 
 TEST(MapTopology, OfARunWithLandmarksByHandIsWholeAndTheSameAtAnyNumberOfThreads) {
