@@ -139,4 +139,40 @@ TrajectoryErrors relation_errors(std::span<const log::StampedPose> trajectory,
   return std::move(errors).result();
 }
 
+PairedErrors paired_relation_errors(std::span<const log::StampedPose> trajectory,
+                                    std::span<const log::StampedPose> other,
+                                    std::span<const log::Relation> relations) {
+  std::vector<log::Relation> in_time(relations.begin(), relations.end());
+  std::stable_sort(
+      in_time.begin(), in_time.end(),
+      [](const log::Relation& a, const log::Relation& b) { return a.first < b.first; });
+  std::vector<double> differences;
+  Stamp begin;
+  Stamp end;
+  const auto error_m = [](const Pose2& first, const Pose2& second, const log::Relation& relation) {
+    return between(relation.first_from_second, between(first, second)).translation().norm();
+  };
+  for (const log::Relation& relation : in_time) {
+    const auto first = pose_at(trajectory, relation.first);
+    const auto second = pose_at(trajectory, relation.second);
+    const auto other_first = pose_at(other, relation.first);
+    const auto other_second = pose_at(other, relation.second);
+    if (!first || !second || !other_first || !other_second) continue;
+    if (differences.empty()) begin = relation.first;
+    end = relation.first;
+    differences.push_back(error_m(*first, *second, relation) -
+                          error_m(*other_first, *other_second, relation));
+  }
+  PairedErrors paired;
+  paired.matched = differences.size();
+  if (differences.empty()) return paired;
+  paired.mean_difference_m = statistics::mean(differences);
+  const double blocks = std::max(1.0, (end - begin).seconds() / kPairedBlock_s);
+  const auto block =
+      static_cast<std::size_t>(std::ceil(static_cast<double>(differences.size()) / blocks));
+  const std::vector<double> ones(differences.size(), 1.0);
+  paired.difference_m = statistics::moving_block_ratio(differences, ones, block, 0.95, 1);
+  return paired;
+}
+
 }  // namespace strata::tools

@@ -10,6 +10,7 @@
 #include "components/log/relations_file.hpp"
 #include "components/log/trajectory_file.hpp"
 #include "core/geometry/pose2.hpp"
+#include "tools/statistics/statistics.hpp"
 
 namespace strata::tools {
 
@@ -57,5 +58,18 @@ struct TrajectoryErrors {
 /// relations name, each compared with the relation; translation and rotation apart.
 [[nodiscard]] TrajectoryErrors relation_errors(std::span<const log::StampedPose> trajectory,
                                                std::span<const log::Relation> relations);
+
+/// How much larger the errors of one trajectory are than those of another, relation by relation.
+struct PairedErrors {
+  std::size_t matched = 0;
+  double mean_difference_m = 0.0;     ///< of translation; below zero: the first one is better
+  statistics::Interval difference_m;  ///< 95%, by moving blocks of kPairedBlock_s
+};
+/// Relations near in time share what is wrong with the poses there: longer than a room's visit.
+inline constexpr double kPairedBlock_s = 60.0;
+/// Over the relations that both have a partner for. Requires one.
+[[nodiscard]] PairedErrors paired_relation_errors(std::span<const log::StampedPose> trajectory,
+                                                  std::span<const log::StampedPose> other,
+                                                  std::span<const log::Relation> relations);
 
 }  // namespace strata::tools

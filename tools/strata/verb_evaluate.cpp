@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct Options {
   std::string trajectory;
   std::string truth;
   std::string relations;
+  std::string against;
   std::string frame = "robot";
   std::string log;
   std::vector<double> mounting;
@@ -66,7 +68,25 @@ void move_to_laser(std::vector<log::StampedPose>& poses, const Options& options)
   for (log::StampedPose& pose : poses) pose.pose = pose.pose * mounting;
 }
 
+Json compare_with(const Options& options, std::span<const log::StampedPose> trajectory,
+                  std::span<const log::Relation> relations) {
+  auto other = log::read_trajectory(options.against);
+  if (options.frame == "laser") move_to_laser(other, options);
+  const PairedErrors paired = paired_relation_errors(trajectory, other, relations);
+  if (paired.matched == 0) {
+    throw InputError(options.against, "no relation has partners in both trajectories",
+                     "give a trajectory of the same log");
+  }
+  return {{"against", options.against},
+          {"matched", paired.matched},
+          {"mean_difference_m", paired.mean_difference_m},
+          {"interval_m", {paired.difference_m.low, paired.difference_m.high}}};
+}
+
 Json evaluate(const Options& options) {
+  if (!options.against.empty() && options.relations.empty()) {
+    throw InputError("--against", "compares by relations only", "give --relations FILE");
+  }
   if (options.truth.empty() && options.relations.empty()) {
     throw InputError("command line", "nothing to compare with",
                      "give --truth FILE or --relations FILE");
@@ -102,6 +122,7 @@ Json evaluate(const Options& options) {
     require_matches(errors, options.relations);
     result["relations_file"] = options.relations;
     result["relations"] = to_json(errors);
+    if (!options.against.empty()) result["paired"] = compare_with(options, trajectory, relations);
   }
   return result;
 }
@@ -132,6 +153,16 @@ void run(const Options& options) {
   for (const char* name : {"absolute", "aligned", "relative", "relations"}) {
     if (result.contains(name)) print_row(name, result[name]);
   }
+  if (result.contains("paired")) {
+    const Json& paired = result["paired"];
+    const auto mm = [](const Json& metres) { return 1e3 * metres.get<double>(); };
+    const bool shown = mm(paired["interval_m"][0]) > 0.0 || mm(paired["interval_m"][1]) < 0.0;
+    std::printf(
+        "paired     (%zu relations, less %s)\n  translation  %+.2f mm, 95%% %+.2f to %+.2f%s\n",
+        paired["matched"].get<std::size_t>(), options.against.c_str(),
+        mm(paired["mean_difference_m"]), mm(paired["interval_m"][0]), mm(paired["interval_m"][1]),
+        shown ? "" : ": no difference shown");
+  }
   std::fflush(stdout);
 }
 
@@ -150,6 +181,8 @@ void add_evaluate(CLI::App& app, VerbContext& context) {
   verb->add_option("--truth-offset", options->truth_offset_s,
                    "seconds added to the stamps of the truth and of the relations");
   verb->add_option("--relations", options->relations, "hand-verified relative poses");
+  verb->add_option("--against", options->against,
+                   "another trajectory of the log: is it better by the relations?");
   verb->add_option("--frame", options->frame, "whose poses truth and relations are")
       ->check(CLI::IsMember({"robot", "laser"}))
       ->capture_default_str();

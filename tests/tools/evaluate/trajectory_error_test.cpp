@@ -92,6 +92,32 @@ TEST(RelationError, ComparesMotionsNotPoses) {
   EXPECT_EQ(relation_errors(poses, relations).unmatched, 1U);
 }
 
+TEST(RelationError, PairedTellsWhichOfTwoTrajectoriesIsBetterAndWhenNeitherIsShownToBe) {
+  std::vector<StampedPose> truth;
+  std::vector<StampedPose> other;  // as good: worse in one minute, better in the next
+  std::vector<StampedPose> worse;
+  std::vector<Relation> relations;
+  for (int i = 0; i <= 1200; ++i) {
+    const Stamp stamp = Stamp::from_seconds(i);
+    truth.push_back({stamp, {0.1 * i, 0.0, 0.0}});
+    other.push_back({stamp, {0.1 * i, 0.01 * i, 0.0}});
+    worse.push_back({stamp, {0.1 * i, i % 2 == 0 ? 0.0 : 0.03, 0.0}});
+    if (i > 0) {
+      const double off = (i / 60) % 2 == 0 ? 0.0 : 0.01;
+      relations.push_back({truth[static_cast<std::size_t>(i) - 1].stamp, stamp, {0.1, off, 0.0}});
+    }
+  }
+  const PairedErrors clear = paired_relation_errors(worse, truth, relations);
+  EXPECT_EQ(clear.matched, 1200U);
+  EXPECT_NEAR(clear.mean_difference_m, 0.025, 1e-3);
+  EXPECT_GT(clear.difference_m.low, 0.02);
+  const PairedErrors unclear = paired_relation_errors(other, truth, relations);
+  EXPECT_LT(unclear.difference_m.low, 0.0);
+  EXPECT_GT(unclear.difference_m.high, 0.0);
+  EXPECT_EQ(paired_relation_errors(truth, truth, relations).mean_difference_m, 0.0);
+  EXPECT_EQ(paired_relation_errors({}, truth, relations).matched, 0U);
+}
+
 TEST(RelationError, ReferencesOfRealLogsAreAsFarFromTheirRelationsAsPublishedWithThem) {
   STRATA_REQUIRE_DATA(reference, "intel/intel.ref_scanmatched.txt");
   STRATA_REQUIRE_DATA(relations, "intel/intel.relations");
