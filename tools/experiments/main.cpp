@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata-experiments NAME`: runs one experiment over several seeds and prints its figures.
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <string>
@@ -10,6 +11,8 @@
 
 #include "tools/experiments/patch_learning.hpp"
 #include "tools/experiments/patch_localization.hpp"
+#include "tools/experiments/year.hpp"
+#include "tools/experiments/year_report.hpp"
 
 namespace {
 
@@ -20,6 +23,11 @@ struct Options {
   std::uint64_t first = 1;
   int seeds = 20;
   bool has_poor_poses = false;
+  int days = 365;
+  int particles = 500;
+  std::string out = "year";
+  std::string memory_model = "timescale";
+  std::vector<std::string> overrides;
 
   [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
   [[nodiscard]] PoseNoise noise() const { return has_poor_poses ? kPoorPoses : kGoodPoses; }
@@ -79,7 +87,18 @@ void localize(const std::string& name, const Options& options,
   }
 }
 
+/// Writes a row a day to year.csv, plots, and prints the sums.
+void live_a_year(const Options& options) {
+  YearOptions year{options.file("year.yaml"), options.first,     options.days, options.particles,
+                   options.memory_model,      options.overrides, options.out};
+  std::filesystem::create_directories(year.out);
+  YearReport report(year.out);
+  run_year(year, [&](const YearDay& day) { report.add(day); });
+  report.finish();
+}
+
 void run(const std::string& name, const Options& options) {
+  if (name == "year") return live_a_year(options);
   if (name == "three_doors") {
     learn(name, options, [&](std::uint64_t seed) {
       return three_doors(options.file("three_doors.yaml"), seed, options.noise());
@@ -124,11 +143,18 @@ int main(int argc, char** argv) {
   app.add_option("NAME", name, "which experiment")
       ->required()
       ->check(CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
-                             "box_in_corridor", "global_start", "offices"}));
+                             "box_in_corridor", "global_start", "offices", "year"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::PositiveNumber);
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
                "errors of 5 cm and 1 degree, not 2 cm and 0.3");
+  app.add_option("--days", options.days, "of the year")->check(CLI::Range(2, 3650));
+  app.add_option("--particles", options.particles, "of the year's robots")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--memory-model", options.memory_model,
+                 "what the year's memory localizes by: timescale (all levels), timescale_LEVEL");
+  app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
+  app.add_option("--out", options.out, "where the year's files go");
   app.add_option("--scenarios", options.scenarios, "folder of the scenario files");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -54,14 +54,15 @@ struct BlockConfig {
   }
 };
 
-/// From when on an object is in a state; it stays so over the following days too.
+/// From when on an object is in a state; it stays so over the following days too. Day 0: at that
+/// time of every day.
 struct ScheduleEntry {
   int day = 1;
   double at_s = 0.0;
   std::string state;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("day", c.day, {.doc = "which day, from 1", .min = 1});
+    v.field("day", c.day, {.doc = "which day, from 1; 0: every day", .min = 0});
     v.field("at_s", c.at_s, {.doc = "when on that day", .unit = "s", .min = 0.0});
     v.field("state", c.state, {.doc = "the state's name, or random: drawn by the probabilities"});
   }
@@ -72,15 +73,21 @@ struct StateConfig {
   std::vector<ScheduleEntry> schedule;
   std::vector<double> probabilities;
   double redraw_every_s = 0.0;
+  int redraw_every_days = 1;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.list("schedule", c.schedule, "states at given times; without any, states are drawn");
     v.field("probabilities", c.probabilities,
             {.doc = "of the states, in their order; empty: all equal", .min = 0.0, .max = 1.0});
     v.field("redraw_every_s", c.redraw_every_s,
-            {.doc = "a drawn state is drawn again this often; 0: at the start of each day only",
+            {.doc = "a drawn state is drawn again this often; 0: at the start of a day only",
              .unit = "s",
              .min = 0.0});
+    v.field("redraw_every_days", c.redraw_every_days,
+            {.doc = "a drawn state is drawn again at the start of every so many days, on days that "
+                    "the object has for itself",
+             .unit = "days",
+             .min = 1});
   }
 };
 

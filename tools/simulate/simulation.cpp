@@ -40,64 +40,90 @@ ScenarioConfig load_scenario(const std::string& file, const std::vector<std::str
   return settings::read_config<ScenarioConfig>(document, file);
 }
 
-Simulation simulate(const ScenarioConfig& scenario, std::uint64_t seed, Progress* progress) {
-  require_valid(scenario, scenario.name);
-  Simulation result{scenario, seed, {}, {}, {}};
+struct Simulator::State {
+  Simulation base;
   std::vector<std::vector<Pose2>> true_poses;
+  std::unique_ptr<World> world;
+  int day = 0;
+  double day_start_s = 0.0;
+  Pose2 odom_start;
+  std::uint64_t scan_index = 0;
+};
+
+Simulator::Simulator(const ScenarioConfig& scenario, std::uint64_t seed)
+    : state_(std::make_unique<State>()) {
+  require_valid(scenario, scenario.name);
+  state_->base = {scenario, seed, {}, {}, {}};
+  state_->day_start_s = scenario.start_s;
   Pose2 start = first_pose(scenario.robot);
   double longest_s = 0.0;
   for (int day = 1; day <= scenario.days; ++day) {
-    true_poses.push_back(drive(scenario.robot, start));
-    start = true_poses.back().back();
-    longest_s = std::max(longest_s, static_cast<double>(true_poses.back().size()) * kDriveStep_s);
+    state_->true_poses.push_back(drive(scenario.robot, start));
+    const std::vector<Pose2>& poses = state_->true_poses.back();
+    start = poses.back();
+    longest_s = std::max(longest_s, static_cast<double>(poses.size()) * kDriveStep_s);
   }
-  const World world(scenario, seed, longest_s);
-  result.walls = world.walls();
-  result.objects = world.objects();
+  state_->world = std::make_unique<World>(scenario, seed, longest_s);
+  state_->base.walls = state_->world->walls();
+  state_->base.objects = state_->world->objects();
+}
 
+Simulator::~Simulator() = default;
+
+const Simulation& Simulator::world() const { return state_->base; }
+
+SimulatedDay Simulator::next_day(Progress* progress) {
+  State& state = *state_;
+  const ScenarioConfig& scenario = state.base.scenario;
+  const std::uint64_t seed = state.base.seed;
+  const int day = ++state.day;
   const double period_s = 1.0 / scenario.laser.rate_hz;
-  double day_start_s = scenario.start_s;
-  Pose2 odom_start;
-  std::uint64_t scan_index = 0;
+  const double day_start_s = state.day_start_s;
+  const std::vector<Pose2>& truth = state.true_poses[static_cast<std::size_t>(day - 1)];
+  const std::vector<Pose2> odom = odometry(scenario.robot, truth, state.odom_start, seed, day);
+  state.odom_start = odom.back();
+  const People people(scenario, seed, day);
+  const double length_s = static_cast<double>(truth.size() - 1) * kDriveStep_s;
+  const auto scans = static_cast<std::size_t>(length_s / period_s) + 1;
+  SimulatedDay simulated;
+  for (std::size_t i = 0; i < scans; ++i) {
+    report_progress(progress, "simulate day " + std::to_string(day), i, scans);
+    const double time_s = static_cast<double>(i) * period_s;
+    SimulatedScan scan;
+    scan.map_from_robot = pose_at(truth, time_s);
+    const Pose2 map_from_laser = scan.map_from_robot * robot_from_laser(scenario.laser);
+    const auto changeable = shapes_at(state.base.objects, day, time_s);
+    const auto legs = people.legs_at(time_s, scan.map_from_robot.translation());
+    RandomStream random(seed, StreamId::kSimulatorSensor, state.scan_index++);
+    TrueScan taken =
+        take_scan(scenario.laser, map_from_laser, {state.base.walls, changeable, legs}, random);
+    // Whole milliseconds: text logs carry them exactly.
+    taken.scan.stamp = Stamp::from_seconds(std::round((day_start_s + time_s) * 1e3) * 1e-3);
+    scan.sources = std::move(taken.sources);
+    scan.observation = {day - 1, std::move(taken.scan), pose_at(odom, time_s), true};
+    simulated.scans.push_back(std::move(scan));
+  }
+  simulated.begin = simulated.scans.front().observation.scan.stamp;
+  simulated.end = simulated.scans.back().observation.scan.stamp;
+  const SpaceDay space_day{day,
+                           day_start_s,
+                           length_s,
+                           [&](double time_s) { return pose_at(truth, time_s); },
+                           &people,
+                           state.base.walls,
+                           state.world->first_block_side(),
+                           state.base.objects};
+  simulated.clouds = clouds_of(scenario, space_day, seed);
+  simulated.images = images_of(scenario, space_day);
+  state.day_start_s = std::ceil(day_start_s + length_s + scenario.night_s);
+  return simulated;
+}
+
+Simulation simulate(const ScenarioConfig& scenario, std::uint64_t seed, Progress* progress) {
+  Simulator simulator(scenario, seed);
+  Simulation result = simulator.world();
   for (int day = 1; day <= scenario.days; ++day) {
-    const std::vector<Pose2>& truth = true_poses[static_cast<std::size_t>(day - 1)];
-    const std::vector<Pose2> odom = odometry(scenario.robot, truth, odom_start, seed, day);
-    odom_start = odom.back();
-    const People people(scenario, seed, day);
-    const double length_s = static_cast<double>(truth.size() - 1) * kDriveStep_s;
-    const auto scans = static_cast<std::size_t>(length_s / period_s) + 1;
-    SimulatedDay simulated;
-    for (std::size_t i = 0; i < scans; ++i) {
-      report_progress(progress, "simulate day " + std::to_string(day), i, scans);
-      const double time_s = static_cast<double>(i) * period_s;
-      SimulatedScan scan;
-      scan.map_from_robot = pose_at(truth, time_s);
-      const Pose2 map_from_laser = scan.map_from_robot * robot_from_laser(scenario.laser);
-      const auto changeable = shapes_at(result.objects, day, time_s);
-      const auto legs = people.legs_at(time_s, scan.map_from_robot.translation());
-      RandomStream random(seed, StreamId::kSimulatorSensor, scan_index++);
-      TrueScan taken =
-          take_scan(scenario.laser, map_from_laser, {result.walls, changeable, legs}, random);
-      // Whole milliseconds: text logs carry them exactly.
-      taken.scan.stamp = Stamp::from_seconds(std::round((day_start_s + time_s) * 1e3) * 1e-3);
-      scan.sources = std::move(taken.sources);
-      scan.observation = {day - 1, std::move(taken.scan), pose_at(odom, time_s), true};
-      simulated.scans.push_back(std::move(scan));
-    }
-    simulated.begin = simulated.scans.front().observation.scan.stamp;
-    simulated.end = simulated.scans.back().observation.scan.stamp;
-    const SpaceDay space_day{day,
-                             day_start_s,
-                             length_s,
-                             [&](double time_s) { return pose_at(truth, time_s); },
-                             &people,
-                             result.walls,
-                             world.first_block_side(),
-                             result.objects};
-    simulated.clouds = clouds_of(scenario, space_day, seed);
-    simulated.images = images_of(scenario, space_day);
-    day_start_s = std::ceil(day_start_s + length_s + scenario.night_s);
-    result.days.push_back(std::move(simulated));
+    result.days.push_back(simulator.next_day(progress));
   }
   return result;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,25 @@ struct Simulation {
   std::vector<Segment> walls;
   std::vector<ChangeableObject> objects;
   std::vector<SimulatedDay> days;
+};
+
+/// A scenario day by day, for those too long to be held whole. Gives the days of `simulate`.
+class Simulator {
+ public:
+  /// Drives all days' ways, without scans. Throws ConfigError as `simulate`.
+  Simulator(const ScenarioConfig& scenario, std::uint64_t seed);
+  ~Simulator();
+  Simulator(const Simulator&) = delete;
+  Simulator& operator=(const Simulator&) = delete;
+
+  /// Scenario, walls and objects, without days.
+  [[nodiscard]] const Simulation& world() const;
+  /// The next day, from the first to scenario.days; requires that there is one.
+  [[nodiscard]] SimulatedDay next_day(Progress* progress = nullptr);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 /// The same scenario and seed give the same bits. The robot spends the night where it stops, so

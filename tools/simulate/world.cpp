@@ -89,11 +89,15 @@ std::vector<StateChange> make_history(const ChangeableObject& object, const Stat
   if (!config.schedule.empty()) {
     std::uint64_t step = 0;
     for (const ScheduleEntry& entry : config.schedule) {
-      RandomStream random = stream(step++);
-      const std::size_t state = entry.state == "random"
-                                    ? draw_state(config, object.states.size(), random)
-                                    : state_named(object, entry.state);
-      history.push_back({entry.day, entry.at_s, state});
+      const int first = entry.day == 0 ? 1 : entry.day;
+      const int last = entry.day == 0 ? days : entry.day;
+      for (int day = first; day <= last; ++day) {
+        RandomStream random = stream(step++);
+        const std::size_t state = entry.state == "random"
+                                      ? draw_state(config, object.states.size(), random)
+                                      : state_named(object, entry.state);
+        history.push_back({day, entry.at_s, state});
+      }
     }
     std::stable_sort(history.begin(), history.end(), [](const auto& a, const auto& b) {
       return std::pair(a.day, a.at_s) < std::pair(b.day, b.at_s);
@@ -104,6 +108,9 @@ std::vector<StateChange> make_history(const ChangeableObject& object, const Stat
     return history;
   }
   for (int day = 1; day <= days; ++day) {
+    // Objects that stay for days do not all move on the same one.
+    const int phase = static_cast<int>(index) % config.redraw_every_days;
+    if (day > 1 && (day - 1 - phase) % config.redraw_every_days != 0) continue;
     RandomStream random = stream(static_cast<std::uint64_t>(day));
     double at_s = 0.0;
     do {

@@ -54,6 +54,78 @@ TEST_P(CommittedScenario, DrivesItsWholeRoute) {
 INSTANTIATE_TEST_SUITE_P(All, CommittedScenario,
                          testing::Values("office", "corridor_box", "empty_room"));
 
+class Year : public testing::Test {
+ protected:
+  static ScenarioConfig scenario(int days) {
+    ScenarioConfig config = load_scenario(scenario_file("year"));
+    config.days = days;
+    return config;
+  }
+};
+
+TEST_F(Year, IsDrivenClearOfEverythingWhereverItStands) {
+  Simulator simulator(scenario(1), 1);
+  const SimulatedDay day = simulator.next_day();
+  double path_m = 0.0;
+  for (std::size_t i = 0; i < day.scans.size(); i += 5) {
+    const Eigen::Vector2d robot = day.scans[i].map_from_robot.translation();
+    if (i > 0) path_m += (robot - day.scans[i - 5].map_from_robot.translation()).norm();
+    for (const Segment& wall : simulator.world().walls) {
+      ASSERT_GT(distance_to_segment(robot, wall), 0.2) << robot.transpose();
+    }
+    for (const ChangeableObject& object : simulator.world().objects) {
+      for (const auto& shape : object.shapes) {
+        for (const Segment& s : shape) {
+          ASSERT_GT(distance_to_segment(robot, s), 0.2) << object.id << " " << robot.transpose();
+        }
+      }
+    }
+  }
+  EXPECT_GE(day.scans.size(), 3000U);
+  EXPECT_GE(path_m, 150.0);
+}
+
+TEST_F(Year, HasDoorsByTimeOfDayBoxesByTheWeekAndFurnitureTwice) {
+  const int days = 365;
+  const Simulator simulator(scenario(days), 1);
+  for (const ChangeableObject& object : simulator.world().objects) {
+    int moves = 0;  // from one day's end to the next
+    std::vector<int> when;
+    for (int day = 2; day <= days; ++day) {
+      if (object.state_at(day, 200.0) == object.state_at(day - 1, 200.0)) continue;
+      ++moves;
+      when.push_back(day);
+    }
+    if (object.id == "door_south_1") {
+      EXPECT_EQ(moves, 0);
+      for (int day = 1; day <= days; ++day) {
+        ASSERT_NE(object.state_at(day, 50.0), object.state_at(day, 100.0)) << day;
+      }
+    } else if (object.id == "table_north") {
+      EXPECT_THAT(when, testing::ElementsAre(122, 244));
+    } else if (object.id.starts_with("box")) {
+      EXPECT_GT(moves, 20) << object.id;
+      EXPECT_LE(moves, 52) << object.id;
+      for (const int day : when) ASSERT_EQ((day - when.front()) % 7, 0) << object.id;
+    }
+  }
+}
+
+TEST(Simulator, GivesTheDaysOfAWholeSimulation) {
+  const ScenarioConfig config = load_scenario(scenario_file("empty_room"));
+  const Simulation whole = simulate(config, 3);
+  Simulator simulator(config, 3);
+  for (const SimulatedDay& expected : whole.days) {
+    const SimulatedDay day = simulator.next_day();
+    ASSERT_EQ(day.scans.size(), expected.scans.size());
+    EXPECT_EQ(day.begin, expected.begin);
+    EXPECT_EQ(day.scans.back().observation.scan.ranges_m,
+              expected.scans.back().observation.scan.ranges_m);
+    EXPECT_EQ(day.scans.back().observation.odom_from_robot,
+              expected.scans.back().observation.odom_from_robot);
+  }
+}
+
 TEST(CorridorBox, HidesAllButWallsAndTheBoxInItsMiddle) {
   ScenarioConfig scenario = load_scenario(scenario_file("corridor_box"));
   scenario.laser.noise_m = 0.0;
