@@ -41,6 +41,7 @@ struct MapTopicsConfig {
   std::string patches = "patch_map";
   std::string nodes = "node_map";
   std::string qos = "latched";
+  bool follow = false;
   double own_place_m = memory::TimescaleConfig{}.visibility.own_place_m;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -50,8 +51,25 @@ struct MapTopicsConfig {
     v.field("patches", c.patches, {.doc = "strata_msgs/PatchMap in, for the patch models"});
     v.field("nodes", c.nodes, {.doc = "strata_msgs/NodeMap in, for the timescale models"});
     v.field("qos", c.qos, {.doc = "QoS profile of the maps"});
+    v.field(
+        "follow", c.follow,
+        {.doc = "with a folder: take newer maps over from the topics too, as of a patch learner "
+                "that goes on learning"});
     v.field("own_place_m", c.own_place_m,
             {.doc = "as the timescale memory's own visibility", .unit = "m", .min = 0.0});
+  }
+};
+
+/// Scans with the pose they were taken from, as long as that is well known.
+struct LocatedScansConfig {
+  double most_stddev_m = 0.1;
+  double most_stddev_rad = 0.03;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("most_stddev_m", c.most_stddev_m,
+            {.doc = "only scans whose position is at least this certain", .unit = "m", .min = 0.0});
+    v.field("most_stddev_rad", c.most_stddev_rad,
+            {.doc = "... and whose heading is", .unit = "rad", .min = 0.0});
   }
 };
 
@@ -70,6 +88,8 @@ struct LocalizerComponentConfig {
   std::string particles_topic = "particle_cloud";
   std::string states_topic = "submap_states";
   std::string health_topic = "localization_health";
+  std::string located_topic;
+  LocatedScansConfig located;
   std::string map_frame = "map";
   std::string odometry_frame = "odom";
   bool publish_tf = true;
@@ -102,6 +122,10 @@ struct LocalizerComponentConfig {
             {.doc = "nav2_msgs/ParticleCloud out, made when somebody reads it"});
     v.field("states_topic", c.states_topic, {.doc = "strata_msgs/SubmapStates out"});
     v.field("health_topic", c.health_topic, {.doc = "strata_msgs/LocalizationHealth out"});
+    v.field("located_topic", c.located_topic,
+            {.doc = "strata_msgs/LabeledScan out: scans with their poses for learners that go on "
+                    "learning, such as located_scan; empty: none"});
+    v.group("located", c.located, "which scans go out with their poses");
     v.field("map_frame", c.map_frame, {.doc = "frame of poses in and out"});
     v.field("odometry_frame", c.odometry_frame, {.doc = "child of map_frame in /tf"});
     v.field("publish_tf", c.publish_tf, {.doc = "broadcast map_frame -> odometry_frame"});

@@ -21,6 +21,7 @@ void LiveMaps::add(const strata_msgs::msg::ReflectionGrid& message) {
 
 void LiveMaps::add(const strata_msgs::msg::PatchMap& message) {
   maps_.patches = convert::from_message(message);
+  maps_.filtered = maps_.patches->base;  // the free space, as of now
   is_new_ = true;
 }
 

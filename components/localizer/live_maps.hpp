@@ -24,6 +24,9 @@ class LiveMaps {
   [[nodiscard]] bool needs_patches() const { return model_.starts_with("patch"); }
   [[nodiscard]] bool needs_nodes() const { return model_.starts_with("timescale"); }
 
+  /// What is known before anything comes; no news.
+  void begin_with(const maps::Maps& maps) { maps_ = maps; }
+
   /// Throw InputError for messages that are no map.
   void add(const nav_msgs::msg::OccupancyGrid& message);
   void add(const strata_msgs::msg::ReflectionGrid& message);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "components/convert/geometry_messages.hpp"
+#include "components/convert/scan_messages.hpp"
 #include "components/maps/maps_folder.hpp"
 
 namespace strata::localizer {
@@ -32,9 +33,16 @@ std::optional<Pose2Gaussian> start_of(const StartConfig& start) {
 void Localizer::on_configure() {
   config_ = read_parameters<LocalizerComponentConfig>();
   keep_live(config_, {"publish_tf"});
-  if (!config_.maps.empty()) use_maps(maps::read_maps(config_.maps), start_of(config_.start));
+  std::optional<maps::Maps> known;
+  if (!config_.maps.empty()) {
+    known = maps::read_maps(config_.maps);
+    use_maps(*known, start_of(config_.start));
+  }
   advertise_topics();
-  if (config_.maps.empty()) subscribe_maps();
+  if (!known || config_.map_topics.follow) {
+    subscribe_maps();
+    if (known) live_maps_->begin_with(*known);
+  }
   subscribe<geometry_msgs::msg::PoseWithCovarianceStamped>(
       config_.initial_pose_topic, config_.pose_qos,
       [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); });
@@ -113,6 +121,9 @@ void Localizer::advertise_topics() {
       advertise<strata_msgs::msg::SubmapStates>(config_.states_topic, config_.state_qos);
   publish_health_ =
       advertise<strata_msgs::msg::LocalizationHealth>(config_.health_topic, config_.state_qos);
+  if (!config_.located_topic.empty()) {
+    publish_located_ = advertise<strata_msgs::msg::LabeledScan>(config_.located_topic, "lossless");
+  }
   particle_writer_ = advertise_raw(resolve(config_.particles_topic),
                                    bus::MessageType<nav2_msgs::msg::ParticleCloud>::name,
                                    bus::qos_profile(config_.sensor_qos));
@@ -166,6 +177,7 @@ void Localizer::localize(const Observation& observation) {
   if (lockstep()) record_.add(stamp, result, *localizer_);
   publish_pose(observation, result.pose);
   publish_particles(stamp);
+  publish_located(observation, result);
   if (!result.submaps.empty()) publish_states(stamp, result.submaps);
   publish_health(stamp, result, update_time);
 }
@@ -195,6 +207,20 @@ void Localizer::publish_particles(Stamp stamp) {
     cloud.particles()[i].weight(particles.weight[i]);
   }
   particle_writer_->publish(convert::to_cdr(cloud));
+}
+
+void Localizer::publish_located(const Observation& observation,
+                                const localization::LocalizationResult& result) {
+  const LocatedScansConfig& wanted = config_.located;
+  const Eigen::Matrix3d& covariance = result.pose.covariance;
+  if (!publish_located_ || !result.weighed || result.health.state == HealthState::kLost ||
+      !(std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= wanted.most_stddev_m) ||
+      !(std::sqrt(covariance(2, 2)) <= wanted.most_stddev_rad)) {
+    return;
+  }
+  publish_located_(
+      convert::to_message(PosedScan{observation.run, observation.scan, result.pose.mean, {}},
+                          config_.map_frame, "laser"));
 }
 
 void Localizer::publish_states(Stamp stamp,

@@ -19,9 +19,11 @@ namespace strata::localizer {
 /// Out, once a scan: amcl_pose, map -> odom on /tf (REP 105; as AMCL), particle_cloud,
 /// submap_states (maps with sub-maps only), localization_health. Services, as AMCL's:
 /// reinitialize_global_localization, set_initial_pose. In: initialpose, and the maps when
-/// no MAPS folder is named: scans that come before them are passed over, and when one comes again
-/// the robot goes on in it from where it is. At the end of a log trajectory.tum, states.csv and
-/// metrics.json, byte for byte those of `strata localize` without truth but for the cost.
+/// no MAPS folder is named (or map_topics.follow): scans that come before them are passed over, and
+/// when one comes again the robot goes on in it, with the particles that it has and what they
+/// believe of sub-maps that are still there. Scans with their poses go out where a learner wants
+/// them. At the end of a log trajectory.tum, states.csv and metrics.json, byte for byte those of
+/// `strata localize` without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
@@ -45,6 +47,8 @@ class Localizer final : public runtime::SensorComponent {
   void localize(const Observation& observation);
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_particles(Stamp stamp);
+  void publish_located(const Observation& observation,
+                       const localization::LocalizationResult& result);
   void publish_states(Stamp stamp, const std::vector<localization::SubmapBelief>& submaps);
   void publish_health(Stamp stamp, const localization::LocalizationResult& result,
                       std::chrono::duration<double> update_time);
@@ -67,6 +71,7 @@ class Localizer final : public runtime::SensorComponent {
   std::function<void(const tf2_msgs::msg::TFMessage&)> publish_tf_;
   std::function<void(const strata_msgs::msg::SubmapStates&)> publish_states_;
   std::function<void(const strata_msgs::msg::LocalizationHealth&)> publish_health_;
+  std::function<void(const strata_msgs::msg::LabeledScan&)> publish_located_;  // null: not wanted
   std::shared_ptr<bus::RawWriter> particle_writer_;  // raw, to see whether somebody reads
 };
 

@@ -4,17 +4,44 @@
 
 #include <string>
 
+#include "core/patch/online_learner.hpp"
 #include "core/patch/patch_learner.hpp"
 
 namespace strata::patch_learner {
 
+/// Learning that never ends: see core/patch/online_learner.hpp.
+struct OnlineLearningConfig {
+  bool enabled = false;
+  patch::OnlineConfig learner;
+  std::string scan_topic = "labeled_scan";
+  std::string maps;
+  double publish_every_s = 10.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field(
+        "enabled", c.enabled,
+        {.doc = "learn scan by scan while the robot works, and publish the map when it changes"});
+    v.group("learner", c.learner, "what is kept, and how often changes are looked for");
+    v.field("scan_topic", c.scan_topic,
+            {.doc = "strata_msgs/LabeledScan in: labeled_scan of a beam filter (poses of SLAM), or "
+                    "located_scan of a localizer, which works in a learned map"});
+    v.field("maps", c.maps,
+            {.doc = "folder to go on from: its filtered map, and the scans it was learned from; "
+                    "empty: begin with nothing, on the map from reflection_filtered"});
+    v.field("publish_every_s", c.publish_every_s,
+            {.doc = "a changed map is published no more often than this", .unit = "s", .min = 0.0});
+  }
+};
+
 struct PatchLearnerComponentConfig {
   patch::PatchLearnerConfig patch;
+  OnlineLearningConfig online;
   std::string map_frame = "map";
   int learn_every_scans = 0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("patch", c.patch, "sub-maps and their configurations");
+    v.group("online", c.online, "learning while the robot works");
     v.field("map_frame", c.map_frame, {.doc = "frame of the map out"});
     v.field("learn_every_scans", c.learn_every_scans,
             {.doc = "live: learn anew from all scans after so many; 0: never. Takes seconds",

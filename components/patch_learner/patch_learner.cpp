@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/patch_learner/patch_learner.hpp"
 
+#include <cmath>
+#include <utility>
+
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/map_messages.hpp"
 #include "components/convert/patch_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 
 namespace strata::patch_learner {
@@ -16,13 +20,45 @@ void PatchLearner::on_configure() {
   publish_map_ = advertise<strata_msgs::msg::PatchMap>("patch_map", "latched");
   subscribe<strata_msgs::msg::ReflectionGrid>(
       "reflection_filtered", "latched",
-      [this](const auto& message) { filtered_ = convert::from_message(message); });
-  subscribe<strata_msgs::msg::LabeledScan>(lockstep() ? "mapped_scan" : "labeled_scan", "lossless",
-                                           [this](const auto& message) { on_scan(message); });
+      [this](const auto& message) { on_base(convert::from_message(message)); });
+  const auto take = [this](const auto& message) { on_scan(message); };
+  const OnlineLearningConfig& online = config_.online;
+  if (online.enabled && !online.maps.empty()) begin_online();
+  if (lockstep() && (!online.enabled || online.maps.empty())) {
+    subscribe<strata_msgs::msg::LabeledScan>("mapped_scan", "lossless", take);
+  }
+  if (online.enabled || !lockstep()) {
+    subscribe<strata_msgs::msg::LabeledScan>(online.enabled ? online.scan_topic : "labeled_scan",
+                                             "lossless", take);
+  }
+}
+
+void PatchLearner::on_base(ReflectionGrid filtered) {
+  filtered_ = std::move(filtered);
+  if (!config_.online.enabled) return;
+  if (online_) {
+    online_->set_base(*filtered_);
+  } else {
+    online_.emplace(config_.patch, config_.online.learner, *filtered_, context().threads);
+  }
+}
+
+void PatchLearner::begin_online() {
+  const std::filesystem::path folder = config_.online.maps;
+  on_base(maps::read_maps(folder).filtered);
+  maps::EarlierRuns earlier = maps::read_earlier_runs(folder);
+  first_run_ = earlier.next_run;
+  for (PosedScan& scan : earlier.scans) (void)online_->add(std::move(scan));
+  submaps_ = online_->map().submaps.size();
 }
 
 void PatchLearner::on_scan(const strata_msgs::msg::LabeledScan& message) {
-  learner_->add(convert::from_message(message));
+  PosedScan scan = convert::from_message(message);
+  if (config_.online.enabled) {
+    learn_online(std::move(scan));
+    return;
+  }
+  learner_->add(std::move(scan));
   const auto every = static_cast<std::size_t>(config_.learn_every_scans);
   if (lockstep() || every == 0 || learner_->size() % every != 0 || !filtered_) return;
   publish_map_(convert::to_message(learner_->finish(*filtered_, context().progress),
@@ -30,12 +66,54 @@ void PatchLearner::on_scan(const strata_msgs::msg::LabeledScan& message) {
                                    config_.map_frame));
 }
 
+void PatchLearner::learn_online(PosedScan scan) {
+  if (!online_) {
+    ++scans_without_map_;
+    return;
+  }
+  const Stamp now = scan.scan.stamp;
+  scan.run += first_run_;
+  has_news_ = online_->add(std::move(scan)) || has_news_;
+  if (!has_news_) return;
+  if (published_ && std::abs((now - *published_).seconds()) < config_.online.publish_every_s) {
+    return;
+  }
+  const patch::PatchMap map = online_->map();
+  submaps_ = map.submaps.size();
+  publish_map_(convert::to_message(map, now, config_.map_frame));
+  published_ = now;
+  has_news_ = false;
+}
+
+void PatchLearner::on_diagnose(runtime::Health& health) const {
+  if (!config_.online.enabled) {
+    health.add("scans", static_cast<std::uint64_t>(learner_ ? learner_->size() : 0));
+    return;
+  }
+  if (!online_) {
+    health.warn("no map to learn on has come yet");
+    health.add("scans without a map", scans_without_map_);
+    return;
+  }
+  const patch::OnlineStatus& status = online_->status();
+  if (status.is_over_budget)
+    health.warn("the mapped area alone needs more than online.learner.memory_mb");
+  health.add("scans", static_cast<std::uint64_t>(status.scans_seen));
+  health.add("scans kept", static_cast<std::uint64_t>(status.scans));
+  health.add("sub-maps", static_cast<std::uint64_t>(submaps_));
+  health.add("sequences kept", static_cast<std::uint64_t>(status.sequences));
+  health.add("configurations forgotten",
+             static_cast<std::uint64_t>(status.forgotten_configurations));
+  health.add("bytes", static_cast<std::uint64_t>(status.bytes));
+}
+
 void PatchLearner::on_finish(const std::filesystem::path& out_dir) {
   if (!filtered_) {
     throw InputError(full_name(), "no filtered map came",
                      "add a strata::ScanMatcher before it to the composition");
   }
-  const patch::PatchMap map = learner_->finish(*filtered_, context().progress);
+  const patch::PatchMap map =
+      online_ ? online_->finish() : learner_->finish(*filtered_, context().progress);
   publish_map_(convert::to_message(map, Stamp(), config_.map_frame));
   maps::write_patch_map(out_dir, map);
 }
@@ -43,6 +121,10 @@ void PatchLearner::on_finish(const std::filesystem::path& out_dir) {
 void PatchLearner::on_cleanup() {
   learner_.reset();
   filtered_.reset();
+  online_.reset();
+  published_.reset();
+  has_news_ = false;
+  scans_without_map_ = 0;
 }
 
 }  // namespace strata::patch_learner

@@ -2,17 +2,20 @@
 /// strata::PatchLearner: posed scans and the filtered map in; the patch map out.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 
 #include "components/patch_learner/config.hpp"
 #include "components/runtime/component.hpp"
+#include "core/patch/online_learner.hpp"
 #include "core/patch/patch_learner.hpp"
 
 namespace strata::patch_learner {
 
 /// In: mapped_scan (lockstep) or labeled_scan (live), reflection_filtered. Out: patch_map; at the
-/// end of a log the patch map in MAPS.
+/// end of a log the patch map in MAPS. Online (online.enabled) it also learns from
+/// online.scan_topic in lockstep, publishes each changed map, and goes on after a finish.
 class PatchLearner final : public runtime::Component {
  public:
   using Component::Component;
@@ -20,13 +23,23 @@ class PatchLearner final : public runtime::Component {
  private:
   void on_configure() override;
   void on_cleanup() override;
-  [[nodiscard]] bool learns() const override { return true; }
+  [[nodiscard]] bool learns() const override { return !config_.online.enabled; }
+  void on_diagnose(runtime::Health& health) const override;
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_scan(const strata_msgs::msg::LabeledScan& message);
+  void on_base(ReflectionGrid filtered);
+  void begin_online();
+  void learn_online(PosedScan scan);
 
   PatchLearnerComponentConfig config_;
   std::optional<patch::PatchLearner> learner_;
   std::optional<ReflectionGrid> filtered_;
+  std::optional<patch::OnlinePatchLearner> online_;
+  int first_run_ = 0;                    // online: of the scans that come, after those of `maps`
+  std::uint64_t scans_without_map_ = 0;  // online: came before there was a map to learn on
+  bool has_news_ = false;                // online: changed and not published yet
+  std::optional<Stamp> published_;
+  std::size_t submaps_ = 0;
   std::function<void(const strata_msgs::msg::PatchMap&)> publish_map_;
 };
 

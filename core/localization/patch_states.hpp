@@ -105,10 +105,12 @@ class PatchStates {
   /// Particle i knows nothing: its sub-map from its pose, its configuration (without memory) drawn
   /// uniformly, its belief uniform.
   void draw(ParticleSet& particles, std::size_t i, RandomStream& random) const;
-  /// Takes particles over from a model with the states `before` (null: none). Sub-maps that lie in
-  /// the same place (their rectangles overlap by more than half of their union) keep what was
-  /// believed of them; configurations that are new there start with an equal share. The rest knows
-  /// nothing. Poses and weights stay.
+  /// Takes particles over from a model with the states `before` (null: none). A sub-map descends
+  /// from the old one that it has most cells in common with, if these are more than half of the
+  /// smaller of both. What was believed of an old configuration goes to the new one that looks most
+  /// like it there, or in equal parts to those that look about as much alike; configurations that
+  /// nobody goes to start with an equal share. The rest knows nothing. Poses and weights stay. O(
+  /// particles x columns + cells in common x pairs of configurations).
   void adopt(const PatchStates* before, std::uint64_t seed, std::uint64_t step,
              ParticleSet& particles) const;
   /// The rate of each sub-map [1/s].
@@ -129,10 +131,6 @@ class PatchStates {
 
  private:
   void predict_beliefs(std::span<float> row, double dt_s) const;
-  [[nodiscard]] std::vector<int> places_in(const PatchStates* before) const;
-  void carry_over(const PatchStates& before, const std::vector<int>& places,
-                  std::span<const float> from, std::span<float> to) const;
-
   std::shared_ptr<const patch::PatchMap> map_;
   PatchStatesConfig config_;
   std::vector<std::size_t> offsets_;

@@ -27,6 +27,26 @@ void add_weighted(Grid<CellCounts>& counts, const Grid<CellCounts>& more, double
   }
 }
 
+/// The same with the clusters in the order of the first sequence that each is likeliest for, so
+/// that what was a configuration's place stays its place while sequences are added.
+std::vector<std::vector<double>> in_order_of_appearance(
+    std::vector<std::vector<double>> memberships) {
+  if (memberships.empty()) return memberships;
+  std::vector<std::size_t> order;
+  for (const std::vector<double>& row : memberships) {
+    const auto c = static_cast<std::size_t>(std::max_element(row.begin(), row.end()) - row.begin());
+    if (std::find(order.begin(), order.end(), c) == order.end()) order.push_back(c);
+  }
+  for (std::size_t c = 0; c < memberships[0].size(); ++c) {
+    if (std::find(order.begin(), order.end(), c) == order.end()) order.push_back(c);
+  }
+  for (std::vector<double>& row : memberships) {
+    const std::vector<double> before = row;
+    for (std::size_t k = 0; k < order.size(); ++k) row[k] = before[order[k]];
+  }
+  return memberships;
+}
+
 }  // namespace
 
 Submap learn_configurations(const Region& region, std::span<const SequenceInfo> infos,
@@ -47,8 +67,8 @@ Submap learn_configurations(const Region& region, std::span<const SequenceInfo> 
   }
   if (informative.size() == 0) return submap;
   const Clustering clustering = select_clusters(informative, config.clustering);
-  const auto memberships =
-      memberships_of(all, clustering.clusters.centroids, config.clustering.fuzzy);
+  const auto memberships = in_order_of_appearance(
+      memberships_of(all, clustering.clusters.centroids, config.clustering.fuzzy));
   submap.configurations.resize(clustering.k());
   for (Configuration& c : submap.configurations) {
     c.counts = Grid<CellCounts>(resolution, region.rect);

@@ -15,9 +15,10 @@
 namespace strata::patch {
 
 /// The sub-map of a region, its id not given yet: clusters what the sequences saw and pools their
-/// counts by membership. `infos` says when each was made, counts_of(i) what it counted on the
-/// region's rectangle (asked twice). Unknown cells of configurations come from `filtered`. Without
-/// a sequence that knows enough there are no configurations. O(sequences x cells + clustering).
+/// counts by membership; configurations are in the order in which they were first seen. `infos`
+/// says when each was made, counts_of(i) what it counted on the region's rectangle (asked twice).
+/// Unknown cells of configurations come from `filtered`. Without a sequence that knows enough there
+/// are no configurations. O(sequences x cells + clustering).
 [[nodiscard]] Submap learn_configurations(
     const Region& region, std::span<const SequenceInfo> infos,
     const std::function<Grid<CellCounts>(std::size_t)>& counts_of, const ReflectionGrid& filtered,

@@ -215,7 +215,8 @@ bool OnlinePatchLearner::learn_dirty() {
 
 PatchMap OnlinePatchLearner::map() const {
   PatchMap map;
-  map.base = base_;
+  map.base =
+      online_.extend_base ? visits_.extended(base_, config_.prior, config_.min_evidence) : base_;
   std::vector<Submap> submaps;
   for (const Track& track : tracks_) submaps.push_back(track.submap);
   keep_changing(std::move(submaps), config_, map);

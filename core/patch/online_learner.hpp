@@ -29,6 +29,7 @@ struct OnlineConfig {
   double memory_mb = 256.0;
   int most_visits = 16;
   int most_sequences = 40;
+  bool extend_base = true;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("check_every_s", c.check_every_s,
@@ -47,6 +48,10 @@ struct OnlineConfig {
     v.field("most_sequences", c.most_sequences,
             {.doc = "sequences kept of a sub-map; of more, two of one configuration become one",
              .min = 4});
+    v.field(
+        "extend_base", c.extend_base,
+        {.doc = "fill in what the static map does not know, such as the room behind a door that "
+                "was closed when it was made: else nobody can tell that the door is open"});
   }
 };
 
@@ -80,7 +85,8 @@ class OnlinePatchLearner {
   /// vectors; a check O(cells of a window of 20 m and their visits); a new sub-map O(kept scans in
   /// reach x beams). None grows with the length of the run.
   bool add(PosedScan scan);
-  /// The map as of now: sub-maps with at least two configurations. O(its cells).
+  /// The map as of now: sub-maps with at least two configurations, over the base as it was given
+  /// and, with extend_base, what the scans add to it. O(its cells).
   [[nodiscard]] PatchMap map() const;
   /// Ends the open sequences, looks everywhere and returns the map: that of PatchLearner as long as
   /// nothing was forgotten. Scans may follow.

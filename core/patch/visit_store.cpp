@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/beam_filter/beam_model.hpp"
+
 namespace strata::patch {
 namespace {
 
@@ -120,6 +122,30 @@ VisitTable VisitStore::table(const CellRect& window) const {
     offsets.push_back(static_cast<std::uint32_t>(visits.size()));
   }
   return {std::move(slots), std::move(offsets), std::move(visits)};
+}
+
+ReflectionGrid VisitStore::extended(const ReflectionGrid& known, double prior,
+                                    double min_evidence) const {
+  CellRect seen;
+  std::vector<std::pair<Cell, float>> found;
+  for (std::size_t i = 0; i < last_.size(); ++i) {
+    if (last_.values()[i] < 0) continue;
+    const Cell cell = last_.cell(i);
+    if (is_known(known.get(cell))) continue;
+    CellCounts counts;
+    for (std::int32_t n = last_.values()[i]; n >= 0; n = node(n).previous) {
+      counts.hits += static_cast<double>(node(n).visit.hits);
+      counts.misses += static_cast<double>(node(n).visit.misses);
+    }
+    const auto m = static_cast<float>(beam_filter::closed_form(counts, prior, min_evidence));
+    if (!is_known(m)) continue;
+    found.emplace_back(cell, m);
+    seen = seen.united({cell, {cell.x + 1, cell.y + 1}});
+  }
+  if (found.empty()) return known;
+  ReflectionGrid result = known.cropped(known.rect().united(seen));
+  for (const auto& [cell, m] : found) result.at(cell) = m;
+  return result;
 }
 
 void VisitStore::forget_surplus(std::int32_t last) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "core/grid/reflection_grid.hpp"
 #include "core/patch/visits.hpp"
 
 namespace strata::patch {
@@ -37,6 +38,10 @@ class VisitStore {
   /// cells of the window and their visits).
   [[nodiscard]] VisitTable table(const CellRect& window) const;
   [[nodiscard]] const CellRect& rect() const { return last_.rect(); }
+  /// `known` with what the visits say of the cells that it does not know, by the beam filter's
+  /// closed form over all visits that are kept. O(cells and visits of those cells).
+  [[nodiscard]] ReflectionGrid extended(const ReflectionGrid& known, double prior,
+                                        double min_evidence) const;
 
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] int most() const { return most_; }

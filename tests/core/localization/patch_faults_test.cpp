@@ -214,6 +214,68 @@ TEST(PatchFaults, ANewMapMidRunKeepsThePoseAndWhatIsBelieved) {
   }
 }
 
+// An online learner orders, merges and forgets configurations as it likes; what was believed goes
+// with what they look like, not with their place in the list.
+TEST(PatchFaults, BeliefFollowsWhatConfigurationsLookLike) {
+  BoxWorld third = room();
+  third.push_back({4.5, 1.5, 5.1, 2.1});
+  const CellRect rect{{80, 0}, {112, 60}};
+  auto first = empty_map();
+  first->submaps.push_back(submap_of(0, rect, {room(), room_with_box(), third}));
+  auto turned = empty_map();
+  turned->submaps.push_back(submap_of(0, rect, {third, room_with_box(), room()}));
+  auto forgot = empty_map();
+  forgot->submaps.push_back(submap_of(0, rect, {room_with_box(), room()}));
+  auto split = empty_map();
+  split->submaps.push_back(submap_of(0, rect, {room(), room_with_box(), room_with_box(), third}));
+  PatchStatesConfig config;
+  for (const PatchMemory memory : {PatchMemory::kPerParticle, PatchMemory::kShared}) {
+    config.memory = memory;
+    const PatchStates before(first, config);
+    ParticleSet particles;
+    particles.resize(3);
+    before.prepare(particles);
+    const std::vector<float> belief{0.1F, 0.7F, 0.2F};
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+      std::copy(belief.begin(), belief.end(), particles.belief(i).begin());
+    }
+    if (memory == PatchMemory::kShared) particles.shared_belief = belief;
+    const auto adopted = [&](const std::shared_ptr<patch::PatchMap>& map) {
+      ParticleSet copy = particles;
+      PatchStates(map, config).adopt(&before, 1, 5, copy);
+      if (memory == PatchMemory::kShared) return copy.shared_belief;
+      return std::vector<float>(copy.belief(1).begin(), copy.belief(1).end());
+    };
+    const auto expect = [&](const std::vector<float>& got, const std::vector<float>& wanted) {
+      ASSERT_EQ(got.size(), wanted.size());
+      for (std::size_t k = 0; k < got.size(); ++k) EXPECT_NEAR(got[k], wanted[k], 1e-6F) << k;
+    };
+    expect(adopted(turned), {0.2F, 0.7F, 0.1F});
+    // Both have boxes, yet an empty place is what a box elsewhere looks most like.
+    const std::vector<float> after = adopted(forgot);
+    EXPECT_NEAR(after[0] + after[1], 1.0F, 1e-6F);
+    EXPECT_GE(after[0], 0.7F - 1e-6F);
+    expect(adopted(split), {0.1F, 0.35F, 0.35F, 0.2F});
+  }
+}
+
+TEST(PatchFaults, ASubmapThatGrewKeepsWhatWasBelieved) {
+  auto small = empty_map();
+  small->submaps.push_back(submap_of(0, {{86, 0}, {106, 22}}, {room(), room_with_box()}));
+  auto large = empty_map();
+  large->submaps.push_back(submap_of(0, {{70, 0}, {130, 60}}, {room_with_box(), room()}));
+  PatchStatesConfig config;
+  config.memory = PatchMemory::kPerParticle;
+  const PatchStates before(small, config);
+  ParticleSet particles;
+  particles.resize(1);
+  before.prepare(particles);
+  particles.belief(0)[0] = 0.9F;
+  particles.belief(0)[1] = 0.1F;
+  PatchStates(large, config).adopt(&before, 1, 5, particles);
+  EXPECT_NEAR(particles.belief(0)[1], 0.9F, 1e-6F);
+}
+
 TEST(PatchFaults, FromAndToAMapWithoutSubmapsMidRun) {
   Drive drive({1.5, 2.0, 0.0}, 10);
   Localizer localizer = started(model_of(box_map()), drive);

@@ -139,6 +139,28 @@ TEST(OnlinePatchLearner, WithoutChangeThereIsNeverASubmapAndTheBaseStays) {
   EXPECT_TRUE(same_bits(map.base, base));
 }
 
+TEST(OnlinePatchLearner, FillsInWhatTheBaseDoesNotKnowAndLeavesTheRest) {
+  const auto closed = working_day({true, true}, 0.0, 0.0, 9);
+  const ReflectionGrid base = map_of(closed);
+  const Cell behind = cell_at({5.5, 3.5}, kResolution);
+  ASSERT_FALSE(is_known(base.get(behind)));
+  OnlineConfig strict;
+  strict.extend_base = false;
+  OnlinePatchLearner extending({}, {}, base);
+  OnlinePatchLearner keeping({}, strict, base);
+  for (const PosedScan& scan : working_day({true, false}, 0.0, 0.0, 9)) {
+    extending.add(scan);
+    keeping.add(scan);
+  }
+  const ReflectionGrid extended = extending.map().base;
+  EXPECT_LT(extended.get(behind), 0.1F);
+  for (std::size_t i = 0; i < base.size(); ++i) {
+    if (!is_known(base.values()[i])) continue;
+    ASSERT_EQ(extended.get(base.cell(i)), base.values()[i]);
+  }
+  EXPECT_TRUE(same_bits(keeping.map().base, base));
+}
+
 TEST(OnlinePatchLearner, KeepsItsBudgetOverALongRunAndStillKnowsTheDoor) {
   const auto closed = now_and_then(40, 6);
   const auto scans = working_day(closed, 0.01, 0.1 * kDegree, 6);
