@@ -18,6 +18,9 @@ struct TimescaleMemoryConfig {
   std::string store;
   double save_period_s = 0.5;
   int resident_nodes = 500;
+  double changes_period_s = 60.0;
+  std::string changes_before;
+  std::string changes_now;
   std::vector<std::string> robots;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -40,6 +43,15 @@ struct TimescaleMemoryConfig {
         {.doc = "with a store: levels of this many nodes stay in RAM (about 160 kB each), those "
                 "needed last; others are read again when the robot comes back",
          .min = 1});
+    v.field("changes_period_s", c.changes_period_s,
+            {.doc = "live: changed_places goes out at most this often, and only with node_map; it "
+                    "takes about 2 ms a node; 0: never",
+             .unit = "s",
+             .min = 0.0});
+    v.field("changes_before", c.changes_before,
+            {.doc = "level that changed_places takes for the old state; empty: the last one"});
+    v.field("changes_now", c.changes_now,
+            {.doc = "level that it takes for the new state; empty: the first one"});
     v.field("robots", c.robots,
             {.doc = "live: namespaces of the robots that feed this memory, such as [/robot1, "
                     "/robot2], all in one map frame and with one clock; empty: the one in this "

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/timescale_memory/timescale_memory.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 
 #include "components/convert/scan_messages.hpp"
+#include "components/maps/changes_json.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/node_map_message.hpp"
+#include "core/base/error.hpp"
+#include "memory/nodes/changed_places.hpp"
 
 namespace strata::timescale_memory {
 namespace {
@@ -26,11 +30,22 @@ std::string topic_of(const std::string& robot) {
   return "/" + robot.substr(begin, end + 1 - begin) + "/labeled_scan";
 }
 
+void require_level(const TimescaleMemoryConfig& config, const char* key, const std::string& name) {
+  const auto& levels = config.timescale.levels;
+  const bool is_there = std::any_of(levels.begin(), levels.end(),
+                                    [&](const auto& level) { return level.name == name; });
+  if (is_there || name.empty()) return;
+  throw ConfigError(key, "names the level '" + name + "', which the memory does not have",
+                    "name one of timescale.levels");
+}
+
 }  // namespace
 
 void TimescaleMemory::on_configure() {
   config_ = read_parameters<TimescaleMemoryConfig>();
-  keep_live(config_, {"publish_period_s"});
+  require_level(config_, "changes_before", config_.changes_before);
+  require_level(config_, "changes_now", config_.changes_now);
+  keep_live(config_, {"publish_period_s", "changes_period_s"});
   if (!lockstep() && !config_.store.empty()) {
     file_.emplace(config_.store, config_.save_period_s,
                   static_cast<std::size_t>(config_.resident_nodes));
@@ -39,6 +54,7 @@ void TimescaleMemory::on_configure() {
     memory_.emplace(config_.timescale, context().seed);
   }
   publish_map_ = advertise<strata_msgs::msg::NodeMap>("node_map", "latched");
+  publish_changes_ = advertise<std_msgs::msg::String>("changed_places", "latched");
   for (const auto& level : config_.timescale.levels) {
     publish_level_.push_back(
         advertise<sensor_msgs::msg::LaserScan>("expected_scan/" + level.name, "default"));
@@ -90,6 +106,7 @@ void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message, int 
   const auto begin = std::chrono::steady_clock::now();
   publish_map(scan.scan.stamp, kMostReadAtOnce);
   publish_expected(scan, message.scan().header().frame_id());
+  publish_changes(scan.scan.stamp);
   const auto end = std::chrono::steady_clock::now();
   rest_until_ = end + kRestsAWork * (end - begin);
 }
@@ -97,6 +114,28 @@ void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message, int 
 void TimescaleMemory::publish_map(Stamp stamp, std::size_t most_read) {
   decoded_ = memory_->decode(config_.decoding, decoded_.get(), 0.0, most_read);
   publish_map_(maps::to_message(*memory_, *decoded_, stamp, config_.map_frame));
+}
+
+void TimescaleMemory::publish_changes(Stamp stamp) {
+  if (config_.changes_period_s <= 0.0) return;
+  if (last_changes_ && std::abs((stamp - *last_changes_).seconds()) < config_.changes_period_s) {
+    return;
+  }
+  last_changes_ = stamp;
+  const std::vector<std::string>& levels = decoded_->level_names();
+  const std::string& before =
+      config_.changes_before.empty() ? levels.back() : config_.changes_before;
+  const std::string& now = config_.changes_now.empty() ? levels.front() : config_.changes_now;
+  const auto places =
+      memory::changed_places(*decoded_, decoded_->level_index(before), decoded_->level_index(now));
+  std_msgs::msg::String message;
+  message.data(nlohmann::ordered_json{{"stamp", stamp.seconds()},
+                                      {"frame", config_.map_frame},
+                                      {"before", before},
+                                      {"now", now},
+                                      {"places", maps::to_json(places)}}
+                   .dump());
+  publish_changes_(message);
 }
 
 void TimescaleMemory::publish_expected(const PosedScan& scan, const std::string& frame) {
@@ -122,6 +161,7 @@ void TimescaleMemory::on_cleanup() {
   memory_.reset();
   decoded_.reset();
   last_published_.reset();
+  last_changes_.reset();
   rest_until_ = {};
   file_.reset();
   publish_level_.clear();

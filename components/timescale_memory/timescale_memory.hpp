@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "components/bus/text_message.hpp"
 #include "components/runtime/component.hpp"
 #include "components/timescale_memory/config.hpp"
 #include "components/timescale_memory/memory_file.hpp"
@@ -19,7 +20,8 @@
 namespace strata::timescale_memory {
 
 /// In: mapped_scan (lockstep) or labeled_scan (live). Out: node_map; expected_scan/LEVEL, what a
-/// scan from the robot's pose would look like if the level were right; at the end of a log the
+/// scan from the robot's pose would look like if the level were right; changed_places, where two
+/// levels differ, as JSON; at the end of a log the
 /// memory in MAPS. Live, with a store: the memory survives the process. Several robots may feed it,
 /// each from its namespace's labeled_scan; every scan that arrives is offered to the memory.
 class TimescaleMemory final : public runtime::Component {
@@ -38,6 +40,7 @@ class TimescaleMemory final : public runtime::Component {
   [[nodiscard]] bool is_time_to_publish(Stamp stamp);
   /// most_read: nodes that may be read from the store for it.
   void publish_map(Stamp stamp, std::size_t most_read);
+  void publish_changes(Stamp stamp);
   void publish_expected(const PosedScan& scan, const std::string& frame);
 
   TimescaleMemoryConfig config_;
@@ -45,6 +48,8 @@ class TimescaleMemory final : public runtime::Component {
   std::optional<MemoryFile> file_;
   std::shared_ptr<const memory::NodeMap> decoded_;
   std::optional<Stamp> last_published_;
+  std::optional<Stamp> last_changes_;
+  std::function<void(const std_msgs::msg::String&)> publish_changes_;
   std::chrono::steady_clock::time_point rest_until_;
   std::function<void(const strata_msgs::msg::NodeMap&)> publish_map_;
   std::vector<std::function<void(const sensor_msgs::msg::LaserScan&)>> publish_level_;

@@ -13,6 +13,7 @@ namespace strata::tools {
 
 using AddVerb = void (*)(CLI::App& app, VerbContext& context);
 
+void add_changes(CLI::App& app, VerbContext& context);
 void add_compare(CLI::App& app, VerbContext& context);
 void add_convert(CLI::App& app, VerbContext& context);
 void add_doctor(CLI::App& app, VerbContext& context);
@@ -36,6 +37,7 @@ inline constexpr AddVerb kVerbs[] = {
     add_localize,  //
     add_compare,   //
     add_evaluate,  //
+    add_changes,   //
     add_topology,  //
     add_volume,    //
     add_simulate,  //

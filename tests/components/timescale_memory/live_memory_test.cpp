@@ -7,7 +7,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "components/bus/text_message.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/timescale_memory/register.hpp"
 #include "memory/store/store.hpp"
@@ -144,6 +146,35 @@ TEST_F(LiveMemoryTest, GoesOnAfterARestartAsIfNothingHadHappened) {
     ASSERT_TRUE(memory.has_received("/labeled_scan", 20));
   }
   EXPECT_EQ(stored().state(), uninterrupted.state());
+}
+
+TEST_F(LiveMemoryTest, PublishesWhichPlacesHaveChanged) {
+  LiveMemory memory("changes_period_s: 1.0");
+  test::Collector<std_msgs::msg::String> lists(test::make_participant(), "/changed_places",
+                                               "lossless");
+  Robot robot("/labeled_scan");
+  // The box comes after 400 s.
+  for (int k = 0; k < 415; ++k) {
+    const Pose2 pose{0.3 * std::sin(0.7 * k), 0.3 * std::cos(0.7 * k), 0.1 * k};
+    robot.publish(observe(pose, k, k >= 400));
+  }
+  ASSERT_TRUE(memory.has_received("/labeled_scan", 415));
+  // At most one list a second of the robot's, and one in twenty of the process's, comes: the last
+  // scans may have none.
+  nlohmann::json list;
+  for (int k = 415; k < 1000 && (list.is_null() || list["places"].empty()); ++k) {
+    const std::size_t before = lists.wait_for(0).size();
+    const Pose2 pose{0.3 * std::sin(0.7 * k), 0.3 * std::cos(0.7 * k), 0.1 * k};
+    robot.publish(observe(pose, k, true));
+    const auto seen = lists.wait_for(before + 1, std::chrono::milliseconds(100));
+    if (!seen.empty()) list = nlohmann::json::parse(seen.back().data());
+  }
+  EXPECT_EQ(list["before"], "long");
+  EXPECT_EQ(list["now"], "short");
+  EXPECT_EQ(list["frame"], "map");
+  ASSERT_FALSE(list["places"].empty());
+  EXPECT_EQ(list["places"][0]["kind"], "appeared");
+  EXPECT_NEAR(list["places"][0]["center"][0].get<double>(), 2.0, 0.3);
 }
 
 TEST_F(LiveMemoryTest, PublishesWhatTheStoreHoldsFromTheFirstScanOn) {

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata changes MAPS`: what has changed lately, as the levels of a timescale memory tell it.
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "components/maps/maps_folder.hpp"
+#include "core/base/error.hpp"
+#include "memory/store/store.hpp"
+#include "tools/pipeline/level_changes.hpp"
+#include "tools/report/image.hpp"
+#include "tools/strata/verbs.hpp"
+
+namespace strata::tools {
+namespace {
+
+struct Options {
+  std::string maps;
+  std::string out;
+  pipeline::LevelChangesTask task;
+  std::vector<double> ends_m;
+  bool json = false;
+};
+
+std::filesystem::path store_of(const std::string& maps) {
+  const std::filesystem::path path(maps);
+  return std::filesystem::is_directory(path) ? path / maps::kStoreFile : path;
+}
+
+void print_places(const pipeline::LevelChanges& changes) {
+  std::printf("%zu places differ between '%s' and '%s'\n", changes.places.size(),
+              changes.before.c_str(), changes.now.c_str());
+  for (const memory::ChangedPlace& place : changes.places) {
+    const Eigen::Vector2d size = place.max_m - place.min_m;
+    std::printf("  %s at (%.2f, %.2f), %.2f m x %.2f m\n",
+                place.kind == memory::ChangeKind::kAppeared ? "appeared" : "vanished",
+                place.center_m().x(), place.center_m().y(), size.x(), size.y());
+  }
+}
+
+void print_paths(const pipeline::LevelChanges& changes, const pipeline::LevelChangesTask& task) {
+  for (std::size_t i = 0; i < changes.paths.size(); ++i) {
+    const auto& [from, to] = task.paths[i];
+    std::printf("from (%.2f, %.2f) to (%.2f, %.2f)\n", from.x(), from.y(), to.x(), to.y());
+    for (const pipeline::LevelPath& path : changes.paths[i]) {
+      if (!path.path) {
+        std::printf("  %s: no way\n", path.level.c_str());
+      } else if (!path.frechet_m) {
+        std::printf("  %s: %.2f m\n", path.level.c_str(), pipeline::length_m(*path.path));
+      } else {
+        std::printf("  %s: %.2f m, at most %.2f m from that of '%s'\n", path.level.c_str(),
+                    pipeline::length_m(*path.path), *path.frechet_m, changes.before.c_str());
+      }
+    }
+  }
+}
+
+void run(Options options, VerbContext& context) {
+  for (std::size_t i = 0; i + 3 < options.ends_m.size(); i += 4) {
+    const double* p = &options.ends_m[i];
+    options.task.paths.push_back({{p[0], p[1]}, {p[2], p[3]}});
+  }
+  const memory::Store store(store_of(options.maps), {.read_only = true, .check = false});
+  // Nodes are read one after the other: the memory may be larger than what fits in RAM.
+  const memory::TimescaleMemory memory = store.open_timescale();
+  const auto map = memory.decode();
+  const pipeline::LevelChanges changes = pipeline::level_changes(memory, *map, options.task);
+  const auto json = to_json(changes, options.task);
+  if (!options.out.empty()) {
+    OutputDirectory out(options.out, context.staged());
+    pipeline::draw_level_changes(out.path(), *map, changes);
+    report::write_file(out.path() / "changes.json", json.dump(2) + "\n");
+    out.commit();
+  }
+  if (options.json) {
+    std::cout << json.dump(2) << "\n";
+  } else if (!context.options.quiet) {
+    print_places(changes);
+    print_paths(changes, options.task);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+void add_changes(CLI::App& app, VerbContext& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      add_verb(app, context, "changes", "what has changed lately, by the levels of a memory",
+               "strata changes maps --before long --now short --path 1,6,18,6 --out changes",
+               [options, &context] { run(*options, context); });
+  verb->add_option("MAPS", options->maps, "folder of maps, or a strata.db")->required();
+  verb->add_option("--before", options->task.before,
+                   "level that still shows the old state; the one that forgets slowest");
+  verb->add_option("--now", options->task.now,
+                   "level that shows the new state; the one that forgets fastest");
+  verb->add_option("--path", options->ends_m,
+                   "x0,y0,x1,y1: the shortest path between two points on each level's map, and how "
+                   "it differs; may be repeated")
+      ->delimiter(',')
+      ->expected(4)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  verb->add_option("--radius", options->task.robot_radius_m, "of the robot that would drive it, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_option("--out", options->out, "folder for changes.json and pictures");
+  verb->add_flag("--json", options->json, "as JSON on stdout");
+}
+
+}  // namespace strata::tools
