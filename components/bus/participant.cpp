@@ -10,6 +10,7 @@
 #include "components/bus/participant_state.hpp"
 #include "components/bus/raw_type.hpp"
 #include "components/bus/security.hpp"
+#include "components/bus/shared_memory.hpp"
 #include "components/bus/transports.hpp"
 #include "core/base/error.hpp"
 
@@ -29,6 +30,9 @@ Participant::Participant(const ParticipantOptions& options) : state_(std::make_u
                       "choose a ROS_DOMAIN_ID from 0 to 232");
   }
   state_->options = options;
+  if (options.transport != Transport::kLoopback && options.transport != Transport::kAlone) {
+    remove_orphaned_segments();
+  }
   dds::DomainParticipantQos qos = participant_qos(options);
   state_->is_secured = options.transport != Transport::kAlone && secure(options, qos);
   auto* factory = dds::DomainParticipantFactory::get_instance();

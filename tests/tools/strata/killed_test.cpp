@@ -17,6 +17,7 @@
 #include "components/log/log_reader.hpp"
 #include "core/base/error.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/shared_segments.hpp"
 #include "tests/tools/strata/moments.hpp"
 
 namespace fs = std::filesystem;
@@ -106,6 +107,33 @@ TEST_F(Killed, AProcessThatDiesIsStartedAgainAsItsPolicySays) {
   }));
   kill(*run.children().begin(), SIGKILL);
   EXPECT_TRUE(comes_true([&] { return !run.runs(); })) << "`two` has no policy to come back";
+}
+
+TEST_F(Killed, RunLeavesSharedMemoryThatTheNextOneRemoves) {
+  std::ofstream(at("shared.yaml"))
+      << "version: 1\ntransport: shared_memory\nprocesses:\n  - name: p\n    components:\n"
+         "      - {type: strata::ScanMatcher, name: matcher}\n";
+  const std::vector<std::string> command = {STRATA_PROGRAM, "run", at("shared.yaml").string(),
+                                            "--set",
+                                            "domain=" + std::to_string(test::own_domain())};
+  std::set<fs::path> locks;
+  {
+    test::ChildProcess run(command, {}, test::ChildProcess::Errors::kMerged);
+    ASSERT_NE(run.wait_for_line("process p runs"), "");
+    locks = test::segment_locks_of(std::to_string(run.pid()));
+    run.kill_hard();
+  }
+  ASSERT_FALSE(locks.empty());
+  for (const fs::path& lock : locks) {
+    ASSERT_TRUE(fs::exists(test::segment_of_lock(lock))) << lock;
+    fs::last_write_time(lock, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  }
+  test::ChildProcess again(command, {}, test::ChildProcess::Errors::kMerged);
+  ASSERT_NE(again.wait_for_line("process p runs"), "");
+  for (const fs::path& lock : locks) {
+    EXPECT_FALSE(fs::exists(lock)) << lock;
+    EXPECT_FALSE(fs::exists(test::segment_of_lock(lock))) << lock;
+  }
 }
 
 }  // namespace
