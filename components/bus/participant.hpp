@@ -16,11 +16,13 @@ enum class Transport {
   kDefault,          ///< what ROS 2 uses: UDP with multicast discovery, shared memory on one host
   kLoopback,         ///< UDP on 127.0.0.1 only, no multicast
   kSharedMemory,     ///< shared memory only: processes of one host
+  kWifi,             ///< as default, each datagram one frame: where frames are lost
   kDiscoveryServer,  ///< as default, with the servers that ROS_DISCOVERY_SERVER names
   kAlone,            ///< finds nobody and is found by nobody: to look at a composition
 };
 
-/// "default", "loopback", "shared_memory" or "discovery_server"; throws ConfigError for another.
+/// "default", "loopback", "shared_memory", "wifi" or "discovery_server"; throws ConfigError for
+/// another.
 [[nodiscard]] Transport transport_from_name(std::string_view name);
 
 /// As ROS 2's variables ROS_SECURITY_ENABLE, _STRATEGY and _KEYSTORE say.

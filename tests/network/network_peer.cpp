@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+/// One end of a topic, on a host of its own:
+///
+///   network_peer TRANSPORT scans COUNT HZ   waits for a reader, publishes numbered scans, "done"
+///   network_peer TRANSPORT hear COUNT       "heard N of M in order" after scan M = COUNT - 1
+///   network_peer TRANSPORT map CELLS        publishes a square map, latched
+///   network_peer TRANSPORT get-map          "map CELLS CHECKSUM" of the one that comes
+///
+/// Says "ready" once its endpoint is made; ends when its input does.
+#include <atomic>
+#include <condition_variable>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "components/bus/endpoint.hpp"
+#include "components/bus/environment.hpp"
+#include "components/bus/node.hpp"
+
+namespace strata::test {
+namespace {
+
+using nav_msgs::msg::OccupancyGrid;
+using sensor_msgs::msg::LaserScan;
+
+constexpr std::size_t kBeams = 1080;
+constexpr auto kPatience = std::chrono::seconds(60);
+
+void say(const std::string& line) { std::cout << line << std::endl; }
+
+void publish_scans(const std::shared_ptr<bus::Participant>& participant, int count, double hertz) {
+  bus::Writer<LaserScan> writer(participant, "/scan", bus::qos_profile("default"));
+  say("ready");
+  if (!writer.raw().wait_for_readers(1, kPatience)) return;
+  LaserScan scan;
+  scan.ranges().assign(kBeams, 1.0F);
+  auto due = std::chrono::steady_clock::now();
+  for (int i = 0; i < count; ++i) {
+    scan.header().stamp().sec(i);
+    writer.publish(scan);
+    due += std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(1.0 / hertz));
+    std::this_thread::sleep_until(due);
+  }
+  say("done");
+  while (std::cin.get() != EOF) {
+  }
+}
+
+void hear_scans(const std::shared_ptr<bus::Participant>& participant, int count) {
+  std::atomic<int> heard{0};
+  std::atomic<int> in_order{0};
+  bus::Reader<LaserScan> reader(
+      participant, "/scan", bus::qos_profile("default"), [&](const LaserScan& scan) {
+        const int number = scan.header().stamp().sec();
+        const bool is_whole = scan.ranges().size() == kBeams;
+        if (is_whole && number == heard) ++in_order;
+        ++heard;
+        if (number != count - 1) return;
+        say("heard " + std::to_string(heard) + " of " + std::to_string(count) + ", " +
+            std::to_string(in_order) + " in order");
+      });
+  say("ready");
+  while (std::cin.get() != EOF) {
+  }
+}
+
+std::uint32_t checksum(const OccupancyGrid& map) {
+  std::uint32_t sum = 2166136261U;
+  for (const auto cell : map.data()) sum = (sum ^ static_cast<std::uint8_t>(cell)) * 16777619U;
+  return sum;
+}
+
+std::string description(const OccupancyGrid& map) {
+  return "map " + std::to_string(map.info().width()) + " " + std::to_string(checksum(map));
+}
+
+void publish_map(const std::shared_ptr<bus::Participant>& participant, std::uint32_t cells) {
+  bus::Writer<OccupancyGrid> writer(participant, "/map", bus::qos_profile("latched"));
+  OccupancyGrid map;
+  map.info().width(cells);
+  map.info().height(cells);
+  map.data().resize(std::size_t{cells} * cells);
+  for (std::size_t i = 0; i < map.data().size(); ++i) {
+    map.data()[i] = static_cast<std::int8_t>((i * 2654435761U >> 13U) % 101);
+  }
+  writer.publish(map);
+  say(description(map));
+  say("ready");
+  while (std::cin.get() != EOF) {
+  }
+}
+
+void get_map(const std::shared_ptr<bus::Participant>& participant) {
+  bus::Reader<OccupancyGrid> reader(participant, "/map", bus::qos_profile("latched"),
+                                    [](const OccupancyGrid& map) { say(description(map)); });
+  say("ready");
+  while (std::cin.get() != EOF) {
+  }
+}
+
+int run(int argc, char** argv) {
+  if (argc < 3) return 2;
+  bus::ParticipantOptions options = bus::options_from_environment();
+  options.transport = bus::transport_from_name(argv[1]);
+  const auto participant = std::make_shared<bus::Participant>(options);
+  const std::string role = argv[2];
+  const bus::Node node(participant, "/", "peer");
+  if (role == "scans" && argc == 5) {
+    publish_scans(participant, std::stoi(argv[3]), std::stod(argv[4]));
+  } else if (role == "hear" && argc == 4) {
+    hear_scans(participant, std::stoi(argv[3]));
+  } else if (role == "map" && argc == 4) {
+    publish_map(participant, static_cast<std::uint32_t>(std::stoul(argv[3])));
+  } else if (role == "get-map") {
+    get_map(participant);
+  } else {
+    return 2;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace strata::test
+
+int main(int argc, char** argv) { return strata::test::run(argc, argv); }
