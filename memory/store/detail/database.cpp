@@ -99,8 +99,9 @@ Database::Database(const std::filesystem::path& path, bool read_only, int busy_t
     open(uri, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
     return;
   }
-  if (!std::filesystem::exists(path)) {
-    throw InputError(place_, "there is no such file", "check the path, or learn the maps first");
+  std::error_code unreachable;
+  if (!std::filesystem::exists(path, unreachable)) {
+    throw InputError(place_, "there is no such file", "check the path and its permissions, or learn the maps first");
   }
   // Opened for writing although nothing may be written through it: only such a connection removes
   // the -wal and -shm files when it is the last one to close.
@@ -143,8 +144,11 @@ std::string Database::query_text(const char* sql) {
 }
 
 void Database::fail(const char* doing) {
-  throw_error(place_, sqlite3_extended_errcode(handle()), sqlite3_errmsg(handle()),
-              std::string_view(doing) == "write");
+  const int code = sqlite3_extended_errcode(handle());
+  // A connection for writing fails at its first read where it may not write.
+  const bool may_not_write = !read_only_ && (code & 0xff) == SQLITE_READONLY;
+  throw_error(place_, code, sqlite3_errmsg(handle()),
+              std::string_view(doing) == "write" || may_not_write);
 }
 
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }

@@ -167,6 +167,9 @@ int in_a_process(const std::function<int()>& body) {
   if (child == 0) {
     try {
       _exit(body());
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "%s\n", error.what());
+      _exit(99);
     } catch (...) {
       _exit(99);
     }
@@ -213,6 +216,48 @@ TEST(StoreUnderFire, KeepsTheLastStateWhenTheDiskIsFullAndGoesOnAfterwards) {
   EXPECT_EQ(exit_status, 0);
   const TimescaleMemory stored = Store(path).load_timescale();
   EXPECT_EQ(stored.state(), Reference().state_after(stored.observations()));
+}
+
+/// The state of the memory in the store, or why there is none.
+std::string read_or_error(const std::filesystem::path& path, const std::vector<std::byte>& truth) {
+  try {
+    const Store store(path, {.read_only = true});
+    return store.load_timescale().state() == truth ? "same" : "another state";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+TEST(StoreUnderFire, IsReadWhereNothingMayBeWrittenAndSaysSoWhenWriting) {
+  const test::TemporaryDirectory directory;
+  const auto folder = directory.path() / "disk";
+  std::filesystem::create_directory(folder);
+  const auto path = folder / "strata.db";
+  TimescaleMemory memory(small_config());
+  for (std::uint64_t k = 0; k < 20; ++k) memory.observe(scan_of(k));
+  Store(path).save_timescale(memory);
+  using std::filesystem::perms;
+  std::filesystem::permissions(directory.path(), perms::owner_all | perms::others_exec);
+  std::filesystem::permissions(path, perms::owner_read | perms::others_read);
+  std::filesystem::permissions(
+      folder, perms::owner_read | perms::owner_exec | perms::others_read | perms::others_exec);
+  const int exit_status = in_a_process([&] {
+    constexpr uid_t kNobody = 65534;  // root may write everything
+    if (geteuid() == 0 && (setgid(kNobody) != 0 || setuid(kNobody) != 0)) return 2;
+    if (read_or_error(path, memory.state()) != "same") return 3;
+    try {
+      Store store(path);
+      store.save_timescale(memory);
+      return 4;
+    } catch (const OutputError& error) {
+      const std::string what = error.what();
+      if (what.find("strata.db") == std::string::npos || error.remedy().empty()) return 5;
+      if (what.find("may not be written") == std::string::npos) return 6;
+    }
+    return read_or_error(path, memory.state()) == "same" ? 0 : 7;
+  });
+  EXPECT_EQ(exit_status, 0);
+  std::filesystem::permissions(folder, perms::owner_all);
 }
 
 }  // namespace
