@@ -72,6 +72,10 @@ void TimescaleModel::weigh(const NodeMap::View& view, double heading_cosine, dou
   scratch.mixture.log_likelihoods(begin, count, expected_m.data(), log_p);
   for (std::size_t k = 0; k < count; ++k) {
     if (reach[k].end == NodeOutline::Edge::kSurface || reach[k].range_m >= beams.r_max_m) continue;
+    if (beams.is_hit[begin + k] != 0 && beams.range_m[begin + k] < reach[k].range_m) {
+      log_p[k] = scratch.log_within_free[begin + k];
+      continue;
+    }
     log_p[k] = std::log(scratch.mixture.mixture().likelihood_beyond(
         beams.is_hit[begin + k] != 0, beams.range_m[begin + k], reach[k].range_m));
   }
@@ -105,13 +109,25 @@ double TimescaleModel::log_likelihood_at(const Pose2& laser, const BelievedLevel
   return sum;
 }
 
+void TimescaleModel::prepare(const Scan& scan, Scratch& scratch) const {
+  ScanBeams& beams = scratch.beams;
+  select_beams(scan, config_.beams, beams);
+  const BeamMixture mixture = beam_mixture_.limited_to(beams.r_max_m);
+  scratch.mixture.prepare(mixture, beams);
+  scratch.log_within_free.resize(beams.size());
+  for (std::size_t k = 0; k < beams.size(); ++k) {
+    const double further_m = 0.5 * (beams.range_m[k] + beams.r_max_m);
+    scratch.log_within_free[k] =
+        std::log(mixture.likelihood_beyond(true, beams.range_m[k], further_m));
+  }
+}
+
 std::size_t TimescaleModel::log_likelihoods(const Scan& scan, double tempering,
                                             localization::ParticleSet& particles,
                                             std::span<double> log_likelihood,
                                             WorkerPool& pool) const {
   const auto scratch = scratch_.borrow();
-  select_beams(scan, config_.beams, scratch->beams);
-  scratch->mixture.prepare(beam_mixture_.limited_to(scratch->beams.r_max_m), scratch->beams);
+  prepare(scan, *scratch);
   const BelievedLevels levels = believed();
   constexpr std::size_t kChunk = 64;
   const auto weigh_chunk = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {

@@ -85,7 +85,11 @@ class TimescaleModel final : public localization::SensorModel {
   struct Scratch {
     localization::ScanBeams beams;
     localization::ScanMixture mixture;
+    /// ln p of a hit within a way that is free, and nothing is known beyond: the same however far
+    /// the way is free.
+    std::vector<double> log_within_free;
   };
+  void prepare(const Scan& scan, Scratch& scratch) const;
   /// log_p[k] = ln p(beam begin + k | one level) for k < count <= kBlock.
   void weigh(const memory::NodeMap::View& view, double heading_cosine, double heading_sine,
              const Scratch& scratch, std::size_t begin, std::size_t count, double* log_p) const;

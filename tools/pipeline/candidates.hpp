@@ -21,13 +21,21 @@
 namespace strata::pipeline {
 
 /// Progress that several threads report to.
-class SharedProgress {
+class SharedProgress : public Progress {
  public:
   SharedProgress(Progress* progress, std::string stage, std::size_t total)
       : progress_(progress), stage_(std::move(stage)), total_(total) {}
   void one_done() {
     const std::lock_guard lock(mutex_);
     report_progress(progress_, stage_, ++done_, total_);
+  }
+  /// What comes between two runs, such as learning, moves the count no further.
+  void update(std::string_view /*stage*/, std::size_t /*done*/, std::size_t /*total*/) override {
+    const std::lock_guard lock(mutex_);
+    if (progress_ != nullptr) progress_->update(stage_, done_, total_);
+  }
+  [[nodiscard]] bool cancelled() const override {
+    return progress_ != nullptr && progress_->cancelled();
   }
 
  private:

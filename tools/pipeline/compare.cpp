@@ -22,9 +22,16 @@ void require_parts(const Split& split, const CompareJob& job) {
 
 }  // namespace
 
-CompareOutcome compare(const Runs& runs, const CompareConfig& config, const CompareJob& job) {
+CompareOutcome compare(const Runs& runs, const CompareConfig& config, const CompareJob& asked) {
   require_valid(config, "compare");
-  for (const Split& split : job.splits) require_parts(split, job);
+  for (const Split& split : asked.splits) require_parts(split, asked);
+  // Localizing takes most of the time, so that the time left is about that of the whole job.
+  const std::size_t models = config.protocol.models.size() + asked.peers.size();
+  SharedProgress progress(asked.progress, "compare",
+                          count_drives(runs, asked.splits) * models * asked.seeds.size() +
+                              count_memory_runs(runs, config, asked));
+  CompareJob job = asked;
+  job.progress = &progress;
   const bool has_truth = any_known(runs.truths);
   const bool has_poses = any_known(runs.poses);
   Poses poses = runs.poses;
@@ -42,14 +49,11 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
   comparison.via = job.via;
   comparison.seeds = job.seeds.size();
   comparison.truth = has_truth || has_poses ? TruthKind::kGiven : TruthKind::kJointTrajectory;
-  const std::vector<std::string>& models = config.protocol.models;
-  for (const std::string& model : models) comparison.models.emplace_back().model = model;
+  for (const std::string& model : config.protocol.models)
+    comparison.models.emplace_back().model = model;
   for (const Peer& peer : job.peers) comparison.models.emplace_back().model = peer.name;
   const std::vector<double> elapsed = elapsed_seconds(runs.observations);
   WorkerPool pool(job.jobs > 0 ? job.jobs : job.threads);
-  SharedProgress progress(
-      job.progress, "localize with every model",
-      count_drives(runs, job.splits) * comparison.models.size() * job.seeds.size());
   for (std::size_t s = 0; s < job.splits.size(); ++s) {
     Learned learned = learn_split(runs, job.splits[s], poses, config, job);
     const std::vector<maps::MapModel> map_models = make_models(learned.maps, same_for_all);
@@ -67,7 +71,7 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
                    comparison.models);
       comparison.parts.push_back(part.info);
     }
-    add_memory_curves(runs, {job.splits[s], learned, parts}, same_for_all, job, pool,
+    add_memory_curves(runs, {job.splits[s], learned, parts}, same_for_all, job, pool, progress,
                       comparison.models);
     if (s > 0) continue;
     outcome.learned = std::move(learned.result);

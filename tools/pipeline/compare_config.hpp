@@ -41,7 +41,9 @@ struct CompareProtocol {
          .min = 0,
          .max = 4});
     v.field("memory_seeds", c.memory_seeds,
-            {.doc = "... and localized in with the first seeds, this many", .min = 1});
+            {.doc = "... and localized in with the first seeds, this many runs over all drives "
+                    "together, at least one a drive",
+             .min = 1});
     v.require(!c.models.empty(), "models", "is empty", "name at least one model");
   }
 };

@@ -33,6 +33,13 @@ Learned learn_again(const Runs& runs, const FullMemory& full, const CompareConfi
 
 bool is_learned(const std::string& model) { return model != "map"; }
 
+/// Of each drive, so that all drives together have as many runs as the configuration says.
+std::size_t memory_seeds(const Runs& runs, const CompareConfig& config, const CompareJob& job) {
+  const std::size_t drives = std::max<std::size_t>(1, count_drives(runs, job.splits));
+  const auto wanted = static_cast<std::size_t>(config.protocol.memory_seeds);
+  return std::min(job.seeds.size(), (wanted + drives - 1) / drives);
+}
+
 /// The model's point at a step; made when it is not there yet.
 MemoryPoint& point_of(ModelResult& result, std::size_t step) {
   if (result.memory.size() <= step) result.memory.resize(step + 1);
@@ -71,19 +78,24 @@ std::string memory_setting(const std::string& model, const maps::LearnConfig& co
   return text + spacing;
 }
 
+std::size_t count_memory_runs(const Runs& runs, const CompareConfig& config,
+                              const CompareJob& job) {
+  const std::vector<std::string>& models = config.protocol.models;
+  return static_cast<std::size_t>(config.protocol.memory_steps) * count_drives(runs, job.splits) *
+         static_cast<std::size_t>(std::count_if(models.begin(), models.end(), is_learned)) *
+         memory_seeds(runs, config, job);
+}
+
 void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareConfig& config,
-                       const CompareJob& job, WorkerPool& pool, std::vector<ModelResult>& results) {
+                       const CompareJob& job, WorkerPool& pool, SharedProgress& progress,
+                       std::vector<ModelResult>& results) {
   const int steps = config.protocol.memory_steps;
   if (steps == 0) return;
-  const auto count =
-      std::min(job.seeds.size(), static_cast<std::size_t>(config.protocol.memory_seeds));
+  const std::size_t count = memory_seeds(runs, config, job);
   const std::span<const std::uint64_t> seeds = std::span(job.seeds).first(count);
   CompareConfig less = config;
   std::erase_if(less.protocol.models, [](const auto& model) { return !is_learned(model); });
   const std::size_t first_part = results.front().scores.size() - full.parts.size();
-  SharedProgress progress(
-      job.progress, "localize in smaller maps",
-      static_cast<std::size_t>(steps) * full.parts.size() * less.protocol.models.size() * count);
   for (int step = 0; step <= steps; ++step) {
     less.learn = with_less_memory(config.learn, step);
     Learned learned;

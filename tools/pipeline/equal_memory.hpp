@@ -35,11 +35,16 @@ struct FullMemory {
   const std::vector<TestPart>& parts;
 };
 
+/// Runs that all splits together take in smaller maps.
+[[nodiscard]] std::size_t count_memory_runs(const Runs& runs, const CompareConfig& config,
+                                            const CompareJob& job);
+
 /// Learns the split again at each step, localizes in it with the first seeds, and adds the errors
 /// to the curves of the results (one a model of the configuration; `map` and peers stay as they
 /// are). The first point of a curve is the map at full memory, from the runs that are there.
 void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareConfig& config,
-                       const CompareJob& job, WorkerPool& pool, std::vector<ModelResult>& results);
+                       const CompareJob& job, WorkerPool& pool, SharedProgress& progress,
+                       std::vector<ModelResult>& results);
 
 /// A budget, and the best that each model can do within it.
 struct MemoryBudget {

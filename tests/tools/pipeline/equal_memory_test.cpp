@@ -32,28 +32,47 @@ TEST(EqualMemory, GivesEachModelTheLargestMapThatFits) {
   EXPECT_EQ(budgets[1].points[2]->bytes, 50000U);
 }
 
+/// One count from the beginning to the end, so that the time left is that of the whole job.
+struct OneCount : Progress {
+  std::size_t done = 0;
+  std::size_t total = 0;
+  void update(std::string_view stage, std::size_t now, std::size_t of) override {
+    EXPECT_EQ(stage, "compare");
+    EXPECT_GE(now, done);
+    EXPECT_TRUE(total == 0 || of == total);
+    done = now;
+    total = of;
+  }
+};
+
 TEST(EqualMemory, CurvesBeginWithTheRunsAtFullMemoryAndShrink) {
   Runs runs = test_room::simulate_runs(2, 2);
   runs.poses = runs.truths;
   CompareConfig config;
   config.protocol.models = {"occupancy", "timescale_mixture"};
-  config.protocol.memory_seeds = 2;
+  config.protocol.memory_seeds = 3;
   CompareJob job;
   job.splits = make_folds(runs, {"one", "two"}, 2);
   job.seeds = {1, 2, 3};
   job.jobs = 2;
+  OneCount progress;
+  job.progress = &progress;
   const Comparison comparison = compare(runs, config, job).comparison;
   for (const ModelResult& model : comparison.models) {
     ASSERT_EQ(model.memory.size(), 3U) << model.model;
     EXPECT_EQ(model.memory[0].bytes, model.map_bytes);
     for (std::size_t step = 0; step < 3; ++step) {
-      ASSERT_EQ(model.memory[step].run_means_m.size(), 4U);  // two drives, two of three seeds
+      ASSERT_EQ(model.memory[step].run_means_m.size(),
+                4U);  // three runs over two drives: two of each
       if (step == 0) continue;
       EXPECT_LT(2 * model.memory[step].bytes, model.memory[step - 1].bytes);
     }
     EXPECT_EQ(model.memory[0].run_means_m[1], model.runs[1].metrics.error_m.mean);
     EXPECT_EQ(model.memory[0].run_means_m[2], model.runs[3].metrics.error_m.mean);
   }
+  // Two drives, two models, three seeds; at two steps less memory two seeds.
+  EXPECT_EQ(progress.total, 12U + 16U);
+  EXPECT_EQ(progress.done, progress.total);
 }
 
 }  // namespace
