@@ -21,10 +21,12 @@ namespace {
 
 constexpr auto kPublishTimeout = std::chrono::seconds(10);
 
-/// The type's hash for a message type of a ROS 2 topic that we know. A service's is that of the
-/// whole service, with types we do not have, and is not told.
+/// The hash of a type that we know, on a topic of ROS 2; both topics of a service tell that of the
+/// whole service.
 std::string hash_of(const TopicName& topic, const std::string& type) {
-  return topic.kind == TopicKind::kTopic ? convert::type_hash(type) : std::string();
+  if (topic.kind == TopicKind::kPlain) return {};
+  return convert::type_hash(topic.kind == TopicKind::kTopic ? type
+                                                            : type.substr(0, type.rfind('_')));
 }
 
 /// Sets what writers and readers have in common.

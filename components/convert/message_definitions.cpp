@@ -44,7 +44,7 @@ std::vector<std::string> tokens_of(std::string_view idl) {
 }
 
 /// Reads the subset of IDL that idl/ keeps to: modules, structs of scalars, strings, arrays,
-/// sequences and other structs, and enums (uint32 on the wire, as DDS has them).
+/// sequences (bounded or not) and other structs, and enums (uint32 on the wire, as DDS has them).
 class IdlReader {
  public:
   IdlReader(std::string_view idl, Definitions& definitions)
@@ -97,8 +97,9 @@ class IdlReader {
       next();  // <
       const std::string element = read_type(definition);
       definition.layout.fields.back().is_sequence = true;
+      const std::string bound = skip(",") ? "<=" + next() : std::string();
       next();  // >
-      return element + "[]";
+      return element + "[" + bound + "]";
     }
     struct Scalar {
       const char* name;

@@ -18,6 +18,7 @@ namespace {
 /// Type ids of type_description_interfaces/msg/FieldType.
 constexpr int kNestedType = 1;
 constexpr int kArrayOffset = 48;
+constexpr int kBoundedSequenceOffset = 96;
 constexpr int kSequenceOffset = 144;
 
 int scalar_id(const std::string& name) {
@@ -29,13 +30,14 @@ int scalar_id(const std::string& name) {
   return found == ids.end() ? kNestedType : found->second;
 }
 
-/// "std_msgs/msg/Header" of "std_msgs/Header".
+/// "std_msgs/msg/Header" of "std_msgs/Header"; what is full already stays.
 std::string full_name(const std::string& name) {
   const std::size_t slash = name.find('/');
+  if (name.rfind('/') != slash) return name;
   return name.substr(0, slash) + "/msg" + name.substr(slash);
 }
 
-/// A field's line of a .msg text: "float32[] ranges".
+/// A field's line of a .msg text: "float32[] ranges", "uint8[16] gid", "Request[<=1] request".
 std::string field_json(const std::string& line) {
   const std::size_t blank = line.find(' ');
   std::string type = line.substr(0, blank);
@@ -45,6 +47,10 @@ std::string field_json(const std::string& line) {
   if (const std::size_t bracket = type.find('['); bracket != std::string::npos) {
     capacity = type.substr(bracket + 1, type.size() - bracket - 2);
     offset = capacity.empty() ? kSequenceOffset : kArrayOffset;
+    if (capacity.starts_with("<=")) {
+      offset = kBoundedSequenceOffset;
+      capacity.erase(0, 2);
+    }
     if (capacity.empty()) capacity = "0";
     type.resize(bracket);
   }
@@ -65,24 +71,57 @@ std::string type_json(const std::string& name, const std::vector<std::string>& l
   return json + "]}";
 }
 
-}  // namespace
+/// The lines of the fields of each type, by its full name, sorted as referenced types must be.
+using Types = std::map<std::string, std::vector<std::string>>;
 
-std::string type_description(std::string_view type) {
+/// "uint8 FLOAT64=8", but not "Range[<=1] range".
+bool is_constant(const std::string& line) {
+  const std::size_t sign = line.find('=');
+  return sign != std::string::npos && (sign == 0 || line[sign - 1] != '<');
+}
+
+/// Adds a message and all that it contains; false for one that we do not know.
+bool add_message(const std::string& type, Types& types) {
   std::istringstream text(message_definition(type));
-  if (text.peek() == std::istringstream::traits_type::eof()) return {};
-  const std::string top(type);
-  std::map<std::string, std::vector<std::string>> types;  // sorted, as the referenced ones must be
-  std::string current = top;
-  types[current];
+  if (text.peek() == std::istringstream::traits_type::eof()) return false;
+  std::string current = type;
+  types[current].clear();
   for (std::string line; std::getline(text, line);) {
     constexpr std::string_view kPart = "MSG: ";
     if (line.starts_with(kPart)) {
       current = full_name(line.substr(kPart.size()));
-      types[current];
-    } else if (!line.empty() && line.find('=') == std::string::npos) {
+      types[current].clear();
+    } else if (!line.empty() && !is_constant(line)) {
       types[current].push_back(line);
     }
   }
+  return true;
+}
+
+/// A service is described as a type with three members: what is asked, what is answered, and the
+/// event by which ROS 2 lets others watch it, though nobody need publish those.
+bool add_service(const std::string& type, Types& types) {
+  const std::string request = type + "_Request";
+  const std::string response = type + "_Response";
+  if (!add_message(request, types) || !add_message(response, types)) return false;
+  if (!add_message("builtin_interfaces/msg/Time", types)) return false;
+  const std::string info = "service_msgs/msg/ServiceEventInfo";
+  types[info] = {"uint8 event_type", "builtin_interfaces/msg/Time stamp", "uint8[16] client_gid",
+                 "int64 sequence_number"};
+  types[type + "_Event"] = {info + " info", request + "[<=1] request", response + "[<=1] response"};
+  types[type] = {request + " request_message", response + " response_message",
+                 type + "_Event event_message"};
+  return true;
+}
+
+}  // namespace
+
+std::string type_description(std::string_view type) {
+  const std::string top(type);
+  Types types;
+  const bool is_service = top.find("/srv/") != std::string::npos && !top.ends_with("_Request") &&
+                          !top.ends_with("_Response");
+  if (!(is_service ? add_service(top, types) : add_message(top, types))) return {};
   std::string json = R"({"type_description": )" + type_json(top, types.at(top)) +
                      R"(, "referenced_type_descriptions": [)";
   const char* comma = "";

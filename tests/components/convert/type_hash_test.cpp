@@ -25,6 +25,24 @@ TEST(TypeHash, IsTheOneOfRos2) {
             "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0");
 }
 
+/// As ROS 2 Jazzy tells them of every node.
+TEST(TypeHash, OfAServiceIsTheOneOfRos2) {
+  EXPECT_EQ(type_hash("rcl_interfaces/srv/GetParameters"),
+            "RIHS01_bf9803d5c74cf989a5de3e0c2e99444599a627c7ff75f97b8c05b01003675cbc");
+  EXPECT_EQ(type_hash("rcl_interfaces/srv/DescribeParameters"),
+            "RIHS01_845b484d71eb0673dae682f2e3ba3c4851a65a3dcfb97bddd82c5b57e91e4cff");
+  EXPECT_EQ(type_hash("rcl_interfaces/srv/GetParameterTypes"),
+            "RIHS01_da199c878688b3e530bdfe3ca8f74cb9fa0c303101e980a9e8f260e25e1c80ca");
+  EXPECT_EQ(type_hash("rcl_interfaces/srv/ListParameters"),
+            "RIHS01_3e6062bfbb27bfb8730d4cef2558221f51a11646d78e7bb30a1e83afac3aad9d");
+  EXPECT_EQ(type_hash("rcl_interfaces/srv/SetParameters"),
+            "RIHS01_56eed9a67e169f9cb6c1f987bc88f868c14a8fc9f743a263bc734c154015d7e0");
+  EXPECT_EQ(type_hash("rcl_interfaces/srv/SetParametersAtomically"),
+            "RIHS01_0e192ef259c07fc3c07a13191d27002222e65e00ccec653ca05e856f79285fcd");
+}
+
+TEST(TypeHash, OfAServiceWeDoNotKnowIsNone) { EXPECT_EQ(type_hash("foreign_msgs/srv/Thing"), ""); }
+
 TEST(TypeHash, DescribesATypeAsRep2016Says) {
   EXPECT_EQ(type_description("std_msgs/msg/Header"),
             R"({"type_description": {"type_name": "std_msgs/msg/Header", "fields": [)"
