@@ -13,6 +13,26 @@
 #include "core/topology/visit_log.hpp"
 
 namespace strata::topology {
+namespace {
+
+/// Two landmarks this near, or within two standard deviations of a revisit, may be one.
+constexpr double kNearM = 1.0;
+
+std::size_t count_near_landmarks(const Hypothesis& hypothesis, const LocationPriorConfig& config) {
+  const double reach_m = std::max(kNearM, 2.0 * config.revisit_stddev_m);
+  const std::vector<std::size_t> firsts = first_visits(hypothesis.labels);
+  std::size_t count = 0;
+  for (std::size_t b = 1; b < firsts.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      const double apart_m =
+          translation_distance(hypothesis.poses[firsts[a]], hypothesis.poses[firsts[b]]);
+      count += apart_m <= reach_m ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+}  // namespace
 
 struct TopologyFilter::State {
   State(const TopologyConfig& topology_config, std::uint64_t random_seed, int threads)
@@ -157,7 +177,7 @@ bool TopologyFilter::add(LandmarkVisit visit) {
   } else {
     s.grow();
   }
-  s.counts.near_landmarks = mergers(s.posterior.front(), s.config.location).size();
+  s.counts.near_landmarks = count_near_landmarks(s.posterior.front(), s.config.location);
   return true;
 }
 

@@ -46,8 +46,9 @@ struct TopologyCounts {
   std::size_t empty_patches = 0;   ///< visits without a local map, or with one that is not finite
   std::size_t failed_matches = 0;  ///< pairs of visits whose local maps did not fit
   std::size_t not_converged = 0;   ///< optimizations that did not converge; their label is dropped
-  std::size_t near_landmarks = 0;  ///< pairs that the likeliest topology now puts within two
-                                   ///< standard deviations of a revisit: perhaps one, perhaps two
+  std::size_t near_landmarks =
+      0;  ///< pairs that the likeliest topology now puts within a metre, or
+          ///< two standard deviations of a revisit: perhaps one landmark
 };
 
 /// Rao-Blackwellized particle filter: a particle is a topology with a Gaussian over the landmark

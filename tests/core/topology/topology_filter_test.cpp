@@ -214,7 +214,9 @@ TEST(TopologyFilter, SkipsAndCountsVisitsThatCannotBe) {
 TEST(TopologyFilter, StaysNormalizedAndSaysThatTwoLandmarksLieWithinAMetre) {
   const std::vector<test_world::Junction> junctions{{0.0, 0.0, 15}, {0.6, 0.0, 7}, {9.0, 0.0, 13}};
   const Drive drive = test_world::drive(junctions, {0, 1, 2, 1, 0}, kLandmarkOdometryNoise, 8);
-  TopologyFilter filter({}, 1);
+  TopologyConfig config;
+  config.location.revisit_stddev_m = 0.25;  // twice that is less than their distance
+  TopologyFilter filter(config, 1);
   std::size_t most_near = 0;
   for (const LandmarkVisit& visit : drive.visits) {
     EXPECT_TRUE(filter.add(visit));
