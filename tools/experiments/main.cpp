@@ -27,6 +27,7 @@ struct Options {
   int particles = 500;
   std::string out = "year";
   std::string memory_model = "timescale";
+  bool no_patches = false;
   std::vector<std::string> overrides;
 
   [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
@@ -89,8 +90,15 @@ void localize(const std::string& name, const Options& options,
 
 /// Writes a row a day to year.csv, plots, and prints the sums.
 void live_a_year(const Options& options) {
-  YearOptions year{options.file("year.yaml"), options.first,     options.days, options.particles,
-                   options.memory_model,      options.overrides, options.out};
+  YearOptions year;
+  year.scenario = options.file("year.yaml");
+  year.seed = options.first;
+  year.days = options.days;
+  year.particles = options.particles;
+  year.memory_model = options.memory_model;
+  year.with_patches = !options.no_patches;
+  year.overrides = options.overrides;
+  year.out = options.out;
   std::filesystem::create_directories(year.out);
   YearReport report(year.out);
   run_year(year, [&](const YearDay& day) { report.add(day); });
@@ -153,6 +161,7 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   app.add_option("--memory-model", options.memory_model,
                  "what the year's memory localizes by: timescale (all levels), timescale_LEVEL");
+  app.add_flag("--no-patches", options.no_patches, "the year without the robot with a patch map");
   app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
   app.add_option("--out", options.out, "where the year's files go");
   app.add_option("--scenarios", options.scenarios, "folder of the scenario files");

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/experiments/year.hpp"
 
-#include <array>
 #include <chrono>
 #include <ctime>
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <unistd.h>
 
@@ -235,8 +235,10 @@ void run_year(const YearOptions& options, const std::function<void(const YearDay
   const ReflectionGrid map = static_maps(mapped).filtered;
   FrozenTrack frozen(map, start, options);
   MemoryTrack memory(mapped, map, start, options);
-  PatchTrack patches(mapped, map, start, options);
-  const std::array<Track*, 3> tracks{&memory, &patches, &frozen};
+  std::optional<PatchTrack> patches;
+  if (options.with_patches) patches.emplace(mapped, map, start, options);
+  std::vector<Track*> tracks{&memory, &frozen};
+  if (patches) tracks.insert(tracks.begin() + 1, &*patches);
   first.days.clear();
   if (options.days > 1) day = simulator.next_day();
   WorkerPool pool(2);
@@ -259,8 +261,8 @@ void run_year(const YearOptions& options, const std::function<void(const YearDay
     figures.nodes = memory.nodes();
     figures.store_mb = memory.store_mb();
     figures.rss_mb = resident_mb();
-    figures.submaps = patches.submaps();
-    figures.patch_mb = patches.megabytes();
+    figures.submaps = patches ? patches->submaps() : 0;
+    figures.patch_mb = patches ? patches->megabytes() : 0.0;
     figures.wall_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     each_day(figures);

@@ -18,6 +18,7 @@ struct YearOptions {
   int particles = 500;
   /// timescale: all levels, mixed; timescale_LEVEL: one.
   std::string memory_model = "timescale";
+  bool with_patches = true;            ///< false: without the robot with the patch map
   std::vector<std::string> overrides;  ///< key.path=value of the scenario
   std::filesystem::path out;           ///< strata.db of the memory is made there
 };

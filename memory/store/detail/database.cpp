@@ -101,7 +101,8 @@ Database::Database(const std::filesystem::path& path, bool read_only, int busy_t
   }
   std::error_code unreachable;
   if (!std::filesystem::exists(path, unreachable)) {
-    throw InputError(place_, "there is no such file", "check the path and its permissions, or learn the maps first");
+    throw InputError(place_, "there is no such file",
+                     "check the path and its permissions, or learn the maps first");
   }
   // Opened for writing although nothing may be written through it: only such a connection removes
   // the -wal and -shm files when it is the last one to close.
