@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A robot that drives round a block and tells on DDS what it sees.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "components/bus/endpoint.hpp"
+#include "components/convert/geometry_messages.hpp"
+#include "components/convert/scan_messages.hpp"
+#include "tests/components/bus/domain.hpp"
+#include "tests/core/slam/ring_world.hpp"
+
+namespace strata::bench {
+
+inline constexpr int kBeams = 1'080;
+inline constexpr auto kPeriod = std::chrono::milliseconds(25);
+
+/// Once and a half round a block, so that a loop closes on the way.
+inline std::vector<Observation> ring_log() {
+  const std::vector<Pose2> path = test::drive_round(0.0175, 60.0);  // 0.7 m/s
+  std::vector<Observation> log;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    Observation observation;
+    observation.scan = test::scan_of(test::ring(), path[i], 1.0 + 0.025 * static_cast<double>(i),
+                                     0.01, 1, kBeams, 1.5 * std::numbers::pi);
+    observation.odom_from_robot = path[i];
+    log.push_back(std::move(observation));
+  }
+  return log;
+}
+
+struct Robot {
+  explicit Robot(std::shared_ptr<bus::Participant> own = test::make_participant())
+      : participant(std::move(own)) {}
+  std::shared_ptr<bus::Participant> participant;
+  bus::Writer<sensor_msgs::msg::LaserScan> scans{participant, "/scan",
+                                                 bus::qos_profile("sensor_data")};
+  bus::Writer<nav_msgs::msg::Odometry> odometry{participant, "/odom",
+                                                bus::qos_profile("sensor_data")};
+  bus::Writer<tf2_msgs::msg::TFMessage> mounting{participant, "/tf_static",
+                                                 bus::qos_profile("latched")};
+  /// Where the laser sits; publish it before the first scan.
+  void tell_mounting() {
+    tf2_msgs::msg::TFMessage tf;
+    tf.transforms().push_back(
+        convert::to_transform_stamped(Stamp{}, Pose2{}, "base_link", "laser"));
+    mounting.publish(tf);
+  }
+  [[nodiscard]] bool is_heard() {
+    return scans.raw().wait_for_readers(1, std::chrono::seconds(20)) &&
+           odometry.raw().wait_for_readers(1, std::chrono::seconds(20));
+  }
+  void see(const Observation& observation) {
+    nav_msgs::msg::Odometry message;
+    message.header().stamp(convert::to_message(observation.scan.stamp));
+    message.header().frame_id("odom");
+    message.child_frame_id("base_link");
+    message.pose().pose().position().x(observation.odom_from_robot.x);
+    message.pose().pose().position().y(observation.odom_from_robot.y);
+    message.pose().pose().orientation().z(std::sin(0.5 * observation.odom_from_robot.theta));
+    message.pose().pose().orientation().w(std::cos(0.5 * observation.odom_from_robot.theta));
+    odometry.publish(message);
+    scans.publish(convert::to_message(observation.scan, "laser"));
+  }
+};
+
+inline void tell(benchmark::State& state, std::vector<double> each_ms) {
+  std::sort(each_ms.begin(), each_ms.end());
+  const auto at = [&](double share) {
+    return each_ms[static_cast<std::size_t>(share * static_cast<double>(each_ms.size() - 1))];
+  };
+  state.counters["median_ms"] = at(0.5);
+  state.counters["p99_ms"] = at(0.99);
+  state.counters["max_ms"] = at(1.0);
+  state.counters["scans"] = static_cast<double>(each_ms.size());
+}
+
+}  // namespace strata::bench
