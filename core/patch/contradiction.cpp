@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/patch/contradiction.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -14,6 +15,42 @@ VisitEvidence capped(const Visit& visit, double max_evidence) {
   const double scale = total > max_evidence ? max_evidence / total : 1.0;
   return {scale * static_cast<double>(visit.hits), scale * static_cast<double>(visit.misses)};
 }
+
+double share_of(const VisitEvidence& e) { return e.hits / (e.hits + e.misses); }
+
+/// Of n things, the number of ways to choose m.
+double log_choices(std::size_t n, std::size_t m) {
+  const auto log_factorial = [](std::size_t k) {
+    return std::lgamma(static_cast<double>(k) + 1.0);
+  };
+  return log_factorial(n) - log_factorial(m) - log_factorial(n - m);
+}
+
+}  // namespace
+
+double two_states_tail(std::vector<VisitEvidence>& visits, const ContradictionConfig& config) {
+  std::sort(visits.begin(), visits.end(), [](const VisitEvidence& a, const VisitEvidence& b) {
+    return share_of(a) > share_of(b);
+  });
+  VisitEvidence all;
+  for (const VisitEvidence& e : visits) all = {all.hits + e.hits, all.misses + e.misses};
+  VisitEvidence groups[2] = {{}, all};
+  double least = 1.0;
+  for (std::size_t m = 1; m < visits.size(); ++m) {
+    const VisitEvidence& e = visits[m - 1];
+    groups[0] = {groups[0].hits + e.hits, groups[0].misses + e.misses};
+    groups[1] = {std::max(0.0, groups[1].hits - e.hits),
+                 std::max(0.0, groups[1].misses - e.misses)};
+    if (share_of(groups[0]) < config.few_occupied_share) break;
+    if (share_of(groups[1]) > config.few_free_share) continue;
+    const double log_ways =
+        log_choices(visits.size(), m) + std::log(static_cast<double>(visits.size() - 1));
+    least = std::min(least, std::exp(log_ways) * chi_squared_tail(g_statistic(groups), 1));
+  }
+  return least;
+}
+
+namespace {
 
 bool is_contradictory(const VisitTable& table, const Cell& cell, const ContradictionConfig& config,
                       std::span<const Cell> around, std::vector<VisitEvidence>& evidence) {
@@ -31,6 +68,11 @@ bool is_contradictory(const VisitTable& table, const Cell& cell, const Contradic
     total += e.hits + e.misses;
   }
   if (evidence.size() < 2) return false;
+  // With fewer visits the test for few asks that neighbours agree on the visits.
+  if (evidence.size() > static_cast<std::size_t>(config.few_max_visits) &&
+      two_states_tail(evidence, config) < config.significance) {
+    return true;
+  }
   const double share = hits / total;
   if (share <= config.min_share || share >= 1.0 - config.min_share) return false;
   const int dof = static_cast<int>(evidence.size()) - 1;

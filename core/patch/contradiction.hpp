@@ -115,6 +115,15 @@ struct VisitEvidence {
 /// with (visits - 1) degrees of freedom when nothing changed. Visits without evidence add nothing.
 [[nodiscard]] double g_statistic(std::span<const VisitEvidence> visits);
 
+/// P of a contrast as great as the greatest between m visits that saw the cell occupied and the
+/// others, which saw it free, if all visits shared one rate: the tail of chi-squared (one degree of
+/// freedom) of G of the two groups, times the ways to choose m of the visits, times the choices of
+/// m (Bonferroni); 1 when no m makes such groups. Ours: G over all visits spreads over as many
+/// degrees of freedom as there are visits, and so does not see a state that one or two of seventeen
+/// visits saw. Sorts the visits. O(n log n).
+[[nodiscard]] double two_states_tail(std::vector<VisitEvidence>& visits,
+                                     const ContradictionConfig& config);
+
 /// The test for many visits: 1 where contradictory, on the table's rectangle. Expects visits after
 /// VisitTable::filter. O(visits).
 [[nodiscard]] Grid<std::uint8_t> test_many_visits(const VisitTable& table,

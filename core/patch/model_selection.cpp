@@ -89,10 +89,13 @@ double bayesian_information(const VectorSet& vectors, const FuzzyClusters& clust
   double sum = 0.0;
   for (const double l : log_likelihoods(vectors, clusters, config.cell_stddev)) sum += l;
   const auto k = static_cast<double>(clusters.centroids.size());
-  const double parameters = config.theta_mode == ThetaMode::kCells
-                                ? k * static_cast<double>(vectors.dimension) + k - 1.0
-                                : k;
-  return sum - 0.5 * parameters * std::log(static_cast<double>(vectors.size()));
+  const auto n = static_cast<double>(vectors.size());
+  if (config.theta_mode == ThetaMode::kClusters) return sum - 0.5 * k * std::log(n);
+  double penalty = (k - 1.0) * std::log(n);
+  for (const double weight : mixture_weights(clusters)) {
+    penalty += static_cast<double>(vectors.dimension) * std::log(1.0 + weight * n);
+  }
+  return sum - 0.5 * penalty;
 }
 
 Clustering select_clusters(const VectorSet& vectors, const ModelSelectionConfig& config) {

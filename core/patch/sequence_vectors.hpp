@@ -20,8 +20,10 @@ namespace strata::patch {
 /// One entry per given cell: the greatest known reflection of its 3 x 3 block, doubled and cut at
 /// 1, since how far above 0.5 a surface reads depends on the angle of view. The block forgives
 /// errors of pose up to a cell; clustering on all cells of the rectangle instead finds poses, not
-/// states. Unknown (NaN) when the cell itself is unknown and nothing in the block reads 0.5: else
-/// the back of an object would be free in one view and a surface in another. O(cells).
+/// states. Unknown (NaN) when nothing in the block reads 0.5 and the cell or one beside it is
+/// unknown, or a surface lies within three cells: the hidden back of an object would be free in one
+/// view and a surface in another, and what lies beside a surface is that surface under another
+/// error of pose. O(cells).
 [[nodiscard]] std::vector<float> feature_vector(const ReflectionGrid& reflection,
                                                 std::span<const Cell> cells);
 

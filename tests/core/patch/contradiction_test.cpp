@@ -185,5 +185,21 @@ TEST(FewVisits, CellsThatDisagreeOnWhenTheyChangedAreNotOneObject) {
   EXPECT_EQ(count(test_few_visits(table.build(), config)), 0);
 }
 
+// Of seventeen visits one or two saw the other state: G over all visits does not see them.
+TEST(TwoStates, ARareStateIsSeenAndOneRateIsNot) {
+  const ContradictionConfig config;
+  for (const std::size_t rare : {1U, 2U}) {
+    std::vector<VisitEvidence> visits(17, VisitEvidence{0.0, 4.0});
+    for (std::size_t i = 0; i < rare; ++i) visits[3 * i + 1] = {4.0, 0.0};
+    EXPECT_GT(chi_squared_tail(g_statistic(visits), 16), 0.1 * config.significance);
+    EXPECT_LT(two_states_tail(visits, config), config.significance) << rare;
+  }
+  std::vector<VisitEvidence> same(17, VisitEvidence{2.0, 2.0});
+  EXPECT_EQ(two_states_tail(same, config), 1.0);
+  std::vector<VisitEvidence> weak(17, VisitEvidence{0.0, 4.0});
+  weak[5] = {1.0, 0.5};
+  EXPECT_GT(two_states_tail(weak, config), config.significance);
+}
+
 }  // namespace
 }  // namespace strata::patch

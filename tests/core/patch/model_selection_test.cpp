@@ -49,7 +49,8 @@ TEST(ModelSelection, UnknownCellsAreMarginalized) {
               -std::log(0.2 * std::sqrt(2.0 * std::numbers::pi)), 1e-6);
 }
 
-// Defect 2: what |theta| of the criterion counts. Cells: k D + k - 1; the paper's wording: k.
+// Defect 2: what |theta| of the criterion counts. Cells: D for each cluster, by the vectors that it
+// is estimated from, and k - 1 shares; the paper's wording: k.
 TEST(ModelSelection, ThetaCountsCellsOrClusters) {
   RandomStream random(1, StreamId::kTest);
   const VectorSet vectors = noisy_states(9, 3, 10, 0.1, 0.0, random);
@@ -57,9 +58,13 @@ TEST(ModelSelection, ThetaCountsCellsOrClusters) {
   ModelSelectionConfig cells;
   ModelSelectionConfig clusters;
   clusters.theta_mode = ThetaMode::kClusters;
+  double share = 0.0;
+  for (const auto& row : model.memberships) share += row[0] / 9.0;
   EXPECT_NEAR(
       bayesian_information(vectors, model, clusters) - bayesian_information(vectors, model, cells),
-      0.5 * (2.0 * 10.0 + 1.0 - 2.0) * std::log(9.0), 1e-9);
+      0.5 * (10.0 * (std::log1p(9.0 * share) + std::log1p(9.0 * (1.0 - share))) +
+             (1.0 - 2.0) * std::log(9.0)),
+      1e-9);
 }
 
 // Defect 2, the consequence: one noisy state is split when only clusters are counted.

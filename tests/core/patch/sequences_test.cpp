@@ -135,11 +135,13 @@ TEST(SequenceCounts, EqualTheCountingMapInsideTheRectangle) {
 }
 
 TEST(SequenceVectors, FeatureIsTheGreatestKnownNeighbourSaturated) {
-  ReflectionGrid grid = make_reflection_grid(kResolution, {{0, 0}, {9, 9}});
-  grid.at({2, 2}) = 0.1F;
+  ReflectionGrid grid = make_reflection_grid(kResolution, {{0, 0}, {12, 12}});
+  for (int y = 0; y < 5; ++y) {
+    for (int x = 0; x < 5; ++x) grid.at({x, y}) = 0.1F;
+  }
   grid.at({3, 3}) = 0.125F;
-  grid.at({6, 6}) = 0.75F;
-  const std::vector<Cell> cells{{2, 2}, {6, 6}, {6, 7}, {8, 2}};
+  grid.at({9, 9}) = 0.75F;
+  const std::vector<Cell> cells{{2, 2}, {9, 9}, {9, 10}, {11, 2}};
   const std::vector<float> features = feature_vector(grid, cells);
   EXPECT_EQ(features[0], 0.25F);
   EXPECT_EQ(features[1], 1.0F);
@@ -150,11 +152,26 @@ TEST(SequenceVectors, FeatureIsTheGreatestKnownNeighbourSaturated) {
 TEST(SequenceVectors, CellsInAShadowAreNotFree) {
   // Seen from one side, the back of an object is unknown, though free cells adjoin it.
   ReflectionGrid grid = make_reflection_grid(kResolution, {{0, 0}, {9, 9}});
-  for (int y = 0; y < 9; ++y) grid.at({4, y}) = 0.0F;
-  const std::vector<Cell> cells{{4, 4}, {5, 4}};
+  for (int y = 0; y < 9; ++y) {
+    for (int x = 2; x < 5; ++x) grid.at({x, y}) = 0.0F;
+  }
+  const std::vector<Cell> cells{{3, 4}, {4, 4}, {5, 4}};
   const std::vector<float> features = feature_vector(grid, cells);
   EXPECT_EQ(features[0], 0.0F);
+  EXPECT_FALSE(is_known(features[1])) << "beside the shadow, where a surface may be";
+  EXPECT_FALSE(is_known(features[2]));
+}
+
+TEST(SequenceVectors, FreeCellsNearASurfaceMayBeThatSurfaceDisplaced) {
+  ReflectionGrid grid = make_reflection_grid(kResolution, {{0, 0}, {12, 12}});
+  for (float& m : grid.values()) m = 0.0F;
+  for (int y = 0; y < 12; ++y) grid.at({2, y}) = 1.0F;
+  const std::vector<Cell> cells{{3, 6}, {4, 6}, {5, 6}, {6, 6}};
+  const std::vector<float> features = feature_vector(grid, cells);
+  EXPECT_EQ(features[0], 1.0F);
   EXPECT_FALSE(is_known(features[1]));
+  EXPECT_FALSE(is_known(features[2]));
+  EXPECT_EQ(features[3], 0.0F);
 }
 
 TEST(SequenceVectors, FilterKeepsWhatStaysAndDropsWhatPasses) {
