@@ -120,7 +120,9 @@ struct VisitEvidence {
 /// freedom) of G of the two groups, times the ways to choose m of the visits, times the choices of
 /// m (Bonferroni); 1 when no m makes such groups. Ours: G over all visits spreads over as many
 /// degrees of freedom as there are visits, and so does not see a state that one or two of seventeen
-/// visits saw. Sorts the visits. O(n log n).
+/// visits saw. Asked where a cell has more than 2 few_max_visits visits: with ten or fewer, one is
+/// share enough for the other tests, and walls seen through from one side alone would count as
+/// states. Sorts the visits. O(n log n).
 [[nodiscard]] double two_states_tail(std::vector<VisitEvidence>& visits,
                                      const ContradictionConfig& config);
 
