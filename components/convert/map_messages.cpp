@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "components/convert/geometry_messages.hpp"
 #include "core/base/error.hpp"
@@ -11,12 +10,20 @@
 namespace strata::convert {
 namespace {
 
+// So far out, and no farther, the sides of a rectangle are ints too.
+constexpr int kFarthestCell = (1 << 30) - 1;
+
+/// Throws InputError for a coordinate that only a damaged message has.
+int require_cell(double coordinate) {
+  if (!(std::abs(coordinate) <= kFarthestCell)) {
+    throw InputError("grid message", "a cell lies more than 2^30 cells from the origin",
+                     "check the sender's version");
+  }
+  return static_cast<int>(coordinate);
+}
+
 void require_size(std::size_t values, const CellRect& rect, double resolution_m) {
-  // Width and height apart first: their product may overflow for a damaged message.
-  const bool sides_fit =
-      static_cast<std::int64_t>(rect.max.x) - rect.min.x <= std::numeric_limits<int>::max() &&
-      static_cast<std::int64_t>(rect.max.y) - rect.min.y <= std::numeric_limits<int>::max();
-  if (!sides_fit || rect.area() != values || !(resolution_m > 0.0)) {
+  if (rect.area() != values || !(resolution_m > 0.0)) {
     throw InputError("grid message", "its values do not fill its rectangle",
                      "check the sender's version");
   }
@@ -56,10 +63,10 @@ ReflectionGrid from_message(const nav_msgs::msg::OccupancyGrid& message) {
     throw InputError("OccupancyGrid", "its origin is turned", "publish it with yaw 0");
   }
   CellRect rect;
-  rect.min = {static_cast<int>(std::lround(origin.x / resolution_m)),
-              static_cast<int>(std::lround(origin.y / resolution_m))};
-  rect.max = {rect.min.x + static_cast<int>(message.info().width()),
-              rect.min.y + static_cast<int>(message.info().height())};
+  rect.min = {require_cell(std::round(origin.x / resolution_m)),
+              require_cell(std::round(origin.y / resolution_m))};
+  rect.max = {require_cell(static_cast<double>(rect.min.x) + message.info().width()),
+              require_cell(static_cast<double>(rect.min.y) + message.info().height())};
   require_size(message.data().size(), rect, resolution_m);
   ReflectionGrid grid = make_reflection_grid(resolution_m, rect);
   for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -79,7 +86,8 @@ strata_msgs::msg::CellRect to_message(const CellRect& rect) {
 }
 
 CellRect from_message(const strata_msgs::msg::CellRect& rect) {
-  return {{rect.min_x(), rect.min_y()}, {rect.max_x(), rect.max_y()}};
+  return {{require_cell(rect.min_x()), require_cell(rect.min_y())},
+          {require_cell(rect.max_x()), require_cell(rect.max_y())}};
 }
 
 strata_msgs::msg::ReflectionGrid to_message(const ReflectionGrid& grid) {

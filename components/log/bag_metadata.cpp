@@ -38,17 +38,23 @@ bool packs_messages(const YAML::Node& info, const fs::path& metadata) {
   return mode == "MESSAGE";
 }
 
+/// False also for a name that no file can have, as one of 300 letters.
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(file, error);
+}
+
 /// The name as it is, below the folder (bags before Dashing name the folder too), and with or
 /// without the ending of a compression: not every release gives the ending to packed files.
 fs::path find_file(const fs::path& folder, const fs::path& name) {
   for (const fs::path& base : {folder / name, folder / name.filename()}) {
-    if (fs::exists(base)) return base;
+    if (is_there(base)) return base;
     const std::string ending = base.extension().string();
-    if ((ending == ".zstd" || ending == ".lz4") && fs::exists(fs::path(base).replace_extension())) {
+    if ((ending == ".zstd" || ending == ".lz4") && is_there(fs::path(base).replace_extension())) {
       return fs::path(base).replace_extension();
     }
     for (const char* more : {".zstd", ".lz4"}) {
-      if (fs::exists(base.string() + more)) return base.string() + more;
+      if (is_there(base.string() + more)) return base.string() + more;
     }
   }
   return folder / name.filename();
@@ -57,7 +63,7 @@ fs::path find_file(const fs::path& folder, const fs::path& name) {
 BagFolderFiles files_of_metadata(const fs::path& folder) {
   const fs::path path = folder / "metadata.yaml";
   BagFolderFiles found;
-  if (!fs::exists(path)) return found;
+  if (!is_there(path)) return found;
   try {
     const YAML::Node info = YAML::LoadFile(path.string())["rosbag2_bagfile_information"];
     found.packed_messages = packs_messages(info, path);
@@ -69,7 +75,7 @@ BagFolderFiles files_of_metadata(const fs::path& folder) {
   }
   // Names that lead nowhere are those of a bag that was renamed.
   if (std::none_of(found.files.begin(), found.files.end(),
-                   [](const fs::path& file) { return fs::exists(file); })) {
+                   [](const fs::path& file) { return is_there(file); })) {
     found.files.clear();
   }
   return found;
