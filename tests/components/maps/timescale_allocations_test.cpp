@@ -1,34 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts every call of operator new in this program, so it has a program of its own.
-#include <cstdlib>
+// Has a program of its own, whose allocations it counts.
 #include <memory>
-#include <new>
 
 #include <gtest/gtest.h>
 
 #include "components/maps/map_model.hpp"
 #include "core/localization/localizer.hpp"
 #include "tests/components/maps/learned_room.hpp"
-
-namespace {
-std::size_t allocations = 0;  // one thread in this program
-
-void* allocate(std::size_t bytes) {
-  ++allocations;
-  if (void* place = std::malloc(bytes == 0 ? 1 : bytes)) return place;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-void* operator new(std::size_t bytes) { return allocate(bytes); }
-void* operator new[](std::size_t bytes) { return allocate(bytes); }
-void operator delete(void* place) noexcept { std::free(place); }
-void operator delete[](void* place) noexcept { std::free(place); }
-void operator delete(void* place, std::size_t /*bytes*/) noexcept { std::free(place); }
-void operator delete[](void* place, std::size_t /*bytes*/) noexcept { std::free(place); }
+#include "tests/support/counted_allocations.hpp"
 
 namespace strata::maps {
 namespace {
+
+using test::allocations;
 
 /// The robot turns and drives in the room, 20 scans a second.
 std::vector<Observation> drive(int scans) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts every call of operator new in this program, so it has a program of its own.
-#include <cstdlib>
+// Has a program of its own, whose allocations it counts.
 #include <memory>
-#include <new>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,26 +10,12 @@
 #include "core/localization/patch_beam_model.hpp"
 #include "core/localization/range_provider_model.hpp"
 #include "tests/core/localization/box_world.hpp"
-
-namespace {
-std::size_t allocations = 0;  // one thread in this program
-
-void* allocate(std::size_t bytes) {
-  ++allocations;
-  if (void* place = std::malloc(bytes == 0 ? 1 : bytes)) return place;
-  throw std::bad_alloc();
-}
-}  // namespace
-
-void* operator new(std::size_t bytes) { return allocate(bytes); }
-void* operator new[](std::size_t bytes) { return allocate(bytes); }
-void operator delete(void* place) noexcept { std::free(place); }
-void operator delete[](void* place) noexcept { std::free(place); }
-void operator delete(void* place, std::size_t /*bytes*/) noexcept { std::free(place); }
-void operator delete[](void* place, std::size_t /*bytes*/) noexcept { std::free(place); }
+#include "tests/support/counted_allocations.hpp"
 
 namespace strata::localization {
 namespace {
+
+using test::allocations;
 
 test::BoxWorld room() {
   return {{0.0, 0.0, 8.0, 0.2},

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Counts every call of operator new in a program. To be included by one file of a program of its
+/// own, since it replaces the operators for all of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+namespace strata::test {
+
+inline std::size_t allocations = 0;  // for programs of one thread
+
+inline void* allocate(std::size_t bytes) {
+  ++allocations;
+  if (void* place = std::malloc(bytes == 0 ? 1 : bytes)) return place;
+  throw std::bad_alloc();
+}
+
+}  // namespace strata::test
+
+void* operator new(std::size_t bytes) { return strata::test::allocate(bytes); }
+void* operator new[](std::size_t bytes) { return strata::test::allocate(bytes); }
+void operator delete(void* place) noexcept { std::free(place); }
+void operator delete[](void* place) noexcept { std::free(place); }
+void operator delete(void* place, std::size_t /*bytes*/) noexcept { std::free(place); }
+void operator delete[](void* place, std::size_t /*bytes*/) noexcept { std::free(place); }
