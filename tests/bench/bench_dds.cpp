@@ -116,8 +116,8 @@ void drive(benchmark::State& state, Robot& robot) {
     for (std::size_t i = 0; i < world().log.size(); ++i) {
       std::this_thread::sleep_until(start + static_cast<int>(i) * kPeriod);
       const Observation& observation = world().log[i];
-      if (i >= kWarmUp) sent[observation.scan.stamp.ns] = Clock::now();
-      robot.see(observation);
+      const Clock::time_point handed_over = robot.see(observation);
+      if (i >= kWarmUp) sent[observation.scan.stamp.ns] = handed_over;
     }
     std::this_thread::sleep_for(std::chrono::seconds(1));
     const auto answers = poses.since(sent);

@@ -75,8 +75,7 @@ void label_latency(benchmark::State& state) {
     const Clock::time_point start = Clock::now();
     for (std::size_t i = 0; i < log.size(); ++i) {
       std::this_thread::sleep_until(start + static_cast<int>(i) * kPeriod);
-      sent.push_back(Clock::now());
-      robot.see(log[i]);
+      sent.push_back(robot.see(log[i]));
     }
     std::this_thread::sleep_for(std::chrono::seconds(1));
     const auto came = answers.take();

@@ -59,7 +59,9 @@ struct Robot {
     return scans.raw().wait_for_readers(1, std::chrono::seconds(20)) &&
            odometry.raw().wait_for_readers(1, std::chrono::seconds(20));
   }
-  void see(const Observation& observation) {
+  /// Tells odometry and scan; when the scan, ready made, was handed to the middleware.
+  std::chrono::steady_clock::time_point see(const Observation& observation) {
+    const auto scan = convert::to_message(observation.scan, "laser");
     nav_msgs::msg::Odometry message;
     message.header().stamp(convert::to_message(observation.scan.stamp));
     message.header().frame_id("odom");
@@ -69,7 +71,9 @@ struct Robot {
     message.pose().pose().orientation().z(std::sin(0.5 * observation.odom_from_robot.theta));
     message.pose().pose().orientation().w(std::cos(0.5 * observation.odom_from_robot.theta));
     odometry.publish(message);
-    scans.publish(convert::to_message(observation.scan, "laser"));
+    const auto handed_over = std::chrono::steady_clock::now();
+    scans.publish(scan);
+    return handed_over;
   }
 };
 
