@@ -8,6 +8,9 @@
 #include <sstream>
 #include <string_view>
 
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/parser.h>
+
 #include "core/base/error.hpp"
 
 namespace strata::settings {
@@ -119,6 +122,32 @@ void set_at(YAML::Node node, const std::vector<PathStep>& steps, std::size_t dep
   set_at(child, steps, depth + 1, value, option);
 }
 
+/// Takes a document's events and does nothing with them.
+class Ignoring final : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {}
+  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/,
+                       YAML::anchor_t /*anchor*/, YAML::EmitterStyle::value /*style*/) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapEnd() override {}
+};
+
+/// Not by YAML::LoadAll: at a stray ',' the parser of yaml-cpp 0.7 ends one empty document after
+/// the other without getting on, and that reads them all.
+bool holds_several(const std::string& text) {
+  std::istringstream in(text);
+  YAML::Parser parser(in);
+  Ignoring ignoring;
+  return parser.HandleNextDocument(ignoring) && parser.HandleNextDocument(ignoring);
+}
+
 }  // namespace
 
 std::string place_of(const YAML::Node& node, const std::string& place,
@@ -139,11 +168,11 @@ YAML::Node copy_with_places(const YAML::Node& node, const std::string& place) {
 YAML::Node parse_yaml(const std::string& text, const std::string& place) {
   YAML::Node node;
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      throw ConfigError(place, "holds several YAML documents", "keep one, without '---' lines");
+    if (holds_several(text)) {
+      throw ConfigError(place, "holds several YAML documents, or goes on behind the end of one",
+                        "keep one document, without '---' lines and stray ',', ']' or '}'");
     }
-    if (!documents.empty()) node = documents.front();
+    node = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     const std::string line = error.mark.is_null() ? "" : ":" + std::to_string(error.mark.line + 1);
     throw ConfigError(place + line, "is not YAML (" + error.msg + ")", "mend the syntax");

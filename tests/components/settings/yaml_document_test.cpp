@@ -47,6 +47,11 @@ TEST(Document, NamesTheLineOfASyntaxError) {
   EXPECT_THAT(document_error("version: 1\na: [1\nb: 2\n"), HasSubstr("is not YAML"));
   EXPECT_THAT(document_error("- 1\n- 2"), HasSubstr("is not a map of keys"));
   EXPECT_THAT(document_error("version: 1\n---\nversion: 1"), HasSubstr("several YAML documents"));
+  // At these yaml-cpp ends documents for ever.
+  for (const char* text : {",", "version: 1\na: b\n}", "version: 1\n---\n,", "]"}) {
+    EXPECT_NE(document_error(text), "no error") << text;
+  }
+  EXPECT_EQ(document_error("---\nversion: 1\n...\n"), "no error");
 }
 
 TEST(Document, LoadsAFileAndSaysWhenThereIsNone) {
