@@ -94,5 +94,6 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/strataConfig.cmake.in
   ${CMAKE_BINARY_DIR}/strataConfig.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/strataConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_BINARY_DIR}/strataConfig.cmake ${CMAKE_BINARY_DIR}/strataConfigVersion.cmake
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/StrataComponentLibrary.cmake
+  ${CMAKE_BINARY_DIR}/strataConfig.cmake ${CMAKE_BINARY_DIR}/strataConfigVersion.cmake
   DESTINATION ${package_dir})

@@ -39,6 +39,6 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libceres-dev, libhw
 if(STRATA_COMPONENTS)
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     ", libfastrtps-dev, libfastcdr-dev, libyaml-cpp-dev, liblz4-dev, zlib1g-dev, libpng-dev,"
-    " librsvg2-dev, nlohmann-json3-dev, libcli11-dev, libspdlog-dev, libfmt-dev, pkg-config")
+    " librsvg2-dev, libssl-dev, nlohmann-json3-dev, libcli11-dev, libspdlog-dev, libfmt-dev, pkg-config")
 endif()
 include(CPack)

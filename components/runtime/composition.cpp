@@ -153,6 +153,19 @@ ProcessEntry read_process(const YAML::Node& node, const std::string& place, cons
   return entry;
 }
 
+std::vector<LibraryEntry> read_libraries(const Section& section, const std::string& place) {
+  std::vector<LibraryEntry> libraries;
+  for (const YAML::Node& item : section.items("libraries")) {
+    const std::string path = "libraries[" + std::to_string(libraries.size()) + "]";
+    LibraryEntry entry;
+    entry.place = settings::place_of(item, place, path);
+    settings::detail::read_value(item, place, path, entry.name);
+    if (entry.name.empty()) throw ConfigError(entry.place, "a library has no name", "name it");
+    libraries.push_back(std::move(entry));
+  }
+  return libraries;
+}
+
 void require_different_names(const Composition& composition) {
   std::set<std::string> processes;
   std::set<std::string> components;
@@ -202,6 +215,7 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
     composition.enclave = section.get<std::string>("enclave", "/");
     section.located("enclave", [&] { security::require_enclave_name(composition.enclave); });
   }
+  composition.libraries = read_libraries(section, place);
   const std::vector<YAML::Node> processes = section.items("processes");
   for (std::size_t i = 0; i < processes.size(); ++i) {
     composition.processes.push_back(read_process(

@@ -24,6 +24,12 @@ struct ComponentEntry {
   std::string place;             ///< "file:line"
 };
 
+/// A shared library with components; see component_library.hpp.
+struct LibraryEntry {
+  std::string name;
+  std::string place;  ///< "file:line"
+};
+
 /// What `strata run` does when a process of a composition ends by itself.
 enum class Restart {
   kNever,      ///< the others end too
@@ -50,6 +56,7 @@ struct Composition {
   bool is_alone = false;                  ///< from the environment
   std::string enclave = "/";              ///< of every process
   bus::SecurityOptions security;          ///< from the environment
+  std::vector<LibraryEntry> libraries;    ///< loaded by load_component_libraries
   std::vector<ProcessEntry> processes;
 };
 

@@ -23,6 +23,7 @@ class Registry {
       return std::make_unique<C>(std::move(context));
     };
   }
+  void add(const std::string& type, Factory factory) { factories_[type] = std::move(factory); }
   [[nodiscard]] const std::map<std::string, Factory>& factories() const { return factories_; }
 
  private:

@@ -6,3 +6,9 @@ foreach(text "<version>${VERSION}</version>" "<build_type>cmake</build_type>" "<
     message(FATAL_ERROR "package.xml does not say ${text}")
   endif()
 endforeach()
+# Libraries of components are held against it.
+file(READ ${SOURCE_DIR}/components/runtime/component_library.hpp library)
+string(FIND "${library}" "\"strata ${VERSION}, " at)
+if(at EQUAL -1)
+  message(FATAL_ERROR "components/runtime/component_library.hpp does not say strata ${VERSION}")
+endif()

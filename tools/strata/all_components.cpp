@@ -8,6 +8,7 @@
 #include "components/patch_learner/register.hpp"
 #include "components/player/register.hpp"
 #include "components/recorder/register.hpp"
+#include "components/runtime/component_library.hpp"
 #include "components/scan_matcher/register.hpp"
 #include "components/timescale_memory/register.hpp"
 #include "components/topology_mapper/register.hpp"
@@ -28,6 +29,12 @@ runtime::Registry all_components() {
   volume_mapper::register_component(registry);
   player::register_component(registry);
   recorder::register_component(registry);
+  return registry;
+}
+
+runtime::Registry all_components(const runtime::Composition& composition) {
+  runtime::Registry registry = all_components();
+  runtime::load_component_libraries(composition, registry);
   return registry;
 }
 

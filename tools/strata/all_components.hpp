@@ -2,10 +2,15 @@
 /// Every component that compositions can name.
 #pragma once
 
+#include "components/runtime/composition.hpp"
 #include "components/runtime/registry.hpp"
 
 namespace strata::tools {
 
+/// Those that are linked in.
+
 [[nodiscard]] runtime::Registry all_components();
+/// Those and the ones of the composition's libraries; throws as load_component_libraries.
+[[nodiscard]] runtime::Registry all_components(const runtime::Composition& composition);
 
 }  // namespace strata::tools

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "components/runtime/component_library.hpp"
 #include "components/runtime/host.hpp"
 #include "tools/strata/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
@@ -107,7 +108,8 @@ ExplainedHosts explained_hosts(const runtime::Composition& composition) {
   alone.transport = bus::Transport::kAlone;
   ExplainedHosts result;
   result.participant = std::make_shared<bus::Participant>(alone);
-  const runtime::Registry registry = all_components();
+  runtime::Registry registry = all_components();
+  result.libraries = runtime::load_component_libraries(composition, registry);
   runtime::HostOptions options;
   options.only_explained = true;
   for (const runtime::ProcessEntry& process : composition.processes) {
@@ -123,6 +125,7 @@ void explain(const runtime::Composition& composition) {
   const Topics topics = collect(hosts);
   std::cout << composition.place << ": domain " << composition.domain << ", transport "
             << transport_name(composition.transport) << '\n';
+  for (const auto& file : explained.libraries) std::cout << "library " << file.string() << '\n';
   for (std::size_t i = 0; i < hosts.size(); ++i) {
     const runtime::ProcessEntry& process = composition.processes[i];
     const bool single = process.executor == runtime::ExecutorKind::kSingleThreaded;

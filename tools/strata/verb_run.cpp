@@ -11,6 +11,7 @@
 
 #include <signal.h>
 #include <sys/prctl.h>
+#include <unistd.h>
 
 #include "components/runtime/host.hpp"
 #include "components/settings/config_reader.hpp"
@@ -29,7 +30,8 @@ struct RunOptions {
   std::string process;
   bool check = false;
   bool lockstep = false;
-  bool child = false;
+  pid_t parent = 0;  ///< of a process of a composition: who started it
+  [[nodiscard]] bool is_child() const { return parent != 0; }
 };
 
 const runtime::ProcessEntry& find_process(const runtime::Composition& composition,
@@ -49,7 +51,7 @@ void run_here(const RunOptions& options, VerbContext& context,
   host_options.mode = options.lockstep ? runtime::FeedMode::kLockstep : runtime::FeedMode::kLive;
   host_options.seed = context.options.seed;
   host_options.threads = context.options.threads;
-  const runtime::Registry registry = all_components();
+  const runtime::Registry registry = all_components(composition);
   const auto participant = runtime::make_participant(composition);
   if (composition.security.enabled && !participant->is_secured()) {
     context.note("warning: runs without security: enclave " + composition.enclave +
@@ -59,13 +61,13 @@ void run_here(const RunOptions& options, VerbContext& context,
   if (!options.lockstep) {
     host.activate();
     context.note("process " + process.name + " runs; Ctrl-C ends it");
-    if (!options.child) tell_service_manager("READY=1");
+    if (!options.is_child()) tell_service_manager("READY=1");
   }
   while (!context.interrupt().wait_for(0.1)) {
     if (!options.lockstep) host.tick();
     for (const std::string& error : host.take_errors()) context.note("warning: " + error);
   }
-  if (!options.child) tell_service_manager("STOPPING=1");
+  if (!options.is_child()) tell_service_manager("STOPPING=1");
   host.stop();
 }
 
@@ -141,7 +143,8 @@ void run_children(const RunOptions& options, VerbContext& context,
 
 std::vector<std::string> child_arguments(const std::string& composition, const std::string& process,
                                          const VerbContext& context, bool lockstep) {
-  std::vector<std::string> arguments = {"run", composition, "--process", process, "--child"};
+  std::vector<std::string> arguments = {"run",   composition, "--process",
+                                        process, "--child",   std::to_string(getpid())};
   if (lockstep) arguments.emplace_back("--lockstep");
   if (context.options.quiet) arguments.emplace_back("--quiet");
   arguments.insert(arguments.end(), {"--seed", std::to_string(context.options.seed), "--threads",
@@ -160,7 +163,11 @@ void add_run(CLI::App& app, VerbContext& context) {
   CLI::App* verb = add_verb(
       app, context, "run", "start the components of a composition over DDS until Ctrl-C",
       "strata run components/config/mapping.yaml", [options, &context] {
-        if (options->child) prctl(PR_SET_PDEATHSIG, SIGTERM);
+        if (options->is_child()) {
+          prctl(PR_SET_PDEATHSIG, SIGTERM);
+          // It may have died before: then nobody is left to end this process.
+          if (getppid() != options->parent) return;
+        }
         const runtime::Composition composition =
             load_composition(options->composition, context.options);
         if (options->check) {
@@ -180,7 +187,7 @@ void add_run(CLI::App& app, VerbContext& context) {
   verb->add_option("--process", options->process, "only this process of the composition");
   verb->add_flag("--check", options->check, "explain the composition, start nothing");
   verb->add_flag("--lockstep", options->lockstep)->group("");
-  verb->add_flag("--child", options->child)->group("");
+  verb->add_option("--child", options->parent)->group("");
 }
 
 }  // namespace strata::tools
