@@ -124,6 +124,20 @@ void Conductor::ask_all(strata_msgs::msg::StepKind kind, const std::string& out_
   }
 }
 
+void Conductor::require_no_stranger(const Ack& ack) const {
+  const Counts published = published_so_far();
+  for (const auto& writer : writers_) {
+    const std::uint64_t sent = published.at(writer->topic());
+    for (const TopicCount& heard : ack.subscribed()) {
+      if (heard.topic() != writer->topic() || heard.count() <= sent) continue;
+      throw Error(writer->topic(),
+                  "has " + std::to_string(heard.count()) + " messages, and the replay sent " +
+                      std::to_string(sent) + ": somebody else publishes it",
+                  "replay on a domain of its own, as with --set domain=42");
+    }
+  }
+}
+
 Ack Conductor::ask(Step step) {
   step.sequence_number(++sequence_);
   {
@@ -141,6 +155,7 @@ Ack Conductor::ask(Step step) {
   Counts counts;  // a component may have two writers of one topic
   for (const TopicCount& topic : ack.published()) counts[topic.topic()] += topic.count();
   published_[ack.component_name()] = std::move(counts);
+  require_no_stranger(ack);
   return ack;
 }
 

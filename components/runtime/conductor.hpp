@@ -51,6 +51,9 @@ class Conductor {
   using Counts = std::map<std::string, std::uint64_t>;
   strata_msgs::msg::Ack ask(strata_msgs::msg::Step step);
   [[nodiscard]] Counts published_so_far() const;
+  /// Throws Error when a component heard more of the conductor's topics than was sent: what comes
+  /// out would not be what the log says.
+  void require_no_stranger(const strata_msgs::msg::Ack& ack) const;
   void ask_all(strata_msgs::msg::StepKind kind, const std::string& out_dir);
   void wait(const std::function<bool()>& condition, const std::string& place);
 

@@ -124,12 +124,15 @@ class Listener {
   mutable bus::Reader<strata_msgs::msg::LocalizationHealth> health_;
 };
 
+constexpr const char* kPlacePatches = "patch_places";
+
 localizer::LocalizerComponentConfig config_of(const pipeline::LocalizeJob& job,
                                               const std::filesystem::path& maps,
                                               const pipeline::CompareConfig& compared) {
   localizer::LocalizerComponentConfig config;
   config.maps = maps.string();
-  config.model = job.model.name;
+  // Its folder holds the patch map by places as the patch map.
+  config.model = job.model.name == kPlacePatches ? "patch" : job.model.name;
   config.start.pose = {job.start.mean.x, job.start.mean.y, job.start.mean.theta};
   config.start.stddev_m = compared.protocol.start_stddev_m;
   config.start.stddev_rad = compared.protocol.start_stddev_rad;
@@ -176,10 +179,17 @@ pipeline::MakeLocalize localize_over_dds(VerbContext& context, const std::string
     maps::write_grid_maps(maps->path(), learned.slam);
     maps::write_patch_map(maps->path(), learned.patches);
     if (learned.timescale) maps::write_timescale(maps->path(), *learned.timescale);
+    std::shared_ptr<OutputDirectory> place_maps;
+    if (learned.place_patches) {
+      place_maps = std::make_shared<OutputDirectory>(out + "_place_maps", context.staged());
+      maps::write_grid_maps(place_maps->path(), learned.slam);
+      maps::write_patch_map(place_maps->path(), *learned.place_patches);
+    }
     const auto one_at_a_time = std::make_shared<std::mutex>();
-    return [&context, maps, compared, one_at_a_time](const pipeline::LocalizeJob& job) {
+    return [&context, maps, place_maps, compared, one_at_a_time](const pipeline::LocalizeJob& job) {
       const std::lock_guard lock(*one_at_a_time);
-      return localize(context, job, maps->path(), compared);
+      const bool by_places = job.model.name == kPlacePatches;
+      return localize(context, job, (by_places ? place_maps : maps)->path(), compared);
     };
   };
 }

@@ -73,6 +73,22 @@ runtime::HostOptions host_options(const SessionOptions& session) {
   return options;
 }
 
+/// Waits for the domain; nothing for a session that nobody else can hear.
+std::optional<bus::DomainClaim> claim_domain(VerbContext& context,
+                                             const runtime::Composition& composition) {
+  if (composition.is_alone) return std::nullopt;
+  bool told = false;
+  for (;;) {
+    if (auto claim = bus::DomainClaim::take("replay", composition.domain)) return claim;
+    if (!told) {
+      context.note("another replay is on domain " + std::to_string(composition.domain) +
+                   " of this machine: waiting for its end. --set domain=N lets both run");
+      told = true;
+    }
+    if (context.interrupt().wait_for(0.1)) throw Cancelled("replay");
+  }
+}
+
 /// Waits until a scan is due; throws when interrupted.
 class Pace {
  public:
@@ -97,7 +113,8 @@ ReplaySession::ReplaySession(VerbContext& context, runtime::Composition composit
     : context_(context),
       options_{context.options.seed, context.options.threads, context.progress()},
       composition_(std::move(composition)),
-      registry_(all_components()) {
+      claim_(claim_domain(context, composition_)),
+      registry_(all_components(composition_)) {
   leave_out_players(composition_);
   names_ = component_names(composition_);
   participant_ = runtime::make_participant(composition_);
@@ -115,7 +132,8 @@ ReplaySession::ReplaySession(VerbContext& context, runtime::Composition composit
     : context_(context),
       options_(options),
       composition_(std::move(composition)),
-      registry_(all_components()),
+      claim_(claim_domain(context, composition_)),
+      registry_(all_components(composition_)),
       names_(component_names(composition_)) {
   participant_ = runtime::make_participant(composition_);
   host_all();

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "components/bus/domain_claim.hpp"
 #include "components/player/log_player.hpp"
 #include "components/runtime/composition.hpp"
 #include "components/runtime/conductor.hpp"
@@ -32,7 +33,9 @@ struct SessionOptions {
 class ReplaySession {
  public:
   /// Starts the components, in this process or in the several that the composition asks for. file:
-  /// the composition's, for processes. Players are left out: the session plays. Throws as Host.
+  /// the composition's, for processes. Players are left out: the session plays. Waits while another
+  /// session of this machine is on the domain: each would hear the other. Throws as Host, and
+  /// Cancelled.
   ReplaySession(VerbContext& context, runtime::Composition composition, const std::string& file);
   /// In this process only, with its own seed, threads and progress.
   ReplaySession(VerbContext& context, runtime::Composition composition,
@@ -68,6 +71,7 @@ class ReplaySession {
   VerbContext& context_;
   SessionOptions options_;
   runtime::Composition composition_;
+  std::optional<bus::DomainClaim> claim_;
   runtime::Registry registry_;
   std::shared_ptr<bus::Participant> participant_;
   ProcessGroup group_;

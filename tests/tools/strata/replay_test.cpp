@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "components/bus/domain_claim.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/tools/strata/replay_fixture.hpp"
 
 namespace fs = std::filesystem;
@@ -67,6 +69,22 @@ TEST_F(Replay, RefusesSettingsThatWouldNotApply) {
              "--set 'processes[0].components[0].parameters.slam.resolutionm=0.1'");
   EXPECT_EQ(typo.code, 2);
   EXPECT_THAT(typo.out, testing::HasSubstr("slam.resolutionm is an unknown key"));
+}
+
+TEST_F(Replay, WaitsForAnotherOnItsDomain) {
+  auto other = bus::DomainClaim::take("replay", test::own_domain());
+  ASSERT_TRUE(other);
+  test::ChildProcess waits(
+      {STRATA_PROGRAM, "replay", log().string(), "--composition",
+       (kCompositions / "mapping.yaml").string(), "--out", at("waited").string(), "--set",
+       "domain=" + std::to_string(test::own_domain())},
+      {}, test::ChildProcess::Errors::kMerged);
+  EXPECT_NE(waits.wait_for_line("another replay is on domain"), "");
+  EXPECT_TRUE(waits.runs());
+  EXPECT_FALSE(fs::exists(at("waited")));
+  other.reset();
+  EXPECT_EQ(waits.wait(), 0) << waits.rest();
+  expect_same_maps(at("direct"), at("waited"));
 }
 
 /// `timeout` sends SIGINT after three seconds and would report 137 had it to kill.
