@@ -7,8 +7,16 @@
 
 #include "core/beam_filter/beam_filter.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/grid/grid_state.hpp"
+#include "core/scan/scan_state.hpp"
 
 namespace strata::beam_filter {
+namespace {
+
+/// Changes with the fields saved: bytes of another version are refused.
+constexpr std::uint64_t kVersion = 0x53'4f'42'46'0000'0001;
+
+}  // namespace
 
 OnlineFilter::OnlineFilter(const BeamFilterConfig& filter, const WindowConfig& window)
     : filter_(filter), config_(window), counts_(filter.resolution_m) {
@@ -50,6 +58,27 @@ std::vector<float> OnlineFilter::add(const PosedScan& scan) {
                  labels[beam] = static_cast<float>(expectation(m, filter_.prior));
                });
   return labels;
+}
+
+std::vector<std::uint8_t> OnlineFilter::save_state() const {
+  StateWriter writer;
+  writer(kVersion);
+  writer(counts_.cells());
+  writer(window_);
+  writer(last_key_);
+  return writer.take();
+}
+
+void OnlineFilter::restore_state(std::span<const std::uint8_t> bytes, const std::string& place) {
+  StateReader reader(bytes, place);
+  std::uint64_t version = 0;
+  reader(version);
+  if (version != kVersion) reader.fail("is of another version");
+  reader(counts_.cells());
+  if (counts_.resolution_m() != filter_.resolution_m) reader.fail("is of another resolution");
+  reader(window_);
+  reader(last_key_);
+  reader.expect_end();
 }
 
 ReflectionGrid OnlineFilter::map() const { return filter_counts(counts_, filter_).filtered; }

@@ -4,8 +4,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "core/beam_filter/config.hpp"
@@ -53,13 +56,27 @@ class OnlineFilter {
   /// The filtered map of what is counted now. O(cells).
   [[nodiscard]] ReflectionGrid map() const;
 
+  /// What a process goes on with after it was stopped: restored into a new filter with the same
+  /// config, it goes on to the same bits as this one.
+  [[nodiscard]] std::vector<std::uint8_t> save_state() const;
+  /// Throws InputError for bytes that are no state or of another resolution; the filter is then of
+  /// no more use. place: of the bytes, for errors.
+  void restore_state(std::span<const std::uint8_t> bytes, const std::string& place);
+
   [[nodiscard]] const CountingMap& counts() const { return counts_; }
   [[nodiscard]] std::size_t scans_in_window() const { return window_.size(); }
+  /// Stamp of the newest scan in the window; requires one.
+  [[nodiscard]] Stamp newest() const { return window_.back().scan.scan.stamp; }
 
  private:
   struct Entry {
     PosedScan scan;
     bool key = false;
+    template <class Self, class Archive>
+    static void state(Self& self, Archive& archive) {
+      archive(self.scan);
+      archive(self.key);
+    }
   };
   [[nodiscard]] double judging_reflection(const Cell& end) const;
 

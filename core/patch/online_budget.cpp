@@ -102,16 +102,18 @@ void OnlinePatchLearner::forget_scans(std::size_t bytes_to_free) {
 }
 
 std::size_t OnlinePatchLearner::scan_bytes_of(const PosedScan& scan) {
-  return sizeof(PosedScan) + sizeof(float) + scan.scan.ranges_m.capacity() * sizeof(float);
+  return sizeof(PosedScan) + sizeof(float) + scan.scan.ranges_m.size() * sizeof(float);
 }
 
 std::size_t OnlinePatchLearner::count_bytes() {
   std::size_t bytes = visits_.bytes() + scan_bytes_ + contradictory_.size();
-  bytes += (scans_.capacity() - scans_.size()) * sizeof(PosedScan);
+  // Sizes, not capacities: what is forgotten must not depend on how memory was asked for. The list
+  // of scans may have as much room again.
+  bytes += scans_.size() * sizeof(PosedScan);
   status_.sequences = 0;
   for (const Track& track : tracks_) {
     const std::size_t area = track.region.rect.area();
-    bytes += track.region.cells.capacity() * sizeof(Cell);
+    bytes += track.region.cells.size() * sizeof(Cell);
     bytes += track.kept.size() * (sizeof(Kept) + area * sizeof(Evidence));
     bytes +=
         track.submap.configurations.size() * area * (sizeof(CellCounts) + sizeof(float)) + area;

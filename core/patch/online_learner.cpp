@@ -33,6 +33,7 @@ OnlinePatchLearner::OnlinePatchLearner(const PatchLearnerConfig& config, const O
 bool OnlinePatchLearner::add(PosedScan scan) {
   if (!is_finite(scan.map_from_robot)) return false;
   scan.static_probability = {};
+  scan.scan.ranges_m.shrink_to_fit();
   const auto index = static_cast<std::uint32_t>(status_.scans_seen++);
   const bool is_new_run = scans_.empty() || scan.run != last_run_;
   const Stamp now = scan.scan.stamp;
@@ -124,13 +125,17 @@ void OnlinePatchLearner::update_tracks() {
   std::vector<Track> fresh;
   for (const Region& region : regions) {
     const auto same = std::find_if(before.begin(), before.end(), [&](const Track& track) {
-      return track.region.rect == region.rect && track.region.cells == region.cells;
+      return track.region.rect == region.rect;
     });
-    if (same != before.end()) {
-      tracks_.push_back(*same);
-    } else {
+    if (same == before.end()) {
       fresh.push_back({region, SequenceBuilder(config_.sequences), {}, {}, true});
+      continue;
     }
+    // What was counted there holds, whichever of its cells are compared.
+    tracks_.push_back(*same);
+    if (same->region.cells == region.cells) continue;
+    tracks_.back().region = region;
+    tracks_.back().is_dirty = true;
   }
   for (Track& track : fresh) take_over(before, track);
   recall(fresh);

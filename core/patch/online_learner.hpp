@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -93,6 +94,16 @@ class OnlinePatchLearner {
   PatchMap finish();
 
   [[nodiscard]] const OnlineStatus& status() const { return status_; }
+  [[nodiscard]] const ReflectionGrid& base() const { return base_; }
+  /// Of the last scan added; 0 before the first.
+  [[nodiscard]] int last_run() const { return last_run_; }
+
+  /// Everything that it holds, as bytes: a new learner with the same settings that restores them
+  /// goes on bit for bit. O(bytes).
+  [[nodiscard]] std::vector<std::uint8_t> save_state() const;
+  /// To be called before anything is added. place: of the bytes, for errors. Throws InputError for
+  /// bytes that are damaged or of another version or resolution; the learner is of no use then.
+  void restore_state(std::span<const std::uint8_t> bytes, const std::string& place);
 
  private:
   /// What one sequence counted. Floats: half of the memory, and counts below 2^24 are exact.
@@ -114,6 +125,8 @@ class OnlinePatchLearner {
     bool is_dirty = false;
   };
 
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive);
   void follow_sequences(const PosedScan& scan, std::uint32_t index);
   void keep(Track& track, const Sequence& sequence) const;
   [[nodiscard]] bool check();

@@ -80,6 +80,15 @@ class SequenceBuilder {
   /// The sequence that is still open; empty when none is.
   [[nodiscard]] const Sequence& open() const { return open_; }
 
+  /// For core/base/state_archive.hpp.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.open_.scans);
+    archive(self.run_);
+    archive(self.first_);
+    archive(self.last_);
+  }
+
  private:
   [[nodiscard]] bool must_close(int run, Stamp stamp) const;
 

@@ -195,4 +195,13 @@ std::size_t VisitStore::bytes() const {
          recent_.size() * sizeof(std::pair<std::uint32_t, Stamp>);
 }
 
+bool VisitStore::is_sound() const {
+  const auto count = static_cast<std::int32_t>(nodes_.size());
+  const auto is_node = [count](std::int32_t i) { return i >= -1 && i < count; };
+  return most_ >= 2 && is_node(free_) &&
+         std::all_of(last_.values().begin(), last_.values().end(), is_node) &&
+         std::all_of(nodes_.begin(), nodes_.end(),
+                     [&](const Node& node) { return is_node(node.previous); });
+}
+
 }  // namespace strata::patch

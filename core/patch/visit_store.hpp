@@ -43,6 +43,22 @@ class VisitStore {
   [[nodiscard]] ReflectionGrid extended(const ReflectionGrid& known, double prior,
                                         double min_evidence) const;
 
+  /// For core/base/state_archive.hpp; settings are not part of it.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.most_);
+    archive(self.last_);
+    archive(self.nodes_);
+    archive(self.free_);
+    archive(self.touched_);
+    archive(self.recent_);
+    archive(self.run_);
+    archive(self.joins_from_);
+    if constexpr (!std::is_const_v<Self>) {
+      if (!self.is_sound()) archive.fail("has damaged visits");
+    }
+  }
+
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] int most() const { return most_; }
   /// Keeps at most so many visits of each cell from now on. O(cells and visits).
@@ -53,6 +69,8 @@ class VisitStore {
     Visit visit;
     std::int32_t previous = -1;  ///< of the same cell; of a free node the next free one
   };
+  /// Whether no index of a node leads out of the nodes.
+  [[nodiscard]] bool is_sound() const;
   Visit& current(const Cell& cell, std::uint32_t index);
   /// Down to most_ visits, the newest stays.
   void forget_surplus(std::int32_t last);

@@ -127,6 +127,15 @@ double PoseGraph::squared_error(std::size_t edge) const {
   return error.dot(e.information * error);
 }
 
+bool PoseGraph::is_sound() const {
+  const std::size_t count = poses_.size();
+  return fixed_.size() == count && enabled_.size() == edges_.size() &&
+         std::all_of(edges_.begin(), edges_.end(),
+                     [&](const Edge& edge) { return edge.from < count && edge.to < count; }) &&
+         std::all_of(priors_.begin(), priors_.end(),
+                     [&](const Prior& prior) { return prior.node < count; });
+}
+
 std::vector<bool> PoseGraph::held_nodes() const {
   std::vector<std::size_t> parent(size());
   std::iota(parent.begin(), parent.end(), std::size_t{0});

@@ -24,6 +24,15 @@ struct Edge {
   /// True: the measurement may be wrong as a whole (a loop closure); its pull fades with its
   /// error. False: Gaussian.
   bool robust = false;
+
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.from);
+    archive(self.to);
+    archive(self.from_from_to);
+    archive(self.information);
+    archive(self.robust);
+  }
 };
 
 /// What is known about one pose by itself.
@@ -32,6 +41,14 @@ struct Prior {
   Pose2 map_from_node;
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
   bool robust = false;
+
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.node);
+    archive(self.map_from_node);
+    archive(self.information);
+    archive(self.robust);
+  }
 };
 
 struct PoseGraphConfig {
@@ -80,6 +97,18 @@ class PoseGraph {
   /// Moves the poses to the least squared error; sparse Levenberg-Marquardt on one thread, so the
   /// result is the same everywhere. O(iterations x fill-in).
   PoseGraphResult optimize();
+
+  /// For saved states; the config is the constructor's.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.poses_);
+    archive(self.fixed_);
+    archive(self.edges_);
+    archive(self.enabled_);
+    archive(self.priors_);
+  }
+  /// Whether every edge and prior is of poses that are there; else a state was damaged.
+  [[nodiscard]] bool is_sound() const;
 
  private:
   [[nodiscard]] std::vector<bool> held_nodes() const;

@@ -29,6 +29,7 @@ enum class StreamId : std::uint32_t {
   kSimulatorOdometry = 10,
   kBootstrap = 11,
   kTopology = 12,
+  kRoughening = 13,
 };
 
 /// One stream of random numbers. Cheap to make (no state table), cheap to copy.

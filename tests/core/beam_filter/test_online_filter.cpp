@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -54,6 +56,26 @@ TEST(OnlineFilter, LabelsAnUnknownHallStaticAndWhoComesLaterDynamic) {
   for (std::size_t n = 0; n < kBeams; ++n) {
     EXPECT_EQ(labels[n] < 0.5F, hits_person(scan, n)) << n;
   }
+}
+
+TEST(OnlineFilter, StoppedAndRestoredItLabelsAsIfItHadNeverStopped) {
+  const WindowConfig window{.scans = 25};
+  OnlineFilter whole({}, window);
+  OnlineFilter stopped({}, window);
+  for (int t = 0; t < 120; ++t) {
+    const PosedScan scan = from_the_middle(t, 0.02 * (t % 60), t % 40 > 20);
+    ASSERT_EQ(stopped.add(scan), whole.add(scan)) << t;
+    if (t % 17 != 0) continue;
+    const std::vector<std::uint8_t> state = stopped.save_state();
+    stopped = OnlineFilter({}, window);
+    stopped.restore_state(state, "state");
+    EXPECT_THROW(OnlineFilter().restore_state(std::span(state).first(state.size() - 1), "state"),
+                 InputError);
+    BeamFilterConfig coarse;
+    coarse.resolution_m = 0.1;
+    EXPECT_THROW(OnlineFilter(coarse).restore_state(state, "state"), InputError);
+  }
+  EXPECT_EQ(stopped.scans_in_window(), 25U);
 }
 
 TEST(OnlineFilter, ForgetsWhoStoodBeforeAStandingRobotWithTheWindow) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include <gtest/gtest.h>
 
@@ -220,6 +221,71 @@ TEST(OnlinePatchLearner, ResultIsTheSameOnOneTwoAndEightThreads) {
       }
     }
   }
+}
+
+TEST(OnlinePatchLearner, GoesOnBitForBitFromItsSavedState) {
+  const auto scans = working_day(now_and_then(10, 8), 0.02, 0.3 * kDegree, 8);
+  const ReflectionGrid base = map_of(scans);
+  for (const double memory_mb : {256.0, 4.0}) {  // with all that was seen, and after forgetting
+    OnlineConfig config;
+    config.memory_mb = memory_mb;
+    OnlinePatchLearner whole({}, config, base);
+    auto stopped = std::make_unique<OnlinePatchLearner>(PatchLearnerConfig{}, config, base);
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      if (i % (scans.size() / 7) == 100) {  // within sequences as well as between them
+        const auto bytes = stopped->save_state();
+        stopped = std::make_unique<OnlinePatchLearner>(PatchLearnerConfig{}, config,
+                                                       make_reflection_grid(kResolution, {}));
+        stopped->restore_state(bytes, "state");
+      }
+      ASSERT_EQ(stopped->add(scans[i]), whole.add(scans[i])) << "scan " << i;
+    }
+    EXPECT_EQ(stopped->status().bytes, whole.status().bytes);
+    EXPECT_EQ(stopped->status().pooled_sequences, whole.status().pooled_sequences);
+    EXPECT_EQ(whole.status().scans < scans.size(), memory_mb < 10.0);
+    const PatchMap expected = whole.finish();
+    const PatchMap map = stopped->finish();
+    ASSERT_FALSE(expected.submaps.empty());
+    ASSERT_EQ(map.submaps.size(), expected.submaps.size());
+    EXPECT_TRUE(same_bits(map.base, expected.base));
+    for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+      EXPECT_EQ(map.submaps[s].sequences.size(), expected.submaps[s].sequences.size());
+      ASSERT_EQ(map.submaps[s].configurations.size(), expected.submaps[s].configurations.size());
+      for (std::size_t k = 0; k < map.submaps[s].configurations.size(); ++k) {
+        EXPECT_TRUE(same_bits(map.submaps[s].configurations[k].reflection,
+                              expected.submaps[s].configurations[k].reflection));
+      }
+    }
+  }
+}
+
+TEST(OnlinePatchLearner, RefusesAStateThatIsCutOrDamagedOrOfAnotherResolution) {
+  const auto scans = working_day(now_and_then(5, 4), 0.01, 0.1 * kDegree, 4);
+  const ReflectionGrid base = map_of(scans);
+  OnlinePatchLearner learner({}, {}, base);
+  for (const PosedScan& scan : scans) learner.add(scan);
+  const std::vector<std::uint8_t> bytes = learner.save_state();
+  const auto restores = [&](std::span<const std::uint8_t> state, double resolution_m) {
+    OnlinePatchLearner other({}, {}, make_reflection_grid(resolution_m, {}));
+    try {
+      other.restore_state(state, "state");
+    } catch (const InputError&) {
+      return false;
+    }
+    (void)other.finish();  // whatever passes must not lead out of memory
+    return true;
+  };
+  EXPECT_TRUE(restores(bytes, kResolution));
+  EXPECT_FALSE(restores(bytes, 0.1));
+  RandomStream random(1, StreamId::kTest, 0);
+  for (int i = 0; i < 50; ++i) {
+    const auto length =
+        static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(bytes.size())));
+    EXPECT_FALSE(restores(std::span(bytes).first(length), kResolution)) << length;
+  }
+  std::vector<std::uint8_t> longer = bytes;
+  longer.push_back(0);
+  EXPECT_FALSE(restores(longer, kResolution));
 }
 
 TEST(OnlinePatchLearner, UnusableScansAndBadSettingsAreHarmlessOrRefused) {

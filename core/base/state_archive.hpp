@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Objects as bytes and back, for what a process goes on with after it was stopped: the same
+/// version on the same kind of machine. Not a format for exchange.
+///
+/// A class with more than plain values lists them once, for both directions:
+///
+///     template <class Self, class Archive>
+///     static void state(Self& self, Archive& archive) { archive(self.a_); archive(self.b_); }
+///
+/// or has a function state_of(object, archive) beside it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.hpp"
+
+namespace strata {
+
+template <typename T, typename Archive>
+void state_of(T& value, Archive& archive) {
+  std::remove_const_t<T>::state(value, archive);
+}
+
+/// Appends values to bytes.
+class StateWriter {
+ public:
+  template <typename T>
+  void operator()(const T& value) {
+    if constexpr (std::is_trivially_copyable_v<T>) {
+      append(&value, sizeof value);
+    } else {
+      state_of(value, *this);
+    }
+  }
+  template <typename T>
+  void operator()(const std::vector<T>& values) {
+    (*this)(static_cast<std::uint64_t>(values.size()));
+    if constexpr (std::is_trivially_copyable_v<T>) {
+      append(values.data(), values.size() * sizeof(T));
+    } else {
+      for (const T& value : values) (*this)(value);
+    }
+  }
+  void operator()(const std::vector<bool>& values) {
+    (*this)(std::vector<std::uint8_t>(values.begin(), values.end()));
+  }
+  template <typename T>
+  void operator()(const std::deque<T>& values) {
+    (*this)(static_cast<std::uint64_t>(values.size()));
+    for (const T& value : values) (*this)(value);
+  }
+  template <typename A, typename B>
+  void operator()(const std::pair<A, B>& value) {
+    (*this)(value.first);
+    (*this)(value.second);
+  }
+  template <typename T>
+  void operator()(const std::optional<T>& value) {
+    (*this)(value.has_value());
+    if (value) (*this)(*value);
+  }
+
+  [[nodiscard]] std::vector<std::uint8_t> take() { return std::move(bytes_); }
+
+ private:
+  void append(const void* data, std::size_t size) {
+    if (size == 0) return;
+    const auto* begin = static_cast<const std::uint8_t*>(data);
+    bytes_.insert(bytes_.end(), begin, begin + size);
+  }
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// Reads them in the same order. Throws InputError where the bytes end too early; no length that
+/// they claim takes more memory than there are bytes.
+class StateReader {
+ public:
+  /// place: of the bytes, for errors.
+  StateReader(std::span<const std::uint8_t> bytes, std::string place)
+      : bytes_(bytes), place_(std::move(place)) {}
+
+  template <typename T>
+  void operator()(T& value) {
+    if constexpr (std::is_trivially_copyable_v<T>) {
+      copy(&value, sizeof value);
+    } else {
+      state_of(value, *this);
+    }
+  }
+  template <typename T>
+  void operator()(std::vector<T>& values) {
+    values.resize(length(std::is_trivially_copyable_v<T> ? sizeof(T) : 1));
+    if constexpr (std::is_trivially_copyable_v<T>) {
+      copy(values.data(), values.size() * sizeof(T));
+    } else {
+      for (T& value : values) (*this)(value);
+    }
+  }
+  void operator()(std::vector<bool>& values) {
+    std::vector<std::uint8_t> bytes;
+    (*this)(bytes);
+    values.assign(bytes.begin(), bytes.end());
+  }
+  template <typename T>
+  void operator()(std::deque<T>& values) {
+    values.resize(length(1));
+    for (T& value : values) (*this)(value);
+  }
+  template <typename A, typename B>
+  void operator()(std::pair<A, B>& value) {
+    (*this)(value.first);
+    (*this)(value.second);
+  }
+  template <typename T>
+  void operator()(std::optional<T>& value) {
+    bool has_value = false;
+    (*this)(has_value);
+    value.reset();
+    if (has_value) (*this)(value.emplace());
+  }
+  /// How many items follow, each of at least so many bytes.
+  [[nodiscard]] std::size_t length(std::size_t item_bytes) {
+    std::uint64_t count = 0;
+    (*this)(count);
+    if (count > bytes_.size() / item_bytes) fail("claims more than it holds");
+    return static_cast<std::size_t>(count);
+  }
+  /// Throws InputError unless everything was read.
+  void expect_end() const {
+    if (!bytes_.empty()) fail("goes on behind its end");
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError(place_, "the saved state " + what,
+                     "remove it to begin anew, or take it from a backup");
+  }
+
+ private:
+  void copy(void* data, std::size_t size) {
+    if (size > bytes_.size()) fail("ends too early");
+    if (size == 0) return;
+    std::memcpy(data, bytes_.data(), size);
+    bytes_ = bytes_.subspan(size);
+  }
+  std::span<const std::uint8_t> bytes_;
+  std::string place_;
+};
+
+}  // namespace strata

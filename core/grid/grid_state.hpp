@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Grids in saved states (core/base/state_archive.hpp).
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/base/state_archive.hpp"
+#include "core/grid/grid.hpp"
+
+namespace strata {
+
+template <typename T>
+void state_of(const Grid<T>& grid, StateWriter& archive) {
+  archive(grid.resolution_m());
+  archive(grid.rect());
+  archive(grid.fill());
+  archive(grid.values());
+}
+
+/// Throws InputError for values that do not fill the rectangle.
+template <typename T>
+void state_of(Grid<T>& grid, StateReader& archive) {
+  double resolution_m = 0.0;
+  CellRect rect;
+  T fill{};
+  std::vector<T> values;
+  archive(resolution_m);
+  archive(rect);
+  archive(fill);
+  archive(values);
+  // In 64 bits: damaged bounds may be anything.
+  const std::int64_t width = std::int64_t{rect.max.x} - rect.min.x;
+  const std::int64_t height = std::int64_t{rect.max.y} - rect.min.y;
+  const bool is_filled =
+      width >= 0 && height >= 0 && width < (std::int64_t{1} << 31) &&
+      height < (std::int64_t{1} << 31) &&
+      static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) == values.size();
+  if (!is_filled || !(resolution_m > 0.0 || values.empty())) {
+    archive.fail("has a damaged grid");
+  }
+  grid = Grid<T>(resolution_m, rect, fill);
+  grid.values() = std::move(values);
+}
+
+}  // namespace strata

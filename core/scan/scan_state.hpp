@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Scans in saved states (core/base/state_archive.hpp).
+#pragma once
+
+#include <type_traits>
+
+#include "core/base/state_archive.hpp"
+#include "core/scan/endpoints.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata {
+
+/// Of a Scan, a PosedScan or Endpoints, const or not.
+template <class Value, class Archive>
+requires std::is_same_v<std::remove_const_t<Value>, Scan>
+void state_of(Value& scan, Archive& archive) {
+  archive(scan.stamp);
+  for (auto* value : {&scan.angle_min_rad, &scan.angle_increment_rad, &scan.time_increment_s,
+                      &scan.scan_time_s, &scan.range_min_m, &scan.range_max_m}) {
+    archive(*value);
+  }
+  archive(scan.ranges_m);
+  archive(scan.robot_from_laser);
+}
+
+template <class Value, class Archive>
+requires std::is_same_v<std::remove_const_t<Value>, PosedScan>
+void state_of(Value& posed, Archive& archive) {
+  archive(posed.run);
+  archive(posed.map_from_robot);
+  archive(posed.static_probability);
+  archive(posed.scan);
+}
+
+template <class Value, class Archive>
+requires std::is_same_v<std::remove_const_t<Value>, Endpoints>
+void state_of(Value& points, Archive& archive) {
+  archive(points.x_m);
+  archive(points.y_m);
+  archive(points.beam);
+}
+
+}  // namespace strata
