@@ -58,16 +58,10 @@ bool joined(const Endpoints& endpoints, std::size_t i) {
   return i + 1 < endpoints.size() && endpoints.beam[i + 1] == endpoints.beam[i] + 1;
 }
 
-/// A wall seen at a grazing angle leaves its hits far apart, but on one line: the hit with its two
-/// neighbours. Where the next beam returned nothing, the two on the other side tell. Nothing where
-/// the hits are on no line.
-std::optional<NormalScatter> grazed_wall(const Endpoints& endpoints, std::size_t point) {
+/// The normal of the line through three hits of neighbouring beams, the middle one i; nothing where
+/// they are on no line.
+std::optional<NormalScatter> line_through(const Endpoints& endpoints, std::size_t i) {
   constexpr double kMostSag = 0.1;  // of the shorter spacing, and in metres
-  const bool has_before = point > 0 && joined(endpoints, point - 1);
-  const bool has_after = joined(endpoints, point);
-  std::size_t i = point;  // the middle one of three
-  if (!has_after && has_before) i = point - 1;
-  if (!has_before && has_after) i = point + 1;
   if (i == 0 || !joined(endpoints, i - 1) || !joined(endpoints, i)) return std::nullopt;
   const double ax = endpoints.x_m[i] - endpoints.x_m[i - 1];
   const double ay = endpoints.y_m[i] - endpoints.y_m[i - 1];
@@ -81,6 +75,16 @@ std::optional<NormalScatter> grazed_wall(const Endpoints& endpoints, std::size_t
   const double ny = (ax + bx) / length;
   return NormalScatter{static_cast<float>(nx * nx), static_cast<float>(nx * ny),
                        static_cast<float>(ny * ny)};
+}
+
+/// A wall seen at a grazing angle leaves its hits far apart, but on one line: the hit with its two
+/// neighbours or, where the wall ends or somebody stands before it, with the two on one side.
+std::optional<NormalScatter> grazed_wall(const Endpoints& endpoints, std::size_t point) {
+  if (const auto middle = line_through(endpoints, point)) return middle;
+  if (point > 0) {
+    if (const auto before = line_through(endpoints, point - 1)) return before;
+  }
+  return line_through(endpoints, point + 1);
 }
 
 /// SweepSurface::slack_m on one side (-1 or +1) of a hit.

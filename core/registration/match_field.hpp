@@ -17,8 +17,9 @@
 
 namespace strata::registration {
 
-/// One occupied cell: where the beams hit it and which way its surface runs.
-struct SurfacePoint {
+/// One occupied cell: where the beams hit it and which way its surface runs. A look-up touches one
+/// line of the cache.
+struct alignas(64) SurfacePoint {
   double x_m = 0.0;
   double y_m = 0.0;
   double normal_x = 1.0;  ///< unit normal of the surface, either sign
@@ -69,6 +70,8 @@ class MatchField {
   [[nodiscard]] double resolution_m() const { return nearest_.resolution_m(); }
   [[nodiscard]] const MatchFieldConfig& config() const { return config_; }
   [[nodiscard]] const std::vector<SurfacePoint>& points() const { return points_; }
+  /// Index into points() by cell, -1: none within the radius.
+  [[nodiscard]] const Grid<std::int32_t>& nearest_points() const { return nearest_; }
 
   /// Makes room for points up to these corners at once, where many are to come: growing point by
   /// point copies the field again and again. O(area).
@@ -91,6 +94,14 @@ class MatchField {
     if (index < 0) return nullptr;
     const SurfacePoint& point = points_[static_cast<std::size_t>(index)];
     return point.occupied ? &point : nullptr;
+  }
+
+  /// For saved states; the config is the constructor's.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.points_);
+    archive(self.nearest_);
+    archive(self.squared_m2_);
   }
 
  private:

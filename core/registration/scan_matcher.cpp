@@ -10,6 +10,7 @@
 
 #include "core/geometry/angle.hpp"
 #include "core/registration/ceres_solver.hpp"
+#include "core/registration/match_kernel.hpp"
 
 namespace strata::registration {
 namespace {
@@ -18,10 +19,10 @@ Eigen::Vector3d difference_from(const Pose2& pose, const Pose2& mean) {
   return {pose.x - mean.x, pose.y - mean.y, angle_difference(pose.theta, mean.theta)};
 }
 
-/// The beams with weight, ready for the inner loop.
+/// One scan against one map.
 struct Problem {
-  const Endpoints& endpoints;
-  std::span<const float> beam_weights;
+  MatchBeams beams;
+  std::size_t hits;
   const MatchField& field;
   bool has_prior = false;
   Pose2 prior_mean;
@@ -31,79 +32,17 @@ struct Problem {
 
 template <bool kDerivatives>
 MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_m) {
+  const MatchSums sums =
+      sum_match(problem.beams, problem.field, pose, hit_stddev_m, problem.hit_weight, kDerivatives);
   MatchCost result;
-  const double c = std::cos(pose.theta);
-  const double s = std::sin(pose.theta);
-  const double inverse_variance = 1.0 / (hit_stddev_m * hit_stddev_m);
-  const double random_weight = 1.0 - problem.hit_weight;
-  const double far_cost = -std::log(random_weight);
-  double weight_sum = 0.0;
-  double explained = 0.0;
-  // One logarithm for several beams of weight 1: their mixtures multiply to at least w_r^8.
-  constexpr int kBatch = 8;
-  double product = 1.0;
-  int in_product = 0;
-  double h00 = 0.0, h01 = 0.0, h02 = 0.0, h11 = 0.0, h12 = 0.0, h22 = 0.0;
-  double g0 = 0.0, g1 = 0.0, g2 = 0.0;
-  for (std::size_t i = 0; i < problem.endpoints.size(); ++i) {
-    const double e = problem.beam_weights.empty()
-                         ? 1.0
-                         : static_cast<double>(problem.beam_weights[problem.endpoints.beam[i]]);
-    weight_sum += e;
-    const double rx = c * problem.endpoints.x_m[i] - s * problem.endpoints.y_m[i];
-    const double ry = s * problem.endpoints.x_m[i] + c * problem.endpoints.y_m[i];
-    const double x = pose.x + rx;
-    const double y = pose.y + ry;
-    const SurfacePoint* surface = problem.field.nearest(x, y);
-    if (surface == nullptr) {
-      result.cost += e * far_cost;
-      continue;
-    }
-    const double nx = surface->normal_x;
-    const double ny = surface->normal_y;
-    const double lambda = surface->tangential;
-    const double dx = x - surface->x_m;
-    const double dy = y - surface->y_m;
-    const double across = nx * dx + ny * dy;
-    const double along = beyond(nx * dy - ny * dx, surface->slack_m);
-    const double kernel =
-        std::exp(-0.5 * inverse_variance * (across * across + lambda * along * along));
-    const double hit = problem.hit_weight * kernel;
-    const double sum = hit + random_weight;
-    if (e == 1.0) {
-      product *= sum;
-      if (++in_product == kBatch) {
-        result.cost -= std::log(product);
-        product = 1.0;
-        in_product = 0;
-      }
-    } else {
-      result.cost -= e * std::log(sum);
-    }
-    explained += e * kernel;
-    if constexpr (kDerivatives) {
-      const double w = e * inverse_variance * hit / sum;
-      const double wl = along == 0.0 ? 0.0 : w * lambda;
-      const double across_theta = ny * rx - nx * ry;
-      const double along_theta = nx * rx + ny * ry;
-      h00 += w * nx * nx + wl * ny * ny;
-      h01 += (w - wl) * nx * ny;
-      h11 += w * ny * ny + wl * nx * nx;
-      h02 += w * nx * across_theta - wl * ny * along_theta;
-      h12 += w * ny * across_theta + wl * nx * along_theta;
-      h22 += w * across_theta * across_theta + wl * along_theta * along_theta;
-      g0 += w * nx * across - wl * ny * along;
-      g1 += w * ny * across + wl * nx * along;
-      g2 += w * across_theta * across + wl * along_theta * along;
-    }
-  }
-  result.cost -= std::log(product);
-  result.explained = weight_sum > 0.0 ? explained / weight_sum : 0.0;
-  if constexpr (kDerivatives) {
-    result.gradient = {g0, g1, g2};
-    result.hessian << h00, h01, h02, h01, h11, h12, h02, h12, h22;
-  }
+  result.cost = -sums.log_mixture;
   result.scan_cost = result.cost;
+  result.explained = sums.weight > 0.0 ? sums.explained / sums.weight : 0.0;
+  if constexpr (kDerivatives) {
+    const double* h = sums.hessian;
+    result.gradient = {sums.gradient[0], sums.gradient[1], sums.gradient[2]};
+    result.hessian << h[0], h[1], h[3], h[1], h[2], h[4], h[3], h[4], h[5];
+  }
   if (problem.has_prior) {
     const Eigen::Vector3d d = difference_from(pose, problem.prior_mean);
     const Eigen::Vector3d pull = problem.prior_information * d;
@@ -154,7 +93,13 @@ LevelResult minimize_directly(const Problem& problem, const Pose2& start, double
 
 Problem make_problem(const Endpoints& endpoints, std::span<const float> beam_weights,
                      const MatchField& field, const Pose2Gaussian* prior, double hit_weight) {
-  Problem problem{endpoints, beam_weights, field, false, {}, Eigen::Matrix3d::Zero(), hit_weight};
+  Problem problem{MatchBeams(endpoints, beam_weights),
+                  endpoints.size(),
+                  field,
+                  false,
+                  {},
+                  Eigen::Matrix3d::Zero(),
+                  hit_weight};
   if (prior != nullptr) {
     problem.has_prior = true;
     problem.prior_mean = prior->mean;
@@ -195,8 +140,7 @@ Eigen::Matrix3d scan_information(const Problem& problem, const Pose2& pose, cons
 /// Covariance from the curvature, with correlated beams counted as few (`effective_beams`).
 Eigen::Matrix3d covariance_of(const Problem& problem, const Pose2& pose, const MatchCost& at,
                               const MatchConfig& config) {
-  const double share =
-      std::min(1.0, config.effective_beams / static_cast<double>(problem.endpoints.size()));
+  const double share = std::min(1.0, config.effective_beams / static_cast<double>(problem.hits));
   Eigen::Matrix3d information = scan_information(problem, pose, at, config) * share;
   information += problem.prior_information;
   // A direction that nothing measures is uncertain by kilometres, not by infinity.

@@ -43,6 +43,25 @@ class LogChecks {
   /// One sentence for each thing that a user should know; empty for a healthy log.
   [[nodiscard]] std::vector<std::string> warnings() const;
 
+  /// For saved states.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    for (auto& count : self.skips_) archive(count);
+    for (auto* seen : {&self.gaps_, &self.jumps_, &self.stuck_, &self.ambiguous_, &self.unmatched_,
+                       &self.empty_, &self.reversed_}) {
+      archive(*seen);
+    }
+    archive(self.scans_);
+    archive(self.run_begin_);
+    archive(self.last_);
+    archive(self.longest_gap_s_);
+    archive(self.last_ranges_);
+    for (auto* sum :
+         {&self.forward_match_, &self.forward_odometry_, &self.turn_match_, &self.turn_odometry_}) {
+      archive(*sum);
+    }
+  }
+
  private:
   struct Seen {
     std::size_t count = 0;

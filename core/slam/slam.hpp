@@ -3,7 +3,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +16,7 @@
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/scan/scan.hpp"
+#include "core/slam/keep_config.hpp"
 #include "core/slam/slam_config.hpp"
 
 namespace strata::slam {
@@ -35,7 +39,8 @@ struct SlamConfig {
 };
 
 struct SlamResult {
-  std::vector<PosedScan> scans;        ///< every scan that was not skipped, in the order of `add`
+  /// Every scan that was not skipped, nor forgotten (KeepConfig), in the order of `add`.
+  std::vector<PosedScan> scans;
   CountingMap raw;                     ///< counts of all beams
   ReflectionGrid occupancy;            ///< reflection of all beams
   ReflectionGrid filtered;             ///< reflection of the beams held to be static
@@ -55,8 +60,9 @@ struct SlamResult {
 /// for any number of threads.
 class Slam {
  public:
-  /// Throws ConfigError. threads: for the work inside; 0: one per core.
-  explicit Slam(const SlamConfig& config, int threads = 1);
+  /// Throws ConfigError. threads: for the work inside; 0: one per core. keep: by default
+  /// everything, in memory linear in scans.
+  explicit Slam(const SlamConfig& config, int threads = 1, const KeepConfig& keep = {});
   ~Slam();
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
@@ -73,10 +79,34 @@ class Slam {
   /// estimated anew.
   void add_placed(const PosedScan& posed);
 
-  /// Ends the last run and makes the maps. Call once. Throws Cancelled.
+  /// Ends the last run and makes the maps, of the scans that were kept. Once some were forgotten
+  /// the rest is not tracked again, whatever em.track_again says. Call once. Throws Cancelled.
   [[nodiscard]] SlamResult finish(Progress* progress = nullptr);
 
+  /// The run that comes next begins there, unless it comes with poses: it is not looked for in the
+  /// map as a whole, but tied to what it sees near there.
+  void begin_next_run_at(const Pose2Gaussian& map_from_robot);
+
+  /// What a process goes on with after it was stopped: restored into a new object with the same
+  /// config, it adds and finishes to the same bits as this one. Not after finish. O(what is kept).
+  [[nodiscard]] std::vector<std::uint8_t> save_state() const;
+  /// Throws InputError for bytes that are no state or of another resolution; the object is then of
+  /// no more use. place: of the bytes, for errors.
+  void restore_state(std::span<const std::uint8_t> bytes, const std::string& place);
+  /// The newest scan: its run, stamp, odometry and pose as known now.
+  struct Newest {
+    int run = 0;
+    Stamp stamp;
+    std::optional<Pose2> odom_from_robot;
+    Pose2 map_from_robot;
+  };
+  /// Nothing before the first scan.
+  [[nodiscard]] std::optional<Newest> newest() const;
+
   [[nodiscard]] std::size_t skipped_scans() const;
+  /// What is kept now.
+  [[nodiscard]] std::size_t kept_scans() const;
+  [[nodiscard]] std::size_t kept_submaps() const;
 
  private:
   struct State;

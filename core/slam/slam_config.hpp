@@ -17,6 +17,7 @@ struct TrackingConfig {
   double key_distance_m = 0.1;
   double key_turn_rad = 0.0873;
   int submap_keys = 40;
+  double submap_length_m = 10.0;
   double max_range_m = 30.0;
   int max_beams = 180;
   double good_match = 0.8;
@@ -35,6 +36,8 @@ struct TrackingConfig {
     v.field("submap_keys", c.submap_keys,
             {.doc = "map scans between the beginnings of two sub-maps; each holds twice as many",
              .min = 4});
+    v.field("submap_length_m", c.submap_length_m,
+            {.doc = "... or so much path, where map scans lie far apart", .unit = "m", .min = 1.0});
     v.field("max_range_m", c.max_range_m,
             {.doc = "longer beams take no part in matching", .unit = "m", .min = 1.0});
     v.field("max_beams", c.max_beams,

@@ -26,6 +26,18 @@ struct Submap {
   std::vector<registration::SurfacePoint> points;
   StateGrid states;
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  ///< mean of the points
+
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.run);
+    archive(self.first_scan);
+    archive(self.last_scan);
+    archive(self.run_from_submap);
+    archive(self.from_previous);
+    archive(self.points);
+    archive(self.states);
+    archive(self.center_m);
+  }
 };
 
 /// Freezes a surface map (in the run's frame) into a sub-map.

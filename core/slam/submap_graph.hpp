@@ -10,6 +10,7 @@
 #include "core/base/parallel.hpp"
 #include "core/base/progress.hpp"
 #include "core/pose_graph/pose_graph.hpp"
+#include "core/slam/keep_config.hpp"
 #include "core/slam/slam_config.hpp"
 #include "core/slam/submap.hpp"
 #include "core/slam/submap_agreement.hpp"
@@ -34,6 +35,12 @@ class SubmapGraph {
   /// Tells that the run is complete: one that is not located yet is searched for as a whole.
   void end_run();
 
+  /// Takes out the sub-maps of scans before that one which later ones have made superfluous
+  /// (KeepConfig); what they said of those that stay is passed on. Returns their indices,
+  /// ascending; those above move down. O(cells / 211 x sub-maps) for each sub-map that may overlap
+  /// the newest one.
+  std::vector<std::size_t> forget(const KeepConfig& keep, std::size_t before_scan);
+
   /// Lays every pair of overlapping sub-maps on each other anew from the present poses, replaces
   /// all closures by the outcome, and optimizes [lu1997globally]; `rounds` times.
   void tighten(int rounds, Progress* progress);
@@ -48,6 +55,19 @@ class SubmapGraph {
   [[nodiscard]] std::size_t closures() const;
   /// Whether the sub-map is tied to the first run (or to given poses).
   [[nodiscard]] bool located(std::size_t index) const { return located_[index]; }
+
+  /// For saved states; everything but what can be made again is the constructor's.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.submaps_);
+    archive(self.clouds_);
+    archive(self.given_);
+    archive(self.located_);
+    archive(self.chain_);
+    archive(self.graph_);
+  }
+  /// Whether all of it fits together; else a state was damaged.
+  [[nodiscard]] bool is_sound() const;
 
  private:
   struct Searchable;
@@ -65,6 +85,18 @@ class SubmapGraph {
   [[nodiscard]] std::optional<Closure> refine(const registration::MatchField& field, std::size_t a,
                                               std::size_t b, const Pose2& guess) const;
   void add_closure(const Closure& closure);
+  /// A measurement between two sub-maps; lasting: `tighten` does not replace it.
+  struct Tie {
+    pose_graph::Edge edge;
+    bool lasting = false;
+  };
+  [[nodiscard]] std::vector<Tie> ties() const;
+  static void bridge(std::vector<Tie>& ties, std::size_t node);
+  [[nodiscard]] bool is_superfluous(std::size_t index, const KeepConfig& keep) const;
+  [[nodiscard]] bool same_frame(std::size_t a, std::size_t b) const {
+    return located_[a] == located_[b] && (located_[a] || submaps_[a].run == submaps_[b].run);
+  }
+  void remove(const std::vector<std::size_t>& gone);
   void search_closures(std::size_t index);
   void locate_run(std::size_t last);
   std::size_t tie_run(std::size_t first, std::size_t last);
@@ -80,7 +112,7 @@ class SubmapGraph {
   std::vector<Endpoints> clouds_;
   std::vector<std::optional<Pose2Gaussian>> given_;
   std::vector<bool> located_;
-  std::vector<pose_graph::Edge> chain_;
+  std::vector<pose_graph::Edge> chain_;  // what `tighten` does not replace
   pose_graph::PoseGraph graph_;
   std::vector<std::pair<std::size_t, std::shared_ptr<const Searchable>>> cache_;
 };

@@ -34,12 +34,28 @@ class SurfaceMap {
 
   [[nodiscard]] const registration::MatchField& field() const { return field_; }
   [[nodiscard]] SurfaceState state(const Eigen::Vector2d& point_m) const;
+  /// Share of the beams that reached the point's cell which ended there; 0 where none did.
+  [[nodiscard]] double reflection(double x_m, double y_m) const {
+    const Cell cell{cell_coordinate(x_m, cells_.resolution_m()),
+                    cell_coordinate(y_m, cells_.resolution_m())};
+    if (!cells_.contains(cell)) return 0.0;
+    const CellData& data = cells_.at(cell);
+    return data.hits > 0.0F ? static_cast<double>(data.hits / (data.hits + data.misses)) : 0.0;
+  }
   /// Occupied somewhere in the 3 x 3 cells about the point.
   [[nodiscard]] bool occupied_near(const Eigen::Vector2d& point_m) const;
   /// The rectangle of cells touched so far.
   [[nodiscard]] const CellRect& touched() const { return touched_; }
   /// Gives the counts back and keeps only the field.
   void forget_counts() { cells_ = Grid<CellData>(cells_.resolution_m(), CellRect{}); }
+
+  /// For saved states; resolution and config are the constructor's.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.cells_);
+    archive(self.field_);
+    archive(self.touched_);
+  }
 
  private:
   struct CellData {

@@ -8,15 +8,15 @@
 #include <Eigen/LU>
 
 #include "core/geometry/angle.hpp"
-#include "core/registration/correlative_search.hpp"
-#include "core/registration/scan_matcher.hpp"
+#include "core/slam/tracker_parts.hpp"
 
 namespace strata::slam {
 namespace {
 
-/// Without odometry a robot may do this between two scans; metres and radians.
-constexpr double kBlindStddevM = 0.3;
-constexpr double kBlindStddevRad = 0.3;
+/// By so many scans stamps are judged regular or not.
+constexpr std::size_t kRecentScans = 9;
+/// So many scans in a row that match nothing are a new place; fewer were garbled.
+constexpr int kMostLost = 10;
 
 /// How odometry drifts over many steps; its errors from step to step (OdometryNoiseConfig) are
 /// allowed to be larger, since each match corrects them.
@@ -41,21 +41,8 @@ bool is_possible(const Pose2& step, double time_s) {
 constexpr double kLeastDoubt = 0.2;
 constexpr double kDoubtDecay = 0.9;
 
-/// odometry_step with the standard deviation of its position times `doubt`.
-Pose2Gaussian doubted_step(const Pose2& step, const OdometryNoiseConfig& noise, double doubt) {
-  Pose2Gaussian result = odometry_step(step, step.translation().norm(), noise);
-  result.covariance.topLeftCorner<2, 2>() *= doubt * doubt;
-  return result;
-}
-
-/// From here on the scan alone leaves its position open in some direction.
-constexpr double kAmbiguousStddevM = 0.3;
-
-bool is_ambiguous(const Eigen::Matrix3d& information) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(information.topLeftCorner<2, 2>(),
-                                                            Eigen::EigenvaluesOnly);
-  return axes.eigenvalues()(0) < 1.0 / (kAmbiguousStddevM * kAmbiguousStddevM);
-}
+/// However far they lie apart, from fewer scans a sub-map is too thin to be matched against.
+constexpr int kLeastKeys = 4;
 
 /// Covariance after a measurement of that information; the information may be singular.
 Eigen::Matrix3d shrunk(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& information) {
@@ -70,15 +57,6 @@ Pose2Gaussian fused(const Pose2Gaussian& a, const Pose2Gaussian& b) {
   const Eigen::Vector3d moved = gain * difference;
   return {{a.mean.x + moved.x(), a.mean.y + moved.y(), wrap_angle(a.mean.theta + moved.z())},
           (Eigen::Matrix3d::Identity() - gain) * a.covariance};
-}
-
-/// A covariance of (x, y, theta) in axes turned by `turn`.
-Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Pose2& turn) {
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  const double c = std::cos(turn.theta);
-  const double s = std::sin(turn.theta);
-  axes.topLeftCorner<2, 2>() << c, -s, s, c;
-  return axes * covariance * axes.transpose();
 }
 
 /// Those within reach that are not known to be dynamic.
@@ -109,66 +87,10 @@ Tracker::Tracker(const TrackingConfig& config, double resolution_m, int run, con
   last_pose_ = start;
 }
 
-Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* odom_from_robot) const {
-  const Pose2Gaussian known{pose_.mean, Eigen::Matrix3d::Zero()};
-  if (odom_from_robot != nullptr && last_odom_) {
-    return known * doubted_step(between(*last_odom_, *odom_from_robot), config_.odometry, doubt_);
-  }
-  if (!started_) return pose_;
-  const double step_s = (scan.stamp - last_stamp_).seconds();
-  const double scale = last_step_s_ > 0.0 ? std::min(3.0, step_s / last_step_s_) : 0.0;
-  const Pose2 last_step = between(last_pose_, pose_.mean);
-  Pose2Gaussian step{{scale * last_step.x, scale * last_step.y, scale * last_step.theta},
-                     Eigen::Matrix3d::Zero()};
-  step.covariance.diagonal() << kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
-      kBlindStddevRad * kBlindStddevRad;
-  return known * step;
-}
-
-std::vector<Pose2> Tracker::other_guesses(const Pose2Gaussian& guess) const {
-  // Odometry may be wrong as a whole: wheels that spin, a base that reports driving backwards as
-  // driving forwards.
-  const Pose2 step = between(pose_.mean, guess.mean);
-  const Pose2 turned{0.0, 0.0, step.theta};
-  const Pose2 reversed{-step.x, -step.y, step.theta};
-  return {pose_.mean * between(last_pose_, pose_.mean), pose_.mean * turned, pose_.mean * reversed};
-}
-
-bool Tracker::locate(const Endpoints& endpoints, const Pose2Gaussian& guess, Pose2Gaussian& found,
-                     Eigen::Matrix3d& information) const {
-  constexpr double kMargin = 0.02;  // by how much another start must explain more
-  if (endpoints.size() == 0) return false;
-  const registration::MatchField& field = active_.front().map.field();
-  registration::MatchResult result =
-      registration::match(endpoints, {}, field, guess.mean, &guess, config_.match);
-  // Away from the odometry only the scan decides.
-  Pose2Gaussian wide{guess.mean, Eigen::Matrix3d::Zero()};
-  wide.covariance.diagonal() << kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
-      kBlindStddevRad * kBlindStddevRad;
-  const Pose2Gaussian* prior = &guess;
-  auto try_from = [&](const Pose2& start, const Pose2& believed) {
-    wide.mean = believed;
-    const registration::MatchResult other =
-        registration::match(endpoints, {}, field, start, &wide, config_.match);
-    if (!other.converged || other.explained <= result.explained + kMargin) return;
-    result = other;
-    prior = &wide;
-  };
-  if (result.explained < config_.good_match) {
-    for (const Pose2& start : other_guesses(guess)) try_from(start, start);
-  }
-  if (result.explained < config_.poor_match) {
-    const registration::CorrelativeTables tables(field, {});
-    const registration::SearchResult search = registration::search(
-        endpoints, tables, guess.mean,
-        {config_.search_window_m, config_.search_window_m, config_.search_turn_rad},
-        std::max(config_.match.min_explained, result.explained));
-    if (search.found) try_from(search.pose, guess.mean);
-  }
-  if (!result.converged) return false;
-  found = result.gaussian();
-  information = result.covariance.inverse() - prior->covariance.inverse();
-  return true;
+void Tracker::remember(Stamp stamp) {
+  if (lost_ > 0) recent_.clear();  // what it did since nobody knows
+  recent_.push_back({stamp, pose_.mean});
+  if (recent_.size() > kRecentScans) recent_.erase(recent_.begin());
 }
 
 void Tracker::grow_drift(const Pose2& step, const Pose2Gaussian* given) {
@@ -207,7 +129,8 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
         !is_possible(result.findings.odometry_step, (scan.stamp - last_stamp_).seconds());
     if (result.findings.odometry_jumped) believed = nullptr;
   }
-  result.findings.empty = count_beams(scan).hits == 0;
+  const std::size_t all_hits = count_beams(scan).hits;
+  result.findings.empty = all_hits == 0;
   Pose2Gaussian guess = predict(scan, believed);
   if (started_ && given != nullptr) guess = fused(guess, *given);
   result.run_from_robot = guess;
@@ -216,17 +139,30 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
     Eigen::Matrix3d information;
     const Endpoints endpoints =
         match_endpoints(scan, config_.max_range_m, config_.max_beams, static_probability);
-    result.matched = locate(endpoints, guess, result.run_from_robot, information);
+    const std::size_t most =
+        config_.max_beams > 0 ? static_cast<std::size_t>(config_.max_beams) : all_hits;
+    const std::size_t hits = std::min(all_hits, most);
+    // A given pose in the guess is no count of steps: its error along a corridor must not rule.
+    const GuessFrom from = given != nullptr      ? GuessFrom::kGivenPose
+                           : believed != nullptr ? GuessFrom::kOdometry
+                                                 : GuessFrom::kMotion;
+    result.matched = locate(endpoints, hits, guess, from, result.run_from_robot, information);
     if (result.matched) drift_ = shrunk(drift_, information);
     result.findings.matched = result.matched;
     result.findings.ambiguous = result.matched && is_ambiguous(information);
     result.findings.matched_step = between(pose_.mean, result.run_from_robot.mean);
     if (believed != nullptr) doubt_odometry(result.findings);
   }
+  // Without odometry where such a scan was taken is anybody's guess: it must not enter the map, nor
+  // may the way go on from there.
+  const bool blind = odom_from_robot == nullptr && given == nullptr;
+  lost_ = started_ && blind && !result.matched ? lost_ + 1 : 0;
+  if (lost_ > 0 && lost_ <= kMostLost) return result;
+  path_m_ += translation_distance(pose_.mean, result.run_from_robot.mean);
   last_pose_ = pose_.mean;
-  last_step_s_ = started_ ? (scan.stamp - last_stamp_).seconds() : 0.0;
   pose_ = result.run_from_robot;
   last_stamp_ = scan.stamp;
+  remember(scan.stamp);
   if (odom_from_robot != nullptr) last_odom_ = *odom_from_robot;
   const bool moved =
       !last_key_ || translation_distance(*last_key_, pose_.mean) >= config_.key_distance_m ||
@@ -240,15 +176,20 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   return result;
 }
 
+bool Tracker::is_complete(const Active& active) const {
+  if (active.keys >= config_.submap_keys) return true;
+  return active.keys >= kLeastKeys && path_m_ - active.from_m >= config_.submap_length_m;
+}
+
 void Tracker::insert(const Scan& scan, std::size_t scan_index,
                      std::span<const float> static_probability) {
   if (active_.empty()) {
-    active_.push_back({SurfaceMap(resolution_m_, config_.field), 0});
+    active_.push_back({SurfaceMap(resolution_m_, config_.field), 0, path_m_});
     owned_from_ = *first_scan_;  // with those that hit nothing yet
     owned_pose_ = pose_.mean;
     drift_.setZero();
   }
-  if (active_.back().keys >= config_.submap_keys) {
+  if (is_complete(active_.back())) {
     if (active_.size() == 2) {
       const Pose2 back{0.0, 0.0, -owned_pose_.theta};
       close_oldest(scan_index);
@@ -256,7 +197,7 @@ void Tracker::insert(const Scan& scan, std::size_t scan_index,
       owned_drift_ = turned(drift_, back);
       drift_.setZero();
     }
-    active_.push_back({SurfaceMap(resolution_m_, config_.field), 0});
+    active_.push_back({SurfaceMap(resolution_m_, config_.field), 0, path_m_});
   }
   for (Active& active : active_) {
     active.map.add(scan, pose_.mean * scan.robot_from_laser, static_probability,

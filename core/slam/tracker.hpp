@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/pose2_gaussian.hpp"
+#include "core/registration/scan_matcher.hpp"
 #include "core/scan/endpoints.hpp"
 #include "core/scan/scan.hpp"
 #include "core/slam/log_checks.hpp"
@@ -32,12 +33,14 @@ struct TrackedScan {
 
 /// Matches each scan against the older of two overlapping sub-maps under construction, as
 /// [hess2016real] does: each holds 2 n key scans, a new one begins every n, so that the map matched
-/// against always holds at least n (SPEC A6; late loop errors cannot reach it).
+/// against always holds at least n (SPEC A6; late loop errors cannot reach it). Where key scans lie
+/// far apart the length of the path decides: what is trusted as a whole must not grow with them.
 class Tracker {
  public:
   Tracker(const TrackingConfig& config, double resolution_m, int run, const Pose2& start);
 
-  /// odom_from_robot: null without odometry; then the last motion is continued. scan_index: the
+  /// odom_from_robot: null without odometry; then the last motion is continued, and of scans that
+  /// match nothing none enters the map until there are many in a row. scan_index: the
   /// caller's number of the scan, used for the sub-maps' ranges. given: null, or a pose that came
   /// with the log, in the run's frame; where the scan is ambiguous (a bare corridor) it rules.
   /// Odometry that moves faster than a robot can is not believed for that scan. static_probability:
@@ -53,17 +56,55 @@ class Tracker {
   /// Ends the run: whatever is under construction becomes a sub-map.
   void finish(std::size_t end_scan);
 
+  /// For saved states; configs, resolution and run are the constructor's, and the maps under
+  /// construction are begun there (`begin_maps`).
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    for (auto& active : self.active_) {
+      archive(active.map);
+      archive(active.keys);
+      archive(active.from_m);
+    }
+    archive(self.started_);
+    archive(self.first_scan_);
+    archive(self.pose_);
+    archive(self.last_pose_);
+    archive(self.recent_);
+    archive(self.lost_);
+    archive(self.last_stamp_);
+    archive(self.last_odom_);
+    archive(self.path_m_);
+    archive(self.doubt_);
+    archive(self.last_key_);
+    archive(self.drift_);
+    archive(self.owned_drift_);
+    archive(self.owned_from_);
+    archive(self.owned_pose_);
+    archive(self.finished_);
+  }
+  [[nodiscard]] std::size_t active_maps() const { return active_.size(); }
+  void begin_maps(std::size_t count);
+
  private:
   struct Active {
     SurfaceMap map;
     int keys = 0;
+    double from_m = 0.0;  ///< path of the run at its beginning
   };
   [[nodiscard]] Pose2Gaussian predict(const Scan& scan, const Pose2* odom_from_robot) const;
+  [[nodiscard]] Pose2 going_on(Stamp until) const;
+  void remember(Stamp stamp);
   [[nodiscard]] std::vector<Pose2> other_guesses(const Pose2Gaussian& guess) const;
-  [[nodiscard]] bool locate(const Endpoints& endpoints, const Pose2Gaussian& guess,
-                            Pose2Gaussian& found, Eigen::Matrix3d& information) const;
+  enum class GuessFrom { kMotion, kOdometry, kGivenPose };
+  /// hits: of the whole scan, dynamic ones too, thinned as the end points are.
+  [[nodiscard]] bool locate(const Endpoints& endpoints, std::size_t hits,
+                            const Pose2Gaussian& guess, GuessFrom from, Pose2Gaussian& found,
+                            Eigen::Matrix3d& information) const;
+  [[nodiscard]] std::optional<registration::MatchResult> match_still_alone(
+      const Endpoints& endpoints, const Pose2Gaussian& guess) const;
   void doubt_odometry(const ScanFindings& findings);
   void grow_drift(const Pose2& step, const Pose2Gaussian* given);
+  [[nodiscard]] bool is_complete(const Active& active) const;
   void insert(const Scan& scan, std::size_t scan_index, std::span<const float> static_probability);
   void close_oldest(std::size_t end_scan);
 
@@ -74,9 +115,15 @@ class Tracker {
   std::optional<std::size_t> first_scan_;
   Pose2Gaussian pose_;
   Pose2 last_pose_;
-  double last_step_s_ = 0.0;
+  struct Recent {
+    Stamp stamp;
+    Pose2 pose;
+  };
+  std::vector<Recent> recent_;  // the last few scans
+  int lost_ = 0;                // scans in a row that matched nothing, without odometry
   Stamp last_stamp_;
   std::optional<Pose2> last_odom_;
+  double path_m_ = 0.0;
   double doubt_ = 1.0;  // of odometry; shrinks while it agrees with the matches
   std::optional<Pose2> last_key_;
   std::vector<Active> active_;

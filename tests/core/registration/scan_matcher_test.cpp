@@ -143,6 +143,21 @@ TEST(Surface, AWallSeenAtAGrazingAngleGoesOnBetweenItsHits) {
   }
 }
 
+TEST(Surface, AGrazedWallGoesOnBesideSomebodyWhoStandsBeforeIt) {
+  std::vector<double> ranges_m;
+  for (int degree = 2; degree < 30; ++degree) {
+    const bool person = degree >= 9 && degree <= 11;
+    ranges_m.push_back(person ? 3.0
+                              : 1.0 / std::sin(degrees_to_radians(static_cast<double>(degree))));
+  }
+  std::vector<SweepSurface> surfaces;
+  surfaces_in_sweep(sweep_of(ranges_m, degrees_to_radians(2.0)), degrees_to_radians(1.0), surfaces);
+  for (const std::size_t beside : {6U, 10U}) {
+    EXPECT_GT(surfaces[beside].normal.yy, 0.98F) << beside;
+    EXPECT_TRUE(std::isinf(surfaces[beside].slack_m)) << beside;
+  }
+}
+
 TEST(Surface, AWallEndsWhereTheNextBeamGoesFartherNotWhereSomethingStandsInFront) {
   const auto slack_of_tenth = [](double next_range_m) {
     std::vector<double> ranges_m(10, 0.0);

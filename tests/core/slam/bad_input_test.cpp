@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/geometry/angle.hpp"
 #include "core/slam/slam.hpp"
 #include "tests/core/slam/ring_world.hpp"
 

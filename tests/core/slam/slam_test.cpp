@@ -79,6 +79,40 @@ TEST(Slam, WorksWithoutOdometry) {
   EXPECT_LT(worst_error(result, truth, 0), 0.1);
 }
 
+TEST(Slam, WorksWithoutOdometryWhereStampsAreThoseOfDelivery) {
+  // Five scans at once, then none for a second; and a clock that was set back mixes the scans of
+  // two places in order of time.
+  const std::vector<Pose2> path = drive_round(0.1, 20.0);
+  std::vector<Observation> log = record(ring(), path, 0, 6);
+  std::vector<Pose2> truth = path;
+  for (std::size_t i = 58; i < 64; i += 2) {
+    std::swap(log[i], log[i + 5]);
+    std::swap(truth[i], truth[i + 5]);
+  }
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    log[i].has_odometry = false;
+    log[i].odom_from_robot = {};
+    log[i].scan.stamp =
+        Stamp::from_seconds(1.0 * static_cast<double>(i / 5) + 0.002 * static_cast<double>(i % 5));
+  }
+  const SlamResult result = run_slam(log);
+  ASSERT_EQ(result.scans.size(), path.size());
+  EXPECT_LT(worst_error(result, truth, 0), 0.15);
+}
+
+TEST(Slam, BeginsASubmapAfterTenMetresHoweverFewScansTheyHold) {
+  // Scans a metre apart: by their number alone one sub-map would hold 80 m, whose drift no loop
+  // closure could mend.
+  const std::vector<Pose2> path = drive_round(1.0, 90.0);
+  const std::vector<Observation> log = record(ring(), path, 0, 5);
+  ASSERT_LT(log.size(), 190U);
+  Slam slam(SlamConfig{});
+  for (const Observation& observation : log) slam.add(observation);
+  // All but the two under construction.
+  EXPECT_GE(slam.kept_submaps(), 7U);
+  EXPECT_LT(worst_error(slam.finish(), path, 0), 0.15);
+}
+
 TEST(Slam, FindsALaterRunInTheMapOfTheFirst) {
   const std::vector<Pose2> first = drive_round(0.1, 45.0);
   const std::vector<Pose2> all = drive_round(0.1, 40.0);
@@ -220,6 +254,26 @@ TEST(Slam, RefusesASettingThatCannotWork) {
   config = {};
   config.tracking.match.levels = 0;
   EXPECT_THROW(Slam{config}, ConfigError);
+}
+
+/// The drive as a scanner of so many beams all round sees it.
+std::vector<Observation> record_with(int beams, const std::vector<Pose2>& path) {
+  std::vector<Observation> log = record(ring(), path, 0, 30);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    log[i].scan = test::scan_of(ring(), path[i], 0.2 * static_cast<double>(i), 0.01, 30, beams,
+                                2.0 * std::numbers::pi);
+  }
+  return log;
+}
+
+TEST(Slam, MapsWithFourThousandBeamsAllRound) {
+  const std::vector<Pose2> path = drive_round(0.1, 14.0);
+  const SlamResult result = run_slam(record_with(4'000, path));
+  ASSERT_EQ(result.scans.size(), path.size());
+  EXPECT_EQ(result.scans.back().static_probability.size(), 4'000U);
+  EXPECT_LT(worst_error(result, path, 0), 0.03);
+  EXPECT_LT(result.dynamic_fraction, 0.02);
+  EXPECT_TRUE(result.warnings.empty());
 }
 
 }  // namespace

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Slam holds, as bytes and back.
+#include <algorithm>
+#include <cstdint>
+
+#include "core/geometry/matrix_state.hpp"
+#include "core/grid/grid_state.hpp"
+#include "core/scan/scan_state.hpp"
+#include "core/slam/slam_state.hpp"
+
+namespace strata::slam {
+namespace {
+
+/// Changes with the fields of the classes saved: bytes of another version are refused.
+constexpr std::uint64_t kVersion = 0x53'53'4c'4d'0000'0001;
+
+}  // namespace
+
+bool SubmapGraph::is_sound() const {
+  const std::size_t count = submaps_.size();
+  const auto joins_known = [&](const pose_graph::Edge& edge) {
+    return edge.from < count && edge.to < count;
+  };
+  return clouds_.size() == count && given_.size() == count && located_.size() == count &&
+         graph_.size() == count && graph_.is_sound() &&
+         std::all_of(chain_.begin(), chain_.end(), joins_known);
+}
+
+void Tracker::begin_maps(std::size_t count) {
+  active_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    active_.push_back({SurfaceMap(resolution_m_, config_.field)});
+  }
+}
+
+std::vector<std::uint8_t> Slam::save_state() const {
+  StateWriter writer;
+  writer(kVersion);
+  writer(state_->config.beam_filter.resolution_m);
+  State::state(std::as_const(*state_), writer);
+  writer(state_->tracker.has_value());
+  if (state_->tracker) {
+    writer(static_cast<std::uint64_t>(state_->tracker->active_maps()));
+    writer(*state_->tracker);
+  }
+  return writer.take();
+}
+
+void Slam::restore_state(std::span<const std::uint8_t> bytes, const std::string& place) {
+  StateReader reader(bytes, place);
+  std::uint64_t version = 0;
+  reader(version);
+  if (version != kVersion) reader.fail("is of another version");
+  const double resolution_m = state_->config.beam_filter.resolution_m;
+  double saved_resolution_m = 0.0;
+  reader(saved_resolution_m);
+  if (saved_resolution_m != resolution_m) reader.fail("is of another resolution");
+  State& state = *state_;
+  State::state(state, reader);
+  bool has_tracker = false;
+  reader(has_tracker);
+  if (has_tracker) {
+    state.tracker.emplace(state.config.tracking, resolution_m, state.run, Pose2());
+    state.tracker->begin_maps(reader.length(1));
+    reader(*state.tracker);
+  }
+  reader.expect_end();
+  const auto is_placed = [&](const Record& record) {
+    return record.submap == kNoSubmap || record.submap < state.graph.size();
+  };
+  const bool is_sound =
+      state.graph.is_sound() &&
+      std::all_of(state.records.begin(), state.records.end(), is_placed) &&
+      std::is_sorted(state.records.begin(), state.records.end(),
+                     [](const Record& a, const Record& b) { return a.number < b.number; });
+  if (!is_sound) reader.fail("does not fit together");
+}
+
+std::optional<Slam::Newest> Slam::newest() const {
+  if (state_->records.empty()) return std::nullopt;
+  const Record& record = state_->records.back();
+  Pose2 pose = state_->map_from_run * record.run_from_robot;
+  if (record.given) pose = *record.given;
+  return Newest{record.posed.run, record.posed.scan.stamp, record.odometry, pose};
+}
+
+}  // namespace strata::slam

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Slam holds; only its own .cpp files see it.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/parallel.hpp"
+#include "core/slam/log_checks.hpp"
+#include "core/slam/slam.hpp"
+#include "core/slam/submap_graph.hpp"
+#include "core/slam/tracker.hpp"
+
+namespace strata::slam {
+
+/// A run in which no scan hit anything has none.
+inline constexpr std::size_t kNoSubmap = std::numeric_limits<std::size_t>::max();
+
+/// One accepted scan and what is known of its pose.
+struct Record {
+  std::size_t number = 0;  // of all scans that were accepted
+  PosedScan posed;
+  Pose2 run_from_robot;
+  std::optional<Pose2> odometry;
+  std::optional<Pose2> given;
+  bool placed = false;  // given by an earlier job, and final
+  bool key = false;
+  bool used = false;  // its scan is in the result
+  std::size_t submap = kNoSubmap;
+
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.number);
+    archive(self.posed);
+    archive(self.run_from_robot);
+    archive(self.odometry);
+    archive(self.given);
+    archive(self.placed);
+    archive(self.key);
+    archive(self.submap);
+  }
+};
+
+struct Slam::State {
+  State(const SlamConfig& slam_config, int threads, const KeepConfig& keep_config)
+      : config(slam_config),
+        keep(keep_config),
+        pool(threads),
+        graph(slam_config.closure, slam_config.tracking.match, slam_config.tracking.field,
+              slam_config.beam_filter.resolution_m, pool) {}
+
+  SlamConfig config;
+  KeepConfig keep;
+  WorkerPool pool;
+  SubmapGraph graph;
+  std::optional<Tracker> tracker;
+  std::vector<Record> records;  // by number, without those that are forgotten
+  std::size_t accepted = 0;
+  bool forgot = false;
+  int run = 0;
+  int runs = 0;
+  std::vector<bool> mapped;   // of the scans in the result
+  std::vector<bool> moves;    // those that do not keep the pose they came with
+  bool run_is_given = false;  // the run's frame is that of its given poses
+  Stamp last_stamp;
+  LogChecks checks;
+  Pose2 map_from_run;                       // as the newest sub-map of the run has it
+  std::optional<Pose2Gaussian> next_start;  // where the next run begins, when that is known
+  std::optional<Pose2Gaussian> start;       // where this one began, until it has a sub-map
+  std::vector<std::pair<int, Pose2Gaussian>> begun_at;  // the runs whose start was known
+
+  Pose2Gaussian add(const Observation& observation, const Pose2* given_pose, bool placed,
+                    std::span<const float> static_probability = {});
+  /// The map of all that was added, after so many rounds of EM at most.
+  [[nodiscard]] SlamResult finish(int rounds, Progress* progress);
+  /// Rounds of EM from the poses as they are.
+  void improve(SlamResult& result, int rounds, Progress* progress);
+  void track_again(SlamResult& before, State& again);
+  void start_run(const Observation& observation, const Pose2* given_pose);
+  void end_run();
+  void take_submaps();
+  /// Those of the scans of these numbers that are kept.
+  [[nodiscard]] std::span<Record> numbered(std::size_t first, std::size_t last);
+  void forget_submaps();
+  void forget_scans();
+  void place_scans();
+  /// Everything but the tracker, for saved states; what `finish` makes is not in it.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.graph);
+    archive(self.records);
+    archive(self.accepted);
+    archive(self.forgot);
+    archive(self.run);
+    archive(self.runs);
+    archive(self.run_is_given);
+    archive(self.last_stamp);
+    archive(self.checks);
+    archive(self.map_from_run);
+    archive(self.next_start);
+    archive(self.start);
+    archive(self.begun_at);
+  }
+  [[nodiscard]] std::optional<Pose2Gaussian> given_submap(const Submap& submap);
+  /// A given pose, or one that an earlier job placed, as far as it is believed.
+  [[nodiscard]] Pose2Gaussian believed(const Pose2& given, bool placed) const;
+  /// Without any sub-map the first run's frame is the map's: odometry is better than nothing.
+  [[nodiscard]] bool located(const Record& record) const {
+    if (record.submap != kNoSubmap) return graph.located(record.submap);
+    return graph.size() == 0 && record.posed.run == records.front().posed.run;
+  }
+  /// Whether the scan keeps the pose it came with.
+  [[nodiscard]] bool stays(const Record& record) const {
+    const bool keep_given = runs <= 1 || !config.given_poses.refine;
+    return record.given && (record.placed || keep_given);
+  }
+};
+
+}  // namespace strata::slam

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/slam/slam.hpp"
+#include "tests/core/slam/ring_world.hpp"
+
+namespace strata::slam {
+namespace {
+
+using test::drive_round;
+using test::record;
+using test::ring;
+
+constexpr double kRoundM = 40.0;
+
+KeepConfig small_window() {
+  KeepConfig keep;
+  keep.window_scans = 200;
+  return keep;
+}
+
+/// Drives so many rounds; what is kept after each of them.
+struct Kept {
+  std::vector<std::size_t> scans;
+  std::vector<std::size_t> submaps;
+};
+Kept drive(Slam& slam, const std::vector<Observation>& log, std::size_t rounds) {
+  Kept kept;
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    slam.add(log[i]);
+    if ((i + 1) % (log.size() / rounds) != 0) continue;
+    kept.scans.push_back(slam.kept_scans());
+    kept.submaps.push_back(slam.kept_submaps());
+  }
+  return kept;
+}
+
+TEST(Keep, RoundAndRoundOneBlockKeepsNoMoreThanThreeRounds) {
+  constexpr std::size_t kRounds = 12;
+  const std::vector<Pose2> path = drive_round(0.1, kRounds * kRoundM);
+  Slam slam(SlamConfig{}, 1, small_window());
+  const Kept kept = drive(slam, record(ring(), path, 0, 1), kRounds);
+  ASSERT_GE(kept.scans.size(), kRounds);
+  // What the first views take; later ones replace them.
+  const std::size_t most = kept.scans[3] + 200;
+  for (std::size_t round = 4; round < kept.scans.size(); ++round) {
+    EXPECT_LE(kept.scans[round], most) << round;
+    EXPECT_LE(kept.submaps[round], kept.submaps[3] + 4) << round;
+  }
+  // The map is still the block's, and the poses in it are where they were driven.
+  const SlamResult result = slam.finish();
+  std::vector<Pose2> found;
+  std::vector<Pose2> truth;
+  for (const PosedScan& scan : result.scans) {
+    found.push_back(scan.map_from_robot);
+    truth.push_back(path[static_cast<std::size_t>(scan.scan.stamp.seconds() / 0.2 + 0.5)]);
+  }
+  const Pose2 truth_from_map = align(found, truth);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_LT(translation_distance(truth_from_map * found[i], truth[i]), 0.08) << i;
+  }
+}
+
+TEST(Keep, ARobotThatStandsStillKeepsTheWindowAlone) {
+  const std::vector<Pose2> path(2'000, Pose2{3.0, 1.0, 0.0});
+  Slam slam(SlamConfig{}, 1, small_window());
+  for (const Observation& observation : record(ring(), path, 0, 2)) {
+    slam.add(observation);
+    ASSERT_LE(slam.kept_scans(), 200U + 64U + 10U);
+  }
+  EXPECT_EQ(slam.kept_submaps(), 0U);
+}
+
+TEST(Keep, ALogThatFitsIntoTheWindowGivesTheResultOfKeepingAll) {
+  const std::vector<Observation> log = record(ring(), drive_round(0.1, 20.0), 0, 3);
+  KeepConfig keep;
+  keep.window_scans = static_cast<int>(log.size());
+  Slam bounded(SlamConfig{}, 1, keep);
+  for (const Observation& observation : log) bounded.add(observation);
+  const SlamResult one = bounded.finish();
+  const SlamResult all = test::run_slam(log);
+  ASSERT_EQ(one.scans.size(), all.scans.size());
+  for (std::size_t i = 0; i < all.scans.size(); ++i) {
+    ASSERT_EQ(one.scans[i].map_from_robot, all.scans[i].map_from_robot);
+  }
+}
+
+TEST(Keep, PlacesThatAreNotSeenAgainStay) {
+  // One way along the corridor, then to and fro at its end.
+  std::vector<Pose2> path = drive_round(0.1, 24.0);
+  const std::size_t until = path.size();
+  for (int lap = 0; lap < 14; ++lap) {
+    for (int i = 0; i < 40; ++i) {
+      path.push_back(path.back() * Pose2{lap % 2 == 0 ? -0.1 : 0.1, 0.0, 0.0});
+    }
+  }
+  Slam slam(SlamConfig{}, 1, small_window());
+  for (const Observation& observation : record(ring(), path, 0, 4)) slam.add(observation);
+  EXPECT_LT(slam.kept_scans(), path.size());
+  const SlamResult result = slam.finish();
+  // The beginning, in whose sub-map nobody was since, is still there, scan by scan.
+  ASSERT_GT(result.scans.size(), 50U);
+  std::size_t of_the_way = 0;
+  for (const PosedScan& scan : result.scans) {
+    of_the_way += scan.scan.stamp.seconds() < 0.2 * static_cast<double>(until) ? 1 : 0;
+  }
+  EXPECT_GT(of_the_way, until / 2);
+  EXPECT_TRUE(is_free(result.occupancy.get(result.occupancy.cell_at({6.0, 1.0}))));
+}
+
+TEST(Keep, RefusesSharesThatKeepNothing) {
+  KeepConfig keep;
+  keep.own_share = 1.0;
+  EXPECT_THROW(Slam(SlamConfig{}, 1, keep), ConfigError);
+}
+
+}  // namespace
+}  // namespace strata::slam
