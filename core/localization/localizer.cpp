@@ -8,6 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/localization/roughening.hpp"
 #include "core/localization/scan_beams.hpp"
 
 namespace strata::localization {
@@ -197,6 +198,14 @@ double Localizer::annealing() const {
   return std::pow(config_.global_start.annealing_factor, 0.5 * (2 - step));
 }
 
+void Localizer::roughen_start() {
+  const int updates = config_.global_start.annealing_updates;
+  if (annealed_updates_ >= updates || config_.global_start.roughening <= 0.0) return;
+  const double left = 1.0 - static_cast<double>(annealed_updates_) / updates;
+  const double spacing = pose_spacing(free_space_.area_m2(), most_particles_);
+  roughen(config_.global_start.roughening * spacing * left, seed_, step_, particles_, *pool_);
+}
+
 std::size_t Localizer::least_while_annealing() const {
   // The bins of KLD sampling say how many particles describe the posterior as it is, but while it
   // is still flattened the place that will win may hold few of them: go down evenly instead.
@@ -216,6 +225,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
     }
     sample_motions(moved_, moved_before, observation.has_odometry, config_.motion, seed_, step_,
                    particles_, *pool_);
+    roughen_start();
   }
   const Stamp now = observation.scan.stamp;
   const double dt_s = last_weighed_ ? std::max(0.0, (now - *last_weighed_).seconds()) : 0.0;

@@ -42,8 +42,8 @@ class Localizer {
 
   /// Starts from a pose: particles drawn from the Gaussian. Forgets everything but the seed.
   void initialize(const Pose2Gaussian& map_from_robot);
-  /// Starts from nowhere: uniform over the free cells of `map` and all headings, annealed. Throws
-  /// InputError when no cell is free.
+  /// Starts from nowhere: uniform over the free cells of `map` and all headings, annealed and
+  /// roughened. Throws InputError when no cell is free.
   void initialize_global(const ReflectionGrid& map);
   /// Again in the free space given last.
   void initialize_global();
@@ -78,6 +78,7 @@ class Localizer {
   [[nodiscard]] bool is_due() const;
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
+  void roughen_start();
   void resample();
   [[nodiscard]] std::size_t least_while_annealing() const;
   [[nodiscard]] double annealing() const;

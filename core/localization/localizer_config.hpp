@@ -41,6 +41,7 @@ struct GlobalStartConfig {
   int most_particles = 60000;
   int annealing_updates = 16;
   double annealing_factor = 4.0;
+  double roughening = 0.5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("particles_per_m2", c.particles_per_m2,
@@ -55,6 +56,11 @@ struct GlobalStartConfig {
             {.doc = "temperature at the start over that for tracking, halved in steps",
              .unit = "1",
              .min = 1.0});
+    v.field("roughening", c.roughening,
+            {.doc = "spread added to the poses at the start over their mean distance from each "
+                    "other, falling to 0 with the last of these scans",
+             .unit = "1",
+             .min = 0.0});
   }
 };
 

@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace strata::localization::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-#include "core/localization/lane_math.inc"
+#include "core/base/lane_math.inc"
 
 using WordLanes = hn::Vec<Words>;
 

@@ -14,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace strata::localization::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-#include "core/localization/lane_math.inc"
+#include "core/base/lane_math.inc"
 
 /// A sum in eight parts; add() takes the vector at place j < 8.
 template <std::size_t kSums>

@@ -25,122 +25,61 @@ PatchBeamModel::PatchBeamModel(std::shared_ptr<const patch::PatchMap> map,
   require_valid(config, "patch_beam_model");
 }
 
-void PatchBeamModel::cast_all(const Pose2& laser, const ScanBeams& beams, Scratch& scratch) const {
-  scratch.expected.resize(beams.size());
+/// Boxes within reach of any particle of the chunk.
+void PatchBeamModel::find_boxes(const ScanBeams& beams, const ParticleSet& particles,
+                                std::size_t begin, std::size_t end, Scratch& scratch) const {
+  scratch.chunk_boxes.clear();
+  if (caster_.boxes().empty()) return;
+  const auto from = static_cast<std::ptrdiff_t>(begin);
+  const auto to = static_cast<std::ptrdiff_t>(end);
+  const auto [low_x, high_x] =
+      std::minmax_element(particles.x_m.begin() + from, particles.x_m.begin() + to);
+  const auto [low_y, high_y] =
+      std::minmax_element(particles.y_m.begin() + from, particles.y_m.begin() + to);
+  const Pose2& mounting = beams.robot_from_laser;
+  const double reach = beams.r_max_m + std::hypot(mounting.x, mounting.y);
+  for (const RayBox& box : caster_.boxes()) {
+    if (box.min_x_m < *high_x + reach && box.max_x_m > *low_x - reach &&
+        box.min_y_m < *high_y + reach && box.max_y_m > *low_y - reach) {
+      scratch.chunk_boxes.push_back(box);
+    }
+  }
+}
+
+/// Casts the beams of all particles to where they end for certain, and finds those that may end
+/// before.
+void PatchBeamModel::cast(const ScanScratch& scan, const ParticleSet& particles, std::size_t begin,
+                          std::size_t end, Scratch& scratch) const {
+  const ScanBeams& beams = scan.beams;
+  const bool is_sampled = states_.memory() == PatchMemory::kNone;
+  scratch.static_m.resize(beams.size());
   scratch.cells.resize(beams.size());
-  scratch.logs.resize(beams.size());
-  scratch.heading_cosine = std::cos(laser.theta);
-  scratch.heading_sine = std::sin(laser.theta);
-  caster_.cast({laser.x, laser.y, scratch.heading_cosine, scratch.heading_sine, beams.cosine.data(),
-                beams.sine.data(), beams.size(), beams.r_max_m},
-               scratch.expected.data(), scratch.cells.data());
-}
-
-void PatchBeamModel::find_events(const Pose2& laser, const ScanBeams& beams, std::size_t beam,
-                                 int current, const BeamMixture& mixture, Scratch& scratch) const {
-  const double hc = scratch.heading_cosine;
-  const double hs = scratch.heading_sine;
-  const double c = hc * beams.cosine[beam] - hs * beams.sine[beam];
-  const double s = hs * beams.cosine[beam] + hc * beams.sine[beam];
-  caster_.events(laser.x, laser.y, c, s, beams.r_max_m, current, scratch.events);
-  const bool is_hit = beams.is_hit[beam] != 0;
-  scratch.values.clear();
-  for (const RayEvent& event : scratch.events) {
-    scratch.values.push_back(mixture.likelihood(is_hit, beams.range_m[beam], event.range_m));
-  }
-  scratch.end_value = mixture.likelihood(is_hit, beams.range_m[beam], kNothing);
-}
-
-double PatchBeamModel::weigh_sampled(const ScanScratch& scan, double tempering,
-                                     const ParticleSet& particles, std::size_t i,
-                                     Scratch& scratch) const {
-  const ScanBeams& beams = scan.beams;
-  const Pose2 laser = particles.pose(i) * beams.robot_from_laser;
-  const int current = particles.submap[i];
-  cast_all(laser, beams, scratch);
-  scan.mixture.log_likelihoods(0, beams.size(), scratch.expected.data(), scratch.logs.data());
-  for (std::size_t k = 0; k < beams.size(); ++k) {
-    // Most beams end where all configurations agree.
-    if (scratch.cells[k] < 0 || caster_.is_certain(scratch.cells[k])) continue;
-    find_events(laser, beams, k, current, scan.mixture.mixture(), scratch);
-    scratch.logs[k] = std::log(mix_events(scratch.events, scratch.values, scratch.end_value,
-                                          states_, states_.uniform(), current, particles.patch[i]));
-  }
-  return sum_of(scratch.logs.data(), beams.size()) / tempering;
-}
-
-void PatchBeamModel::compare_configurations(std::span<const float> belief, double log_mixed,
-                                            Scratch& scratch) const {
-  for (std::size_t e = 0; e < scratch.events.size(); ++e) {
-    const std::int32_t s = scratch.events[e].submap;
-    bool is_first = s >= 0;
-    for (std::size_t f = 0; f < e; ++f) is_first = is_first && scratch.events[f].submap != s;
-    if (!is_first) continue;
-    const std::size_t offset = states_.offset(static_cast<std::size_t>(s));
-    for (int k = 0; k < states_.count(static_cast<std::size_t>(s)); ++k) {
-      const double fixed =
-          mix_events(scratch.events, scratch.values, scratch.end_value, states_, belief, s, k);
-      scratch.log_ratio[offset + static_cast<std::size_t>(k)] += std::log(fixed) - log_mixed;
+  scratch.logs.resize(kChunk * beams.size());
+  scratch.changing.begin();
+  find_boxes(beams, particles, begin, end, scratch);
+  for (std::size_t i = begin; i < end; ++i) {
+    const Pose2 laser = particles.pose(i) * beams.robot_from_laser;
+    const RayFan fan{laser.x,
+                     laser.y,
+                     std::cos(laser.theta),
+                     std::sin(laser.theta),
+                     beams.cosine.data(),
+                     beams.sine.data(),
+                     beams.size(),
+                     beams.r_max_m};
+    caster_.cast_static(fan, scratch.static_m.data(), scratch.cells.data());
+    scan.mixture.log_likelihoods(0, beams.size(), scratch.static_m.data(),
+                                 scratch.logs.data() + (i - begin) * beams.size());
+    scratch.boxes.clear();
+    for (const RayBox& box : scratch.chunk_boxes) {
+      const double dx = std::max({box.min_x_m - laser.x, laser.x - box.max_x_m, 0.0});
+      const double dy = std::max({box.min_y_m - laser.y, laser.y - box.max_y_m, 0.0});
+      if (dx * dx + dy * dy < beams.r_max_m * beams.r_max_m) scratch.boxes.push_back(box);
     }
+    scratch.changing.add(fan, scratch.static_m.data(), scratch.boxes, particles.submap[i],
+                         is_sampled ? particles.patch[i] : -1);
   }
-}
-
-/// Scan-level mixture over the configurations of the particle's own sub-map.
-double PatchBeamModel::own_mixture(std::span<const float> belief, int current,
-                                   const Scratch& scratch) const {
-  if (current < 0) return 0.0;
-  const auto s = static_cast<std::size_t>(current);
-  const std::size_t offset = states_.offset(s);
-  const auto count = static_cast<std::size_t>(states_.count(s));
-  double largest = -kNothing;
-  for (std::size_t k = 0; k < count; ++k) {
-    largest = std::max(largest, scratch.log_ratio[offset + k]);
-  }
-  double total = 0.0;
-  for (std::size_t k = 0; k < count; ++k) {
-    total +=
-        static_cast<double>(belief[offset + k]) * std::exp(scratch.log_ratio[offset + k] - largest);
-  }
-  return largest + std::log(total);
-}
-
-double PatchBeamModel::weigh_remembered(const ScanScratch& scan, double tempering,
-                                        ParticleSet& particles, std::size_t i,
-                                        Scratch& scratch) const {
-  const ScanBeams& beams = scan.beams;
-  const Pose2 laser = particles.pose(i) * beams.robot_from_laser;
-  const int current = particles.submap[i];
-  const bool is_shared = states_.memory() == PatchMemory::kShared;
-  const std::span<const float> belief =
-      is_shared ? std::span<const float>(particles.shared_belief) : particles.belief(i);
-  std::fill(scratch.log_ratio.begin(), scratch.log_ratio.end(), 0.0);
-  cast_all(laser, beams, scratch);
-  scan.mixture.log_likelihoods(0, beams.size(), scratch.expected.data(), scratch.logs.data());
-  for (std::size_t beam = 0; beam < beams.size(); ++beam) {
-    if (scratch.cells[beam] < 0 || caster_.is_certain(scratch.cells[beam])) continue;
-    find_events(laser, beams, beam, current, scan.mixture.mixture(), scratch);
-    scratch.logs[beam] =
-        std::log(mix_events(scratch.events, scratch.values, scratch.end_value, states_, belief));
-    compare_configurations(belief, scratch.logs[beam], scratch);
-  }
-  for (double& ratio : scratch.log_ratio) ratio /= tempering;
-  const double own = own_mixture(belief, current, scratch);
-  const std::span<float> row = particles.belief(i);
-  for (std::size_t s = 0; s < states_.map().submaps.size(); ++s) {
-    const std::size_t offset = states_.offset(s);
-    const auto count = static_cast<std::size_t>(states_.count(s));
-    for (std::size_t k = 0; k < count; ++k) {
-      // What absorb() sums: p(z | x_i, m_s = k) over the particle's own likelihood.
-      const double factor = std::exp(std::min(80.0, scratch.log_ratio[offset + k] - own));
-      if (is_shared) row[offset + k] = static_cast<float>(factor);
-      scratch.factor[k] = factor;
-    }
-    if (!is_shared) {
-      update_belief(row.subspan(offset, count), {scratch.factor.data(), count},
-                    states_.least_belief());
-    }
-  }
-  return sum_of(scratch.logs.data(), beams.size()) / tempering + own;
+  scratch.changing.follow(caster_, scan.mixture);
 }
 
 std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, double tempering,
@@ -150,18 +89,24 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, double tempering,
   const auto said = scan_scratch_.borrow();
   select_beams(scan, config_.beam.beams, said->beams);
   said->mixture.prepare(mixture_.limited_to(said->beams.r_max_m), said->beams);
+  const std::size_t beams = said->beams.size();
   const bool is_sampled = states_.memory() == PatchMemory::kNone;
   const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
     const auto scratch = scratch_.borrow();
     scratch->log_ratio.resize(states_.columns());
     scratch->factor.resize(64);
+    cast(*said, particles, begin, end, *scratch);
+    mix_pairs(particles, begin, end, *scratch);
+    std::size_t pair = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      log_likelihood[i] = is_sampled ? weigh_sampled(*said, tempering, particles, i, *scratch)
-                                     : weigh_remembered(*said, tempering, particles, i, *scratch);
+      double* const logs = scratch->logs.data() + (i - begin) * beams;
+      mix_beams(particles, i, i - begin, logs, pair, *scratch);
+      log_likelihood[i] = sum_of(logs, beams) / tempering;
+      if (!is_sampled) log_likelihood[i] += remember(tempering, particles, i, *scratch);
     }
   };
   pool.for_chunks(particles.size(), kChunk, std::cref(weigh));
-  return said->beams.size();
+  return beams;
 }
 
 double PatchBeamModel::explained_share(const Scan& scan, const Pose2& map_from_robot,
@@ -179,11 +124,14 @@ double PatchBeamModel::explained_share(const Scan& scan, const Pose2& map_from_r
     for (const double p : submap.probability) scratch->belief.push_back(static_cast<float>(p));
   }
   const int current = patch::submap_at(states_.map(), map_from_robot.translation());
-  scratch->heading_cosine = std::cos(laser.theta);
-  scratch->heading_sine = std::sin(laser.theta);
+  const double hc = std::cos(laser.theta);
+  const double hs = std::sin(laser.theta);
   double explained = 0.0;
   for (std::size_t beam = 0; beam < beams.size(); ++beam) {
-    find_events(laser, beams, beam, current, mixture, *scratch);
+    const double c = hc * beams.cosine[beam] - hs * beams.sine[beam];
+    const double s = hs * beams.cosine[beam] + hc * beams.sine[beam];
+    caster_.events(laser.x, laser.y, c, s, beams.r_max_m, current, scratch->events);
+    scratch->values.resize(scratch->events.size());
     const bool is_hit = beams.is_hit[beam] != 0;
     for (std::size_t e = 0; e < scratch->events.size(); ++e) {
       scratch->values[e] =

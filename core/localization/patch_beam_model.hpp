@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/localization/changing_beams.hpp"
 #include "core/localization/patch_ray_caster.hpp"
 #include "core/localization/patch_states.hpp"
 #include "core/localization/range_provider_model.hpp"
@@ -48,29 +49,38 @@ class PatchBeamModel final : public SensorModel {
   };
   /// Working memory of one chunk of particles.
   struct Scratch {
-    double heading_cosine = 1.0;  // of the laser
-    double heading_sine = 0.0;
-    std::vector<double> expected;  // per beam: range of the first cell that is ever an obstacle
+    std::vector<RayBox> chunk_boxes;  // near any particle
+    std::vector<RayBox> boxes;        // near one
+    std::vector<double> static_m;     // per beam: where it ends for certain
     std::vector<std::int32_t> cells;
-    std::vector<double> logs;
+    std::vector<double> logs;  // rows of one entry a beam
+    ChangingBeams changing;
+    // Per beam whose outcome hangs on one thing: the nearer obstacle is there or not.
+    std::vector<double> share, first, second, mixed;
     std::vector<RayEvent> events;
     std::vector<double> values;
-    double end_value = 0.0;
-    std::vector<double> log_ratio;  // per column: ln p(scan | m_s = k) - ln p(scan | beliefs)
+    std::vector<double> log_ratio;      // per column: ln p(scan | m_s = k) - ln p(scan | beliefs)
+    std::vector<std::int32_t> touched;  // sub-maps of which log_ratio says something
     std::vector<double> factor;
     std::vector<float> belief;
     std::vector<SubmapBelief> posterior;
   };
-  void cast_all(const Pose2& laser, const ScanBeams& beams, Scratch& scratch) const;
-  void find_events(const Pose2& laser, const ScanBeams& beams, std::size_t beam, int current,
-                   const BeamMixture& mixture, Scratch& scratch) const;
-  double weigh_sampled(const ScanScratch& scan, double tempering, const ParticleSet& particles,
-                       std::size_t i, Scratch& scratch) const;
-  double weigh_remembered(const ScanScratch& scan, double tempering, ParticleSet& particles,
-                          std::size_t i, Scratch& scratch) const;
-  void compare_configurations(std::span<const float> belief, double log_mixed,
-                              Scratch& scratch) const;
-  double own_mixture(std::span<const float> belief, int current, const Scratch& scratch) const;
+  void find_boxes(const ScanBeams& beams, const ParticleSet& particles, std::size_t begin,
+                  std::size_t end, Scratch& scratch) const;
+  void cast(const ScanScratch& scan, const ParticleSet& particles, std::size_t begin,
+            std::size_t end, Scratch& scratch) const;
+  void mix_pairs(const ParticleSet& particles, std::size_t begin, std::size_t end,
+                 Scratch& scratch) const;
+  void mix_beams(const ParticleSet& particles, std::size_t i, std::size_t n, double* logs,
+                 std::size_t& pair, Scratch& scratch) const;
+  double mix_many(const ParticleSet& particles, std::size_t i, const ChangingBeam& beam,
+                  double log_static, Scratch& scratch) const;
+  double remember(double tempering, ParticleSet& particles, std::size_t i, Scratch& scratch) const;
+  [[nodiscard]] double own_mixture(std::span<const float> belief, int current,
+                                   const Scratch& scratch) const;
+  void touch(std::int32_t submap, Scratch& scratch) const;
+  /// What particle i believes of all sub-maps.
+  [[nodiscard]] std::span<const float> belief(const ParticleSet& particles, std::size_t i) const;
 
   PatchBeamModelConfig config_;
   PatchStates states_;

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
+#include <utility>
 
 namespace strata::localization {
 namespace {
@@ -15,6 +17,13 @@ std::uint64_t occupied_mask(const patch::PatchMap& map, std::size_t s, const Cel
     if (is_occupied(patch::reflection_at(map, s, k, cell))) mask |= std::uint64_t{1} << k;
   }
   return mask;
+}
+
+/// Cells of a rectangle as a box, with a cell to spare on each side.
+RayBox box_of(const CellRect& rect, double resolution_m) {
+  const CellRect wide = rect.inflated(1);
+  return {wide.min.x * resolution_m, wide.min.y * resolution_m, wide.max.x * resolution_m,
+          wide.max.y * resolution_m};
 }
 
 }  // namespace
@@ -32,65 +41,108 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
       }
     }
   }
-  Grid<std::uint8_t> marked(map.base.resolution_m(), rect);
-  first_owner_ = Grid<std::int32_t>(map.base.resolution_m(), rect, -1);
+  Grid<std::uint8_t> fixed(map.base.resolution_m(), rect);
+  const Grid<std::int32_t> marks = mark_cells(map, rect, fixed);
+  static_ = RayWalker(fixed);
+  std::vector<CellRect> changing(map.submaps.size());
+  CellRect whole;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    if (marks.values()[i] == 0) continue;
+    const Cell cell = marks.cell(i);
+    const CellRect one{cell, {cell.x + 1, cell.y + 1}};
+    // One of those in which it is an obstacle, so that no box reaches from one to the next.
+    std::size_t n = begins_[static_cast<std::size_t>(marks.values()[i])];
+    while (owners_[n].mask == 0) ++n;
+    CellRect& of = changing[static_cast<std::size_t>(owners_[n].submap)];
+    of = of.united(one);
+    whole = whole.united(one);
+  }
+  for (const CellRect& of : changing) {
+    if (!of.empty()) boxes_.push_back(box_of(of, map.base.resolution_m()));
+  }
+  // With a margin, so that every ray steps into a marked cell from one that is not.
+  Grid<std::int32_t> near(map.base.resolution_m(), whole.inflated(2));
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const Cell cell = near.cell(i);
+    if (marks.contains(cell)) near.values()[i] = marks.at(cell);
+  }
+  changing_ = RayWalker(near);
+}
+
+/// The mark of each cell that is an obstacle in some configurations: cells with the same owners
+/// have the same. Cells that end every ray go to `fixed`.
+Grid<std::int32_t> PatchRayCaster::mark_cells(const patch::PatchMap& map, const CellRect& rect,
+                                              Grid<std::uint8_t>& fixed) {
+  Grid<std::int32_t> marks(map.base.resolution_m(), rect);
   Grid<std::uint8_t> inside(map.base.resolution_m(), rect);
   for (const patch::Submap& submap : map.submaps) {
     for (int y = submap.rect.min.y; y < submap.rect.max.y; ++y) {
       for (int x = submap.rect.min.x; x < submap.rect.max.x; ++x) inside.at({x, y}) = 1;
     }
   }
-  for (std::size_t i = 0; i < marked.size(); ++i) {
-    const Cell cell = marked.cell(i);
+  using Owners = std::vector<std::pair<std::size_t, std::uint64_t>>;
+  std::map<Owners, std::int32_t> known;
+  begins_ = {0, 0};  // mark 0 has none
+  Owners owners;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    const Cell cell = marks.cell(i);
     if (inside.values()[i] == 0) {
-      marked.values()[i] = is_occupied(map.base.get(cell)) ? 1 : 0;
+      fixed.values()[i] = is_occupied(map.base.get(cell)) ? 1 : 0;
       continue;
     }
-    std::vector<Owner> owners;
+    owners.clear();
     std::uint64_t any = 0;
     bool is_certain = true;
     for (const std::size_t s : patch::submaps_at(map, cell)) {
-      owners.push_back({static_cast<std::int32_t>(s), occupied_mask(map, s, cell), false, false});
-      any |= owners.back().mask;
-      is_certain = is_certain && owners.back().mask == all_[s];
+      owners.emplace_back(s, occupied_mask(map, s, cell));
+      any |= owners.back().second;
+      is_certain = is_certain && owners.back().second == all_[s];
     }
     if (any == 0) continue;
-    marked.values()[i] = 1;
-    owners.back().is_last = true;
-    owners.front().is_certain = is_certain;
-    first_owner_.values()[i] = static_cast<std::int32_t>(owners_.size());
-    owners_.insert(owners_.end(), owners.begin(), owners.end());
+    if (is_certain) {
+      fixed.values()[i] = 1;
+      continue;
+    }
+    const auto [found, is_new] = known.try_emplace(owners, static_cast<int>(begins_.size()) - 1);
+    marks.values()[i] = found->second;
+    if (!is_new) continue;
+    for (const auto& [s, mask] : owners) owners_.push_back({static_cast<std::int32_t>(s), mask});
+    begins_.push_back(owners_.size());
   }
-  walker_ = RayWalker(marked);
+  return marks;
+}
+
+CellOwner PatchRayCaster::owner(std::int32_t mark, int current) const {
+  const auto place = static_cast<std::size_t>(mark);
+  for (std::size_t n = begins_[place]; n < begins_[place + 1]; ++n) {
+    if (owners_[n].submap == current) return owners_[n];
+  }
+  return owners_[begins_[place]];
 }
 
 void PatchRayCaster::events(double x_m, double y_m, double c, double s, double max_range_m,
                             int current, std::vector<RayEvent>& events) const {
   events.clear();
+  double static_m = std::numeric_limits<double>::infinity();
+  static_.walk(x_m, y_m, c, s, max_range_m, [&](std::size_t, double entry_m, double exit_m) {
+    static_m = 0.5 * (entry_m + exit_m);
+    return false;
+  });
+  bool is_ended = false;
   const auto visit = [&](std::size_t index, double entry_m, double exit_m) {
-    const double range_m = 0.5 * (entry_m + exit_m);
-    const std::int32_t first = first_owner_.values()[index];
-    if (first < 0) {
-      events.push_back({-1, 0, range_m});
-      return false;
-    }
-    const Owner* owner = &owners_[static_cast<std::size_t>(first)];
-    for (const Owner* other = owner;; ++other) {
-      if (other->submap == current) {
-        owner = other;
-        break;
-      }
-      if (other->is_last) break;
-    }
+    if (entry_m > static_m) return false;
+    const CellOwner cell = owner(changing_.mark(index), current);
     std::uint64_t ended = 0;
     for (const RayEvent& event : events) {
-      if (event.submap == owner->submap) ended |= event.mask;
+      if (event.submap == cell.submap) ended |= event.mask;
     }
-    const std::uint64_t fresh = owner->mask & ~ended;
-    if (fresh != 0) events.push_back({owner->submap, fresh, range_m});
-    return (ended | fresh) != all_[static_cast<std::size_t>(owner->submap)];
+    const std::uint64_t fresh = cell.mask & ~ended;
+    if (fresh != 0) events.push_back({cell.submap, fresh, 0.5 * (entry_m + exit_m)});
+    is_ended = (ended | fresh) == all(cell.submap);
+    return !is_ended;
   };
-  walker_.walk(x_m, y_m, c, s, max_range_m, visit);
+  changing_.walk(x_m, y_m, c, s, max_range_m, visit);
+  if (!is_ended && std::isfinite(static_m)) events.push_back({-1, 0, static_m});
 }
 
 double mix_events(const std::vector<RayEvent>& events, const std::vector<double>& values,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/localization/patch_states.hpp"
+#include "core/localization/ray_boxes.hpp"
 #include "core/localization/ray_caster.hpp"
 #include "core/localization/ray_kernel.hpp"
 #include "core/patch/patch_map.hpp"
@@ -20,7 +21,15 @@ struct RayEvent {
   double range_m = 0.0;
 };
 
-/// All first obstacles of all configurations along a ray, near ones first.
+/// A sub-map and those of its configurations in which a cell is an obstacle.
+struct CellOwner {
+  std::int32_t submap = -1;
+  std::uint64_t mask = 0;
+};
+
+/// All first obstacles of all configurations along a ray, near ones first. Cells that end every ray
+/// and those that end it in some configurations only are kept apart: most rays come near the first
+/// kind alone.
 class PatchRayCaster {
  public:
   /// Occupied: is_occupied; unknown is transparent. The static map counts outside the rectangles.
@@ -33,29 +42,33 @@ class PatchRayCaster {
   void events(double x_m, double y_m, double c, double s, double max_range_m, int current,
               std::vector<RayEvent>& events) const;
 
-  /// Many rays at once to the first cell that is an obstacle in any configuration, as cast_rays.
-  void cast(const RayFan& fan, double* range_m, std::int32_t* cell) const {
-    cast_rays(walker_.table(), fan, range_m, cell);
+  /// Many rays at once to the first cell that ends every ray, as cast_rays.
+  void cast_static(const RayFan& fan, double* range_m, std::int32_t* cell) const {
+    cast_rays(static_.table(), fan, range_m, cell);
   }
-  /// Whether every ray that comes to such a cell ends there, whatever the configurations: it
-  /// belongs to the static map, or is an obstacle in all configurations of all sub-maps that have
-  /// it.
-  [[nodiscard]] bool is_certain(std::int32_t cell) const {
-    const std::int32_t first = first_owner_.values()[static_cast<std::size_t>(cell)];
-    return first < 0 || owners_[static_cast<std::size_t>(first)].is_certain;
+  /// ... and to the first cell that is an obstacle in some configurations, as cast_batch.
+  void cast_changing(const RayBatch& batch, double* range_m, std::int32_t* mark) const {
+    cast_batch(changing_.table(), batch, range_m, mark);
+  }
+  /// Where such cells are, at most one box a sub-map.
+  [[nodiscard]] const std::vector<RayBox>& boxes() const { return boxes_; }
+  /// Whose cells of this mark are, seen by a particle in `current`.
+  [[nodiscard]] CellOwner owner(std::int32_t mark, int current) const;
+  /// The mask of all configurations of a sub-map.
+  [[nodiscard]] std::uint64_t all(std::int32_t submap) const {
+    return all_[static_cast<std::size_t>(submap)];
   }
 
  private:
-  struct Owner {
-    std::int32_t submap;
-    std::uint64_t mask;
-    bool is_last;
-    bool is_certain;  // of the first: all owners of this cell have it in all configurations
-  };
-  RayWalker walker_;
-  Grid<std::int32_t> first_owner_;  // place in owners_; -1: the static map
-  std::vector<Owner> owners_;
-  std::vector<std::uint64_t> all_;  // per sub-map: the mask of all its configurations
+  [[nodiscard]] Grid<std::int32_t> mark_cells(const patch::PatchMap& map, const CellRect& rect,
+                                              Grid<std::uint8_t>& fixed);
+
+  RayWalker static_;
+  RayWalker changing_;
+  std::vector<CellOwner> owners_;
+  std::vector<std::size_t> begins_;  // of a mark's owners in owners_; one more at the end
+  std::vector<std::uint64_t> all_;
+  std::vector<RayBox> boxes_;
 };
 
 /// p(z) of one beam when sub-map s is in configuration k with probability belief[offset(s) + k],

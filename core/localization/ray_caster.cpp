@@ -21,6 +21,16 @@ RayWalker::RayWalker(const Grid<std::uint8_t>& marked)
   }
 }
 
+RayWalker::RayWalker(const Grid<std::int32_t>& marks) {
+  Grid<std::uint8_t> marked(marks.resolution_m(), marks.rect());
+  for (std::size_t i = 0; i < marks.size(); ++i) marked.values()[i] = marks.values()[i] > 0 ? 1 : 0;
+  *this = RayWalker(marked);
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    const std::int32_t mark = marks.values()[i];
+    if (mark > 0) leap_.values()[i] = -static_cast<float>(mark);
+  }
+}
+
 RayCaster::RayCaster(const ReflectionGrid& map, double max_range_m) : max_range_m_(max_range_m) {
   Grid<std::uint8_t> occupied(map.resolution_m(), map.rect());
   for (std::size_t i = 0; i < map.size(); ++i) {

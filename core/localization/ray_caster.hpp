@@ -24,9 +24,17 @@ class RayWalker {
  public:
   RayWalker() = default;
   explicit RayWalker(const Grid<std::uint8_t>& marked);
+  /// Cells with a mark above 0 are marked. Requires marks below 2^24.
+  explicit RayWalker(const Grid<std::int32_t>& marks);
 
   [[nodiscard]] const CellRect& rect() const { return leap_.rect(); }
   [[nodiscard]] double resolution_m() const { return leap_.resolution_m(); }
+
+  /// The mark of a cell by its number; 0: none. 1 where marks were not given.
+  [[nodiscard]] std::int32_t mark(std::size_t index) const {
+    const float leap = leap_.values()[index];
+    return leap < 0.0F ? static_cast<std::int32_t>(-leap) : 0;
+  }
 
   /// The same for kernels.
   [[nodiscard]] RayTable table() const {
@@ -59,7 +67,7 @@ class RayWalker {
     t1 = std::min(t1, std::max(a, b));
   }
 
-  Grid<float> leap_;  ///< cells that a ray may leap from anywhere in this cell; < 0: marked
+  Grid<float> leap_;  ///< cells that a ray may leap from anywhere in this cell; < 0: -mark
 };
 
 template <typename Visit>

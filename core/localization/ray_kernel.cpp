@@ -25,11 +25,11 @@ using Places = hn::Rebind<std::int32_t, Tag>;
 struct Axis {
   Lanes start, direction, inverse, step, line, size;
 
-  HWY_INLINE Axis(double start_cells, Lanes along, std::int32_t cells) {
+  HWY_INLINE Axis(Lanes start_cells, Lanes along, std::int32_t cells) {
     const Tag d;
     const auto zero = hn::Zero(d);
     const auto one = hn::Set(d, 1.0);
-    start = hn::Set(d, start_cells);
+    start = start_cells;
     direction = along;
     size = hn::Set(d, static_cast<double>(cells));
     // A ray along the other axis never comes to the line above it.
@@ -74,12 +74,10 @@ struct Rays {
   Lanes t, end, i, j;
   hn::Mask<Tag> is_active, is_hit;
 
-  HWY_INLINE Rays(const RayTable& table, const RayFan& fan, Lanes cosine, Lanes sine)
-      : x(fan.x_m / table.resolution_m - table.min_x, cosine, table.width),
-        y(fan.y_m / table.resolution_m - table.min_y, sine, table.height) {
+  /// from, to: in cells.
+  HWY_INLINE Rays(const Axis& x_axis, const Axis& y_axis, Lanes from, Lanes to)
+      : x(x_axis), y(y_axis), t(from), end(to) {
     const Tag d;
-    t = hn::Zero(d);
-    end = hn::Set(d, fan.max_range_m / table.resolution_m);
     x.clip(t, end);
     y.clip(t, end);
     is_active = hn::Lt(t, end);
@@ -90,12 +88,24 @@ struct Rays {
 
   [[nodiscard]] HWY_INLINE Lanes place() const { return hn::Add(hn::Mul(j, x.size), i); }
 
+  [[nodiscard]] HWY_INLINE Lanes leaps(const RayTable& table) const {
+    const auto index = hn::DemoteTo(Places(), place());
+    return hn::PromoteTo(Tag(), hn::GatherIndex(Floats(), table.leaps, index));
+  }
+
   /// One step of RayWalker::walk in every lane that is not done.
   HWY_INLINE void step(const RayTable& table) {
+    const auto leap = leaps(table);
+    advance(leap, hn::Lt(leap, hn::Zero(Tag())));
+  }
+  /// The same through cells that are marked by `skipped`, -mark.
+  HWY_INLINE void step(const RayTable& table, Lanes skipped) {
+    const auto leap = leaps(table);
+    advance(leap, hn::AndNot(hn::Eq(leap, skipped), hn::Lt(leap, hn::Zero(Tag()))));
+  }
+
+  HWY_INLINE void advance(Lanes leap, hn::Mask<Tag> is_marked) {
     const Tag d;
-    const auto index = hn::DemoteTo(Places(), place());
-    const auto leap = hn::PromoteTo(d, hn::GatherIndex(Floats(), table.leaps, index));
-    const auto is_marked = hn::Lt(leap, hn::Zero(d));
     is_hit = hn::Or(is_hit, hn::And(is_active, is_marked));
     is_active = hn::AndNot(is_marked, is_active);
     const auto next_x = x.crossing(i);
@@ -114,14 +124,19 @@ struct Rays {
     j = hn::IfThenElse(is_active, new_j, j);
   }
 
-  HWY_INLINE void store(double resolution_m, double* range_m, std::int32_t* cell) const {
+  /// limit: the end of the beam in cells.
+  [[nodiscard]] HWY_INLINE Lanes ranges(double resolution_m, Lanes limit) const {
     const Tag d;
     const auto resolution = hn::Set(d, resolution_m);
-    const auto next = hn::Min(hn::Max(t, hn::Min(x.crossing(i), y.crossing(j))), end);
+    const auto next = hn::Min(hn::Max(t, hn::Min(x.crossing(i), y.crossing(j))), limit);
     const auto middle =
         hn::Mul(hn::Set(d, 0.5), hn::Add(hn::Mul(t, resolution), hn::Mul(next, resolution)));
-    const auto none = hn::Set(d, std::numeric_limits<double>::infinity());
-    hn::StoreU(hn::IfThenElse(is_hit, middle, none), d, range_m);
+    return hn::IfThenElse(is_hit, middle, hn::Set(d, std::numeric_limits<double>::infinity()));
+  }
+
+  HWY_INLINE void store(double resolution_m, double* range_m, std::int32_t* cell) const {
+    const Tag d;
+    hn::StoreU(ranges(resolution_m, end), d, range_m);
     const auto found = hn::IfThenElse(is_hit, place(), hn::Set(d, -1.0));
     hn::StoreU(hn::DemoteTo(Places(), found), Places(), cell);
   }
@@ -130,15 +145,27 @@ struct Rays {
 /// Vectors that walk at the same time, so that one works while another waits for the table.
 constexpr std::size_t kAbreast = 3;
 
-HWY_INLINE Rays rays_at(const RayTable& table, const RayFan& fan, const double* cosine,
-                        const double* sine) {
+/// Directions in the map of rays of a fan.
+HWY_INLINE void directions(const RayFan& fan, const double* cosine, const double* sine, Lanes& c,
+                           Lanes& s) {
   const Tag d;
   const auto hc = hn::Set(d, fan.heading_cosine);
   const auto hs = hn::Set(d, fan.heading_sine);
   const auto bc = hn::LoadU(d, cosine);
   const auto bs = hn::LoadU(d, sine);
-  return Rays(table, fan, hn::Sub(hn::Mul(hc, bc), hn::Mul(hs, bs)),
-              hn::Add(hn::Mul(hs, bc), hn::Mul(hc, bs)));
+  c = hn::Sub(hn::Mul(hc, bc), hn::Mul(hs, bs));
+  s = hn::Add(hn::Mul(hs, bc), hn::Mul(hc, bs));
+}
+
+HWY_INLINE Rays rays_at(const RayTable& table, const RayFan& fan, const double* cosine,
+                        const double* sine) {
+  const Tag d;
+  Lanes c, s;
+  directions(fan, cosine, sine, c, s);
+  const auto x = hn::Set(d, fan.x_m / table.resolution_m - table.min_x);
+  const auto y = hn::Set(d, fan.y_m / table.resolution_m - table.min_y);
+  return Rays(Axis(x, c, table.width), Axis(y, s, table.height), hn::Zero(d),
+              hn::Set(d, fan.max_range_m / table.resolution_m));
 }
 
 /// kAbreast vectors of rays.
@@ -182,6 +209,67 @@ void cast_rays_lanes(const RayTable& table, const RayFan& fan, double* range_m,
   std::copy(cells, cells + (fan.count - k), cell + k);
 }
 
+/// One vector of a batch, which must hold as many rays from k on.
+HWY_INLINE Rays rays_of(const RayTable& table, const RayBatch& batch, std::size_t k) {
+  const Tag d;
+  const auto resolution = hn::Set(d, table.resolution_m);
+  const auto x = hn::Sub(hn::Div(hn::LoadU(d, batch.x_m + k), resolution), hn::Set(d, table.min_x));
+  const auto y = hn::Sub(hn::Div(hn::LoadU(d, batch.y_m + k), resolution), hn::Set(d, table.min_y));
+  return Rays(Axis(x, hn::LoadU(d, batch.cosine + k), table.width),
+              Axis(y, hn::LoadU(d, batch.sine + k), table.height),
+              hn::Div(hn::LoadU(d, batch.from_m + k), resolution),
+              hn::Div(hn::LoadU(d, batch.to_m + k), resolution));
+}
+
+/// Two vectors abreast, from k on.
+HWY_INLINE void cast_pair(const RayTable& table, const RayBatch& batch, std::size_t k,
+                          double* range_m, std::int32_t* mark) {
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d);
+  Rays a = rays_of(table, batch, k);
+  Rays b = rays_of(table, batch, k + lanes);
+  const auto skip_a = hn::Neg(hn::LoadU(d, batch.skip + k));
+  const auto skip_b = hn::Neg(hn::LoadU(d, batch.skip + k + lanes));
+  while (!hn::AllFalse(d, hn::Or(a.is_active, b.is_active))) {
+    a.step(table, skip_a);
+    b.step(table, skip_b);
+  }
+  const auto limit = hn::Set(d, batch.max_range_m / table.resolution_m);
+  const auto store = [&](const Rays& rays, std::size_t at) {
+    hn::StoreU(rays.ranges(table.resolution_m, limit), d, range_m + at);
+    const auto found = hn::IfThenElseZero(rays.is_hit, hn::Neg(rays.leaps(table)));
+    hn::StoreU(hn::DemoteTo(Places(), found), Places(), mark + at);
+  };
+  store(a, 0);
+  store(b, lanes);
+}
+
+void cast_batch_lanes(const RayTable& table, const RayBatch& batch, double* range_m,
+                      std::int32_t* mark) {
+  const std::size_t block = 2 * hn::Lanes(Tag());
+  std::size_t k = 0;
+  for (; k + block <= batch.count; k += block) {
+    cast_pair(table, batch, k, range_m + k, mark + k);
+  }
+  if (k == batch.count) return;
+  // The last ones, filled up with copies of the first of them.
+  constexpr std::size_t kMost = 2 * kMostLanes;
+  double rest[7][kMost];
+  const double* const columns[7] = {batch.x_m,    batch.y_m,  batch.cosine, batch.sine,
+                                    batch.from_m, batch.to_m, batch.skip};
+  for (std::size_t c = 0; c < 7; ++c) {
+    std::fill(rest[c], rest[c] + kMost, columns[c][k]);
+    std::copy(columns[c] + k, columns[c] + batch.count, rest[c]);
+  }
+  const RayBatch last{rest[0], rest[1], rest[2], rest[3],          rest[4],
+                      rest[5], rest[6], kMost,   batch.max_range_m};
+  double ranges[kMost];
+  std::int32_t marks[kMost];
+  cast_pair(table, last, 0, ranges, marks);
+  std::copy(ranges, ranges + (batch.count - k), range_m + k);
+  std::copy(marks, marks + (batch.count - k), mark + k);
+}
+
 }  // namespace strata::localization::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -189,9 +277,14 @@ HWY_AFTER_NAMESPACE();
 namespace strata::localization {
 
 HWY_EXPORT(cast_rays_lanes);
+HWY_EXPORT(cast_batch_lanes);
 
 void cast_rays(const RayTable& table, const RayFan& fan, double* range_m, std::int32_t* cell) {
   HWY_DYNAMIC_DISPATCH(cast_rays_lanes)(table, fan, range_m, cell);
+}
+
+void cast_batch(const RayTable& table, const RayBatch& batch, double* range_m, std::int32_t* mark) {
+  HWY_DYNAMIC_DISPATCH(cast_batch_lanes)(table, batch, range_m, mark);
 }
 
 }  // namespace strata::localization

@@ -8,7 +8,7 @@
 namespace strata::localization {
 
 /// What a RayWalker walks through: cells that a ray may leap from anywhere in a cell, row by row;
-/// below 0: marked.
+/// below 0: -mark.
 struct RayTable {
   const float* leaps = nullptr;
   std::int32_t width = 0;
@@ -35,5 +35,23 @@ struct RayFan {
 /// none; cell[k]: the place of that cell in the table, -1 for none. The same bits as
 /// RayWalker::walk on every SIMD target. Requires finite numbers.
 void cast_rays(const RayTable& table, const RayFan& fan, double* range_m, std::int32_t* cell);
+
+/// Rays from anywhere, one entry each. Ray k is looked at from from_m[k] to to_m[k] along it, and
+/// goes through cells of mark skip[k] as if they were free.
+struct RayBatch {
+  const double* x_m = nullptr;
+  const double* y_m = nullptr;
+  const double* cosine = nullptr;
+  const double* sine = nullptr;
+  const double* from_m = nullptr;
+  const double* to_m = nullptr;
+  const double* skip = nullptr;
+  std::size_t count = 0;
+  double max_range_m = 0.0;  ///< where the beams themselves end
+};
+
+/// As cast_rays, with the mark of the cell met (RayWalker::mark) in place of its number; 0: none.
+/// Requires finite numbers.
+void cast_batch(const RayTable& table, const RayBatch& batch, double* range_m, std::int32_t* mark);
 
 }  // namespace strata::localization

@@ -16,7 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace strata::localization::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-#include "core/localization/lane_math.inc"
+#include "core/base/lane_math.inc"
 
 /// Mass of a standard normal below u, 0 <= u <= 6: cubic between the entries of the table.
 HWY_INLINE Lanes mass_below(const ScanMixture::Terms& terms, Lanes u) {
@@ -100,6 +100,56 @@ void log_lanes(const ScanMixture::Terms& terms, std::size_t count, const double*
   std::copy(out, out + (count - k), log_likelihood + k);
 }
 
+void log_lanes_of(const ScanMixture::Terms& terms, const double* beam, std::size_t count,
+                  const double* expected_m, double* log_likelihood) {
+  const Tag d;
+  const hn::Rebind<std::int32_t, Tag> di;
+  const hn::RebindToSigned<Tag> dl;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto row = [&](const double* beams, const double* expected, double* out) {
+    const auto k = hn::PromoteTo(dl, hn::DemoteTo(di, hn::LoadU(d, beams)));
+    hn::StoreU(log_row(terms, hn::LoadU(d, expected), hn::GatherIndex(d, terms.range_m, k),
+                       hn::GatherIndex(d, terms.is_hit, k), hn::GatherIndex(d, terms.short_m, k),
+                       hn::GatherIndex(d, terms.log_none, k)),
+               d, out);
+  };
+  std::size_t k = 0;
+  for (; k + lanes <= count; k += lanes) row(beam + k, expected_m + k, log_likelihood + k);
+  if (k == count) return;
+  double rest[2][kParts] = {};
+  std::copy(beam + k, beam + count, rest[0]);
+  std::copy(expected_m + k, expected_m + count, rest[1]);
+  double out[kParts];
+  row(rest[0], rest[1], out);
+  std::copy(out, out + (count - k), log_likelihood + k);
+}
+
+void mix_lanes(const double* share, const double* first, const double* second, std::size_t count,
+               double* mixed) {
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto row = [&](const double* p, const double* a_log, const double* b_log, double* out) {
+    const auto p_first = hn::LoadU(d, p);
+    const auto a = hn::LoadU(d, a_log);
+    const auto b = hn::LoadU(d, b_log);
+    const auto top = hn::Max(a, b);
+    const auto rest = hn::Sub(hn::Set(d, 1.0), p_first);
+    const auto sum = hn::Add(hn::Mul(p_first, exp_of(d, hn::Sub(a, top))),
+                             hn::Mul(rest, exp_of(d, hn::Sub(b, top))));
+    hn::StoreU(hn::Add(top, log_of(d, hn::Max(sum, hn::Set(d, 1e-300)))), d, out);
+  };
+  std::size_t k = 0;
+  for (; k + lanes <= count; k += lanes) row(share + k, first + k, second + k, mixed + k);
+  if (k == count) return;
+  double rest[3][kParts] = {};
+  std::copy(share + k, share + count, rest[0]);
+  std::copy(first + k, first + count, rest[1]);
+  std::copy(second + k, second + count, rest[2]);
+  double out[kParts];
+  row(rest[0], rest[1], rest[2], out);
+  std::copy(out, out + (count - k), mixed + k);
+}
+
 }  // namespace strata::localization::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -107,6 +157,8 @@ HWY_AFTER_NAMESPACE();
 namespace strata::localization {
 
 HWY_EXPORT(log_lanes);
+HWY_EXPORT(log_lanes_of);
+HWY_EXPORT(mix_lanes);
 
 namespace {
 /// The cumulated standard normal from 0 to 6 and its density, both a step of the table.
@@ -174,6 +226,27 @@ void ScanMixture::log_likelihoods(std::size_t begin, std::size_t count, const do
     log_likelihood[k] = std::log(
         mixture_->likelihood(is_hit_[begin + k] > 0.0, range_m_[begin + k], expected_m[k]));
   }
+}
+
+void ScanMixture::log_likelihoods_of(const double* beam, std::size_t count,
+                                     const double* expected_m, double* log_likelihood) const {
+  Terms terms = terms_;
+  terms.range_m = range_m_.data();
+  terms.is_hit = is_hit_.data();
+  terms.short_m = short_m_.data();
+  terms.log_none = log_none_.data();
+  HWY_DYNAMIC_DISPATCH(log_lanes_of)(terms, beam, count, expected_m, log_likelihood);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!std::isnan(log_likelihood[k])) continue;
+    const auto b = static_cast<std::size_t>(beam[k]);
+    log_likelihood[k] =
+        std::log(mixture_->likelihood(is_hit_[b] > 0.0, range_m_[b], expected_m[k]));
+  }
+}
+
+void mix_logs(const double* share, const double* first, const double* second, std::size_t count,
+              double* mixed) {
+  HWY_DYNAMIC_DISPATCH(mix_lanes)(share, first, second, count, mixed);
 }
 
 }  // namespace strata::localization

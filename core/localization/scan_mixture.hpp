@@ -26,6 +26,10 @@ class ScanMixture {
   void log_likelihoods(std::size_t begin, std::size_t count, const double* expected_m,
                        double* log_likelihood) const;
 
+  /// The same for any beams: log_likelihood[k] for beam[k], whole numbers below size().
+  void log_likelihoods_of(const double* beam, std::size_t count, const double* expected_m,
+                          double* log_likelihood) const;
+
   /// What the kernel reads: constants, and one entry a beam.
   struct Terms {
     const double* range_m = nullptr;
@@ -55,5 +59,10 @@ class ScanMixture {
   std::vector<double> short_m_;
   std::vector<double> log_none_;
 };
+
+/// mixed[k] = ln(share[k] e^first[k] + (1 - share[k]) e^second[k]), 0 <= share <= 1, one of the two
+/// finite. Every SIMD target gives the same bits.
+void mix_logs(const double* share, const double* first, const double* second, std::size_t count,
+              double* mixed);
 
 }  // namespace strata::localization

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/changing_beams.hpp"
+
+#include <algorithm>
+
+namespace strata::localization {
+
+void ChangingBeams::Way::resize(std::size_t count) {
+  for (std::vector<double>* column : {&beam, &x_m, &y_m, &cosine, &sine, &from_m, &to_m, &skip}) {
+    if (column->size() < count) column->resize(2 * count);
+  }
+  if (of.size() < count) of.resize(2 * count);
+}
+
+void ChangingBeams::Way::copy(std::size_t from, std::size_t to) {
+  if (from == to) return;
+  for (std::vector<double>* column : {&beam, &x_m, &y_m, &cosine, &sine, &to_m}) {
+    (*column)[to] = (*column)[from];
+  }
+  of[to] = of[from];
+}
+
+void ChangingBeams::begin() {
+  rays_ = 0;
+  beams_.clear();
+  particle_.clear();
+  seen_.clear();
+  begins_.assign(1, 0);
+  events_.clear();
+}
+
+void ChangingBeams::add(const RayFan& fan, const double* static_m, std::span<const RayBox> boxes,
+                        int current, int fixed) {
+  max_range_m_ = fan.max_range_m;
+  std::size_t found = 0;
+  if (!boxes.empty()) {
+    way_.resize(rays_ + fan.count + RayCrossings::kSlack);
+    found =
+        cross_boxes(fan, static_m, boxes.data(), boxes.size(),
+                    {way_.beam.data() + rays_, way_.cosine.data() + rays_, way_.sine.data() + rays_,
+                     way_.from_m.data() + rays_, way_.to_m.data() + rays_});
+  }
+  for (std::size_t k = rays_; k < rays_ + found; ++k) {
+    way_.x_m[k] = fan.x_m;
+    way_.y_m[k] = fan.y_m;
+    way_.skip[k] = 0.0;
+    way_.of[k] = static_cast<std::uint32_t>(k);
+    beams_.push_back({static_cast<std::uint32_t>(way_.beam[k]), -1, 0, false});
+    particle_.push_back(static_cast<std::uint32_t>(seen_.size()));
+  }
+  seen_.push_back({current, fixed});
+  rays_ += found;
+  begins_.push_back(rays_);
+}
+
+std::uint64_t ChangingBeams::ended(const ChangingBeam& beam, std::int32_t submap) const {
+  std::uint64_t mask = 0;
+  for (std::int32_t e = beam.last_event; e >= 0; e = event(e).previous) {
+    if (event(e).ray.submap == submap) mask |= event(e).ray.mask;
+  }
+  return mask;
+}
+
+/// Ray k has come to a marked cell: keeps the event, and the ray as number `on` when it goes on.
+void ChangingBeams::meet(const PatchRayCaster& caster, std::size_t k, std::size_t& on) {
+  const std::uint32_t of = way_.of[k];
+  ChangingBeam& beam = beams_[of];
+  const Seen& seen = seen_[particle_[of]];
+  const CellOwner cell = caster.owner(mark_[k], seen.current);
+  const bool is_known = cell.submap == seen.current && seen.fixed >= 0;
+  const std::uint64_t before = ended(beam, cell.submap);
+  const std::uint64_t counts = is_known ? std::uint64_t{1} << seen.fixed : ~std::uint64_t{0};
+  const std::uint64_t fresh = cell.mask & ~before & counts;
+  if (fresh != 0) {
+    event_beam_.push_back(way_.beam[k]);
+    event_range_m_.push_back(range_m_[k]);
+    events_.push_back({{cell.submap, fresh, range_m_[k]}, 0.0, beam.last_event});
+    beam.last_event = static_cast<std::int32_t>(events_.size()) - 1;
+    ++beam.events;
+    beam.is_ended = is_known || (before | fresh) == caster.all(cell.submap);
+    if (beam.is_ended) return;
+  }
+  way_.copy(k, on);
+  // From the middle of this cell on, through others like it.
+  way_.from_m[on] = range_m_[k];
+  way_.skip[on] = static_cast<double>(mark_[k]);
+  ++on;
+}
+
+void ChangingBeams::follow(const PatchRayCaster& caster, const ScanMixture& mixture) {
+  range_m_.resize(std::max(range_m_.size(), rays_));
+  mark_.resize(std::max(mark_.size(), rays_));
+  std::size_t left = rays_;
+  while (left > 0) {
+    caster.cast_changing(
+        {way_.x_m.data(), way_.y_m.data(), way_.cosine.data(), way_.sine.data(), way_.from_m.data(),
+         way_.to_m.data(), way_.skip.data(), left, max_range_m_},
+        range_m_.data(), mark_.data());
+    const std::size_t first = events_.size();
+    event_beam_.clear();
+    event_range_m_.clear();
+    std::size_t on = 0;
+    for (std::size_t k = 0; k < left; ++k) {
+      if (mark_[k] > 0) meet(caster, k, on);
+    }
+    event_log_.resize(event_beam_.size());
+    mixture.log_likelihoods_of(event_beam_.data(), event_beam_.size(), event_range_m_.data(),
+                               event_log_.data());
+    for (std::size_t e = 0; e < event_log_.size(); ++e) {
+      events_[first + e].log_likelihood = event_log_[e];
+    }
+    left = on;
+  }
+}
+
+}  // namespace strata::localization

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Which rays of a fan cross some boxes, with the widest SIMD that the machine has.
+#pragma once
+
+#include <cstddef>
+
+#include "core/localization/ray_kernel.hpp"
+
+namespace strata::localization {
+
+/// A rectangle in the map.
+struct RayBox {
+  double min_x_m = 0.0;
+  double min_y_m = 0.0;
+  double max_x_m = 0.0;
+  double max_y_m = 0.0;
+};
+
+/// Where rays of a fan cross boxes; columns with room for fan.count + kSlack entries.
+struct RayCrossings {
+  static constexpr std::size_t kSlack = 8;
+  double* ray = nullptr;     ///< number in the fan
+  double* cosine = nullptr;  ///< direction in the map
+  double* sine = nullptr;
+  double* from_m = nullptr;  ///< first entry into any of the boxes
+  double* to_m = nullptr;    ///< last exit from any of them, not beyond the ray's end
+};
+
+/// Fills `found` with the rays of `fan` that cross at least one box before end_m[k] (or the fan's
+/// limit), in their order, and returns how many.
+std::size_t cross_boxes(const RayFan& fan, const double* end_m, const RayBox* boxes,
+                        std::size_t box_count, const RayCrossings& found);
+
+}  // namespace strata::localization
