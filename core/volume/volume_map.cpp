@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <octomap/OcTree.h>
 
 #include "core/base/error.hpp"
+#include "core/volume/octomap_bytes.hpp"
 #include "core/volume/octomap_header.hpp"
 
 namespace strata::volume {
@@ -279,7 +281,8 @@ std::string VolumeMap::binary_file() const {
   return std::move(out).str();
 }
 
-VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& place) {
+VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& place,
+                               const std::optional<VolumeConfig>& wanted) {
   const auto refuse = [&](const std::string& what) -> InputError {
     return InputError(place, what, "give a .bt or .ot file of an OcTree, as OctoMap writes it");
   };
@@ -303,8 +306,14 @@ VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& plac
   // A node takes two bytes at least: a damaged size must not make us read without end.
   const auto left = bytes.size() - static_cast<std::size_t>(in.tellg());
   if (!(resolution_m > 0.0) || left < 2) throw refuse("says no voxel edge, or ends too early");
-  VolumeConfig config;
+  VolumeConfig config = wanted.value_or(VolumeConfig{});
+  if (wanted && wanted->resolution_m != resolution_m) {
+    throw InputError(place, "its voxels have edges of " + std::to_string(resolution_m) + " m",
+                     "set resolution_m to that, or name another file");
+  }
   config.resolution_m = resolution_m;
+  const auto nodes = octomap_nodes(std::string_view(bytes).substr(bytes.size() - left), is_binary);
+  if (!nodes) throw refuse("is damaged: it ends too early or goes too deep");
   VolumeMap map(config);
   if (is_binary) {
     map.state_->tree.readBinaryData(in);

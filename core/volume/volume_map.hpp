@@ -85,8 +85,11 @@ class VolumeMap {
 
   /// A .bt file: occupied, free or unknown, pruned. What octovis and octomap_server open.
   [[nodiscard]] std::string binary_file() const;
-  /// The map of a .bt or .ot file of an OcTree. place: its name in errors. Throws InputError.
-  [[nodiscard]] static VolumeMap from_file(const std::string& bytes, const std::string& place);
+  /// The map of a .bt or .ot file of an OcTree. place: its name in errors. wanted: how clouds are
+  /// added from then on; nothing: the defaults. Throws InputError, also for voxels of another size
+  /// than wanted.
+  [[nodiscard]] static VolumeMap from_file(const std::string& bytes, const std::string& place,
+                                           const std::optional<VolumeConfig>& wanted = {});
   /// A .ot file: every log odds.
   [[nodiscard]] std::string full_file() const;
   /// The data of an octomap_msgs/Octomap with binary = true, id = "OcTree".

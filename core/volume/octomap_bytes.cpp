@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/volume/octomap_bytes.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace strata::volume {
+namespace {
+
+constexpr std::size_t kDepth = 16;
+constexpr std::size_t kValueBytes = 4;
+constexpr unsigned kInner = 3;  // of a child's two bits in a .bt; 0: there is none
+
+/// The children of a node: which there are, and below which of them the bytes go on.
+struct Children {
+  unsigned all = 0;
+  unsigned read_next = 0;
+};
+
+Children children_of_full(std::string_view node) {
+  const unsigned bits = static_cast<std::uint8_t>(node[kValueBytes]);
+  return {bits, bits};
+}
+
+Children children_of_binary(std::string_view node) {
+  Children children;
+  for (unsigned child = 0; child < 8; ++child) {
+    const unsigned byte = static_cast<std::uint8_t>(node[child / 4]);
+    const unsigned code = (byte >> (2 * (child % 4))) & 3U;
+    if (code != 0) children.all |= 1U << child;
+    if (code == kInner) children.read_next |= 1U << child;
+  }
+  return children;
+}
+
+std::size_t count(unsigned bits) { return static_cast<std::size_t>(__builtin_popcount(bits)); }
+
+}  // namespace
+
+std::optional<std::size_t> octomap_nodes(std::string_view data, bool is_binary) {
+  const std::size_t node_bytes = is_binary ? 2 : kValueBytes + 1;
+  std::size_t nodes = 1;
+  // How many nodes of each level on the way down are still to be read.
+  std::array<std::size_t, kDepth + 1> left{1};
+  for (std::size_t depth = 0;;) {
+    if (left[depth] == 0) {
+      if (depth == 0) return nodes;
+      --depth;
+      continue;
+    }
+    --left[depth];
+    if (data.size() < node_bytes) return std::nullopt;
+    const Children children = is_binary ? children_of_binary(data) : children_of_full(data);
+    data.remove_prefix(node_bytes);
+    nodes += count(children.all);
+    if (children.all != 0 && depth == kDepth) return std::nullopt;
+    if (children.read_next != 0) left[++depth] = count(children.read_next);
+  }
+}
+
+}  // namespace strata::volume
