@@ -16,7 +16,7 @@ namespace {
 
 /// By so much linearizing may misjudge a topology against another one.
 constexpr double kLinearizationErrorNats = 5.0;
-/// Topologies that revise another one, tried after a visit, about at most.
+/// Topologies that revise another one, tried after a visit, at most.
 constexpr std::size_t kMostRevisions = 12;
 
 /// Optimizes a topology from its poses; false when that does not converge.
@@ -65,6 +65,7 @@ Generation settle(std::span<const Candidate> candidates, const Parents& parents,
     settled[i] = std::move(particle);
   });
   Generation generation;
+  generation.optimized = candidates.size();
   for (std::size_t i = 0; i < settled.size(); ++i) {
     const double log_weight =
         settled[i] ? candidates[i].log_factor + settled[i]->hypothesis.log_evidence : 0.0;
@@ -89,10 +90,12 @@ void add_revisions(Generation& generation, const VisitLog& log, const TopologyCo
     const Hypothesis& from = particles[order[k]].hypothesis;
     for (auto* revisions : {mergers, moved_visits}) {
       for (Labels& labels : revisions(from, config.location)) {
+        if (revised.size() == kMostRevisions) break;
         if (known.insert(labels).second) revised.emplace_back(order[k], std::move(labels));
       }
     }
   }
+  generation.optimized += revised.size();
   std::vector<std::optional<Particle>> settled(revised.size());
   std::vector<double> log_weights(revised.size(), 0.0);
   pool.for_chunks(revised.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {

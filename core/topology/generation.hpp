@@ -34,6 +34,7 @@ struct Parents {
 struct Generation {
   std::vector<Particle> particles;
   std::vector<double> log_weights;  ///< one a particle
+  std::size_t optimized = 0;        ///< topologies tried
   std::size_t not_converged = 0;    ///< candidates that could not be evaluated, left out
 };
 

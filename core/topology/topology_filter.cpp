@@ -84,10 +84,12 @@ void TopologyFilter::State::grow() {
   counts.failed_matches = log.failed_matches();
   counts.not_converged += generation.not_converged;
   if (generation.particles.empty()) {
+    counts.optimized += generation.optimized;
     keep_as_new();
     return;
   }
   if (best) add_revisions(generation, log, config, pool);
+  counts.optimized += generation.optimized;
   keep(std::move(generation));
 }
 

@@ -45,6 +45,7 @@ struct TopologyCounts {
   std::size_t broken_visits = 0;   ///< skipped: odometry or way that is not finite or negative
   std::size_t empty_patches = 0;   ///< visits without a local map, or with one that is not finite
   std::size_t failed_matches = 0;  ///< pairs of visits whose local maps did not fit
+  std::size_t optimized = 0;       ///< topologies evaluated: what the visits cost
   std::size_t not_converged = 0;   ///< optimizations that did not converge; their label is dropped
   std::size_t near_landmarks =
       0;  ///< pairs that the likeliest topology now puts within a metre, or

@@ -23,6 +23,21 @@ struct TopologyMapper::State {
   std::vector<PosedScan> scans;
   std::vector<MadeVisit> visits;
   std::size_t skipped = 0;
+  bool is_begun = false;  // a scan came that was not restored
+  std::optional<Pose2> resumed_odom;
+  std::optional<Pose2> run_from_odom;  // nothing: the same, unless the mapper was restored
+
+  void begin(const Observation& observation) {
+    is_begun = true;
+    Pose2 start = observation.odom_from_robot;
+    if (!scans.empty()) {
+      const Pose2 step =
+          resumed_odom ? between(*resumed_odom, observation.odom_from_robot) : Pose2();
+      start = scans.back().map_from_robot * step;
+      run_from_odom = start * inverse(observation.odom_from_robot);
+    }
+    tracker.emplace(config.tracking, config.resolution_m, observation.run, start);
+  }
 };
 
 TopologyMapper::TopologyMapper(const TopologyMapperConfig& config, std::uint64_t seed,
@@ -42,11 +57,9 @@ std::vector<MadeVisit> TopologyMapper::add(const Observation& observation, const
     ++s.skipped;
     return {};
   }
-  if (!s.tracker) {
-    s.tracker.emplace(s.config.tracking, s.config.resolution_m, observation.run,
-                      observation.odom_from_robot);
-  }
+  if (!s.is_begun) s.begin(observation);
   PosedScan scan{observation.run, observation.scan, observation.odom_from_robot, {}};
+  if (s.run_from_odom) scan.map_from_robot = *s.run_from_odom * observation.odom_from_robot;
   if (given != nullptr) {
     scan.map_from_robot = *given;
   } else if (s.config.match_scans) {
@@ -57,6 +70,15 @@ std::vector<MadeVisit> TopologyMapper::add(const Observation& observation, const
   }
   s.scans.push_back(scan);
   return s.maker.add(scan);
+}
+
+std::vector<MadeVisit> TopologyMapper::restore(const PosedScan& tracked) {
+  state_->scans.push_back(tracked);
+  return state_->maker.add(tracked);
+}
+
+void TopologyMapper::resume_from(const Pose2& odom_from_robot) {
+  state_->resumed_odom = odom_from_robot;
 }
 
 void TopologyMapper::mark(Stamp stamp) { state_->maker.mark(stamp); }

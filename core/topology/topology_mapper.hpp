@@ -34,6 +34,13 @@ class TopologyMapper {
   /// now. O(beams x iterations) but where a local map is made or looked at.
   [[nodiscard]] std::vector<MadeVisit> add(const Observation& observation,
                                            const Pose2* given = nullptr);
+  /// The next scan of an earlier life of the mapper, with the pose that it gave it (`scans`):
+  /// before any `add`, and with `mark` in between as it was then. Returns the visits that were
+  /// complete then, for `update`. O(1) about but where local maps are made or looked at.
+  [[nodiscard]] std::vector<MadeVisit> restore(const PosedScan& tracked);
+  /// After the last `restore`: the odometry of that scan, from which the next one's has gone on.
+  /// Without it the robot is taken to be where it was then, and its odometry to have begun anew.
+  void resume_from(const Pose2& odom_from_robot);
   /// The robot is or was at a landmark: beside those that are detected, or instead of them
   /// (`source: given`).
   void mark(Stamp stamp);

@@ -51,16 +51,19 @@ std::vector<std::size_t> chains(const std::vector<std::optional<Pose2>>& places,
 }
 
 void count_pairs(const std::vector<std::optional<Pose2>>& places, const topology::Labels& labels,
-                 double near_m, TopologyAgreement& counts) {
-  const std::vector<std::size_t> chain = chains(places, near_m);
+                 double near_m, double precision_m, TopologyAgreement& counts) {
+  const std::vector<std::size_t> chain = chains(places, near_m + precision_m);
   for (std::size_t b = 1; b < places.size(); ++b) {
     for (std::size_t a = 0; a < b; ++a) {
       if (!places[a] || !places[b]) continue;
       const double apart_m = translation_distance(*places[a], *places[b]);
       const std::size_t merged = labels[a] == labels[b] ? 1 : 0;
-      if (apart_m <= near_m) {
+      if (apart_m <= near_m - precision_m) {
         ++counts.near;
         counts.near_merged += merged;
+      } else if (apart_m <= near_m + precision_m) {
+        ++counts.unclear;
+        counts.unclear_merged += merged;
       } else if (apart_m < 2.0 * near_m) {
         ++counts.between;
         counts.between_merged += merged;
@@ -101,7 +104,8 @@ TopologyMap map_topology(const std::vector<Observation>& observations,
 
 TopologyAgreement agreement(const TopologyMap& result, const topology::Hypothesis& hypothesis,
                             const std::vector<Observation>& observations,
-                            const std::vector<std::optional<Pose2>>& truths, double near_m) {
+                            const std::vector<std::optional<Pose2>>& truths, double near_m,
+                            double precision_m) {
   std::map<Stamp, Pose2> true_poses;
   for (std::size_t i = 0; i < std::min(observations.size(), truths.size()); ++i) {
     if (truths[i]) true_poses[observations[i].scan.stamp] = *truths[i];
@@ -113,7 +117,7 @@ TopologyAgreement agreement(const TopologyMap& result, const topology::Hypothesi
     places.emplace_back();
     if (pose != true_poses.end()) places.back() = pose->second * visit.robot_from_visit;
   }
-  count_pairs(places, hypothesis.labels, near_m, agreement);
+  count_pairs(places, hypothesis.labels, near_m, precision_m, agreement);
   return agreement;
 }
 

@@ -29,23 +29,26 @@ struct TopologyMap : topology::TopologyMap {
                                        const topology::TopologyMapperConfig& config,
                                        std::uint64_t seed, int threads, Progress* progress);
 
-/// Pairs of visits whose places are known from a true trajectory.
+/// Pairs of visits whose places are known from a true trajectory, as far as that is precise.
 struct TopologyAgreement {
-  std::size_t near = 0;            ///< places within the distance of each other ...
+  std::size_t near = 0;            ///< places surely within the distance of each other ...
   std::size_t near_merged = 0;     ///< ... that the topology holds to be one landmark
-  std::size_t between = 0;         ///< places further apart than that, but not twice as far ...
+  std::size_t unclear = 0;         ///< places that may be within it or not ...
+  std::size_t unclear_merged = 0;  ///< ... that it takes for one
+  std::size_t between = 0;         ///< places surely further apart, but not twice as far ...
   std::size_t between_merged = 0;  ///< ... that it takes for one ...
-  std::size_t between_chained =
-      0;                       ///< ... that must be one where all near ones are: others link them
+  /// ... that must be one where all are that may be within it: others link them.
+  std::size_t between_chained = 0;
   std::size_t far = 0;         ///< places at least twice that far apart ...
   std::size_t far_merged = 0;  ///< ... that it takes for one, wrongly
 };
-/// Of all pairs of visits whose scans have a true pose. truths: one an observation, in any frame.
+/// Of all pairs of visits whose scans have a true pose. truths: one an observation, in any frame;
+/// precision_m: how well they tell the distance of two places.
 [[nodiscard]] TopologyAgreement agreement(const TopologyMap& result,
                                           const topology::Hypothesis& hypothesis,
                                           const std::vector<Observation>& observations,
                                           const std::vector<std::optional<Pose2>>& truths,
-                                          double near_m);
+                                          double near_m, double precision_m = 0.0);
 
 /// Times in seconds from the first scan, one a line; `#` begins a comment. Throws InputError with
 /// file and line.

@@ -57,6 +57,8 @@ nlohmann::json write_topology(const std::filesystem::path& dir, const std::strin
   if (agreement) {
     json["agreement"] = {{"near", agreement->near},
                          {"near_merged", agreement->near_merged},
+                         {"unclear", agreement->unclear},
+                         {"unclear_merged", agreement->unclear_merged},
                          {"between", agreement->between},
                          {"between_merged", agreement->between_merged},
                          {"between_chained", agreement->between_chained},

@@ -24,7 +24,22 @@ struct Options {
   std::string log;
   std::string out;
   std::string landmarks;
+  double truth_precision_m = 0.0;
 };
+
+void print_agreement(const pipeline::TopologyAgreement& agreement, double precision_m) {
+  std::cout << agreement.near_merged << " of " << agreement.near << " pairs of visits within "
+            << kNearM - precision_m << " m are merged; " << agreement.between_merged << " of "
+            << agreement.between << " less than " << 2.0 * kNearM << " m apart are too ("
+            << agreement.between_chained << " are linked by others), " << agreement.far_merged
+            << " of " << agreement.far << " further apart";
+  if (precision_m > 0.0) {
+    std::cout << "; of those between " << kNearM - precision_m << " and " << kNearM + precision_m
+              << " m, where the truth cannot tell, " << agreement.unclear_merged << " of "
+              << agreement.unclear;
+  }
+  std::cout << '\n';
+}
 
 void run_topology(Options options, VerbContext& context) {
   const pipeline::CostMeter meter;
@@ -44,7 +59,7 @@ void run_topology(Options options, VerbContext& context) {
   std::optional<pipeline::TopologyAgreement> agreement;
   if (!options.input.truths.empty()) {
     agreement = pipeline::agreement(result, result.posterior.front(), runs.observations,
-                                    runs.truths, kNearM);
+                                    runs.truths, kNearM, options.truth_precision_m);
   }
   const nlohmann::json json =
       pipeline::write_topology(out.path(), options.log, result, meter.read(), agreement);
@@ -56,12 +71,7 @@ void run_topology(Options options, VerbContext& context) {
             << " topologies in " << options.out << "; an update took "
             << json["cost"]["update_ms"]["median"].get<double>() << " ms (median), "
             << json["cost"]["update_ms"]["max"].get<double>() << " ms at most\n";
-  if (!agreement) return;
-  std::cout << agreement->near_merged << " of " << agreement->near << " pairs of visits within "
-            << kNearM << " m are merged; " << agreement->between_merged << " of "
-            << agreement->between << " less than " << 2.0 * kNearM << " m apart are too ("
-            << agreement->between_chained << " are linked by others), " << agreement->far_merged
-            << " of " << agreement->far << " further apart\n";
+  if (agreement) print_agreement(*agreement, options.truth_precision_m);
 }
 
 }  // namespace
@@ -77,6 +87,10 @@ void add_topology(CLI::App& app, VerbContext& context) {
   verb->add_option("--landmarks", options->landmarks,
                    "file of landmark times, seconds from the first scan, one a line; without it "
                    "junctions and rooms are found in the scans");
+  verb->add_option("--truth-precision", options->truth_precision_m,
+                   "how well the truth tells the distance of two places [m]: pairs as near to 1 m "
+                   "as that are counted apart")
+      ->check(CLI::Range(0.0, 0.5 * kNearM));
   add_run_options(*verb, options->input);
 }
 

@@ -289,6 +289,32 @@ TEST(TopologyFilter, MovesAVisitToTheLandmarkThatALaterLoopPutsItAt) {
   EXPECT_TRUE(moved_visits(hypothesis, config).empty());
 }
 
+/// However long the drive: as many topologies as are kept, twice, and the revisions.
+TEST(TopologyFilter, TriesNoMoreTopologiesAVisitAfterAHundredThanAfterTen) {
+  std::vector<int> order;
+  for (int round = 0; round < 9; ++round) {
+    for (const int place : test_world::twelve_visits()) order.push_back(place);
+  }
+  const Drive drive =
+      test_world::drive(test_world::nine_junctions(), order, kLandmarkOdometryNoise, 4);
+  TopologyConfig config;
+  config.particles = 10;
+  for (const Expansion expansion : {Expansion::kBest, Expansion::kParticles}) {
+    config.expansion = expansion;
+    TopologyFilter filter(config, 1);
+    std::size_t before = 0;
+    std::size_t most = 0;
+    for (const LandmarkVisit& visit : drive.visits) {
+      ASSERT_TRUE(filter.add(visit));
+      most = std::max(most, filter.counts().optimized - before);
+      before = filter.counts().optimized;
+      EXPECT_LE(filter.posterior().size(), 10U);
+    }
+    EXPECT_GT(most, 0U);
+    EXPECT_LE(most, 2U * 10U + 12U);
+  }
+}
+
 /// Whatever is wrong with a visit, the posterior stays one, and the counts say what it was.
 TEST(TopologyFilter, StaysNormalizedAndSaysWhyWhateverComes) {
   Drive drive = test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(),

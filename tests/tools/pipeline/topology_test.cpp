@@ -60,6 +60,34 @@ TEST(TopologyAgreement, CountsPairsByTheirTrueDistance) {
   EXPECT_EQ(counted.between_chained, 1U);  // linked by the place halfway
   EXPECT_EQ(counted.far, 5U);
   EXPECT_EQ(counted.far_merged, 3U);
+  EXPECT_EQ(counted.unclear, 0U);
+}
+
+TEST(TopologyAgreement, CountsPairsApartThatTheTruthCannotTell) {
+  TopologyMap map;
+  std::vector<Observation> observations(4);
+  // 0.6 m, 1.05 m, 1.15 m and 1.65 m: with a truth good to 0.1 m the second may be within a metre.
+  const std::vector<std::optional<Pose2>> truths{Pose2{0, 0, 0}, Pose2{0.6, 0, 0},
+                                                 Pose2{1.65, 0, 0}, Pose2{1.75, 0, 0}};
+  for (int i = 0; i < 4; ++i) {
+    observations[static_cast<std::size_t>(i)].scan.stamp = Stamp::from_seconds(i);
+    map.visits.emplace_back().visit.stamp = Stamp::from_seconds(i);
+  }
+  topology::Hypothesis hypothesis;
+  hypothesis.labels = {0, 0, 0, 1};
+  const TopologyAgreement sure = agreement(map, hypothesis, observations, truths, 1.0);
+  EXPECT_EQ(sure.near, 2U);  // 0.6 m, and 0.1 m between the last two
+  EXPECT_EQ(sure.between, 4U);
+  EXPECT_EQ(sure.between_merged, 2U);
+  EXPECT_EQ(sure.between_chained, 0U);
+  const TopologyAgreement counted = agreement(map, hypothesis, observations, truths, 1.0, 0.1);
+  EXPECT_EQ(counted.near, 2U);
+  EXPECT_EQ(counted.near_merged, 1U);
+  EXPECT_EQ(counted.unclear, 1U);
+  EXPECT_EQ(counted.unclear_merged, 1U);
+  EXPECT_EQ(counted.between, 3U);
+  EXPECT_EQ(counted.between_merged, 1U);
+  EXPECT_EQ(counted.between_chained, 3U);  // all, over the pair that may be within a metre
 }
 
 TEST(MapTopology, OfARunWithLandmarksByHandIsWholeAndTheSameAtAnyNumberOfThreads) {
