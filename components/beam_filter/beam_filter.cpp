@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/beam_filter/beam_filter.hpp"
 
+#include <filesystem>
 #include <limits>
+#include <system_error>
 
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
@@ -26,7 +28,35 @@ void BeamFilter::on_configure() {
   } else {
     publish_reflection_ =
         advertise<strata_msgs::msg::ReflectionGrid>("reflection_filtered", "latched");
+    open_store();
   }
+}
+
+void BeamFilter::open_store() {
+  const std::filesystem::path file = config_.store.file;
+  if (file.empty() || context().only_explained) return;
+  std::error_code error;
+  if (std::filesystem::exists(file, error)) {
+    online_->restore_state(log::read_state_file(file), file.string());
+  }
+  store_.emplace(file, config_.store.period_s);
+}
+
+void BeamFilter::on_activate() {
+  if (online_->scans_in_window() > 0) publish_map(online_->map(), online_->newest());
+}
+
+void BeamFilter::on_tick() {
+  if (!store_) return;
+  const std::optional<std::string> error = store_->take_error();
+  if (error && context().on_error) context().on_error(full_name() + ": " + *error);
+}
+
+void BeamFilter::on_deactivate() {
+  if (!store_ || online_->scans_in_window() == 0) return;
+  store_->write(online_->save_state());
+  store_->flush();
+  on_tick();
 }
 
 void BeamFilter::on_scan(PosedScan scan) {
@@ -36,6 +66,7 @@ void BeamFilter::on_scan(PosedScan scan) {
   if (scans_++ % static_cast<std::uint64_t>(config_.map_every_scans) == 0) {
     publish_map(online_->map(), scan.scan.stamp);
   }
+  if (store_ && store_->is_due(scan.scan.stamp)) store_->write(online_->save_state());
 }
 
 void BeamFilter::publish_classes(const PosedScan& scan) {
@@ -62,6 +93,7 @@ void BeamFilter::on_diagnose(runtime::Health& health) const {
 }
 
 void BeamFilter::on_cleanup() {
+  store_.reset();
   online_.reset();
   scans_ = 0;
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "components/beam_filter/config.hpp"
+#include "components/log/state_file.hpp"
 #include "components/runtime/component.hpp"
 #include "core/grid/counting_map.hpp"
 
@@ -16,22 +17,27 @@ namespace strata::beam_filter {
 /// In: posed_scan. Out: scan_static, scan_dynamic (NaN for beams of the other class), labeled_scan,
 /// map_filtered and, live, reflection_filtered. A scan's labels go out before anything else is
 /// done. Memory: a window of scans, and the map. The labels over a whole log need the poses too and
-/// come from the scan matcher's finish (docs/decisions/).
+/// come from the scan matcher's finish (docs/decisions/). Live it goes on from its store.
 class BeamFilter final : public runtime::Component {
  public:
   using Component::Component;
 
  private:
   void on_configure() override;
+  void on_activate() override;
+  void on_deactivate() override;
+  void on_tick() override;
   void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;
   [[nodiscard]] bool learns() const override { return true; }
+  void open_store();
   void on_scan(PosedScan scan);
   void publish_classes(const PosedScan& scan);
   void publish_map(const ReflectionGrid& filtered, Stamp stamp);
 
   BeamFilterComponentConfig config_;
   std::optional<OnlineFilter> online_;
+  std::optional<log::StateFileWriter> store_;
   std::uint64_t scans_ = 0;
   std::function<void(const sensor_msgs::msg::LaserScan&)> publish_static_;
   std::function<void(const sensor_msgs::msg::LaserScan&)> publish_dynamic_;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "components/localizer/place_store.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/runtime/sensor_input.hpp"
 #include "core/localization/localizer_config.hpp"
@@ -19,6 +20,7 @@ struct StartConfig {
   std::string pose_topic;
   double stddev_m = 0.2;
   double stddev_rad = 0.1;
+  PlaceStoreConfig store;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("pose", c.pose,
@@ -31,6 +33,7 @@ struct StartConfig {
                 "and no pose, begin at the last one from there; empty: a global start"});
     v.field("stddev_m", c.stddev_m, {.doc = "of x and of y", .unit = "m", .min = 0.0});
     v.field("stddev_rad", c.stddev_rad, {.doc = "of theta", .unit = "rad", .min = 0.0});
+    v.group("store", c.store, "beginning where the robot was when the process ended");
   }
 };
 

@@ -48,6 +48,24 @@ void Localizer::on_configure() {
       [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); });
   offer_services();
   subscribe_sensors(config_.input, config_.sensor_qos);
+  if (!lockstep()) load_place();
+}
+
+void Localizer::load_place() {
+  store_.emplace(config_.start.store, start_covariance(config_.start));
+  try {
+    store_->load();
+  } catch (const InputError& error) {  // the robot must start nevertheless
+    if (context().on_error) context().on_error(full_name() + ": " + error.what());
+  }
+}
+
+void Localizer::resume(const Observation& observation) {
+  const std::optional<Pose2Gaussian> place =
+      store_ ? store_->resume(observation) : std::optional<Pose2Gaussian>();
+  if (!place) return;
+  place_ = Place{*place, observation.odom_from_robot, observation.has_odometry};
+  if (localizer_) localizer_->initialize(*place);
 }
 
 void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussian>& start) {
@@ -107,6 +125,7 @@ std::optional<Pose2Gaussian> Localizer::place_now(const Observation& observation
 }
 
 void Localizer::on_observation(const Observation& observation) {
+  resume(observation);
   if (live_maps_ && live_maps_->has_news()) {
     use_maps(live_maps_->take(), place_now(observation));
   }
@@ -145,6 +164,7 @@ void Localizer::restart_anywhere() {
     throw InputError(resolve("reinitialize_global_localization"), "no map has come yet",
                      "ask again when the localizer has its map");
   }
+  if (store_) store_->forget();
   localizer_->initialize_global();
 }
 
@@ -163,6 +183,7 @@ void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& mes
   // All zero means unknown, as many tools leave it.
   if (pose.covariance.isZero(0.0)) pose.covariance = start_covariance(config_.start);
   place_ = Place{pose, Pose2(), false};
+  if (store_) store_->forget();
   if (localizer_) localizer_->initialize(pose);
 }
 
@@ -180,6 +201,9 @@ void Localizer::localize(const Observation& observation) {
   publish_located(observation, result);
   if (!result.submaps.empty()) publish_states(stamp, result.submaps);
   publish_health(stamp, result, update_time);
+  if (store_ && result.converged && result.health.state != HealthState::kLost) {
+    store_->keep(observation, result.pose);
+  }
 }
 
 void Localizer::publish_pose(const Observation& observation, const Pose2Gaussian& pose) {
@@ -290,6 +314,7 @@ void Localizer::on_finish(const std::filesystem::path& out_dir) {
 
 void Localizer::on_cleanup() {
   localizer_.reset();
+  store_.reset();
   health_.reset();
   record_ = {};
   particle_writer_.reset();

@@ -9,6 +9,7 @@
 
 #include "components/localizer/config.hpp"
 #include "components/localizer/live_maps.hpp"
+#include "components/localizer/place_store.hpp"
 #include "components/maps/localization_files.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/runtime/sensor_component.hpp"
@@ -43,6 +44,9 @@ class Localizer final : public runtime::SensorComponent {
   void restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message,
                const std::string& source);
   void restart_anywhere();
+  void load_place();
+  /// Begins where the robot was when the process before this one ended, at the first observation.
+  void resume(const Observation& observation);
   [[nodiscard]] std::optional<Pose2Gaussian> place_now(const Observation& observation) const;
   void localize(const Observation& observation);
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
@@ -63,6 +67,7 @@ class Localizer final : public runtime::SensorComponent {
 
   std::optional<LiveMaps> live_maps_;
   std::optional<Place> place_;
+  std::optional<PlaceStore> store_;  ///< live only
   maps::MapModel model_;
   std::unique_ptr<localization::Localizer> localizer_;
   std::optional<strata_msgs::msg::LocalizationHealth> health_;  // as of the last scan

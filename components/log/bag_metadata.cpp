@@ -131,6 +131,10 @@ void emit_span(YAML::Emitter& out, Stamp begin, Stamp end) {
       << YAML::Value << (end - begin).ns << YAML::EndMap;
 }
 
+bool is_of_humble(const BagSummary& summary) {
+  return summary.storage == BagStorage::kSqlite3 && summary.sqlite_schema < 4;
+}
+
 void emit_topics(YAML::Emitter& out, const BagSummary& summary) {
   out << YAML::Key << "topics_with_message_count" << YAML::Value << YAML::BeginSeq;
   for (std::size_t i = 0; i < summary.topics.size(); ++i) {
@@ -139,8 +143,13 @@ void emit_topics(YAML::Emitter& out, const BagSummary& summary) {
         << YAML::Key << "name" << YAML::Value << topic.name << YAML::Key << "type" << YAML::Value
         << topic.type << YAML::Key << "serialization_format" << YAML::Value
         << topic.serialization_format << YAML::Key << "offered_qos_profiles" << YAML::Value
-        << YAML::DoubleQuoted << topic.offered_qos_profiles << YAML::EndMap << YAML::Key
-        << "message_count" << YAML::Value << summary.counts[i] << YAML::EndMap;
+        << YAML::DoubleQuoted << topic.offered_qos_profiles;
+    if (!is_of_humble(summary)) {
+      out << YAML::Key << "type_description_hash" << YAML::Value << YAML::DoubleQuoted
+          << type_hash_of(topic);
+    }
+    out << YAML::EndMap << YAML::Key << "message_count" << YAML::Value << summary.counts[i]
+        << YAML::EndMap;
   }
   out << YAML::EndSeq;
 }
@@ -176,7 +185,7 @@ void write_bag_metadata(const fs::path& folder, const BagSummary& summary) {
   YAML::Emitter out;
   out << YAML::BeginMap << YAML::Key << "rosbag2_bagfile_information" << YAML::Value
       << YAML::BeginMap;
-  out << YAML::Key << "version" << YAML::Value << 5;
+  out << YAML::Key << "version" << YAML::Value << (is_of_humble(summary) ? 5 : 7);
   out << YAML::Key << "storage_identifier" << YAML::Value
       << (summary.storage == BagStorage::kMcap ? "mcap" : "sqlite3");
   emit_span(out, begin, end);
@@ -187,6 +196,11 @@ void write_bag_metadata(const fs::path& folder, const BagSummary& summary) {
   out << YAML::Key << "compression_mode" << YAML::Value << YAML::DoubleQuoted
       << modes[static_cast<std::size_t>(summary.packing)];
   emit_files(out, summary);
+  if (!is_of_humble(summary)) {
+    // A map even though it is empty: some readers take no null here.
+    out << YAML::Key << "custom_data" << YAML::Value << YAML::Flow << YAML::BeginMap
+        << YAML::EndMap;
+  }
   out << YAML::EndMap << YAML::EndMap;
   WholeFile file(folder / "metadata.yaml");
   file.stream() << out.c_str() << '\n';

@@ -34,12 +34,14 @@ struct BagSummary {
     std::size_t messages = 0;
   };
   BagStorage storage = BagStorage::kSqlite3;
+  int sqlite_schema = 3;  ///< with kSqlite3
   BagPacking packing = BagPacking::kNone;
   std::vector<File> files;
   std::vector<BagTopic> topics;
   std::vector<std::size_t> counts;  ///< per topic
 };
-/// In the form of Humble (version 5). Throws OutputError.
+/// In the form of Humble (version 5) with SQLite schema 3, else of Iron (7), which tells the hashes
+/// of types; each reads the other's. Throws OutputError.
 void write_bag_metadata(const std::filesystem::path& folder, const BagSummary& summary);
 
 struct BagFolderFiles {

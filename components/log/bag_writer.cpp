@@ -80,6 +80,7 @@ BagWriter::BagWriter(const fs::path& folder, const BagOptions& options)
   state_->folder = folder;
   state_->options = options;
   state_->summary.storage = options.storage;
+  state_->summary.sqlite_schema = options.sqlite_schema;
   state_->summary.packing = options.packing;
   fs::path stem = fs::weakly_canonical(fs::absolute(folder));
   if (!stem.has_filename()) stem = stem.parent_path();

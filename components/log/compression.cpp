@@ -119,8 +119,11 @@ BagCompression compression_of_file(const fs::path& file) {
 Bytes compress(View plain, BagCompression compression) {
   Bytes packed;
   if (compression == BagCompression::kZstd) {
+    const std::unique_ptr<ZSTD_CCtx, FreeZstd> context(ZSTD_createCCtx());
+    ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);  // flipped bits are found
     packed.resize(ZSTD_compressBound(plain.size()));
-    packed.resize(ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), 3));
+    packed.resize(
+        ZSTD_compress2(context.get(), packed.data(), packed.size(), plain.data(), plain.size()));
   } else if (compression == BagCompression::kLz4) {
     packed.resize(LZ4F_compressFrameBound(plain.size(), nullptr));
     packed.resize(

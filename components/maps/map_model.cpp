@@ -95,11 +95,13 @@ std::vector<int> believed(const localization::PatchStates& states, const Particl
 }
 
 MapModel patch_model(const std::string& name, const Maps& maps, PatchBeamModelConfig config) {
-  if (!maps.patches) fail_not_learned(name);
+  const std::optional<patch::PatchMap>& learned =
+      name == "patch_places" ? maps.place_patches : maps.patches;
+  if (!learned) fail_not_learned(name);
   if (name == "patch_paper") config.states.memory = PatchMemory::kNone;
   if (name == "patch_shared") config.states.memory = PatchMemory::kShared;
   if (name == "patch_per_particle") config.states.memory = PatchMemory::kPerParticle;
-  const auto map = std::make_shared<const patch::PatchMap>(*maps.patches);
+  const auto map = std::make_shared<const patch::PatchMap>(*learned);
   const auto sensor = std::make_shared<const localization::PatchBeamModel>(map, config);
   // Few combinations of configurations occur in a run: cast in each composed map once made.
   using Casters = std::map<std::vector<int>, std::shared_ptr<const RayCaster>>;
@@ -160,6 +162,7 @@ std::vector<std::string> model_names(const Maps& maps) {
       names.emplace_back(name);
     }
   }
+  if (maps.place_patches) names.emplace_back("patch_places");
   if (maps.timescale || maps.nodes) {
     names.emplace_back("timescale");
     names.emplace_back("timescale_mixture");
@@ -185,7 +188,7 @@ MapModel make_map_model(const Maps& maps, const std::string& name,
   if (name == "map") return given_model(name, maps, config);
   if (name == "patch" || name.starts_with("patch_")) {
     if (name == "patch" || name == "patch_paper" || name == "patch_shared" ||
-        name == "patch_per_particle") {
+        name == "patch_per_particle" || name == "patch_places") {
       return patch_model(name, maps, config);
     }
   }

@@ -35,16 +35,16 @@ struct MapModel {
 };
 
 /// Names that make_map_model accepts for these maps: occupancy, filtered, patch, patch_paper,
-/// patch_shared, patch_per_particle, timescale, timescale_mixture, timescale_frozen,
+/// patch_shared, patch_per_particle, patch_places, timescale, timescale_mixture, timescale_frozen,
 /// timescale_LEVEL, map (given).
 [[nodiscard]] std::vector<std::string> model_names(const Maps& maps);
 
-/// `patch` has the memory that `config` names, patch_paper none; `timescale` is timescale_mixture:
-/// all levels, weighted by how well each explains the scans. It and timescale_LEVEL go on
-/// remembering the scans that they localize; timescale_frozen mixes the levels as they were
-/// learned. Timescale levels know nothing beyond their outermost bin, so for them readings from
-/// there on count as no return. Throws ConfigError for a name that is unknown, and InputError for
-/// one whose map was not learned.
+/// `patch` has the memory that `config` names, as has patch_places, whose sub-maps follow the
+/// places of a topology; patch_paper none; `timescale` is timescale_mixture: all levels, weighted
+/// by how well each explains the scans. It and timescale_LEVEL go on remembering the scans that
+/// they localize; timescale_frozen mixes the levels as they were learned. Timescale levels know
+/// nothing beyond their outermost bin, so for them readings from there on count as no return.
+/// Throws ConfigError for a name that is unknown, and InputError for one whose map was not learned.
 [[nodiscard]] MapModel make_map_model(const Maps& maps, const std::string& name,
                                       const localization::PatchBeamModelConfig& config);
 

@@ -56,6 +56,8 @@ struct Maps {
   ReflectionGrid occupancy;
   ReflectionGrid filtered;
   std::optional<patch::PatchMap> patches;
+  /// ... whose sub-maps follow the places of a topology; made by comparisons, in no folder.
+  std::optional<patch::PatchMap> place_patches;
   std::shared_ptr<const memory::TimescaleMemory> timescale;
   /// What `timescale` expects, when a snapshot was made already, or where only that is known, as of
   /// maps that came over DDS; null: made when needed.

@@ -9,6 +9,29 @@
 
 namespace strata::patch_learner {
 
+/// Where an online learner keeps what it has learned.
+struct LearnerStoreConfig {
+  std::string folder;
+  double state_period_s = 300.0;
+  double save_period_s = 0.5;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("folder", c.folder,
+            {.doc = "live: keep what is learned in this folder while the robot runs, and go on "
+                    "with what it holds; empty: in RAM only"});
+    v.field("state_period_s", c.state_period_s,
+            {.doc = "all of it is written this often, by the stamps of the scans; what a start has "
+                    "to learn again is no longer than this",
+             .unit = "s",
+             .min = 1.0});
+    v.field("save_period_s", c.save_period_s,
+            {.doc = "new scans are written this often: what a crash may lose at most",
+             .unit = "s",
+             .min = 0.0,
+             .max = 60.0});
+  }
+};
+
 /// Learning that never ends: see core/patch/online_learner.hpp.
 struct OnlineLearningConfig {
   bool enabled = false;
@@ -16,6 +39,7 @@ struct OnlineLearningConfig {
   std::string scan_topic = "labeled_scan";
   std::string maps;
   double publish_every_s = 10.0;
+  LearnerStoreConfig store;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field(
@@ -30,6 +54,7 @@ struct OnlineLearningConfig {
                     "empty: begin with nothing, on the map from reflection_filtered"});
     v.field("publish_every_s", c.publish_every_s,
             {.doc = "a changed map is published no more often than this", .unit = "s", .min = 0.0});
+    v.group("store", c.store, "going on after the process has ended");
   }
 };
 

@@ -2,6 +2,7 @@
 #include "components/patch_learner/patch_learner.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
@@ -12,6 +13,15 @@
 #include "components/maps/maps_folder.hpp"
 
 namespace strata::patch_learner {
+namespace {
+
+/// Bit by bit: unknown cells are NaN.
+bool is_same(const ReflectionGrid& a, const ReflectionGrid& b) {
+  return a.rect() == b.rect() &&
+         std::memcmp(a.values().data(), b.values().data(), a.size() * sizeof(float)) == 0;
+}
+
+}  // namespace
 
 void PatchLearner::on_configure() {
   config_ = read_parameters<PatchLearnerComponentConfig>();
@@ -23,7 +33,7 @@ void PatchLearner::on_configure() {
       [this](const auto& message) { on_base(convert::from_message(message)); });
   const auto take = [this](const auto& message) { on_scan(message); };
   const OnlineLearningConfig& online = config_.online;
-  if (online.enabled && !online.maps.empty()) begin_online();
+  if (online.enabled && !online.maps.empty()) on_base(maps::read_maps(online.maps).filtered);
   if (lockstep() && (!online.enabled || online.maps.empty())) {
     subscribe<strata_msgs::msg::LabeledScan>("mapped_scan", "lossless", take);
   }
@@ -39,17 +49,38 @@ void PatchLearner::on_base(ReflectionGrid filtered) {
   if (online_) {
     online_->set_base(*filtered_);
   } else {
-    online_.emplace(config_.patch, config_.online.learner, *filtered_, context().threads);
+    begin_online(*filtered_);
   }
 }
 
-void PatchLearner::begin_online() {
-  const std::filesystem::path folder = config_.online.maps;
-  on_base(maps::read_maps(folder).filtered);
-  maps::EarlierRuns earlier = maps::read_earlier_runs(folder);
-  first_run_ = earlier.next_run;
-  for (PosedScan& scan : earlier.scans) (void)online_->add(std::move(scan));
+void PatchLearner::begin_online(const ReflectionGrid& base) {
+  const OnlineLearningConfig& online = config_.online;
+  online_.emplace(config_.patch, online.learner, base, context().threads);
+  const bool keeps = !lockstep() && !online.store.folder.empty() && !context().only_explained;
+  if (keeps) store_.emplace(online.store.folder, online.store.state_period_s);
+  if (!restore(base) && !online.maps.empty()) {
+    maps::EarlierRuns earlier = maps::read_earlier_runs(online.maps);
+    first_run_ = earlier.next_run;
+    for (PosedScan& scan : earlier.scans) (void)online_->add(std::move(scan));
+  }
+  if (store_) store_->begin(*online_);
   submaps_ = online_->map().submaps.size();
+}
+
+bool PatchLearner::restore(const ReflectionGrid& base) {
+  if (!store_ || !store_->has_state()) return false;
+  first_run_ = store_->restore(*online_) + 1;
+  has_news_ = true;
+  const ReflectionGrid& stored = online_->base();
+  if (config_.online.maps.empty()) {
+    online_->set_base(base);
+  } else if (!is_same(stored, base)) {
+    throw ConfigError(full_name(),
+                      "online.store.folder '" + config_.online.store.folder +
+                          "' was learned on other maps than '" + config_.online.maps + "'",
+                      "name the maps it belongs to, or another folder");
+  }
+  return true;
 }
 
 void PatchLearner::on_scan(const strata_msgs::msg::LabeledScan& message) {
@@ -73,7 +104,16 @@ void PatchLearner::learn_online(PosedScan scan) {
   }
   const Stamp now = scan.scan.stamp;
   scan.run += first_run_;
-  has_news_ = online_->add(std::move(scan)) || has_news_;
+  if (store_) {
+    has_news_ = online_->add(scan) || has_news_;
+    try {
+      store_->add(*online_, scan);
+    } catch (const OutputError& error) {  // learning and publishing go on
+      if (context().on_error) context().on_error(full_name() + ": " + error.what());
+    }
+  } else {
+    has_news_ = online_->add(std::move(scan)) || has_news_;
+  }
   if (!has_news_) return;
   if (published_ && std::abs((now - *published_).seconds()) < config_.online.publish_every_s) {
     return;
@@ -118,7 +158,19 @@ void PatchLearner::on_finish(const std::filesystem::path& out_dir) {
   maps::write_patch_map(out_dir, map);
 }
 
+void PatchLearner::on_tick() {
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - flushed_;
+  if (!store_ || since.count() < config_.online.store.save_period_s) return;
+  flushed_ = std::chrono::steady_clock::now();
+  store_->flush();
+}
+
+void PatchLearner::on_deactivate() {
+  if (store_) store_->flush();
+}
+
 void PatchLearner::on_cleanup() {
+  store_.reset();
   learner_.reset();
   filtered_.reset();
   online_.reset();

@@ -27,6 +27,7 @@ namespace strata::recorder {
 
 struct RecorderConfig {
   std::string out;
+  bool number_if_exists = false;
   std::vector<std::string> topics;
   log::BagStorage storage = log::BagStorage::kSqlite3;
   log::BagCompression compression = log::BagCompression::kNone;
@@ -37,6 +38,10 @@ struct RecorderConfig {
   static void describe(Self& c, V& v) {
     v.field("out", c.out, {.doc = "bag folder to write"});
     v.require(!c.out.empty(), "out", "is missing", "name a folder, as in out: bag");
+    v.field(
+        "number_if_exists", c.number_if_exists,
+        {.doc = "where out exists already, as after a restart, record into out_2, out_3 and so on "
+                "beside it; else that is an error"});
     v.field("topics", c.topics,
             {.doc = "topics to record, as /scan or, for one that nobody publishes yet, as "
                     "/scan:sensor_msgs/msg/LaserScan; empty: every topic there is"});

@@ -20,6 +20,15 @@ log::BagOptions bag_options(const RecorderConfig& config) {
   return options;
 }
 
+/// The folder to write: the one that is asked for or, when it may be numbered, the first free one.
+std::filesystem::path free_folder(const RecorderConfig& config) {
+  std::filesystem::path folder = config.out;
+  for (int number = 2; config.number_if_exists && std::filesystem::exists(folder); ++number) {
+    folder = config.out + "_" + std::to_string(number);
+  }
+  return folder;
+}
+
 /// rosbag2's text for a QoS profile, with its numbers for the words. Discovery does not tell the
 /// history, which rosbag2 then writes as unknown (3) and 0; times are without limit.
 std::string offered_qos(const bus::PublishedTopic& published) {
@@ -38,7 +47,7 @@ void Recorder::on_configure() {
   recorded_.clear();
   log_time_.reset();
   if (!context().only_explained) {
-    bag_ = std::make_unique<log::BagWriter>(config_.out, bag_options(config_));
+    bag_ = std::make_unique<log::BagWriter>(free_folder(config_), bag_options(config_));
   }
   if (lockstep()) {
     subscribe<rosgraph_msgs::msg::Clock>("/clock", "clock", [this](const auto& message) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/scan_matcher/scan_matcher.hpp"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
@@ -13,7 +15,8 @@ namespace strata::scan_matcher {
 void ScanMatcher::on_configure() {
   config_ = read_parameters<ScanMatcherConfig>();
   keep_live(config_, {"publish_tf"});
-  slam_ = std::make_unique<slam::Slam>(config_.slam, context().threads);
+  slam_ = std::make_unique<slam::Slam>(config_.slam, context().threads,
+                                       lockstep() ? slam::KeepConfig{} : config_.live);
   publish_scan_pose_ = advertise<strata_msgs::msg::ScanPose>("scan_pose", "default");
   publish_posed_scan_ = advertise<strata_msgs::msg::LabeledScan>("posed_scan", "default");
   publish_mapped_scan_ = advertise<strata_msgs::msg::LabeledScan>("mapped_scan", "lossless");
@@ -23,6 +26,51 @@ void ScanMatcher::on_configure() {
   subscribe<strata_msgs::msg::ScanPose>("given_pose", "default",
                                         [this](const auto& message) { given_ = message; });
   subscribe_sensors(config_.input, config_.sensor_qos);
+  if (!lockstep()) open_store();
+}
+
+void ScanMatcher::open_store() {
+  const std::filesystem::path file = config_.store.file;
+  if (file.empty() || context().only_explained) return;
+  std::error_code error;
+  if (std::filesystem::exists(file, error)) {
+    slam_->restore_state(log::read_state_file(file), file.string());
+    is_restored_ = true;
+  }
+  store_.emplace(file, config_.store.period_s);
+}
+
+bool ScanMatcher::resume(const Observation& first) {
+  const std::optional<slam::Slam::Newest> kept = slam_->newest();
+  const double since_s = kept ? (first.scan.stamp - kept->stamp).seconds() : 0.0;
+  const bool goes_on =
+      since_s >= 0.0 && since_s <= config_.store.carry_s && kept && kept->odom_from_robot;
+  // Scans may be heard before odometry is.
+  waits_for_odometry_ = goes_on && !first.has_odometry && config_.input.use_odometry;
+  if (waits_for_odometry_) return false;
+  is_restored_ = false;
+  if (!kept) return true;
+  first_run_ = kept->run + (goes_on && first.has_odometry ? 0 : 1);
+  if (first_run_ == kept->run) return true;
+  const double m2 = config_.store.stddev_m * config_.store.stddev_m;
+  const double rad2 = config_.store.stddev_rad * config_.store.stddev_rad;
+  slam_->begin_next_run_at({kept->map_from_robot, Eigen::Vector3d(m2, m2, rad2).asDiagonal()});
+  return true;
+}
+
+void ScanMatcher::on_tick() { tell_store_error(); }
+
+void ScanMatcher::tell_store_error() {
+  if (!store_) return;
+  const std::optional<std::string> error = store_->take_error();
+  if (error && context().on_error) context().on_error(full_name() + ": " + *error);
+}
+
+void ScanMatcher::on_deactivate() {
+  if (!store_ || !slam_->newest()) return;
+  store_->write(slam_->save_state());
+  store_->flush();
+  tell_store_error();
 }
 
 void ScanMatcher::on_observation(const Observation& scanned) {
@@ -33,7 +81,10 @@ void ScanMatcher::on_observation(const Observation& scanned) {
     given = convert::from_message(given_->map_from_robot().mean());
     if (!is_finite(*given)) given.reset();
   }
+  if (is_restored_ && !resume(observation)) return;
+  observation.run += first_run_;
   const Pose2Gaussian pose = slam_->add(observation, given ? &*given : nullptr);
+  if (store_ && store_->is_due(observation.scan.stamp)) store_->write(slam_->save_state());
   publish_pose(observation, pose);
   publish_posed_scan_(convert::to_message(
       PosedScan{observation.run, observation.scan, pose.mean, {}}, config_.map_frame, "laser"));
@@ -85,8 +136,18 @@ void ScanMatcher::publish_result(const slam::SlamResult& result) {
   publish_map_(convert::to_occupancy(result.occupancy, stamp, config_.map_frame));
 }
 
+void ScanMatcher::on_diagnose(runtime::Health& health) const {
+  if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
+  health.add("scans kept", static_cast<std::uint64_t>(slam_->kept_scans()));
+  health.add("sub-maps kept", static_cast<std::uint64_t>(slam_->kept_submaps()));
+}
+
 void ScanMatcher::on_cleanup() {
+  store_.reset();
   slam_.reset();
+  is_restored_ = false;
+  waits_for_odometry_ = false;
+  first_run_ = 0;
   index_ = 0;
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "components/log/state_file.hpp"
 #include "components/runtime/sensor_component.hpp"
 #include "components/scan_matcher/config.hpp"
 #include "core/slam/slam.hpp"
@@ -17,7 +18,8 @@ namespace strata::scan_matcher {
 /// stamp and, unless NaN, its pose; it has to come first, as in lockstep. Out: scan_pose
 /// (ScanPose), posed_scan (LabeledScan without labels), /tf. After finish: mapped_scan (LabeledScan
 /// with final poses and labels, one a scan), the last scan's final scan_pose, reflection_filtered
-/// and map; and the grid maps and the trajectory in MAPS.
+/// and map; and the grid maps and the trajectory in MAPS. Memory: live the window and the map
+/// (slam::KeepConfig), in lockstep every scan, for finish. Live it goes on from its store.
 class ScanMatcher final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
@@ -25,9 +27,17 @@ class ScanMatcher final : public runtime::SensorComponent {
  private:
   void on_configure() override;
   void on_cleanup() override;
+  void on_deactivate() override;
+  void on_tick() override;
   void on_finish(const std::filesystem::path& out_dir) override;
+  void on_diagnose(runtime::Health& health) const override;
   void on_observation(const Observation& observation) override;
   [[nodiscard]] bool learns() const override { return true; }
+  void open_store();
+  /// Decides whether the first scan goes on with the run that was kept, or begins the next one;
+  /// false when that cannot be told before odometry comes.
+  [[nodiscard]] bool resume(const Observation& first);
+  void tell_store_error();
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_scan_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_result(const slam::SlamResult& result);
@@ -35,6 +45,10 @@ class ScanMatcher final : public runtime::SensorComponent {
   ScanMatcherConfig config_;
   std::unique_ptr<slam::Slam> slam_;
   std::optional<strata_msgs::msg::ScanPose> given_;
+  std::optional<log::StateFileWriter> store_;
+  bool is_restored_ = false;         ///< and no scan has come since
+  bool waits_for_odometry_ = false;  ///< to go on with the run that was kept
+  int first_run_ = 0;
   Observation last_;  ///< without its ranges
   std::uint64_t index_ = 0;
   std::function<void(const strata_msgs::msg::ScanPose&)> publish_scan_pose_;

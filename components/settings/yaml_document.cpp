@@ -152,11 +152,12 @@ bool holds_several(const std::string& text) {
 
 std::string place_of(const YAML::Node& node, const std::string& place,
                      const std::string& key_path) {
+  const YAML::Mark mark = node.Mark();
+  if (!mark.is_null()) return place + ":" + std::to_string(mark.line + 1);
+  // Only copies of ours have no mark; in a file such a tag is anybody's.
   const std::string tag = node.IsDefined() ? node.Tag() : std::string();
   if (tag.starts_with(kPlaceTag)) return tag.substr(std::string_view(kPlaceTag).size());
-  const YAML::Mark mark = node.Mark();
-  if (mark.is_null()) return "--set " + key_path;
-  return place + ":" + std::to_string(mark.line + 1);
+  return "--set " + key_path;
 }
 
 YAML::Node copy_with_places(const YAML::Node& node, const std::string& place) {

@@ -10,6 +10,29 @@
 
 namespace strata::topology_mapper {
 
+/// What a topology mapper that was stopped goes on with.
+struct MapperStoreConfig {
+  std::string file;
+  double save_period_s = 1.0;
+  double carry_s = 10.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("file", c.file,
+            {.doc = "live: keep the scans and their poses in this file, and go on from it when it "
+                    "exists; about a byte a beam; empty: in RAM only"});
+    v.field("save_period_s", c.save_period_s,
+            {.doc = "what a crash may lose at most", .unit = "s", .min = 0.0, .max = 60.0});
+    v.field(
+        "carry_s", c.carry_s,
+        {.doc = "when the first scan is at most this much younger than the newest one kept, the "
+                "odometry has gone on and says how far the robot has moved; later it may have "
+                "begun anew, and the robot is taken to be where it was: remove the file when "
+                "it was carried elsewhere",
+         .unit = "s",
+         .min = 0.0});
+  }
+};
+
 struct TopologyMapperComponentConfig {
   runtime::SensorInputConfig input;
   topology::TopologyMapperConfig mapping;
@@ -21,6 +44,7 @@ struct TopologyMapperComponentConfig {
   std::string sensor_qos = "sensor_data";
   std::string out_subfolder = "topology";
   std::string save;
+  MapperStoreConfig store;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("input", c.input, "where scans and odometry come from");
@@ -43,6 +67,7 @@ struct TopologyMapperComponentConfig {
     v.field("save", c.save,
             {.doc = "live: write the same files into this folder, which must be new, when the "
                     "component is deactivated; empty: do not"});
+    v.group("store", c.store, "going on after the process was stopped");
   }
 };
 

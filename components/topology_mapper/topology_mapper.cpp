@@ -23,14 +23,48 @@ void TopologyMapper::on_configure() {
   subscribe<strata_msgs::msg::ScanPose>("given_pose", "default",
                                         [this](const auto& message) { given_ = message; });
   subscribe_sensors(config_.input, config_.sensor_qos);
+  if (!lockstep() && !config_.store.file.empty() && !context().only_explained) open_store();
+}
+
+void TopologyMapper::open_store() {
+  store_.emplace(config_.store.file);
+  restored_ = store_->restore(*mapper_);
+  if (restored_) last_scan_ = restored_->newest;
+}
+
+void TopologyMapper::on_activate() {
+  if (!mapper_->visits().empty()) publish();
+}
+
+bool TopologyMapper::resume(const Observation& first) {
+  const double since_s = (first.scan.stamp - restored_->newest).seconds();
+  if (since_s <= 0.0 && context().on_error) {
+    context().on_error(full_name() + ": the clock is " + std::to_string(-since_s) +
+                       " s before the newest scan in " + config_.store.file +
+                       "; scans are left out until it has passed it: set the clock, or remove "
+                       "the file to begin anew");
+  }
+  const bool goes_on =
+      since_s >= 0.0 && since_s <= config_.store.carry_s && restored_->odom_from_robot;
+  // Scans may be heard before odometry is.
+  waits_for_odometry_ = goes_on && !first.has_odometry && config_.input.use_odometry;
+  if (waits_for_odometry_) return false;
+  if (goes_on && first.has_odometry) mapper_->resume_from(*restored_->odom_from_robot);
+  restored_.reset();
+  return true;
+}
+
+void TopologyMapper::mark(Stamp stamp) {
+  mapper_->mark(stamp);
+  if (store_) store_->mark(stamp);
 }
 
 void TopologyMapper::on_landmark(const geometry_msgs::msg::PointStamped& message) {
   const Stamp stamp = convert::from_message(message.header().stamp());
   if (stamp.ns != 0) {
-    mapper_->mark(stamp);
+    mark(stamp);
   } else if (last_scan_) {
-    mapper_->mark(*last_scan_);
+    mark(*last_scan_);
   }
 }
 
@@ -44,11 +78,19 @@ void TopologyMapper::on_observation(const Observation& scanned) {
   }
   if (!last_scan_) {
     for (const double time_s : config_.landmark_times_s) {
-      mapper_->mark(observation.scan.stamp + Duration::from_seconds(time_s));
+      mark(observation.scan.stamp + Duration::from_seconds(time_s));
     }
   }
+  if (restored_ && !resume(observation)) return;
   last_scan_ = observation.scan.stamp;
-  update(mapper_->add(observation, given ? &*given : nullptr));
+  const std::size_t scans = mapper_->scans().size();
+  std::vector<topology::MadeVisit> visits = mapper_->add(observation, given ? &*given : nullptr);
+  if (store_ && mapper_->scans().size() > scans) {
+    store_->add(mapper_->scans().back(), observation.has_odometry
+                                             ? std::optional(observation.odom_from_robot)
+                                             : std::nullopt);
+  }
+  update(std::move(visits));
 }
 
 void TopologyMapper::update(std::vector<topology::MadeVisit> visits) {
@@ -75,7 +117,15 @@ void TopologyMapper::on_finish(const std::filesystem::path& out_dir) {
   write(out_dir / config_.out_subfolder, context().progress);
 }
 
+void TopologyMapper::on_tick() {
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - flushed_;
+  if (!store_ || since.count() < config_.store.save_period_s) return;
+  flushed_ = std::chrono::steady_clock::now();
+  store_->flush();
+}
+
 void TopologyMapper::on_deactivate() {
+  if (store_) store_->flush();
   if (lockstep() || config_.save.empty()) return;
   update(mapper_->finish());
   log::WholeFolder folder(config_.save);
@@ -96,6 +146,7 @@ void TopologyMapper::write(const std::filesystem::path& folder, Progress* progre
 
 void TopologyMapper::on_diagnose(runtime::Health& health) const {
   if (!mapper_) return;
+  if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   const topology::TopologyCounts counts = mapper_->counts();
   const std::vector<topology::Hypothesis>& posterior = mapper_->posterior();
   health.add("visits of landmarks", std::uint64_t{mapper_->visits().size()});
@@ -110,6 +161,7 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
   health.add("landmarks with broken odometry", std::uint64_t{counts.broken_visits});
   health.add("landmarks without points around", std::uint64_t{counts.empty_patches});
   health.add("local maps that did not fit", std::uint64_t{counts.failed_matches});
+  health.add("topologies tried", std::uint64_t{counts.optimized});
   health.add("topologies that did not converge", std::uint64_t{counts.not_converged});
   health.add("landmarks nearly at one place", std::uint64_t{counts.near_landmarks});
   health.add("update_time_s", update_s_);
@@ -117,6 +169,9 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
 }
 
 void TopologyMapper::on_cleanup() {
+  store_.reset();
+  restored_.reset();
+  waits_for_odometry_ = false;
   mapper_.reset();
   given_.reset();
   last_scan_.reset();

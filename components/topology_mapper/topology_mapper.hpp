@@ -3,6 +3,7 @@
 /// out, after each landmark.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "components/runtime/sensor_component.hpp"
 #include "components/topology_mapper/config.hpp"
+#include "components/topology_mapper/mapper_store.hpp"
 #include "core/topology/topology_mapper.hpp"
 
 namespace strata::topology_mapper {
@@ -18,19 +20,26 @@ namespace strata::topology_mapper {
 /// strata::ScanMatcher takes it). Out: topologies (Topologies); at the end of a log, or of the
 /// component's work, the files that `strata topology` writes, without its pictures. It tracks the
 /// robot itself: the poses of strata::ScanMatcher jump where it closes a loop, which is what is
-/// to be decided here.
+/// to be decided here. Live it goes on from its store.
 class TopologyMapper final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
 
  private:
   void on_configure() override;
+  void on_activate() override;
   void on_deactivate() override;
+  void on_tick() override;
   void on_cleanup() override;
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_diagnose(runtime::Health& health) const override;
   void on_observation(const Observation& scanned) override;
   [[nodiscard]] bool learns() const override { return true; }
+  void open_store();
+  /// Decides how the first scan goes on from what was kept; false when that cannot be told before
+  /// odometry comes.
+  [[nodiscard]] bool resume(const Observation& first);
+  void mark(Stamp stamp);
   void on_landmark(const geometry_msgs::msg::PointStamped& message);
   void update(std::vector<topology::MadeVisit> visits);
   void publish();
@@ -40,6 +49,10 @@ class TopologyMapper final : public runtime::SensorComponent {
   std::unique_ptr<topology::TopologyMapper> mapper_;
   std::optional<strata_msgs::msg::ScanPose> given_;
   std::optional<Stamp> last_scan_;
+  std::optional<MapperStore> store_;
+  std::optional<MapperStore::Restored> restored_;  ///< until the first scan comes
+  bool waits_for_odometry_ = false;                ///< to go on from there
+  std::chrono::steady_clock::time_point flushed_;
   double update_s_ = 0.0;       ///< wall clock of the last landmark
   double most_update_s_ = 0.0;  ///< ... and of the slowest
   std::function<void(const strata_msgs::msg::Topologies&)> publish_;

@@ -22,6 +22,8 @@ struct VolumeMapperConfig {
   double part_s = 0.02;
   std::string out_subfolder = "volume";
   std::string save;
+  std::string store;
+  double store_period_s = 30.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("map", c.map, "the octree");
@@ -56,6 +58,14 @@ struct VolumeMapperConfig {
     v.field("save", c.save,
             {.doc = "write the map to this .bt file when the component is deactivated; empty: do "
                     "not"});
+    v.field("store", c.store,
+            {.doc = "live: keep the map in this .ot file while the robot runs, and go on with what "
+                    "it holds; empty: in RAM only"});
+    v.field("store_period_s", c.store_period_s,
+            {.doc = "live: what a crash may lose at most; each time the whole map is written",
+             .unit = "s",
+             .min = 0.0,
+             .max = 3600.0});
   }
 };
 

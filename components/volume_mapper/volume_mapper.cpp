@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <span>
+#include <sstream>
 #include <utility>
 
 #include "components/convert/cloud_messages.hpp"
@@ -22,7 +24,8 @@ constexpr double kRemembered_s = 10.0;
 void VolumeMapper::on_configure() {
   config_ = read_parameters<VolumeMapperConfig>();
   keep_live(config_, {"publish_period_s", "leave_out_moving"});
-  map_.emplace(config_.map);
+  map_.emplace(first_map());
+  kept_ = std::chrono::steady_clock::now();
   pool_.emplace(context().threads);
   transforms_ = log::TransformHistory(kRemembered_s);
   publish_ = advertise<octomap_msgs::msg::Octomap>(config_.topic, "latched");
@@ -34,6 +37,36 @@ void VolumeMapper::on_configure() {
                                            [this](const auto& message) { on_scan(message); });
   subscribe<sensor_msgs::msg::PointCloud2>("points", config_.points_qos,
                                            [this](const auto& message) { on_cloud(message); });
+}
+
+volume::VolumeMap VolumeMapper::first_map() const {
+  std::error_code error;
+  if (lockstep() || config_.store.empty() || !std::filesystem::exists(config_.store, error)) {
+    return volume::VolumeMap(config_.map);
+  }
+  std::ifstream in(config_.store, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  // What cannot be read must not be written over: then there is no start.
+  return volume::VolumeMap::from_file(bytes.str(), config_.store, config_.map);
+}
+
+void VolumeMapper::on_activate() {
+  if (map_->size().leaves > 0) publish(now());
+}
+
+void VolumeMapper::on_tick() {
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - kept_;
+  if (since.count() >= config_.store_period_s) keep();
+}
+
+void VolumeMapper::keep() {
+  kept_ = std::chrono::steady_clock::now();
+  if (lockstep() || config_.store.empty() || !map_ || kept_clouds_ == clouds_) return;
+  log::WholeFile file(config_.store);
+  file.stream() << map_->full_file();
+  file.commit();
+  kept_clouds_ = clouds_;
 }
 
 void VolumeMapper::on_transforms(const tf2_msgs::msg::TFMessage& message, bool is_static) {
@@ -124,11 +157,16 @@ void VolumeMapper::enter(const volume::Cloud& cloud) {
                                               config_.publish_period_s;
   if (!is_due) return;
   last_published_ = cloud.stamp;
-  publish_(convert::to_binary_octomap(map_->binary_message_data(), config_.map.resolution_m,
-                                      cloud.stamp, config_.map_frame));
+  publish(cloud.stamp);
+}
+
+void VolumeMapper::publish(Stamp stamp) {
+  publish_(convert::to_binary_octomap(map_->binary_message_data(), config_.map.resolution_m, stamp,
+                                      config_.map_frame));
 }
 
 void VolumeMapper::on_deactivate() {
+  keep();
   if (lockstep() || config_.save.empty() || !map_) return;
   log::WholeFile file(config_.save);
   file.stream() << map_->binary_file();
@@ -161,6 +199,7 @@ void VolumeMapper::on_cleanup() {
   moving_.clear();
   counts_ = {};
   clouds_ = 0;
+  kept_clouds_ = 0;
   without_pose_ = 0;
   last_label_.reset();
   last_published_.reset();

@@ -2,6 +2,7 @@
 /// strata::VolumeMapper: point clouds and tf in, a 3-D map of what stands still out.
 #pragma once
 
+#include <chrono>
 #include <deque>
 #include <filesystem>
 #include <functional>
@@ -31,6 +32,8 @@ class VolumeMapper final : public runtime::Component {
     Stamp last;                   ///< when its last point was measured
   };
   void on_configure() override;
+  void on_activate() override;
+  void on_tick() override;
   void on_deactivate() override;
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_cleanup() override;
@@ -44,6 +47,11 @@ class VolumeMapper final : public runtime::Component {
   /// Finds where the cloud was seen from; false while that is not known up to its last point.
   bool find_poses(Waiting& waiting) const;
   void enter(const volume::Cloud& cloud);
+  void publish(Stamp stamp);
+  /// A new map, or the stored one.
+  [[nodiscard]] volume::VolumeMap first_map() const;
+  /// Writes the map to the store when it has changed.
+  void keep();
 
   VolumeMapperConfig config_;
   std::optional<volume::VolumeMap> map_;
@@ -53,6 +61,8 @@ class VolumeMapper final : public runtime::Component {
   std::vector<volume::DynamicPoint> moving_;
   volume::CloudCounts counts_;
   std::size_t clouds_ = 0;
+  std::size_t kept_clouds_ = 0;  ///< as of the last write to the store
+  std::chrono::steady_clock::time_point kept_;
   std::size_t without_pose_ = 0;
   std::optional<Stamp> last_label_;
   std::optional<Stamp> last_published_;

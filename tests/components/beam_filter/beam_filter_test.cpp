@@ -18,6 +18,7 @@
 #include "components/convert/scan_messages.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/components/runtime/status_watch.hpp"
+#include "tests/support/test_data.hpp"
 
 namespace strata::beam_filter {
 namespace {
@@ -73,13 +74,14 @@ class Robot {
 };
 
 /// The answer to the scan of that stamp; an empty one when none comes.
-LaserScan answer(test::Collector<LaserScan>& answers, Stamp stamp) {
+template <typename Message = LaserScan>
+Message answer(test::Collector<Message>& answers, Stamp stamp) {
   std::size_t count = 1;
   while (true) {
     const auto all = answers.wait_for(count);
     if (all.size() < count) return {};
-    const auto found = std::find_if(all.begin(), all.end(), [&](const LaserScan& scan) {
-      return convert::from_message(scan.header().stamp()) == stamp;
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Message& message) {
+      return convert::from_message(message.header().stamp()) == stamp;
     });
     if (found != all.end()) return *found;
     count = all.size() + 1;
@@ -188,6 +190,37 @@ TEST(BeamFilterComponent, LabelsEveryScanOfALongDriveAndHoldsItsWindowAndMapAlon
   EXPECT_GT(occupancy_at(maps.front(), 0.0, kPerson_m + 0.02), 50);
   EXPECT_LT(occupancy_at(maps.back(), 0.0, kPerson_m + 0.02), 25);  // no obstacle
   EXPECT_GT(occupancy_at(maps.back(), 0.0, kHall_m + 0.02), 50);
+}
+
+TEST(BeamFilterComponent, GoesOnFromItsStoreWithTheMapOfBefore) {
+  const test::TemporaryDirectory folder;
+  const std::string parameters =
+      "map_every_scans: 1, store: {file: '" + (folder.path() / "filter.state").string() + "'}";
+  nav_msgs::msg::OccupancyGrid before;
+  {
+    Robot robot(parameters);
+    const int sent = meet(robot, [](int t) { return at_the_wall(t, false); });
+    ASSERT_LT(sent, 200);
+    PosedScan last;
+    for (int t = sent; t < sent + 20; ++t) {
+      last = at_the_wall(t, false);
+      robot.see(last);
+      // One at a time, so that no queue is too short.
+      ASSERT_EQ(answer(robot.static_, last.scan.stamp).ranges().size(), last.scan.size());
+    }
+    before = answer(robot.maps_, last.scan.stamp);
+    ASSERT_FALSE(before.data().empty());
+  }
+  Robot robot(parameters);
+  const auto maps = robot.maps_.wait_for(1);
+  ASSERT_FALSE(maps.empty()) << "told before any scan comes";
+  EXPECT_EQ(maps.front().data(), before.data());
+  // Whom it had never seen there it tells from the wall at once.
+  int sent = 0;
+  ASSERT_LT(meet(robot, [&](int t) { return at_the_wall(500 + (sent = t), true); }), 200);
+  const LaserScan taken = answer(robot.dynamic_, at_the_wall(500 + sent, true).scan.stamp);
+  ASSERT_EQ(taken.ranges().size(), 11U);
+  EXPECT_FALSE(std::isnan(taken.ranges()[kPassersBy]));
 }
 
 }  // namespace

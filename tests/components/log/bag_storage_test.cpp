@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <yaml-cpp/yaml.h>
 
 #include "components/convert/message_definitions.hpp"
 #include "components/convert/type_hash.hpp"
@@ -86,6 +87,33 @@ constexpr const char* kSchemaTables =
     "metadata TEXT NOT NULL);";
 
 /// As each release of rosbag2 makes its database; written by hand, not by our writer.
+TEST_F(BagFilesTest, MetadataIsOfTheReleaseThatTheStorageIsOf) {
+  struct Case {
+    BagOptions options;
+    int version;
+  };
+  const Case cases[] = {
+      {{.sqlite_schema = 3}, 5}, {{.sqlite_schema = 4}, 7}, {{.storage = BagStorage::kMcap}, 7}};
+  for (const Case& expected : cases) {
+    const fs::path bag = write(expected.options, 3);
+    const YAML::Node metadata =
+        YAML::LoadFile(bag / "metadata.yaml")["rosbag2_bagfile_information"];
+    EXPECT_EQ(metadata["version"].as<int>(), expected.version);
+    const YAML::Node topic = metadata["topics_with_message_count"][0]["topic_metadata"];
+    const bool tells_types = expected.version >= 7;
+    EXPECT_EQ(topic["type_description_hash"].IsDefined(), tells_types);
+    EXPECT_EQ(metadata["custom_data"].IsDefined(), tells_types);
+    if (tells_types) {
+      // The published hash of std_msgs/msg/String.
+      EXPECT_EQ(topic["type_description_hash"].as<std::string>(),
+                "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18");
+      EXPECT_TRUE(metadata["custom_data"].IsMap());
+    }
+    EXPECT_EQ(read_all(bag).stamps, numbers(3));
+    fs::remove_all(bag);
+  }
+}
+
 TEST_F(BagFilesTest, TheSchemasOfEveryReleaseRead) {
   const std::string schema3 =
       std::string(kSchemaTables) + "INSERT INTO schema VALUES (3,'humble');" + kTopicsBefore4;

@@ -81,6 +81,16 @@ TEST(MapModels, OfEveryNameExpectTheWallWhereItIsAndPreferTheTruePose) {
   }
 }
 
+TEST(MapModels, OfSubmapsByPlacesHaveTheirOwnPatchMap) {
+  Maps maps = test_room::make_maps();
+  EXPECT_THAT(message_of<InputError>(maps, "patch_places"), HasSubstr("not in these maps"));
+  std::swap(maps.patches, maps.place_patches);
+  EXPECT_THAT(model_names(maps), testing::Contains("patch_places"));
+  EXPECT_THAT(message_of<InputError>(maps, "patch"), HasSubstr("not in these maps"));
+  const MapModel model = make_map_model(maps, "patch_places", {});
+  EXPECT_EQ(model.sensor->patch_states()->map().submaps.size(), 1U);
+}
+
 TEST(MapModels, OfPatchesExpectTheConfigurationThatTheScansShow) {
   const Maps maps = test_room::make_maps();
   const Pose2 robot{-1.5, 0.2, 0.0};

@@ -10,6 +10,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "components/recorder/register.hpp"
+#include "core/base/error.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -76,6 +77,23 @@ TEST_P(RecorderStorage, KeepsEveryMessageOfEveryTopicByteForByte) {
     ASSERT_EQ(recorded.count(topic), 1U) << topic;
     EXPECT_EQ(recorded.at(topic).size(), messages.size()) << topic;
     EXPECT_TRUE(recorded.at(topic) == messages) << topic;
+  }
+}
+
+TEST_P(RecorderStorage, GoesOnInAFolderOfItsOwnAfterARestart) {
+  auto scans = writer("/scan", "default");
+  const auto record = [&](int number) {
+    const auto host = make(", number_if_exists: true, topics: [/scan]");
+    host->activate();
+    scans.publish(numbered(number));
+    host->stop();
+  };
+  for (const int number : {1, 2, 3}) record(number);
+  EXPECT_THROW((void)make(""), OutputError) << "what exists is not overwritten";
+  int number = 0;
+  for (const std::string suffix : {"", "_2", "_3"}) {
+    EXPECT_EQ(read_bag(bag().string() + suffix),
+              (Messages{{"/scan", {convert::to_cdr(numbered(++number))}}}));
   }
 }
 

@@ -93,5 +93,11 @@ TEST(Override, RefusesWhatItCannotPlace) {
   EXPECT_THAT(override_error("b: 1", "a=&x [*x]"), HasSubstr("--set"));
 }
 
+TEST(YamlDocument, ATagInAFileDoesNotChangeWhereThingsAre) {
+  const YAML::Node node = parse_yaml("a: 1\nb: !strata-place:elsewhere 2\n", "f.yaml");
+  EXPECT_EQ(place_of(node["b"], "f.yaml", "b"), "f.yaml:2");
+  EXPECT_EQ(place_of(copy_with_places(node, "f.yaml")["b"], "other.yaml", "b"), "f.yaml:2");
+}
+
 }  // namespace
 }  // namespace strata::settings

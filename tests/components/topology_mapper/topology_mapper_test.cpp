@@ -121,6 +121,14 @@ class Robot {
                                           }),
                           key) == value;
   }
+  /// Whether a status has it with another value than 0.
+  [[nodiscard]] bool counts(const std::string& key) {
+    const auto is_some = [&](const auto& status) {
+      const std::string value = test::value_of(status, key);
+      return !value.empty() && value != "0";
+    };
+    return is_some(watch_.wait_for(*host_, is_some));
+  }
   [[nodiscard]] std::vector<Topologies> wait_for(std::size_t count) {
     return topologies_.wait_for(count);
   }
@@ -188,6 +196,42 @@ TEST(TopologyMapper, TellsAfterEachLandmarkWhichPlacesAreTheSameAndLateJoinersTo
   }
 }
 
+TEST(TopologyMapper, GoesOnFromItsStoreWithTheLandmarksOfBefore) {
+  const test::TemporaryDirectory folder;
+  const std::string parameters =
+      "mapping: {landmarks: {source: given}}, published_topologies: 50, "
+      "store: {file: '" +
+      (folder.path() / "way.db").string() + "'}";
+  const std::vector<Moment> drive = there_and_back();
+  const auto turn = drive.begin() + 55;  // at the far end, two landmarks behind it
+  std::vector<Topologies> before;
+  {
+    Robot robot(parameters);
+    for (const double time_s : {kThere3, kThere9}) robot.mark(time_s);
+    ASSERT_TRUE(robot.says("received /landmark", "2"));
+    robot.drive({drive.begin(), turn});
+    before = robot.wait_for(2);
+    ASSERT_EQ(before.size(), 2U);
+    ASSERT_TRUE(robot.says("received /scan", "55"));
+    robot.end();
+  }
+  Robot robot(parameters);
+  const auto known = robot.seen_by_a_late_joiner();
+  ASSERT_EQ(known.size(), 1U) << "told before anything comes";
+  EXPECT_EQ(known.back().visits(), before.back().visits());
+  EXPECT_EQ(convert::from_message(known.back()).front().labels, (topology::Labels{0, 1}));
+  for (const double time_s : {kBack9, kBack3}) robot.mark(time_s);
+  ASSERT_TRUE(robot.says("received /landmark", "2"));
+  robot.drive({turn + 2, drive.end()});  // it was away for two scans
+  robot.drive({{drive.back().time_s + kStepS, {1.8, 2.0, std::numbers::pi}}});
+  (void)robot.wait_for(1);
+  ASSERT_TRUE(robot.says("visits of landmarks", "3"));
+  const topology::TopologySummary likeliest =
+      convert::from_message(robot.seen_by_a_late_joiner().back()).front();
+  EXPECT_EQ(likeliest.labels, (topology::Labels{0, 1, 1}));
+  EXPECT_LT((likeliest.landmarks[1].mean.translation() - Eigen::Vector2d(9.0, 2.0)).norm(), 0.15);
+}
+
 TEST(TopologyMapper, NamesWhatItLeftOutOnDiagnostics) {
   Robot robot("mapping: {landmarks: {source: given}}");
   robot.mark(kThere9);
@@ -207,6 +251,29 @@ TEST(TopologyMapper, NamesWhatItLeftOutOnDiagnostics) {
   EXPECT_TRUE(robot.says("landmarks nearly at one place", "0"));
   EXPECT_TRUE(robot.says("visits of landmarks", "1"));
   EXPECT_TRUE(robot.says("probability of the likeliest", "1"));
+}
+
+TEST(TopologyMapper, NamesMatchesThatFailPatchesWithoutPointsAndLandmarksWithinAMetre) {
+  Robot robot(
+      "mapping: {landmarks: {source: given}, topology: {match: {min_overlap: 1.0}, "
+      "location: {revisit_stddev_m: 0.1, max_penalty: 0.0}}}, published_topologies: 50");
+  constexpr double kBeside = kThere3 + 4 * kStepS;  // 0.8 m on
+  std::vector<Moment> moments = there_and_back();
+  // Then where nothing reflects.
+  const double end_s = moments.back().time_s;
+  for (int i = 1; i <= 60; ++i) {
+    moments.push_back({end_s + kStepS * i, {2.0 - kStepM * i, -10.0, std::numbers::pi}});
+  }
+  const std::vector<double> marks{kThere3, kBeside, kBack9, end_s + 30 * kStepS};
+  for (const double time_s : marks) robot.mark(time_s);
+  ASSERT_TRUE(robot.says("received /landmark", "4"));
+  robot.drive(moments);
+  for (const Topologies& message : robot.wait_for(4)) expect_sound(message);
+  EXPECT_TRUE(robot.says("visits of landmarks", "4"));
+  EXPECT_TRUE(robot.says("landmarks without points around", "1"));
+  EXPECT_TRUE(robot.says("landmarks nearly at one place", "1"));
+  EXPECT_TRUE(robot.counts("local maps that did not fit"));
+  EXPECT_TRUE(robot.counts("topologies tried"));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include "components/volume_mapper/volume_mapper.hpp"
 
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -14,6 +16,8 @@
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/volume_mapper/register.hpp"
+#include "core/base/error.hpp"
+#include "core/volume/volume_map.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -96,6 +100,7 @@ class Robot {
   void label(const PosedScan& scan) { scans_.publish(convert::to_message(scan, "map", "laser")); }
   [[nodiscard]] std::vector<Octomap> wait_for(std::size_t maps) { return maps_.wait_for(maps); }
   void deactivate() { host_.reset(); }
+  void tick() { host_->tick(); }
 
  private:
   std::shared_ptr<bus::Participant> participant_;
@@ -122,6 +127,51 @@ TEST(VolumeMapper, PublishesTheMapOfCloudsAtThePosesOfTf) {
   EXPECT_TRUE(is_occupied(tree, 2.85, 0.05, 0.05));
   EXPECT_FALSE(is_occupied(tree, 1.8, 0.05, 0.05));
   EXPECT_NE(tree.search(1.8, 0.05, 0.05), nullptr);
+}
+
+TEST(VolumeMapper, GoesOnWithItsStoreAfterTheProcessWasKilled) {
+  const test::TemporaryDirectory folder;
+  const std::string store = (folder.path() / "map.ot").string();
+  const std::string parameters = "publish_period_s: 0, store_period_s: 0, store: '" + store + "'";
+  const auto see_wall = [](Robot& robot, float x) {
+    robot.move(1.0, 0.0);
+    robot.move(2.0, 0.0);
+    robot.see(1.5, wall(x));
+  };
+  {
+    Robot killed(parameters);
+    see_wall(killed, 2.1F);
+    ASSERT_EQ(killed.wait_for(1).size(), 1U);
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!std::filesystem::exists(store) && std::chrono::steady_clock::now() < patience) {
+      killed.tick();
+    }
+    // As it is on disk at a moment before the end.
+    std::filesystem::copy_file(store, store + ".killed");
+  }
+  std::filesystem::rename(store + ".killed", store);
+  Robot again(parameters);
+  const auto maps = again.wait_for(1);
+  ASSERT_EQ(maps.size(), 1U) << "told before the first cloud";
+  EXPECT_TRUE(is_occupied(tree_of(maps[0]), 2.35, 0.05, 0.05));
+  see_wall(again, -2.1F);
+  const auto grown = again.wait_for(2);
+  ASSERT_EQ(grown.size(), 2U);
+  EXPECT_TRUE(is_occupied(tree_of(grown[1]), 2.35, 0.05, 0.05));
+  EXPECT_TRUE(is_occupied(tree_of(grown[1]), -1.85, 0.05, 0.05));
+}
+
+TEST(VolumeMapper, RefusesAStoreItCannotReadAndLeavesItAlone) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path store = folder.path() / "map.ot";
+  std::ofstream(store) << "no tree";
+  EXPECT_THROW(Robot("store: '" + store.string() + "'"), InputError);
+  volume::VolumeConfig coarse;
+  coarse.resolution_m = 0.5;
+  std::ofstream(store, std::ios::trunc) << volume::VolumeMap(coarse).full_file();
+  const auto written = std::filesystem::last_write_time(store);
+  EXPECT_THROW(Robot("store: '" + store.string() + "'"), InputError);
+  EXPECT_EQ(std::filesystem::last_write_time(store), written);
 }
 
 TEST(VolumeMapper, WaitsForTfAndIsUnharmedByCloudsThatMakeNoSense) {

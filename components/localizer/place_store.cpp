@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/localizer/place_store.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "components/log/whole_file.hpp"
+#include "components/settings/config_reader.hpp"
+#include "components/settings/config_writer.hpp"
+#include "core/base/error.hpp"
+
+namespace strata::localizer {
+namespace {
+
+Pose2 pose_of(const std::vector<double>& values) { return {values[0], values[1], values[2]}; }
+
+std::vector<double> values_of(const Pose2& pose) { return {pose.x, pose.y, pose.theta}; }
+
+bool all_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](double value) { return std::isfinite(value); });
+}
+
+}  // namespace
+
+template <class Self, class V>
+void PlaceStore::Kept::describe(Self& c, V& v) {
+  v.field("map_from_robot", c.map_from_robot, {.doc = "x, y [m], theta [rad]"});
+  v.field("covariance", c.covariance, {.doc = "of x, y, theta, row by row"});
+  v.field("odom_from_robot", c.odom_from_robot, {.doc = "at that moment; empty: no odometry"});
+  v.field("stamp_ns", c.stamp_ns, {.doc = "of the scan", .unit = "ns"});
+  v.require(c.map_from_robot.size() == 3 && all_finite(c.map_from_robot), "map_from_robot",
+            "is not three numbers", "remove the file");
+  v.require(c.covariance.size() == 9 && all_finite(c.covariance), "covariance",
+            "is not nine numbers", "remove the file");
+  v.require(
+      (c.odom_from_robot.empty() || c.odom_from_robot.size() == 3) && all_finite(c.odom_from_robot),
+      "odom_from_robot", "is not three numbers", "remove the file");
+}
+
+PlaceStore::PlaceStore(PlaceStoreConfig config, Eigen::Matrix3d added)
+    : config_(std::move(config)), added_(std::move(added)) {}
+
+void PlaceStore::load() {
+  std::error_code error;
+  if (config_.file.empty() || !std::filesystem::exists(config_.file, error)) return;
+  try {
+    kept_ = settings::read_config<Kept>(settings::load_document(config_.file), config_.file);
+  } catch (const ConfigError& reason) {
+    throw InputError(config_.file, "is no kept pose: " + reason.problem(),
+                     "remove it; the robot starts without it");
+  }
+}
+
+std::optional<Pose2Gaussian> PlaceStore::resume(const Observation& first) {
+  const std::optional<Kept> kept = std::exchange(kept_, std::nullopt);
+  if (!kept) return std::nullopt;
+  Pose2Gaussian place;
+  place.mean = pose_of(kept->map_from_robot);
+  place.covariance =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(kept->covariance.data()) +
+      added_;
+  const double since_s = (first.scan.stamp - Stamp{kept->stamp_ns}).seconds();
+  const bool goes_on = since_s >= 0.0 && since_s <= config_.carry_s;
+  if (goes_on && first.has_odometry && !kept->odom_from_robot.empty()) {
+    place.mean = place.mean * between(pose_of(kept->odom_from_robot), first.odom_from_robot);
+  }
+  return place;
+}
+
+void PlaceStore::keep(const Observation& observation, const Pose2Gaussian& map_from_robot) {
+  const Stamp now = observation.scan.stamp;
+  if (config_.file.empty()) return;
+  // A clock that was set back must not stop the writing.
+  if (written_ && std::abs((now - *written_).seconds()) < config_.period_s) return;
+  written_ = now;
+  Kept kept;
+  kept.map_from_robot = values_of(map_from_robot.mean);
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = map_from_robot.covariance;
+  kept.covariance.assign(rows.data(), rows.data() + rows.size());
+  if (observation.has_odometry) kept.odom_from_robot = values_of(observation.odom_from_robot);
+  kept.stamp_ns = now.ns;
+  log::WholeFile file(config_.file);
+  file.stream() << settings::write_yaml(kept);
+  file.commit();
+}
+
+}  // namespace strata::localizer

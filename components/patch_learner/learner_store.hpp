@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What an online learner has learned, in a folder, so that a restarted one goes on from it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "core/base/time.hpp"
+#include "core/patch/online_learner.hpp"
+#include "memory/store/store.hpp"
+
+namespace strata::patch_learner {
+
+/// The learner's state, written now and then, and the scans since then, written as they come: after
+/// a crash the two together are the learner as of the last flush. A state is numbered by
+/// the scans it has seen, and the scans after it are in scans_NUMBER.db, so that a crash between
+/// two writes leaves one pair that fits. Not thread-safe.
+class LearnerStore {
+ public:
+  /// Makes the folder. Throws OutputError.
+  LearnerStore(std::filesystem::path folder, double state_period_s);
+
+  /// Whether something is stored.
+  [[nodiscard]] bool has_state() const;
+  /// Restores what is stored and adds the scans after it; the learner must be new. Gives the number
+  /// of the last run. Throws InputError for files that are damaged; they stay as they are.
+  int restore(patch::OnlinePatchLearner& learner);
+  /// The learner is at its beginning, or was restored: from here on `add` may be called. Throws
+  /// OutputError.
+  void begin(const patch::OnlinePatchLearner& learner);
+  /// The learner has just taken the scan: it is written by the next flush. Throws OutputError when
+  /// a state was due and could not be written; it is tried again when the next one is due, and
+  /// until then the files stay as they were.
+  void add(const patch::OnlinePatchLearner& learner, const PosedScan& scan);
+  /// Writes what is not written yet. Throws OutputError.
+  void flush();
+
+ private:
+  [[nodiscard]] std::filesystem::path state_file() const { return folder_ / "learner.state"; }
+  [[nodiscard]] std::filesystem::path scans_file(std::size_t number) const;
+  void write_state(const patch::OnlinePatchLearner& learner);
+
+  std::filesystem::path folder_;
+  double state_period_s_;
+  std::optional<memory::Store> scans_;
+  std::vector<PosedScan> waiting_;
+  std::optional<Stamp> state_written_;
+};
+
+}  // namespace strata::patch_learner

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The way that a topology mapper has gone, in a file, so that a restarted one goes on from there.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "core/scan/scan.hpp"
+#include "core/topology/topology_mapper.hpp"
+#include "memory/store/store.hpp"
+
+namespace strata::topology_mapper {
+
+/// Scans with the poses that the mapper gave them, landmarks as they were told, and the odometry of
+/// the newest scan. Everything else the mapper makes of them again: visits are what costs, tracking
+/// is not done twice. Not thread-safe.
+class MapperStore {
+ public:
+  /// Opens or makes the file. Throws InputError for one that is no store or damaged, OutputError.
+  explicit MapperStore(const std::filesystem::path& file);
+
+  /// Makes a new mapper what the one was that wrote this; the stamp of the newest scan, nothing
+  /// when none was written. O(scans + visits x a landmark update). Throws InputError.
+  struct Restored {
+    Stamp newest;
+    int run = 0;
+    std::optional<Pose2> odom_from_robot;
+  };
+  [[nodiscard]] std::optional<Restored> restore(topology::TopologyMapper& mapper);
+
+  /// What the mapper has just been given: written by the next flush.
+  void mark(Stamp stamp);
+  void add(const PosedScan& tracked, const std::optional<Pose2>& odom_from_robot);
+  /// One transaction. Throws OutputError, and keeps what it could not write.
+  void flush();
+
+ private:
+  /// A landmark that was told when so many scans had come.
+  struct Mark {
+    std::size_t after_scans = 0;
+    Stamp stamp;
+  };
+  memory::Store store_;
+  std::size_t scans_ = 0;  // that were added, written or not
+  std::vector<Mark> marks_;
+  bool has_new_mark_ = false;
+  std::vector<PosedScan> waiting_;
+  std::optional<Pose2> odom_from_robot_;
+};
+
+}  // namespace strata::topology_mapper

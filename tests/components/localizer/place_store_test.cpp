@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/localizer/place_store.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::localizer {
+namespace {
+
+constexpr double kExact = 1e-12;
+
+Observation observation_at(double time_s, const Pose2& odom_from_robot) {
+  Observation observation;
+  observation.scan.stamp = Stamp::from_seconds(time_s);
+  observation.odom_from_robot = odom_from_robot;
+  return observation;
+}
+
+class PlaceStoreTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] PlaceStore store(double period_s = 0.0) const {
+    PlaceStoreConfig config;
+    config.file = file_.string();
+    config.period_s = period_s;
+    return {config, 0.5 * Eigen::Matrix3d::Identity()};
+  }
+  /// What a process after this one begins with.
+  [[nodiscard]] std::optional<Pose2Gaussian> resumed(const Observation& first) const {
+    PlaceStore next = store();
+    next.load();
+    return next.resume(first);
+  }
+  static inline const Pose2 kPlace{1.25, -2.5, 0.75};
+
+  test::TemporaryDirectory folder_;
+  std::filesystem::path file_ = folder_.path() / "place.yaml";
+};
+
+TEST_F(PlaceStoreTest, GivesBackWhatWasKeptWithTheAddedUncertainty) {
+  Pose2Gaussian place{kPlace, Eigen::Matrix3d::Identity()};
+  place.covariance(0, 1) = place.covariance(1, 0) = 0.25;
+  store().keep(observation_at(100.0, {}), place);
+  const auto back = resumed(observation_at(100.5, {}));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->mean, kPlace);
+  const Eigen::Matrix3d expected = place.covariance + 0.5 * Eigen::Matrix3d::Identity();
+  EXPECT_EQ(back->covariance, expected);
+}
+
+TEST_F(PlaceStoreTest, IsCarriedByOdometryThatWentOnAndByNoOther) {
+  const Pose2 odom{10.0, 20.0, 1.0};
+  const Pose2 moved{0.5, 0.1, 0.2};
+  store().keep(observation_at(100.0, odom), {kPlace, Eigen::Matrix3d::Identity()});
+  const auto soon = resumed(observation_at(109.0, odom * moved));
+  ASSERT_TRUE(soon.has_value());
+  const Pose2 expected = kPlace * moved;
+  EXPECT_NEAR(soon->mean.x, expected.x, kExact);
+  EXPECT_NEAR(soon->mean.y, expected.y, kExact);
+  EXPECT_NEAR(soon->mean.theta, expected.theta, kExact);
+  // After a reboot odometry begins anew; a clock that was set back tells nothing.
+  for (const double time_s : {111.0, 99.0}) {
+    EXPECT_EQ(resumed(observation_at(time_s, moved))->mean, kPlace) << time_s;
+  }
+  Observation blind = observation_at(101.0, {});
+  blind.has_odometry = false;
+  EXPECT_EQ(resumed(blind)->mean, kPlace);
+}
+
+TEST_F(PlaceStoreTest, ResumesOnceAndNotWhenSomethingNewerIsKnown) {
+  store().keep(observation_at(100.0, {}), {kPlace, Eigen::Matrix3d::Identity()});
+  PlaceStore next = store();
+  next.load();
+  EXPECT_TRUE(next.resume(observation_at(101.0, {})).has_value());
+  EXPECT_FALSE(next.resume(observation_at(102.0, {})).has_value());
+  PlaceStore told = store();
+  told.load();
+  told.forget();
+  EXPECT_FALSE(told.resume(observation_at(101.0, {})).has_value());
+}
+
+TEST_F(PlaceStoreTest, WritesOnceAPeriodAlsoWhenTheClockIsSetBack) {
+  PlaceStore kept = store(1.0);
+  const auto keep = [&](double time_s, double x) {
+    kept.keep(observation_at(time_s, {}), {Pose2{x, 0.0, 0.0}, Eigen::Matrix3d::Identity()});
+    return resumed(observation_at(1e6, {}))->mean.x;
+  };
+  EXPECT_EQ(keep(100.0, 1.0), 1.0);
+  EXPECT_EQ(keep(100.9, 2.0), 1.0);
+  EXPECT_EQ(keep(101.0, 3.0), 3.0);
+  EXPECT_EQ(keep(50.0, 4.0), 4.0);
+}
+
+TEST_F(PlaceStoreTest, StartsWithNothingWithoutAFileAndRefusesADamagedOne) {
+  EXPECT_FALSE(resumed(observation_at(1.0, {})).has_value());
+  for (const std::string text :
+       {"", "version: 1\n", "version: 1\nmap_from_robot: [.nan, 0, 0]\n", "version: [", "\x01"}) {
+    std::ofstream(file_, std::ios::trunc) << text;
+    PlaceStore next = store();
+    EXPECT_THROW(next.load(), InputError) << text;
+    EXPECT_FALSE(next.resume(observation_at(1.0, {})).has_value());
+  }
+}
+
+}  // namespace
+}  // namespace strata::localizer

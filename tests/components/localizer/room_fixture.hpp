@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A small room's maps, a second day in it, and a localizer for both.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "components/maps/maps_folder.hpp"
+#include "components/runtime/composition.hpp"
+#include "components/settings/yaml_document.hpp"
+#include "tests/components/bus/domain.hpp"
+#include "tests/support/test_data.hpp"
+#include "tools/pipeline/learn.hpp"
+#include "tools/simulate/simulation.hpp"
+
+namespace strata::localizer {
+
+inline constexpr std::uint64_t kSeed = 7;
+
+/// Maps of the small room's first day, and the second day to be localized on.
+struct Room {
+  test::TemporaryDirectory folder;
+  std::vector<Observation> observations;
+  Pose2 start;
+};
+
+inline const Room& room() {
+  static const std::unique_ptr<const Room> made = [] {
+    auto room = std::make_unique<Room>();
+    const simulate::Simulation simulation =
+        simulate::simulate(simulate::load_scenario(STRATA_SCENARIO_DIR "/empty_room.yaml"), 1);
+    std::vector<Observation> before;
+    std::vector<std::optional<Pose2>> poses;
+    for (const auto& scan : simulation.days[0].scans) {
+      before.push_back(scan.observation);
+      poses.emplace_back(scan.map_from_robot);
+    }
+    for (const auto& scan : simulation.days[1].scans) {
+      room->observations.push_back(scan.observation);
+    }
+    room->start = simulation.days[1].scans.front().map_from_robot;
+    const pipeline::LearnResult learned =
+        pipeline::learn(before, poses, {}, {.patch = true, .timescale = true}, kSeed, 1, nullptr);
+    maps::write_grid_maps(room->folder.path(), learned.slam);
+    maps::write_patch_map(room->folder.path(), learned.patches);
+    maps::write_timescale(room->folder.path(), *learned.timescale);
+    return room;
+  }();
+  return *made;
+}
+
+inline runtime::Composition composition_of(const std::string& parameters) {
+  return runtime::read_composition(
+      settings::parse_yaml("{domain: " + std::to_string(test::own_domain()) +
+                               ", transport: loopback, processes: [{name: main, components: "
+                               "[{type: strata::Localizer, name: localizer, parameters: " +
+                               parameters + "}]}]}",
+                           "test"),
+      "test");
+}
+
+inline std::string parameters_of(const std::string& model, bool global) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "{maps: '" << room().folder.path().string() << "', model: " << model;
+  const Pose2& start = room().start;
+  if (!global) {
+    text << ", start: {pose: [" << start.x << ", " << start.y << ", " << start.theta << "]}";
+  } else {
+    text << ", localizer: {global_start: {most_particles: 3000}}";
+  }
+  text << "}";
+  return text.str();
+}
+
+}  // namespace strata::localizer
