@@ -45,13 +45,12 @@ NodeOutline::NodeOutline(const PolarBins& bins, double own_place_m, std::span<co
                           : open[a] ? bins.max_range_m
                                     : static_cast<double>(range_m[a]);
     radius_m_.push_back(static_cast<float>(radius));
-    cos_.push_back(static_cast<float>(std::cos((static_cast<double>(a) + 0.5) * step)));
-    sin_.push_back(static_cast<float>(std::sin((static_cast<double>(a) + 0.5) * step)));
   }
   bridge_gaps(known);
   for (std::size_t a = 0; a < count; ++a) {
-    x_m_.push_back(radius_m_[a] * cos_[a]);
-    y_m_.push_back(radius_m_[a] * sin_[a]);
+    const double angle = (static_cast<double>(a) + 0.5) * step;
+    x_m_.push_back(radius_m_[a] * static_cast<float>(std::cos(angle)));
+    y_m_.push_back(radius_m_[a] * static_cast<float>(std::sin(angle)));
   }
   classify_edges(known, open);
   inner_m_ = std::numeric_limits<double>::infinity();
@@ -154,20 +153,28 @@ NodeOutline::Reach NodeOutline::cast(const Viewpoint& view,
     sector = sector_of(from_m.x() + t * direction.x(), from_m.y() + t * direction.y());
   }
   // The bearing of the beam's point, seen from the node, turns one way only. The beam's line meets
-  // the ray through corner u at the distance moment / cross(u, direction) from the node.
+  // the ray through a corner at moment / cross(corner, direction) of the corner's distance: before
+  // the corner while that is within (0, 1), and then the beam goes on into the sector beyond.
   const double moment = cross(from_m.x(), from_m.y(), direction.x(), direction.y());
-  const bool turns_left = moment > 0.0;
-  for (std::size_t step = 0; step < size(); ++step) {
-    const std::size_t corner = turns_left ? next(sector) : sector;
-    const double turn = cross(static_cast<double>(cos_[corner]), static_cast<double>(sin_[corner]),
-                              direction.x(), direction.y());
-    const bool leaves = turns_left ? turn > 0.0 : turn < 0.0;
-    if (!leaves || !(moment / turn < static_cast<double>(radius_m_[corner]))) break;
-    sector = turns_left ? corner : (sector == 0 ? size() - 1 : sector - 1);
+  const auto turn_at = [&](std::size_t corner) {
+    return cross(static_cast<double>(x_m_[corner]), static_cast<double>(y_m_[corner]),
+                 direction.x(), direction.y());
+  };
+  if (moment > 0.0) {
+    for (std::size_t step = 0; step < size(); ++step) {
+      const std::size_t corner = next(sector);
+      if (!(turn_at(corner) > moment)) break;
+      sector = corner;
+    }
+  } else {
+    for (std::size_t step = 0; step < size(); ++step) {
+      if (!(turn_at(sector) < moment)) break;
+      sector = sector == 0 ? size() - 1 : sector - 1;
+    }
   }
   return meet(sector, from_m, direction);
 }
 
-std::size_t NodeOutline::bytes() const { return size() * (5 * sizeof(float) + sizeof(Edge)); }
+std::size_t NodeOutline::bytes() const { return size() * (3 * sizeof(float) + sizeof(Edge)); }
 
 }  // namespace strata::memory

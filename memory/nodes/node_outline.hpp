@@ -74,8 +74,6 @@ class NodeOutline {
   std::vector<float> radius_m_;
   std::vector<float> x_m_;
   std::vector<float> y_m_;
-  std::vector<float> cos_;
-  std::vector<float> sin_;
   std::vector<Edge> edge_;
 };
 

@@ -120,6 +120,8 @@ class Store {
   /// The scans of one run with their poses and beam labels, in the given order, so that learning
   /// can go on from them; replaces what the run had. About 1 byte a beam; O(beams).
   void save_scans(int run, std::span<const PosedScan> scans);
+  /// Adds scans to those of the run: for writing as they come. Many at a time compress better.
+  void append_scans(int run, std::span<const PosedScan> scans);
   /// Empty for a run that is not there, and in stores of before version 2.
   [[nodiscard]] std::vector<PosedScan> load_scans(int run) const;
   /// The runs that have scans, sorted.

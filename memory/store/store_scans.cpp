@@ -127,12 +127,23 @@ void Store::save_scans(int run, std::span<const PosedScan> scans) {
   transaction([&] {
     detail::Database& database = impl_->database;
     detail::Statement(database, "DELETE FROM scan_chunk WHERE run = ?").bind(run).run();
+    append_scans(run, scans);
+  });
+}
+
+void Store::append_scans(int run, std::span<const PosedScan> scans) {
+  transaction([&] {
+    detail::Database& database = impl_->database;
+    detail::Statement next(database,
+                           "SELECT coalesce(max(place) + 1, 0) FROM scan_chunk WHERE run = ?");
+    next.bind(run);
+    std::int64_t place = next.step() ? next.integer(0) : 0;
     detail::Statement insert(database,
                              "INSERT INTO scan_chunk (run, place, scans, begin_ns, end_ns, data) "
                              "VALUES (?, ?, ?, ?, ?, ?)");
     for (std::size_t begin = 0; begin < scans.size(); begin += kScansPerChunk) {
       const auto chunk = scans.subspan(begin, std::min(kScansPerChunk, scans.size() - begin));
-      insert.bind(run).bind(static_cast<std::int64_t>(begin / kScansPerChunk));
+      insert.bind(run).bind(place++);
       insert.bind(static_cast<std::int64_t>(chunk.size()));
       insert.bind(chunk.front().scan.stamp.ns).bind(chunk.back().scan.stamp.ns);
       insert.bind(detail::compress(encode(chunk))).run();

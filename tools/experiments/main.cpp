@@ -9,8 +9,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/base/error.hpp"
 #include "tools/experiments/patch_learning.hpp"
 #include "tools/experiments/patch_localization.hpp"
+#include "tools/experiments/real_scans_report.hpp"
 #include "tools/experiments/year.hpp"
 #include "tools/experiments/year_report.hpp"
 
@@ -24,11 +26,17 @@ struct Options {
   int seeds = 20;
   bool has_poor_poses = false;
   int days = 365;
-  int particles = 500;
-  std::string out = "year";
+  int particles = 150;
+  std::string out = "experiment";
   std::string memory_model = "timescale";
   bool no_patches = false;
   std::vector<std::string> overrides;
+  std::vector<std::string> logs;
+  std::vector<std::string> poses;
+  std::vector<double> before_s{0.0, 1e9};
+  std::vector<double> after_s{0.0, 1e9};
+  std::vector<double> place_m;
+  double radius_m = 1.0;
 
   [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
   [[nodiscard]] PoseNoise noise() const { return has_poor_poses ? kPoorPoses : kGoodPoses; }
@@ -105,8 +113,41 @@ void live_a_year(const Options& options) {
   report.finish();
 }
 
+/// The logs with their poses, the i-th for the i-th.
+std::vector<Occasion> occasions(const Options& options) {
+  if (options.logs.empty() || options.logs.size() != options.poses.size()) {
+    throw strata::InputError("--log and --poses", "do not belong together",
+                             "give a file of poses for each log");
+  }
+  std::vector<Occasion> result;
+  for (std::size_t i = 0; i < options.logs.size(); ++i) {
+    result.push_back({options.logs[i], options.poses[i]});
+  }
+  return result;
+}
+
+/// Two parts of one log, or parts of two.
+void look_at_place(const Options& options) {
+  const std::vector<Occasion> logs = occasions(options);
+  PlaceOptions place;
+  place.before = logs.front();
+  place.after = logs.back();
+  place.before.from_s = options.before_s[0];
+  place.before.to_s = options.before_s[1];
+  place.after.from_s = options.after_s[0];
+  place.after.to_s = options.after_s[1];
+  if (!options.place_m.empty()) place.place_m.emplace(options.place_m[0], options.place_m[1]);
+  place.radius_m = options.radius_m;
+  place.seeds = options.seeds;
+  place.first_seed = options.first;
+  place.out = options.out;
+  report_place(place);
+}
+
 void run(const std::string& name, const Options& options) {
   if (name == "year") return live_a_year(options);
+  if (name == "place") return look_at_place(options);
+  if (name == "decoders") return report_decoders(occasions(options));
   if (name == "three_doors") {
     learn(name, options, [&](std::uint64_t seed) {
       return three_doors(options.file("three_doors.yaml"), seed, options.noise());
@@ -147,11 +188,12 @@ void run(const std::string& name, const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   std::string name;
-  CLI::App app{"the experiments of docs/results.md on simulated worlds"};
+  CLI::App app{"the experiments of docs/results.md"};
   app.add_option("NAME", name, "which experiment")
       ->required()
       ->check(CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
-                             "box_in_corridor", "global_start", "offices", "year"}));
+                             "box_in_corridor", "global_start", "offices", "year", "place",
+                             "decoders"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::PositiveNumber);
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
@@ -163,7 +205,20 @@ int main(int argc, char** argv) {
                  "what the year's memory localizes by: timescale (all levels), timescale_LEVEL");
   app.add_flag("--no-patches", options.no_patches, "the year without the robot with a patch map");
   app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
-  app.add_option("--out", options.out, "where the year's files go");
+  app.add_option("--log", options.logs, "real logs of `place` (one or two) and `decoders`");
+  app.add_option("--poses", options.poses, "a file of poses for each");
+  app.add_option("--before", options.before_s, "seconds of the first log: the first state")
+      ->delimiter(',')
+      ->expected(2);
+  app.add_option("--after", options.after_s, "seconds of the last log: the second state")
+      ->delimiter(',')
+      ->expected(2);
+  app.add_option("--place", options.place_m, "x,y of the node; without: where most has changed")
+      ->delimiter(',')
+      ->expected(2);
+  app.add_option("--radius", options.radius_m, "m; scans taken within it of the node count")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--out", options.out, "where files of the year or the place go");
   app.add_option("--scenarios", options.scenarios, "folder of the scenario files");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -30,6 +30,10 @@ constexpr double kRenew_s = 10.0;
 /// What was learned more recently than this does not count yet: the robot would follow itself.
 constexpr double kUnsettled_s = 20.0;
 constexpr std::size_t kResidentNodes = 500;
+/// Of the patch learner. It is asked for its map only once a day; and what it learns anew from the
+/// scans that it keeps takes time with their number.
+constexpr double kPatchCheck_s = 20.0;
+constexpr double kPatchBudget_mb = 48.0;
 /// Of the poses that a learner takes a scan from.
 constexpr double kMostStddev_m = 0.1;
 
@@ -58,6 +62,7 @@ class Track {
         const YearOptions& options)
       : name_(std::move(name)) {
     config_.particles = options.particles;
+    config_.adaptive = false;
     seed_ = options.seed;
     free_space_ = day_1;
     start_ = start;
@@ -177,7 +182,9 @@ class PatchTrack final : public Track {
  public:
   PatchTrack(const std::vector<PosedScan>& day, const ReflectionGrid& day_1, const Pose2& start,
              const YearOptions& options)
-      : Track("patches", day_1, start, options), learner_({}, {}, day_1, 1), day_1_(day_1) {
+      : Track("patches", day_1, start, options),
+        learner_({}, {kPatchCheck_s, kPatchBudget_mb}, day_1, 1),
+        day_1_(day_1) {
     for (const PosedScan& scan : day) learner_.add(scan);
     renew();
   }
@@ -200,8 +207,8 @@ class PatchTrack final : public Track {
   }
   void after_scan(const simulate::SimulatedScan& scan, const Pose2Gaussian& pose) override {
     const double stddev_m = std::sqrt(std::max(pose.covariance(0, 0), pose.covariance(1, 1)));
-    // A sequence of scans needs no twelve a second.
-    if (stddev_m > kMostStddev_m || ++count_ % 3 != 0) return;
+    // A sequence of scans needs no twelve a second: one every 0.4 m of way.
+    if (stddev_m > kMostStddev_m || ++count_ % 6 != 0) return;
     has_changed_ = learner_.add(posed(scan, pose.mean)) || has_changed_;
   }
 

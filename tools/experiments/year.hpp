@@ -15,7 +15,7 @@ struct YearOptions {
   std::string scenario;
   std::uint64_t seed = 1;
   int days = 365;
-  int particles = 500;
+  int particles = 150;  ///< always
   /// timescale: all levels, mixed; timescale_LEVEL: one.
   std::string memory_model = "timescale";
   bool with_patches = true;            ///< false: without the robot with the patch map

@@ -88,8 +88,9 @@ void YearReport::draw() const {
   LinePlot size{
       .title = "What the memory takes", .x_label = "day", .y_label = "MB", .from_zero = true};
   for (const YearTrack& track : days_.front().tracks) error.series.push_back({track.name, {}, {}});
-  size.series = {
-      {"on disk", {}, {}}, {"RAM of the whole experiment", {}, {}}, {"patch learner", {}, {}}};
+  size.series = {{"on disk", {}, {}}, {"RAM, all robots", {}, {}}};
+  const bool has_patches = days_.front().patch_mb > 0.0;
+  if (has_patches) size.series.push_back({"patch learner", {}, {}});
   for (const YearDay& day : days_) {
     for (std::size_t t = 0; t < day.tracks.size(); ++t) {
       error.series[t].x.push_back(day.day);

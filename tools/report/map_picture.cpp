@@ -72,6 +72,14 @@ void mark_trajectory(MapPicture& picture, std::span<const Pose2> poses, Color co
   }
 }
 
+void mark_points(MapPicture& picture, std::span<const Eigen::Vector2d> points_m, Color color) {
+  constexpr int kRadius = 3;
+  for (const Eigen::Vector2d& point_m : points_m) {
+    const Eigen::Vector2i at = picture.pixel(point_m);
+    picture.image.dot(at.x(), at.y(), kRadius, color);
+  }
+}
+
 void mark_submaps(MapPicture& picture, const patch::PatchMap& map, Color color) {
   for (const patch::Submap& submap : map.submaps) {
     const Eigen::Vector2i low = picture.pixel(

@@ -38,6 +38,9 @@ void mark_dynamic_beams(MapPicture& picture, std::span<const PosedScan> scans, C
 
 void mark_trajectory(MapPicture& picture, std::span<const Pose2> poses, Color color);
 
+/// A dot at each point of the map frame.
+void mark_points(MapPicture& picture, std::span<const Eigen::Vector2d> points_m, Color color);
+
 /// Outlines of all sub-maps.
 void mark_submaps(MapPicture& picture, const patch::PatchMap& map, Color color);
 

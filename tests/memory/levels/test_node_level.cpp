@@ -82,8 +82,10 @@ TEST(NodeLevel, NeverHoldsMoreThanItsCapacity) {
   }
 }
 
-/// Median number of observations that a sample survives in a full set.
-double survival_median(int capacity, double insertion_probability, int trials, std::uint64_t seed) {
+/// Observations after which half of the samples of a full set are gone; between two observations
+/// survivors are taken to fall exponentially.
+double measured_half_life(int capacity, double insertion_probability, int trials,
+                          std::uint64_t seed) {
   std::vector<int> lives;
   for (int trial = 0; trial < trials; ++trial) {
     RandomStream random(seed, StreamId::kTest, static_cast<std::uint64_t>(trial));
@@ -103,15 +105,23 @@ double survival_median(int capacity, double insertion_probability, int trials, s
     }
     lives.push_back(life);
   }
-  std::nth_element(lives.begin(), lives.begin() + trials / 2, lives.end());
-  return lives[static_cast<std::size_t>(trials / 2)];
+  const auto alive_after = [&](int observations) {
+    return static_cast<double>(std::count_if(lives.begin(), lives.end(),
+                                             [&](int life) { return life > observations; })) /
+           trials;
+  };
+  int t = 0;
+  while (alive_after(t + 1) > 0.5) ++t;
+  const double before = alive_after(t);
+  return t + std::log(before / 0.5) / std::log(before / alive_after(t + 1));
 }
 
 TEST(NodeLevel, ForgetsHalfOfItsSamplesInOneHalfLife) {
-  // A life is a whole number of observations, so the short one is known to one observation only.
-  EXPECT_NEAR(survival_median(5, 1.0, 4000, 1), half_life_observations(5, 1.0), 1.0);
-  EXPECT_NEAR(survival_median(20, 0.5, 4000, 2), half_life_observations(20, 0.5), 2.7);
-  EXPECT_NEAR(survival_median(50, 0.05, 4000, 3), half_life_observations(50, 0.05), 69.0);
+  for (const auto& [capacity, q] : {std::pair{5, 1.0}, {20, 0.5}, {50, 0.05}}) {
+    const double theory = half_life_observations(capacity, q);
+    const auto seed = static_cast<std::uint64_t>(capacity);
+    EXPECT_NEAR(measured_half_life(capacity, q, 4000, seed), theory, 0.1 * theory) << capacity;
+  }
 }
 
 TEST(NodeLevel, HalvesTheShareOfAnOldStateInOneHalfLife) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -34,6 +35,42 @@ TEST(LevelMixture, BelievesTheLevelThatPredictsTheScans) {
               1e-12);
   // Forgetting leaves every level a chance.
   EXPECT_GE(mixture.weights(0)[0], 0.02 / 3.0);
+}
+
+// Bayes' rule, worked out here from what each level expects.
+TEST(LevelMixture, WeighsEachLevelByTheLikelihoodOfTheScan) {
+  const auto map = memory_with_new_box().decode();
+  const Pose2 pose{0.1, 0.1, 0.3};
+  LevelMixtureConfig config;
+  config.forgetting = 0.0;
+  config.effective_beams = 1.0;  // or the weights would be 0 and 1 at once
+  LevelMixture mixture(config, 3);
+  std::vector<double> product(3, 1.0 / 3.0);
+  for (const bool with_box : {true, true, false}) {
+    Scan scan = observe(pose, 500.0, with_box).scan;
+    ASSERT_EQ(scan.size() % 60, 0U);  // it looks at 60 beams
+    const std::size_t step = scan.size() / 60;
+    double total = 0.0;
+    for (int level = 0; level < 3; ++level) {
+      double sum = 0.0;
+      for (std::size_t beam = 0; beam < scan.size(); beam += step) {
+        const double expected_m =
+            static_cast<double>(map->expected_range_m(level, pose, scan.bearing_rad(beam)));
+        const double measured_m = static_cast<double>(scan.ranges_m[beam]);
+        const double z = (measured_m - expected_m) / config.sigma_m;
+        const double hit = config.hit / (config.sigma_m * std::sqrt(2.0 * std::numbers::pi));
+        const double odd = (1.0 - config.hit) / map->bins().max_range_m;
+        ASSERT_TRUE(std::isfinite(expected_m));
+        sum += std::log(hit * std::exp(-0.5 * z * z) + odd) / 60.0;
+      }
+      product[static_cast<std::size_t>(level)] *= std::exp(sum);
+      total += product[static_cast<std::size_t>(level)];
+    }
+    mixture.update(*map, pose, scan);
+    for (std::size_t level = 0; level < 3; ++level) {
+      EXPECT_NEAR(mixture.weights(0)[level], product[level] / total, 1e-5) << level;
+    }
+  }
 }
 
 TEST(LevelMixture, ExpectsTheRangesOfTheLevelItBelieves) {

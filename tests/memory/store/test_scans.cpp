@@ -97,6 +97,25 @@ TEST(StoredScans, OfARunAreReplacedAsAWhole) {
   EXPECT_THAT(store.runs_with_scans(), ElementsAre(0, 1));
 }
 
+TEST(StoredScans, ThatAreAppendedFollowThoseOfTheirRun) {
+  const TemporaryDirectory dir;
+  Store store(dir.path() / "strata.db");
+  const auto saved = random_scans(0, 600);
+  const std::span<const PosedScan> all(saved);
+  store.append_scans(0, all.first(300));
+  store.append_scans(1, random_scans(1, 2));
+  store.append_scans(0, all.subspan(300, 1));
+  store.append_scans(0, {});
+  store.append_scans(0, all.subspan(301));
+  const auto loaded = store.load_scans(0);
+  ASSERT_EQ(loaded.size(), saved.size());
+  for (std::size_t i = 0; i < saved.size(); ++i) {
+    EXPECT_EQ(loaded[i].scan.stamp, saved[i].scan.stamp) << i;
+    EXPECT_TRUE(same_bits(saved[i].scan.ranges_m, loaded[i].scan.ranges_m)) << i;
+  }
+  EXPECT_EQ(store.load_scans(1).size(), 2U);
+}
+
 TEST(StoredScans, ThatDoNotAddUpAreRefusedByPlace) {
   const TemporaryDirectory dir;
   { Store(dir.path() / "strata.db").save_scans(0, random_scans(0, 10)); }

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/test_data.hpp"
+#include "tools/experiments/decoder_table.hpp"
+#include "tools/experiments/place_figures.hpp"
+#include "tools/experiments/place_views.hpp"
+
+namespace strata::experiments {
+namespace {
+
+/// A round room of 3 m; with_box: 1.5 m at bearings 0 to 40 degrees from its middle.
+PosedScan look(const Pose2& robot, double time_s, bool with_box) {
+  PosedScan scan;
+  scan.map_from_robot = robot;
+  scan.scan.stamp = Stamp::from_seconds(time_s);
+  scan.scan.angle_min_rad = -static_cast<float>(std::numbers::pi);
+  scan.scan.angle_increment_rad = static_cast<float>(std::numbers::pi / 180.0);
+  scan.scan.range_max_m = 20.0F;
+  for (std::size_t i = 0; i < 360; ++i) {
+    const double bearing = robot.theta + scan.scan.bearing_rad(i);
+    const double degrees =
+        180.0 / std::numbers::pi * std::remainder(bearing, 2.0 * std::numbers::pi);
+    scan.scan.ranges_m.push_back(with_box && degrees > 0.0 && degrees < 40.0 ? 1.5F : 3.0F);
+  }
+  return scan;
+}
+
+/// The robot turns on the spot.
+std::vector<PosedScan> turn(bool with_box, int scans = 20) {
+  std::vector<PosedScan> result;
+  for (int i = 0; i < scans; ++i) {
+    result.push_back(look({0.02, 0.0, 0.3 * i}, 2.0 * i, with_box));
+  }
+  return result;
+}
+
+TEST(PlaceViews, FindTheObjectThatCameAndNothingElse) {
+  const memory::PolarBins bins;
+  const ChangedPlace place = find_changed_place(turn(false), turn(true), 1.0, bins, 0.5);
+  EXPECT_NEAR(place.node_m.norm(), 0.02, 1e-9);
+  EXPECT_NEAR(static_cast<double>(place.states.bins.size()), 40.0, 2.0);
+  for (const std::size_t bin : place.states.bins) {
+    EXPECT_TRUE(bin < 41 || bin == 359) << bin;
+    EXPECT_TRUE(place.states.shows_after(1.6F, bin));
+    EXPECT_FALSE(place.states.shows_after(2.9F, bin));
+  }
+  EXPECT_THROW((void)find_changed_place(turn(true), turn(true), 1.0, bins, 0.5), InputError);
+}
+
+TEST(PlaceViews, LeaveOutBinsThatOneOccasionShowsInBothStates) {
+  std::vector<PosedScan> mixed = turn(true);
+  for (const PosedScan& scan : turn(false, 12)) mixed.push_back(scan);
+  const memory::PolarBins bins;
+  EXPECT_TRUE(tell_apart(views_from(turn(false), {0.0, 0.0}, 1.0, bins),
+                         views_from(mixed, {0.0, 0.0}, 1.0, bins), bins, 0.5)
+                  .bins.empty());
+}
+
+TEST(PlaceFigures, SwitchAsAWholeAndCompleteTheHiddenHalf) {
+  PlaceFigures figures;
+  figures.seeds = 5;
+  const TwoStates states =
+      find_changed_place(turn(false), turn(true), 1.0, figures.bins, 0.5).states;
+  const std::vector<NamedDecoder> decoders = paper_decoders();
+  const NamedDecoder& exact = decoders.front();
+  const SwitchResult whole = switch_states(states, exact, figures);
+  EXPECT_EQ(whole.never, 0);
+  EXPECT_EQ(whole.mixed, 0.0);
+  EXPECT_GT(whole.least_share, 0.35);
+  EXPECT_LT(whole.greatest_share, 0.65);
+  EXPECT_EQ(complete_half(states, exact, figures).complete, 5);
+  EXPECT_EQ(complete_half(states, decoders.back(), figures).complete, 0);
+  EXPECT_GT(switch_states(states, decoders.back(), figures).mixed, 1.0);
+  EXPECT_EQ(wrong_bins(states, exact, 0.0, figures), 0.0);
+  EXPECT_EQ(wrong_bins(states, exact, 1.0, figures), 1.0);
+}
+
+TEST(DecoderTable, OnARealLogNoDecoderFindsALikelierPathThanTheExactOne) {
+  STRATA_REQUIRE_DATA(log, "wean_hall/run1.clf.gz");
+  STRATA_REQUIRE_DATA(poses, "wean_hall/run1.ref.txt");
+  memory::TimescaleMemory memory;
+  for (const PosedScan& scan : posed_scans({log.string(), poses.string()})) memory.observe(scan);
+  const std::vector<DecoderRow> rows = compare_decoders(memory);
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[0].different_levels, 0U);
+  EXPECT_EQ(rows[0].inconsistent, 0U);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i].levels, 3 * memory.nodes().size());
+    EXPECT_GT(rows[i].different_levels, 0U) << rows[i].name;
+    EXPECT_GT(rows[i].log_product, 0.0) << rows[i].name;
+    EXPECT_GE(rows[i].worst_log_product, rows[i].log_product) << rows[i].name;
+    EXPECT_LE(rows[i].far_bins, rows[i].different_bins) << rows[i].name;
+  }
+}
+
+}  // namespace
+}  // namespace strata::experiments
