@@ -8,6 +8,7 @@
 #include "components/maps/learn_config.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "core/localization/patch_beam_model.hpp"
+#include "core/topology/mapper_config.hpp"
 
 namespace strata::pipeline {
 
@@ -62,12 +63,16 @@ struct CompareConfig {
   maps::LearnConfig learn = learn_at_given_poses();
   localization::LocalizerConfig localizer;
   localization::PatchBeamModelConfig sensor;
+  topology::TopologyMapperConfig topology;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("protocol", c.protocol, "what is compared, and how");
     v.group("learn", c.learn, "how the maps are learned");
     v.group("localizer", c.localizer, "the particle filter, the same for every model");
     v.group("sensor", c.sensor, "the beam model, the same for every model");
+    v.group("topology", c.topology,
+            "how the places are found that the sub-maps of patch_places follow, at the poses that "
+            "all maps are learned at");
   }
 };
 

@@ -21,6 +21,7 @@ using report::Series;
 constexpr int kMapPixels = 900;
 constexpr Color kDynamic{213, 94, 0};
 constexpr Color kOutline{0, 114, 178};
+constexpr Color kPlace{213, 94, 0};
 /// The last percent would stretch an axis until nothing else can be seen; the tables tell of it.
 constexpr double kShownShare = 0.99;
 
@@ -179,6 +180,38 @@ void add_maps(const CompareOutcome& outcome, HtmlReport& page) {
   }
 }
 
+namespace {
+
+/// The names of its pictures begin with `prefix`.
+void add_submaps(const patch::PatchMap& map, const std::vector<double>& places,
+                 const std::string& prefix, HtmlReport& page) {
+  report::MapPicture overview =
+      report::draw_map(map.base, report::known_rect(map.base), kMapPixels);
+  report::mark_submaps(overview, map, kOutline);
+  std::vector<Eigen::Vector2d> points_m;
+  for (std::size_t i = 0; i + 1 < places.size(); i += 2) {
+    points_m.emplace_back(places[i], places[i + 1]);
+  }
+  report::mark_points(overview, points_m, kPlace);
+  const std::string count = std::to_string(map.submaps.size());
+  page.picture(prefix + "patch_map", overview.image,
+               "The filtered map with the sub-maps outlined in blue",
+               count + (map.submaps.size() == 1 ? " sub-map (blue)" : " sub-maps (blue)") +
+                   (places.empty() ? "." : ", places in red."));
+  for (const patch::Submap& submap : map.submaps) {
+    std::string caption = "Sub-map " + std::to_string(submap.id) + ", " +
+                          std::to_string(submap.sequences.size()) + " sequences. Shares:";
+    for (const patch::Configuration& configuration : submap.configurations) {
+      caption += " " + fixed(100.0 * configuration.prior, 0) + "%";
+    }
+    page.picture(prefix + "submap_" + std::to_string(submap.id), report::draw_submap(submap, 4),
+                 "The configurations of sub-map " + std::to_string(submap.id) + " side by side",
+                 caption + ".");
+  }
+}
+
+}  // namespace
+
 void add_patches(const CompareOutcome& outcome, HtmlReport& page) {
   const patch::PatchMap& map = outcome.learned.patches;
   page.heading("Patch map: places that change, and the states they take");
@@ -188,38 +221,34 @@ void add_patches(const CompareOutcome& outcome, HtmlReport& page) {
         "equals the filtered map.");
     return;
   }
-  report::MapPicture overview =
-      report::draw_map(map.base, report::known_rect(map.base), kMapPixels);
-  report::mark_submaps(overview, map, kOutline);
-  page.picture("patch_map", overview.image, "The filtered map with the sub-maps outlined in blue",
-               std::to_string(map.submaps.size()) +
-                   (map.submaps.size() == 1 ? " sub-map (blue)." : " sub-maps (blue)."));
-  for (const patch::Submap& submap : map.submaps) {
-    std::string caption = "Sub-map " + std::to_string(submap.id) + ", " +
-                          std::to_string(submap.sequences.size()) + " sequences. Shares:";
-    for (const patch::Configuration& configuration : submap.configurations) {
-      caption += " " + fixed(100.0 * configuration.prior, 0) + "%";
-    }
-    page.picture("submap_" + std::to_string(submap.id), report::draw_submap(submap, 4),
-                 "The configurations of sub-map " + std::to_string(submap.id) + " side by side",
-                 caption + ".");
-  }
+  add_submaps(map, {}, "", page);
+  if (!outcome.learned.place_patches) return;
+  page.heading("The same by places: patch_places");
+  page.paragraph(
+      "What changes nearest to the same place of the topology is one sub-map, instead of what sees "
+      "each other.");
+  add_submaps(*outcome.learned.place_patches, outcome.learned.places, "places_", page);
 }
 
 namespace {
 
+struct TracedModel {
+  std::string model;
+  const StateTrace* trace = nullptr;
+};
+
 /// The trace with the largest swing of its first configuration says most.
-const StateTrace* most_telling(const Comparison& comparison) {
-  const StateTrace* best = nullptr;
+TracedModel most_telling(const Comparison& comparison) {
+  TracedModel best;
   double best_swing = 0.0;
   for (const ModelResult& model : comparison.models) {
     for (const StateTrace& trace : model.states) {
       if (trace.probability.size() < 2) continue;
       const auto [low, high] =
           std::minmax_element(trace.probability[0].begin(), trace.probability[0].end());
-      if (*high - *low <= best_swing && best != nullptr) continue;
+      if (*high - *low <= best_swing && best.trace != nullptr) continue;
       best_swing = *high - *low;
-      best = &trace;
+      best = {model.model, &trace};
     }
   }
   return best;
@@ -228,14 +257,14 @@ const StateTrace* most_telling(const Comparison& comparison) {
 }  // namespace
 
 void add_states(const Comparison& comparison, HtmlReport& page) {
-  const StateTrace* trace = most_telling(comparison);
+  const auto [model, trace] = most_telling(comparison);
   if (trace == nullptr) return;
-  LinePlot plot{
-      .title = "Posterior over the configurations of sub-map " + std::to_string(trace->submap),
-      .x_label = "time since the test part began [s]",
-      .y_label = "probability",
-      .from_zero = true,
-      .y_max = 1.0};
+  LinePlot plot{.title = "Posterior over the configurations of sub-map " +
+                         std::to_string(trace->submap) + " (" + model + ")",
+                .x_label = "time since the test part began [s]",
+                .y_label = "probability",
+                .from_zero = true,
+                .y_max = 1.0};
   for (std::size_t k = 0; k < trace->probability.size(); ++k) {
     plot.series.push_back(
         {"configuration " + std::to_string(k), trace->time_s, trace->probability[k]});

@@ -27,6 +27,8 @@ Learned learn_again(const Runs& runs, const FullMemory& full, const CompareConfi
   const std::vector<Observation> train = learning_part(runs, full.split);
   learned.result = learn(train, poses_of(full.learned.result.slam, train), config.learn, {},
                          job.seeds.front(), job.threads, job.progress);
+  learned.result.places = full.learned.result.places;
+  add_place_patches(config, job, learned.result);
   learned.maps = maps_of(learned.result);
   return learned;
 }

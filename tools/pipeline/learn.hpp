@@ -28,6 +28,10 @@ struct LearnParts {
 struct LearnResult {
   slam::SlamResult slam;
   patch::PatchMap patches;
+  /// Whose sub-maps follow the places of a topology, and those places (see topology_places); when
+  /// a comparison asks for it.
+  std::optional<patch::PatchMap> place_patches;
+  std::vector<double> places;
   std::shared_ptr<memory::TimescaleMemory> timescale;
 };
 

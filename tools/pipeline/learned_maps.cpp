@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
+#include "tools/pipeline/place_patches.hpp"
 
 namespace strata::pipeline {
 namespace {
@@ -58,9 +59,21 @@ maps::Maps maps_of(const LearnResult& result) {
   maps.occupancy = result.slam.occupancy;
   maps.filtered = result.slam.filtered;
   maps.patches = result.patches;
+  maps.place_patches = result.place_patches;
   maps.timescale = result.timescale;
   if (maps.timescale) maps.nodes = maps.timescale->decode();
   return maps;
+}
+
+void add_place_patches(const CompareConfig& config, const CompareJob& job, LearnResult& result) {
+  const std::vector<std::string>& models = config.protocol.models;
+  if (std::find(models.begin(), models.end(), "patch_places") == models.end()) return;
+  if (result.places.empty()) {
+    result.places = topology_places(result.slam.scans, config.topology, job.seeds.front(),
+                                    job.threads, job.progress);
+  }
+  result.place_patches = learn_place_patches(result.slam, result.places, config.learn.patch,
+                                             job.threads, job.progress);
 }
 
 Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
@@ -69,6 +82,7 @@ Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
   const std::vector<Observation> train = learning_part(runs, split);
   learned.result = learn(train, pick(poses, split.train), config.learn, {}, job.seeds.front(),
                          job.threads, job.progress);
+  add_place_patches(config, job, learned.result);
   learned.truths = poses;
   learned.maps = maps_of(learned.result);
   maps::Maps& maps = learned.maps;

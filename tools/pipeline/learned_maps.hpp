@@ -31,6 +31,9 @@ using Poses = std::vector<std::optional<Pose2>>;
 /// What was learned, ready to localize in.
 [[nodiscard]] maps::Maps maps_of(const LearnResult& result);
 
+/// For the model patch_places, when it is among those compared; places known already are kept.
+void add_place_patches(const CompareConfig& config, const CompareJob& job, LearnResult& result);
+
 struct Learned {
   LearnResult result;
   maps::Maps maps;

@@ -14,7 +14,7 @@ namespace {
 class BeliefWatcher final : public Watcher {
  public:
   BeliefWatcher(const maps::Maps& maps, const maps::MapModel& model)
-      : maps_(maps), onlooker_(model), is_patch_(model.sensor->patch_states() != nullptr) {
+      : onlooker_(model), states_(model.sensor->patch_states()) {
     if (model.name == "occupancy") map_ = std::make_shared<const ReflectionGrid>(maps.occupancy);
     if (model.name == "filtered") map_ = std::make_shared<const ReflectionGrid>(maps.filtered);
   }
@@ -26,23 +26,22 @@ class BeliefWatcher final : public Watcher {
     onlooker_.learn(observation.scan);
   }
   std::shared_ptr<const ReflectionGrid> map() override {
-    if (!is_patch_) return map_;
+    if (states_ == nullptr) return map_;
     std::vector<int> chosen;
     for (const localization::SubmapBelief& belief : onlooker_.beliefs()) {
       const auto best = std::max_element(belief.probability.begin(), belief.probability.end());
       chosen.push_back(static_cast<int>(best - belief.probability.begin()));
     }
     if (!map_ || chosen != chosen_) {
-      map_ = std::make_shared<const ReflectionGrid>(patch::compose(*maps_.patches, chosen));
+      map_ = std::make_shared<const ReflectionGrid>(patch::compose(states_->map(), chosen));
       chosen_ = std::move(chosen);
     }
     return map_;
   }
 
  private:
-  const maps::Maps& maps_;
   Onlooker onlooker_;
-  bool is_patch_;
+  const localization::PatchStates* states_;  // the onlooker's model has them
   std::vector<int> chosen_;
   std::shared_ptr<const ReflectionGrid> map_;
 };

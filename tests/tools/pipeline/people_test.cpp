@@ -194,6 +194,13 @@ TEST(FilterAgainstNone, DISABLED_Tuning) {
   }
 }
 
+TEST(AmongPeople, DoNotTellHowFarTheRobotCameBetweenBareWalls) {
+  for (const std::uint64_t seed : {101U, 107U}) {
+    const Simulation simulation = drive_among("corridor_endless.yaml", 5, seed);
+    EXPECT_LT(pose_error_m(simulation, learn(simulation)), 0.3) << seed;
+  }
+}
+
 class AmongPeopleOf : public ::testing::TestWithParam<std::size_t> {};
 
 TEST_P(AmongPeopleOf, TheFilterFindsThemAndClearsTheMap) {
