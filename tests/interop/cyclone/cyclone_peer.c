@@ -4,13 +4,11 @@
  *   cyclone_peer DOMAIN echo                 every message of rt/ask_<Type> goes back on
  *                                            rt/answer_<Type>, through Cyclone's own structs
  *   cyclone_peer DOMAIN nodes                prints "node NAMESPACE NAME" of what others announce
- *   cyclone_peer DOMAIN change_state NODE ID prints "success 0" or "success 1"
- *   cyclone_peer DOMAIN get_parameter NODE NAME   prints "value TYPE STRING INTEGER DOUBLE"
+ *   cyclone_peer DOMAIN SERVICE NODE ...     calls it and prints what it answers; cyclone_services.c
  *
  * Says "ready" once everything is made; ends when its standard input does. */
 #include "bond.h"
-#include "cyclone_requests.h"
-#include "dds/dds.h"
+#include "cyclone_peer.h"
 #include "diagnostic_msgs.h"
 #include "geometry_msgs.h"
 #include "lifecycle_msgs.h"
@@ -64,17 +62,17 @@ static const struct Type kTypes[] = {TYPE(diagnostic_msgs, DiagnosticArray),
                                      TYPE(bond, Status)};
 enum { kTypeCount = sizeof kTypes / sizeof kTypes[0] };
 
-static dds_entity_t g_participant;
-static dds_entity_t g_waitset;
-static dds_entity_t g_end;
+dds_entity_t g_participant;
+dds_entity_t g_waitset;
+dds_entity_t g_end;
 
-static void require(dds_return_t result, const char* what) {
+void require(dds_return_t result, const char* what) {
   if (result >= 0) return;
   fprintf(stderr, "cyclone_peer: %s: %s\n", what, dds_strretcode(-result));
   exit(1);
 }
 
-static void say(const char* line) {
+void say(const char* line) {
   puts(line);
   fflush(stdout);
 }
@@ -96,7 +94,7 @@ static dds_qos_t* make_qos(bool latched, int depth) {
 }
 
 /* The topic of that wire name, with the type name that ROS 2 gives the descriptor's type. */
-static dds_entity_t make_topic(const dds_topic_descriptor_t* descriptor, const char* topic,
+dds_entity_t make_topic(const dds_topic_descriptor_t* descriptor, const char* topic,
                                const char* wire_type) {
   dds_topic_descriptor_t renamed = *descriptor;
   renamed.m_typename = wire_type;
@@ -105,7 +103,7 @@ static dds_entity_t make_topic(const dds_topic_descriptor_t* descriptor, const c
   return made;
 }
 
-static dds_entity_t make_reader(dds_entity_t topic, bool latched, int depth) {
+dds_entity_t make_reader(dds_entity_t topic, bool latched, int depth) {
   dds_qos_t* qos = make_qos(latched, depth);
   const dds_entity_t reader = dds_create_reader(g_participant, topic, qos, NULL);
   dds_delete_qos(qos);
@@ -113,7 +111,7 @@ static dds_entity_t make_reader(dds_entity_t topic, bool latched, int depth) {
   return reader;
 }
 
-static dds_entity_t make_writer(dds_entity_t topic, bool latched) {
+dds_entity_t make_writer(dds_entity_t topic, bool latched) {
   dds_qos_t* qos = make_qos(latched, latched ? 1 : 10);
   const dds_entity_t writer = dds_create_writer(g_participant, topic, qos, NULL);
   dds_delete_qos(qos);
@@ -121,14 +119,14 @@ static dds_entity_t make_writer(dds_entity_t topic, bool latched) {
   return writer;
 }
 
-static void attach(dds_entity_t reader, dds_attach_t tag) {
+void attach(dds_entity_t reader, dds_attach_t tag) {
   const dds_entity_t condition = dds_create_readcondition(reader, DDS_ANY_STATE);
   require(condition, "read condition");
   require(dds_waitset_attach(g_waitset, condition, tag), "attach");
 }
 
 /* The next message, lent; false when none is there. */
-static bool take(dds_entity_t reader, void** sample) {
+bool take(dds_entity_t reader, void** sample) {
   for (;;) {
     dds_sample_info_t info;
     *sample = NULL;
@@ -195,95 +193,6 @@ static void nodes(void) {
   }
 }
 
-/* Whether two messages begin with the same client and number: rmw_cyclonedds passes over replies to
- * others, which every client of a topic sees. */
-static bool same_call(const void* request, const void* reply) {
-  return memcmp(request, reply, 2 * sizeof(uint64_t)) == 0;
-}
-
-/* Sends one request of a service, as rmw_cyclonedds does, and waits for its reply; the caller reads
- * the body and may leave the loan. */
-static void* call(const char* node, const char* package, const char* service, const char* path,
-                  const dds_topic_descriptor_t* request_type,
-                  const dds_topic_descriptor_t* reply_type, const void* request) {
-  char topic[256];
-  char type[256];
-  snprintf(topic, sizeof topic, "rq%s/%sRequest", node, path);
-  snprintf(type, sizeof type, "%s::srv::dds_::%s_Request_", package, service);
-  const dds_entity_t writer = make_writer(make_topic(request_type, topic, type), false);
-  snprintf(topic, sizeof topic, "rr%s/%sReply", node, path);
-  snprintf(type, sizeof type, "%s::srv::dds_::%s_Response_", package, service);
-  const dds_entity_t reader = make_reader(make_topic(reply_type, topic, type), false, 10);
-  /* Both ways must be known before the first word. */
-  const dds_entity_t waitset = dds_create_waitset(g_participant);
-  require(dds_set_status_mask(writer, DDS_PUBLICATION_MATCHED_STATUS), "mask");
-  require(dds_set_status_mask(reader, DDS_SUBSCRIPTION_MATCHED_STATUS), "mask");
-  require(dds_waitset_attach(waitset, writer, 1), "attach");
-  require(dds_waitset_attach(waitset, reader, 2), "attach");
-  require(dds_waitset_attach(waitset, g_end, 3), "attach");
-  int matched = 0;
-  while (matched != 3) {
-    dds_attach_t tags[3];
-    const int count = dds_waitset_wait(waitset, tags, 3, DDS_INFINITY);
-    for (int i = 0; i < count; ++i) {
-      uint32_t status = 0;
-      if (tags[i] == 3) exit(1);
-      matched |= (int)tags[i];
-      dds_take_status(tags[i] == 1 ? writer : reader, &status,
-                      DDS_PUBLICATION_MATCHED_STATUS | DDS_SUBSCRIPTION_MATCHED_STATUS);
-      require(dds_waitset_detach(waitset, tags[i] == 1 ? writer : reader), "detach");
-    }
-  }
-  attach(reader, 0);
-  say("ready");
-  require(dds_write(writer, request), "request");
-  for (;;) {
-    dds_attach_t tags[2];
-    const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
-    for (int i = 0; i < count; ++i) {
-      if (tags[i] != 0) exit(1);
-    }
-    void* sample = NULL;
-    while (take(reader, &sample)) {
-      if (same_call(request, sample)) return sample;
-      dds_return_loan(reader, &sample, 1);
-    }
-  }
-}
-
-static void change_state(char* node, int id) {
-  cyclone_requests_ChangeStateRequest request;
-  memset(&request, 0, sizeof request);
-  request.guid = 0x0123456789abcdefULL;
-  request.number = 77;
-  request.body.transition.id = (uint8_t)id;
-  request.body.transition.label = "";
-  const cyclone_requests_ChangeStateReply* reply = call(
-      node, "lifecycle_msgs", "ChangeState", "change_state",
-      &cyclone_requests_ChangeStateRequest_desc, &cyclone_requests_ChangeStateReply_desc, &request);
-  printf("success %d\n", reply->body.success ? 1 : 0);
-}
-
-static void get_parameter(char* node, char* name) {
-  cyclone_requests_GetParametersRequest request;
-  memset(&request, 0, sizeof request);
-  request.guid = 0xfedcba9876543210ULL;
-  request.number = 1;
-  request.body.names._length = request.body.names._maximum = 1;
-  request.body.names._buffer = &name;
-  const cyclone_requests_GetParametersReply* reply =
-      call(node, "rcl_interfaces", "GetParameters", "get_parameters",
-           &cyclone_requests_GetParametersRequest_desc, &cyclone_requests_GetParametersReply_desc,
-           &request);
-  if (reply->body.values._length != 1) {
-    say("a reply without the value");
-    return;
-  }
-  const rcl_interfaces_msg_ParameterValue* value = &reply->body.values._buffer[0];
-  printf("value %d '%s' %lld %g\n", value->type, value->string_value,
-         (long long)value->integer_value, value->double_value);
-}
-
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
   g_participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
@@ -295,8 +204,7 @@ int main(int argc, char** argv) {
   if (pthread_create(&thread, NULL, wait_for_end, NULL) != 0) return 1;
   if (strcmp(argv[2], "echo") == 0) echo();
   if (strcmp(argv[2], "nodes") == 0) nodes();
-  if (strcmp(argv[2], "change_state") == 0 && argc == 5) change_state(argv[3], atoi(argv[4]));
-  if (strcmp(argv[2], "get_parameter") == 0 && argc == 5) get_parameter(argv[3], argv[4]);
+  if (argc >= 4) call_service(argv[2], argv[3], argv + 4);
   dds_delete(g_participant);
   fflush(stdout);
   return 0;

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Our services asked by Cyclone DDS in the way of rmw_cyclonedds.
+#include <atomic>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "components/bus/service.hpp"
 #include "components/log/map_file.hpp"
+#include "components/map_saver/register.hpp"
 #include "components/map_server/register.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/interop/cyclone/process.hpp"
@@ -16,19 +19,26 @@
 namespace strata::test {
 namespace {
 
+/// Nothing in it is unknown, which is what map files are cut at.
+ReflectionGrid full_map(int width, int height) {
+  return {0.1, CellRect{{0, 0}, {width, height}}, 1.0F};
+}
+
 class CycloneServices : public testing::Test {
  protected:
   CycloneServices() {
     const auto file = folder_.path() / "room.yaml";
-    log::write_map(file, make_reflection_grid(0.1, CellRect{{0, 0}, {4, 6}}));
+    log::write_map(file, full_map(5, 7));
     runtime::Registry registry;
     map_server::register_component(registry);
+    map_saver::register_component(savers_);
     host_ =
         make_host("{type: strata::MapServer, name: maps, namespace: /robot1, parameters: {map: '" +
                       file.string() + "', map_frame: floor2}}",
                   registry, make_participant());
   }
   TemporaryDirectory folder_;
+  runtime::Registry savers_;
   std::unique_ptr<runtime::Host> host_;
 };
 
@@ -42,6 +52,88 @@ TEST_F(CycloneServices, LeadAComponentThroughItsLife) {
 TEST_F(CycloneServices, GiveParameters) {
   CycloneProcess get({"get_parameter", "/robot1/maps", "map_frame"});
   EXPECT_EQ(get.wait_for_line("value"), "value 4 'floor2' 0 0");
+}
+
+/// What a Cyclone process prints for one call, from `key` on.
+std::string answer(const std::vector<std::string>& call, const std::string& key) {
+  CycloneProcess process(call);
+  return process.wait_for_line(key);
+}
+
+TEST_F(CycloneServices, TellStatesAndTransitions) {
+  EXPECT_EQ(answer({"get_state", "/robot1/maps"}, "state"), "state 2 inactive");
+  EXPECT_EQ(answer({"get_available_states", "/robot1/maps"}, "states"), "states 11 unconfigured");
+  // Inactive: it may be cleaned up, activated or shut down.
+  EXPECT_EQ(answer({"get_available_transitions", "/robot1/maps"}, "transitions"),
+            "transitions 3 cleanup");
+}
+
+TEST_F(CycloneServices, ListDescribeAndSetParameters) {
+  EXPECT_EQ(answer({"list_parameters", "/robot1/maps"}, "parameter map_frame"),
+            "parameter map_frame");
+  EXPECT_EQ(answer({"get_parameter_type", "/robot1/maps", "map_frame"}, "type"), "type 4");
+  const auto saver = make_host("{type: strata::MapSaver, name: saver, namespace: /robot1}", savers_,
+                               make_participant());
+  EXPECT_EQ(answer({"describe_parameter", "/robot1/saver", "save_map_timeout_s"}, "descriptor"),
+            "descriptor save_map_timeout_s 3 0 60");
+  EXPECT_EQ(answer({"set_parameter", "/robot1/saver", "save_map_timeout_s", "7.5"}, "set"),
+            "set 1 ");
+  EXPECT_EQ(answer({"get_parameter", "/robot1/saver", "save_map_timeout_s"}, "value"),
+            "value 3 '' 0 7.5");
+  EXPECT_THAT(
+      answer({"set_parameter_atomically", "/robot1/saver", "save_map_timeout_s", "61"}, "set"),
+      testing::StartsWith("set 0 save_map_timeout_s"));
+  EXPECT_EQ(answer({"get_parameter", "/robot1/saver", "save_map_timeout_s"}, "value"),
+            "value 3 '' 0 7.5");
+}
+
+TEST_F(CycloneServices, LoadGetAndSaveMaps) {
+  host_->activate();
+  EXPECT_EQ(answer({"get_map", "/robot1/maps"}, "map"), "map 5 7 floor2");
+  const auto larger = folder_.path() / "hall.yaml";
+  log::write_map(larger, full_map(10, 3));
+  EXPECT_EQ(answer({"load_map", "/robot1/maps", "file://" + larger.string()}, "loaded"),
+            "loaded 0 10 3");
+  EXPECT_EQ(answer({"load_map", "/robot1/maps", "file:///no/such.yaml"}, "loaded"), "loaded 1 0 0");
+  const auto saver = make_host("{type: strata::MapSaver, name: saver, namespace: /robot1}", savers_,
+                               make_participant());
+  saver->activate();
+  const auto url = folder_.path() / "saved";
+  EXPECT_EQ(answer({"save_map", "/robot1/saver", "/robot1/map", url.string()}, "saved"), "saved 1");
+  const auto saved = log::read_map(url.string() + ".yaml");
+  EXPECT_EQ(saved.rect(), log::read_map(larger).rect());
+}
+
+/// The services of the localizer's names and types, answered by a component that keeps the request.
+class Asked final : public runtime::Component {
+ public:
+  using Component::Component;
+  static inline std::atomic<double> x_m{0.0};
+  static inline std::atomic<int> restarts{0};
+
+ private:
+  void on_configure() override {
+    offer<bus::srv::SetInitialPose>("set_initial_pose", [](const auto& request) {
+      x_m = request.pose().pose().pose().position().x();
+      return nav2_msgs::srv::SetInitialPose_Response();
+    });
+    offer<bus::srv::Empty>("reinitialize_global_localization", [](const auto&) {
+      ++restarts;
+      return std_srvs::srv::Empty_Response();
+    });
+  }
+};
+
+TEST(CycloneLocalization, IsStartedAnywhereAndAtAPose) {
+  runtime::Registry registry;
+  registry.add<Asked>("test::Asked");
+  const auto host = make_host("{type: test::Asked, name: localizer, namespace: /robot1}", registry,
+                              make_participant());
+  host->activate();
+  EXPECT_EQ(answer({"set_initial_pose", "/robot1", "2.5", "-1"}, "posed"), "posed");
+  EXPECT_EQ(Asked::x_m, 2.5);
+  EXPECT_EQ(answer({"empty", "/robot1", "reinitialize_global_localization"}, "done"), "done");
+  EXPECT_EQ(Asked::restarts, 1);
 }
 
 /// Who asks while others ask gets the own reply, whatever its way.

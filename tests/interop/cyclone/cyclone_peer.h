@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * What the files of cyclone_peer share. */
+#ifndef CYCLONE_PEER_H
+#define CYCLONE_PEER_H
+#include "dds/dds.h"
+
+extern dds_entity_t g_participant;
+extern dds_entity_t g_waitset;
+extern dds_entity_t g_end; /* triggers when standard input ends */
+
+/* Ends the process with a message when `result` is an error. */
+void require(dds_return_t result, const char* what);
+/* Prints a line at once. */
+void say(const char* line);
+/* The topic of that wire name, with the type name that ROS 2 gives the descriptor's type. */
+dds_entity_t make_topic(const dds_topic_descriptor_t* descriptor, const char* topic,
+                        const char* wire_type);
+dds_entity_t make_reader(dds_entity_t topic, bool latched, int depth);
+dds_entity_t make_writer(dds_entity_t topic, bool latched);
+void attach(dds_entity_t reader, dds_attach_t tag);
+/* The next message, lent; false when none is there. */
+bool take(dds_entity_t reader, void** sample);
+
+/* Calls the service `name` of `node` with what follows it in `arguments` (ends with NULL) and
+ * prints the answer; an unknown name does nothing. */
+void call_service(const char* name, char* node, char** arguments);
+#endif
