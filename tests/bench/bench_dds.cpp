@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What DDS adds: from a scan on /scan to the robot's pose on /amcl_pose, composed in one process
-/// and with a process of its own, beside Fast DDS alone; and how ten robots are recorded.
-/// docs/benchmarks.md has the figures.
+/// and with a process of its own, beside Fast DDS alone; what the timescale memory takes of a core;
+/// and how ten robots are recorded. docs/benchmarks.md has the figures.
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -16,11 +17,13 @@
 
 #include <benchmark/benchmark.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include "components/localizer/register.hpp"
 #include "components/log/bag.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/slam/slam.hpp"
+#include "memory/store/store.hpp"
 #include "tests/bench/ring_drive.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/child_process.hpp"
@@ -166,6 +169,69 @@ BENCHMARK_CAPTURE(pose_from_process, shared_memory, bus::Transport::kSharedMemor
     ->Iterations(1)
     ->Unit(benchmark::kSecond)
     ->UseRealTime();
+
+/// CPU time of a process so far.
+double cpu_s(pid_t pid) {
+  std::ifstream in("/proc/" + std::to_string(pid) + "/stat");
+  std::string field;
+  std::getline(in, field, ')');  // the name may hold blanks
+  double ticks = 0.0;
+  for (int i = 3; in >> field && i <= 15; ++i) {
+    if (i >= 14) ticks += std::stod(field);  // utime, stime [proc(5)]
+  }
+  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+/// ... of a program with the processes that it started.
+double cpu_s(const test::ChildProcess& child) {
+  double sum = cpu_s(child.pid());
+  for (const pid_t pid : child.children()) sum += cpu_s(pid);
+  return sum;
+}
+
+/// The timescale memory as a process of its own, with a store on disk and somebody who listens to
+/// all that it says: its CPU time as a share of one core while scans come at 40 Hz.
+void remember(benchmark::State& state) {
+  const test::TemporaryDirectory folder;
+  std::ofstream(folder.path() / "remember.yaml")
+      << "version: 1\ndomain: " << test::own_domain()
+      << "\ntransport: shared_memory\nprocesses: [{name: p, components: [{type: "
+         "strata::TimescaleMemory, name: memory, parameters: {store: "
+      << (folder.path() / "strata.db").string() << "}}]}]\n";
+  test::ChildProcess child({STRATA_PROGRAM, "run", (folder.path() / "remember.yaml").string()}, {},
+                           test::ChildProcess::Errors::kMerged);
+  if (child.wait_for_line("process p runs").empty()) {
+    return state.SkipWithError("strata run does not run");
+  }
+  const auto participant = test::make_participant(bus::Transport::kSharedMemory);
+  bus::Writer<strata_msgs::msg::LabeledScan> scans(participant, "/labeled_scan",
+                                                   bus::qos_profile("lossless"));
+  std::atomic<std::size_t> maps = 0;
+  const bus::Reader<strata_msgs::msg::NodeMap> listener(
+      participant, "/node_map", bus::qos_profile("latched"), [&](const auto&) { ++maps; });
+  if (!scans.raw().wait_for_readers(1, std::chrono::seconds(20))) {
+    return state.SkipWithError("the memory was not found");
+  }
+  for (auto _ : state) {
+    const double cpu_before_s = cpu_s(child);
+    const Clock::time_point start = Clock::now();
+    for (std::size_t i = 0; i < world().log.size(); ++i) {
+      std::this_thread::sleep_until(start + static_cast<int>(i) * kPeriod);
+      const Observation& seen = world().log[i];
+      scans.publish(convert::to_message(PosedScan{seen.run, seen.scan, seen.odom_from_robot, {}},
+                                        "map", "laser"));
+    }
+    const double took_s = std::chrono::duration<double>(Clock::now() - start).count();
+    state.counters["core_share"] = (cpu_s(child) - cpu_before_s) / took_s;
+    state.counters["scans"] = static_cast<double>(world().log.size());
+    state.counters["maps"] = static_cast<double>(maps);
+  }
+  child.send(SIGINT);
+  child.wait();
+  const memory::Store store(folder.path() / "strata.db", {.read_only = true});
+  state.counters["nodes"] = static_cast<double>(store.load_timescale().nodes().size());
+}
+BENCHMARK(remember)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
 /// Fast DDS alone: one scan from write() to the reader's callback, in one process.
 void one_hop(benchmark::State& state) {

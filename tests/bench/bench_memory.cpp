@@ -58,15 +58,15 @@ void search_dense_textbook(benchmark::State& state) {
 BENCHMARK(search_dense_textbook)->Arg(20)->Unit(benchmark::kMicrosecond);
 
 /// A corridor 3 m wide and 30 m long, with a box for every second scan.
-PosedScan corridor_scan(const Pose2& map_from_robot, int t) {
+PosedScan corridor_scan(const Pose2& map_from_robot, int t, int beams = 360) {
   PosedScan posed;
   posed.map_from_robot = map_from_robot;
   posed.scan.stamp = Stamp::from_seconds(t);
   posed.scan.angle_min_rad = static_cast<float>(-std::numbers::pi);
-  posed.scan.angle_increment_rad = static_cast<float>(std::numbers::pi / 180.0);
+  posed.scan.angle_increment_rad = static_cast<float>(2.0 * std::numbers::pi / beams);
   posed.scan.range_max_m = 20.0F;
   RandomStream random(2, StreamId::kTest, static_cast<std::uint64_t>(t));
-  for (std::size_t i = 0; i < 360; ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(beams); ++i) {
     const double angle = map_from_robot.theta + posed.scan.bearing_rad(i);
     const double s = std::sin(angle);
     const double c = std::cos(angle);
@@ -103,7 +103,8 @@ BENCHMARK(decode_level_as_the_paper)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kM
 void observe_taken(benchmark::State& state) {
   TimescaleMemory memory({}, 1);
   std::vector<PosedScan> scans;
-  for (int t = 0; t < 64; ++t) scans.push_back(corridor_scan({0.2, 0.1, 0.1 * t}, t));
+  const int beams = static_cast<int>(state.range(0));
+  for (int t = 0; t < 64; ++t) scans.push_back(corridor_scan({0.2, 0.1, 0.1 * t}, t, beams));
   std::int64_t second = 0;
   for (auto _ : state) {
     PosedScan& scan = scans[static_cast<std::size_t>(second % 64)];
@@ -111,7 +112,7 @@ void observe_taken(benchmark::State& state) {
     benchmark::DoNotOptimize(memory.observe(scan).node);
   }
 }
-BENCHMARK(observe_taken)->Unit(benchmark::kMicrosecond);
+BENCHMARK(observe_taken)->Arg(360)->Arg(1080)->Unit(benchmark::kMicrosecond);
 
 /// One update of a particle filter: 1,000 particles x 36 beams.
 void expected_ranges(benchmark::State& state) {

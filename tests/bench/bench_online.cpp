@@ -102,9 +102,9 @@ double thread_ms() {
 }
 
 /// What of that is work: CPU time of the pose and the labels of each scan, with the closures of
-/// loops where they fall due. Holds on a busy machine too.
+/// loops where they fall due. Holds on a busy machine too. Argument: beams.
 void label_work(benchmark::State& state) {
-  const std::vector<Observation> log = ring_log();
+  const std::vector<Observation> log = ring_log(static_cast<int>(state.range(0)));
   std::vector<double> work_ms;
   for (auto _ : state) {
     slam::Slam slam(slam::SlamConfig{});
@@ -118,7 +118,7 @@ void label_work(benchmark::State& state) {
   }
   tell(state, work_ms);
 }
-BENCHMARK(label_work)->Iterations(1)->Unit(benchmark::kSecond);
+BENCHMARK(label_work)->Arg(bench::kBeams)->Arg(4'000)->Iterations(1)->Unit(benchmark::kSecond);
 
 }  // namespace
 }  // namespace strata

@@ -25,13 +25,13 @@ inline constexpr int kBeams = 1'080;
 inline constexpr auto kPeriod = std::chrono::milliseconds(25);
 
 /// Once and a half round a block, so that a loop closes on the way.
-inline std::vector<Observation> ring_log() {
+inline std::vector<Observation> ring_log(int beams = kBeams) {
   const std::vector<Pose2> path = test::drive_round(0.0175, 60.0);  // 0.7 m/s
   std::vector<Observation> log;
   for (std::size_t i = 0; i < path.size(); ++i) {
     Observation observation;
     observation.scan = test::scan_of(test::ring(), path[i], 1.0 + 0.025 * static_cast<double>(i),
-                                     0.01, 1, kBeams, 1.5 * std::numbers::pi);
+                                     0.01, 1, beams, 1.5 * std::numbers::pi);
     observation.odom_from_robot = path[i];
     log.push_back(std::move(observation));
   }

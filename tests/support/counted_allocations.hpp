@@ -19,9 +19,15 @@ inline void* allocate(std::size_t bytes) {
 
 }  // namespace strata::test
 
-void* operator new(std::size_t bytes) { return strata::test::allocate(bytes); }
-void* operator new[](std::size_t bytes) { return strata::test::allocate(bytes); }
-void operator delete(void* place) noexcept { std::free(place); }
-void operator delete[](void* place) noexcept { std::free(place); }
-void operator delete(void* place, std::size_t /*bytes*/) noexcept { std::free(place); }
-void operator delete[](void* place, std::size_t /*bytes*/) noexcept { std::free(place); }
+// Not inlined: a compiler that sees `malloc` or `free` within one of them but not within the other
+// takes them for strangers.
+[[gnu::noinline]] void* operator new(std::size_t bytes) { return strata::test::allocate(bytes); }
+[[gnu::noinline]] void* operator new[](std::size_t bytes) { return strata::test::allocate(bytes); }
+[[gnu::noinline]] void operator delete(void* place) noexcept { std::free(place); }
+[[gnu::noinline]] void operator delete[](void* place) noexcept { std::free(place); }
+[[gnu::noinline]] void operator delete(void* place, std::size_t /*bytes*/) noexcept {
+  std::free(place);
+}
+[[gnu::noinline]] void operator delete[](void* place, std::size_t /*bytes*/) noexcept {
+  std::free(place);
+}
