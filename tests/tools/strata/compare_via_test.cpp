@@ -24,13 +24,15 @@ class CompareVia : public test::ReplayFixture {
 };
 
 TEST_F(CompareVia, DdsGivesEveryErrorOfTheDirectCall) {
-  ASSERT_EQ(compare("direct_errors", "").code, 0);
-  const test::Outcome outcome = compare("dds_errors", "--via dds --jobs 2");
+  const std::string models = "--models occupancy,filtered,patch,patch_places,timescale ";
+  ASSERT_EQ(compare("direct_errors", models).code, 0);
+  const test::Outcome outcome = compare("dds_errors", models + "--via dds --jobs 2");
   ASSERT_EQ(outcome.code, 0) << outcome.out;
   EXPECT_EQ(content(at("direct_errors") / "errors.csv"), content(at("dds_errors") / "errors.csv"));
   const auto result = nlohmann::json::parse(content(at("dds_errors") / "comparison.json"));
   EXPECT_EQ(result["via"], "dds");
   EXPECT_FALSE(std::filesystem::exists(at("dds_errors_maps"))) << "the maps were for the runs only";
+  EXPECT_FALSE(std::filesystem::exists(at("dds_errors_place_maps")));
 }
 
 TEST_F(CompareVia, DdsRefusesAMapThatNoComponentReads) {
