@@ -14,6 +14,10 @@ using strata_msgs::msg::TopicCount;
 
 namespace {
 
+/// A component may hear its first step before its writer knows our reader: that answer is lost.
+/// Once one has come, the reliable topics lose nothing.
+constexpr auto kReminder = std::chrono::milliseconds(500);
+
 TopicCount topic_count(const std::string& topic, std::uint64_t count) {
   TopicCount result;
   result.topic(topic);
@@ -36,6 +40,7 @@ Conductor::Conductor(std::shared_ptr<bus::Participant> participant,
                                        [this](const bus::RawMessage& message) {
                                          Ack ack = convert::from_cdr<Ack>(message.cdr, kAckTopic);
                                          const std::lock_guard lock(mutex_);
+                                         if (ack.sequence_number() != sequence_) return;
                                          ack_ = std::move(ack);
                                          changed_.notify_all();
                                        });
@@ -49,11 +54,17 @@ std::shared_ptr<bus::RawWriter> Conductor::advertise(const std::string& full_top
   return writer;
 }
 
-void Conductor::wait(const std::function<bool()>& condition, const std::string& place) {
+void Conductor::wait(const std::function<bool()>& condition, const std::string& place,
+                     const std::function<void()>& remind) {
   std::unique_lock lock(mutex_);
+  auto reminded = std::chrono::steady_clock::now();
   while (!changed_.wait_for(lock, std::chrono::milliseconds(50), condition)) {
     lock.unlock();
     if (!keep_waiting_()) throw Cancelled(place);
+    if (remind && std::chrono::steady_clock::now() - reminded > kReminder) {
+      remind();
+      reminded = std::chrono::steady_clock::now();
+    }
     lock.lock();
   }
 }
@@ -139,13 +150,15 @@ void Conductor::require_no_stranger(const Ack& ack) const {
 }
 
 Ack Conductor::ask(Step step) {
-  step.sequence_number(++sequence_);
   {
     const std::lock_guard lock(mutex_);
+    step.sequence_number(++sequence_);
     ack_.reset();
   }
-  step_writer_->publish(convert::to_cdr(step));
-  wait([&] { return ack_ && ack_->sequence_number() == sequence_; }, step.target());
+  const auto send = [&] { step_writer_->publish(convert::to_cdr(step)); };
+  send();
+  const bool is_first = step.kind() == strata_msgs::msg::STEP_HELLO;
+  wait([&] { return ack_.has_value(); }, step.target(), is_first ? send : std::function<void()>());
   Ack ack;
   {
     const std::lock_guard lock(mutex_);

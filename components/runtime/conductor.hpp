@@ -55,15 +55,17 @@ class Conductor {
   /// out would not be what the log says.
   void require_no_stranger(const strata_msgs::msg::Ack& ack) const;
   void ask_all(strata_msgs::msg::StepKind kind, const std::string& out_dir);
-  void wait(const std::function<bool()>& condition, const std::string& place);
+  /// remind: asked for again and again while the condition does not hold, where there is one.
+  void wait(const std::function<bool()>& condition, const std::string& place,
+            const std::function<void()>& remind = {});
 
   std::shared_ptr<bus::Participant> participant_;
   std::vector<std::string> components_;
   std::function<bool()> keep_waiting_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<strata_msgs::msg::Ack> ack_;  // under mutex_
-  std::uint64_t sequence_ = 0;
+  std::optional<strata_msgs::msg::Ack> ack_;  // under mutex_; of the step asked for last
+  std::uint64_t sequence_ = 0;                // under mutex_
   std::vector<std::shared_ptr<bus::RawWriter>> writers_;
   Counts other_readers_;
   std::map<std::string, Counts> published_;             // by component, then topic

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The conductor against a component of the test's own, whose answers it withholds.
+#include "components/runtime/conductor.hpp"
+
+#include <atomic>
+
+#include <gtest/gtest.h>
+
+#include "components/runtime/component.hpp"
+#include "core/base/error.hpp"
+#include "tests/components/bus/domain.hpp"
+
+namespace strata::runtime {
+namespace {
+
+using strata_msgs::msg::Ack;
+using strata_msgs::msg::Step;
+
+/// Answers every step but the first ones.
+class Forgetful {
+ public:
+  Forgetful(const std::shared_ptr<bus::Participant>& participant, int lost)
+      : lost_(lost),
+        acks_(participant, kAckTopic, bus::qos_profile("lossless")),
+        steps_(participant, kStepTopic, bus::qos_profile("lossless"),
+               [this](const Step& step) { answer(step); }) {}
+
+  [[nodiscard]] int hellos() const { return hellos_; }
+  [[nodiscard]] int cycles() const { return cycles_; }
+
+ private:
+  void answer(const Step& step) {
+    if (step.kind() == strata_msgs::msg::STEP_HELLO) ++hellos_;
+    if (step.kind() == strata_msgs::msg::STEP_CYCLE) ++cycles_;
+    if (lost_-- > 0) return;
+    Ack ack;
+    ack.sequence_number(step.sequence_number());
+    ack.component_name(step.target());
+    ack.ok(true);
+    acks_.publish(ack);
+  }
+
+  std::atomic<int> lost_;
+  std::atomic<int> hellos_ = 0;
+  std::atomic<int> cycles_ = 0;
+  bus::Writer<Ack> acks_;
+  bus::Reader<Step> steps_;  // last: its callback uses the others
+};
+
+// The answer to a first step is lost when the component's writer does not know the conductor's
+// reader yet; the replay would wait for it for ever.
+TEST(Conductor, GreetsAgainAComponentWhoseFirstAnswerWasLost) {
+  const auto participant = test::make_participant();
+  const Forgetful component(participant, 2);
+  Conductor conductor(participant, {"/forgetful"}, [] { return true; });
+  conductor.connect();
+  EXPECT_GE(component.hellos(), 3);
+  conductor.cycle();
+  conductor.cycle();
+  EXPECT_EQ(component.cycles(), 2) << "work is asked for once";
+}
+
+TEST(Conductor, EndsAWaitWhenItIsToldTo) {
+  const auto participant = test::make_participant();
+  const Forgetful component(participant, 1'000'000);
+  Conductor conductor(participant, {"/forgetful"}, [&] { return component.hellos() < 2; });
+  EXPECT_THROW(conductor.connect(), Cancelled);
+}
+
+}  // namespace
+}  // namespace strata::runtime
