@@ -56,7 +56,7 @@ nav2_msgs::srv::LoadMap_Response MapServer::load(const std::string& url) {
   try {
     map_ = log::read_map(path);
   } catch (const InputError& reason) {  // the map as it was stays; the client gets a number only
-    if (context().on_error) context().on_error(full_name() + ": " + reason.what());
+    tell(reason);
     response.result(kInvalidMap);
     return response;
   }

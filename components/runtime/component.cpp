@@ -147,10 +147,14 @@ void Component::guarded(const std::function<void()>& body) {
   try {
     body();
   } catch (const std::exception& error) {
-    ++failed_;
-    last_error_ = error.what();
-    if (context_.on_error) context_.on_error(full_name_ + ": " + error.what());
+    tell(error);
   }
+}
+
+void Component::tell(const std::exception& error) {
+  ++failed_;
+  last_error_ = error.what();
+  if (context_.on_error) context_.on_error(full_name_ + ": " + error.what());
 }
 
 void Component::announce() {

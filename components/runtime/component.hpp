@@ -187,6 +187,10 @@ class Component {
       config = settings::read_config<Config>(node, place);
     };
   }
+  /// What went wrong while the component goes on: counted, on /diagnostics, and told the host.
+  void tell(const std::exception& error);
+  /// Runs `body`; what it throws is told.
+  void guarded(const std::function<void()>& body);
   /// For stamps of what has no scan; 0 in lockstep.
   [[nodiscard]] Stamp now() const { return clock_.now(); }
   [[nodiscard]] std::string resolve(const std::string& topic) const;
@@ -219,8 +223,6 @@ class Component {
   void adopt_common_parameters(const std::vector<std::string>& keys);
   /// Works on the message that waits longest; false when none does.
   bool take_live(Subscription& subscription);
-  /// Runs `body`; an error is counted and told.
-  void guarded(const std::function<void()>& body);
   void diagnose();
   /// Tells ROS 2's graph which endpoints are ours now.
   void announce();
