@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/beam_filter/beam_filter.hpp"
 
-#include <filesystem>
 #include <limits>
-#include <system_error>
 
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
@@ -33,13 +31,9 @@ void BeamFilter::on_configure() {
 }
 
 void BeamFilter::open_store() {
-  const std::filesystem::path file = config_.store.file;
-  if (file.empty() || context().only_explained) return;
-  std::error_code error;
-  if (std::filesystem::exists(file, error)) {
-    online_->restore_state(log::read_state_file(file), file.string());
-  }
-  store_.emplace(file, config_.store.period_s);
+  if (config_.store.file.empty() || context().only_explained) return;
+  store_.emplace(config_.store);
+  if (const auto state = store_->load()) online_->restore_state(*state, store_->file());
 }
 
 void BeamFilter::on_activate() {
@@ -47,16 +41,13 @@ void BeamFilter::on_activate() {
 }
 
 void BeamFilter::on_tick() {
-  if (!store_) return;
-  const std::optional<std::string> error = store_->take_error();
-  if (error && context().on_error) context().on_error(full_name() + ": " + *error);
+  if (store_) store_->check();
 }
 
 void BeamFilter::on_deactivate() {
   if (!store_ || online_->scans_in_window() == 0) return;
   store_->write(online_->save_state());
-  store_->flush();
-  on_tick();
+  guarded([this] { store_->flush(); });
 }
 
 void BeamFilter::on_scan(PosedScan scan) {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "components/beam_filter/config.hpp"
-#include "components/log/state_file.hpp"
+#include "components/log/state_store.hpp"
 #include "components/runtime/component.hpp"
 #include "core/grid/counting_map.hpp"
 
@@ -37,7 +37,7 @@ class BeamFilter final : public runtime::Component {
 
   BeamFilterComponentConfig config_;
   std::optional<OnlineFilter> online_;
-  std::optional<log::StateFileWriter> store_;
+  std::optional<log::StateStore> store_;
   std::uint64_t scans_ = 0;
   std::function<void(const sensor_msgs::msg::LaserScan&)> publish_static_;
   std::function<void(const sensor_msgs::msg::LaserScan&)> publish_dynamic_;

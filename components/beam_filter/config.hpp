@@ -4,34 +4,17 @@
 
 #include <string>
 
+#include "components/log/state_store.hpp"
 #include "core/beam_filter/online_filter.hpp"
 
 namespace strata::beam_filter {
-
-/// What a beam filter that was stopped goes on with.
-struct FilterStoreConfig {
-  std::string file;
-  double period_s = 30.0;
-  template <class Self, class V>
-  static void describe(Self& c, V& v) {
-    v.field("file", c.file,
-            {.doc = "live: keep the map and the window in this file, and go on from it when it "
-                    "exists; it belongs to the poses of the scan matcher's store; empty: in RAM "
-                    "only"});
-    v.field("period_s", c.period_s,
-            {.doc = "written this often, by the stamps of the scans, and when the component is "
-                    "deactivated; what a crash may lose at most",
-             .unit = "s",
-             .min = 0.0});
-  }
-};
 
 struct BeamFilterComponentConfig {
   BeamFilterConfig filter;
   WindowConfig window;
   std::string map_frame = "map";
   int map_every_scans = 25;
-  FilterStoreConfig store;
+  log::StateStoreConfig store;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("filter", c.filter, "what makes a beam static");
@@ -41,7 +24,9 @@ struct BeamFilterComponentConfig {
             {.doc = "the filtered map is published anew after so many scans",
              .unit = "scans",
              .min = 1.0});
-    v.group("store", c.store, "going on after the process was stopped");
+    v.group("store", c.store,
+            "going on after the process was stopped; the file belongs to the poses of the scan "
+            "matcher's store");
   }
 };
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <memory>
+#include <new>
 #include <system_error>
 
 #include <lz4frame.h>
@@ -116,18 +117,24 @@ BagCompression compression_of_file(const fs::path& file) {
   return in ? compression_of(head) : BagCompression::kNone;
 }
 
+// The room is enough by what the libraries say, so memory is all that can be missing.
 Bytes compress(View plain, BagCompression compression) {
   Bytes packed;
   if (compression == BagCompression::kZstd) {
     const std::unique_ptr<ZSTD_CCtx, FreeZstd> context(ZSTD_createCCtx());
+    if (!context) throw std::bad_alloc();
     ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);  // flipped bits are found
     packed.resize(ZSTD_compressBound(plain.size()));
-    packed.resize(
-        ZSTD_compress2(context.get(), packed.data(), packed.size(), plain.data(), plain.size()));
+    const std::size_t size =
+        ZSTD_compress2(context.get(), packed.data(), packed.size(), plain.data(), plain.size());
+    if (ZSTD_isError(size) != 0U) throw std::bad_alloc();
+    packed.resize(size);
   } else if (compression == BagCompression::kLz4) {
     packed.resize(LZ4F_compressFrameBound(plain.size(), nullptr));
-    packed.resize(
-        LZ4F_compressFrame(packed.data(), packed.size(), plain.data(), plain.size(), nullptr));
+    const std::size_t size =
+        LZ4F_compressFrame(packed.data(), packed.size(), plain.data(), plain.size(), nullptr);
+    if (LZ4F_isError(size) != 0U) throw std::bad_alloc();
+    packed.resize(size);
   } else {
     packed.assign(plain.begin(), plain.end());
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "components/log/state_file.hpp"
+#include "components/log/state_store.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;

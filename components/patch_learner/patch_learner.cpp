@@ -106,11 +106,7 @@ void PatchLearner::learn_online(PosedScan scan) {
   scan.run += first_run_;
   if (store_) {
     has_news_ = online_->add(scan) || has_news_;
-    try {
-      store_->add(*online_, scan);
-    } catch (const OutputError& error) {  // learning and publishing go on
-      if (context().on_error) context().on_error(full_name() + ": " + error.what());
-    }
+    guarded([&] { store_->add(*online_, scan); });  // learning and publishing go on
   } else {
     has_news_ = online_->add(std::move(scan)) || has_news_;
   }

@@ -20,7 +20,7 @@
 #include "components/convert/cdr.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/log/bag.hpp"
-#include "components/log/state_file.hpp"
+#include "components/log/state_store.hpp"
 #include "core/base/error.hpp"
 #include "core/slam/slam.hpp"
 #include "memory/store/store.hpp"

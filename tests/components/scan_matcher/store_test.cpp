@@ -12,7 +12,7 @@
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
-#include "components/log/state_file.hpp"
+#include "components/log/state_store.hpp"
 #include "components/scan_matcher/register.hpp"
 #include "core/base/error.hpp"
 #include "core/slam/slam.hpp"

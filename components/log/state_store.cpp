@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "components/log/state_file.hpp"
+#include "components/log/state_store.hpp"
 
 #include <cmath>
 #include <fstream>
@@ -34,16 +34,10 @@ Bytes read_state_file(const std::filesystem::path& file) {
   return state;
 }
 
-StateFileWriter::StateFileWriter(std::filesystem::path file, double period_s)
-    : file_(std::move(file)), period_s_(period_s), thread_([this] { work(); }) {}
+StateStore::StateStore(StateStoreConfig config)
+    : config_(std::move(config)), thread_([this] { work(); }) {}
 
-bool StateFileWriter::is_due(Stamp now) {
-  if (last_due_ && std::abs((now - *last_due_).seconds()) < period_s_) return false;
-  last_due_ = now;
-  return true;
-}
-
-StateFileWriter::~StateFileWriter() {
+StateStore::~StateStore() {
   {
     const std::lock_guard lock(mutex_);
     ends_ = true;
@@ -52,7 +46,19 @@ StateFileWriter::~StateFileWriter() {
   thread_.join();
 }
 
-void StateFileWriter::write(Bytes state) {
+std::optional<Bytes> StateStore::load() const {
+  std::error_code error;
+  if (!std::filesystem::exists(config_.file, error)) return std::nullopt;
+  return read_state_file(config_.file);
+}
+
+bool StateStore::is_due(Stamp now) {
+  if (last_due_ && std::abs((now - *last_due_).seconds()) < config_.period_s) return false;
+  last_due_ = now;
+  return true;
+}
+
+void StateStore::write(Bytes state) {
   {
     const std::lock_guard lock(mutex_);
     waiting_ = std::move(state);
@@ -60,17 +66,27 @@ void StateFileWriter::write(Bytes state) {
   changed_.notify_all();
 }
 
-void StateFileWriter::flush() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !waiting_ && !writes_; });
+void StateStore::check() {
+  std::optional<std::string> error;
+  {
+    const std::lock_guard lock(mutex_);
+    error = std::exchange(error_, std::nullopt);
+  }
+  if (error) {
+    throw OutputError(config_.file, "the state could not be written: " + *error,
+                      "make room on the disk; it is tried again when the next state is due");
+  }
 }
 
-std::optional<std::string> StateFileWriter::take_error() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(error_, std::nullopt);
+void StateStore::flush() {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !waiting_ && !writes_; });
+  }
+  check();
 }
 
-void StateFileWriter::work() {
+void StateStore::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return waiting_ || ends_; });
@@ -80,8 +96,10 @@ void StateFileWriter::work() {
     lock.unlock();
     std::optional<std::string> error;
     try {
-      write_state_file(file_, state);
-    } catch (const std::exception& reason) {  // too little memory to compress, too
+      write_state_file(config_.file, state);
+    } catch (const Error& reason) {
+      error = reason.problem();
+    } catch (const std::exception& reason) {  // too little memory to compress
       error = reason.what();
     }
     lock.lock();

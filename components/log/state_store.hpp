@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "components/log/compression.hpp"
+#include "core/base/config.hpp"
 #include "core/base/time.hpp"
 
 namespace strata::log {
@@ -20,30 +21,51 @@ void write_state_file(const std::filesystem::path& file, View state);
 /// Throws InputError for a file that cannot be read or is damaged.
 [[nodiscard]] Bytes read_state_file(const std::filesystem::path& file);
 
-/// Writes states behind the back of a component that must not wait for compression and disk.
-class StateFileWriter {
- public:
-  explicit StateFileWriter(std::filesystem::path file, double period_s = 0.0);
-  /// As flush.
-  ~StateFileWriter();
-  StateFileWriter(const StateFileWriter&) = delete;
-  StateFileWriter& operator=(const StateFileWriter&) = delete;
+/// What a component that was stopped goes on with.
+struct StateStoreConfig {
+  std::string file;
+  double period_s = 30.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("file", c.file,
+            {.doc = "live: keep what was learned in this file, and go on from it when it exists; "
+                    "empty: in RAM only"});
+    v.field("period_s", c.period_s,
+            {.doc = "written this often, by the stamps of the scans, and when the component is "
+                    "deactivated; what a crash may lose at most",
+             .unit = "s",
+             .min = 0.0});
+  }
+};
 
+/// The state of a component in a file, written behind its back: it must not wait for compression
+/// and disk.
+class StateStore {
+ public:
+  /// config.file: not empty.
+  explicit StateStore(StateStoreConfig config);
+  /// Writes what waits.
+  ~StateStore();
+  StateStore(const StateStore&) = delete;
+  StateStore& operator=(const StateStore&) = delete;
+
+  [[nodiscard]] const std::string& file() const { return config_.file; }
+  /// Nothing when there is no file yet. Throws InputError for a damaged one.
+  [[nodiscard]] std::optional<Bytes> load() const;
   /// Whether a period of scans has passed since it was last true, or it is the first time. A clock
   /// that was set back is a reason to write, too.
   [[nodiscard]] bool is_due(Stamp now);
   /// Returns at once. A state that waits to be written gives way to a newer one.
   void write(Bytes state);
-  /// Waits until what was handed over is written, or could not be.
+  /// Throws OutputError when a state could not be written: once for each.
+  void check();
+  /// Waits until what was handed over is written; throws as check.
   void flush();
-  /// Why the last state could not be written: once for each.
-  [[nodiscard]] std::optional<std::string> take_error();
 
  private:
   void work();
 
-  std::filesystem::path file_;
-  double period_s_;
+  StateStoreConfig config_;
   std::optional<Stamp> last_due_;
   std::mutex mutex_;
   std::condition_variable changed_;
