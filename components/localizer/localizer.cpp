@@ -53,19 +53,18 @@ void Localizer::on_configure() {
 
 void Localizer::load_place() {
   store_.emplace(config_.start.store, start_covariance(config_.start));
-  try {
-    store_->load();
-  } catch (const InputError& error) {  // the robot must start nevertheless
-    if (context().on_error) context().on_error(full_name() + ": " + error.what());
-  }
+  guarded([this] { store_->load(); });  // the robot must start nevertheless
 }
 
-void Localizer::resume(const Observation& observation) {
-  const std::optional<Pose2Gaussian> place =
-      store_ ? store_->resume(observation) : std::optional<Pose2Gaussian>();
-  if (!place) return;
+bool Localizer::resume(const Observation& observation) {
+  if (!store_) return true;
+  waits_for_odometry_ = store_->waits_for_odometry(observation, config_.input.use_odometry);
+  if (waits_for_odometry_) return false;
+  const std::optional<Pose2Gaussian> place = store_->resume(observation);
+  if (!place) return true;
   place_ = Place{*place, observation.odom_from_robot, observation.has_odometry};
   if (localizer_) localizer_->initialize(*place);
+  return true;
 }
 
 void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussian>& start) {
@@ -125,7 +124,7 @@ std::optional<Pose2Gaussian> Localizer::place_now(const Observation& observation
 }
 
 void Localizer::on_observation(const Observation& observation) {
-  resume(observation);
+  if (!resume(observation)) return;
   if (live_maps_ && live_maps_->has_news()) {
     use_maps(live_maps_->take(), place_now(observation));
   }
@@ -281,6 +280,7 @@ void Localizer::publish_health(Stamp stamp, const localization::LocalizationResu
 }
 
 void Localizer::on_diagnose(runtime::Health& health) const {
+  if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   if (!health_) {
     health.warn("no scan has come yet");
     return;
@@ -315,6 +315,7 @@ void Localizer::on_finish(const std::filesystem::path& out_dir) {
 void Localizer::on_cleanup() {
   localizer_.reset();
   store_.reset();
+  waits_for_odometry_ = false;
   health_.reset();
   record_ = {};
   particle_writer_.reset();

@@ -45,8 +45,9 @@ class Localizer final : public runtime::SensorComponent {
                const std::string& source);
   void restart_anywhere();
   void load_place();
-  /// Begins where the robot was when the process before this one ended, at the first observation.
-  void resume(const Observation& observation);
+  /// Begins where the robot was when the process before this one ended, at the first observation;
+  /// false when that cannot be told before odometry comes.
+  [[nodiscard]] bool resume(const Observation& observation);
   [[nodiscard]] std::optional<Pose2Gaussian> place_now(const Observation& observation) const;
   void localize(const Observation& observation);
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
@@ -68,6 +69,7 @@ class Localizer final : public runtime::SensorComponent {
   std::optional<LiveMaps> live_maps_;
   std::optional<Place> place_;
   std::optional<PlaceStore> store_;  ///< live only
+  bool waits_for_odometry_ = false;  ///< to go on from there
   maps::MapModel model_;
   std::unique_ptr<localization::Localizer> localizer_;
   std::optional<strata_msgs::msg::LocalizationHealth> health_;  // as of the last scan

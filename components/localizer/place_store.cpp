@@ -54,6 +54,14 @@ void PlaceStore::load() {
   }
 }
 
+runtime::KeptMoment PlaceStore::Kept::moment() const {
+  return {Stamp{stamp_ns}, !odom_from_robot.empty()};
+}
+
+bool PlaceStore::waits_for_odometry(const Observation& first, bool use_odometry) const {
+  return kept_ && use_odometry && needs_odometry(kept_->moment(), first, config_.carry);
+}
+
 std::optional<Pose2Gaussian> PlaceStore::resume(const Observation& first) {
   const std::optional<Kept> kept = std::exchange(kept_, std::nullopt);
   if (!kept) return std::nullopt;
@@ -62,9 +70,7 @@ std::optional<Pose2Gaussian> PlaceStore::resume(const Observation& first) {
   place.covariance =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(kept->covariance.data()) +
       added_;
-  const double since_s = (first.scan.stamp - Stamp{kept->stamp_ns}).seconds();
-  const bool goes_on = since_s >= 0.0 && since_s <= config_.carry_s;
-  if (goes_on && first.has_odometry && !kept->odom_from_robot.empty()) {
+  if (is_carried(kept->moment(), first, config_.carry)) {
     place.mean = place.mean * between(pose_of(kept->odom_from_robot), first.odom_from_robot);
   }
   return place;

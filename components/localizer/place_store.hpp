@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "components/runtime/resume.hpp"
 #include "core/base/config.hpp"
 #include "core/base/time.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
@@ -17,7 +18,7 @@ namespace strata::localizer {
 struct PlaceStoreConfig {
   std::string file;
   double period_s = 1.0;
-  double carry_s = 10.0;
+  runtime::CarryConfig carry;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("file", c.file,
@@ -25,11 +26,7 @@ struct PlaceStoreConfig {
                     "there when it exists, whatever start.pose says; empty: do not"});
     v.field("period_s", c.period_s,
             {.doc = "written this often, by the stamps of the scans", .unit = "s", .min = 0.0});
-    v.field("carry_s", c.carry_s,
-            {.doc = "when the first scan is at most this much younger than the kept pose, the "
-                    "odometry has gone on and carries the pose; later it may have begun anew",
-             .unit = "s",
-             .min = 0.0});
+    runtime::CarryConfig::describe(c.carry, v);
   }
 };
 
@@ -43,6 +40,8 @@ class PlaceStore {
   void load();
   /// Something newer is known.
   void forget() { kept_.reset(); }
+  /// Whether the first observation lacks the odometry that carries the kept place on.
+  [[nodiscard]] bool waits_for_odometry(const Observation& first, bool use_odometry) const;
   /// Where the robot is at its first observation: once, and only when a place was kept.
   [[nodiscard]] std::optional<Pose2Gaussian> resume(const Observation& first);
   /// Writes the pose, no more often than the config says; all of it or nothing. Throws OutputError.
@@ -55,6 +54,7 @@ class PlaceStore {
     std::vector<double> covariance;      ///< row by row
     std::vector<double> odom_from_robot;
     std::int64_t stamp_ns = 0;
+    [[nodiscard]] runtime::KeptMoment moment() const;
     template <class Self, class V>
     static void describe(Self& c, V& v);
   };

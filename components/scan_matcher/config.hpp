@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "components/log/state_store.hpp"
+#include "components/runtime/resume.hpp"
 #include "components/runtime/sensor_input.hpp"
 #include "core/slam/keep_config.hpp"
 #include "core/slam/slam.hpp"
@@ -12,32 +14,18 @@ namespace strata::scan_matcher {
 
 /// What a scan matcher that was stopped goes on with.
 struct SlamStoreConfig {
-  std::string file;
-  double period_s = 30.0;
-  double carry_s = 10.0;
+  log::StateStoreConfig state;
+  runtime::CarryConfig carry;
   double stddev_m = 0.3;
   double stddev_rad = 0.2;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field(
-        "file", c.file,
-        {.doc = "live: keep poses and sub-maps in this file while the robot maps, and go on from "
-                "it when it exists; empty: in RAM only"});
-    v.field("period_s", c.period_s,
-            {.doc = "written this often, by the stamps of the scans, and when the component is "
-                    "deactivated; what a crash may lose at most",
-             .unit = "s",
-             .min = 0.0});
-    v.field(
-        "carry_s", c.carry_s,
-        {.doc = "when the first scan is at most this much younger than the newest one kept, the "
-                "odometry has gone on and says how far the robot has moved; later it may have "
-                "begun anew, and the robot is taken to be where it was: remove the file when "
-                "it was carried elsewhere",
-         .unit = "s",
-         .min = 0.0});
+    log::StateStoreConfig::describe(c.state, v);
+    runtime::CarryConfig::describe(c.carry, v);
     v.field("stddev_m", c.stddev_m,
-            {.doc = "how well it then is where it was, per axis", .unit = "m", .min = 0.01});
+            {.doc = "how well a robot that is not carried is where it was, per axis",
+             .unit = "m",
+             .min = 0.01});
     v.field("stddev_rad", c.stddev_rad, {.doc = "the same, heading", .unit = "rad", .min = 0.001});
   }
 };

@@ -2,7 +2,6 @@
 #include "components/scan_matcher/scan_matcher.hpp"
 
 #include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
@@ -30,47 +29,38 @@ void ScanMatcher::on_configure() {
 }
 
 void ScanMatcher::open_store() {
-  const std::filesystem::path file = config_.store.file;
-  if (file.empty() || context().only_explained) return;
-  std::error_code error;
-  if (std::filesystem::exists(file, error)) {
-    slam_->restore_state(log::read_state_file(file), file.string());
-    is_restored_ = true;
-  }
-  store_.emplace(file, config_.store.period_s);
+  if (config_.store.state.file.empty() || context().only_explained) return;
+  store_.emplace(config_.store.state);
+  const std::optional<log::Bytes> state = store_->load();
+  if (!state) return;
+  slam_->restore_state(*state, store_->file());
+  is_restored_ = slam_->newest().has_value();
 }
 
 bool ScanMatcher::resume(const Observation& first) {
-  const std::optional<slam::Slam::Newest> kept = slam_->newest();
-  const double since_s = kept ? (first.scan.stamp - kept->stamp).seconds() : 0.0;
-  const bool goes_on =
-      since_s >= 0.0 && since_s <= config_.store.carry_s && kept && kept->odom_from_robot;
-  // Scans may be heard before odometry is.
-  waits_for_odometry_ = goes_on && !first.has_odometry && config_.input.use_odometry;
+  const slam::Slam::Newest kept = *slam_->newest();
+  const runtime::KeptMoment moment{kept.stamp, kept.odom_from_robot.has_value()};
+  waits_for_odometry_ =
+      config_.input.use_odometry && runtime::needs_odometry(moment, first, config_.store.carry);
   if (waits_for_odometry_) return false;
   is_restored_ = false;
-  if (!kept) return true;
-  first_run_ = kept->run + (goes_on && first.has_odometry ? 0 : 1);
-  if (first_run_ == kept->run) return true;
+  const bool carried = runtime::is_carried(moment, first, config_.store.carry);
+  first_run_ = carried ? kept.run : kept.run + 1;
+  if (carried) return true;
   const double m2 = config_.store.stddev_m * config_.store.stddev_m;
   const double rad2 = config_.store.stddev_rad * config_.store.stddev_rad;
-  slam_->begin_next_run_at({kept->map_from_robot, Eigen::Vector3d(m2, m2, rad2).asDiagonal()});
+  slam_->begin_next_run_at({kept.map_from_robot, Eigen::Vector3d(m2, m2, rad2).asDiagonal()});
   return true;
 }
 
-void ScanMatcher::on_tick() { tell_store_error(); }
-
-void ScanMatcher::tell_store_error() {
-  if (!store_) return;
-  const std::optional<std::string> error = store_->take_error();
-  if (error && context().on_error) context().on_error(full_name() + ": " + *error);
+void ScanMatcher::on_tick() {
+  if (store_) store_->check();
 }
 
 void ScanMatcher::on_deactivate() {
   if (!store_ || !slam_->newest()) return;
   store_->write(slam_->save_state());
-  store_->flush();
-  tell_store_error();
+  guarded([this] { store_->flush(); });
 }
 
 void ScanMatcher::on_observation(const Observation& scanned) {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "components/log/state_file.hpp"
+#include "components/log/state_store.hpp"
 #include "components/runtime/sensor_component.hpp"
 #include "components/scan_matcher/config.hpp"
 #include "core/slam/slam.hpp"
@@ -37,7 +37,6 @@ class ScanMatcher final : public runtime::SensorComponent {
   /// Decides whether the first scan goes on with the run that was kept, or begins the next one;
   /// false when that cannot be told before odometry comes.
   [[nodiscard]] bool resume(const Observation& first);
-  void tell_store_error();
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_scan_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_result(const slam::SlamResult& result);
@@ -45,7 +44,7 @@ class ScanMatcher final : public runtime::SensorComponent {
   ScanMatcherConfig config_;
   std::unique_ptr<slam::Slam> slam_;
   std::optional<strata_msgs::msg::ScanPose> given_;
-  std::optional<log::StateFileWriter> store_;
+  std::optional<log::StateStore> store_;
   bool is_restored_ = false;         ///< and no scan has come since
   bool waits_for_odometry_ = false;  ///< to go on with the run that was kept
   int first_run_ = 0;

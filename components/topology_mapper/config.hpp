@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "components/runtime/resume.hpp"
 #include "components/runtime/sensor_input.hpp"
 #include "core/topology/mapper_config.hpp"
 
@@ -14,7 +15,7 @@ namespace strata::topology_mapper {
 struct MapperStoreConfig {
   std::string file;
   double save_period_s = 1.0;
-  double carry_s = 10.0;
+  runtime::CarryConfig carry;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("file", c.file,
@@ -22,14 +23,7 @@ struct MapperStoreConfig {
                     "exists; about a byte a beam; empty: in RAM only"});
     v.field("save_period_s", c.save_period_s,
             {.doc = "what a crash may lose at most", .unit = "s", .min = 0.0, .max = 60.0});
-    v.field(
-        "carry_s", c.carry_s,
-        {.doc = "when the first scan is at most this much younger than the newest one kept, the "
-                "odometry has gone on and says how far the robot has moved; later it may have "
-                "begun anew, and the robot is taken to be where it was: remove the file when "
-                "it was carried elsewhere",
-         .unit = "s",
-         .min = 0.0});
+    runtime::CarryConfig::describe(c.carry, v);
   }
 };
 

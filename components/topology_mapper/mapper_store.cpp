@@ -46,7 +46,7 @@ std::optional<MapperStore::Restored> MapperStore::restore(topology::TopologyMapp
       for (; mark != marks_.cend() && mark->after_scans <= scans_; ++mark) mapper.mark(mark->stamp);
       for (topology::MadeVisit& visit : mapper.restore(scan)) (void)mapper.update(std::move(visit));
       ++scans_;
-      restored = Restored{scan.scan.stamp, scan.run, std::nullopt};
+      restored = Restored{scan.scan.stamp, std::nullopt};
     }
   }
   for (; mark != marks_.cend(); ++mark) mapper.mark(mark->stamp);

@@ -21,11 +21,11 @@ class MapperStore {
   /// Opens or makes the file. Throws InputError for one that is no store or damaged, OutputError.
   explicit MapperStore(const std::filesystem::path& file);
 
-  /// Makes a new mapper what the one was that wrote this; the stamp of the newest scan, nothing
-  /// when none was written. O(scans + visits x a landmark update). Throws InputError.
+  /// Makes a new mapper what the one was that wrote this, and gives its newest scan's stamp and
+  /// odometry; nothing when no scan was written. O(scans + visits x a landmark update). Throws
+  /// InputError.
   struct Restored {
     Stamp newest;
-    int run = 0;
     std::optional<Pose2> odom_from_robot;
   };
   [[nodiscard]] std::optional<Restored> restore(topology::TopologyMapper& mapper);

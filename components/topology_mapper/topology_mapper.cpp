@@ -38,18 +38,19 @@ void TopologyMapper::on_activate() {
 
 bool TopologyMapper::resume(const Observation& first) {
   const double since_s = (first.scan.stamp - restored_->newest).seconds();
-  if (since_s <= 0.0 && context().on_error) {
-    context().on_error(full_name() + ": the clock is " + std::to_string(-since_s) +
-                       " s before the newest scan in " + config_.store.file +
-                       "; scans are left out until it has passed it: set the clock, or remove "
-                       "the file to begin anew");
+  if (since_s <= 0.0) {
+    tell(InputError(config_.store.file,
+                    "its newest scan is " + std::to_string(-since_s) + " s ahead of the clock",
+                    "set the clock, or remove the file to begin anew; until the clock has passed "
+                    "it, scans are left out"));
   }
-  const bool goes_on =
-      since_s >= 0.0 && since_s <= config_.store.carry_s && restored_->odom_from_robot;
-  // Scans may be heard before odometry is.
-  waits_for_odometry_ = goes_on && !first.has_odometry && config_.input.use_odometry;
+  const runtime::KeptMoment kept{restored_->newest, restored_->odom_from_robot.has_value()};
+  waits_for_odometry_ =
+      config_.input.use_odometry && runtime::needs_odometry(kept, first, config_.store.carry);
   if (waits_for_odometry_) return false;
-  if (goes_on && first.has_odometry) mapper_->resume_from(*restored_->odom_from_robot);
+  if (runtime::is_carried(kept, first, config_.store.carry)) {
+    mapper_->resume_from(*restored_->odom_from_robot);
+  }
   restored_.reset();
   return true;
 }

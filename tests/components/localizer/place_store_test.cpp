@@ -73,6 +73,21 @@ TEST_F(PlaceStoreTest, IsCarriedByOdometryThatWentOnAndByNoOther) {
   EXPECT_EQ(resumed(blind)->mean, kPlace);
 }
 
+// A robot that moves would else be put where it was, for scans are often heard before odometry.
+TEST_F(PlaceStoreTest, WaitsForOdometryThatWentOn) {
+  store().keep(observation_at(100.0, {}), {kPlace, Eigen::Matrix3d::Identity()});
+  PlaceStore next = store();
+  EXPECT_FALSE(next.waits_for_odometry(observation_at(101.0, {}), true)) << "nothing is kept";
+  next.load();
+  Observation blind = observation_at(101.0, {});
+  blind.has_odometry = false;
+  EXPECT_TRUE(next.waits_for_odometry(blind, true));
+  EXPECT_FALSE(next.waits_for_odometry(blind, false)) << "none will come";
+  EXPECT_FALSE(next.waits_for_odometry(observation_at(101.0, {}), true));
+  blind.scan.stamp = Stamp::from_seconds(111.0);
+  EXPECT_FALSE(next.waits_for_odometry(blind, true)) << "it may have begun anew";
+}
+
 TEST_F(PlaceStoreTest, ResumesOnceAndNotWhenSomethingNewerIsKnown) {
   store().keep(observation_at(100.0, {}), {kPlace, Eigen::Matrix3d::Identity()});
   PlaceStore next = store();

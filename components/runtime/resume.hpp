@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Whether odometry connects what a component kept with its first scan after a restart.
+#pragma once
+
+#include "core/base/config.hpp"
+#include "core/base/time.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::runtime {
+
+struct CarryConfig {
+  double carry_s = 10.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field(
+        "carry_s", c.carry_s,
+        {.doc = "when the first scan is at most this much younger than the newest one kept, the "
+                "odometry has gone on and says how far the robot has moved; later it may have "
+                "begun anew, and the robot is taken to be where it was: remove the file when "
+                "it was carried elsewhere",
+         .unit = "s",
+         .min = 0.0});
+  }
+};
+
+/// Of the newest scan that was kept.
+struct KeptMoment {
+  Stamp stamp;
+  bool has_odometry = false;
+};
+
+/// The odometry of both scans is of one frame. A clock that was set back tells nothing.
+[[nodiscard]] bool is_carried(const KeptMoment& kept, const Observation& first,
+                              const CarryConfig& config);
+
+/// It would be, had odometry come with the scan: a later one may have it, since scans may be heard
+/// before odometry is.
+[[nodiscard]] bool needs_odometry(const KeptMoment& kept, const Observation& first,
+                                  const CarryConfig& config);
+
+}  // namespace strata::runtime
