@@ -3,6 +3,7 @@
 #include "components/localizer/localizer.hpp"
 
 #include <chrono>
+#include <condition_variable>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -12,7 +13,6 @@
 #include <optional>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -49,11 +49,14 @@ std::string bytes_of(const fs::path& path) {
   return text.str();
 }
 
+/// Somebody on the replay's own participant; called when the component is there, before the
+/// conductor connects.
+using Bystander =
+    std::function<void(const std::shared_ptr<bus::Participant>&, runtime::Conductor&)>;
+
 /// Replays the second day in lockstep; before the scan `restart_at`, somebody publishes a pose.
-/// before_scans: called when everything is there and nothing has been published.
-void replay(
-    const std::string& parameters, const fs::path& out, int threads,
-    std::optional<std::size_t> restart_at = {}, const std::function<void()>& before_scans = [] {}) {
+void replay(const std::string& parameters, const fs::path& out, int threads,
+            std::optional<std::size_t> restart_at = {}, const Bystander& bystander = nullptr) {
   const runtime::Composition composition = composition_of(parameters);
   const auto participant = runtime::make_participant(composition);
   runtime::Registry registry;
@@ -70,8 +73,8 @@ void replay(
   const auto initial_pose =
       conductor.advertise<geometry_msgs::msg::PoseWithCovarianceStamped>("/initialpose");
   player::LogPlayer player(room().observations, outputs);
+  if (bystander) bystander(participant, conductor);
   conductor.connect();
-  before_scans();
   for (std::size_t i = 0; i < room().observations.size(); ++i) {
     if (restart_at == i) {
       geometry_msgs::msg::PoseWithCovarianceStamped message;
@@ -207,6 +210,7 @@ class Listener {
                 const std::lock_guard lock(mutex_);
                 poses_[convert::from_message(message.header().stamp())] =
                     planar(convert::from_message(message.pose().pose()));
+                changed_.notify_all();
               }),
         tf_(participant, "/tf", bus::qos_profile("default").lossless(),
             [this](const tf2_msgs::msg::TFMessage& message) {
@@ -215,17 +219,14 @@ class Listener {
               const std::lock_guard lock(mutex_);
               map_from_odom_[convert::from_message(transform.header().stamp())] =
                   planar(convert::from_message(transform.transform()));
+              changed_.notify_all();
             }) {}
 
-  /// Until the localizer's writers are found, and the conductor's of /tf.
-  void wait_for_writers() {
-    EXPECT_TRUE(pose_.raw().wait_for_writers(1, std::chrono::seconds(20)));
-    EXPECT_TRUE(tf_.raw().wait_for_writers(2, std::chrono::seconds(20)));
-  }
-
-  /// Pose and map_from_odom of every stamp of which both came.
-  [[nodiscard]] std::map<Stamp, std::pair<Pose2, Pose2>> pairs() {
-    const std::lock_guard lock(mutex_);
+  /// Pose and map_from_odom of every stamp, when both of so many have come.
+  [[nodiscard]] std::map<Stamp, std::pair<Pose2, Pose2>> wait_for_pairs(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::seconds(20),
+                      [&] { return poses_.size() >= count && map_from_odom_.size() >= count; });
     std::map<Stamp, std::pair<Pose2, Pose2>> result;
     for (const auto& [stamp, pose] : poses_) {
       const auto found = map_from_odom_.find(stamp);
@@ -236,6 +237,7 @@ class Listener {
 
  private:
   std::mutex mutex_;
+  std::condition_variable changed_;
   std::map<Stamp, Pose2> poses_;
   std::map<Stamp, Pose2> map_from_odom_;
   bus::Reader<geometry_msgs::msg::PoseWithCovarianceStamped> pose_;
@@ -244,59 +246,40 @@ class Listener {
 
 TEST(Localizer, TransformFromMapToOdometryCarriesTheOdometryToThePose) {
   const test::TemporaryDirectory out;
-  const auto participant = test::make_participant();
-  Listener listener(participant);
-  // The conductor does not wait for a reader that is no component. The listener waits for its
-  // writers, but these may find it later than it finds them, and a replay is short.
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  for (int i = 0; listener.pairs().empty() && std::chrono::steady_clock::now() < deadline; ++i) {
-    replay(parameters_of("patch", false), out.path() / std::to_string(i), 1, {},
-           [&] { listener.wait_for_writers(); });
-  }
-  const auto pairs = listener.pairs();
-  ASSERT_FALSE(pairs.empty());
-  std::size_t compared = 0;
+  std::optional<Listener> listener;
+  replay(parameters_of("patch", false), out.path(), 1, {},
+         [&](const auto& participant, runtime::Conductor& conductor) {
+           listener.emplace(participant);
+           conductor.expect_reader("/amcl_pose");
+           conductor.expect_reader("/tf");
+         });
+  const auto pairs = listener->wait_for_pairs(room().observations.size());
+  EXPECT_EQ(pairs.size(), room().observations.size());
   for (const Observation& observation : room().observations) {
     const auto found = pairs.find(observation.scan.stamp);
-    if (found == pairs.end()) continue;
+    ASSERT_NE(found, pairs.end());
     const auto& [pose, map_from_odom] = found->second;
     const Pose2 carried = map_from_odom * observation.odom_from_robot;
     EXPECT_NEAR(carried.x, pose.x, 1e-9);
     EXPECT_NEAR(carried.y, pose.y, 1e-9);
     EXPECT_NEAR(std::remainder(carried.theta - pose.theta, 2.0 * M_PI), 0.0, 1e-9);
-    ++compared;
   }
-  EXPECT_EQ(compared, pairs.size());
 }
 
 TEST(Localizer, AReplayThatHearsAStrangersScansEndsWithAnError) {
-  const auto stranger = test::make_participant();
-  bus::RawWriter scans(stranger, "/scan", bus::MessageType<sensor_msgs::msg::LaserScan>::name,
-                       bus::qos_profile("lossless"));
-  const std::jthread publishes([&](const std::stop_token& stop) {
-    while (!stop.stop_requested()) {
-      scans.publish(convert::to_cdr(convert::to_message(room().observations[3].scan, "laser")));
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-  });
-  // The writer knows its reader before this one knows it and hears it: a replay is short.
-  const auto find_each_other = [&] {
-    ASSERT_TRUE(scans.wait_for_readers(1, std::chrono::seconds(20)));
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  std::optional<bus::Writer<sensor_msgs::msg::LaserScan>> stranger;
+  const auto publish = [&](const auto& participant, runtime::Conductor&) {
+    stranger.emplace(participant, "/scan", bus::qos_profile("lossless"));
+    stranger->publish(convert::to_message(room().observations[3].scan, "laser"));
   };
   const test::TemporaryDirectory out;
-  std::optional<Error> told;
-  constexpr int kReplays = 20;
-  for (int i = 0; i < kReplays && !told; ++i) {
-    try {
-      replay(parameters_of("filtered", false), out.path(), 1, {}, find_each_other);
-    } catch (const Error& error) {
-      told = error;
-    }
+  try {
+    replay(parameters_of("filtered", false), out.path(), 1, {}, publish);
+    FAIL() << "it replayed on";
+  } catch (const Error& told) {
+    EXPECT_EQ(told.place(), "/scan");
+    EXPECT_THAT(told.what(), testing::HasSubstr("somebody else publishes it"));
   }
-  ASSERT_TRUE(told) << "it replayed on";
-  EXPECT_EQ(told->place(), "/scan");
-  EXPECT_THAT(told->what(), testing::HasSubstr("somebody else publishes it"));
 }
 
 TEST(CompositionOverride, ReachesTheParametersOfTheNamedComponent) {
