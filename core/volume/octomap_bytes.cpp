@@ -2,6 +2,7 @@
 #include "core/volume/octomap_bytes.hpp"
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 namespace strata::volume {
@@ -33,7 +34,7 @@ Children children_of_binary(std::string_view node) {
   return children;
 }
 
-std::size_t count(unsigned bits) { return static_cast<std::size_t>(__builtin_popcount(bits)); }
+std::size_t count(unsigned bits) { return static_cast<std::size_t>(std::popcount(bits)); }
 
 }  // namespace
 

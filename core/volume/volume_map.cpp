@@ -314,16 +314,16 @@ VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& plac
   config.resolution_m = resolution_m;
   const auto nodes = octomap_nodes(std::string_view(bytes).substr(bytes.size() - left), is_binary);
   if (!nodes) throw refuse("is damaged: it ends too early or goes too deep");
+  if (*nodes != size) {
+    throw refuse("is damaged: " + std::to_string(*nodes) + " nodes of " + std::to_string(size));
+  }
   VolumeMap map(config);
   if (is_binary) {
     map.state_->tree.readBinaryData(in);
   } else {
     map.state_->tree.readData(in);
   }
-  if (!in || map.state_->tree.size() != size) {
-    throw refuse("is damaged: " + std::to_string(map.state_->tree.size()) + " nodes of " +
-                 std::to_string(size));
-  }
+  if (!in) throw refuse("cannot be read to its end");
   return map;
 }
 
