@@ -16,33 +16,13 @@ constexpr std::uint64_t kVersion = 0x53'53'4c'4d'0000'0001;
 
 }  // namespace
 
-bool SubmapGraph::is_sound() const {
-  const std::size_t count = submaps_.size();
-  const auto joins_known = [&](const pose_graph::Edge& edge) {
-    return edge.from < count && edge.to < count;
-  };
-  return clouds_.size() == count && given_.size() == count && located_.size() == count &&
-         graph_.size() == count && graph_.is_sound() &&
-         std::all_of(chain_.begin(), chain_.end(), joins_known);
-}
-
-void Tracker::begin_maps(std::size_t count) {
-  active_.clear();
-  for (std::size_t i = 0; i < count; ++i) {
-    active_.push_back({SurfaceMap(resolution_m_, config_.field)});
-  }
-}
-
 std::vector<std::uint8_t> Slam::save_state() const {
   StateWriter writer;
   writer(kVersion);
   writer(state_->config.beam_filter.resolution_m);
   State::state(std::as_const(*state_), writer);
   writer(state_->tracker.has_value());
-  if (state_->tracker) {
-    writer(static_cast<std::uint64_t>(state_->tracker->active_maps()));
-    writer(*state_->tracker);
-  }
+  if (state_->tracker) writer(*state_->tracker);
   return writer.take();
 }
 
@@ -61,7 +41,6 @@ void Slam::restore_state(std::span<const std::uint8_t> bytes, const std::string&
   reader(has_tracker);
   if (has_tracker) {
     state.tracker.emplace(state.config.tracking, resolution_m, state.run, Pose2());
-    state.tracker->begin_maps(reader.length(1));
     reader(*state.tracker);
   }
   reader.expect_end();

@@ -169,4 +169,14 @@ void SubmapGraph::rebuild_graph(const std::vector<Closure>& closures) {
   optimize();
 }
 
+bool SubmapGraph::is_sound() const {
+  const std::size_t count = submaps_.size();
+  const auto joins_known = [&](const pose_graph::Edge& edge) {
+    return edge.from < count && edge.to < count;
+  };
+  return clouds_.size() == count && given_.size() == count && located_.size() == count &&
+         graph_.size() == count && graph_.is_sound() &&
+         std::all_of(chain_.begin(), chain_.end(), joins_known);
+}
+
 }  // namespace strata::slam

@@ -222,4 +222,11 @@ void Tracker::finish(std::size_t end_scan) {
   active_.clear();
 }
 
+void Tracker::begin_maps(std::size_t count) {
+  active_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    active_.push_back({SurfaceMap(resolution_m_, config_.field)});
+  }
+}
+
 }  // namespace strata::slam

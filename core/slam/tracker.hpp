@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "core/geometry/pose2_gaussian.hpp"
@@ -56,10 +58,14 @@ class Tracker {
   /// Ends the run: whatever is under construction becomes a sub-map.
   void finish(std::size_t end_scan);
 
-  /// For saved states; configs, resolution and run are the constructor's, and the maps under
-  /// construction are begun there (`begin_maps`).
+  /// For saved states; configs, resolution and run are the constructor's.
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
+    if constexpr (std::is_const_v<Self>) {
+      archive(static_cast<std::uint64_t>(self.active_.size()));
+    } else {
+      self.begin_maps(archive.length(1));
+    }
     for (auto& active : self.active_) {
       archive(active.map);
       archive(active.keys);
@@ -82,8 +88,6 @@ class Tracker {
     archive(self.owned_pose_);
     archive(self.finished_);
   }
-  [[nodiscard]] std::size_t active_maps() const { return active_.size(); }
-  void begin_maps(std::size_t count);
 
  private:
   struct Active {
@@ -107,6 +111,8 @@ class Tracker {
   [[nodiscard]] bool is_complete(const Active& active) const;
   void insert(const Scan& scan, std::size_t scan_index, std::span<const float> static_probability);
   void close_oldest(std::size_t end_scan);
+  /// Maps without anything in them, to restore a state into.
+  void begin_maps(std::size_t count);
 
   TrackingConfig config_;
   double resolution_m_;

@@ -75,6 +75,14 @@ Endpoints explained_at(const Endpoints& endpoints, const SurfaceMap& map, const 
   }
   return result;
 }
+
+/// How far a robot without odometry may have come.
+Eigen::Matrix3d blind_covariance() {
+  return Eigen::Vector3d(kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
+                         kBlindStddevRad * kBlindStddevRad)
+      .asDiagonal();
+}
+
 }  // namespace
 
 Pose2Gaussian doubted_step(const Pose2& step, const OdometryNoiseConfig& noise, double doubt) {
@@ -103,10 +111,7 @@ Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* odom_from_robot) c
     return known * doubted_step(between(*last_odom_, *odom_from_robot), config_.odometry, doubt_);
   }
   if (!started_) return pose_;
-  Pose2Gaussian step{going_on(scan.stamp), Eigen::Matrix3d::Zero()};
-  step.covariance.diagonal() << kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
-      kBlindStddevRad * kBlindStddevRad;
-  return known * step;
+  return known * Pose2Gaussian{going_on(scan.stamp), blind_covariance()};
 }
 
 /// The mean of the last few steps between scans goes on, in the time since the last if stamps are
@@ -142,9 +147,10 @@ std::vector<Pose2> Tracker::other_guesses(const Pose2Gaussian& guess) const {
   // Odometry may be wrong as a whole: wheels that spin, a base that reports driving backwards as
   // driving forwards.
   const Pose2 step = between(pose_.mean, guess.mean);
-  const Pose2 turned{0.0, 0.0, step.theta};
+  const Pose2 on_the_spot{0.0, 0.0, step.theta};
   const Pose2 reversed{-step.x, -step.y, step.theta};
-  return {pose_.mean * between(last_pose_, pose_.mean), pose_.mean * turned, pose_.mean * reversed};
+  return {pose_.mean * between(last_pose_, pose_.mean), pose_.mean * on_the_spot,
+          pose_.mean * reversed};
 }
 
 /// Where only beams that end in the open, if odometry is right, tell how far the robot has come
@@ -171,9 +177,7 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
   registration::MatchResult result =
       registration::match(endpoints, {}, field, guess.mean, &guess, config_.match);
   // Away from the odometry only the scan decides.
-  Pose2Gaussian wide{guess.mean, Eigen::Matrix3d::Zero()};
-  wide.covariance.diagonal() << kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
-      kBlindStddevRad * kBlindStddevRad;
+  Pose2Gaussian wide{guess.mean, blind_covariance()};
   const Pose2Gaussian* prior = &guess;
   double cost = scan_cost(result, guess);
   // Beams side by side are no witnesses of their own, nor are those left of a scan in a crowd.
