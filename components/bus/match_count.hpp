@@ -18,6 +18,11 @@ namespace strata::bus {
 class MatchCount {
  public:
   explicit MatchCount(std::function<void()> on_match) : on_match_(std::move(on_match)) {}
+  /// The last call of `set` has left everything: the middleware's own locks, behind which it was
+  /// made, are not ours to rely on.
+  ~MatchCount() { const std::lock_guard lock(mutex_); }
+  MatchCount(const MatchCount&) = delete;
+  MatchCount& operator=(const MatchCount&) = delete;
   /// other: the counterpart that came or went.
   void set(int count, const Guid& other, bool came) {
     std::function<void()> notify;
@@ -30,8 +35,8 @@ class MatchCount {
         others_.erase(other);
       }
       notify = on_match_;
+      changed_.notify_all();  // locked, for the destructor
     }
-    changed_.notify_all();
     if (notify) notify();
   }
   void stop_notifying() {
