@@ -303,8 +303,8 @@ VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& plac
     if (key == "res") words >> resolution_m;
   }
   if (!in || id != "OcTree") throw refuse("holds a tree of the kind '" + id + "'");
-  // A node takes two bytes at least: a damaged size must not make us read without end.
-  const auto left = bytes.size() - static_cast<std::size_t>(in.tellg());
+  // Nothing at all may follow "data", not even the end of its line.
+  const auto left = in.eof() ? 0 : bytes.size() - static_cast<std::size_t>(in.tellg());
   if (!(resolution_m > 0.0) || left < 2) throw refuse("says no voxel edge, or ends too early");
   VolumeConfig config = wanted.value_or(VolumeConfig{});
   if (wanted && wanted->resolution_m != resolution_m) {

@@ -61,6 +61,7 @@ TEST(OctomapNodes, CountsAsManyAsTheTreeHasAndFilesThatDoNotAreRefused) {
   for (const std::string& whole : {map.full_file(), map.binary_file()}) {
     const std::size_t data = whole.find("\ndata\n") + 6;
     const bool is_binary = whole.find("binary") < data;
+    EXPECT_THROW((void)VolumeMap::from_file(whole.substr(0, data - 1), "header"), InputError);
     const auto nodes = octomap_nodes(std::string_view(whole).substr(data), is_binary);
     EXPECT_EQ(nodes, VolumeMap::from_file(whole, "whole").size().nodes);
     for (std::size_t length = data; length < whole.size(); length += 1 + whole.size() / 97) {
