@@ -134,6 +134,7 @@ struct ClosureConfig {
 /// Poses that come with the log (`--poses`).
 struct GivenPoseConfig {
   bool refine = true;
+  bool refine_alone = false;
   double stddev_m = 0.2;
   double stddev_rad = 0.05;
   template <class Self, class V>
@@ -141,6 +142,8 @@ struct GivenPoseConfig {
     v.field("refine", c.refine,
             {.doc = "with several runs: move given poses so that the walls of the runs coincide; "
                     "one run alone keeps them as they are"});
+    v.field("refine_alone", c.refine_alone,
+            {.doc = "with one run, too: its passes are laid on each other"});
     v.field("stddev_m", c.stddev_m,
             {.doc = "how far given poses are believed to be off", .unit = "m", .min = 1e-3});
     v.field("stddev_rad", c.stddev_rad, {.doc = "... and in heading", .unit = "rad", .min = 1e-4});

@@ -115,8 +115,9 @@ struct Slam::State {
   }
   /// Whether the scan keeps the pose it came with.
   [[nodiscard]] bool stays(const Record& record) const {
-    const bool keep_given = runs <= 1 || !config.given_poses.refine;
-    return record.given && (record.placed || keep_given);
+    const GivenPoseConfig& given = config.given_poses;
+    const bool refined = given.refine && (runs > 1 || given.refine_alone);
+    return record.given && (record.placed || !refined);
   }
 };
 

@@ -54,6 +54,8 @@ struct TopologyMapperConfig {
   double node_distance_m = 0.25;
   WayNoiseConfig way;
   pose_graph::PoseGraphConfig pose_graph;
+  slam::GivenPoseConfig tie{.refine_alone = true};
+  slam::ClosureConfig closure;
   slam::EmConfig refinement;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -67,6 +69,10 @@ struct TopologyMapperConfig {
             {.doc = "scans this far apart are poses of the graph", .unit = "m", .min = 0.05});
     v.group("way", c.way, "noise between two poses of the graph");
     v.group("pose_graph", c.pose_graph, "optimization of the metric map");
+    v.group(
+        "tie", c.tie,
+        "how far poses may be off once landmarks hold them, when passes are laid on each other");
+    v.group("closure", c.closure, "which passes are laid on each other");
     v.group("refinement", c.refinement,
             "matching every scan again to the metric map, as SLAM does; track_again means nothing "
             "here");

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 #include <span>
+#include <utility>
 
-#include "core/base/parallel.hpp"
 #include "core/pose_graph/pose_graph.hpp"
-#include "core/slam/em_loop.hpp"
+#include "core/slam/slam.hpp"
 
 namespace strata::topology {
 namespace {
@@ -79,28 +79,31 @@ void add_visits(std::span<const MadeVisit> visits, const Hypothesis& hypothesis,
   }
 }
 
-/// Loops are closed at landmarks only: between them the walls of two passes still lie a little
-/// apart. Every scan is matched to the map of all, as SLAM does once its loops are closed.
-void refine_and_draw(const TopologyMapperConfig& config, int threads, Progress* progress,
-                     TopologyMap& result) {
-  std::vector<bool> mapped;
-  Pose2 last;
+/// Loops are closed at landmarks only: between them the walls of two passes still lie apart, and
+/// behind the last landmark nothing holds the way. SLAM with these poses as given ones lays all
+/// passes on each other [lu1997globally], near where the topology puts them.
+void tie_passes(const TopologyMapperConfig& config, int threads, Progress* progress,
+                TopologyMap& result) {
+  slam::SlamConfig tie;
+  tie.tracking = config.tracking;
+  tie.closure = config.closure;
+  tie.given_poses = config.tie;
+  tie.em = config.refinement;
+  tie.em.track_again = false;
+  tie.beam_filter.resolution_m = config.resolution_m;
+  slam::Slam slam(tie, threads);
   for (const PosedScan& scan : result.scans) {
-    const Pose2 step = between(last, scan.map_from_robot);
-    const bool is_key = mapped.empty() ||
-                        step.translation().norm() >= config.tracking.key_distance_m ||
-                        std::abs(step.theta) >= config.tracking.key_turn_rad;
-    mapped.push_back(is_key);
-    if (is_key) last = scan.map_from_robot;
+    slam.add({scan.run, scan.scan, scan.map_from_robot, true}, &scan.map_from_robot);
   }
-  std::vector<bool> moves(result.scans.size(), true);
-  if (!moves.empty()) moves.front() = false;  // the frame of the map
-  beam_filter::BeamFilterConfig filter;
-  filter.resolution_m = config.resolution_m;
-  WorkerPool pool(threads);
-  const slam::EmResult em = slam::run_em(result.scans, mapped, moves, config.refinement,
-                                         config.tracking, filter, pool, progress);
-  result.map = em.raw.reflection(filter.min_evidence);
+  slam::SlamResult tied = slam.finish(progress);
+  // It skips a scan that comes twice, and says so by leaving it out.
+  auto next = tied.scans.begin();
+  for (PosedScan& scan : result.scans) {
+    if (next == tied.scans.end() || next->scan.stamp != scan.scan.stamp) continue;
+    scan.map_from_robot = next->map_from_robot;
+    ++next;
+  }
+  result.map = std::move(tied.occupancy);
 }
 
 }  // namespace
@@ -126,7 +129,7 @@ TopologyMap make_topology_map(const TopologyMapper& mapper, Progress* progress) 
     const std::size_t node = chain.node_of[i];
     scan.map_from_robot = graph.pose(node) * between(chain.before[node], scan.map_from_robot);
   }
-  refine_and_draw(config, mapper.threads(), progress, result);
+  tie_passes(config, mapper.threads(), progress, result);
   return result;
 }
 

@@ -28,8 +28,9 @@ struct TopologyMap {
 };
 
 /// After `finish` and the updates that it asked for. Consecutive scans and the local maps that the
-/// likeliest topology laid on each other hold each other; then every scan is matched to the map of
-/// all. Throws Cancelled. O(rounds x scans x beams).
+/// likeliest topology laid on each other hold each other; then passes that overlap are laid on each
+/// other, and every scan is matched to the map of all. Throws Cancelled. O(rounds x scans x beams),
+/// and the closures of slam::SubmapGraph.
 [[nodiscard]] TopologyMap make_topology_map(const TopologyMapper& mapper,
                                             Progress* progress = nullptr);
 
