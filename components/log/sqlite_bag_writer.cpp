@@ -14,6 +14,11 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
+/// Somebody may look into a bag that is being recorded, whose lock must not end the recording. To
+/// be back in one file at the end is worth less patience.
+constexpr int kPatienceMs = 10'000;
+constexpr int kPatienceAtEndMs = 500;
+
 class SqliteBagFile : public BagWriter::File {
  public:
   SqliteBagFile(const fs::path& file, int schema) : file_(file), with_definitions_(schema >= 4) {
@@ -22,7 +27,8 @@ class SqliteBagFile : public BagWriter::File {
                                      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
     database_.reset(database);
     if (code != SQLITE_OK) fail();
-    run("PRAGMA journal_mode=WAL");
+    sqlite3_busy_timeout(database_.get(), kPatienceMs);
+    if (try_patiently("PRAGMA journal_mode=WAL", kPatienceMs) != SQLITE_OK) fail();
     run("PRAGMA synchronous=NORMAL");
     run("CREATE TABLE schema(schema_version INTEGER PRIMARY KEY,ros_distro TEXT NOT NULL);"
         "CREATE TABLE metadata(id INTEGER PRIMARY KEY,metadata_version INTEGER NOT NULL,"
@@ -81,8 +87,10 @@ class SqliteBagFile : public BagWriter::File {
   void flush() override { commit(); }
   void close() override {
     commit();
-    // Back to a single file, which any reader on a read-only disk can open.
-    run("PRAGMA journal_mode=DELETE");
+    // Back to a single file, which any reader on a read-only disk can open. Everything is in the
+    // bag already: while somebody reads it stays two files.
+    const int code = try_patiently("PRAGMA journal_mode=DELETE", kPatienceAtEndMs);
+    if (code != SQLITE_OK && code != SQLITE_BUSY) fail();
     add_topic_.reset();
     add_message_.reset();
     database_.reset();
@@ -112,6 +120,17 @@ class SqliteBagFile : public BagWriter::File {
   }
   void run(const char* sql) {
     if (sqlite3_exec(database_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+  }
+  /// For what SQLite does not wait for by itself; its primary result code.
+  int try_patiently(const char* sql, int patience_ms) {
+    constexpr int kPauseMs = 5;
+    int code = SQLITE_BUSY;
+    for (int waited_ms = 0; code == SQLITE_BUSY && waited_ms <= patience_ms;
+         waited_ms += kPauseMs) {
+      if (waited_ms > 0) sqlite3_sleep(kPauseMs);
+      code = sqlite3_exec(database_.get(), sql, nullptr, nullptr, nullptr) & 0xff;
+    }
+    return code;
   }
   void begin() {
     if (in_transaction_) return;

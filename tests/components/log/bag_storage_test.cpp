@@ -2,8 +2,10 @@
 /// The files of a bag: schemas that others wrote, splits, and folders that lost something.
 #include "components/log/bag_storage.hpp"
 
+#include <atomic>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -59,8 +61,8 @@ class BagFilesTest : public ::testing::Test {
     sqlite3_close(database);
   }
   /// `count` messages of 1,000 bytes, one a nanosecond.
-  fs::path write(const BagOptions& options, std::int64_t count) {
-    const fs::path bag = folder_.path() / "bag";
+  fs::path write(const BagOptions& options, std::int64_t count, const std::string& name = "bag") {
+    const fs::path bag = folder_.path() / name;
     BagWriter writer(bag, options);
     const auto topic = writer.add_topic({"/a", "std_msgs/msg/String", "cdr", ""});
     const std::vector<std::uint8_t> data(1000, 0);
@@ -244,6 +246,26 @@ TEST_F(BagFilesTest, AFolderWithoutABagAndAnEmptyFileAreRefused) {
   test::write_text(folder_.path() / "empty.db3", "");
   EXPECT_THROW((void)BagReader::open(folder_.path()), InputError);
   EXPECT_THROW((void)BagReader::open(folder_.path() / "none.mcap"), InputError);
+}
+
+TEST_F(BagFilesTest, SomebodyWhoLooksIntoItDoesNotEndTheRecording) {
+  std::atomic<int> number = 0;
+  std::atomic<int> looks = 0;
+  const auto name = [&] { return "bag" + std::to_string(number); };
+  const std::jthread looker([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      sqlite3* database = nullptr;
+      const fs::path file = folder_.path() / name() / (name() + "_0.db3");
+      sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
+      const char* sql = "SELECT count(*) FROM sqlite_master";
+      if (sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK) ++looks;
+      sqlite3_close(database);
+    }
+  });
+  for (; number < 50; ++number) {
+    EXPECT_EQ(read_all(write({}, 5, name())).stamps, numbers(5)) << number;
+  }
+  EXPECT_GT(looks, 0);
 }
 
 TEST_F(BagFilesTest, WhatWasFlushedSurvivesACrash) {
