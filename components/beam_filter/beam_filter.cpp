@@ -47,7 +47,7 @@ void BeamFilter::on_tick() {
 void BeamFilter::on_deactivate() {
   if (!store_ || online_->scans_in_window() == 0) return;
   store_->write(online_->save_state());
-  guarded([this] { store_->flush(); });
+  store_->flush();
 }
 
 void BeamFilter::on_scan(PosedScan scan) {

@@ -42,7 +42,11 @@ void Component::perform(const LifecycleTransition& transition) {
       on_activate();
       break;
     case 4:
-      on_deactivate();
+      if (lockstep()) {
+        on_deactivate();
+      } else {
+        guarded([&] { on_deactivate(); });  // a full disk must not keep a robot from stopping
+      }
       break;
     default:
       do_shutdown();

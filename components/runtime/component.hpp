@@ -104,6 +104,7 @@ class Component {
   /// cleanup.
   virtual void on_configure() = 0;
   virtual void on_activate() {}
+  /// Live: what it throws is told, and the component is inactive all the same.
   virtual void on_deactivate() {}
   /// Give up what on_configure made; called also when that failed halfway.
   virtual void on_cleanup() {}

@@ -60,7 +60,7 @@ void ScanMatcher::on_tick() {
 void ScanMatcher::on_deactivate() {
   if (!store_ || !slam_->newest()) return;
   store_->write(slam_->save_state());
-  guarded([this] { store_->flush(); });
+  store_->flush();
 }
 
 void ScanMatcher::on_observation(const Observation& scanned) {

@@ -126,7 +126,7 @@ void TopologyMapper::on_tick() {
 }
 
 void TopologyMapper::on_deactivate() {
-  if (store_) store_->flush();
+  if (store_) guarded([&] { store_->flush(); });  // the map may have room elsewhere
   if (lockstep() || config_.save.empty()) return;
   update(mapper_->finish());
   log::WholeFolder folder(config_.save);

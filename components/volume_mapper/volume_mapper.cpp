@@ -166,7 +166,7 @@ void VolumeMapper::publish(Stamp stamp) {
 }
 
 void VolumeMapper::on_deactivate() {
-  keep();
+  guarded([&] { keep(); });  // the map may have room elsewhere
   if (lockstep() || config_.save.empty() || !map_) return;
   log::WholeFile file(config_.save);
   file.stream() << map_->binary_file();

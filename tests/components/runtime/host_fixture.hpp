@@ -9,10 +9,13 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "components/bus/endpoint.hpp"
 #include "components/runtime/host.hpp"
 #include "components/settings/yaml_document.hpp"
 #include "tests/components/bus/domain.hpp"
+#include "tests/support/full_disk.hpp"
 
 namespace strata::test {
 
@@ -25,6 +28,23 @@ inline std::unique_ptr<runtime::Host> make_host(const std::string& entry,
       runtime::read_composition(settings::parse_yaml(text, "test.yaml"), "test.yaml");
   return std::make_unique<runtime::Host>(composition, composition.processes[0], registry,
                                          std::move(participant), runtime::HostOptions{});
+}
+
+/// Deactivates the host's component while no file can be written; what was told of that. Then
+/// activates and deactivates it with room again.
+inline std::vector<std::string> deactivate_on_a_full_disk(runtime::Host& host) {
+  runtime::Component& component = *host.components().front();
+  (void)host.take_errors();
+  {
+    const FullDisk full;
+    component.deactivate();
+  }
+  EXPECT_EQ(component.state(), runtime::LifecycleState::kInactive);
+  std::vector<std::string> told = host.take_errors();
+  component.activate();
+  component.deactivate();
+  EXPECT_TRUE(host.take_errors().empty());
+  return told;
 }
 
 /// Reads a topic and keeps what comes.

@@ -10,18 +10,23 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/convert/topology_messages.hpp"
 #include "components/topology_mapper/register.hpp"
+#include "memory/store/store.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/components/runtime/status_watch.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::topology_mapper {
 namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 using geometry_msgs::msg::PointStamped;
 using strata_msgs::msg::Topologies;
@@ -137,6 +142,7 @@ class Robot {
     return late.wait_for(1);
   }
   void end() { host_.reset(); }
+  [[nodiscard]] runtime::Host& host() { return *host_; }
 
  private:
   std::shared_ptr<bus::Participant> participant_;
@@ -230,6 +236,21 @@ TEST(TopologyMapper, GoesOnFromItsStoreWithTheLandmarksOfBefore) {
       convert::from_message(robot.seen_by_a_late_joiner().back()).front();
   EXPECT_EQ(likeliest.labels, (topology::Labels{0, 1, 1}));
   EXPECT_LT((likeliest.landmarks[1].mean.translation() - Eigen::Vector2d(9.0, 2.0)).norm(), 0.15);
+}
+
+TEST(TopologyMapper, IsDeactivatedOnAFullDiskAndKeepsWhatItHeardWhenThereIsRoom) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path store = folder.path() / "way.db";
+  Robot robot("store: {file: '" + store.string() + "', save_period_s: 60}, save: '" +
+              (folder.path() / "saved").string() + "'");
+  ASSERT_TRUE(robot.says("visits of landmarks", "0"));  // its period of saving has begun
+  const std::vector<Moment> drive = there_and_back();
+  robot.drive({drive.begin(), drive.begin() + 10});
+  ASSERT_TRUE(robot.says("received /scan", "10"));
+  EXPECT_TRUE(memory::Store(store, {.read_only = true}).runs_with_scans().empty());
+  EXPECT_THAT(test::deactivate_on_a_full_disk(robot.host()),
+              ElementsAre(HasSubstr("way.db"), HasSubstr("saved")));
+  EXPECT_THAT(memory::Store(store, {.read_only = true}).runs_with_scans(), ElementsAre(0));
 }
 
 TEST(TopologyMapper, NamesWhatItLeftOutOnDiagnostics) {

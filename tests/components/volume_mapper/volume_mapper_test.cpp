@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
@@ -23,6 +24,9 @@
 
 namespace strata::volume_mapper {
 namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 using octomap_msgs::msg::Octomap;
 using sensor_msgs::msg::PointCloud2;
@@ -100,6 +104,7 @@ class Robot {
   void label(const PosedScan& scan) { scans_.publish(convert::to_message(scan, "map", "laser")); }
   [[nodiscard]] std::vector<Octomap> wait_for(std::size_t maps) { return maps_.wait_for(maps); }
   void deactivate() { host_.reset(); }
+  [[nodiscard]] runtime::Host& host() { return *host_; }
   void tick() { host_->tick(); }
 
  private:
@@ -159,6 +164,20 @@ TEST(VolumeMapper, GoesOnWithItsStoreAfterTheProcessWasKilled) {
   ASSERT_EQ(grown.size(), 2U);
   EXPECT_TRUE(is_occupied(tree_of(grown[1]), 2.35, 0.05, 0.05));
   EXPECT_TRUE(is_occupied(tree_of(grown[1]), -1.85, 0.05, 0.05));
+}
+
+TEST(VolumeMapper, IsDeactivatedOnAFullDiskAndWritesItsStoreWhenThereIsRoom) {
+  const test::TemporaryDirectory folder;
+  const std::filesystem::path store = folder.path() / "map.ot";
+  Robot robot("publish_period_s: 0, store_period_s: 3600, store: '" + store.string() +
+              "', save: '" + (folder.path() / "map.bt").string() + "'");
+  robot.move(1.0, 0.0);
+  robot.move(2.0, 0.0);
+  robot.see(1.5, wall(2.1F));
+  ASSERT_EQ(robot.wait_for(1).size(), 1U);
+  EXPECT_THAT(test::deactivate_on_a_full_disk(robot.host()),
+              ElementsAre(HasSubstr("map.ot"), HasSubstr("map.bt")));
+  EXPECT_TRUE(std::filesystem::exists(store));
 }
 
 TEST(VolumeMapper, RefusesAStoreItCannotReadAndLeavesItAlone) {
