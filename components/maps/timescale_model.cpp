@@ -60,13 +60,16 @@ void TimescaleModel::weigh(const NodeMap::View& view, double heading_cosine, dou
                            const Scratch& scratch, std::size_t begin, std::size_t count,
                            double* log_p) const {
   const ScanBeams& beams = scratch.beams;
+  std::array<Eigen::Vector2d, kBlock> directions;
   std::array<NodeOutline::Reach, kBlock> reach;
-  std::array<double, kBlock> expected_m{};
+  std::array<double, kBlock> expected_m;
   for (std::size_t k = 0; k < count; ++k) {
     const double c = beams.cosine[begin + k];
     const double s = beams.sine[begin + k];
-    reach[k] = map_->reach(
-        view, {heading_cosine * c - heading_sine * s, heading_sine * c + heading_cosine * s});
+    directions[k] = {heading_cosine * c - heading_sine * s, heading_sine * c + heading_cosine * s};
+  }
+  map_->reach(view, std::span(directions.data(), count), std::span(reach.data(), count));
+  for (std::size_t k = 0; k < count; ++k) {
     expected_m[k] = reach[k].end == NodeOutline::Edge::kSurface ? reach[k].range_m : kNothing;
   }
   scratch.mixture.log_likelihoods(begin, count, expected_m.data(), log_p);
@@ -89,22 +92,20 @@ double TimescaleModel::log_likelihood_at(const Pose2& laser, const BelievedLevel
   for (std::size_t l = 0; l < levels.size(); ++l) {
     views[l] = map_->view(levels[l].level, laser.translation());
   }
-  std::array<double, kBlock> log_p;
-  std::array<double, kBlock> p;
+  std::array<double, BelievedLevels::kMost> weights;
+  for (std::size_t l = 0; l < levels.size(); ++l) weights[l] = levels[l].weight;
+  std::array<double, BelievedLevels::kMost * kBlock> log_p;
   double sum = 0.0;
   for (std::size_t begin = 0; begin < scratch.beams.size(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, scratch.beams.size() - begin);
-    if (levels.size() == 1) {
-      weigh(views[0], c, s, scratch, begin, count, log_p.data());
-      for (std::size_t k = 0; k < count; ++k) sum += log_p[k];
-      continue;
-    }
-    std::fill_n(p.begin(), count, 0.0);
     for (std::size_t l = 0; l < levels.size(); ++l) {
-      weigh(views[l], c, s, scratch, begin, count, log_p.data());
-      for (std::size_t k = 0; k < count; ++k) p[k] += levels[l].weight * std::exp(log_p[k]);
+      weigh(views[l], c, s, scratch, begin, count, log_p.data() + l * kBlock);
     }
-    for (std::size_t k = 0; k < count; ++k) sum += std::log(p[k]);
+    if (levels.size() > 1) {
+      localization::mix_rows(std::span(weights.data(), levels.size()), log_p.data(), kBlock, count,
+                             log_p.data());
+    }
+    for (std::size_t k = 0; k < count; ++k) sum += log_p[k];
   }
   return sum;
 }

@@ -21,7 +21,8 @@ BeamMixture::BeamMixture(const BeamMixtureConfig& config, double r_max_m)
     : config_(config),
       r_max_m_(r_max_m),
       peak_(1.0 / (config.hit_stddev_m * std::sqrt(2.0 * std::numbers::pi))),
-      half_inverse_(0.5 / (config.hit_stddev_m * config.hit_stddev_m)) {
+      half_inverse_(0.5 / (config.hit_stddev_m * config.hit_stddev_m)),
+      short_scale_(config.short_weight / -std::expm1(-config.short_rate_per_m * r_max_m)) {
   require_valid(config, "beam_mixture");
 }
 
@@ -55,12 +56,11 @@ double BeamMixture::no_return(double expected_m) const {
 double BeamMixture::likelihood_beyond(bool is_hit, double range_m, double free_m) const {
   if (!(free_m < r_max_m_)) return likelihood(is_hit, range_m, free_m);
   const double rate = config_.short_rate_per_m;
-  const double scale = config_.short_weight / -std::expm1(-rate * r_max_m_);
   if (is_hit && range_m < free_m) {
-    return config_.random_weight / r_max_m_ + scale * rate * std::exp(-rate * range_m);
+    return config_.random_weight / r_max_m_ + short_scale_ * rate * std::exp(-rate * range_m);
   }
   const double before =
-      config_.random_weight * free_m / r_max_m_ + scale * -std::expm1(-rate * free_m);
+      config_.random_weight * free_m / r_max_m_ + short_scale_ * -std::expm1(-rate * free_m);
   const double rest = 0.5 * (1.0 - before);
   return is_hit ? rest / (r_max_m_ - free_m) : rest;
 }

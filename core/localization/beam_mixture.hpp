@@ -81,8 +81,10 @@ class BeamMixture {
  private:
   BeamMixtureConfig config_;
   double r_max_m_;
-  double peak_;          // 1 / (s sqrt(2 pi))
-  double half_inverse_;  // 1 / (2 s^2)
+  double peak_;  // 1 / (s sqrt(2 pi))
+  double half_inverse_;
+  double short_scale_;  ///< so that the short readings of a free beam have their weight  // 1 / (2
+                        ///< s^2)
 };
 
 }  // namespace strata::localization

@@ -150,6 +150,27 @@ void mix_lanes(const double* share, const double* first, const double* second, s
   std::copy(out, out + (count - k), mixed + k);
 }
 
+/// One vector of columns.
+template <class D>
+HWY_INLINE void mix_columns(D d, std::span<const double> weight, const double* logs,
+                            std::size_t stride, double* mixed) {
+  auto sum = hn::Zero(d);
+  for (std::size_t r = 0; r < weight.size(); ++r) {
+    const auto p = exp_of(d, hn::LoadU(d, logs + r * stride));
+    sum = hn::Add(sum, hn::Mul(hn::Set(d, weight[r]), p));
+  }
+  hn::StoreU(log_of(d, hn::Max(sum, hn::Set(d, 1e-300))), d, mixed);
+}
+
+void mix_row_lanes(std::span<const double> weight, const double* logs, std::size_t stride,
+                   std::size_t count, double* mixed) {
+  const std::size_t lanes = hn::Lanes(Tag());
+  std::size_t k = 0;
+  for (; k + lanes <= count; k += lanes) mix_columns(Tag(), weight, logs + k, stride, mixed + k);
+  const hn::CappedTag<double, 1> one;
+  for (; k < count; ++k) mix_columns(one, weight, logs + k, stride, mixed + k);
+}
+
 }  // namespace strata::localization::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -159,6 +180,7 @@ namespace strata::localization {
 HWY_EXPORT(log_lanes);
 HWY_EXPORT(log_lanes_of);
 HWY_EXPORT(mix_lanes);
+HWY_EXPORT(mix_row_lanes);
 
 namespace {
 /// The cumulated standard normal from 0 to 6 and its density, both a step of the table.
@@ -247,6 +269,11 @@ void ScanMixture::log_likelihoods_of(const double* beam, std::size_t count,
 void mix_logs(const double* share, const double* first, const double* second, std::size_t count,
               double* mixed) {
   HWY_DYNAMIC_DISPATCH(mix_lanes)(share, first, second, count, mixed);
+}
+
+void mix_rows(std::span<const double> weight, const double* logs, std::size_t stride,
+              std::size_t count, double* mixed) {
+  HWY_DYNAMIC_DISPATCH(mix_row_lanes)(weight, logs, stride, count, mixed);
 }
 
 }  // namespace strata::localization

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/localization/beam_mixture.hpp"
@@ -64,5 +65,10 @@ class ScanMixture {
 /// finite. Every SIMD target gives the same bits.
 void mix_logs(const double* share, const double* first, const double* second, std::size_t count,
               double* mixed);
+
+/// mixed[k] = ln sum_r weight[r] e^logs[r stride + k] for k < count, and no less than ln 1e-300;
+/// logs below 700. mixed may be the first row. Every SIMD target gives the same bits.
+void mix_rows(std::span<const double> weight, const double* logs, std::size_t stride,
+              std::size_t count, double* mixed);
 
 }  // namespace strata::localization

@@ -197,29 +197,66 @@ NodeMap::View NodeMap::view(int level, const Eigen::Vector2d& point_m) const {
   return result;
 }
 
+template <std::size_t kMost>
+void NodeMap::reach_in_sight(const View& view, std::span<const Eigen::Vector2d> directions,
+                             std::span<Reach> reach) {
+  std::fill(reach.begin(), reach.end(), Reach());
+  // The beams whose end no node has seen yet.
+  std::array<std::uint8_t, kMost> open;
+  static_assert(kMost <= 256);
+  std::array<Eigen::Vector2d, kMost> asked;
+  std::array<Reach, kMost> found;
+  std::size_t count = directions.size();
+  for (std::size_t k = 0; k < count; ++k) open[k] = static_cast<std::uint8_t>(k);
+  for (std::size_t i = 0; i < view.size_ && count > 0; ++i) {
+    for (std::size_t k = 0; k < count; ++k) asked[k] = directions[open[k]];
+    view.seen_[i].outline->cast(view.seen_[i].from, std::span(asked.data(), count),
+                                std::span(found.data(), count));
+    std::size_t still_open = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      Reach& best = reach[open[k]];
+      const Reach& next = found[k];
+      const bool is_taken =
+          next.end != Edge::kUnseen && next.range_m >= best.range_m - kAgreement_m;
+      const bool ends = is_taken && next.end == Edge::kSurface;
+      if (ends || (is_taken && (next.range_m > best.range_m || best.end == Edge::kUnseen))) {
+        best = next;
+      }
+      open[still_open] = open[k];
+      still_open += ends ? 0 : 1;
+    }
+    count = still_open;
+  }
+}
+
 NodeOutline::Reach NodeMap::reach(const View& view, const Eigen::Vector2d& direction) const {
-  Reach reach = reach_in_sight(view, direction);
+  Reach reach;
+  reach_in_sight<1>(view, std::span(&direction, 1), std::span(&reach, 1));
+  go_on(view, direction, reach);
+  return reach;
+}
+
+void NodeMap::reach(const View& view, std::span<const Eigen::Vector2d> directions,
+                    std::span<Reach> reach) const {
+  for (std::size_t begin = 0; begin < directions.size(); begin += kMostAtOnce) {
+    const std::size_t count = std::min(kMostAtOnce, directions.size() - begin);
+    reach_in_sight<kMostAtOnce>(view, directions.subspan(begin, count),
+                                reach.subspan(begin, count));
+  }
+  for (std::size_t i = 0; i < directions.size(); ++i) go_on(view, directions[i], reach[i]);
+}
+
+void NodeMap::go_on(const View& view, const Eigen::Vector2d& direction, Reach& reach) const {
   for (int hop = 0; hop < kMostHops; ++hop) {
     const bool ends = reach.end == Edge::kSurface || reach.end == Edge::kUnseen;
     const double left_m = reach.range_m + kStepOut_m;
     if (ends || left_m >= bins_.max_range_m) break;
     const View there = this->view(view.level_, view.place_m_ + left_m * direction);
-    const Reach next = reach_in_sight(there, direction);
+    Reach next;
+    reach_in_sight<1>(there, std::span(&direction, 1), std::span(&next, 1));
     if (next.end == Edge::kUnseen) break;
     reach = {left_m + next.range_m, next.end};
   }
-  return reach;
-}
-
-NodeOutline::Reach NodeMap::reach_in_sight(const View& view, const Eigen::Vector2d& direction) {
-  Reach best;
-  for (std::size_t i = 0; i < view.size_; ++i) {
-    const Reach next = view.seen_[i].outline->cast(view.seen_[i].from, direction);
-    if (next.end == Edge::kUnseen || next.range_m < best.range_m - kAgreement_m) continue;
-    if (next.end == Edge::kSurface) return next;
-    if (next.range_m > best.range_m || best.end == Edge::kUnseen) best = next;
-  }
-  return best;
 }
 
 int NodeMap::node_at(int level, const Eigen::Vector2d& point_m) const {
@@ -246,9 +283,16 @@ void NodeMap::expected_ranges_m(int level, const Pose2& map_from_laser,
                                 std::span<const double> bearings_rad,
                                 std::span<float> ranges_m) const {
   const View from = view(level, map_from_laser.translation());
-  for (std::size_t i = 0; i < ranges_m.size(); ++i) {
-    const double angle = map_from_laser.theta + bearings_rad[i];
-    ranges_m[i] = range_of(reach(from, {std::cos(angle), std::sin(angle)}));
+  std::array<Eigen::Vector2d, kMostAtOnce> directions;
+  std::array<Reach, kMostAtOnce> found;
+  for (std::size_t begin = 0; begin < ranges_m.size(); begin += kMostAtOnce) {
+    const std::size_t count = std::min(kMostAtOnce, ranges_m.size() - begin);
+    for (std::size_t k = 0; k < count; ++k) {
+      const double angle = map_from_laser.theta + bearings_rad[begin + k];
+      directions[k] = {std::cos(angle), std::sin(angle)};
+    }
+    reach(from, std::span(directions.data(), count), std::span(found.data(), count));
+    for (std::size_t k = 0; k < count; ++k) ranges_m[begin + k] = range_of(found[k]);
   }
 }
 

@@ -90,6 +90,9 @@ class NodeMap {
   /// asked in the same way, a few times over. What lies beyond max_range_m is kOpen, a free way
   /// into the unknown. O(1).
   [[nodiscard]] NodeOutline::Reach reach(const View& view, const Eigen::Vector2d& direction) const;
+  /// ... of many beams, fastest in order of bearing; equal lengths.
+  void reach(const View& view, std::span<const Eigen::Vector2d> directions,
+             std::span<NodeOutline::Reach> reach) const;
 
   /// The nearest node that sees the place in this level; -1 for none.
   [[nodiscard]] int node_at(int level, const Eigen::Vector2d& point_m) const;
@@ -122,8 +125,13 @@ class NodeMap {
   [[nodiscard]] const Level& level(int level, int node) const {
     return *nodes_[static_cast<std::size_t>(node)].levels[static_cast<std::size_t>(level)];
   }
-  [[nodiscard]] static NodeOutline::Reach reach_in_sight(const View& view,
-                                                         const Eigen::Vector2d& direction);
+  static constexpr std::size_t kMostAtOnce = 64;
+  /// At most kMost beams.
+  template <std::size_t kMost>
+  static void reach_in_sight(const View& view, std::span<const Eigen::Vector2d> directions,
+                             std::span<NodeOutline::Reach> reach);
+  /// Where a beam leaves the nodes' sight, from there.
+  void go_on(const View& view, const Eigen::Vector2d& direction, NodeOutline::Reach& reach) const;
   /// The other's look-up table still holds, but for nodes filled since.
   [[nodiscard]] bool may_keep_lookup(const NodeMap& other) const;
   [[nodiscard]] std::vector<std::int32_t> filled_since(const NodeMap& other) const;

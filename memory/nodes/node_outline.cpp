@@ -12,6 +12,7 @@ namespace {
 /// Two corners belong to one surface unless a beam from the node would graze it at less than this.
 constexpr double kLeastIncidence_rad = 4.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kLongestGap = 3;
+constexpr std::size_t kBlock = 8;
 
 /// atan2 to within 1e-4 rad, several times faster [abramowitz1964handbook, 4.4.49].
 double quick_atan2(double y, double x) {
@@ -62,6 +63,17 @@ NodeOutline::NodeOutline(const PolarBins& bins, double own_place_m, std::span<co
     inner_m_ = std::min(inner_m_, (p + t * along).norm());
   }
   inner_m_ *= 1.0 - 1e-6;  // stay inside in spite of rounding
+  measure_blocks();
+}
+
+void NodeOutline::measure_blocks() {
+  for (std::size_t begin = 0; begin < size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, size());
+    const float smallest = *std::min_element(radius_m_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                             radius_m_.begin() + static_cast<std::ptrdiff_t>(end)) *
+                           (1.0F - 1e-6F);  // as above
+    block_.push_back({smallest / radius_m_[begin], smallest / radius_m_[end - 1]});
+  }
 }
 
 void NodeOutline::bridge_gaps(std::vector<bool>& known) {
@@ -114,12 +126,14 @@ std::size_t NodeOutline::sector_of(double x, double y) const {
   return sector < size() ? sector : 0;
 }
 
-bool NodeOutline::contains(const Eigen::Vector2d& point_m) const {
-  if (point_m.squaredNorm() < inner_m_ * inner_m_) return true;
-  const std::size_t a = sector_of(point_m.x(), point_m.y());
-  const Eigen::Vector2d p = corner_m(a);
-  const Eigen::Vector2d along = corner_m(next(a)) - p;
+bool NodeOutline::is_within(const Eigen::Vector2d& point_m, std::size_t sector) const {
+  const Eigen::Vector2d p = corner_m(sector);
+  const Eigen::Vector2d along = corner_m(next(sector)) - p;
   return cross(along.x(), along.y(), point_m.x() - p.x(), point_m.y() - p.y()) >= 0.0;
+}
+
+bool NodeOutline::contains(const Eigen::Vector2d& point_m) const {
+  return view_from(point_m).inside;
 }
 
 NodeOutline::Reach NodeOutline::meet(std::size_t sector, const Eigen::Vector2d& from_m,
@@ -135,46 +149,106 @@ NodeOutline::Reach NodeOutline::meet(std::size_t sector, const Eigen::Vector2d& 
 }
 
 NodeOutline::Viewpoint NodeOutline::view_from(const Eigen::Vector2d& from_m) const {
-  Viewpoint view{from_m, false, from_m.squaredNorm() < inner_m_ * inner_m_, 0};
-  view.inside = view.within_inner || contains(from_m);
-  if (!view.within_inner) view.sector = sector_of(from_m.x(), from_m.y());
-  return view;
+  if (from_m.squaredNorm() < inner_m_ * inner_m_) return {from_m, true, true, 0};
+  const std::size_t sector = sector_of(from_m.x(), from_m.y());
+  return {from_m, is_within(from_m, sector), false, sector};
+}
+
+template <bool kTurnsLeft>
+std::size_t NodeOutline::follow(std::size_t sector, double moment,
+                                const Eigen::Vector2d& direction) const {
+  // The beam's line meets the ray through a corner at moment / cross(corner, direction) of the
+  // corner's distance: before the corner while that is within (0, 1).
+  const auto is_passed = [&](std::size_t corner, double scale) {
+    const double turn =
+        scale * cross(static_cast<double>(x_m_[corner]), static_cast<double>(y_m_[corner]),
+                      direction.x(), direction.y());
+    return kTurnsLeft ? turn > moment : turn < moment;
+  };
+  std::size_t left = size();
+  while (left > 0) {
+    const std::size_t corner = kTurnsLeft ? next(sector) : sector;
+    const std::size_t begin = corner - corner % kBlock;
+    const std::size_t end = std::min(begin + kBlock, size());
+    if (corner == (kTurnsLeft ? begin : end - 1)) {
+      // Between two bearings a line is nowhere further from the node than at one of them.
+      const Block& block = block_[begin / kBlock];
+      if (is_passed(begin, block.first_scale) && is_passed(end - 1, block.last_scale)) {
+        sector = kTurnsLeft ? end - 1 : previous(begin);
+        left -= std::min(left, end - begin);
+        continue;
+      }
+    }
+    if (!is_passed(corner, 1.0)) break;
+    sector = kTurnsLeft ? corner : previous(sector);
+    --left;
+  }
+  return sector;
+}
+
+std::size_t NodeOutline::begin(const Viewpoint& view, const Eigen::Vector2d& direction) const {
+  if (!view.within_inner) return view.sector;
+  // Nothing is met before the beam leaves the circle that touches the nearest edge.
+  const Eigen::Vector2d& from_m = view.from_m;
+  const double along = from_m.dot(direction);
+  const double t = std::sqrt(along * along + inner_m_ * inner_m_ - from_m.squaredNorm()) - along;
+  return sector_of(from_m.x() + t * direction.x(), from_m.y() + t * direction.y());
 }
 
 NodeOutline::Reach NodeOutline::cast(const Viewpoint& view,
                                      const Eigen::Vector2d& direction) const {
   if (!view.inside) return {};
-  const Eigen::Vector2d& from_m = view.from_m;
-  std::size_t sector = view.sector;
-  if (view.within_inner) {
-    // Nothing is met before the beam leaves the circle that touches the nearest edge.
-    const double along = from_m.dot(direction);
-    const double t = std::sqrt(along * along + inner_m_ * inner_m_ - from_m.squaredNorm()) - along;
-    sector = sector_of(from_m.x() + t * direction.x(), from_m.y() + t * direction.y());
-  }
-  // The bearing of the beam's point, seen from the node, turns one way only. The beam's line meets
-  // the ray through a corner at moment / cross(corner, direction) of the corner's distance: before
-  // the corner while that is within (0, 1), and then the beam goes on into the sector beyond.
-  const double moment = cross(from_m.x(), from_m.y(), direction.x(), direction.y());
-  const auto turn_at = [&](std::size_t corner) {
-    return cross(static_cast<double>(x_m_[corner]), static_cast<double>(y_m_[corner]),
-                 direction.x(), direction.y());
-  };
-  if (moment > 0.0) {
-    for (std::size_t step = 0; step < size(); ++step) {
-      const std::size_t corner = next(sector);
-      if (!(turn_at(corner) > moment)) break;
-      sector = corner;
-    }
-  } else {
-    for (std::size_t step = 0; step < size(); ++step) {
-      if (!(turn_at(sector) < moment)) break;
-      sector = sector == 0 ? size() - 1 : sector - 1;
-    }
-  }
-  return meet(sector, from_m, direction);
+  // The bearing of the beam's point, seen from the node, turns one way only.
+  const double moment = cross(view.from_m.x(), view.from_m.y(), direction.x(), direction.y());
+  const std::size_t first = begin(view, direction);
+  const std::size_t sector = moment > 0.0 ? follow<true>(first, moment, direction)
+                                          : follow<false>(first, moment, direction);
+  return meet(sector, view.from_m, direction);
 }
 
-std::size_t NodeOutline::bytes() const { return size() * (3 * sizeof(float) + sizeof(Edge)); }
+void NodeOutline::cast(const Viewpoint& view, std::span<const Eigen::Vector2d> directions,
+                       std::span<Reach> reach) const {
+  if (!view.inside) {
+    std::fill(reach.begin(), reach.end(), Reach());
+    return;
+  }
+  if (directions.size() == 1) {
+    reach[0] = cast(view, directions[0]);
+    return;
+  }
+  // Beams that turn left are told one after the other to the left, and those that turn right to
+  // the right.
+  const bool is_clockwise =
+      !directions.empty() &&
+      cross(directions[0].x(), directions[0].y(), directions[1].x(), directions[1].y()) < 0.0;
+  sweep<true>(view, directions, is_clockwise, reach);
+  sweep<false>(view, directions, !is_clockwise, reach);
+}
+
+template <bool kTurnsLeft>
+void NodeOutline::sweep(const Viewpoint& view, std::span<const Eigen::Vector2d> directions,
+                        bool backwards, std::span<Reach> reach) const {
+  const Eigen::Vector2d* before = nullptr;
+  std::size_t sector = 0;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const std::size_t beam = backwards ? directions.size() - 1 - i : i;
+    const Eigen::Vector2d& direction = directions[beam];
+    const double moment = cross(view.from_m.x(), view.from_m.y(), direction.x(), direction.y());
+    if ((moment > 0.0) != kTurnsLeft) continue;
+    // Turned on towards the node, a beam comes nearer to it at every bearing than the one before:
+    // it passes the same corners.
+    const double turn =
+        before == nullptr ? 0.0 : cross(before->x(), before->y(), direction.x(), direction.y());
+    const bool goes_on = before != nullptr && (kTurnsLeft ? turn >= 0.0 : turn <= 0.0);
+    if (!goes_on) sector = begin(view, direction);
+    sector = follow<kTurnsLeft>(sector, moment, direction);
+    reach[beam] = meet(sector, view.from_m, direction);
+    before = &direction;
+  }
+}
+
+std::size_t NodeOutline::bytes() const {
+  return size() * (3 * sizeof(float) + sizeof(Edge)) + block_.size() * sizeof(Block);
+}
 
 }  // namespace strata::memory

@@ -46,11 +46,16 @@ class NodeOutline {
     Edge end = Edge::kUnseen;
   };
   /// In the direction (unit). Nothing, {0, kUnseen}, from a viewpoint outside. O(corners passed):
-  /// few, since everything within the nearest edge's distance is skipped.
+  /// few, since everything within the nearest edge's distance is skipped, and corners that lie
+  /// further off than the beam are passed eight at once.
   [[nodiscard]] Reach cast(const Viewpoint& view, const Eigen::Vector2d& direction) const;
   [[nodiscard]] Reach cast(const Eigen::Vector2d& from_m, const Eigen::Vector2d& direction) const {
     return cast(view_from(from_m), direction);
   }
+  /// ... of many beams; equal lengths. Those of a scan, which are in order of bearing, take
+  /// O(beams + corners) together; any order is right.
+  void cast(const Viewpoint& view, std::span<const Eigen::Vector2d> directions,
+            std::span<Reach> reach) const;
 
   [[nodiscard]] std::size_t size() const { return radius_m_.size(); }
   [[nodiscard]] Edge edge(std::size_t a) const { return edge_[a]; }
@@ -61,13 +66,28 @@ class NodeOutline {
 
  private:
   [[nodiscard]] std::size_t next(std::size_t a) const { return a + 1 == size() ? 0 : a + 1; }
+  [[nodiscard]] std::size_t previous(std::size_t a) const { return (a == 0 ? size() : a) - 1; }
   /// Index of the sector, from corner a to the next, that the direction lies in; near a corner
   /// (1e-4 rad) it may be the one beside.
   [[nodiscard]] std::size_t sector_of(double x, double y) const;
+  /// Whether a point of that sector is on the node's side of the sector's edge.
+  [[nodiscard]] bool is_within(const Eigen::Vector2d& point_m, std::size_t sector) const;
+  /// The first sector of the beam that may hold its end.
+  [[nodiscard]] std::size_t begin(const Viewpoint& view, const Eigen::Vector2d& direction) const;
+  /// As cast, of those that turn this way round the node.
+  template <bool kTurnsLeft>
+  void sweep(const Viewpoint& view, std::span<const Eigen::Vector2d> directions, bool backwards,
+             std::span<Reach> reach) const;
+  /// From the sector on to the one that the beam leaves the outline in. moment: the cross product
+  /// of the beam's start and direction; its sign is that of the turn.
+  template <bool kTurnsLeft>
+  [[nodiscard]] std::size_t follow(std::size_t sector, double moment,
+                                   const Eigen::Vector2d& direction) const;
   [[nodiscard]] Reach meet(std::size_t sector, const Eigen::Vector2d& from_m,
                            const Eigen::Vector2d& direction) const;
   void bridge_gaps(std::vector<bool>& known);
   void classify_edges(const std::vector<bool>& known, const std::vector<bool>& open);
+  void measure_blocks();
 
   double bins_per_rad_ = 1.0;
   double inner_m_ = 0.0;  ///< no edge is nearer to the node
@@ -75,6 +95,12 @@ class NodeOutline {
   std::vector<float> x_m_;
   std::vector<float> y_m_;
   std::vector<Edge> edge_;
+  /// The corners in groups of neighbours, that a beam may pass together.
+  struct Block {
+    float first_scale;  ///< from the block's first corner to its smallest radius
+    float last_scale;
+  };
+  std::vector<Block> block_;
 };
 
 }  // namespace strata::memory

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/beam_mixture.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -78,6 +79,34 @@ TEST(ScanMixture, EveryTargetGivesTheLogarithmsOfTheMixture) {
       }
       if (first.empty()) first = logs;
       EXPECT_EQ(logs, first);
+    });
+  }
+}
+
+TEST(ScanMixture, EveryTargetMixesRowsAsTheSumOfTheirLikelihoods) {
+  constexpr std::size_t kStride = 64;
+  constexpr double kNever = -std::numeric_limits<double>::infinity();
+  RandomStream random(5, StreamId::kTest);
+  const std::vector<double> weight{0.5, 0.2, 0.3};
+  std::vector<double> logs(weight.size() * kStride);
+  for (double& log_p : logs) log_p = random.uniform(-30.0, 4.0);
+  for (std::size_t r = 0; r < weight.size(); ++r) logs[r * kStride + 7] = kNever;
+  logs[9] = kNever;
+  for (const std::size_t count : {std::size_t{61}, kStride}) {
+    std::vector<double> first;
+    test::for_every_target([&] {
+      std::vector<double> mixed = logs;  // in place
+      mix_rows(weight, mixed.data(), kStride, count, mixed.data());
+      for (std::size_t k = 0; k < count; ++k) {
+        double sum = 0.0;
+        for (std::size_t r = 0; r < weight.size(); ++r) {
+          sum += weight[r] * std::exp(logs[r * kStride + k]);
+        }
+        EXPECT_NEAR(mixed[k], std::log(std::max(sum, 1e-300)), 1e-12 * std::abs(mixed[k]) + 1e-13);
+      }
+      EXPECT_EQ(mixed[count], logs[count]) << "beyond the columns";
+      if (first.empty()) first = mixed;
+      EXPECT_EQ(mixed, first);
     });
   }
 }

@@ -82,6 +82,38 @@ TEST(NodeOutline, CastsBeamsAsTryingEveryEdgeDoes) {
   EXPECT_LE(different, compared / 1000);
 }
 
+TEST(NodeOutline, CastsTheBeamsOfAScanAsEachForItself) {
+  RandomStream random(4, StreamId::kTest);
+  const PolarBins bins{90, 50, 8.0};
+  for (int trial = 0; trial < 200; ++trial) {
+    SCOPED_TRACE(trial);
+    std::vector<float> ranges;
+    for (int a = 0; a < 90; ++a) {
+      // Pillars before walls: beams pass behind some corners and end at others.
+      ranges.push_back(static_cast<float>(random.uniform() < 0.2 ? random.uniform(1.0, 3.0)
+                                                                 : random.uniform(4.0, 7.9)));
+    }
+    const NodeOutline outline(bins, 0.75, ranges);
+    const auto view = outline.view_from({random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)});
+    const double from = random.uniform(-std::numbers::pi, std::numbers::pi);
+    const double spread = trial % 4 == 0 ? 2.0 * std::numbers::pi : random.uniform(0.1, 6.0);
+    const double sense = trial % 2 == 0 ? 1.0 : -1.0;
+    std::vector<Eigen::Vector2d> directions;
+    for (int beam = 0; beam < 61; ++beam) {
+      const double share = trial % 5 == 0 ? random.uniform() : beam / 60.0;  // in any order, too
+      const double angle = from + sense * spread * share;
+      directions.emplace_back(std::cos(angle), std::sin(angle));
+    }
+    std::vector<NodeOutline::Reach> together(directions.size());
+    outline.cast(view, directions, together);
+    for (std::size_t beam = 0; beam < directions.size(); ++beam) {
+      const NodeOutline::Reach alone = outline.cast(view, directions[beam]);
+      ASSERT_EQ(together[beam].end, alone.end) << beam;
+      ASSERT_EQ(together[beam].range_m, alone.range_m) << beam;
+    }
+  }
+}
+
 TEST(NodeOutline, BridgesShortGapsInASurfaceOnly) {
   const PolarBins bins{360, 50, 8.0};
   std::vector<float> ranges(360, 2.0F);
@@ -239,6 +271,28 @@ TEST(NodeMap, DrawsWallsWhereTheyAreAndFreeSpaceBetweenThem) {
   }
   EXPECT_LT(worst_m, 0.25);
   EXPECT_GT(occupied, 400U);  // 30 m of wall
+}
+
+TEST(NodeMap, DrawsWhatTheNearestNodeThatSeesACellSays) {
+  const TimescaleMemory memory = standing(0);
+  const auto map = memory.decode();
+  ASSERT_GT(map->nodes().size(), 0U);
+  const ReflectionGrid picture = map->level_map(2, 0.05);
+  std::size_t different = 0;
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    if (is_occupied(picture.values()[i])) continue;
+    const Eigen::Vector2d center = picture.center(picture.cell(i));
+    const bool seen =
+        std::any_of(map->nodes().begin(), map->nodes().end(), [&](const NodeMap::Node& node) {
+          return node.levels[2]->outline.contains(center - node.position_m);
+        });
+    known += seen ? 1 : 0;
+    different += seen != is_free(picture.values()[i]) ? 1 : 0;
+  }
+  EXPECT_GT(known, 10'000U);
+  // Edges that point at the node: contains() takes bearings to within 1e-4 rad.
+  EXPECT_LT(different, known / 1'000U);
 }
 
 TEST(NodeMap, ReusesWhatHasNotChanged) {
