@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/compare.hpp"
 
+#include <algorithm>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
@@ -18,6 +21,17 @@ void require_parts(const Split& split, const CompareJob& job) {
   if (!split.train.empty() && !split.test.empty()) return;
   throw InputError(job.log, "leaves nothing to learn from or nothing to test on",
                    "choose another split with --train-until");
+}
+
+/// One a split, side by side.
+std::vector<Learned> learn_splits(const Runs& runs, std::span<const Split> splits,
+                                  const Poses& poses, const CompareConfig& config,
+                                  const CompareJob& job, WorkerPool& pool) {
+  std::vector<Learned> learned(splits.size());
+  pool.for_chunks(splits.size(), 1, [&](std::size_t i, std::size_t /*end*/, std::size_t /*chunk*/) {
+    learned[i] = learn_split(runs, splits[i], poses, config, job);
+  });
+  return learned;
 }
 
 }  // namespace
@@ -54,8 +68,16 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
   for (const Peer& peer : job.peers) comparison.models.emplace_back().model = peer.name;
   const std::vector<double> elapsed = elapsed_seconds(runs.observations);
   WorkerPool pool(job.jobs > 0 ? job.jobs : job.threads);
+  const auto at_once = static_cast<std::size_t>(pool.threads());
+  std::vector<Learned> group;  // not of all splits: each holds its scans
   for (std::size_t s = 0; s < job.splits.size(); ++s) {
-    Learned learned = learn_split(runs, job.splits[s], poses, config, job);
+    if (s % at_once == 0) {
+      const auto splits = std::span(job.splits).subspan(s);
+      group.clear();
+      group = learn_splits(runs, splits.first(std::min(at_once, splits.size())), poses, config, job,
+                           pool);
+    }
+    Learned& learned = group[s % at_once];
     const std::vector<maps::MapModel> map_models = make_models(learned.maps, same_for_all);
     const LocalizeFunction localize_one = job.localize_with
                                               ? job.localize_with(learned.result, same_for_all)

@@ -33,6 +33,19 @@ Learned learn_again(const Runs& runs, const FullMemory& full, const CompareConfi
   return learned;
 }
 
+/// One a step after the first, side by side.
+std::vector<Learned> learn_steps(const Runs& runs, const FullMemory& full,
+                                 const CompareConfig& config, const CompareConfig& less,
+                                 const CompareJob& job, WorkerPool& pool) {
+  std::vector<Learned> learned(static_cast<std::size_t>(config.protocol.memory_steps));
+  pool.for_chunks(learned.size(), 1, [&](std::size_t i, std::size_t /*end*/, std::size_t /*c*/) {
+    CompareConfig own = less;
+    own.learn = with_less_memory(config.learn, static_cast<int>(i) + 1);
+    learned[i] = learn_again(runs, full, own, job);
+  });
+  return learned;
+}
+
 bool is_learned(const std::string& model) { return model != "map"; }
 
 /// Of each drive, so that all drives together have as many runs as the configuration says.
@@ -98,18 +111,16 @@ void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareCo
   CompareConfig less = config;
   std::erase_if(less.protocol.models, [](const auto& model) { return !is_learned(model); });
   const std::size_t first_part = results.front().scores.size() - full.parts.size();
+  const std::vector<Learned> learned = learn_steps(runs, full, config, less, job, pool);
   for (int step = 0; step <= steps; ++step) {
     less.learn = with_less_memory(config.learn, step);
-    Learned learned;
+    const Learned* own = step > 0 ? &learned[static_cast<std::size_t>(step - 1)] : nullptr;
     std::vector<maps::MapModel> models;
-    if (step > 0) {
-      learned = learn_again(runs, full, less, job);
-      models = make_models(learned.maps, less);
-    }
+    if (own != nullptr) models = make_models(own->maps, less);
     for (std::size_t p = 0; p < full.parts.size(); ++p) {
       std::vector<ModelResult> fresh(models.size());
-      if (step > 0) {
-        run_candidates(make_candidates(models, localize_here, {}, learned, less, full.parts[p]),
+      if (own != nullptr) {
+        run_candidates(make_candidates(models, localize_here, {}, *own, less, full.parts[p]),
                        full.parts[p], 0, seeds, pool, progress, fresh);
       }
       std::size_t next = 0;

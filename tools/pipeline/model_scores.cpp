@@ -86,10 +86,11 @@ void score_models(const std::vector<maps::MapModel>& models, const TestPart& par
   const auto predict_own = [&](std::size_t m) {
     scores[m].own_pose = predict_from_own_poses(models[m], results[m], part, part_index, config);
   };
-  const std::vector<std::function<void(std::size_t)>> jobs{predict, be_fooled, plan, predict_own};
+  // The longest first, of all models: what comes last must not keep one worker busy alone.
+  const std::vector<std::function<void(std::size_t)>> jobs{plan, be_fooled, predict, predict_own};
   pool.for_chunks(jobs.size() * models.size(), 1,
                   [&](std::size_t i, std::size_t /*end*/, std::size_t /*chunk*/) {
-                    jobs[i % jobs.size()](i / jobs.size());
+                    jobs[i / models.size()](i % models.size());
                   });
   for (std::size_t m = 0; m < models.size(); ++m) {
     results[m].scores.push_back(std::move(scores[m].prediction));
