@@ -17,7 +17,9 @@ constexpr double kRight = 16.0;
 constexpr double kTop = 34.0;
 constexpr double kBottom = 46.0;
 constexpr double kLegendRow = 18.0;
+constexpr double kLegendColumns = 4.0;
 constexpr std::size_t kColors = 8;
+constexpr std::size_t kEventDashes = 3;
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -60,6 +62,45 @@ std::string number(double value) {
   return out.str();
 }
 
+/// What events there are, in order of appearance.
+std::vector<std::string> event_labels(const LinePlot& plot) {
+  std::vector<std::string> labels;
+  for (const PlotEvent& event : plot.events) {
+    if (std::find(labels.begin(), labels.end(), event.label) == labels.end()) {
+      labels.push_back(event.label);
+    }
+  }
+  return labels;
+}
+
+/// Colours repeat; the second round is dashed.
+std::string line_class(std::size_t series) {
+  return "line s" + std::to_string(series % kColors) + (series >= kColors ? " dashed" : "");
+}
+
+std::string event_class(std::size_t label) {
+  return "event e" + std::to_string(label % kEventDashes);
+}
+
+struct LegendEntry {
+  std::string line_class;
+  std::string name;
+};
+
+/// A line that is alone needs no name.
+std::vector<LegendEntry> legend_of(const LinePlot& plot) {
+  std::vector<LegendEntry> legend;
+  const std::size_t named = plot.series.size() > 1 ? plot.series.size() : 0;
+  for (std::size_t s = 0; s < named; ++s) {
+    legend.push_back({line_class(s), plot.series[s].name});
+  }
+  const std::vector<std::string> labels = event_labels(plot);
+  for (std::size_t e = 0; e < labels.size(); ++e) {
+    legend.push_back({event_class(e), labels[e]});
+  }
+  return legend;
+}
+
 Frame make_frame(const LinePlot& plot) {
   Frame frame;
   for (const Series& series : plot.series) {
@@ -73,8 +114,8 @@ Frame make_frame(const LinePlot& plot) {
   if (plot.log_x) frame.x = {frame.x.low - 0.05, frame.x.high + 0.05};
   frame.y.settle();
   if (plot.y_max > 0.0) frame.y.high = plot.y_max;
-  const double legend = kLegendRow * std::ceil(static_cast<double>(plot.series.size()) / 4.0);
-  frame.top = kTop + (plot.series.size() > 1 ? legend : 0.0);
+  const auto entries = static_cast<double>(legend_of(plot).size());
+  frame.top = kTop + kLegendRow * std::ceil(entries / kLegendColumns);
   frame.width = plot.width - kLeft - kRight;
   frame.height = plot.height - frame.top - kBottom;
   if (plot.equal_axes) {
@@ -124,11 +165,6 @@ void draw_axes(const LinePlot& plot, const Frame& frame, std::ostringstream& out
       << ") rotate(-90)'>" << escape(plot.y_label) << "</text>\n";
 }
 
-/// Colours repeat; the second round is dashed.
-std::string line_class(std::size_t series) {
-  return "line s" + std::to_string(series % kColors) + (series >= kColors ? " dashed" : "");
-}
-
 void draw_points(const Series& series, const Frame& frame, std::size_t color,
                  std::ostringstream& out) {
   for (std::size_t i = 0; i < series.x.size(); ++i) {
@@ -161,27 +197,27 @@ void draw_series(const LinePlot& plot, const Frame& frame, std::ostringstream& o
 }
 
 void draw_legend(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
-  if (plot.series.size() < 2) return;
-  const double column = frame.width / 4.0;
-  for (std::size_t s = 0; s < plot.series.size(); ++s) {
-    const std::size_t row = s / 4;
-    const double x = frame.left + column * static_cast<double>(s % 4);
-    const double y = kTop + kLegendRow * static_cast<double>(row);
-    out << "<line class='" << line_class(s) << "' x1='" << x << "' x2='" << x + 18.0 << "' y1='"
+  const double column = frame.width / kLegendColumns;
+  double place = 0.0;
+  for (const LegendEntry& entry : legend_of(plot)) {
+    const double x = frame.left + column * std::fmod(place, kLegendColumns);
+    const double y = kTop + kLegendRow * std::floor(place / kLegendColumns);
+    out << "<line class='" << entry.line_class << "' x1='" << x << "' x2='" << x + 18.0 << "' y1='"
         << y << "' y2='" << y << "'/><text class='tick' x='" << x + 23.0 << "' y='" << y + 4.0
-        << "'>" << escape(plot.series[s].name) << "</text>\n";
+        << "'>" << escape(entry.name) << "</text>\n";
+    place += 1.0;
   }
 }
 
 void draw_events(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
-  double row = 0.0;
+  const std::vector<std::string> labels = event_labels(plot);
   for (const PlotEvent& event : plot.events) {
     if (event.x < frame.x.low || event.x > frame.x.high) continue;
+    const auto label = std::find(labels.begin(), labels.end(), event.label) - labels.begin();
     const double x = frame.px(event.x);
-    out << "<line class='event' x1='" << x << "' x2='" << x << "' y1='" << frame.top << "' y2='"
-        << frame.top + frame.height << "'/><text class='tick' x='" << x + 3.0 << "' y='"
-        << frame.top + 12.0 + row << "'>" << escape(event.label) << "</text>\n";
-    row = row > 36.0 ? 0.0 : row + 12.0;
+    out << "<line class='" << event_class(static_cast<std::size_t>(label)) << "' x1='" << x
+        << "' x2='" << x << "' y1='" << frame.top << "' y2='" << frame.top + frame.height
+        << "'><title>" << escape(event.label) << "</title></line>\n";
   }
 }
 
@@ -248,7 +284,9 @@ std::string plot_style() {
          ".plot .title{font-size:14px;font-weight:bold}"
          ".plot .grid{stroke:var(--grid,#ddd);stroke-width:1}"
          ".plot .axes{fill:none;stroke:var(--ink,#222);stroke-width:1}"
-         ".plot .event{stroke:var(--ink,#222);stroke-width:1;stroke-dasharray:3 3}"
+         ".plot .event{stroke:var(--ink,#222);stroke-width:1.2}"
+         ".plot .e0{stroke-dasharray:6 4}.plot .e1{stroke-dasharray:1.2 3}"
+         ".plot .e2{stroke-dasharray:9 3 2 3}"
          ".plot .line{fill:none;stroke-width:1.8}.plot .dashed{stroke-dasharray:6 3}.plot "
          ".dot{fill:none;stroke-width:3}";
   for (std::size_t i = 0; i < kColors; ++i) {

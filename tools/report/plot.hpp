@@ -14,7 +14,8 @@ struct Series {
   std::vector<double> y;
 };
 
-/// A moment to mark, such as "door 2 opens".
+/// A moment to mark, such as "door 2 opens". Those with the same label are drawn alike, and the
+/// legend says once what they are: a busy day has dozens.
 struct PlotEvent {
   double x = 0.0;
   std::string label;

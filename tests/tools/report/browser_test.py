@@ -30,6 +30,20 @@ addEventListener('load', () => {
   }
   for (const plot of document.querySelectorAll('svg')) {
     if (!plot.getAttribute('aria-label')) say('a plot has no description');
+    const frame = plot.getBoundingClientRect();
+    const texts = [...plot.querySelectorAll('text')].map(
+        (text) => ({says: text.textContent, box: text.getBoundingClientRect()}));
+    texts.forEach(({says, box}, i) => {
+      if (box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 ||
+          box.bottom > frame.bottom + 1) {
+        say('in a plot is cut off: ' + says);
+      }
+      for (const other of texts.slice(i + 1)) {
+        const wide = Math.min(box.right, other.box.right) - Math.max(box.left, other.box.left);
+        const high = Math.min(box.bottom, other.box.bottom) - Math.max(box.top, other.box.top);
+        if (wide > 1 && high > 3) say('in a plot lie on each other: ' + says + ', ' + other.says);
+      }
+    });
   }
   const width = document.documentElement.clientWidth;
   for (const element of document.querySelectorAll('main > *, figure > *, p, pre')) {

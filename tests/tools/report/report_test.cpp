@@ -95,6 +95,27 @@ TEST(LinePlot, DrawsLonelyPointsAsDots) {
   EXPECT_GT(blue, legend_only);
 }
 
+TEST(LinePlot, NamesEachKindOfEventOnceHoweverOftenItHappens) {
+  LinePlot plot{.title = "errors", .x_label = "t [s]", .y_label = "e [m]"};
+  plot.series.push_back({"alone", {0.0, 100.0}, {0.0, 1.0}});
+  for (double x = 1.0; x < 60.0; x += 2.0) plot.events.push_back({x, "new & old"});
+  plot.events.push_back({99.0, "box"});
+  plot.events.push_back({101.0, "box"});  // beyond the axis
+  const std::string svg = to_svg(plot, false);
+  const auto count = [&](const std::string& text) {
+    std::size_t found = 0;
+    for (std::size_t at = svg.find(text); at != std::string::npos; at = svg.find(text, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  EXPECT_EQ(count(">new &amp; old</text>"), 1U);
+  EXPECT_EQ(count(">box</text>"), 1U);
+  EXPECT_EQ(count(">alone</text>"), 0U);
+  EXPECT_EQ(count("class='event e0'"), 31U);  // 30 and the legend's
+  EXPECT_EQ(count("class='event e1'"), 2U);
+}
+
 TEST(LinePlot, CsvHoldsEveryPoint) {
   LinePlot plot;
   plot.series = {{"s", {1, 2}, {0.5, 0.25}}};
