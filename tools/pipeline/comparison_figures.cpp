@@ -49,7 +49,8 @@ LinePlot errors_over_time(const Comparison& comparison) {
     plot.series.push_back(std::move(line));
   }
   for (const MetChange& change : comparison.parts.front().changes) {
-    plot.events.push_back({change.time_s, change.is_old_state ? "old state" : "new state"});
+    plot.events.push_back(
+        {change.time_s, change.is_old_state ? "change to an old state" : "change to a new state"});
   }
   return plot;
 }
