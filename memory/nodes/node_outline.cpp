@@ -67,11 +67,13 @@ NodeOutline::NodeOutline(const PolarBins& bins, double own_place_m, std::span<co
 }
 
 void NodeOutline::measure_blocks() {
+  // The neighbours of a group must lie within half a turn: with few bins none are passed together.
+  const float together = size() >= 2 * kBlock ? 1.0F - 1e-6F : 0.0F;  // as above
   for (std::size_t begin = 0; begin < size(); begin += kBlock) {
     const std::size_t end = std::min(begin + kBlock, size());
     const float smallest = *std::min_element(radius_m_.begin() + static_cast<std::ptrdiff_t>(begin),
                                              radius_m_.begin() + static_cast<std::ptrdiff_t>(end)) *
-                           (1.0F - 1e-6F);  // as above
+                           together;
     block_.push_back({smallest / radius_m_[begin], smallest / radius_m_[end - 1]});
   }
 }
@@ -171,7 +173,8 @@ std::size_t NodeOutline::follow(std::size_t sector, double moment,
     const std::size_t begin = corner - corner % kBlock;
     const std::size_t end = std::min(begin + kBlock, size());
     if (corner == (kTurnsLeft ? begin : end - 1)) {
-      // Between two bearings a line is nowhere further from the node than at one of them.
+      // Between two bearings, less than half a turn apart, a line is nowhere further from the node
+      // than at one of them.
       const Block& block = block_[begin / kBlock];
       if (is_passed(begin, block.first_scale) && is_passed(end - 1, block.last_scale)) {
         sector = kTurnsLeft ? end - 1 : previous(begin);

@@ -46,15 +46,17 @@ float cast_brute_force(const NodeOutline& outline, const Eigen::Vector2d& from,
   return range_of({best, met});
 }
 
-TEST(NodeOutline, CastsBeamsAsTryingEveryEdgeDoes) {
+class OutlineOf : public testing::TestWithParam<int> {};
+
+TEST_P(OutlineOf, CastsBeamsAsTryingEveryEdgeDoes) {
   RandomStream random(3, StreamId::kTest);
-  const PolarBins bins{72, 50, 8.0};
+  const PolarBins bins{GetParam(), 50, 8.0};
   int compared = 0;
   int different = 0;
   for (int trial = 0; trial < 100; ++trial) {
     std::vector<float> ranges;
     double radius = 3.0;
-    for (int a = 0; a < 72; ++a) {
+    for (int a = 0; a < GetParam(); ++a) {
       radius = std::clamp(radius + random.normal(0.0, 0.15), 1.0, 7.9);
       const double kind = random.uniform();
       ranges.push_back(kind < 0.05 ? kNothing : kind < 0.1 ? kOpen : static_cast<float>(radius));
@@ -81,6 +83,8 @@ TEST(NodeOutline, CastsBeamsAsTryingEveryEdgeDoes) {
   EXPECT_GT(compared, 5000);
   EXPECT_LE(different, compared / 1000);
 }
+
+INSTANTIATE_TEST_SUITE_P(Bins, OutlineOf, testing::Values(5, 12, 16, 23, 72));
 
 TEST(NodeOutline, CastsTheBeamsOfAScanAsEachForItself) {
   RandomStream random(4, StreamId::kTest);
