@@ -28,7 +28,7 @@ TopicCount topic_count(const std::string& topic, std::uint64_t count) {
 }  // namespace
 
 Conductor::Conductor(std::shared_ptr<bus::Participant> participant,
-                     std::vector<std::string> components, std::function<bool()> keep_waiting)
+                     std::vector<std::string> components, KeepWaiting keep_waiting)
     : participant_(std::move(participant)),
       components_(std::move(components)),
       keep_waiting_(std::move(keep_waiting)) {
@@ -54,16 +54,19 @@ std::shared_ptr<bus::RawWriter> Conductor::advertise(const std::string& full_top
   return writer;
 }
 
-void Conductor::wait(const std::function<bool()>& condition, const std::string& place,
+void Conductor::wait(const std::function<bool()>& condition, const std::string& what,
                      const std::function<void()>& remind) {
   std::unique_lock lock(mutex_);
-  auto reminded = std::chrono::steady_clock::now();
+  const auto begin = std::chrono::steady_clock::now();
+  auto reminded = begin;
   while (!changed_.wait_for(lock, std::chrono::milliseconds(50), condition)) {
     lock.unlock();
-    if (!keep_waiting_()) throw Cancelled(place);
-    if (remind && std::chrono::steady_clock::now() - reminded > kReminder) {
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double> waited = now - begin;
+    if (!keep_waiting_(what, waited.count())) throw Cancelled(what);
+    if (remind && now - reminded > kReminder) {
       remind();
-      reminded = std::chrono::steady_clock::now();
+      reminded = now;
     }
     lock.lock();
   }
@@ -72,7 +75,7 @@ void Conductor::wait(const std::function<bool()>& condition, const std::string& 
 void Conductor::connect() {
   const auto count = static_cast<int>(components_.size());
   wait([&] { return step_writer_->matched() >= count && ack_reader_->matched() >= count; },
-       "lockstep: waiting for the components");
+       "the components");
   Counts readers = other_readers_;
   Counts writers;
   for (const auto& writer : writers_) ++writers[writer->topic()];

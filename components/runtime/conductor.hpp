@@ -22,10 +22,13 @@ namespace strata::runtime {
 
 class Conductor {
  public:
+  /// Whether to wait on for this: a component, or a topic whose ends are not matched yet.
+  using KeepWaiting = std::function<bool(const std::string& what, double waited_s)>;
+
   /// components: full names in the order of work. keep_waiting: asked several times a second while
   /// waiting; false, or an exception, ends the wait (interrupt, a process that died).
   Conductor(std::shared_ptr<bus::Participant> participant, std::vector<std::string> components,
-            std::function<bool()> keep_waiting);
+            KeepWaiting keep_waiting);
 
   /// A topic that the conductor's side publishes; all of them before connect().
   [[nodiscard]] std::shared_ptr<bus::RawWriter> advertise(const std::string& full_topic,
@@ -56,12 +59,12 @@ class Conductor {
   void require_no_stranger(const strata_msgs::msg::Ack& ack) const;
   void ask_all(strata_msgs::msg::StepKind kind, const std::string& out_dir);
   /// remind: asked for again and again while the condition does not hold, where there is one.
-  void wait(const std::function<bool()>& condition, const std::string& place,
+  void wait(const std::function<bool()>& condition, const std::string& what,
             const std::function<void()>& remind = {});
 
   std::shared_ptr<bus::Participant> participant_;
   std::vector<std::string> components_;
-  std::function<bool()> keep_waiting_;
+  KeepWaiting keep_waiting_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<strata_msgs::msg::Ack> ack_;  // under mutex_; of the step asked for last

@@ -14,6 +14,7 @@ namespace strata::tools {
 namespace {
 
 constexpr const char* kRecorder = "strata_replay_recorder";
+constexpr double kLongWait_s = 10.0;
 constexpr auto kLongestDiscovery = std::chrono::seconds(20);
 
 /// The session plays; a player in the composition would play twice.
@@ -147,6 +148,14 @@ void ReplaySession::host_all() {
 
 bool ReplaySession::keep_waiting() { return !context_.interrupt().requested() && group_.all_run(); }
 
+bool ReplaySession::wait_for(const std::string& what, double waited_s) {
+  if (waited_s > kLongWait_s && told_waits_.insert(what).second) {
+    context_.note("replay: has waited " + std::to_string(static_cast<int>(waited_s)) + " s for " +
+                  what + ", and goes on waiting; Ctrl-C ends it");
+  }
+  return keep_waiting();
+}
+
 std::string ReplaySession::with_type(const std::string& topic) {
   if (topic.find(':') != std::string::npos) return topic;
   const std::string full = bus::expand_name(topic, composition_.node_namespace, kRecorder);
@@ -184,8 +193,9 @@ void ReplaySession::record(const std::vector<std::string>& topics,
 void ReplaySession::connect(const pipeline::Runs& runs, bool with_poses,
                             const std::optional<std::filesystem::path>& bag) {
   elapsed_s_ = pipeline::elapsed_seconds(runs.observations);
-  conductor_ =
-      std::make_unique<runtime::Conductor>(participant_, names_, [this] { return keep_waiting(); });
+  conductor_ = std::make_unique<runtime::Conductor>(
+      participant_, names_,
+      [this](const std::string& what, double waited_s) { return wait_for(what, waited_s); });
   player::Outputs outputs = make_outputs(*conductor_, composition_.node_namespace, with_poses);
   if (bag && maps_clouds(composition_)) {
     const std::string topic = bus::expand_name("points", composition_.node_namespace, "player");

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,8 @@ class ReplaySession {
   void host_all();
   [[nodiscard]] std::string with_type(const std::string& topic);
   [[nodiscard]] bool keep_waiting();
+  /// As keep_waiting; says once of each what is waited for long.
+  [[nodiscard]] bool wait_for(const std::string& what, double waited_s);
 
   VerbContext& context_;
   SessionOptions options_;
@@ -79,6 +82,7 @@ class ReplaySession {
   std::unique_ptr<runtime::Host> recorder_;
   std::vector<std::string> names_;  ///< of the components, in the order of work
   std::vector<std::string> other_readers_;
+  std::set<std::string> told_waits_;
   std::unique_ptr<runtime::Conductor> conductor_;
   std::unique_ptr<player::LogPlayer> player_;
   std::unique_ptr<ReplayClouds> clouds_;  ///< null without

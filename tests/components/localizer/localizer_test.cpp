@@ -63,7 +63,8 @@ void replay(const std::string& parameters, const fs::path& out, int threads,
   register_component(registry);
   runtime::Host host(composition, composition.processes[0], registry, participant,
                      {.mode = runtime::FeedMode::kLockstep, .seed = kSeed, .threads = threads});
-  runtime::Conductor conductor(participant, {"/localizer"}, [] { return true; });
+  runtime::Conductor conductor(participant, {"/localizer"},
+                               [](const std::string&, double) { return true; });
   player::Outputs outputs;
   outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
   outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");
@@ -154,7 +155,8 @@ void replay_with_map_topics(const std::string& parameters, const fs::path& out,
   register_component(registry);
   runtime::Host host(composition, composition.processes[0], registry, participant,
                      {.mode = runtime::FeedMode::kLockstep, .seed = kSeed, .threads = 1});
-  runtime::Conductor conductor(participant, {"/localizer"}, [] { return true; });
+  runtime::Conductor conductor(participant, {"/localizer"},
+                               [](const std::string&, double) { return true; });
   player::Outputs outputs;
   outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
   outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");

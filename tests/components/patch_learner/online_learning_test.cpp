@@ -147,7 +147,8 @@ Outcome replay(const fs::path& out, int threads) {
   register_component(registry);
   runtime::Host host(what, what.processes[0], registry, participant,
                      {.mode = runtime::FeedMode::kLockstep, .seed = kSeed, .threads = threads});
-  runtime::Conductor conductor(participant, {"/localizer", "/patch_learner"}, [] { return true; });
+  runtime::Conductor conductor(participant, {"/localizer", "/patch_learner"},
+                               [](const std::string&, double) { return true; });
   player::Outputs outputs;
   outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
   outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");

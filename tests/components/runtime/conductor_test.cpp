@@ -52,7 +52,7 @@ class Forgetful {
 TEST(Conductor, GreetsAgainAComponentWhoseFirstAnswerWasLost) {
   const auto participant = test::make_participant();
   const Forgetful component(participant, 2);
-  Conductor conductor(participant, {"/forgetful"}, [] { return true; });
+  Conductor conductor(participant, {"/forgetful"}, [](const std::string&, double) { return true; });
   conductor.connect();
   EXPECT_GE(component.hellos(), 3);
   conductor.cycle();
@@ -60,11 +60,19 @@ TEST(Conductor, GreetsAgainAComponentWhoseFirstAnswerWasLost) {
   EXPECT_EQ(component.cycles(), 2) << "work is asked for once";
 }
 
-TEST(Conductor, EndsAWaitWhenItIsToldTo) {
+TEST(Conductor, NamesWhoDoesNotAnswerAndEndsAWaitWhenItIsToldTo) {
   const auto participant = test::make_participant();
   const Forgetful component(participant, 1'000'000);
-  Conductor conductor(participant, {"/forgetful"}, [&] { return component.hellos() < 2; });
+  std::string waited_for;
+  double longest_s = 0.0;
+  Conductor conductor(participant, {"/forgetful"}, [&](const std::string& what, double waited_s) {
+    waited_for = what;
+    longest_s = waited_s;
+    return component.hellos() < 2;
+  });
   EXPECT_THROW(conductor.connect(), Cancelled);
+  EXPECT_EQ(waited_for, "/forgetful");
+  EXPECT_GE(longest_s, 0.5) << "it was asked a second time";
 }
 
 }  // namespace
