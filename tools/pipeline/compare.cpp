@@ -23,15 +23,27 @@ void require_parts(const Split& split, const CompareJob& job) {
                    "choose another split with --train-until");
 }
 
+/// A split's maps, and the drives to test them on.
+struct Prepared {
+  Learned learned;
+  std::vector<TestPart> parts;
+};
+
 /// One a split, side by side.
-std::vector<Learned> learn_splits(const Runs& runs, std::span<const Split> splits,
-                                  const Poses& poses, const CompareConfig& config,
-                                  const CompareJob& job, WorkerPool& pool) {
-  std::vector<Learned> learned(splits.size());
+std::vector<Prepared> prepare(const Runs& runs, std::span<const Split> splits, const Poses& poses,
+                              const CompareConfig& config, const CompareConfig& same_for_all,
+                              const CompareJob& job, WorkerPool& pool) {
+  const std::vector<double> elapsed = elapsed_seconds(runs.observations);
+  std::vector<Prepared> prepared(splits.size());
   pool.for_chunks(splits.size(), 1, [&](std::size_t i, std::size_t /*end*/, std::size_t /*chunk*/) {
-    learned[i] = learn_split(runs, splits[i], poses, config, job);
+    auto& [learned, parts] = prepared[i];
+    learned = learn_split(runs, splits[i], poses, config, job);
+    parts = make_test_parts(runs, splits[i], elapsed, learned.truths, config.protocol);
+    for (TestPart& part : parts) {
+      look_for_changes(learned.result.slam.scans, learned.maps.filtered, same_for_all, part);
+    }
   });
-  return learned;
+  return prepared;
 }
 
 }  // namespace
@@ -66,26 +78,23 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
   for (const std::string& model : config.protocol.models)
     comparison.models.emplace_back().model = model;
   for (const Peer& peer : job.peers) comparison.models.emplace_back().model = peer.name;
-  const std::vector<double> elapsed = elapsed_seconds(runs.observations);
   WorkerPool pool(job.jobs > 0 ? job.jobs : job.threads);
-  const auto at_once = static_cast<std::size_t>(pool.threads());
-  std::vector<Learned> group;  // not of all splits: each holds its scans
+  // Not all splits at once: each holds its scans.
+  const auto at_once = 2 * static_cast<std::size_t>(pool.threads());
+  std::vector<Prepared> group;
   for (std::size_t s = 0; s < job.splits.size(); ++s) {
     if (s % at_once == 0) {
       const auto splits = std::span(job.splits).subspan(s);
       group.clear();
-      group = learn_splits(runs, splits.first(std::min(at_once, splits.size())), poses, config, job,
-                           pool);
+      group = prepare(runs, splits.first(std::min(at_once, splits.size())), poses, config,
+                      same_for_all, job, pool);
     }
-    Learned& learned = group[s % at_once];
+    auto& [learned, parts] = group[s % at_once];
     const std::vector<maps::MapModel> map_models = make_models(learned.maps, same_for_all);
     const LocalizeFunction localize_one = job.localize_with
                                               ? job.localize_with(learned.result, same_for_all)
                                               : LocalizeFunction(localize_here);
-    std::vector<TestPart> parts =
-        make_test_parts(runs, job.splits[s], elapsed, learned.truths, config.protocol);
-    for (TestPart& part : parts) {
-      look_for_changes(learned.result.slam.scans, learned.maps.filtered, same_for_all, part);
+    for (const TestPart& part : parts) {
       run_candidates(
           make_candidates(map_models, localize_one, job.peers, learned, same_for_all, part), part,
           comparison.parts.size(), job.seeds, pool, progress, comparison.models);
