@@ -76,34 +76,39 @@ LinePlot error_shares(const Comparison& comparison) {
   return plot;
 }
 
+/// Bins grow with the error: a robot that was lost is tens of metres off, and one that was not, a
+/// few centimetres.
 LinePlot error_histogram(const Comparison& comparison) {
   LinePlot plot{.title = "How often each error occurs (all drives and seeds)",
                 .x_label = "error [m]",
                 .y_label = "share of scans",
-                .from_zero = true};
-  double longest_m = 0.0;
+                .from_zero = true,
+                .log_x = true};
+  constexpr double kLeast_m = 1e-3;
+  double smallest_m = std::numeric_limits<double>::infinity();
+  double largest_m = kLeast_m;
   std::vector<std::vector<double>> errors;
   for (const ModelResult& model : comparison.models) {
     errors.push_back(sorted_errors(model));
-    const auto shown = kShownShare * static_cast<double>(errors.back().size());
-    // The worst model alone must not flatten the others.
-    if (!errors.back().empty()) {
-      const double reach_m = errors.back()[static_cast<std::size_t>(shown)];
-      longest_m = longest_m == 0.0 ? reach_m : std::min(longest_m, 1.5 * reach_m);
-    }
+    if (errors.back().empty()) continue;
+    const auto first_percent = errors.back().size() / 100;  // below it, all in the first bin
+    smallest_m = std::min(smallest_m, std::max(kLeast_m, errors.back()[first_percent]));
+    largest_m = std::max(largest_m, errors.back().back());
   }
+  smallest_m = std::min(smallest_m, 0.5 * largest_m);
   constexpr std::size_t kBins = 40;
-  const double width_m = std::max(longest_m, 1e-3) / static_cast<double>(kBins);
+  const double factor = std::pow(largest_m / smallest_m, 1.0 / static_cast<double>(kBins));
   for (std::size_t m = 0; m < errors.size(); ++m) {
-    std::vector<double> counts(kBins + 1, 0.0);
+    std::vector<double> counts(kBins, 0.0);
     for (const double error_m : errors[m]) {
-      counts[std::min(kBins, static_cast<std::size_t>(error_m / width_m))] += 1.0;
+      const double bin = std::log(std::max(error_m, smallest_m) / smallest_m) / std::log(factor);
+      counts[std::min(kBins - 1, static_cast<std::size_t>(bin))] += 1.0;
     }
     Series bars{comparison.models[m].model, {}, {}};
     for (std::size_t b = 0; b < kBins; ++b) {
       const double share = counts[b] / static_cast<double>(errors[m].size());
       for (const std::size_t edge : {b, b + 1}) {
-        bars.x.push_back(static_cast<double>(edge) * width_m);
+        bars.x.push_back(smallest_m * std::pow(factor, static_cast<double>(edge)));
         bars.y.push_back(share);
       }
     }
@@ -143,8 +148,9 @@ void add_errors(const Comparison& comparison, HtmlReport& page) {
       "As figure 4 of Stachniss and Burgard (2005): the error is the weighted mean distance of "
       "all particles from the truth. Dashed: the robot meets a place in another state than it "
       "was last seen in; an old state is one that some earlier visit had seen.");
-  page.plot("error_histogram", error_histogram(comparison),
-            "Errors beyond the axis are left out here; the next figure and the table have them.");
+  page.plot(
+      "error_histogram", error_histogram(comparison),
+      "Every scan of every run; bins grow with the error, and the first holds what is smaller.");
   page.plot("error_distribution", error_shares(comparison),
             "Curves further to the left and higher are better; each ends at its 99th "
             "percentile.");
