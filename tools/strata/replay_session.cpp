@@ -149,7 +149,8 @@ void ReplaySession::host_all() {
 bool ReplaySession::keep_waiting() { return !context_.interrupt().requested() && group_.all_run(); }
 
 bool ReplaySession::wait_for(const std::string& what, double waited_s) {
-  if (waited_s > kLongWait_s && told_waits_.insert(what).second) {
+  const bool is_shown = options_.progress != nullptr;  // not one of several at once
+  if (is_shown && waited_s > kLongWait_s && told_waits_.insert(what).second) {
     context_.note("replay: has waited " + std::to_string(static_cast<int>(waited_s)) + " s for " +
                   what + ", and goes on waiting; Ctrl-C ends it");
   }

@@ -68,7 +68,7 @@ class ReplaySession {
   void host_all();
   [[nodiscard]] std::string with_type(const std::string& topic);
   [[nodiscard]] bool keep_waiting();
-  /// As keep_waiting; says once of each what is waited for long.
+  /// As keep_waiting; a session with progress says once of each what is waited for long.
   [[nodiscard]] bool wait_for(const std::string& what, double waited_s);
 
   VerbContext& context_;
