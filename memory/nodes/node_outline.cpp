@@ -176,7 +176,8 @@ std::size_t NodeOutline::follow(std::size_t sector, double moment,
       // Between two bearings, less than half a turn apart, a line is nowhere further from the node
       // than at one of them.
       const Block& block = block_[begin / kBlock];
-      if (is_passed(begin, block.first_scale) && is_passed(end - 1, block.last_scale)) {
+      if (is_passed(begin, static_cast<double>(block.first_scale)) &&
+          is_passed(end - 1, static_cast<double>(block.last_scale))) {
         sector = kTurnsLeft ? end - 1 : previous(begin);
         left -= std::min(left, end - begin);
         continue;
