@@ -32,6 +32,8 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME strata)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
+# Run, not linked: shlibdeps cannot see them.
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "librsvg2-bin, fonts-dejavu-core")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME strata-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 # What the installed package looks for with find_package; its libraries are static.
@@ -39,6 +41,6 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libceres-dev, libhw
 if(STRATA_COMPONENTS)
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     ", libfastrtps-dev, libfastcdr-dev, libyaml-cpp-dev, liblz4-dev, zlib1g-dev, libpng-dev,"
-    " librsvg2-dev, libssl-dev, nlohmann-json3-dev, libcli11-dev, libspdlog-dev, libfmt-dev, pkg-config")
+    " librsvg2-bin, libssl-dev, nlohmann-json3-dev, libcli11-dev, libspdlog-dev, libfmt-dev")
 endif()
 include(CPack)

@@ -1,62 +1,107 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <memory>
+#include <cerrno>
+#include <cstring>
 #include <string>
+#include <vector>
 
-#include <cairo.h>
-#include <librsvg/rsvg.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "core/base/error.hpp"
 #include "tools/report/image.hpp"
 
+extern char** environ;
+
 namespace strata::report {
 namespace {
 
-cairo_status_t append(void* closure, const unsigned char* data, unsigned int length) {
-  for (unsigned int i = 0; i < length; ++i) {
-    static_cast<std::string*>(closure)->push_back(static_cast<char>(data[i]));
-  }
-  return CAIRO_STATUS_SUCCESS;
+[[noreturn]] void fail(const std::string& what, const std::string& remedy) {
+  throw OutputError("plot", what, remedy);
 }
 
-[[noreturn]] void fail(GError* error) {
-  const std::string what = error != nullptr ? error->message : "unknown reason";
-  g_clear_error(&error);
-  throw OutputError("plot", "cannot be drawn: " + what, "report this with the log at hand");
+/// A nameless file in memory: a child may read or write it whole, in any order, where a pipe would
+/// have to be emptied while it is filled.
+class MemoryFile {
+ public:
+  MemoryFile() : descriptor_(memfd_create("strata plot", MFD_CLOEXEC)) {
+    if (descriptor_ < 0) fail(std::strerror(errno), "close some files or free some memory");
+  }
+  ~MemoryFile() { close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+
+  void fill(const std::string& bytes) {
+    for (std::size_t done = 0; done < bytes.size();) {
+      const ssize_t count = write(descriptor_, bytes.data() + done, bytes.size() - done);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) fail(std::strerror(errno), "free some memory");
+      done += static_cast<std::size_t>(count);
+    }
+    lseek(descriptor_, 0, SEEK_SET);
+  }
+
+  [[nodiscard]] std::string bytes() const {
+    std::string all(static_cast<std::size_t>(lseek(descriptor_, 0, SEEK_END)), '\0');
+    for (std::size_t done = 0; done < all.size();) {
+      const ssize_t count =
+          pread(descriptor_, all.data() + done, all.size() - done, static_cast<off_t>(done));
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) fail(std::strerror(errno), "free some memory");
+      done += static_cast<std::size_t>(count);
+    }
+    return all;
+  }
+
+ private:
+  int descriptor_;
+};
+
+/// Starts `words` with the three files as its standard streams and waits for its end; its status.
+int run(std::vector<std::string> words, const MemoryFile& in, const MemoryFile& out,
+        const MemoryFile& errors) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t streams;
+  posix_spawn_file_actions_init(&streams);
+  posix_spawn_file_actions_adddup2(&streams, in.descriptor(), STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&streams, out.descriptor(), STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&streams, errors.descriptor(), STDERR_FILENO);
+  pid_t pid = 0;
+  const int failed =
+      posix_spawnp(&pid, arguments.front(), &streams, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&streams);
+  if (failed != 0) {
+    fail("cannot be drawn: " + words.front() + " cannot be started: " + std::strerror(failed),
+         "install librsvg2-bin");
+  }
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
 }
 
 }  // namespace
 
+// In a process of its own: fontconfig, which letters need, never frees what it has read, and a
+// robot's process need not load the thirty libraries below librsvg.
 std::string render_svg_to_png(const std::string& svg, double scale) {
-  GError* error = nullptr;
-  const std::unique_ptr<RsvgHandle, decltype(&g_object_unref)> handle(
-      rsvg_handle_new_from_data(
-          // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes are bytes
-          reinterpret_cast<const guint8*>(svg.data()), svg.size(), &error),
-      &g_object_unref);
-  if (!handle) fail(error);
-  double width = 0.0;
-  double height = 0.0;
-  if (rsvg_handle_get_intrinsic_size_in_pixels(handle.get(), &width, &height) == FALSE) {
-    throw OutputError("plot", "states no size", "give the svg element width and height");
+  MemoryFile picture;
+  picture.fill(svg);
+  const MemoryFile png;
+  const MemoryFile errors;
+  const int status = run({"rsvg-convert", "--format=png", "--unlimited", "--background-color=white",
+                          "--zoom=" + std::to_string(scale)},
+                         picture, png, errors);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    fail("cannot be drawn: rsvg-convert says: " + errors.bytes(),
+         "report this with the log at hand");
   }
-  const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface(
-      cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::ceil(width * scale)),
-                                 static_cast<int>(std::ceil(height * scale))),
-      &cairo_surface_destroy);
-  const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> context(cairo_create(surface.get()),
-                                                                   &cairo_destroy);
-  cairo_set_source_rgb(context.get(), 1.0, 1.0, 1.0);
-  cairo_paint(context.get());
-  const RsvgRectangle viewport{0.0, 0.0, width * scale, height * scale};
-  if (rsvg_handle_render_document(handle.get(), context.get(), &viewport, &error) == FALSE) {
-    fail(error);
-  }
-  std::string bytes;
-  if (cairo_surface_write_to_png_stream(surface.get(), append, &bytes) != CAIRO_STATUS_SUCCESS) {
-    throw OutputError("plot", "cannot be encoded as PNG", "free some memory");
-  }
-  return bytes;
+  return png.bytes();
 }
 
 }  // namespace strata::report
