@@ -37,6 +37,7 @@ struct Options {
   std::vector<double> after_s{0.0, 1e9};
   std::vector<double> place_m;
   double radius_m = 1.0;
+  std::vector<double> object_m;
 
   [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
   [[nodiscard]] PoseNoise noise() const { return has_poor_poses ? kPoorPoses : kGoodPoses; }
@@ -138,6 +139,7 @@ void look_at_place(const Options& options) {
   place.after.to_s = options.after_s[1];
   if (!options.place_m.empty()) place.place_m.emplace(options.place_m[0], options.place_m[1]);
   place.radius_m = options.radius_m;
+  if (!options.object_m.empty()) place.object = {options.object_m[0], options.object_m[1]};
   place.seeds = options.seeds;
   place.first_seed = options.first;
   place.out = options.out;
@@ -218,6 +220,10 @@ int main(int argc, char** argv) {
       ->expected(2);
   app.add_option("--radius", options.radius_m, "m; scans taken within it of the node count")
       ->check(CLI::PositiveNumber);
+  app.add_option("--object", options.object_m,
+                 "m ahead,m wide: a board put into the scans of the second state")
+      ->delimiter(',')
+      ->expected(2);
   app.add_option("--out", options.out, "where files of the year or the place go");
   app.add_option("--scenarios", options.scenarios, "folder of the scenario files");
   CLI11_PARSE(app, argc, argv);

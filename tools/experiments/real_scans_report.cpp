@@ -20,6 +20,8 @@ using report::Series;
 
 /// As the simulated experiment's robot is taken for.
 const Pose2 kWrong{-0.3, 0.2, 0.1};
+/// Of a SICK LMS, by its data sheet.
+constexpr double kScannerNoise_m = 0.01;
 
 void save(const LinePlot& plot, const std::filesystem::path& path) {
   std::ofstream(path, std::ios::binary)
@@ -116,13 +118,20 @@ void figure_8(const TwoStates& poses, const PlaceFigures& figures,
 void report_place(const PlaceOptions& options) {
   const memory::PolarBins bins = memory::TimescaleConfig{}.bins();
   const std::vector<PosedScan> before = posed_scans(options.before);
-  const std::vector<PosedScan> after = posed_scans(options.after);
+  std::vector<PosedScan> after = posed_scans(options.after);
+  std::optional<Eigen::Vector2d> place_m = options.place_m;
+  const std::vector<PosedScan> as_recorded = after;
+  if (options.object) {
+    if (after.empty()) throw InputError("the second occasion", "has no scan", "choose another");
+    if (!place_m) place_m = after.front().map_from_laser().translation();
+    RandomStream random(options.first_seed, StreamId::kTest);
+    after = with_object(after, placed(*options.object, after.front()), kScannerNoise_m, random);
+  }
   ChangedPlace place;
-  if (options.place_m) {
-    place = {*options.place_m,
-             tell_apart(views_from(before, *options.place_m, options.radius_m, bins),
-                        views_from(after, *options.place_m, options.radius_m, bins), bins,
-                        options.least_difference_m)};
+  if (place_m) {
+    place = {*place_m, tell_apart(views_from(before, *place_m, options.radius_m, bins),
+                                  views_from(after, *place_m, options.radius_m, bins), bins,
+                                  options.least_difference_m)};
   } else {
     place = find_changed_place(before, after, options.radius_m, bins, options.least_difference_m);
   }
@@ -138,9 +147,9 @@ void report_place(const PlaceOptions& options) {
   const PlaceFigures figures{bins, 20, options.seeds, options.first_seed};
   figure_6(states, figures, options.out);
   figure_7(states, figures, options.out);
-  const TwoStates poses =
-      tell_apart(views_from(after, place.node_m, options.radius_m, bins),
-                 views_from(after, place.node_m, options.radius_m, bins, kWrong), bins, 0.3, true);
+  const TwoStates poses = tell_apart(
+      views_from(as_recorded, place.node_m, options.radius_m, bins),
+      views_from(as_recorded, place.node_m, options.radius_m, bins, kWrong), bins, 0.3, true);
   if (!poses.bins.empty()) figure_8(poses, figures, options.out);
 }
 

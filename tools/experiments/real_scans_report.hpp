@@ -11,6 +11,7 @@
 
 #include "tools/experiments/place_figures.hpp"
 #include "tools/experiments/place_views.hpp"
+#include "tools/experiments/put_object.hpp"
 
 namespace strata::experiments {
 
@@ -20,6 +21,9 @@ struct PlaceOptions {
   /// Where the node stands, in the frame of the poses; empty: where most has changed.
   std::optional<Eigen::Vector2d> place_m;
   double radius_m = 1.0;  ///< scans taken within this count
+  /// Put into the second occasion's scans, before where the first of them was taken; the node then
+  /// stands there unless place_m says otherwise.
+  std::optional<Board> object;
   double least_difference_m = 0.5;
   int seeds = 20;
   std::uint64_t first_seed = 1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "tools/experiments/decoder_table.hpp"
 #include "tools/experiments/place_figures.hpp"
 #include "tools/experiments/place_views.hpp"
+#include "tools/experiments/put_object.hpp"
 
 namespace strata::experiments {
 namespace {
@@ -78,6 +80,65 @@ TEST(PlaceFigures, SwitchAsAWholeAndCompleteTheHiddenHalf) {
   EXPECT_GT(switch_states(states, decoders.back(), figures).mixed, 1.0);
   EXPECT_EQ(wrong_bins(states, exact, 0.0, figures), 0.0);
   EXPECT_EQ(wrong_bins(states, exact, 1.0, figures), 1.0);
+}
+
+TEST(PutObject, EndsTheBeamsThatWouldPassItAndNoOthers) {
+  std::vector<PosedScan> scans = turn(false, 3);
+  scans[1].scan.ranges_m[7] = std::numeric_limits<float>::infinity();
+  scans[1].scan.ranges_m[8] = std::numeric_limits<float>::quiet_NaN();
+  scans[1].scan.ranges_m[200] = 0.4F;
+  // At (1, -0.5) to (1, 0.5): seen from (0.02, 0) at 0.98 m and up to 27 degrees aside.
+  const simulate::Segment board = placed({0.98, 1.0}, scans.front());
+  EXPECT_NEAR((board.a - Eigen::Vector2d(1.0, -0.5)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((board.b - Eigen::Vector2d(1.0, 0.5)).norm(), 0.0, 1e-9);
+  RandomStream random(1, StreamId::kTest);
+  const std::vector<PosedScan> seen = with_object(scans, board, 0.0, random);
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    for (std::size_t i = 0; i < 360; ++i) {
+      const double bearing = std::remainder(
+          scans[k].map_from_robot.theta + scans[k].scan.bearing_rad(i), 2.0 * std::numbers::pi);
+      const double ahead = std::cos(bearing) > 0.0 ? 0.98 * std::tan(bearing) : 9.0;
+      if (std::abs(std::abs(ahead) - 0.5) < 1e-6) continue;
+      const float was = scans[k].scan.ranges_m[i];
+      if (std::abs(ahead) < 0.5 && !(was < 0.5F)) {
+        EXPECT_NEAR(seen[k].scan.ranges_m[i], 0.98 / std::cos(bearing), 1e-6) << k << " " << i;
+      } else {
+        EXPECT_TRUE(seen[k].scan.ranges_m[i] == was || std::isnan(was)) << k << " " << i;
+      }
+    }
+  }
+}
+
+// The paper's robot stood while an object was placed before it; so does this one, for 28 s.
+TEST(PlaceFigures, HoldOnRealScansOfARobotThatStands) {
+  STRATA_REQUIRE_DATA(log, "intel/intel.clf.gz");
+  STRATA_REQUIRE_DATA(poses, "intel/intel.ref.txt");
+  const PlaceFigures figures;
+  const std::vector<PosedScan> before = posed_scans({log.string(), poses.string(), 0.0, 14.0});
+  const std::vector<PosedScan> after = posed_scans({log.string(), poses.string(), 14.0, 28.0});
+  const Eigen::Vector2d node_m = after.front().map_from_laser().translation();
+  const auto seen = [&](const std::vector<PosedScan>& scans, const Pose2& error = {}) {
+    return views_from(scans, node_m, 0.5, figures.bins, error);
+  };
+  RandomStream random(1, StreamId::kTest);
+  const TwoStates states = tell_apart(
+      seen(before), seen(with_object(after, placed({1.0, 0.7}, after.front()), 0.01, random)),
+      figures.bins, 0.5);
+  ASSERT_GT(states.bins.size(), 30U);
+  const std::vector<NamedDecoder> decoders = paper_decoders();
+  const SwitchResult whole = switch_states(states, decoders.front(), figures);
+  EXPECT_EQ(whole.never, 0);
+  EXPECT_EQ(whole.mixed, 0.0);
+  EXPECT_GT(whole.least_share, 0.35);
+  EXPECT_LT(whole.greatest_share, 0.65);
+  EXPECT_GE(complete_half(states, decoders.front(), figures).complete, 18);
+  EXPECT_GT(switch_states(states, decoders.back(), figures).mixed, 1.0);
+  const TwoStates aside =
+      tell_apart(seen(after), seen(after, {-0.3, 0.2, 0.1}), figures.bins, 0.3, true);
+  ASSERT_GT(aside.bins.size(), 60U);
+  for (const double share : {0.1, 0.2, 0.3}) {
+    EXPECT_LE(wrong_bins(aside, decoders.front(), share, figures), 0.03) << share;
+  }
 }
 
 TEST(DecoderTable, OnARealLogNoDecoderFindsALikelierPathThanTheExactOne) {
