@@ -13,8 +13,8 @@
 
 #include "memory/decoding/decode.hpp"
 #include "memory/decoding/graph.hpp"
-#include "memory/levels/level_config.hpp"
 #include "memory/store/store.hpp"
+#include "tests/bench/level_life_figures.hpp"
 #include "tests/memory/decoding/paper_world.hpp"
 #include "tests/memory/decoding/textbook_dijkstra.hpp"
 #include "tools/report/image.hpp"
@@ -145,55 +145,6 @@ void figure_8(const std::filesystem::path& out) {
   save(plot, out / "figure_8.png");
 }
 
-void half_lives(const std::filesystem::path& out) {
-  const std::vector<LevelConfig> levels{{"short", 5, 3.1}, {"mid", 20, 27.0}, {"long", 50, 693.0}};
-  LinePlot plot{.title = "Samples that survive",
-                .x_label = "observations / half-life",
-                .y_label = "share",
-                .from_zero = true};
-  std::printf("half-lives: | level | theory | measured half-life [observations] |\n");
-  Series theory{"theory", {}, {}};
-  for (int i = 0; i <= 30; ++i) {
-    theory.x.push_back(0.1 * i);
-    theory.y.push_back(std::exp2(-0.1 * i));
-  }
-  for (const LevelConfig& config : levels) {
-    const double q = std::min(1.0, config.insertion_probability(1.0));
-    const double half_life = half_life_observations(config.samples, q);
-    Series series{config.name, {}, {}};
-    const int steps = static_cast<int>(3.0 * half_life);
-    std::vector<double> share(static_cast<std::size_t>(steps) + 1, 0.0);
-    for (int seed = 1; seed <= kSeeds; ++seed) {
-      RandomStream random(static_cast<std::uint64_t>(seed), StreamId::kTest);
-      NodeLevel level({60, 4, 4.0}, config.samples, false);
-      const VirtualScan old_state(60, 1.5F);
-      const VirtualScan new_state(60, 2.5F);
-      for (int i = 0; i < config.samples; ++i) level.insert(old_state, random);
-      for (int t = 0; t <= steps; ++t) {
-        double old_samples = 0.0;
-        for (int a = 0; a < 60; ++a) {
-          for (const float range_m : level.samples(a)) old_samples += range_m < 2.0F ? 1.0 : 0.0;
-        }
-        share[static_cast<std::size_t>(t)] += old_samples / (60.0 * config.samples * kSeeds);
-        if (random.bernoulli(q)) level.insert(new_state, random);
-      }
-    }
-    std::size_t half = 0;
-    while (half + 1 < share.size() && share[half] > 0.5) ++half;
-    // Between the two observations about one half.
-    const double between = (share[half - 1] - 0.5) / (share[half - 1] - share[half]);
-    std::printf("| %s | %.2f | %.2f |\n", config.name.c_str(), half_life,
-                static_cast<double>(half) - 1.0 + between);
-    for (std::size_t t = 0; t < share.size(); ++t) {
-      series.x.push_back(static_cast<double>(t) / half_life);
-      series.y.push_back(share[t]);
-    }
-    plot.series.push_back(std::move(series));
-  }
-  plot.series.push_back(std::move(theory));
-  save(plot, out / "half_lives.png");
-}
-
 /// All edges between 20 range bins in 360 angle bins; only the first `starts` have a prior.
 void table_1() {
   std::printf(
@@ -286,7 +237,7 @@ int main(int argc, char** argv) {
   strata::memory::figure_6(out);
   strata::memory::figure_7();
   strata::memory::figure_8(out);
-  strata::memory::half_lives(out);
+  strata::memory::level_life::figures(out);
   strata::memory::table_1();
   for (int i = 2; i < argc; ++i) strata::memory::compare_decoders(argv[i]);
   return 0;

@@ -50,14 +50,19 @@ void figure_6(const TwoStates& states, const PlaceFigures& figures,
   save(plot, out / "place_figure_6.png");
 }
 
+/// Angle bins from the object's first to one of its bins, the way it lies.
+int bins_along(const TwoStates& states, std::size_t bin, const memory::PolarBins& bins) {
+  const int along = static_cast<int>(bin) - static_cast<int>(states.bins.front());
+  return along < 0 ? along + bins.angle_bins : along;
+}
+
 /// Ranges about the object, in order of the angle.
 Series around(const std::string& name, const std::vector<float>& range_m, const TwoStates& states,
               const memory::PolarBins& bins) {
   constexpr int kAside = 15;
   Series series{name, {}, {}};
   const int first = static_cast<int>(states.bins.front());
-  int width = static_cast<int>(states.bins.back()) - first;
-  if (width < 0) width += bins.angle_bins;
+  const int width = bins_along(states, states.bins.back(), bins);
   for (int i = -kAside; i <= width + kAside; ++i) {
     const int bin = ((first + i) % bins.angle_bins + bins.angle_bins) % bins.angle_bins;
     const float range = range_m[static_cast<std::size_t>(bin)];
@@ -84,9 +89,9 @@ void figure_7(const TwoStates& states, const PlaceFigures& figures,
       plot.series.push_back(around(decoder.name, result.decoded_m, states, figures.bins));
     }
   }
-  plot.events.push_back(
-      {360.0 * static_cast<double>(states.bins[states.bins.size() / 2]) / figures.bins.angle_bins,
-       "hidden from here on"});
+  const int hidden_from = static_cast<int>(states.bins.front()) +
+                          bins_along(states, states.bins[states.bins.size() / 2], figures.bins);
+  plot.events.push_back({360.0 * hidden_from / figures.bins.angle_bins, "hidden from here on"});
   save(plot, out / "place_figure_7.png");
 }
 
