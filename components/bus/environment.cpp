@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cstdlib>
 
+#include "components/bus/node.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::bus {
@@ -56,30 +57,39 @@ SecurityOptions security_options() {
   return options;
 }
 
+/// Whether that release knows ROS_AUTOMATIC_DISCOVERY_RANGE: it came with Iron, as the short Gid.
+bool has_discovery_range(const std::string& ros_distro) { return gid_bytes_of(ros_distro) == 16; }
+
+/// How far to look, and whom to ask besides (rcl's init.c).
+void read_discovery(ParticipantOptions& options) {
+  if (!variable("ROS_DISCOVERY_SERVER").empty()) options.transport = Transport::kDiscoveryServer;
+  if (variable("ROS_LOCALHOST_ONLY") == "1") {
+    options.transport =
+        has_discovery_range(options.ros_distro) ? Transport::kLocalhost : Transport::kLoopback;
+    return;
+  }
+  const std::string range = variable("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  if (range.empty() || range == "SUBNET" || range == "LOCALHOST") {
+    options.static_peers = split(variable("ROS_STATIC_PEERS"));
+    if (range == "LOCALHOST") options.transport = Transport::kLocalhost;
+  } else if (range == "OFF") {
+    options.is_alone = true;
+  } else if (range != "SYSTEM_DEFAULT") {
+    throw ConfigError("ROS_AUTOMATIC_DISCOVERY_RANGE", "is '" + range + "'",
+                      "set it to SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT");
+  }
+}
+
 }  // namespace
 
-ParticipantOptions options_from_environment() {
+ParticipantOptions options_from_environment(const std::string& ros_distro) {
   ParticipantOptions options;
   if (const std::string domain = variable("ROS_DOMAIN_ID"); !domain.empty()) {
     options.domain = domain_of(domain);
   }
-  if (const std::string distro = variable("ROS_DISTRO"); !distro.empty()) {
-    options.ros_distro = distro;
-  }
-  options.static_peers = split(variable("ROS_STATIC_PEERS"));
-  if (!variable("ROS_DISCOVERY_SERVER").empty()) options.transport = Transport::kDiscoveryServer;
-  const std::string range = variable("ROS_AUTOMATIC_DISCOVERY_RANGE");
-  if (variable("ROS_LOCALHOST_ONLY") == "1") {
-    options.transport = Transport::kLoopback;
-    options.static_peers.clear();
-  } else if (range == "LOCALHOST") {
-    options.transport = Transport::kLoopback;
-  } else if (range == "OFF") {
-    options.is_alone = true;
-  } else if (!range.empty() && range != "SUBNET" && range != "SYSTEM_DEFAULT") {
-    throw ConfigError("ROS_AUTOMATIC_DISCOVERY_RANGE", "is '" + range + "'",
-                      "set it to SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT");
-  }
+  const std::string release = ros_distro.empty() ? variable("ROS_DISTRO") : ros_distro;
+  if (!release.empty()) options.ros_distro = release;
+  read_discovery(options);
   options.security = security_options();
   if (const std::string enclave = variable("ROS_SECURITY_ENCLAVE_OVERRIDE"); !enclave.empty()) {
     options.enclave = enclave;

@@ -14,16 +14,22 @@ namespace strata::bus {
 
 enum class Transport {
   kDefault,          ///< what ROS 2 uses: UDP with multicast discovery, shared memory on one host
+  kLocalhost,        ///< finds this host's processes and static peers only, without multicast
   kLoopback,         ///< UDP on 127.0.0.1 only, no multicast
   kSharedMemory,     ///< shared memory only: processes of one host
   kWifi,             ///< as default, each datagram one frame: where frames are lost
-  kDiscoveryServer,  ///< as default, with the servers that ROS_DISCOVERY_SERVER names
+  kDiscoveryServer,  ///< as default, with the servers that an option or ROS_DISCOVERY_SERVER names
   kAlone,            ///< finds nobody and is found by nobody: to look at a composition
 };
 
-/// "default", "loopback", "shared_memory", "wifi" or "discovery_server"; throws ConfigError for
-/// another.
+/// Their names, as users write them, for a text: "default, localhost, ... or discovery_server".
+[[nodiscard]] std::string transport_names();
+/// Throws ConfigError for a name that is none.
 [[nodiscard]] Transport transport_from_name(std::string_view name);
+/// kAlone: "alone", which nobody can ask for.
+[[nodiscard]] std::string_view transport_name(Transport transport);
+/// Whether it asks static peers: one that keeps to itself, or asks a server, does not.
+[[nodiscard]] bool asks_static_peers(Transport transport);
 
 /// As ROS 2's variables ROS_SECURITY_ENABLE, _STRATEGY and _KEYSTORE say.
 struct SecurityOptions {
@@ -37,7 +43,8 @@ struct ParticipantOptions {
   Transport transport = Transport::kDefault;
   std::string enclave = "/";  ///< ROS 2's name of the security enclave, also the participant's name
   std::string ros_distro = "jazzy";       ///< whose layout ros_discovery_info has
-  std::vector<std::string> static_peers;  ///< addresses to ask besides, without DNS
+  std::vector<std::string> static_peers;  ///< IPv4 addresses or host names to ask besides
+  std::string discovery_server;           ///< "10.0.0.5:11811"; empty: what the environment says
   bool is_alone = false;                  ///< sees this process only
   SecurityOptions security;               ///< with kAlone never used
 };
@@ -52,8 +59,9 @@ struct PublishedTopic {
 /// Discovers others and owns the middleware's entities. Thread safe.
 class Participant {
  public:
-  /// Throws ConfigError for a domain out of range, InputError for an enclave that is not good,
-  /// OutputError when the middleware refuses.
+  /// Throws ConfigError for a domain out of range, a peer or server without an address and a
+  /// transport without what it needs, InputError for an enclave that is not good, OutputError when
+  /// the middleware refuses.
   explicit Participant(const ParticipantOptions& options);
   ~Participant();
   Participant(const Participant&) = delete;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/bus/transports.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <memory>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
@@ -17,8 +19,9 @@
 namespace strata::bus {
 namespace {
 
-constexpr std::array<std::pair<Transport, const char*>, 5> kTransports = {
+constexpr std::array<std::pair<Transport, const char*>, 6> kTransports = {
     {{Transport::kDefault, "default"},
+     {Transport::kLocalhost, "localhost"},
      {Transport::kLoopback, "loopback"},
      {Transport::kSharedMemory, "shared_memory"},
      {Transport::kWifi, "wifi"},
@@ -29,6 +32,30 @@ constexpr std::uint32_t kSocketBufferBytes = 4U << 20U;
 constexpr std::uint32_t kSharedSegmentBytes = 64U << 20U;
 // How many processes are asked of a host whose multicast group is not used.
 constexpr std::uint32_t kProcessesOfAPeer = 32;
+
+rtps::Locator_t ipv4_locator(const std::string& address) {
+  rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  rtps::IPLocator::setIPv4(locator, address);
+  return locator;
+}
+
+/// As rmw_fastrtps since Iron (its participant.cpp): every interface, so that static peers are
+/// reached and nodes of the default range are met, but no multicast group.
+void use_localhost(dds::DomainParticipantQos& qos) {
+  auto& builtin = qos.wire_protocol().builtin;
+  builtin.metatrafficMulticastLocatorList.clear();
+  // An empty unicast locator keeps the default multicast one away.
+  builtin.metatrafficUnicastLocatorList.push_back(rtps::Locator_t());
+  builtin.initialPeersList.push_back(ipv4_locator("127.0.0.1"));
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->maxInitialPeersRange = kProcessesOfAPeer;
+  auto& transport = qos.transport();
+  transport.use_builtin_transports = false;
+  transport.user_transports.push_back(
+      std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
+  transport.user_transports.push_back(udp);
+}
 
 void use_loopback(dds::DomainParticipantQos& qos) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
@@ -41,10 +68,7 @@ void use_loopback(dds::DomainParticipantQos& qos) {
   auto& builtin = qos.wire_protocol().builtin;
   // An empty unicast locator keeps the default multicast one away; peers are asked one by one.
   builtin.metatrafficUnicastLocatorList.push_back(rtps::Locator_t());
-  rtps::Locator_t peer;
-  peer.kind = LOCATOR_KIND_UDPv4;
-  rtps::IPLocator::setIPv4(peer, "127.0.0.1");
-  builtin.initialPeersList.push_back(peer);
+  builtin.initialPeersList.push_back(ipv4_locator("127.0.0.1"));
 }
 
 // What an Ethernet frame carries (1500), less IP's and UDP's headers.
@@ -71,23 +95,26 @@ void use_shared_memory(dds::DomainParticipantQos& qos) {
   qos.transport().user_transports = {shared};
 }
 
-/// Asks these hosts too. A list of peers takes the place of the multicast group, so that joins it.
+/// Asks these hosts too, each at the first IPv4 address of its name, as ROS 2 does.
 void add_peers(const std::vector<std::string>& peers, dds::DomainParticipantQos& qos) {
-  if (peers.empty()) return;
   auto& list = qos.wire_protocol().builtin.initialPeersList;
   for (const std::string& peer : peers) {
-    rtps::Locator_t locator;
-    locator.kind = LOCATOR_KIND_UDPv4;
-    if (!rtps::IPLocator::setIPv4(locator, peer)) {
-      throw ConfigError("ROS_STATIC_PEERS", "'" + peer + "' is no address",
-                        "write IPv4 addresses with ';' between them");
+    const auto addresses = rtps::IPLocator::resolveNameDNS(peer).first;
+    if (addresses.empty()) {
+      throw ConfigError("static peer '" + peer + "'", "has no IPv4 address",
+                        "write addresses, or names that `getent ahostsv4 NAME` knows, into "
+                        "static_peers or ROS_STATIC_PEERS");
     }
-    list.push_back(locator);
+    list.push_back(ipv4_locator(*addresses.begin()));
   }
-  rtps::Locator_t group;
-  group.kind = LOCATOR_KIND_UDPv4;
-  rtps::IPLocator::setIPv4(group, "239.255.0.1");
-  list.push_back(group);
+}
+
+/// Adds peers to a transport with multicast. A list of peers takes the place of the multicast
+/// group, so that joins it.
+void add_peers_and_group(const std::vector<std::string>& peers, dds::DomainParticipantQos& qos) {
+  if (peers.empty()) return;
+  add_peers(peers, qos);
+  qos.wire_protocol().builtin.initialPeersList.push_back(ipv4_locator("239.255.0.1"));
   if (!qos.transport().use_builtin_transports) return;
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->maxInitialPeersRange = kProcessesOfAPeer;
@@ -95,6 +122,57 @@ void add_peers(const std::vector<std::string>& peers, dds::DomainParticipantQos&
   qos.transport().user_transports.push_back(
       std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
   qos.transport().use_builtin_transports = false;
+}
+
+void use_discovery_server(const std::string& servers, dds::DomainParticipantQos& qos) {
+  if (servers.empty()) {
+    // Fast DDS itself reads the variable; without it we would silently multicast.
+    if (std::getenv("ROS_DISCOVERY_SERVER") != nullptr) return;
+    throw ConfigError("transport", "discovery_server needs the address of a server",
+                      "write discovery_server: HOST:PORT, or set ROS_DISCOVERY_SERVER=HOST:PORT");
+  }
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  auto& list = discovery.m_DiscoveryServers;
+  const bool is_list = eprosima::fastdds::rtps::load_environment_server_info(servers, list);
+  const bool has_addresses = std::all_of(list.begin(), list.end(), [](const auto& server) {
+    return server.template requires_transport<LOCATOR_KIND_UDPv4>();
+  });
+  if (!is_list || list.empty() || !has_addresses) {
+    throw ConfigError("discovery_server", "'" + servers + "' is no list of servers that are found",
+                      "write IPv4 addresses or host names, as 10.0.0.5:11811, with ';' between");
+  }
+  // With another protocol than the simple one Fast DDS leaves the variable alone.
+  discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::CLIENT;
+}
+
+void use_transport(const ParticipantOptions& options, dds::DomainParticipantQos& qos) {
+  switch (options.transport) {
+    case Transport::kLocalhost:
+      add_peers(options.static_peers, qos);
+      use_localhost(qos);
+      break;
+    case Transport::kLoopback:
+      use_loopback(qos);
+      break;
+    case Transport::kSharedMemory:
+      use_shared_memory(qos);
+      break;
+    case Transport::kAlone:
+      use_loopback(qos);
+      qos.wire_protocol().builtin.discovery_config.discoveryProtocol =
+          rtps::DiscoveryProtocol_t::NONE;
+      break;
+    case Transport::kWifi:
+      use_small_datagrams(qos);
+      add_peers_and_group(options.static_peers, qos);
+      break;
+    case Transport::kDefault:
+      add_peers_and_group(options.static_peers, qos);
+      break;
+    case Transport::kDiscoveryServer:
+      use_discovery_server(options.discovery_server, qos);
+      break;
+  }
 }
 
 }  // namespace
@@ -115,32 +193,7 @@ dds::DomainParticipantQos participant_qos(const ParticipantOptions& options) {
   discovery.leaseDuration_announcementperiod = eprosima::fastrtps::Duration_t(0, 100'000'000);
   discovery.initial_announcements.count = 5;
   discovery.initial_announcements.period = eprosima::fastrtps::Duration_t(0, 50'000'000);
-  switch (options.transport) {
-    case Transport::kLoopback:
-      use_loopback(qos);
-      break;
-    case Transport::kSharedMemory:
-      use_shared_memory(qos);
-      break;
-    case Transport::kAlone:
-      use_loopback(qos);
-      discovery.discoveryProtocol = rtps::DiscoveryProtocol_t::NONE;
-      break;
-    case Transport::kWifi:
-      use_small_datagrams(qos);
-      add_peers(options.static_peers, qos);
-      break;
-    case Transport::kDefault:
-      add_peers(options.static_peers, qos);
-      break;
-    case Transport::kDiscoveryServer:
-      // Fast DDS itself reads the variable; without it we would silently multicast.
-      if (std::getenv("ROS_DISCOVERY_SERVER") == nullptr) {
-        throw ConfigError("transport", "discovery_server needs the address of a server",
-                          "set ROS_DISCOVERY_SERVER=host:port");
-      }
-      break;
-  }
+  use_transport(options, qos);
   if (options.is_alone) {
     discovery.ignoreParticipantFlags = static_cast<rtps::ParticipantFilteringFlags_t>(
         rtps::ParticipantFilteringFlags::FILTER_DIFFERENT_HOST |
@@ -149,12 +202,33 @@ dds::DomainParticipantQos participant_qos(const ParticipantOptions& options) {
   return qos;
 }
 
+std::string transport_names() {
+  std::string text;
+  for (const auto& [transport, name] : kTransports) {
+    if (!text.empty()) text += transport == kTransports.back().first ? " or " : ", ";
+    text += name;
+  }
+  return text;
+}
+
 Transport transport_from_name(std::string_view name) {
   for (const auto& [transport, candidate] : kTransports) {
     if (name == candidate) return transport;
   }
   throw ConfigError("transport", "unknown transport '" + std::string(name) + "'",
-                    "use default, loopback, shared_memory, wifi or discovery_server");
+                    "use " + transport_names());
+}
+
+std::string_view transport_name(Transport transport) {
+  for (const auto& [candidate, name] : kTransports) {
+    if (transport == candidate) return name;
+  }
+  return "alone";
+}
+
+bool asks_static_peers(Transport transport) {
+  return transport == Transport::kDefault || transport == Transport::kLocalhost ||
+         transport == Transport::kWifi;
 }
 
 }  // namespace strata::bus

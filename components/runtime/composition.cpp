@@ -56,6 +56,14 @@ class Section {
     settings::detail::require_sequence(child, place_, path_of(key));
     return {child.begin(), child.end()};
   }
+  [[nodiscard]] std::vector<std::string> texts(const std::string& key) const {
+    std::vector<std::string> result;
+    for (const YAML::Node& item : items(key)) {
+      const std::string path = path_of(key) + "[" + std::to_string(result.size()) + "]";
+      settings::detail::read_value(item, place_, path, result.emplace_back());
+    }
+    return result;
+  }
   /// Runs `body`; its ConfigError gets the place of `key`.
   template <typename Body>
   auto located(const std::string& key, Body&& body) const {
@@ -166,6 +174,38 @@ std::vector<LibraryEntry> read_libraries(const Section& section, const std::stri
   return libraries;
 }
 
+/// The transport and whom it asks: what the file says, else what the environment does.
+void read_discovery(const Section& section, const bus::ParticipantOptions& usual,
+                    Composition& composition) {
+  composition.transport = usual.transport;
+  composition.static_peers = usual.static_peers;
+  composition.discovery_server = section.get<std::string>("discovery_server", "");
+  const bool has_server = !composition.discovery_server.empty();
+  const bool has_transport = section.find("transport").IsDefined();
+  if (has_transport) {
+    composition.transport = section.located("transport", [&] {
+      return bus::transport_from_name(section.get<std::string>("transport", ""));
+    });
+  } else if (has_server) {
+    composition.transport = bus::Transport::kDiscoveryServer;
+  } else {
+    composition.is_alone = usual.is_alone;
+  }
+  const std::string transport(bus::transport_name(composition.transport));
+  if (has_server && composition.transport != bus::Transport::kDiscoveryServer) {
+    throw ConfigError(section.place_of("discovery_server"),
+                      "a server is not asked with transport: " + transport,
+                      "leave transport out, or write transport: discovery_server");
+  }
+  if (!section.find("static_peers").IsDefined()) return;
+  composition.static_peers = section.texts("static_peers");
+  if ((has_transport || has_server) && !bus::asks_static_peers(composition.transport)) {
+    throw ConfigError(section.place_of("static_peers"),
+                      "peers are not asked with transport: " + transport,
+                      "use transport default, localhost or wifi");
+  }
+}
+
 void require_different_names(const Composition& composition) {
   std::set<std::string> processes;
   std::set<std::string> components;
@@ -194,21 +234,15 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
   const Section section(document, place, "", composition_keys());
   Composition composition;
   composition.place = place;
-  const bus::ParticipantOptions usual = bus::options_from_environment();
+  const auto release = section.get<std::string>("ros_distro", "");
+  if (!release.empty()) section.located("ros_distro", [&] { return bus::gid_bytes_of(release); });
+  const bus::ParticipantOptions usual = bus::options_from_environment(release);
+  composition.ros_distro = usual.ros_distro;
+  section.located("ros_distro", [&] { return bus::gid_bytes_of(composition.ros_distro); });
   composition.domain = section.get<int>("domain", usual.domain);
   composition.node_namespace = section.get<std::string>("namespace", "/");
   composition.use_sim_time = section.get<bool>("use_sim_time", false);
-  composition.transport = usual.transport;
-  composition.static_peers = usual.static_peers;
-  if (section.find("transport").IsDefined()) {
-    composition.transport = section.located("transport", [&] {
-      return bus::transport_from_name(section.get<std::string>("transport", ""));
-    });
-  } else {
-    composition.is_alone = usual.is_alone;
-  }
-  composition.ros_distro = section.get<std::string>("ros_distro", usual.ros_distro);
-  section.located("ros_distro", [&] { return bus::gid_bytes_of(composition.ros_distro); });
+  read_discovery(section, usual, composition);
   composition.security = usual.security;
   composition.enclave = usual.enclave;
   if (usual.enclave == "/") {  // else ROS_SECURITY_ENCLAVE_OVERRIDE rules

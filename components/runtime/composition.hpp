@@ -52,7 +52,8 @@ struct Composition {
   bool use_sim_time = false;
   bus::Transport transport = bus::Transport::kDefault;
   std::string ros_distro = "jazzy";       ///< the ROS 2 release of the robot; see bus::gid_bytes_of
-  std::vector<std::string> static_peers;  ///< from the environment
+  std::vector<std::string> static_peers;  ///< hosts to ask besides
+  std::string discovery_server;           ///< empty: what the environment says
   bool is_alone = false;                  ///< from the environment
   std::string enclave = "/";              ///< of every process
   bus::SecurityOptions security;          ///< from the environment
@@ -63,10 +64,11 @@ struct Composition {
 /// Throws InputError when the file cannot be read, ConfigError (place: file:line) for an unknown
 /// key ("did you mean"), a wrong type, a missing or doubled name, or a transport, executor or name
 /// that does not exist. Component types and parameters are checked when they are made.
-/// What the file does not say of domain, transport and ros_distro the environment does, as ROS 2
-/// reads it (bus/environment.hpp). overrides: "COMPONENT.parameter=value" sets a parameter of the
-/// components of that name (as "localizer.maps=MAPS"), "domain=7" a key of the composition.
-/// settings_file: see apply_composition_settings; overrides win over it.
+/// What the file does not say of domain, transport, static_peers, discovery_server and ros_distro
+/// the environment does, as ROS 2 reads it (bus/environment.hpp). overrides:
+/// "COMPONENT.parameter=value" sets a parameter of the components of that name (as
+/// "localizer.maps=MAPS"), "domain=7" a key of the composition. settings_file: see
+/// apply_composition_settings; overrides win over it.
 [[nodiscard]] Composition load_composition(const std::filesystem::path& file,
                                            const std::vector<std::string>& overrides = {},
                                            const std::filesystem::path& settings_file = {});

@@ -48,6 +48,7 @@ std::shared_ptr<bus::Participant> make_participant(const Composition& compositio
   options.transport = composition.transport;
   options.ros_distro = composition.ros_distro;
   options.static_peers = composition.static_peers;
+  options.discovery_server = composition.discovery_server;
   options.is_alone = composition.is_alone;
   options.enclave = composition.enclave;
   options.security = composition.security;

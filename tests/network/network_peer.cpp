@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 /// One end of a topic, on a host of its own:
 ///
-///   network_peer TRANSPORT scans COUNT HZ   waits for a reader, publishes numbered scans, "done"
-///   network_peer TRANSPORT hear COUNT       "heard N of M in order" after scan M = COUNT - 1
-///   network_peer TRANSPORT map CELLS        publishes a square map, latched
-///   network_peer TRANSPORT get-map          "map CELLS CHECKSUM" of the one that comes
+///   network_peer TRANSPORT scans COUNT HZ [QOS]  waits for a reader, publishes numbered scans,
+///                                                "done"
+///   network_peer TRANSPORT hear COUNT [QOS]      "heard N of M in order" after scan M = COUNT - 1
+///   network_peer TRANSPORT map CELLS             publishes a square map, latched
+///   network_peer TRANSPORT get-map               "map CELLS CHECKSUM" of the one that comes
+///   network_peer TRANSPORT meet NUMBER           publishes its number, latched, and reads those of
+///                                                others: "met OTHER" for each
 ///
-/// Says "ready" once its endpoint is made; ends when its input does.
+/// TRANSPORT: a transport's name, or "environment" for what ROS 2's variables say. QOS: a profile's
+/// name. Says "ready" once it has its endpoint, or is about to meet others; ends when its input
+/// does.
 #include <atomic>
 #include <condition_variable>
 #include <cstdio>
@@ -29,10 +34,16 @@ using sensor_msgs::msg::LaserScan;
 constexpr std::size_t kBeams = 1080;
 constexpr auto kPatience = std::chrono::seconds(60);
 
-void say(const std::string& line) { std::cout << line << std::endl; }
+/// From any thread.
+void say(const std::string& line) {
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  std::cout << line << std::endl;
+}
 
-void publish_scans(const std::shared_ptr<bus::Participant>& participant, int count, double hertz) {
-  bus::Writer<LaserScan> writer(participant, "/scan", bus::qos_profile("default"));
+void publish_scans(const std::shared_ptr<bus::Participant>& participant, int count, double hertz,
+                   const std::string& qos) {
+  bus::Writer<LaserScan> writer(participant, "/scan", bus::qos_profile(qos));
   say("ready");
   if (!writer.raw().wait_for_readers(1, kPatience)) return;
   LaserScan scan;
@@ -50,11 +61,12 @@ void publish_scans(const std::shared_ptr<bus::Participant>& participant, int cou
   }
 }
 
-void hear_scans(const std::shared_ptr<bus::Participant>& participant, int count) {
+void hear_scans(const std::shared_ptr<bus::Participant>& participant, int count,
+                const std::string& qos) {
   std::atomic<int> heard{0};
   std::atomic<int> in_order{0};
   bus::Reader<LaserScan> reader(
-      participant, "/scan", bus::qos_profile("default"), [&](const LaserScan& scan) {
+      participant, "/scan", bus::qos_profile(qos), [&](const LaserScan& scan) {
         const int number = scan.header().stamp().sec();
         const bool is_whole = scan.ranges().size() == kBeams;
         if (is_whole && number == heard) ++in_order;
@@ -102,17 +114,35 @@ void get_map(const std::shared_ptr<bus::Participant>& participant) {
   }
 }
 
+void meet(const std::shared_ptr<bus::Participant>& participant, std::uint32_t number) {
+  say("ready");  // nobody is met before that
+  const auto qos = bus::qos_profile("latched");
+  bus::Reader<OccupancyGrid> reader(participant, "/meet", qos, [&](const OccupancyGrid& other) {
+    if (other.info().width() != number) say("met " + std::to_string(other.info().width()));
+  });
+  bus::Writer<OccupancyGrid> writer(participant, "/meet", qos);
+  OccupancyGrid own;
+  own.info().width(number);
+  writer.publish(own);
+  while (std::cin.get() != EOF) {
+  }
+}
+
 int run(int argc, char** argv) {
   if (argc < 3) return 2;
   bus::ParticipantOptions options = bus::options_from_environment();
-  options.transport = bus::transport_from_name(argv[1]);
+  const std::string transport = argv[1];
+  if (transport != "environment") options.transport = bus::transport_from_name(transport);
   const auto participant = std::make_shared<bus::Participant>(options);
   const std::string role = argv[2];
   const bus::Node node(participant, "/", "peer");
-  if (role == "scans" && argc == 5) {
-    publish_scans(participant, std::stoi(argv[3]), std::stod(argv[4]));
-  } else if (role == "hear" && argc == 4) {
-    hear_scans(participant, std::stoi(argv[3]));
+  if (role == "scans" && argc >= 5) {
+    publish_scans(participant, std::stoi(argv[3]), std::stod(argv[4]),
+                  argc > 5 ? argv[5] : "default");
+  } else if (role == "hear" && argc >= 4) {
+    hear_scans(participant, std::stoi(argv[3]), argc > 4 ? argv[4] : "default");
+  } else if (role == "meet" && argc == 4) {
+    meet(participant, static_cast<std::uint32_t>(std::stoul(argv[3])));
   } else if (role == "map" && argc == 4) {
     publish_map(participant, static_cast<std::uint32_t>(std::stoul(argv[3])));
   } else if (role == "get-map") {

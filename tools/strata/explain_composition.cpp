@@ -87,19 +87,6 @@ void print_warnings(const Topics& topics) {
   }
 }
 
-const char* transport_name(bus::Transport transport) {
-  switch (transport) {
-    case bus::Transport::kLoopback:
-      return "loopback";
-    case bus::Transport::kSharedMemory:
-      return "shared_memory";
-    case bus::Transport::kDiscoveryServer:
-      return "discovery_server";
-    default:
-      return "default";
-  }
-}
-
 }  // namespace
 
 ExplainedHosts explained_hosts(const runtime::Composition& composition) {
@@ -124,7 +111,7 @@ void explain(const runtime::Composition& composition) {
   const Hosts& hosts = explained.hosts;
   const Topics topics = collect(hosts);
   std::cout << composition.place << ": domain " << composition.domain << ", transport "
-            << transport_name(composition.transport) << '\n';
+            << bus::transport_name(composition.transport) << '\n';
   for (const auto& file : explained.libraries) std::cout << "library " << file.string() << '\n';
   for (std::size_t i = 0; i < hosts.size(); ++i) {
     const runtime::ProcessEntry& process = composition.processes[i];

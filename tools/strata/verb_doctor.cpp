@@ -51,7 +51,7 @@ void add_doctor(CLI::App& app, VerbContext& context) {
   verb->add_option("--domain", options->domain, "ROS_DOMAIN_ID when left out")
       ->check(CLI::Range(0, 232));
   verb->add_option("--transport", options->transport,
-                   "default, loopback, shared_memory, wifi or discovery_server");
+                   bus::transport_names() + "; the environment's when left out");
   verb->add_option("--seconds", options->seconds, "how long to listen")->check(CLI::PositiveNumber);
   verb->add_flag("--json", options->json, "JSON on standard output");
 }

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,6 +21,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 class Environment : public testing::Test {
  protected:
@@ -53,13 +56,28 @@ TEST_F(Environment, NamesDomainReleaseAndPeers) {
 
 TEST_F(Environment, SaysHowFarToLook) {
   set("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
-  EXPECT_EQ(options_from_environment().transport, Transport::kLoopback);
-  set("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET");
-  EXPECT_EQ(options_from_environment().transport, Transport::kDefault);
+  EXPECT_EQ(options_from_environment().transport, Transport::kLocalhost);
+  for (const char* range : {"SUBNET", "SYSTEM_DEFAULT"}) {
+    set("ROS_AUTOMATIC_DISCOVERY_RANGE", range);
+    EXPECT_EQ(options_from_environment().transport, Transport::kDefault) << range;
+    EXPECT_FALSE(options_from_environment().is_alone) << range;
+  }
   set("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF");
   EXPECT_TRUE(options_from_environment().is_alone);
   set("ROS_AUTOMATIC_DISCOVERY_RANGE", "MOON");
   EXPECT_THROW((void)options_from_environment(), ConfigError);
+}
+
+TEST_F(Environment, NamesPeersToTheRangesThatAskThem) {
+  set("ROS_STATIC_PEERS", "robot;10.0.0.2");
+  for (const char* range : {"SUBNET", "LOCALHOST"}) {
+    set("ROS_AUTOMATIC_DISCOVERY_RANGE", range);
+    EXPECT_THAT(options_from_environment().static_peers, ElementsAre("robot", "10.0.0.2")) << range;
+  }
+  for (const char* range : {"OFF", "SYSTEM_DEFAULT"}) {
+    set("ROS_AUTOMATIC_DISCOVERY_RANGE", range);
+    EXPECT_THAT(options_from_environment().static_peers, IsEmpty()) << range;
+  }
 }
 
 TEST_F(Environment, OfTheOldVariableForLocalhostRulesOverRangeAndPeers) {
@@ -67,10 +85,20 @@ TEST_F(Environment, OfTheOldVariableForLocalhostRulesOverRangeAndPeers) {
   set("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET");
   set("ROS_STATIC_PEERS", "10.0.0.1");
   const ParticipantOptions options = options_from_environment();
-  EXPECT_EQ(options.transport, Transport::kLoopback);
+  EXPECT_EQ(options.transport, Transport::kLocalhost);
   EXPECT_THAT(options.static_peers, IsEmpty());
   set("ROS_LOCALHOST_ONLY", "0");
   EXPECT_EQ(options_from_environment().transport, Transport::kDefault);
+}
+
+TEST_F(Environment, OfTheOldVariableMeansLoopbackToReleasesWithoutARange) {
+  set("ROS_LOCALHOST_ONLY", "1");
+  set("ROS_DISTRO", "humble");
+  EXPECT_EQ(options_from_environment().transport, Transport::kLoopback);
+  EXPECT_EQ(options_from_environment("iron").transport, Transport::kLocalhost);
+  set("ROS_DISTRO", "kilted");
+  EXPECT_EQ(options_from_environment().transport, Transport::kLocalhost);
+  EXPECT_EQ(options_from_environment("humble").transport, Transport::kLoopback);
 }
 
 TEST_F(Environment, RefusesADomainThatIsNone) {
@@ -89,15 +117,66 @@ TEST_F(Environment, OfADiscoveryServerNeedsOne) {
   EXPECT_NO_THROW((void)participant_qos(options));
 }
 
+TEST_F(Environment, NeedsADiscoveryServerThatIsFound) {
+  ParticipantOptions options;
+  options.transport = Transport::kDiscoveryServer;
+  options.discovery_server = "127.0.0.1:11811;localhost:11812";
+  const auto qos = participant_qos(options);
+  const auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  EXPECT_EQ(discovery.discoveryProtocol, rtps::DiscoveryProtocol_t::CLIENT);
+  EXPECT_THAT(discovery.m_DiscoveryServers, SizeIs(2));
+  for (const char* servers : {"robot one:11811", "10.0.0.1:port", ";"}) {
+    options.discovery_server = servers;
+    EXPECT_THROW((void)participant_qos(options), ConfigError) << servers;
+  }
+}
+
+/// The addresses that a participant with these options asks.
+std::vector<std::string> asked(const ParticipantOptions& options) {
+  std::vector<std::string> addresses;
+  const auto qos = participant_qos(options);
+  for (const auto& peer : qos.wire_protocol().builtin.initialPeersList) {
+    addresses.push_back(rtps::IPLocator::toIPv4string(peer));
+  }
+  return addresses;
+}
+
 TEST_F(Environment, GivesItsPeersToTheMiddlewareAndKeepsTheMulticastGroup) {
   ParticipantOptions options;
+  EXPECT_THAT(asked(options), IsEmpty());
+  options.static_peers = {"10.0.0.1", "localhost"};
+  EXPECT_THAT(asked(options), ElementsAre("10.0.0.1", "127.0.0.1", "239.255.0.1"));
+  options.transport = Transport::kLocalhost;
   options.static_peers = {"10.0.0.1"};
+  EXPECT_THAT(asked(options), ElementsAre("10.0.0.1", "127.0.0.1"));
+}
+
+TEST_F(Environment, NamesThePeerThatHasNoAddress) {
+  ParticipantOptions options;
+  options.static_peers = {"10.0.0.1", "robot one"};
+  for (const Transport transport : {Transport::kDefault, Transport::kLocalhost, Transport::kWifi}) {
+    options.transport = transport;
+    try {
+      (void)participant_qos(options);
+      FAIL() << transport_name(transport);
+    } catch (const ConfigError& error) {
+      EXPECT_EQ(error.place(), "static peer 'robot one'");
+    }
+  }
+}
+
+TEST_F(Environment, OfLocalhostKeepsEveryInterfaceAndLeavesTheMulticastGroup) {
+  ParticipantOptions options;
+  options.transport = Transport::kLocalhost;
   const auto qos = participant_qos(options);
-  EXPECT_EQ(std::distance(qos.wire_protocol().builtin.initialPeersList.begin(),
-                          qos.wire_protocol().builtin.initialPeersList.end()),
-            2);
-  options.static_peers = {"robot one"};
-  EXPECT_THROW((void)participant_qos(options), ConfigError);
+  EXPECT_THAT(qos.wire_protocol().builtin.metatrafficMulticastLocatorList, SizeIs(0));
+  EXPECT_THAT(qos.wire_protocol().builtin.metatrafficUnicastLocatorList, SizeIs(1));
+  EXPECT_FALSE(qos.transport().use_builtin_transports);
+  ASSERT_THAT(qos.transport().user_transports, SizeIs(2));
+  const auto* udp = dynamic_cast<const eprosima::fastdds::rtps::UDPv4TransportDescriptor*>(
+      qos.transport().user_transports.back().get());
+  ASSERT_NE(udp, nullptr);
+  EXPECT_THAT(udp->interfaceWhiteList, IsEmpty());
 }
 
 TEST_F(Environment, WithStaticPeersStillFindsOthers) {

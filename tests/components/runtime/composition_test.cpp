@@ -81,6 +81,45 @@ TEST(Composition, RefusesWhatDoesNotExistWithThePlaceOfTheKey) {
   EXPECT_THAT(complaint_about("processes: all\n"), HasSubstr("c.yaml:1"));
 }
 
+constexpr const char* kOneComponent =
+    "processes: [{name: p, components: [{type: strata::Player, name: player}]}]\n";
+
+TEST(Composition, NamesWhomToAskAndWinsOverTheEnvironment) {
+  setenv("ROS_STATIC_PEERS", "10.0.0.1", 1);
+  EXPECT_THAT(read(kOneComponent).static_peers, testing::ElementsAre("10.0.0.1"));
+  const Composition peers =
+      read(std::string("transport: localhost\nstatic_peers: [robot, 10.0.0.2]\n") + kOneComponent);
+  unsetenv("ROS_STATIC_PEERS");
+  EXPECT_EQ(peers.transport, bus::Transport::kLocalhost);
+  EXPECT_THAT(peers.static_peers, testing::ElementsAre("robot", "10.0.0.2"));
+  setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF", 1);
+  const Composition server =
+      read(std::string("discovery_server: 10.0.0.5:11811\n") + kOneComponent);
+  unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  EXPECT_EQ(server.transport, bus::Transport::kDiscoveryServer);
+  EXPECT_EQ(server.discovery_server, "10.0.0.5:11811");
+  EXPECT_FALSE(server.is_alone);
+}
+
+TEST(Composition, LetsTheReleaseSayWhatLocalhostOnlyMeans) {
+  setenv("ROS_LOCALHOST_ONLY", "1", 1);
+  const Composition old = read(std::string("ros_distro: humble\n") + kOneComponent);
+  const Composition recent = read(std::string("ros_distro: jazzy\n") + kOneComponent);
+  unsetenv("ROS_LOCALHOST_ONLY");
+  EXPECT_EQ(old.transport, bus::Transport::kLoopback);
+  EXPECT_EQ(recent.transport, bus::Transport::kLocalhost);
+}
+
+TEST(Composition, RefusesPeersAndServersThatItsTransportDoesNotAsk) {
+  EXPECT_THAT(complaint_about("transport: loopback\nstatic_peers: [10.0.0.1]\n"),
+              HasSubstr("c.yaml:2: peers are not asked with transport: loopback"));
+  EXPECT_THAT(complaint_about("discovery_server: 10.0.0.1:11811\nstatic_peers: [10.0.0.1]\n"),
+              HasSubstr("c.yaml:2: peers are not asked with transport: discovery_server"));
+  EXPECT_THAT(complaint_about("transport: wifi\ndiscovery_server: 10.0.0.1:11811\n"),
+              HasSubstr("c.yaml:2: a server is not asked with transport: wifi"));
+  EXPECT_THAT(complaint_about("static_peers: 10.0.0.1\n"), HasSubstr("c.yaml:1"));
+}
+
 TEST(Composition, NeedsTypesAndNamesThatDiffer) {
   const auto with = [](const std::string& components) {
     return complaint_about("processes: [{name: p, components: [" + components + "]}]\n");
