@@ -32,10 +32,20 @@ inline constexpr std::uint16_t kVendorCyclone = 0x0110;
 /// "Fast DDS", "Cyclone DDS", ...; "vendor 01.2a" for one we do not know.
 [[nodiscard]] std::string vendor_name(std::uint16_t vendor);
 
+/// What Fast DDS puts into its GUIDs: two bytes that all processes of one host share, and the lower
+/// 16 bits of the process id. Of another vendor's they say nothing.
+[[nodiscard]] inline std::uint16_t host_of(const Guid& guid) {
+  return static_cast<std::uint16_t>(guid[2] | guid[3] << 8U);
+}
+[[nodiscard]] inline std::uint16_t process_of(const Guid& guid) {
+  return static_cast<std::uint16_t>(guid[4] | guid[5] << 8U);
+}
+
 struct DiscoveredParticipant {
   Guid guid{};
   std::string name;
-  std::string enclave;  ///< from its user data, as ROS 2 sets it; empty: none given
+  std::string enclave;              ///< from its user data, as ROS 2 sets it; empty: none given
+  bool uses_shared_memory = false;  ///< is to be reached so, from where discovery runs
 };
 
 struct DiscoveredEndpoint {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/bus/participant.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 
 #include "components/bus/names.hpp"
 #include "components/bus/participant_state.hpp"
@@ -84,12 +86,23 @@ std::map<std::string, PublishedTopic> Participant::published_topics() const {
 DomainView Participant::view() const {
   const std::lock_guard lock(state_->mutex);
   DomainView view;
-  view.participants.push_back({guid(), state_->options.enclave, state_->options.enclave});
+  const std::string& enclave = state_->options.enclave;
+  view.participants.push_back({guid(), enclave, enclave, state_->uses_shared_memory()});
   for (const auto& [guid, participant] : state_->participants) {
     view.participants.push_back(participant);
   }
   for (const auto& [guid, endpoint] : state_->endpoints) view.endpoints.push_back(endpoint);
   return view;
+}
+
+bool Participant::State::uses_shared_memory() const {
+  using Memory = eprosima::fastdds::rtps::SharedMemTransportDescriptor;
+  const auto& transport = participant->get_qos().transport();
+  const auto& own = transport.user_transports;
+  return transport.use_builtin_transports ||
+         std::any_of(own.begin(), own.end(), [](const auto& descriptor) {
+           return dynamic_cast<const Memory*>(descriptor.get()) != nullptr;
+         });
 }
 
 dds::Topic* Participant::State::topic(const TopicName& name, const std::string& type) {
@@ -135,8 +148,13 @@ void Participant::State::on_participant_discovery(dds::DomainParticipant* /*part
     participants.erase(guid);
     return;
   }
+  const auto& addresses = info.info.default_locators.unicast;
+  const bool uses_shared_memory =
+      std::any_of(addresses.begin(), addresses.end(),
+                  [](const rtps::Locator_t& address) { return address.kind == LOCATOR_KIND_SHM; });
   participants[guid] = {guid, info.info.m_participantName.to_string(),
-                        user_data_value(info.info.m_userData.getValue(), "enclave")};
+                        user_data_value(info.info.m_userData.getValue(), "enclave"),
+                        uses_shared_memory};
 }
 
 void Participant::State::on_publisher_discovery(dds::DomainParticipant* /*participant*/,

@@ -60,6 +60,7 @@ struct Participant::State : dds::DomainParticipantListener {
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
+  [[nodiscard]] bool uses_shared_memory() const;
   /// The topic's entity, made at its first use and kept: Fast DDS allows one a name.
   dds::Topic* topic(const TopicName& name, const std::string& type);
   /// Fast DDS announces only the endpoints of others.

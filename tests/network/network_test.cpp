@@ -16,7 +16,9 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+using testing::ContainsRegex;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST_F(Network, ShowsNodesOfEveryHostToEveryOther) {
   STRATA_MAKE_HOSTS(3);
@@ -24,6 +26,7 @@ TEST_F(Network, ShowsNodesOfEveryHostToEveryOther) {
   const auto second = peer(1, {"get-map"});
   const std::string report = doctor(2);
   EXPECT_THAT(report, HasSubstr("2 participants"));
+  EXPECT_THAT(report, Not(HasSubstr("transport: wifi")));
   EXPECT_NE(second->wait_for_line("map 10 ", kPatience), "");
 }
 
@@ -91,6 +94,26 @@ TEST_F(Network, DISABLED_ShowsHowLongALargeMapTakes) {
                 << " s\n";
     }
   }
+}
+
+TEST_F(Network, LetsTheDoctorAdviseSmallDatagramsForAMapThatDoesNotArrive) {
+  STRATA_MAKE_HOSTS(2);
+  network_->hub().set({0.1, milliseconds(50)});
+  const auto server = peer(0, {"map", "2000"});
+  const std::string report = doctor(1);
+  EXPECT_THAT(report, ContainsRegex("note: /map: is latched .*nothing of it has come"));
+  EXPECT_THAT(report, HasSubstr("transport: wifi"));
+}
+
+TEST_F(Network, LetsTheDoctorCountScansThatWereLost) {
+  STRATA_MAKE_HOSTS(2);
+  network_->hub().set({0.1, milliseconds(50)});
+  const auto listener = peer(1, {"hear", "10", "lossless"});
+  const auto talker = peer(0, {"scans", "1000", "20", "lossless"});
+  ASSERT_NE(listener->wait_for_line("heard", kPatience), "");  // so they flow
+  const std::string report = doctor(1);
+  EXPECT_THAT(report, ContainsRegex("note: /scan: [0-9]+ of [0-9]+ messages"));
+  EXPECT_THAT(report, HasSubstr("transport: wifi"));
 }
 
 TEST_F(Network, FindsARobotAgainThatReboots) {

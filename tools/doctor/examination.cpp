@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "components/bus/names.hpp"
+#include "tools/doctor/network_findings.hpp"
 
 namespace strata::doctor {
 namespace {
@@ -35,6 +36,7 @@ class Examiner {
  public:
   explicit Examiner(const Observed& observed) : observed_(observed) {
     for (const auto& [participant, nodes] : observed.nodes) {
+      if (!nodes.empty()) node_of_[participant] = full_name_of(nodes.front());
       for (const bus::NodeInfo& node : nodes) {
         for (const Guid& guid : node.readers) node_of_[guid] = full_name_of(node);
         for (const Guid& guid : node.writers) node_of_[guid] = full_name_of(node);
@@ -51,6 +53,12 @@ class Examiner {
     }
     for (const auto& [wire_name, endpoints] : topics) add_topic(wire_name, endpoints);
     compare_clocks();
+    const auto name_of = [this](const Guid& guid) { return owner_of(guid); };
+    for (const auto& find_more : {find_losses, find_users_apart}) {
+      for (Finding& finding : find_more(observed_, name_of)) {
+        report_.findings.push_back(std::move(finding));
+      }
+    }
     if (report_.participants.empty()) {
       find(true, "domain", "nobody else is here",
            "compare ROS_DOMAIN_ID and transport with the robot's, and look for a firewall on UDP "

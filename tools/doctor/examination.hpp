@@ -15,18 +15,22 @@ namespace strata::doctor {
 
 /// What was heard of one writer.
 struct Heard {
-  std::uint64_t messages = 0;
+  std::uint64_t messages = 0;  ///< as they were sent, at the first attempt
   std::uint64_t bytes = 0;
   /// Least of (our clock when it came - the writer's clock when it left), s. What a message needs
   /// to get here is in it, so below zero the writer's clock is surely ahead.
   double least_delay_s = 0.0;
+  std::int64_t first_number = 0;  ///< the writer's, of the first and the last that came
+  std::int64_t last_number = 0;
+  bool has_latched = false;  ///< asked for what was published before, some came
 };
 
 struct Observed {
   bus::DomainView view;
   bus::Guid self{};  ///< our own participant, which is left out
   std::map<bus::Guid, std::vector<bus::NodeInfo>> nodes;
-  std::map<bus::Guid, Heard> heard;  ///< by writer
+  std::map<bus::Guid, Heard> heard;        ///< by writer
+  std::map<bus::Guid, std::string> users;  ///< who runs it, by participant of this host
   double listened_s = 0.0;
 };
 
@@ -60,7 +64,8 @@ struct Report {
 };
 
 /// Endpoints of one topic that do not match each other (type, reliability, durability, deadline),
-/// clocks that differ by more than 0.1 s, topics that somebody reads and nobody writes.
+/// clocks that differ by more than 0.1 s, topics that somebody reads and nobody writes, and what
+/// network_findings.hpp finds.
 [[nodiscard]] Report examine(const Observed& observed);
 
 [[nodiscard]] std::string to_text(const Report& report);

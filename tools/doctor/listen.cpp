@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <mutex>
+#include <utility>
 
 #include "components/bus/endpoint.hpp"
 #include "core/base/error.hpp"
+#include "tools/doctor/process_user.hpp"
 
 namespace strata::doctor {
 namespace {
@@ -26,15 +29,15 @@ class Ear {
     qos_.depth = 100;
   }
 
-  void listen_to(const std::string& topic, const std::string& type) {
-    if (readers_.count(topic) > 0) return;
-    std::unique_ptr<bus::RawReader>& reader = readers_[topic];
-    try {
-      reader = std::make_unique<bus::RawReader>(
-          participant_, topic, type, qos_,
-          [this](const bus::RawMessage& message) { count(message); });
-    } catch (const ConfigError&) {  // NOLINT(bugprone-empty-catch): a second type is a finding
-    }
+  void listen_to(const std::string& topic, const bus::PublishedTopic& published) {
+    subscribe(readers_, topic, published.type, qos_,
+              [this](const auto& message) { count(message); });
+    if (!published.reliable || !published.transient_local) return;
+    subscribe(latched_, topic, published.type, bus::qos_profile("latched"),
+              [this](const bus::RawMessage& message) {
+                const std::lock_guard lock(mutex_);
+                heard_[message.identity.writer].has_latched = true;
+              });
   }
   [[nodiscard]] std::map<bus::Guid, Heard> heard() const {
     const std::lock_guard lock(mutex_);
@@ -42,11 +45,25 @@ class Ear {
   }
 
  private:
+  using Readers = std::map<std::string, std::unique_ptr<bus::RawReader>>;
+
+  void subscribe(Readers& readers, const std::string& topic, const std::string& type,
+                 const bus::QosProfile& qos, std::function<void(const bus::RawMessage&)> callback) {
+    if (readers.count(topic) > 0) return;
+    std::unique_ptr<bus::RawReader>& reader = readers[topic];
+    try {
+      reader =
+          std::make_unique<bus::RawReader>(participant_, topic, type, qos, std::move(callback));
+    } catch (const ConfigError&) {  // NOLINT(bugprone-empty-catch): a second type is a finding
+    }
+  }
   void count(const bus::RawMessage& message) {
     const double delay_s = wall_seconds() - static_cast<double>(message.source_stamp_ns) * 1e-9;
     const std::lock_guard lock(mutex_);
     Heard& heard = heard_[message.identity.writer];
     heard.least_delay_s = heard.messages == 0 ? delay_s : std::min(heard.least_delay_s, delay_s);
+    if (heard.messages == 0) heard.first_number = message.identity.sequence_number;
+    heard.last_number = message.identity.sequence_number;
     ++heard.messages;
     heard.bytes += message.cdr.size();
   }
@@ -54,8 +71,22 @@ class Ear {
   bus::QosProfile qos_;
   mutable std::mutex mutex_;
   std::map<bus::Guid, Heard> heard_;
-  std::map<std::string, std::unique_ptr<bus::RawReader>> readers_;  // last: they use the others
+  Readers readers_;  // last: they use the others
+  Readers latched_;
 };
+
+std::map<bus::Guid, std::string> users_of(const bus::DomainView& view, const bus::Guid& self) {
+  std::map<bus::Guid, std::string> users;
+  for (const bus::DiscoveredParticipant& participant : view.participants) {
+    if (bus::vendor_of(participant.guid) != bus::kVendorFastDds ||
+        bus::host_of(participant.guid) != bus::host_of(self)) {
+      continue;
+    }
+    const std::string user = user_of_process(bus::process_of(participant.guid));
+    if (!user.empty()) users[participant.guid] = user;
+  }
+  return users;
+}
 
 }  // namespace
 
@@ -66,7 +97,7 @@ Observed listen(const std::shared_ptr<bus::Participant>& participant,
   Ear ear(participant);
   do {
     for (const auto& [topic, published] : participant->published_topics()) {
-      ear.listen_to(topic, published.type);
+      ear.listen_to(topic, published);
     }
   } while (wait(kLookAgain_s));
   Observed observed;
@@ -74,6 +105,7 @@ Observed listen(const std::shared_ptr<bus::Participant>& participant,
   observed.self = participant->guid();
   observed.nodes = graph.nodes();
   observed.heard = ear.heard();
+  observed.users = users_of(observed.view, observed.self);
   observed.listened_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return observed;

@@ -11,7 +11,8 @@
 namespace strata::doctor {
 
 /// Joins nothing, disturbs nothing but by reading: subscribes, best effort, to every ROS 2 topic
-/// that is published, until `wait` says enough. wait: called again and again; sleeps for up to so
+/// that is published, and once more to latched ones for what was published before, until `wait`
+/// says enough. wait: called again and again; sleeps for up to so
 /// many seconds and returns whether to go on.
 [[nodiscard]] Observed listen(const std::shared_ptr<bus::Participant>& participant,
                               const std::function<bool(double)>& wait);
