@@ -111,7 +111,8 @@ class BagWriter {
     virtual void add_topic(const BagTopic& topic) = 0;
     virtual void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) = 0;
     virtual void flush() = 0;
-    virtual void close() = 0;
+    /// metadata: what metadata.yaml would say of the bag now.
+    virtual void close(const std::string& metadata) = 0;
   };
 
  private:

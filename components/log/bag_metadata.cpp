@@ -169,7 +169,7 @@ void emit_files(YAML::Emitter& out, const BagSummary& summary) {
 
 }  // namespace
 
-void write_bag_metadata(const fs::path& folder, const BagSummary& summary) {
+std::string bag_metadata(const BagSummary& summary) {
   std::size_t total = 0;
   Stamp begin{std::numeric_limits<std::int64_t>::max()};
   Stamp end{std::numeric_limits<std::int64_t>::min()};
@@ -202,8 +202,12 @@ void write_bag_metadata(const fs::path& folder, const BagSummary& summary) {
         << YAML::EndMap;
   }
   out << YAML::EndMap << YAML::EndMap;
+  return std::string(out.c_str()) + '\n';
+}
+
+void write_bag_metadata(const fs::path& folder, const BagSummary& summary) {
   WholeFile file(folder / "metadata.yaml");
-  file.stream() << out.c_str() << '\n';
+  file.stream() << bag_metadata(summary);
   file.commit();
 }
 

@@ -40,8 +40,10 @@ struct BagSummary {
   std::vector<BagTopic> topics;
   std::vector<std::size_t> counts;  ///< per topic
 };
-/// In the form of Humble (version 5) with SQLite schema 3, else of Iron (7), which tells the hashes
-/// of types; each reads the other's. Throws OutputError.
+/// The text of metadata.yaml, in the form of Humble (version 5) with SQLite schema 3, else of Iron
+/// (7), which tells the hashes of types; each reads the other's.
+[[nodiscard]] std::string bag_metadata(const BagSummary& summary);
+/// Throws OutputError.
 void write_bag_metadata(const std::filesystem::path& folder, const BagSummary& summary);
 
 struct BagFolderFiles {

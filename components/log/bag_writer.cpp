@@ -39,7 +39,7 @@ struct BagWriter::State {
   }
 
   void close_file() {
-    file->close();
+    file->close(bag_metadata(summary));
     file.reset();
     if (options.packing != BagPacking::kFile) return;
     std::string& file_name = summary.files.back().name;

@@ -23,6 +23,8 @@ enum McapOpcode : std::uint8_t {
   kMessageIndex = 7,
   kChunkIndex = 8,
   kStatistics = 11,
+  kMetadata = 12,
+  kMetadataIndex = 13,
   kSummaryOffset = 14,
   kDataEnd = 15,
 };

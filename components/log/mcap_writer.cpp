@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// MCAP as rosbag2 reads it: profile ros2, CDR messages in chunks with CRCs, message indexes, and a
-/// summary that repeats schemas and channels.
+/// MCAP as rosbag2 reads it: profile ros2, CDR messages in chunks with CRCs, message indexes, the
+/// bag's metadata, and a summary that repeats schemas and channels.
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -23,6 +23,8 @@ namespace strata::log {
 namespace {
 
 constexpr std::size_t kChunkBytes = 1 << 20;
+constexpr std::string_view kMetadataName = "rosbag2";
+
 /// Little-endian fields.
 class Record {
  public:
@@ -121,11 +123,14 @@ class McapFile : public BagWriter::File {
     }
   }
 
-  void close() override {
+  void close(const std::string& metadata) override {
     end_chunk();
     Record end;
     // Topics without a message, which no chunk has named yet.
     if (defined_bytes_ < definitions_.bytes().size()) end.raw(definitions_.bytes());
+    const std::uint64_t metadata_at = position_ + end.bytes().size();
+    end.record(kMetadata, rosbag2_metadata(metadata));
+    const std::uint64_t metadata_bytes = position_ + end.bytes().size() - metadata_at;
     end.record(kDataEnd, Record().number(std::uint32_t{0}));
     put(end);
     const std::uint64_t summary = position_;
@@ -137,6 +142,9 @@ class McapFile : public BagWriter::File {
     tail.record(kStatistics, statistics());
     const std::uint64_t chunks_at = summary + tail.bytes().size();
     tail.raw(chunk_indexes_.bytes());
+    const std::uint64_t metadata_index_at = summary + tail.bytes().size();
+    tail.record(kMetadataIndex,
+                Record().number(metadata_at).number(metadata_bytes).text(kMetadataName));
     const std::uint64_t offsets_at = summary + tail.bytes().size();
     const auto group = [&](std::uint8_t opcode, std::uint64_t from, std::uint64_t to) {
       if (to > from) {
@@ -146,7 +154,8 @@ class McapFile : public BagWriter::File {
     group(kSchema, summary, channels_at);
     group(kChannel, channels_at, statistics_at);
     group(kStatistics, statistics_at, chunks_at);
-    group(kChunkIndex, chunks_at, offsets_at);
+    group(kChunkIndex, chunks_at, metadata_index_at);
+    group(kMetadataIndex, metadata_index_at, offsets_at);
     // The CRC covers the summary up to itself.
     tail.number(kFooter).number(std::uint64_t{20}).number(summary).number(offsets_at);
     const auto crc = static_cast<std::uint32_t>(
@@ -217,6 +226,15 @@ class McapFile : public BagWriter::File {
     messages_in_chunk_ = 0;
   }
 
+  /// As rosbag2 keeps what it would else have to read from metadata.yaml.
+  [[nodiscard]] static Record rosbag2_metadata(const std::string& metadata) {
+    Record values;
+    values.text("serialized_metadata").text(metadata);
+    Record record;
+    record.text(kMetadataName).number(static_cast<std::uint32_t>(values.bytes().size()));
+    return record.raw(values.bytes());
+  }
+
   [[nodiscard]] Record statistics() const {
     std::uint64_t total = 0;
     Record counts;
@@ -226,8 +244,10 @@ class McapFile : public BagWriter::File {
     }
     Record record;
     record.number(total).number(static_cast<std::uint16_t>(schemas_.size()));
-    record.number(static_cast<std::uint32_t>(channels_)).number(std::uint32_t{0});
-    record.number(std::uint32_t{0}).number(chunks_).number(begin_).number(end_);
+    constexpr std::uint32_t kAttachments = 0;
+    constexpr std::uint32_t kMetadataRecords = 1;
+    record.number(static_cast<std::uint32_t>(channels_)).number(kAttachments);
+    record.number(kMetadataRecords).number(chunks_).number(begin_).number(end_);
     record.number(static_cast<std::uint32_t>(counts.bytes().size())).raw(counts.bytes());
     return record;
   }

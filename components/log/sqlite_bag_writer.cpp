@@ -85,7 +85,7 @@ class SqliteBagFile : public BagWriter::File {
   }
 
   void flush() override { commit(); }
-  void close() override {
+  void close(const std::string& /*metadata*/) override {
     commit();
     // Back to a single file, which any reader on a read-only disk can open. Everything is in the
     // bag already: while somebody reads it stays two files.

@@ -2,6 +2,8 @@
 /// What we write opens in libraries that others made, and we read what they write.
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <string>
 #include <utility>
@@ -50,6 +52,11 @@ Outcome run(const std::string& command) {
   const int status = pclose(pipe);
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return outcome;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
@@ -201,6 +208,8 @@ TEST_F(BagInterop, McapsOpenInTheMcapLibraryAndEveryTypeDecodesByItsSchema) {
     EXPECT_EQ(read["complete"], true);
     EXPECT_EQ(read["streamed"], 3 * all.size()) << "every checksum fits";
     EXPECT_THAT(read["chunks"], ::testing::Each(name));
+    EXPECT_EQ(read["metadata"]["rosbag2"]["serialized_metadata"], text_of(bag / "metadata.yaml"));
+    EXPECT_EQ(read["metadataCount"], 1);
     ASSERT_EQ(read["messages"].size(), 3 * all.size());
     EXPECT_EQ(read["topics"].size(), all.size() + 1);
     for (std::size_t i = 0; i < read["messages"].size(); ++i) {

@@ -78,6 +78,11 @@ async function readMcap(path) {
       count: reader.statistics.channelMessageCounts.get(channel.id) ?? 0n,
     };
   }
+  result.metadata = {};
+  for await (const record of reader.readMetadata()) {
+    result.metadata[record.name] = Object.fromEntries(record.metadata);
+  }
+  result.metadataCount = reader.statistics.metadataCount;
   for await (const message of reader.readMessages()) {
     const channel = reader.channelsById.get(message.channelId);
     const definition = new TextDecoder().decode(reader.schemasById.get(channel.schemaId).data);
