@@ -45,10 +45,14 @@ struct PlayerConfig {
         {.doc = "robot: scans with odometry, tf and clock; messages: all of a bag, of any type, "
                 "with the QoS it was recorded with, and a clock"});
     v.field("topics", c.topics, {.doc = "mode messages: only these; empty: all"});
-    v.field("rate", c.rate, {.doc = "1: as fast as recorded; 2: twice", .unit = "1", .min = 1e-3});
+    v.field("rate", c.rate,
+            {.doc = "1: as fast as recorded; 2: twice; may be changed while it plays",
+             .unit = "1",
+             .min = 1e-3,
+             .max = 1e6});
     v.field("start_s", c.start_s, {.doc = "begin there", .unit = "s", .min = 0.0});
     v.field("loop", c.loop, {.doc = "begin again at the end"});
-    v.field("paused", c.paused, {.doc = "begin when resumed"});
+    v.field("paused", c.paused, {.doc = "begin when resumed; may be changed while it plays"});
   }
 };
 

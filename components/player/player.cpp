@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/player/player.hpp"
 
+#include <algorithm>
+
 #include "components/log/log_reader.hpp"
 #include "core/base/error.hpp"
 
@@ -13,9 +15,13 @@ void Player::on_configure() {
   source_ = make_source();
   rate_ = config_.rate;
   paused_ = config_.paused;
+  over_ = false;
   from_ = Duration::from_seconds(config_.start_s);
-  wanted_.reset();
-  if (from_.ns > 0) wanted_ = from_;
+  if (from_.ns > 0 && !source_->seek(from_)) {
+    throw ConfigError(full_name() + ".start_s", "is behind the end of " + config_.log,
+                      "see `strata info` for how long it is");
+  }
+  serve();
 }
 
 std::unique_ptr<Source> Player::make_source() {
@@ -49,6 +55,7 @@ void Player::on_deactivate() { stop(); }
 void Player::stop() {
   {
     const std::lock_guard lock(mutex_);
+    restart_clock(position(Clock::now()));
     stopped_ = true;
   }
   changed_.notify_all();
@@ -56,9 +63,11 @@ void Player::stop() {
 }
 
 Duration Player::position(Clock::time_point now) const {
-  if (paused_) return from_;
+  if (paused_ || stopped_) return from_;
+  constexpr double kLongest_ns = 4e18;  // more than a century; what has ended goes on counting
   const std::chrono::duration<double> elapsed = now - since_;
-  return {from_.ns + static_cast<std::int64_t>(elapsed.count() * 1e9 * rate_)};
+  const double passed_ns = std::min(elapsed.count() * 1e9 * rate_, kLongest_ns);
+  return {from_.ns + static_cast<std::int64_t>(passed_ns)};
 }
 
 void Player::restart_clock(Duration position) {
@@ -66,70 +75,30 @@ void Player::restart_clock(Duration position) {
   since_ = Clock::now();
 }
 
-void Player::pause() {
-  const std::lock_guard lock(mutex_);
-  restart_clock(position(Clock::now()));
-  paused_ = true;
-  changed_.notify_all();
-}
-
-void Player::resume() {
-  const std::lock_guard lock(mutex_);
-  if (paused_) restart_clock(from_);
-  paused_ = false;
-  changed_.notify_all();
-}
-
-void Player::set_rate(double rate) {
-  if (!(rate > 0.0)) throw ConfigError("rate", "is not positive", "give 1 for the log's own pace");
-  const std::lock_guard lock(mutex_);
-  restart_clock(position(Clock::now()));
-  rate_ = rate;
-  changed_.notify_all();
-}
-
-void Player::seek(Duration since_begin) {
-  const std::lock_guard lock(mutex_);
-  wanted_ = since_begin;
-  restart_clock(since_begin);
-  changed_.notify_all();
-}
-
-bool Player::is_paused() const {
-  const std::lock_guard lock(mutex_);
-  return paused_;
-}
-
-bool Player::is_over() const {
-  const std::lock_guard lock(mutex_);
-  return over_;
-}
-
 void Player::play() {
   try {
     std::unique_lock lock(mutex_);
     while (!stopped_) {
-      if (play_next(lock)) continue;
-      if (config_.loop) {
-        wanted_ = Duration{};
+      if (controls_ > 0) {
+        changed_.wait(lock);
+        continue;
+      }
+      if (play_step(lock)) continue;
+      if (config_.loop && source_->seek({})) {
         restart_clock({});
         continue;
       }
       over_ = true;
-      changed_.wait(lock, [&] { return stopped_ || wanted_.has_value(); });
-      over_ = false;
+      changed_.wait(lock, [&] { return stopped_ || !over_; });
     }
   } catch (const std::exception& error) {
     if (context().on_error) context().on_error(full_name() + ": " + error.what());
   }
 }
 
-/// Waits for one step and publishes it, or does what was asked meanwhile; false at the end.
-bool Player::play_next(std::unique_lock<std::mutex>& lock) {
-  if (wanted_) {
-    source_->seek(*wanted_);
-    wanted_.reset();
-  }
+/// Waits for one step and publishes it, or returns when something may have changed; false at the
+/// end.
+bool Player::play_step(std::unique_lock<std::mutex>& lock) {
   Duration due;
   if (!source_->peek(due)) return false;
   const Duration left = due - position(Clock::now());
@@ -142,9 +111,20 @@ bool Player::play_next(std::unique_lock<std::mutex>& lock) {
     changed_.wait_for(lock, wall);
     return true;  // the pace or the place may be another by now
   }
+  is_stepping_ = true;
   lock.unlock();
-  source_->step();
-  lock.lock();
+  const auto done = [&] {
+    lock.lock();
+    is_stepping_ = false;
+    changed_.notify_all();
+  };
+  try {
+    source_->step();
+  } catch (...) {
+    done();
+    throw;
+  }
+  done();
   return true;
 }
 

@@ -17,20 +17,28 @@ bool ScanSource::peek(Duration& since_begin) {
   return true;
 }
 
-void ScanSource::seek(Duration since_begin) {
+bool ScanSource::seek(Duration since_begin) {
   const auto& observations = player_.observations();
   const auto found =
       std::find_if(observations.begin(), observations.end(), [&](const Observation& entry) {
         return entry.scan.stamp - observations.front().scan.stamp >= since_begin;
       });
+  if (found == observations.end()) return false;
   next_ = static_cast<std::size_t>(found - observations.begin());
+  return true;
+}
+
+std::optional<Stamp> ScanSource::begin() {
+  if (player_.observations().empty()) return std::nullopt;
+  return player_.observations().front().scan.stamp;
 }
 
 BagSource::BagSource(std::filesystem::path bag, const std::vector<std::string>& topics,
                      const Advertise& advertise,
                      std::function<void(const rosgraph_msgs::msg::Clock&)> publish_clock)
-    : bag_(std::move(bag)), publish_clock_(std::move(publish_clock)) {
-  open();
+    : bag_(std::move(bag)),
+      publish_clock_(std::move(publish_clock)),
+      reader_(log::BagReader::open(bag_)) {
   for (const log::BagTopic& topic : reader_->topics()) {
     const bool wanted =
         topics.empty() || std::find(topics.begin(), topics.end(), topic.name) != topics.end();
@@ -41,26 +49,28 @@ BagSource::BagSource(std::filesystem::path bag, const std::vector<std::string>& 
   }
 }
 
-void BagSource::open() {
-  reader_ = log::BagReader::open(bag_);
-  fetched_ = false;
+bool BagSource::read_played(log::BagReader& reader, log::BagMessage& message) const {
+  while (reader.next(message)) {
+    if (writers_.count(reader.topics()[message.topic].name) > 0) return true;
+  }
+  return false;
 }
 
 bool BagSource::fetch() {
-  while (!fetched_ && reader_->next(message_)) {
-    fetched_ = writers_.count(reader_->topics()[message_.topic].name) > 0;
-  }
-  if (fetched_ && !has_begin_) {
-    begin_ = message_.stamp;
-    has_begin_ = true;
-  }
+  fetched_ = fetched_ || read_played(*reader_, message_);
+  if (fetched_ && !begin_) begin_ = message_.stamp;
   return fetched_;
 }
 
 bool BagSource::peek(Duration& since_begin) {
   if (!fetch()) return false;
-  since_begin = message_.stamp - begin_;
+  since_begin = message_.stamp - *begin_;
   return true;
+}
+
+std::optional<Stamp> BagSource::begin() {
+  if (!begin_) (void)fetch();
+  return begin_;
 }
 
 void BagSource::step() {
@@ -72,10 +82,18 @@ void BagSource::step() {
   fetched_ = false;
 }
 
-void BagSource::seek(Duration since_begin) {
-  (void)fetch();  // for begin_
-  open();
-  while (fetch() && message_.stamp - begin_ < since_begin) fetched_ = false;
+bool BagSource::seek(Duration since_begin) {
+  if (!begin()) return false;
+  auto reader = log::BagReader::open(bag_);
+  log::BagMessage message;
+  while (read_played(*reader, message)) {
+    if (message.stamp - *begin_ < since_begin) continue;
+    reader_ = std::move(reader);
+    message_ = std::move(message);
+    fetched_ = true;
+    return true;
+  }
+  return false;
 }
 
 bus::QosProfile recorded_qos(const log::BagTopic& topic) {

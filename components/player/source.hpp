@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,8 +26,11 @@ class Source {
   [[nodiscard]] virtual bool peek(Duration& since_begin) = 0;
   /// Publishes the step that peek announced.
   virtual void step() = 0;
-  /// The next step is the first one at or after that time.
-  virtual void seek(Duration since_begin) = 0;
+  /// The next step is the first one at or after that time; false, and the next step stays what it
+  /// is, when there is none.
+  [[nodiscard]] virtual bool seek(Duration since_begin) = 0;
+  /// The stamp of the first step; nothing when there is no step.
+  [[nodiscard]] virtual std::optional<Stamp> begin() = 0;
 };
 
 /// Scan by scan.
@@ -35,7 +39,8 @@ class ScanSource final : public Source {
   explicit ScanSource(LogPlayer player) : player_(std::move(player)) {}
   bool peek(Duration& since_begin) override;
   void step() override { player_.publish(next_++); }
-  void seek(Duration since_begin) override;
+  bool seek(Duration since_begin) override;
+  std::optional<Stamp> begin() override;
 
  private:
   LogPlayer player_;
@@ -53,11 +58,13 @@ class BagSource final : public Source {
             std::function<void(const rosgraph_msgs::msg::Clock&)> publish_clock);
   bool peek(Duration& since_begin) override;
   void step() override;
-  void seek(Duration since_begin) override;
+  bool seek(Duration since_begin) override;
+  std::optional<Stamp> begin() override;
 
  private:
-  void open();
   [[nodiscard]] bool fetch();
+  /// The next message of a topic that is played.
+  [[nodiscard]] bool read_played(log::BagReader& reader, log::BagMessage& message) const;
 
   std::filesystem::path bag_;
   std::map<std::string, std::shared_ptr<bus::RawWriter>> writers_;  ///< by recorded topic
@@ -65,8 +72,7 @@ class BagSource final : public Source {
   std::unique_ptr<log::BagReader> reader_;
   log::BagMessage message_;
   bool fetched_ = false;
-  Stamp begin_;
-  bool has_begin_ = false;
+  std::optional<Stamp> begin_;  ///< once something was fetched
 };
 
 /// The profile that a bag says a topic was offered with; "default" where it does not say.

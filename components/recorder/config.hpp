@@ -34,6 +34,7 @@ struct RecorderConfig {
   int sqlite_schema = 3;
   double split_mb = 0.0;
   double split_s = 0.0;
+  bool paused = false;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("out", c.out, {.doc = "bag folder to write"});
@@ -56,6 +57,9 @@ struct RecorderConfig {
         {.doc = "begin another file when one holds this much; 0: never", .unit = "MB", .min = 0.0});
     v.field("split_s", c.split_s,
             {.doc = "... or spans this time; 0: never", .unit = "s", .min = 0.0});
+    v.field("paused", c.paused,
+            {.doc = "record when resumed; may be changed while it records: what comes meanwhile is "
+                    "left out"});
   }
 };
 

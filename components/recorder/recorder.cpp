@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "components/bus/bag_service_types.hpp"
 #include "components/convert/geometry_messages.hpp"
 
 namespace strata::recorder {
@@ -54,6 +55,7 @@ void Recorder::on_configure() {
       log_time_ = convert::from_message(message.clock());
     });
   }
+  serve();
   const auto published = context().participant->published_topics();
   for (std::string& topic : config_.topics) {
     const std::size_t colon = topic.find(':');
@@ -66,6 +68,35 @@ void Recorder::on_configure() {
            found == published.end() ? bus::PublishedTopic{type, false, false} : found->second);
   }
   record_what_is_published();
+}
+
+void Recorder::serve() {
+  keep_live<RecorderConfig>(
+      {"paused"}, [this](const RecorderConfig& config) { config_.paused = config.paused; });
+  offer<bus::srv::Pause>("~/pause", [this](const auto&) {
+    set_paused(true);
+    return rosbag2_interfaces::srv::Pause_Response();
+  });
+  offer<bus::srv::Resume>("~/resume", [this](const auto&) {
+    set_paused(false);
+    return rosbag2_interfaces::srv::Resume_Response();
+  });
+  offer<bus::srv::IsPaused>("~/is_paused", [this](const auto&) {
+    rosbag2_interfaces::srv::IsPaused_Response response;
+    response.paused(config_.paused);
+    return response;
+  });
+  offer<bus::srv::SplitBagfile>("~/split_bagfile", [this](const auto&) {
+    if (bag_) bag_->close();  // the next message begins another file of the bag
+    return rosbag2_interfaces::srv::SplitBagfile_Response();
+  });
+}
+
+void Recorder::set_paused(bool paused) {
+  rcl_interfaces::msg::Parameter parameter;
+  parameter.name("paused");
+  parameter.value(runtime::parameter_value(paused));
+  (void)set_parameters({parameter});
 }
 
 void Recorder::on_tick() {
@@ -110,7 +141,7 @@ std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTop
 }
 
 void Recorder::write(const std::string& topic, const bus::RawMessage& message) {
-  if (!bag_) return;
+  if (!bag_ || config_.paused) return;
   if (!recorded_.at(topic).place) {
     const auto published = context().participant->published_topics();
     const auto found = published.find(topic);

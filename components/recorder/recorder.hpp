@@ -18,7 +18,8 @@ namespace strata::recorder {
 /// losslessly in lockstep. Messages are stamped with when they were written, in lockstep with the
 /// log's time from /clock. Deactivating completes the bag; activating again goes on in another file
 /// of it. What came more than a second ago survives the end of the process by
-/// whatever cause.
+/// whatever cause. Controlled as rosbag2's recorder, by services ~/pause, ~/resume, ~/is_paused and
+/// ~/split_bagfile, and by the parameter `paused`.
 class Recorder final : public runtime::Component {
  public:
   using Component::Component;
@@ -34,6 +35,10 @@ class Recorder final : public runtime::Component {
   void on_tick() override;
   void on_deactivate() override;
   void on_cleanup() override;
+  /// Offers the services.
+  void serve();
+  /// Sets the parameter, as others do.
+  void set_paused(bool paused);
   void record_what_is_published();
   void record(const std::string& topic, const bus::PublishedTopic& published);
   void write(const std::string& topic, const bus::RawMessage& message);

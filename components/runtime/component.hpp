@@ -188,6 +188,20 @@ class Component {
       config = settings::read_config<Config>(node, place);
     };
   }
+  /// As above for a component that has to do something about the change: `apply` is given all of
+  /// the parameters.
+  template <typename Config>
+  void keep_live(std::vector<std::string> names, std::function<void(const Config&)> apply) {
+    parameter_model_.live_names = std::move(names);
+    parameter_model_.apply_live = [apply = std::move(apply),
+                                   place = parameters_place()](const YAML::Node& node) {
+      apply(settings::read_config<Config>(node, place));
+    };
+  }
+  /// Changes parameters as who calls the service set_parameters does: checked, applied and told to
+  /// others in the same way. Live, on the component's own thread.
+  [[nodiscard]] ParameterChange set_parameters(
+      const std::vector<rcl_interfaces::msg::Parameter>& changes);
   /// What went wrong while the component goes on: counted, on /diagnostics, and told the host.
   void tell(const std::exception& error);
   /// Runs `body`; what it throws is told.
@@ -238,8 +252,6 @@ class Component {
   [[nodiscard]] bool try_transition(std::uint8_t id, const std::string& label);
   void tell_transition(const LifecycleTransition& transition);
   [[nodiscard]] ParameterTable parameters() const;
-  [[nodiscard]] ParameterChange set_parameters(
-      const std::vector<rcl_interfaces::msg::Parameter>& changes);
 
   // Lockstep (component_lockstep.cpp).
   void join_lockstep();

@@ -15,7 +15,15 @@
  *   get_map NODE                             map WIDTH HEIGHT FRAME
  *   save_map NODE TOPIC URL                  saved 0|1
  *   set_initial_pose NAMESPACE X Y           posed
- *   empty NAMESPACE SERVICE                  done                                        */
+ *   empty NAMESPACE SERVICE                  done
+ *   pause, resume, toggle_paused NODE        done
+ *   split_bagfile NODE                       done
+ *   is_paused NODE                           paused 0|1
+ *   get_rate NODE                            rate RATE
+ *   set_rate NODE RATE                       success 0|1
+ *   seek NODE SECONDS                        success 0|1
+ *   play_next NODE                           success 0|1                                 */
+#include "cyclone_bag_requests.h"
 #include "cyclone_map_requests.h"
 #include "cyclone_peer.h"
 #include "cyclone_requests.h"
@@ -229,10 +237,53 @@ static void localization(const char* name, char* node, char** arguments) {
   }
 }
 
+/* A call without a word in either way. */
+#define CALL_EMPTY(service, path)                     \
+  if (strcmp(name, path) == 0) {                      \
+    REQUEST(service, request);                        \
+    CALL(rosbag2_interfaces, service, path, &request); \
+    puts("done");                                     \
+  }
+
+static void bags(const char* name, char* node, char** arguments) {
+  CALL_EMPTY(Pause, "pause")
+  CALL_EMPTY(Resume, "resume")
+  CALL_EMPTY(TogglePaused, "toggle_paused")
+  CALL_EMPTY(SplitBagfile, "split_bagfile")
+  if (strcmp(name, "is_paused") == 0) {
+    REQUEST(IsPaused, request);
+    const cyclone_requests_IsPausedReply* reply =
+        CALL(rosbag2_interfaces, IsPaused, "is_paused", &request);
+    printf("paused %d\n", reply->body.paused ? 1 : 0);
+  } else if (strcmp(name, "get_rate") == 0) {
+    REQUEST(GetRate, request);
+    const cyclone_requests_GetRateReply* reply =
+        CALL(rosbag2_interfaces, GetRate, "get_rate", &request);
+    printf("rate %g\n", reply->body.rate);
+  } else if (strcmp(name, "set_rate") == 0) {
+    REQUEST(SetRate, request);
+    request.body.rate = atof(arguments[0]);
+    const cyclone_requests_SetRateReply* reply =
+        CALL(rosbag2_interfaces, SetRate, "set_rate", &request);
+    printf("success %d\n", reply->body.success ? 1 : 0);
+  } else if (strcmp(name, "seek") == 0) {
+    REQUEST(Seek, request);
+    request.body.time.sec = atoi(arguments[0]);
+    const cyclone_requests_SeekReply* reply = CALL(rosbag2_interfaces, Seek, "seek", &request);
+    printf("success %d\n", reply->body.success ? 1 : 0);
+  } else if (strcmp(name, "play_next") == 0) {
+    REQUEST(PlayNext, request);
+    const cyclone_requests_PlayNextReply* reply =
+        CALL(rosbag2_interfaces, PlayNext, "play_next", &request);
+    printf("success %d\n", reply->body.success ? 1 : 0);
+  }
+}
+
 void call_service(const char* name, char* node, char** arguments) {
   lifecycle(name, node, arguments);
   read_parameters(name, node, arguments);
   set_parameter(name, node, arguments);
   maps(name, node, arguments);
   localization(name, node, arguments);
+  bags(name, node, arguments);
 }

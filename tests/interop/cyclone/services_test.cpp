@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Our services asked by Cyclone DDS in the way of rmw_cyclonedds.
 #include <atomic>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,9 +10,12 @@
 #include <gtest/gtest.h>
 
 #include "components/bus/service.hpp"
+#include "components/log/bag.hpp"
 #include "components/log/map_file.hpp"
 #include "components/map_saver/register.hpp"
 #include "components/map_server/register.hpp"
+#include "components/recorder/register.hpp"
+#include "tests/components/player/drive.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/interop/cyclone/process.hpp"
 #include "tests/support/test_data.hpp"
@@ -134,6 +138,58 @@ TEST(CycloneLocalization, IsStartedAnywhereAndAtAPose) {
   EXPECT_EQ(Asked::x_m, 2.5);
   EXPECT_EQ(answer({"empty", "/robot1", "reinitialize_global_localization"}, "done"), "done");
   EXPECT_EQ(Asked::restarts, 1);
+}
+
+TEST(CycloneBags, ControlThePlayer) {
+  const TemporaryDirectory folder;
+  write_drive(folder.path() / "bag", 20);
+  const auto participant = make_participant();
+  Collector<sensor_msgs::msg::LaserScan> scans(participant, "/scan", "lossless");
+  const auto host = play(folder.path() / "bag", ", rate: 0.001, paused: true", participant);
+  host->activate();
+  EXPECT_EQ(answer({"is_paused", "/player"}, "paused"), "paused 1");
+  EXPECT_EQ(answer({"seek", "/player", "18"}, "success"), "success 1");
+  EXPECT_EQ(answer({"seek", "/player", "180"}, "success"), "success 0");
+  EXPECT_EQ(answer({"play_next", "/player"}, "success"), "success 1");
+  ASSERT_EQ(scans.wait_for(1).size(), 1U);
+  EXPECT_EQ(scans.wait_for(1)[0].ranges()[2], 3.0F + 17.0F);
+  EXPECT_EQ(answer({"get_rate", "/player"}, "rate"), "rate 0.001");
+  EXPECT_EQ(answer({"set_rate", "/player", "0"}, "success"), "success 0");
+  EXPECT_EQ(answer({"set_rate", "/player", "1000000"}, "success"), "success 1");
+  EXPECT_EQ(answer({"toggle_paused", "/player"}, "done"), "done");
+  EXPECT_EQ(scans.wait_for(3).size(), 3U);
+  EXPECT_EQ(answer({"pause", "/player"}, "done"), "done");
+  EXPECT_EQ(answer({"is_paused", "/player"}, "paused"), "paused 1");
+  EXPECT_EQ(answer({"resume", "/player"}, "done"), "done");
+  EXPECT_EQ(answer({"is_paused", "/player"}, "paused"), "paused 0");
+}
+
+TEST(CycloneBags, ControlTheRecorder) {
+  const TemporaryDirectory folder;
+  const auto bag = folder.path() / "bag";
+  const auto participant = make_participant();
+  bus::Writer<sensor_msgs::msg::LaserScan> writer(participant, "/scan",
+                                                  bus::qos_profile("default"));
+  runtime::Registry registry;
+  recorder::register_component(registry);
+  const auto host = make_host("{type: strata::Recorder, name: recorder, parameters: {out: '" +
+                                  bag.string() + "', topics: [/scan]}}",
+                              registry, participant);
+  host->activate();
+  writer.publish({});
+  EXPECT_EQ(answer({"split_bagfile", "/recorder"}, "done"), "done");
+  EXPECT_EQ(answer({"pause", "/recorder"}, "done"), "done");
+  EXPECT_EQ(answer({"is_paused", "/recorder"}, "paused"), "paused 1");
+  writer.publish({});
+  EXPECT_EQ(answer({"resume", "/recorder"}, "done"), "done");
+  writer.publish({});
+  host->stop();
+  EXPECT_TRUE(std::filesystem::exists(bag / "bag_1.db3"));
+  const auto reader = log::BagReader::open(bag);
+  log::BagMessage message;
+  int messages = 0;
+  while (reader->next(message)) ++messages;
+  EXPECT_EQ(messages, 2);
 }
 
 /// Who asks while others ask gets the own reply, whatever its way.
