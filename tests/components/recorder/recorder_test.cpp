@@ -6,10 +6,14 @@
 #include <map>
 #include <utility>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include "components/bus/bag_service_types.hpp"
+#include "components/bus/service.hpp"
 #include "components/recorder/register.hpp"
+#include "components/runtime/parameters.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/test_data.hpp"
@@ -30,19 +34,34 @@ Messages read_bag(const std::filesystem::path& folder) {
   return messages;
 }
 
-class RecorderStorage : public testing::TestWithParam<const char*> {
+struct Storage {
+  const char* name;
+  const char* parameters;
+  const char* description;  ///< what the reader tells of the bag
+};
+
+class RecorderStorage : public testing::TestWithParam<Storage> {
  protected:
   [[nodiscard]] std::unique_ptr<runtime::Host> make(const std::string& parameters) {
     runtime::Registry registry;
     register_component(registry);
     return test::make_host("{type: strata::Recorder, name: recorder, parameters: {out: '" +
-                               bag().string() + "', storage: " + GetParam() + parameters + "}}",
+                               bag().string() + "', storage: " + GetParam().parameters +
+                               parameters + "}}",
                            registry, participant_);
   }
   [[nodiscard]] std::filesystem::path bag() const { return folder_.path() / "bag"; }
   [[nodiscard]] bus::Writer<sensor_msgs::msg::LaserScan> writer(const std::string& topic,
                                                                 const std::string& qos) const {
     return {participant_, topic, bus::qos_profile(qos)};
+  }
+  template <typename S>
+  typename bus::ServiceType<S>::Response call(
+      const std::string& name, const typename bus::ServiceType<S>::Request& request = {}) {
+    const auto response =
+        bus::call_service<S>(participant_, "/recorder/" + name, request, std::chrono::seconds(20));
+    EXPECT_TRUE(response.has_value()) << name;
+    return response.value_or(typename bus::ServiceType<S>::Response());
   }
   std::shared_ptr<bus::Participant> participant_ = test::make_participant();
 
@@ -163,7 +182,103 @@ TEST_P(RecorderStorage, GoesOnInTheSameBagWhenItIsActivatedAgain) {
   EXPECT_TRUE(std::filesystem::exists(bag() / "metadata.yaml"));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, RecorderStorage, testing::Values("sqlite3", "mcap"));
+TEST_P(RecorderStorage, KeepsATypeThatNobodyKnowsByteForByte) {
+  constexpr const char* kType = "strange_msgs/msg/Thing";
+  bus::RawWriter things(participant_, "/things", kType, bus::qos_profile("default"));
+  const auto host = make(", topics: [/things]");
+  host->activate();
+  Messages sent;
+  for (std::size_t size = 0; size < 40; ++size) {
+    std::vector<std::uint8_t> thing = {0, 1, 0, 0};
+    for (std::size_t i = 0; i < size; ++i) {
+      thing.push_back(static_cast<std::uint8_t>(251 * (size + i)));
+    }
+    things.publish(thing);
+    sent["/things"].push_back(thing);
+  }
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  EXPECT_EQ(read_bag(bag()), sent);
+  const auto reader = log::BagReader::open(bag());
+  ASSERT_EQ(reader->topics().size(), 1U);
+  EXPECT_EQ(reader->topics()[0].type, kType);
+}
+
+TEST_P(RecorderStorage, StoresAsItWasAskedTo) {
+  auto scans = writer("/scan", "default");
+  const auto host = make("");
+  host->activate();
+  for (int i = 0; i < 100; ++i) scans.publish(numbered(i));
+  host->stop();
+  EXPECT_THAT(log::BagReader::open(bag())->description(),
+              testing::HasSubstr(GetParam().description));
+  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 100U);
+}
+
+TEST_P(RecorderStorage, BeginsAnotherFileWhenOneSpansTheTime) {
+  auto scans = writer("/scan", "default");
+  const auto host = make(", split_s: 1e-9");  // less than any two messages are apart
+  host->activate();
+  for (int i = 0; i < 10; ++i) scans.publish(numbered(i));
+  host->stop();
+  const YAML::Node files =
+      YAML::LoadFile((bag() / "metadata.yaml").string())["rosbag2_bagfile_information"]["files"];
+  ASSERT_EQ(files.size(), 10U);
+  for (const YAML::Node& file : files) EXPECT_EQ(file["message_count"].as<int>(), 1);
+  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 10U);
+}
+
+TEST_P(RecorderStorage, LeavesOutWhatComesWhileItIsPaused) {
+  auto scans = writer("/scan", "default");
+  const auto host = make("");
+  host->activate();
+  EXPECT_FALSE(call<bus::srv::IsPaused>("is_paused").paused());
+  scans.publish(numbered(1));
+  call<bus::srv::Pause>("pause");
+  EXPECT_TRUE(call<bus::srv::IsPaused>("is_paused").paused());
+  scans.publish(numbered(2));
+  call<bus::srv::Resume>("resume");
+  scans.publish(numbered(3));
+  rcl_interfaces::srv::SetParameters_Request pause;
+  pause.parameters().resize(1);
+  pause.parameters()[0].name("paused");
+  pause.parameters()[0].value(runtime::parameter_value(true));
+  EXPECT_TRUE(call<bus::srv::SetParameters>("set_parameters", pause).results().at(0).successful());
+  EXPECT_TRUE(call<bus::srv::IsPaused>("is_paused").paused());
+  scans.publish(numbered(4));
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  EXPECT_EQ(read_bag(bag()).at("/scan"),
+            (std::vector{convert::to_cdr(numbered(1)), convert::to_cdr(numbered(3))}));
+}
+
+TEST_P(RecorderStorage, BeginsAnotherFileWhenItIsAskedTo) {
+  auto scans = writer("/scan", "default");
+  const auto host = make(", topics: [/scan]");
+  host->activate();
+  for (const int number : {1, 2, 3}) {
+    scans.publish(numbered(number));
+    call<bus::srv::SplitBagfile>("split_bagfile");
+    call<bus::srv::SplitBagfile>("split_bagfile");  // nothing has come that would need a file
+  }
+  scans.publish(numbered(4));
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  const YAML::Node info =
+      YAML::LoadFile((bag() / "metadata.yaml").string())["rosbag2_bagfile_information"];
+  ASSERT_EQ(info["files"].size(), 4U);
+  for (const YAML::Node& file : info["files"]) EXPECT_EQ(file["message_count"].as<int>(), 1);
+  EXPECT_EQ(read_bag(bag()).at("/scan").size(), 4U);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, RecorderStorage,
+    testing::Values(Storage{"Sqlite3", "sqlite3", "SQLite schema 3"},
+                    Storage{"Sqlite3SchemaFour", "sqlite3, sqlite_schema: 4", "SQLite schema 4"},
+                    Storage{"Mcap", "mcap", "MCAP"},
+                    Storage{"McapZstd", "mcap, compression: zstd", "MCAP, chunks packed with zstd"},
+                    Storage{"McapLz4", "mcap, compression: lz4", "MCAP, chunks packed with lz4"}),
+    [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
 }  // namespace strata::recorder
