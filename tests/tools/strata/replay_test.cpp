@@ -44,6 +44,18 @@ TEST_F(Replay, DoesNotDependOnThreadsExecutorOrTransport) {
   expect_same_maps(at("direct"), at("other"));
 }
 
+TEST_F(Replay, DoesNotDependOnItsSpeed) {
+  constexpr double kRate = 20.0;
+  const test::Outcome outcome =
+      replay(log(), kCompositions / "mapping.yaml", "paced", "--rate " + std::to_string(kRate));
+  ASSERT_EQ(outcome.code, 0) << outcome.out;
+  expect_same_maps(at("direct"), at("paced"));
+  const auto summary = nlohmann::json::parse(content(at("paced") / "summary.json"));
+  const double duration_s = summary["duration_s"].get<double>();
+  EXPECT_GT(duration_s, 0.0);
+  EXPECT_GE(summary["cost"]["wall_s"].get<double>(), duration_s / kRate) << "it kept the pace";
+}
+
 TEST_F(Replay, MeasuresWhatItCost) {
   ASSERT_EQ(replay(log(), kCompositions / "mapping_processes.yaml", "out").code, 0);
   const auto cost = nlohmann::json::parse(content(at("out") / "summary.json"))["cost"];
