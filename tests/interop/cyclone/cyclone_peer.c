@@ -3,7 +3,12 @@
  *
  *   cyclone_peer DOMAIN echo                 every message of rt/ask_<Type> goes back on
  *                                            rt/answer_<Type>, through Cyclone's own structs
- *   cyclone_peer DOMAIN nodes                prints "node NAMESPACE NAME" of what others announce
+ *   cyclone_peer DOMAIN best_effort          the same for rt/ask_best_effort (LaserScan) and
+ *                                            rt/answer_best_effort, best effort both
+ *   cyclone_peer DOMAIN nodes GID            prints "node NAMESPACE NAME" of what others announce;
+ *                                            GID: the bytes of a Gid, 24 or 16
+ *   cyclone_peer DOMAIN announce GID NAMESPACE NAME
+ *                                            announces a node with one reader and two writers
  *   cyclone_peer DOMAIN SERVICE NODE ...     calls it and prints what it answers; cyclone_services.c
  *
  * Says "ready" once everything is made; ends when its standard input does. */
@@ -17,8 +22,10 @@
 #include "octomap_msgs.h"
 #include "rcl_interfaces.h"
 #include "rmw_dds_common.h"
+#include "rmw_dds_common_24.h"
 #include "rosgraph_msgs.h"
 #include "sensor_msgs.h"
+#include "std_msgs.h"
 #include "strata_msgs.h"
 #include "tf2_msgs.h"
 #include <pthread.h>
@@ -59,7 +66,8 @@ static const struct Type kTypes[] = {TYPE(diagnostic_msgs, DiagnosticArray),
                                      TYPE(strata_msgs, Topologies),
                                      TYPE(sensor_msgs, Image),
                                      TYPE(sensor_msgs, CameraInfo),
-                                     TYPE(bond, Status)};
+                                     TYPE(bond, Status),
+                                     TYPE(std_msgs, String)};
 enum { kTypeCount = sizeof kTypes / sizeof kTypes[0] };
 
 dds_entity_t g_participant;
@@ -167,11 +175,20 @@ static void echo(void) {
   }
 }
 
-static void nodes(void) {
-  const dds_entity_t reader =
-      make_reader(make_topic(&rmw_dds_common_msg_ParticipantEntitiesInfo_desc, "ros_discovery_info",
-                             "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"),
-                  true, 0);
+/* Best effort as sensors are, which a reliable endpoint of the other side may not be. */
+static void echo_best_effort(void) {
+  const char* const type = "sensor_msgs::msg::dds_::LaserScan_";
+  dds_qos_t* qos = make_qos(false, 5);
+  dds_qset_reliability(qos, DDS_RELIABILITY_BEST_EFFORT, 0);
+  const dds_entity_t writer = dds_create_writer(
+      g_participant, make_topic(&sensor_msgs_msg_LaserScan_desc, "rt/answer_best_effort", type), qos,
+      NULL);
+  const dds_entity_t reader = dds_create_reader(
+      g_participant, make_topic(&sensor_msgs_msg_LaserScan_desc, "rt/ask_best_effort", type), qos,
+      NULL);
+  dds_delete_qos(qos);
+  require(writer, "best-effort writer");
+  require(reader, "best-effort reader");
   attach(reader, 0);
   say("ready");
   for (;;) {
@@ -182,15 +199,79 @@ static void nodes(void) {
     }
     void* sample = NULL;
     while (take(reader, &sample)) {
-      const rmw_dds_common_msg_ParticipantEntitiesInfo* info = sample;
-      for (uint32_t i = 0; i < info->node_entities_info_seq._length; ++i) {
-        const rmw_dds_common_msg_NodeEntitiesInfo* node = &info->node_entities_info_seq._buffer[i];
-        printf("node %s %s\n", node->node_namespace, node->node_name);
-      }
+      require(dds_write(writer, sample), "best effort");
+      dds_return_loan(reader, &sample, 1);
+    }
+  }
+}
+
+/* The graph's message has one name and two layouts. */
+#define GRAPH(package)                                                                       \
+  static void print_nodes_of_##package(const void* sample) {                                 \
+    const package##_msg_ParticipantEntitiesInfo* info = sample;                              \
+    for (uint32_t i = 0; i < info->node_entities_info_seq._length; ++i) {                    \
+      const package##_msg_NodeEntitiesInfo* node = &info->node_entities_info_seq._buffer[i]; \
+      printf("node %s %s\n", node->node_namespace, node->node_name);                         \
+    }                                                                                        \
+  }                                                                                          \
+  static void announce_in_##package(dds_entity_t writer, char* scope, char* name) {          \
+    dds_guid_t own;                                                                          \
+    require(dds_get_guid(g_participant, &own), "guid");                                      \
+    package##_msg_Gid gids[2];                                                               \
+    memset(gids, 0, sizeof gids);                                                            \
+    for (int i = 0; i < 2; ++i) {                                                            \
+      memcpy(gids[i].data, own.v, sizeof own.v);                                             \
+      gids[i].data[15] = (uint8_t)(i + 1);                                                   \
+    }                                                                                        \
+    package##_msg_NodeEntitiesInfo node;                                                     \
+    memset(&node, 0, sizeof node);                                                           \
+    node.node_namespace = scope;                                                             \
+    node.node_name = name;                                                                   \
+    node.reader_gid_seq._length = node.reader_gid_seq._maximum = 1;                          \
+    node.reader_gid_seq._buffer = gids;                                                      \
+    node.writer_gid_seq._length = node.writer_gid_seq._maximum = 2;                          \
+    node.writer_gid_seq._buffer = gids;                                                      \
+    package##_msg_ParticipantEntitiesInfo info;                                              \
+    memset(&info, 0, sizeof info);                                                           \
+    memcpy(info.gid.data, own.v, sizeof own.v);                                              \
+    info.node_entities_info_seq._length = info.node_entities_info_seq._maximum = 1;          \
+    info.node_entities_info_seq._buffer = &node;                                             \
+    require(dds_write(writer, &info), "announce");                                           \
+  }
+GRAPH(rmw_dds_common)
+GRAPH(rmw_dds_common_24)
+
+static dds_entity_t make_graph_topic(bool is_long) {
+  return make_topic(is_long ? &rmw_dds_common_24_msg_ParticipantEntitiesInfo_desc
+                            : &rmw_dds_common_msg_ParticipantEntitiesInfo_desc,
+                    "ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
+}
+
+static void nodes(bool is_long) {
+  const dds_entity_t reader = make_reader(make_graph_topic(is_long), true, 0);
+  attach(reader, 0);
+  say("ready");
+  for (;;) {
+    dds_attach_t tags[2];
+    const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
+    for (int i = 0; i < count; ++i) {
+      if (tags[i] != 0) return;
+    }
+    void* sample = NULL;
+    while (take(reader, &sample)) {
+      (is_long ? print_nodes_of_rmw_dds_common_24 : print_nodes_of_rmw_dds_common)(sample);
       fflush(stdout);
       dds_return_loan(reader, &sample, 1);
     }
   }
+}
+
+static void announce(bool is_long, char* scope, char* name) {
+  const dds_entity_t writer = make_writer(make_graph_topic(is_long), true);
+  (is_long ? announce_in_rmw_dds_common_24 : announce_in_rmw_dds_common)(writer, scope, name);
+  say("ready");
+  dds_attach_t tag;
+  (void)dds_waitset_wait(g_waitset, &tag, 1, DDS_INFINITY);
 }
 
 int main(int argc, char** argv) {
@@ -203,7 +284,10 @@ int main(int argc, char** argv) {
   pthread_t thread;
   if (pthread_create(&thread, NULL, wait_for_end, NULL) != 0) return 1;
   if (strcmp(argv[2], "echo") == 0) echo();
-  if (strcmp(argv[2], "nodes") == 0) nodes();
+  if (strcmp(argv[2], "best_effort") == 0) echo_best_effort();
+  const bool is_long = argc >= 4 && strcmp(argv[3], "24") == 0;
+  if (strcmp(argv[2], "nodes") == 0) nodes(is_long);
+  if (strcmp(argv[2], "announce") == 0 && argc >= 6) announce(is_long, argv[4], argv[5]);
   if (argc >= 4) call_service(argv[2], argv[3], argv + 4);
   dds_delete(g_participant);
   fflush(stdout);

@@ -124,6 +124,13 @@ nav_msgs::msg::Odometry sample() {
 }
 
 template <>
+std_msgs::msg::String sample() {
+  std_msgs::msg::String result;
+  result.data(R"({"places": [{"id": 1}, {"id": 22}]})");
+  return result;
+}
+
+template <>
 bond::msg::Status sample() {
   bond::msg::Status result;
   result.header(header(""));
