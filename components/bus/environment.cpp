@@ -11,6 +11,8 @@
 namespace strata::bus {
 namespace {
 
+constexpr const char* kEnclaveOverride = "ROS_SECURITY_ENCLAVE_OVERRIDE";
+
 std::string variable(const char* name) {
   const char* value = std::getenv(name);
   return value != nullptr ? value : "";
@@ -91,10 +93,10 @@ ParticipantOptions options_from_environment(const std::string& ros_distro) {
   if (!release.empty()) options.ros_distro = release;
   read_discovery(options);
   options.security = security_options();
-  if (const std::string enclave = variable("ROS_SECURITY_ENCLAVE_OVERRIDE"); !enclave.empty()) {
-    options.enclave = enclave;
-  }
+  if (environment_names_enclave()) options.enclave = variable(kEnclaveOverride);
   return options;
 }
+
+bool environment_names_enclave() { return !variable(kEnclaveOverride).empty(); }
 
 }  // namespace strata::bus

@@ -27,5 +27,7 @@ namespace strata::bus {
 /// ros_distro: the release, where it is known from elsewhere; empty: what ROS_DISTRO says.
 /// Throws ConfigError, at the variable's name, for a value that is none.
 [[nodiscard]] ParticipantOptions options_from_environment(const std::string& ros_distro = {});
+/// Whether ROS_SECURITY_ENCLAVE_OVERRIDE says something; it wins over a composition's `enclave`.
+[[nodiscard]] bool environment_names_enclave();
 
 }  // namespace strata::bus

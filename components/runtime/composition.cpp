@@ -245,7 +245,7 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
   read_discovery(section, usual, composition);
   composition.security = usual.security;
   composition.enclave = usual.enclave;
-  if (usual.enclave == "/") {  // else ROS_SECURITY_ENCLAVE_OVERRIDE rules
+  if (!bus::environment_names_enclave()) {
     composition.enclave = section.get<std::string>("enclave", "/");
     section.located("enclave", [&] { security::require_enclave_name(composition.enclave); });
   }

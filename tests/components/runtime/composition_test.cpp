@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/composition.hpp"
 
+#include <cstdlib>
 #include <fstream>
 #include <string>
 
@@ -133,6 +134,22 @@ TEST(Composition, NeedsTypesAndNamesThatDiffer) {
   EXPECT_THAT(with(""), HasSubstr("no component is listed"));
   EXPECT_THAT(complaint_about("processes: [{name: p}, {name: p}]\n"),
               HasSubstr("two processes are named 'p'"));
+}
+
+TEST(Composition, RunsAsItsEnclaveUnlessTheEnvironmentNamesAnother) {
+  const auto enclave_of = [](const std::string& line) {
+    const std::string text =
+        line + "processes: [{name: p, components: [{type: strata::Player, name: player}]}]\n";
+    return read_composition(settings::parse_yaml(text, "c.yaml"), "c.yaml").enclave;
+  };
+  EXPECT_EQ(enclave_of(""), "/");
+  EXPECT_EQ(enclave_of("enclave: /fleet/robot1\n"), "/fleet/robot1");
+  setenv("ROS_SECURITY_ENCLAVE_OVERRIDE", "/other", 1);
+  EXPECT_EQ(enclave_of("enclave: /fleet/robot1\n"), "/other");
+  EXPECT_EQ(enclave_of(""), "/other");
+  setenv("ROS_SECURITY_ENCLAVE_OVERRIDE", "/", 1);
+  EXPECT_EQ(enclave_of("enclave: /fleet/robot1\n"), "/") << "the root's is one as any other";
+  unsetenv("ROS_SECURITY_ENCLAVE_OVERRIDE");
 }
 
 TEST(Composition, FileNeedsItsVersionAndTakesOverrides) {
