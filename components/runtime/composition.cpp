@@ -263,9 +263,12 @@ Composition load_composition(const std::filesystem::path& file,
                              const std::vector<std::string>& overrides,
                              const std::filesystem::path& settings_file) {
   YAML::Node document = settings::load_document(file);
-  if (!settings_file.empty()) apply_composition_settings(document, settings_file);
+  std::vector<std::string> notes;
+  if (!settings_file.empty()) notes = apply_composition_settings(document, settings_file);
   for (const std::string& option : overrides) apply_composition_override(document, option);
-  return read_composition(document, file.string());
+  Composition composition = read_composition(document, file.string());
+  composition.notes = std::move(notes);
+  return composition;
 }
 
 }  // namespace strata::runtime

@@ -59,6 +59,7 @@ struct Composition {
   bus::SecurityOptions security;          ///< from the environment
   std::vector<LibraryEntry> libraries;    ///< loaded by load_component_libraries
   std::vector<ProcessEntry> processes;
+  std::vector<std::string> notes;  ///< what a user is to know of the settings, one line each
 };
 
 /// Throws InputError when the file cannot be read, ConfigError (place: file:line) for an unknown

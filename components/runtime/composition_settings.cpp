@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "components/bus/names.hpp"
+#include "components/runtime/node_pattern.hpp"
 #include "components/settings/config_reader.hpp"
 #include "components/settings/yaml_document.hpp"
 #include "core/base/error.hpp"
@@ -81,7 +83,8 @@ void merge(YAML::Node into, const YAML::Node& from) {
       merge(child, item.second);
     } else {
       if (child.IsDefined()) into.remove(key);
-      into.force_insert(item.first, item.second);
+      // A copy: the same entry may go to several components, and what is merged later to one.
+      into.force_insert(item.first, settings::copy_with_places(item.second, ""));
     }
   }
 }
@@ -126,51 +129,88 @@ YAML::Node without_dots(const YAML::Node& parameters) {
   return result;
 }
 
-/// "/robot1/localizer", "localizer" or "/**" with its parameters.
-using RosEntry = std::pair<std::string, YAML::Node>;
+/// An entry of a ROS 2 parameter file.
+struct RosEntry {
+  NodePattern nodes;
+  YAML::Node parameters;
+  std::string place;
+};
 
-/// Namespaces may be nested groups: "robot1: {localizer: {ros__parameters: ...}}".
-void collect_ros_entries(const YAML::Node& node, const std::string& path,
+/// Namespaces may be nested groups: "robot1: {localizer: {ros__parameters: ...}}". place: of
+/// `path`.
+void collect_ros_entries(const YAML::Node& node, const std::string& path, const std::string& place,
                          std::vector<RosEntry>& entries) {
   if (!node.IsMap()) return;
   for (const auto& item : node) {
     const std::string& key = item.first.Scalar();
-    if (key == kRosParameters) {
-      if (item.second.IsMap()) entries.emplace_back(path, without_dots(item.second));
-    } else {
-      collect_ros_entries(item.second, path.empty() ? key : path + "/" + key, entries);
+    if (key != kRosParameters) {
+      collect_ros_entries(item.second, path.empty() ? key : path + "/" + key,
+                          settings::place_of(item.first, place, path), entries);
+    } else if (item.second.IsMap()) {
+      entries.push_back({NodePattern(path), without_dots(item.second), place});
     }
   }
 }
 
-void apply_ros_entries(YAML::Node& document, const std::vector<RosEntry>& entries,
-                       const std::string& place) {
-  const std::vector<Place> components = component_places(document);
-  enum { kForAll, kByName, kByFullName };
-  for (const int round : {kForAll, kByName, kByFullName}) {
-    for (const auto& [pattern, parameters] : entries) {
-      const bool for_all = pattern == "/**" || pattern == "**";
-      if (for_all != (round == kForAll)) continue;
-      bool is_used = for_all;
-      for (const Place& component : components) {
-        if (for_all) {
-          merge_into_component(document, component, kCommonParameters, parameters);
-          continue;
-        }
-        const bool full = pattern == component.full_name || "/" + pattern == component.full_name;
-        const bool by_name = pattern == component.name || pattern == "/**/" + component.name;
-        is_used = is_used || full || by_name;
-        if (round == kByFullName ? full : by_name && !full) {
-          merge_into_component(document, component, "parameters", parameters);
-        }
-      }
-      if (!is_used) {
-        throw ConfigError(
-            place, "the composition has no component '" + pattern + "'",
-            settings::detail::suggestion(pattern, names_of(components), "components"));
-      }
+/// The entries for one component, the more specific and the later ones later.
+std::vector<const RosEntry*> entries_for(const Place& component,
+                                         const std::vector<RosEntry>& entries) {
+  std::vector<std::pair<NodePattern::Specificity, const RosEntry*>> found;
+  for (const RosEntry& entry : entries) {
+    if (const auto match = entry.nodes.match(component.full_name)) {
+      found.emplace_back(*match, &entry);
     }
   }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<const RosEntry*> sorted;
+  for (const auto& [specificity, entry] : found) sorted.push_back(entry);
+  return sorted;
+}
+
+void refuse_typo(const RosEntry& entry, const std::vector<Place>& components) {
+  for (const Place& component : components) {
+    if (!entry.nodes.is_typo_of(component.full_name)) continue;
+    const std::string& text = entry.nodes.text();
+    const bool is_full = text.find('/') != std::string::npos;
+    throw ConfigError(entry.place, "the composition has no component '" + text + "'",
+                      "did you mean '" + (is_full ? component.full_name : component.name) + "'?");
+  }
+}
+
+/// What the user is to know of entries that no component takes: in ROS 2 one file serves all nodes
+/// of a robot, so they are no errors.
+std::vector<std::string> note_of(const std::vector<const RosEntry*>& unused,
+                                 const std::string& place) {
+  if (unused.empty()) return {};
+  std::string names;
+  for (const RosEntry* entry : unused) {
+    names += (names.empty() ? "" : ", ") + entry->nodes.text();
+  }
+  return {place + ": for no component of the composition: " + names};
+}
+
+std::vector<std::string> apply_ros_entries(YAML::Node& document,
+                                           const std::vector<RosEntry>& entries,
+                                           const std::string& place) {
+  const std::vector<Place> components = component_places(document);
+  std::set<const RosEntry*> used;
+  for (const Place& component : components) {
+    for (const RosEntry* entry : entries_for(component, entries)) {
+      used.insert(entry);
+      // What is for every node of a namespace is not known to every one.
+      merge_into_component(document, component,
+                           entry->nodes.names_node() ? "parameters" : kCommonParameters,
+                           entry->parameters);
+    }
+  }
+  std::vector<const RosEntry*> unused;
+  for (const RosEntry& entry : entries) {
+    if (used.contains(&entry)) continue;
+    refuse_typo(entry, components);
+    unused.push_back(&entry);
+  }
+  return note_of(unused, place);
 }
 
 void apply_own_form(YAML::Node& document, const YAML::Node& given, const std::string& place) {
@@ -232,20 +272,21 @@ void apply_composition_override(YAML::Node& document, const std::string& option)
                     settings::detail::suggestion(first, names_of(components), "components"));
 }
 
-void apply_composition_settings(YAML::Node& document, const std::filesystem::path& file) {
+std::vector<std::string> apply_composition_settings(YAML::Node& document,
+                                                    const std::filesystem::path& file) {
   const std::string place = file.string();
   const YAML::Node text = settings::parse_yaml(read_text(file), place);
   const YAML::Node given = settings::copy_with_places(text, place);
   std::vector<RosEntry> entries;
-  collect_ros_entries(given, "", entries);
+  collect_ros_entries(given, "", place, entries);
   if (!entries.empty() && !given["version"].IsDefined()) {
-    apply_ros_entries(document, entries, place);
-    return;
+    return apply_ros_entries(document, entries, place);
   }
   (void)settings::parse_document(read_text(file), place);  // the version line
   YAML::Node own = given;
   own.remove("version");
   apply_own_form(document, own, place);
+  return {};
 }
 
 }  // namespace strata::runtime

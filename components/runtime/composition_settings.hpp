@@ -28,11 +28,15 @@ void apply_composition_override(YAML::Node& document, const std::string& option)
 ///
 ///     /robot1/localizer:            # a ROS 2 parameter file: by full name, by name, or for all
 ///       ros__parameters: {model: filtered, localizer.particles: 500}
+///     /*/matcher:                   # wildcards: see node_pattern.hpp
+///       ros__parameters: {map_frame: floor}
 ///     /**:
 ///       ros__parameters: {map_frame: map}
 ///
-/// More specific entries win, then later ones; of those for all, a component takes what it knows.
-/// Throws InputError and ConfigError.
-void apply_composition_settings(YAML::Node& document, const std::filesystem::path& file);
+/// More specific entries win, then later ones; of those that name no node ("/**", "/robot1/*") a
+/// component takes what it knows. Entries for other nodes are left out: the result is what to tell
+/// the user of them. Throws InputError, and ConfigError, for a name that looks like a typo as well.
+std::vector<std::string> apply_composition_settings(YAML::Node& document,
+                                                    const std::filesystem::path& file);
 
 }  // namespace strata::runtime

@@ -7,27 +7,12 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "core/base/error.hpp"
 
 namespace strata::settings::detail {
 namespace {
-
-/// Levenshtein distance, O(a b).
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substituted, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
 
 /// A scalar's text as a message shows it; long ones are cut.
 std::string shown(const YAML::Node& node) {
@@ -70,6 +55,23 @@ void read_integer(const YAML::Node& node, const std::string& place, const std::s
 }
 
 }  // namespace
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before;  // the row above the row above
+  std::vector<std::size_t> above(b.size() + 1);
+  std::iota(above.begin(), above.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::vector<std::size_t> row = {i + 1};
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = above[j] + (a[i] == b[j] ? 0 : 1);
+      row.push_back(std::min({substituted, row[j] + 1, above[j + 1] + 1}));
+      const bool is_swapped = i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j];
+      if (is_swapped) row.back() = std::min(row.back(), before[j - 1] + 1);
+    }
+    before = std::exchange(above, std::move(row));
+  }
+  return above.back();
+}
 
 std::string suggestion(const std::string& text, const std::vector<std::string>& names,
                        const std::string& kind) {

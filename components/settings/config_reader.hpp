@@ -49,6 +49,8 @@ void read_value(const YAML::Node& node, const std::string& place, const std::str
 [[nodiscard]] std::size_t read_choice(const YAML::Node& node, const std::string& place,
                                       const std::string& path,
                                       const std::vector<std::string>& names);
+/// Letters to add, remove, replace or swap with their neighbour to make `b` of `a`. O(a b).
+[[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 /// "did you mean 'X'?" when one of the names is near, else the list of names; kind: "keys".
 [[nodiscard]] std::string suggestion(const std::string& text, const std::vector<std::string>& names,
                                      const std::string& kind);

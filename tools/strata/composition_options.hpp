@@ -22,6 +22,14 @@ inline constexpr const char* kCompositionConfigHelp =
   return runtime::load_composition(file, options.overrides, options.config_file);
 }
 
+/// As above; tells the user what --config says that no component takes.
+[[nodiscard]] inline runtime::Composition load_composition(const std::string& file,
+                                                           VerbContext& context) {
+  runtime::Composition composition = load_composition(file, context.options);
+  for (const std::string& note : composition.notes) context.note("note: " + note);
+  return composition;
+}
+
 /// Prints what each process and component would do, and warns of what does not fit together.
 void explain(const runtime::Composition& composition);
 

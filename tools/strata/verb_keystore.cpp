@@ -64,7 +64,7 @@ security::Permissions permissions_of(const KeystoreOptions& options, VerbContext
   security::Permissions permissions;
   if (options.everything) permissions = security::all_permissions();
   if (!options.composition.empty()) {
-    permissions = permissions_of(load_composition(options.composition, context.options));
+    permissions = permissions_of(load_composition(options.composition, context));
   } else {
     refuse_config(context.options, "they belong to --composition");
   }

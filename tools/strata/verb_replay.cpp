@@ -121,7 +121,7 @@ class TruthOfReplay {
 void replay_into(const fs::path& out, const ReplayOptions& options, VerbContext& context,
                  const pipeline::Runs& runs) {
   const pipeline::CostMeter meter;
-  ReplaySession session(context, load_composition(options.composition, context.options),
+  ReplaySession session(context, load_composition(options.composition, context),
                         options.composition);
   if (!options.topics.empty()) session.record(options.topics, out / expect::kTopicsFolder);
   TruthOfReplay truth(options, runs, session);

@@ -168,8 +168,10 @@ void add_run(CLI::App& app, VerbContext& context) {
           // It may have died before: then nobody is left to end this process.
           if (getppid() != options->parent) return;
         }
+        // The parent has told what there is to tell.
         const runtime::Composition composition =
-            load_composition(options->composition, context.options);
+            options->is_child() ? load_composition(options->composition, context.options)
+                                : load_composition(options->composition, context);
         if (options->check) {
           explain(composition);
         } else if (!options->process.empty()) {

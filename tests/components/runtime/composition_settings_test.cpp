@@ -78,6 +78,70 @@ TEST_F(CompositionSettings, RosParameterFilesGoByFullNameNameAndForAll) {
   EXPECT_EQ(parameter(composition, 0, "map_frame"), "absent") << "only for those that know it";
 }
 
+TEST_F(CompositionSettings, RosParametersOfOtherNodesAreNotedAndLeftOut) {
+  const Composition composition = with(
+      "bt_navigator:\n  ros__parameters: {plugins: [a]}\n"
+      "matcher:\n  ros__parameters: {model: ours}\n"
+      "local_costmap:\n  local_costmap:\n    ros__parameters: {width: 3}\n"
+      "/robot3/localizer:\n  ros__parameters: {model: of another robot}\n"
+      "/robot9/*:\n  ros__parameters: {model: of others}\n");
+  EXPECT_EQ(parameter(composition, 0, "model"), "patch");
+  EXPECT_EQ(parameter(composition, 2, "model"), "ours");
+  ASSERT_EQ(composition.notes.size(), 1U);
+  EXPECT_THAT(composition.notes[0], HasSubstr("s.yaml: for no component of the composition: "
+                                              "bt_navigator, local_costmap/local_costmap, "
+                                              "/robot3/localizer, /robot9/*"));
+  EXPECT_THAT(with("matcher:\n  ros__parameters: {model: a}\n").notes, testing::IsEmpty());
+  EXPECT_THAT(with("bt_navigator:\n  ros__parameters: {a: 1}\n").notes, testing::SizeIs(1));
+}
+
+TEST_F(CompositionSettings, RosWildcardsStandForOneSegmentOrForAnyNumber) {
+  const auto models = [this](const std::string& entries) {
+    const Composition composition = with(entries);
+    std::vector<std::string> result;
+    for (std::size_t i = 0; i < 3; ++i) result.push_back(parameter(composition, i, "model"));
+    return result;
+  };
+  const auto for_nodes = [](const std::string& pattern, const std::string& model) {
+    return pattern + ":\n  ros__parameters: {model: " + model + "}\n";
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(models(for_nodes("/*/localizer", "x")), ElementsAre("x", "x", "absent"));
+  EXPECT_THAT(models(for_nodes("/**/matcher", "x")), ElementsAre("patch", "absent", "x"));
+  EXPECT_THAT(models(for_nodes("/*/*/localizer", "x")), ElementsAre("patch", "absent", "absent"));
+  EXPECT_THAT(models("/**:\n  matcher:\n    ros__parameters: {model: x}\n"),
+              ElementsAre("patch", "absent", "x"))
+      << "as a group";
+  // The more specific wins wherever it stands; of two alike the later.
+  EXPECT_THAT(models(for_nodes("/robot1/localizer", "c") + for_nodes("/*/localizer", "b") +
+                     for_nodes("/**/localizer", "a")),
+              ElementsAre("c", "b", "absent"));
+  EXPECT_THAT(models(for_nodes("/**/localizer", "b") + for_nodes("localizer", "a")),
+              ElementsAre("a", "a", "absent"));
+}
+
+TEST_F(CompositionSettings, RosEntriesForANamespaceAreForThoseThatKnowThem) {
+  const Composition composition = with(
+      "/robot1/*:\n  ros__parameters: {map_frame: one}\n"
+      "/**:\n  ros__parameters: {map_frame: all, odom_frame: all}\n");
+  const auto common = [&](std::size_t component, const char* key) {
+    return composition.processes[0].components[component].common_parameters[key].as<std::string>();
+  };
+  EXPECT_EQ(common(0, "map_frame"), "one");
+  EXPECT_EQ(common(1, "map_frame"), "all");
+  EXPECT_EQ(common(2, "odom_frame"), "all");
+  EXPECT_EQ(parameter(composition, 0, "map_frame"), "absent");
+}
+
+TEST_F(CompositionSettings, WhatIsForOneComponentDoesNotReachAnotherThroughASharedEntry) {
+  const Composition composition = with(
+      "localizer:\n  ros__parameters: {group: {a: 1}}\n"
+      "/robot2/localizer:\n  ros__parameters: {group: {a: 2}}\n");
+  const auto& components = composition.processes[0].components;
+  EXPECT_EQ(components[0].parameters["group"]["a"].as<int>(), 1);
+  EXPECT_EQ(components[1].parameters["group"]["a"].as<int>(), 2);
+}
+
 TEST_F(CompositionSettings, OptionsWinOverTheFile) {
   EXPECT_EQ(parameter(with("version: 1\nmatcher: {model: a}\n", {"matcher.model=b"}), 2, "model"),
             "b");
@@ -89,6 +153,15 @@ TEST_F(CompositionSettings, NamesWhatIsMeantByATypo) {
   EXPECT_THAT(own, HasSubstr("did you mean 'localizer'?"));
   EXPECT_THAT(complaint_about("localiser:\n  ros__parameters: {model: a}\n"),
               HasSubstr("did you mean 'localizer'?"));
+  const std::string full = complaint_about(
+      "/bt_navigator:\n  ros__parameters: {a: 1}\n"
+      "/robot1/loaclizer:\n  ros__parameters: {model: a}\n");
+  EXPECT_THAT(full, HasSubstr("s.yaml:3"));
+  EXPECT_THAT(full, HasSubstr("did you mean '/robot1/localizer'?"));
+  EXPECT_THAT(complaint_about("/**/macher:\n  ros__parameters: {model: a}\n"),
+              HasSubstr("did you mean '/robot1/matcher'?"));
+  EXPECT_THAT(complaint_about("/robto1/matcher:\n  ros__parameters: {model: a}\n"),
+              HasSubstr("did you mean '/robot1/matcher'?"));
   EXPECT_THAT(complaint_about("localizer: {model: a}\n"), HasSubstr("has no version"));
   EXPECT_THAT(complaint_about("version: 1\ndomain: far\n"), HasSubstr("s.yaml:2"));
 }
