@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/strata/process_group.hpp"
 
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <thread>
+#include <utility>
 
+#include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -17,18 +20,31 @@ namespace strata::tools {
 ProcessGroup::~ProcessGroup() { stop(); }
 
 void ProcessGroup::start(const std::string& name, const std::vector<std::string>& arguments) {
+  const auto check = [&](int error) {
+    if (error == 0) return;
+    throw OutputError("process " + name, std::string("cannot be started: ") + std::strerror(error),
+                      "check the limits on processes, open files and memory");
+  };
+  int ends[2] = {-1, -1};
+  check(pipe2(ends, O_CLOEXEC | O_NONBLOCK) == 0 ? 0 : errno);
+  Child child{name, 0, ends[0]};
   std::vector<std::string> words = {"strata"};
   words.insert(words.end(), arguments.begin(), arguments.end());
+  words.insert(words.end(), {"--ready-pipe", std::to_string(ends[1])});
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  pid_t pid = 0;
-  const int error = posix_spawn(&pid, "/proc/self/exe", nullptr, nullptr, argv.data(), environ);
-  if (error != 0) {
-    throw OutputError("process " + name, std::string("cannot be started: ") + std::strerror(error),
-                      "check the limits on processes and memory");
-  }
-  children_.push_back({name, pid});
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  // Onto itself: that alone makes this child, and no other, inherit it.
+  posix_spawn_file_actions_adddup2(&actions, ends[1], ends[1]);
+  const int error =
+      posix_spawn(&child.pid, "/proc/self/exe", &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  if (error != 0) close_pipe(child);
+  check(error);
+  children_.push_back(std::move(child));
 }
 
 std::vector<ProcessGroup::Ended> ProcessGroup::take_ended() {
@@ -36,6 +52,7 @@ std::vector<ProcessGroup::Ended> ProcessGroup::take_ended() {
   std::erase_if(children_, [&](const Child& child) {
     int status = 0;
     if (waitpid(child.pid, &status, WNOHANG) != child.pid) return false;
+    close_pipe(child);
     ended.push_back({child.name, !WIFEXITED(status) || WEXITSTATUS(status) != 0});
     return true;
   });
@@ -50,6 +67,24 @@ bool ProcessGroup::all_run() {
   return ended.empty();
 }
 
+bool ProcessGroup::all_ready() {
+  bool all = true;
+  for (Child& child : children_) {
+    char told = 0;
+    if (child.ready_pipe >= 0 && read(child.ready_pipe, &told, 1) == 1) {
+      child.is_ready = true;
+      close_pipe(child);
+      child.ready_pipe = -1;
+    }
+    all = all && child.is_ready;
+  }
+  return all;
+}
+
+void ProcessGroup::close_pipe(const Child& child) noexcept {
+  if (child.ready_pipe >= 0) close(child.ready_pipe);
+}
+
 void ProcessGroup::stop() noexcept {
   for (const Child& child : children_) kill(child.pid, SIGTERM);
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(1500);
@@ -59,8 +94,15 @@ void ProcessGroup::stop() noexcept {
       if (std::chrono::steady_clock::now() > deadline) kill(child.pid, SIGKILL);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
+    close_pipe(child);
   }
   children_.clear();
+}
+
+void tell_ready(int ready_pipe) {
+  // Whether anybody still reads makes no difference to this process: its parent's end ends it.
+  [[maybe_unused]] const auto written = write(ready_pipe, "1", 1);
+  close(ready_pipe);
 }
 
 }  // namespace strata::tools

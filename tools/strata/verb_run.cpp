@@ -30,7 +30,8 @@ struct RunOptions {
   std::string process;
   bool check = false;
   bool lockstep = false;
-  pid_t parent = 0;  ///< of a process of a composition: who started it
+  pid_t parent = 0;     ///< of a process of a composition: who started it
+  int ready_pipe = -1;  ///< of such a process: where to tell that it works
   [[nodiscard]] bool is_child() const { return parent != 0; }
 };
 
@@ -43,6 +44,15 @@ const runtime::ProcessEntry& find_process(const runtime::Composition& compositio
   }
   throw ConfigError("--process", "the composition has no process '" + name + "'",
                     settings::detail::suggestion(name, known, "processes"));
+}
+
+/// To who started this process: the composition's, or systemd.
+void tell_that_it_works(const RunOptions& options) {
+  if (!options.is_child()) {
+    tell_service_manager("READY=1");
+  } else if (options.ready_pipe >= 0) {
+    tell_ready(options.ready_pipe);
+  }
 }
 
 void run_here(const RunOptions& options, VerbContext& context,
@@ -61,7 +71,7 @@ void run_here(const RunOptions& options, VerbContext& context,
   if (!options.lockstep) {
     host.activate();
     context.note("process " + process.name + " runs; Ctrl-C ends it");
-    if (!options.is_child()) tell_service_manager("READY=1");
+    tell_that_it_works(options);
   }
   while (!context.interrupt().wait_for(0.1)) {
     if (!options.lockstep) host.tick();
@@ -120,7 +130,8 @@ void run_children(const RunOptions& options, VerbContext& context,
     restarts.started(name);
   };
   for (const runtime::ProcessEntry& process : composition.processes) start(process.name);
-  tell_service_manager("READY=1");
+  const std::size_t count = composition.processes.size();
+  bool is_told = false;
   while (!context.interrupt().wait_for(0.1)) {
     for (const ProcessGroup::Ended& ended : group.take_ended()) {
       const auto delay = restarts.plan(find_process(composition, ended.name), ended.failed);
@@ -136,7 +147,12 @@ void run_children(const RunOptions& options, VerbContext& context,
     for (const runtime::ProcessEntry& process : composition.processes) {
       if (restarts.is_due(process.name)) start(process.name);
     }
+    if (!is_told && group.size() == count && group.all_ready()) {
+      is_told = true;
+      tell_that_it_works(options);
+    }
   }
+  tell_service_manager("STOPPING=1");
 }
 
 }  // namespace
@@ -190,6 +206,7 @@ void add_run(CLI::App& app, VerbContext& context) {
   verb->add_flag("--check", options->check, "explain the composition, start nothing");
   verb->add_flag("--lockstep", options->lockstep)->group("");
   verb->add_option("--child", options->parent)->group("");
+  verb->add_option("--ready-pipe", options->ready_pipe)->group("");
 }
 
 }  // namespace strata::tools
