@@ -1,0 +1,23 @@
+# cmake -DSOURCE_DIR=.. -DPROGRAM=the built strata -DINSTALLED=/usr/bin/strata -DWORK=.. -P service_test.cmake
+# The sample unit is one that systemd takes, and runs what the Debian package installs.
+find_program(verifier systemd-analyze)
+if(NOT verifier)
+  message(STATUS "skipped: systemd-analyze is not installed")
+  return()
+endif()
+file(READ ${SOURCE_DIR}/packaging/strata.service unit)
+if(NOT unit MATCHES "\nExecStart=${INSTALLED} run ")
+  message(FATAL_ERROR "the unit does not run ${INSTALLED}, which the package installs:\n${unit}")
+endif()
+if(NOT unit MATCHES "\nUser=[a-z]+\n" OR unit MATCHES "\nDynamicUser=yes")
+  message(FATAL_ERROR "the unit does not run as the robot's user, whose shared memory it needs:\n${unit}")
+endif()
+# systemd looks whether the program is there: the built one stands for the installed one.
+string(REPLACE "ExecStart=${INSTALLED} " "ExecStart=${PROGRAM} " unit "${unit}")
+file(WRITE ${WORK}/strata.service "${unit}")
+execute_process(COMMAND ${verifier} verify --man=no ${WORK}/strata.service
+  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+# A key that it does not know is a warning only.
+if(NOT result EQUAL 0 OR NOT output STREQUAL "")
+  message(FATAL_ERROR "systemd-analyze verify (${result}):\n${output}")
+endif()
