@@ -2,7 +2,11 @@
 /// Who talks to whom on a secured domain.
 #include <condition_variable>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <mutex>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +14,8 @@
 #include "components/bus/endpoint.hpp"
 #include "components/bus/environment.hpp"
 #include "components/bus/node.hpp"
+#include "components/security/certificate.hpp"
+#include "components/security/documents.hpp"
 #include "components/security/keystore.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/bus/domain.hpp"
@@ -41,6 +47,26 @@ class Security : public testing::Test {
   }
   [[nodiscard]] std::shared_ptr<Participant> join(const std::string& enclave) const {
     return std::make_shared<Participant>(options(enclave));
+  }
+  /// Gives an enclave a governance of its own, signed by the authority.
+  void let_anybody_write_scans(const std::string& enclave) const {
+    std::string text = security::governance_document();
+    const std::size_t rules = text.find("<topic_rule>");
+    std::string rule = text.substr(rules, text.find("</topic_rule>") + 13 - rules);
+    const auto replace = [](std::string& in, const std::string& from, const std::string& to) {
+      in.replace(in.find(from), from.size(), to);
+    };
+    replace(rule, "<topic_expression>*<", "<topic_expression>rt/scan<");
+    replace(rule, "write_access_control>true<", "write_access_control>false<");
+    const auto content = [this](const char* name) {
+      std::ifstream in(std::filesystem::path(place_) / name);
+      return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    const std::filesystem::path file = security::enclave_in(place_, enclave).governance();
+    std::filesystem::remove(file);  // it points to the keystore's
+    std::ofstream(file) << security::sign(
+        {content("public/permissions_ca.cert.pem"), content("private/permissions_ca.key.pem")},
+        text.insert(rules, rule));
   }
 };
 
@@ -144,6 +170,33 @@ TEST_F(Security, LetsNobodyOutOfItsPermissions) {
   } catch (const OutputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("enclave /sensor may not read rt/scan;"));
   }
+}
+
+TEST_F(Security, IsNotTurnedOffForATopicByWhoMayNotWriteIt) {
+  // /sensor may write /map only. Its own governance says that anybody may write /scan, so nothing
+  // on its side keeps it from that: the others have to.
+  keystore_.set_permissions("/sensor", {{"rt/map"}, {"rt/scan"}});
+  keystore_.add("/accomplice");
+  for (const char* name : {"/sensor", "/accomplice"}) let_anybody_write_scans(name);
+  const auto sensor = join("/sensor");
+  const auto accomplice = join("/accomplice");
+  const auto mapper = join("/mapper");
+  RawWriter scans(sensor, "/scan", kType, qos_profile("latched"));
+  RawWriter maps(sensor, "/map", kType, qos_profile("latched"));
+  RawWriter true_scans(mapper, "/scan", kType, qos_profile("latched"));
+  scans.publish(a_message());
+  maps.publish(a_message());
+  Listener of_maps(mapper, "/map");
+  Listener of_accomplice(accomplice, "/scan");
+  Listener of_mapper(mapper, "/scan");
+  true_scans.publish(a_message());
+  ASSERT_TRUE(of_accomplice.hears(1)) << "scans do leave it";
+  ASSERT_TRUE(of_maps.hears(1)) << "and the mapper knows it and hears what it may write";
+  ASSERT_TRUE(of_mapper.hears(1));
+  EXPECT_EQ(of_mapper.reader.matched(), 1) << "with its own writer";
+  EXPECT_EQ(of_mapper.count(), 1U);
+  EXPECT_TRUE(maps.is_matched_with(mapper->guid()));
+  EXPECT_FALSE(scans.is_matched_with(mapper->guid()));
 }
 
 TEST_F(Security, StillAnnouncesNodesToRos2) {

@@ -28,12 +28,13 @@ class CycloneSecurity : public testing::Test {
     keystore_.add("/strata");
     keystore_.add("/cyclone");
   }
-  [[nodiscard]] std::shared_ptr<bus::Participant> join() const {
+  [[nodiscard]] std::shared_ptr<bus::Participant> join(const std::string& enclave = "/strata",
+                                                       bool enforced = true) const {
     bus::ParticipantOptions options;
     options.domain = own_domain();
     options.transport = bus::Transport::kLoopback;
-    options.enclave = "/strata";
-    options.security = {true, true, place_};
+    options.enclave = enclave;
+    options.security = {true, enforced, place_};
     return std::make_shared<bus::Participant>(options);
   }
   [[nodiscard]] std::filesystem::path cyclone_enclave() const {
@@ -91,6 +92,24 @@ TEST_F(CycloneSecurity, NeitherReadsNorWritesWithoutACertificate) {
   ASSERT_EQ(secured.answers.wait_for(1).size(), 1U);
   EXPECT_EQ(secured.writer.raw().matched(), 1);
   EXPECT_EQ(open.writer.raw().matched(), 1);
+}
+
+TEST_F(CycloneSecurity, ThatIsPermissiveWithUsTalksOpenlyWithoutAnEnclaveAndSecurelyWithOne) {
+  CycloneProcess open_peer({"echo"});
+  ASSERT_EQ(open_peer.wait_for_line("ready"), "ready");
+  const auto open = join("/nobody", false);
+  ASSERT_FALSE(open->is_secured());
+  Conversation openly(open);
+  ASSERT_EQ(openly.answers.wait_for(1).size(), 1U);
+  const auto secured = join("/strata", false);
+  ASSERT_TRUE(secured->is_secured());
+  Conversation securely(secured);
+  CycloneProcess secured_peer({"echo"}, cyclone_enclave());
+  ASSERT_EQ(secured_peer.wait_for_line("ready"), "ready");
+  ASSERT_EQ(securely.answers.wait_for(1).size(), 1U);
+  // Each has found the one of its kind, and no other.
+  EXPECT_EQ(openly.writer.raw().matched(), 1);
+  EXPECT_EQ(securely.writer.raw().matched(), 1);
 }
 
 }  // namespace

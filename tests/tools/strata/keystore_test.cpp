@@ -2,6 +2,7 @@
 /// `strata keystore`, and compositions that run with what it allows them.
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -37,9 +38,12 @@ class KeystoreVerb : public testing::Test {
     ASSERT_EQ(keystore("add", "/robot1 /fleet/robot2").code, 0);
   }
   /// The environment in which nothing runs without an enclave.
-  [[nodiscard]] std::vector<std::string> enforced(const std::string& enclave) const {
-    return {"ROS_SECURITY_ENABLE=true", "ROS_SECURITY_STRATEGY=Enforce",
-            "ROS_SECURITY_KEYSTORE=" + place_.string(), "ROS_SECURITY_ENCLAVE_OVERRIDE=" + enclave};
+  [[nodiscard]] std::vector<std::string> enforced(const std::string& enclave = "") const {
+    std::vector<std::string> variables = {"ROS_SECURITY_ENABLE=true",
+                                          "ROS_SECURITY_STRATEGY=Enforce",
+                                          "ROS_SECURITY_KEYSTORE=" + place_.string()};
+    if (!enclave.empty()) variables.push_back("ROS_SECURITY_ENCLAVE_OVERRIDE=" + enclave);
+    return variables;
   }
   [[nodiscard]] std::vector<std::string> run_command(const std::string& composition) const {
     return {STRATA_PROGRAM, "run", (compositions_ / composition).string(), "--set",
@@ -91,6 +95,28 @@ TEST_F(KeystoreVerb, StopsACompositionThatNeedsMore) {
   ChildProcess run(run_command("mapping.yaml"), enforced("/robot1"), ChildProcess::Errors::kMerged);
   EXPECT_THAT(run.rest(), HasSubstr("enclave /robot1 may not "));
   EXPECT_NE(run.wait(), 0);
+}
+
+TEST_F(KeystoreVerb, MakesACompositionRunAsItsEnclaveUnlessTheEnvironmentNamesAnother) {
+  const fs::path file = folder_.path() / "c.yaml";
+  std::ofstream(file)
+      << "version: 1\ntransport: loopback\nenclave: /fleet/robot2\nprocesses:\n"
+         "  - name: p\n    components: [{type: strata::BeamFilter, name: filter}]\n";
+  const std::vector<std::string> command = {STRATA_PROGRAM, "run", file.string(), "--set",
+                                            "domain=" + std::to_string(test::own_domain())};
+  // Each may do too little in turn, and says who it is.
+  ASSERT_EQ(keystore("permissions", "/fleet/robot2 --publish /nothing").code, 0);
+  ChildProcess itself(command, enforced(), ChildProcess::Errors::kMerged);
+  EXPECT_THAT(itself.rest(), HasSubstr("enclave /fleet/robot2 may not "));
+  EXPECT_NE(itself.wait(), 0);
+  ChildProcess as_another(command, enforced("/robot1"), ChildProcess::Errors::kMerged);
+  EXPECT_NE(as_another.wait_for_line("process p runs"), "");
+  ASSERT_EQ(keystore("permissions", "/fleet/robot2 --everything").code, 0);
+  ASSERT_EQ(keystore("permissions", "/robot1 --publish /nothing").code, 0);
+  ChildProcess allowed(command, enforced(), ChildProcess::Errors::kMerged);
+  EXPECT_NE(allowed.wait_for_line("process p runs"), "");
+  ChildProcess refused(command, enforced("/robot1"), ChildProcess::Errors::kMerged);
+  EXPECT_THAT(refused.rest(), HasSubstr("enclave /robot1 may not "));
 }
 
 TEST_F(KeystoreVerb, StopsACompositionWithoutAnEnclave) {
