@@ -1,0 +1,38 @@
+# cmake -DBINARY_DIR=.. -DSOURCE_DIR=.. -P colcon_test.cmake
+# Builds a workspace of two packages as its user does: strata, and one that depends on it. core and
+# memory only, since the rest takes long and is built by the same lists.
+find_program(colcon colcon)
+if(NOT colcon)
+  message(STATUS "skipped: colcon is not installed")
+  return()
+endif()
+string(RANDOM LENGTH 8 suffix)
+set(work ${BINARY_DIR}/colcon-test-${suffix})
+set(consumer ${work}/src/consumer)
+function(run)
+  execute_process(COMMAND ${ARGV} WORKING_DIRECTORY ${work} RESULT_VARIABLE result
+    OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    message(STATUS "left in ${work}")
+    message(FATAL_ERROR "failed (${result}): ${ARGV}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+file(MAKE_DIRECTORY ${work})
+run(${CMAKE_COMMAND} -E copy_directory ${SOURCE_DIR}/tests/structure/consumer ${consumer})
+set(places --base-paths ${SOURCE_DIR} ${consumer})
+run(${colcon} list --topological-order ${places})
+string(REGEX REPLACE "[ \t]+" " " output "${output}")
+if(NOT output MATCHES "^strata [^\n]* \\(ros.cmake\\)\nconsumer [^\n]* \\(ros.cmake\\)\n$")
+  message(FATAL_ERROR "colcon does not see two CMake packages, strata first:\n${output}")
+endif()
+run(${colcon} build ${places} --event-handlers console_direct+
+  --cmake-args -GNinja -DSTRATA_COMPONENTS=OFF -DSTRATA_TESTS=OFF -DSTRATA_BENCH=OFF -DWITH_COMPONENTS=OFF)
+foreach(file share/ament_index/resource_index/packages/strata share/strata/package.xml)
+  if(NOT EXISTS ${work}/install/strata/${file})
+    message(FATAL_ERROR "colcon's install folder lacks ${file}")
+  endif()
+endforeach()
+run(${work}/install/consumer/lib/consumer/consumer)
+file(REMOVE_RECURSE ${work})
