@@ -5,7 +5,7 @@ if(STRATA_COMPONENTS)
     COMPONENT program FILES_MATCHING PATTERN "*.yaml")
   install(DIRECTORY tools/simulate/scenarios/ DESTINATION ${CMAKE_INSTALL_DATADIR}/strata/scenarios
     COMPONENT program FILES_MATCHING PATTERN "*.yaml")
-  install(FILES README.md CHANGELOG.md packaging/strata.service
+  install(FILES README.md CHANGELOG.md packaging/strata.service packaging/udp_only.xml
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strata COMPONENT program)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strata RENAME copyright
     COMPONENT program)

@@ -1,4 +1,4 @@
-# cmake -DBINARY_DIR=.. -DSOURCE_DIR=.. -P colcon_test.cmake
+# cmake -DBINARY_DIR=.. -DSOURCE_DIR=.. [-DBUILD_BASE=..] -P colcon_test.cmake
 # Builds a workspace of two packages as its user does: strata, and one that depends on it. core and
 # memory only, since the rest takes long and is built by the same lists.
 find_program(colcon colcon)
@@ -9,6 +9,9 @@ endif()
 string(RANDOM LENGTH 8 suffix)
 set(work ${BINARY_DIR}/colcon-test-${suffix})
 set(consumer ${work}/src/consumer)
+if(NOT DEFINED BUILD_BASE)
+  set(BUILD_BASE ${work}/build)
+endif()
 function(run)
   execute_process(COMMAND ${ARGV} WORKING_DIRECTORY ${work} RESULT_VARIABLE result
     OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -27,7 +30,7 @@ string(REGEX REPLACE "[ \t]+" " " output "${output}")
 if(NOT output MATCHES "^strata [^\n]* \\(ros.cmake\\)\nconsumer [^\n]* \\(ros.cmake\\)\n$")
   message(FATAL_ERROR "colcon does not see two CMake packages, strata first:\n${output}")
 endif()
-run(${colcon} build ${places} --event-handlers console_direct+
+run(${colcon} build ${places} --build-base ${BUILD_BASE} --event-handlers console_direct+
   --cmake-args -GNinja -DSTRATA_COMPONENTS=OFF -DSTRATA_TESTS=OFF -DSTRATA_BENCH=OFF -DWITH_COMPONENTS=OFF)
 foreach(file share/ament_index/resource_index/packages/strata share/strata/package.xml)
   if(NOT EXISTS ${work}/install/strata/${file})
