@@ -2,30 +2,28 @@
 /// A robot's process is killed on its host, while its sensors live on another: every component goes
 /// on from what it kept.
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <memory>
-#include <set>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "strata_idl/geometry_msgs.h"
 #include "strata_idl/strata_msgs.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 
 #include "components/convert/cdr.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/log/bag.hpp"
 #include "components/log/state_store.hpp"
 #include "core/base/error.hpp"
+#include "core/beam_filter/online_filter.hpp"
 #include "core/slam/slam.hpp"
 #include "memory/store/store.hpp"
-#include "tests/network/virtual_network.hpp"
-#include "tests/support/test_data.hpp"
+#include "tests/network/killed_robot.hpp"
 #include "tests/tools/strata/program.hpp"
 
 namespace fs = std::filesystem;
@@ -48,19 +46,42 @@ Located located(const strata_msgs::msg::ScanPose& message) {
           convert::from_message(message.map_from_robot().mean())};
 }
 
-/// Empty as long as there is no bag to read.
-template <typename Message = geometry_msgs::msg::PoseWithCovarianceStamped>
-std::vector<Located> poses_in(const fs::path& bag) {
-  std::vector<Located> poses;
+/// What was recorded of one type. Empty as long as there is no bag to read.
+template <typename Message>
+std::vector<Message> messages_in(const fs::path& bag, std::string_view type) {
+  std::vector<Message> messages;
   try {
     const auto reader = log::BagReader::open(bag);
     log::BagMessage message;
     while (reader->next(message)) {
-      poses.push_back(located(convert::from_cdr<Message>(message.data, "recorded pose")));
+      if (reader->topics()[message.topic].type != type) continue;
+      messages.push_back(convert::from_cdr<Message>(message.data, "recorded"));
     }
   } catch (const InputError&) {  // only just begun
   }
+  return messages;
+}
+
+template <typename Message = geometry_msgs::msg::PoseWithCovarianceStamped>
+std::vector<Located> poses_in(const fs::path& bag) {
+  std::vector<Located> poses;
+  for (const Message& message : messages_in<Message>(bag, convert::message_type<Message>())) {
+    poses.push_back(located(message));
+  }
   return poses;
+}
+
+/// When the robot was at the landmarks that the messages tell of.
+std::vector<std::vector<Stamp>> visits_in(const fs::path& bag) {
+  using strata_msgs::msg::Topologies;
+  std::vector<std::vector<Stamp>> visits;
+  for (const auto& message : messages_in<Topologies>(bag, convert::message_type<Topologies>())) {
+    visits.emplace_back();
+    for (const auto& stamp : message.visits()) {
+      visits.back().push_back(convert::from_message(stamp));
+    }
+  }
+  return visits;
 }
 
 std::size_t kept_scans_in(const fs::path& state) {
@@ -68,6 +89,13 @@ std::size_t kept_scans_in(const fs::path& state) {
   slam::Slam slam{slam::SlamConfig{}};
   slam.restore_state(log::read_state_file(state), state.string());
   return slam.kept_scans();
+}
+
+std::size_t filtered_scans_in(const fs::path& state) {
+  if (!fs::exists(state)) return 0;
+  beam_filter::OnlineFilter filter;
+  filter.restore_state(log::read_state_file(state), state.string());
+  return filter.scans_in_window();
 }
 
 std::size_t way_in(const fs::path& store) {
@@ -92,22 +120,37 @@ long scans_at_start(const fs::path& learned) {
   return most;
 }
 
-bool comes_true(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
+/// What a store holds of something that only grows.
+class Growing {
+ public:
+  explicit Growing(std::function<std::size_t()> count) : count_(std::move(count)) {}
+  void look() { most_ = std::max(most_, count_()); }
+  [[nodiscard]] bool comes_to(std::size_t enough) const {
+    return comes_true([&] { return count_() >= enough; });
   }
-  return true;
-}
+  /// Whether more is added to what there was, and nothing begins anew. After a look.
+  [[nodiscard]] bool grows_on() {
+    const std::size_t seen = most_;
+    std::size_t least = count_();
+    look();  // what was written between the first look and the kill
+    const bool grew = comes_true([&] {
+      const std::size_t now = count_();
+      least = std::min(least, now);
+      return now > most_;
+    });
+    return grew && least >= seen;
+  }
 
-class RobotThatIsKilled : public testing::Test {
+ private:
+  std::function<std::size_t()> count_;
+  std::size_t most_ = 0;
+};
+
+class RobotThatIsKilled : public KilledRobot {
  protected:
   void SetUp() override {
-    try {
-      network_ = std::make_unique<VirtualNetwork>(2);
-    } catch (const OutputError& error) {
-      GTEST_SKIP() << error.what();
-    }
+    KilledRobot::SetUp();
+    if (IsSkipped()) return;
     // Slow, so that three lives of the robot's process fit into one drive.
     ASSERT_EQ(run_strata("simulate --quiet '" STRATA_SCENARIO_DIR
                          "/empty_room.yaml' --per-day --set robot.speed_mps=0.2 --out " +
@@ -154,39 +197,30 @@ class RobotThatIsKilled : public testing::Test {
            "      - type: strata::ScanMatcher\n        name: slam\n        parameters:\n"
            "          store: {period_s: 0.5, file: "
         << at("slam.state").string()
+        << "}\n      - type: strata::BeamFilter\n        name: filter\n"
+           "        parameters:\n          window: {scans: 100000}\n          store: {period_s: "
+           "0.5, file: "
+        << at("filter.state").string()
         << "}\n      - type: strata::TopologyMapper\n        name: topology\n"
-           "        parameters: {store: {save_period_s: 0.1, file: "
+           "        parameters:\n          landmark_times_s: [0.5]\n"
+           "          mapping: {landmarks: {source: given, patch: {path_radius_m: 0.5}}}\n"
+           "          store: {save_period_s: 0.1, file: "
         << at("way.db").string()
-        << "}}\n      - type: strata::Recorder\n        name: recorder\n        parameters:\n"
+        << "}\n      - type: strata::Recorder\n        name: recorder\n        parameters:\n"
            "          out: "
         << at("bag").string()
         << "\n          number_if_exists: true\n"
-           "          topics: ['/scan_pose:strata_msgs/msg/ScanPose']\n";
-  }
-  /// Kills the robot's only process and waits for the next.
-  static void kill_and_wait(const ChildProcess& robot) {
-    const std::set<pid_t> processes = robot.children();
-    ASSERT_EQ(processes.size(), 1U);
-    kill(*processes.begin(), SIGKILL);
-    ASSERT_TRUE(comes_true([&] {
-      const std::set<pid_t> now = robot.children();
-      return now.size() == 1 && now != processes;
-    }));
+           "          topics: ['/scan_pose:strata_msgs/msg/ScanPose', "
+           "'/topologies:strata_msgs/msg/Topologies']\n";
   }
   [[nodiscard]] fs::path log() const { return at("sim") / "day_1" / "log.clf"; }
-  [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
-
-  TemporaryDirectory folder_;
-  std::unique_ptr<VirtualNetwork> network_;
 };
 
 TEST_F(RobotThatIsKilled, GoesOnFromItsStoresWithEveryComponent) {
   if (IsSkipped()) return;
   constexpr std::size_t kEnough = 10;
-  const auto sensors =
-      network_->run(1, {STRATA_PROGRAM, "run", "--quiet", at("sensors.yaml").string()});
-  const auto robot =
-      network_->run(0, {STRATA_PROGRAM, "run", "--quiet", at("robot.yaml").string()});
+  const auto sensors = run(1, "sensors.yaml");
+  const auto robot = run(0, "robot.yaml");
   std::uint64_t remembered = 0;
   long learned = -1;
   for (int life = 1; life <= 3; ++life) {
@@ -213,31 +247,29 @@ TEST_F(RobotThatIsKilled, GoesOnFromItsStoresWithEveryComponent) {
 TEST_F(RobotThatIsKilled, GoesOnMappingInTheMapThatItHad) {
   if (IsSkipped()) return;
   write_mapping_robot();
-  const auto sensors =
-      network_->run(1, {STRATA_PROGRAM, "run", "--quiet", at("sensors.yaml").string()});
-  const auto robot =
-      network_->run(0, {STRATA_PROGRAM, "run", "--quiet", at("mapping.yaml").string()});
+  const auto sensors = run(1, "sensors.yaml");
+  const auto robot = run(0, "mapping.yaml");
   const auto poses = [&](const char* bag) { return poses_in<strata_msgs::msg::ScanPose>(at(bag)); };
   constexpr std::size_t kEnough = 10;
+  Growing map([&] { return kept_scans_in(at("slam.state")); });
+  Growing filter([&] { return filtered_scans_in(at("filter.state")); });
+  Growing way([&] { return way_in(at("way.db")); });
   ASSERT_TRUE(comes_true([&] { return poses("bag").size() >= kEnough; }));
-  ASSERT_TRUE(comes_true([&] { return kept_scans_in(at("slam.state")) >= kEnough; }));
-  ASSERT_TRUE(comes_true([&] { return way_in(at("way.db")) > 0; }));
-  const std::size_t mapped = kept_scans_in(at("slam.state"));
-  const std::size_t gone = way_in(at("way.db"));
+  for (Growing* kept : {&map, &filter, &way}) ASSERT_TRUE(kept->comes_to(kEnough));
+  ASSERT_TRUE(comes_true([&] { return !visits_in(at("bag")).empty(); }));
+  for (Growing* kept : {&map, &filter, &way}) kept->look();
   kill_and_wait(*robot);
-  std::size_t least = mapped;
-  EXPECT_TRUE(comes_true([&] {
-    const std::size_t now = kept_scans_in(at("slam.state"));
-    least = std::min(least, now);
-    return now > mapped;
-  }));
+  EXPECT_TRUE(map.grows_on()) << "a map was begun anew";
+  EXPECT_TRUE(filter.grows_on()) << "a filter was begun anew";
+  EXPECT_TRUE(way.grows_on()) << "a way was begun anew";
   ASSERT_TRUE(comes_true([&] { return poses("bag_2").size() >= kEnough; }));
   const Located before = poses("bag").back();
   const Located after = poses("bag_2").front();
   EXPECT_LT(translation_distance(before.map_from_robot, after.map_from_robot),
             0.1 + 0.25 * (after.stamp - before.stamp).seconds());
-  EXPECT_GE(least, mapped) << "a map was begun anew";
-  EXPECT_TRUE(comes_true([&] { return way_in(at("way.db")) > gone; }));
+  ASSERT_TRUE(comes_true([&] { return !visits_in(at("bag_2")).empty(); }));
+  EXPECT_EQ(visits_in(at("bag_2")).front(), visits_in(at("bag")).back())
+      << "topologies were begun anew";
 }
 
 }  // namespace
