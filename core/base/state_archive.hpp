@@ -96,6 +96,13 @@ class StateReader {
       state_of(value, *this);
     }
   }
+  /// A byte that is neither 0 nor 1 is no bool, and must not become one.
+  void operator()(bool& value) {
+    std::uint8_t byte = 0;
+    copy(&byte, sizeof byte);
+    if (byte > 1) fail("is damaged");
+    value = byte == 1;
+  }
   template <typename T>
   void operator()(std::vector<T>& values) {
     values.resize(length(std::is_trivially_copyable_v<T> ? sizeof(T) : 1));
