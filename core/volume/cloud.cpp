@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace strata::volume {
+namespace {
+
+/// No cloud takes hours: what is further off is damage, as what is not finite.
+constexpr float kFarthestOffset_s = 1e4F;
+
+}  // namespace
 
 std::vector<CloudPart> parts_of(const Cloud& cloud) {
   if (!cloud.parts.empty()) return cloud.parts;
@@ -15,10 +21,11 @@ std::vector<CloudPart> parts_of(const Cloud& cloud) {
 std::size_t cut_by_time(Cloud& cloud, std::span<const float> offset_s, double part_s,
                         const SensorPoses& poses) {
   const std::size_t count = cloud.points_m.size();
-  std::vector<std::pair<std::int64_t, std::size_t>> order(count);  // part, point
+  std::vector<std::pair<double, std::size_t>> order(count);  // part, a whole number; point
   for (std::size_t i = 0; i < count; ++i) {
-    const double offset = std::isfinite(offset_s[i]) ? static_cast<double>(offset_s[i]) : 0.0;
-    order[i] = {static_cast<std::int64_t>(std::floor(offset / part_s)), i};
+    const bool is_sound = std::abs(offset_s[i]) <= kFarthestOffset_s;  // not so for NaN
+    const double offset = is_sound ? static_cast<double>(offset_s[i]) : 0.0;
+    order[i] = {std::floor(offset / part_s), i};
   }
   std::sort(order.begin(), order.end());
   const bool has_truth = cloud.truly_moving.size() == count;
@@ -28,10 +35,10 @@ std::size_t cut_by_time(Cloud& cloud, std::span<const float> offset_s, double pa
   cloud.parts.clear();
   cloud.sweep_s = 0.0;
   for (std::size_t begin = 0; begin < count;) {
-    const std::int64_t number = order[begin].first;
+    const double number = order[begin].first;
     std::size_t end = begin;
     while (end < count && order[end].first == number) ++end;
-    const double middle_s = (static_cast<double>(number) + 0.5) * part_s;
+    const double middle_s = (number + 0.5) * part_s;
     const Stamp stamp = cloud.stamp + Duration::from_seconds(middle_s);
     if (const auto pose = poses(stamp)) {
       cloud.parts.push_back({points.size(), stamp, *pose});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/volume/cloud.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -69,6 +70,20 @@ TEST(Cloud, TakesAPointWithoutTimeForOneOfTheStamp) {
   const std::vector<float> offset_s{0.5F, std::numeric_limits<float>::quiet_NaN()};
   EXPECT_EQ(cut_by_time(cloud, offset_s, 0.1, [](Stamp) { return std::optional(at(0.0)); }), 0U);
   EXPECT_EQ(cloud.points_m[0].x(), 2.0F);
+}
+
+TEST(Cloud, TakesAPointOfDaysLaterForOneOfTheStamp) {
+  Cloud cloud;
+  cloud.points_m = {{1.0F, 0.0F, 0.0F}, {2.0F, 0.0F, 0.0F}, {3.0F, 0.0F, 0.0F}};
+  const std::vector<float> offset_s{0.5F, 1e30F, -1e30F};
+  const auto poses = [](Stamp stamp) {
+    const bool is_known = std::abs((stamp - Stamp()).seconds()) < 1.0;
+    return is_known ? std::optional(at(0.0)) : std::nullopt;
+  };
+  EXPECT_EQ(cut_by_time(cloud, offset_s, 0.1, poses), 0U);
+  ASSERT_EQ(cloud.parts.size(), 2U);
+  EXPECT_EQ(cloud.points_m[0].x(), 2.0F);
+  EXPECT_EQ(cloud.points_m[1].x(), 3.0F);
 }
 
 TEST(Cloud, MayHaveTenMillionPointsAndCountsThoseThatAreNoNumbers) {
