@@ -6,10 +6,36 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "components/convert/geometry_messages.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::maps {
+namespace {
+
+// What a table over the surroundings of all nodes can hold: a damaged number must not make it take
+// all memory, nor time without end.
+constexpr double kFarthest_m = 1e5;     // of a node
+constexpr double kMostArea_m2 = 4e6;    // of the rectangle about what all nodes see
+constexpr double kMostSights_m2 = 4e7;  // of what each node sees, one by one
+
+bool fits_a_table(const strata_msgs::msg::NodeMap& message) {
+  Eigen::AlignedBox2d all;
+  for (const auto& node : message.nodes()) {
+    const Eigen::Vector2d position_m(node.pose().x(), node.pose().y());
+    if (!(position_m.array().abs() <= kFarthest_m).all()) return false;  // nor NaN
+    all.extend(position_m);
+  }
+  const double sight_m = 2.0 * message.radius();
+  if (!(sight_m > 0.0 && sight_m <= kFarthest_m)) return false;
+  if (all.isEmpty()) return true;
+  const auto nodes = static_cast<double>(message.nodes().size());
+  return (all.sizes().array() + sight_m).prod() <= kMostArea_m2 &&
+         nodes * sight_m * sight_m <= kMostSights_m2;
+}
+
+}  // namespace
 
 strata_msgs::msg::NodeMap to_message(const memory::TimescaleMemory& memory,
                                      const memory::NodeMap& map, Stamp stamp,
@@ -44,9 +70,12 @@ std::shared_ptr<const memory::NodeMap> from_message(const strata_msgs::msg::Node
     throw InputError("NodeMap", "its nodes differ in their levels or bins",
                      "check the sender's version");
   };
+  if (!fits_a_table(message)) {
+    throw InputError("NodeMap", "its nodes lie too far from each other, or see too far",
+                     "check the sender's max_range_m, and that its map is sound");
+  }
   memory::PolarBins bins;
   bins.max_range_m = message.radius();
-  if (!(bins.max_range_m > 0.0)) refuse();
   std::vector<std::string> names;
   if (!message.nodes().empty()) {
     for (const auto& level : message.nodes().front().levels()) names.push_back(level.name());

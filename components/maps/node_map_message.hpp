@@ -23,7 +23,8 @@ struct NodeMapShape {
 };
 /// The same expectations again, bit for bit when the shape is the memory's own. previous: the map
 /// of an earlier message, whose look-up table may be shared, or null. Throws InputError when nodes
-/// differ in their levels or bins.
+/// differ in their levels or bins, or lie or see so far that a table of their surroundings would
+/// take all memory: more than 4 km^2 in all, or 40 km^2 counted node by node.
 [[nodiscard]] std::shared_ptr<const memory::NodeMap> from_message(
     const strata_msgs::msg::NodeMap& message, const NodeMapShape& shape,
     const memory::NodeMap* previous = nullptr);
