@@ -1,80 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A day of mapping over DDS, as fast as it goes: a robot drives round a block for 25 hours of its
-/// own time, and the process that maps tells what it holds in memory. docs/benchmarks.md has the
-/// figures. STRATA_BENCH_HOURS: other than 25.
+/// A day of messages over DDS, as fast as they go: a robot drives round a block for 25 hours of its
+/// own time, and the process that maps, learns or records tells what it holds in memory, and how
+/// that grows after the first hour. One benchmark a run, since memory is the process's:
+///
+///     STRATA_BENCH_HOURS=6 bench_day --benchmark_filter=topology
+///
+/// docs/benchmarks.md has the figures. STRATA_BENCH_HOURS: other than 25.
 #include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdlib>
-#include <fstream>
+#include <functional>
+#include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include <benchmark/benchmark.h>
 
 #include "components/beam_filter/register.hpp"
+#include "components/convert/map_messages.hpp"
+#include "components/log/bag.hpp"
+#include "components/patch_learner/register.hpp"
+#include "components/recorder/register.hpp"
 #include "components/scan_matcher/register.hpp"
+#include "components/timescale_memory/register.hpp"
+#include "components/topology_mapper/register.hpp"
+#include "core/grid/counting_map.hpp"
+#include "tests/bench/endless_drive.hpp"
+#include "tests/bench/resident_memory.hpp"
 #include "tests/bench/ring_drive.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
+#include "tests/support/test_data.hpp"
 
 namespace strata {
 namespace {
 
-constexpr double kScanPeriod_s = 0.2;
-constexpr double kRound_m = 40.0;
-constexpr double kStep_m = 0.14;  // 0.7 m/s
-constexpr std::size_t kRecordedRounds = 4;
-constexpr std::size_t kAhead = 5;  // scans on their way, at most
+constexpr std::size_t kAhead = 5;           // scans on their way, at most
+constexpr std::size_t kScansASample = 900;  // 3 minutes
 
-double resident_mb() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    if (word != "VmRSS:") continue;
-    double kilobytes = 0.0;
-    status >> kilobytes;
-    return kilobytes / 1024.0;
-  }
-  return 0.0;
+double wanted_hours() {
+  const char* const wanted = std::getenv("STRATA_BENCH_HOURS");
+  return wanted != nullptr ? std::atof(wanted) : 25.0;
 }
 
-/// Scans of a few rounds, each with noise of its own, with steps of odometry that drift.
-class Day {
- public:
-  /// Half a step more than whole rounds: the last pose is the first one again.
-  Day()
-      : log_(test::record(test::ring(),
-                          test::drive_round(kStep_m, kRecordedRounds * kRound_m + 0.5 * kStep_m), 0,
-                          1)) {}
-  /// The next of endlessly many.
-  const Observation& next() {
-    Observation& now = log_[at_];
-    const Pose2 recorded = now.odom_from_robot;
-    // The last recorded pose is the first one's again: from there the robot has not moved.
-    if (at_ > 0) odometry_ = odometry_ * between(before_, recorded);
-    before_ = recorded;
-    out_ = now;
-    out_.odom_from_robot = odometry_;
-    out_.scan.stamp = Stamp::from_seconds(1.0 + kScanPeriod_s * static_cast<double>(count_++));
-    at_ = (at_ + 1) % log_.size();
-    return out_;
-  }
-  [[nodiscard]] double hours() const {
-    return kScanPeriod_s * static_cast<double>(count_) / 3600.0;
-  }
-
- private:
-  std::vector<Observation> log_;
-  Observation out_;
-  std::size_t at_ = 0;
-  std::size_t count_ = 0;
-  Pose2 odometry_;
-  Pose2 before_;
-};
-
 void mapping(benchmark::State& state) {
-  const char* const wanted = std::getenv("STRATA_BENCH_HOURS");
-  const double hours = wanted != nullptr ? std::atof(wanted) : 25.0;
   runtime::Registry registry;
   scan_matcher::register_component(registry);
   beam_filter::register_component(registry);
@@ -90,32 +59,147 @@ void mapping(benchmark::State& state) {
   robot.tell_mounting();
   if (!robot.is_heard()) return state.SkipWithError("the components were not found");
   std::this_thread::sleep_for(std::chrono::seconds(1));
-  Day day;
+  bench::EndlessDrive drive;
+  bench::MemoryCourse course;
   std::size_t sent = 0;
-  double least_mb = 1e9;
-  double most_mb = 0.0;
   for (auto _ : state) {
-    for (int hour = 1; hour <= static_cast<int>(hours); ++hour) {
-      while (day.hours() < hour) {
-        robot.see(day.next());
-        ++sent;
-        const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(1);
-        while (answers + kAhead < sent && std::chrono::steady_clock::now() < until) {
-          std::this_thread::sleep_for(std::chrono::microseconds(100));
-        }
-        if (answers + kAhead < sent) sent = answers;  // some were lost
+    while (drive.hours() < wanted_hours()) {
+      robot.see(drive.next());
+      ++sent;
+      const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+      while (answers + kAhead < sent && std::chrono::steady_clock::now() < until) {
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
       }
-      const double now_mb = resident_mb();
-      state.counters["hour_" + std::to_string(hour) + "_mb"] = now_mb;
-      if (hour > 1) least_mb = std::min(least_mb, now_mb);
-      if (hour > 1) most_mb = std::max(most_mb, now_mb);
+      if (answers + kAhead < sent) sent = answers;  // some were lost
+      if (drive.count() % kScansASample == 0) course.sample(drive.hours());
     }
   }
-  state.counters["least_mb_after_hour_1"] = least_mb;
-  state.counters["most_mb_after_hour_1"] = most_mb;
+  course.tell(state);
   state.counters["scans"] = static_cast<double>(answers.load());
 }
 BENCHMARK(mapping)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
+
+/// Works on what was published: a component that is active already does nothing more for it than
+/// to wait for its turn, behind the messages that came before.
+void catch_up(runtime::Host& host) {
+  host.tick();
+  host.activate();
+}
+
+/// Hands the drive over scan by scan, with few of them on their way.
+void drive_with(benchmark::State& state, runtime::Host& host, bench::EndlessDrive& drive,
+                const std::function<void(const Observation&)>& see) {
+  bench::MemoryCourse course;
+  for (auto _ : state) {
+    while (drive.hours() < wanted_hours()) {
+      see(drive.next());
+      if (drive.count() % kAhead == 0) catch_up(host);
+      if (drive.count() % kScansASample == 0) course.sample(drive.hours());
+    }
+  }
+  course.tell(state);
+  state.counters["scans"] = static_cast<double>(drive.count());
+  state.counters["dropped"] = static_cast<double>(host.components().front()->dropped());
+}
+
+/// A component that takes scans whose poses are known, here the true ones.
+void drive_with_poses(benchmark::State& state, runtime::Host& host,
+                      const std::shared_ptr<bus::Participant>& participant,
+                      bench::EndlessDrive& drive) {
+  bus::Writer<strata_msgs::msg::LabeledScan> scans(participant, "/labeled_scan",
+                                                   bus::qos_profile("lossless"));
+  host.activate();
+  if (!scans.raw().wait_for_readers(1, std::chrono::seconds(20))) {
+    return state.SkipWithError("the component was not found");
+  }
+  drive_with(state, host, drive, [&](const Observation& seen) {
+    scans.publish(convert::to_message(PosedScan{0, seen.scan, drive.truth(), {}}, "map", "laser"));
+  });
+}
+
+/// The map of the first recording, as a beam filter would tell it.
+ReflectionGrid map_of_a_round() {
+  bench::EndlessDrive drive;
+  CountingMap counts(0.05);
+  for (int i = 0; i < 400; ++i) {
+    const Observation& seen = drive.next();
+    counts.add(PosedScan{0, seen.scan, drive.truth(), {}});
+  }
+  return counts.reflection();
+}
+
+/// With a budget that is used up within the first hour, in a corridor with a box that comes and
+/// goes.
+void learning(benchmark::State& state) {
+  runtime::Registry registry;
+  patch_learner::register_component(registry);
+  const auto participant = test::make_participant();
+  bus::Writer<strata_msgs::msg::ReflectionGrid> map(participant, "/reflection_filtered",
+                                                    bus::qos_profile("latched"));
+  map.publish(convert::to_message(map_of_a_round()));
+  const auto host = test::make_host(
+      "{type: strata::PatchLearner, name: learner, parameters: {online: {enabled: true, learner: "
+      "{memory_mb: 16}}}}",
+      registry, test::make_participant());
+  bench::EndlessDrive drive(true);
+  drive_with_poses(state, *host, participant, drive);
+}
+BENCHMARK(learning)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
+
+/// With a store on disk.
+void remembering(benchmark::State& state) {
+  runtime::Registry registry;
+  timescale_memory::register_component(registry);
+  const test::TemporaryDirectory folder;
+  const auto host =
+      test::make_host("{type: strata::TimescaleMemory, name: memory, parameters: {store: " +
+                          (folder.path() / "strata.db").string() + "}}",
+                      registry, test::make_participant());
+  bench::EndlessDrive drive(true);
+  drive_with_poses(state, *host, test::make_participant(), drive);
+}
+BENCHMARK(remembering)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
+
+void drive_with_sensors(benchmark::State& state, runtime::Host& host) {
+  bench::Robot robot;
+  host.activate();
+  robot.tell_mounting();
+  if (!robot.scans.raw().wait_for_readers(1, std::chrono::seconds(20))) {
+    return state.SkipWithError("the component was not found");
+  }
+  bench::EndlessDrive drive;
+  drive_with(state, host, drive, [&](const Observation& seen) { robot.see(seen); });
+}
+
+void topology(benchmark::State& state) {
+  runtime::Registry registry;
+  topology_mapper::register_component(registry);
+  const auto host = test::make_host("{type: strata::TopologyMapper, name: topology}", registry,
+                                    test::make_participant());
+  drive_with_sensors(state, *host);
+}
+BENCHMARK(topology)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
+
+/// MCAP, its chunks compressed with zstd.
+void recording(benchmark::State& state) {
+  runtime::Registry registry;
+  recorder::register_component(registry);
+  const test::TemporaryDirectory folder;
+  auto host = test::make_host(
+      "{type: strata::Recorder, name: recorder, parameters: {storage: mcap, compression: zstd, "
+      "out: " +
+          (folder.path() / "bag").string() +
+          ", topics: ['/scan:sensor_msgs/msg/LaserScan', '/odom:nav_msgs/msg/Odometry']}}",
+      registry, test::make_participant());
+  drive_with_sensors(state, *host);
+  host.reset();
+  const auto bag = log::BagReader::open(folder.path() / "bag");
+  log::BagMessage message;
+  std::size_t held = 0;
+  while (bag->next(message)) ++held;
+  state.counters["recorded"] = static_cast<double>(held);
+}
+BENCHMARK(recording)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
 }  // namespace
 }  // namespace strata

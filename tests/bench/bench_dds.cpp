@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What DDS adds: from a scan on /scan to the robot's pose on /amcl_pose, composed in one process
-/// and with a process of its own, beside Fast DDS alone; what the timescale memory takes of a core;
-/// and how ten robots are recorded. docs/benchmarks.md has the figures.
+/// and with a process of its own, beside Fast DDS alone; and what the timescale memory takes of a
+/// core. docs/benchmarks.md has the figures.
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <filesystem>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -17,13 +17,11 @@
 
 #include <benchmark/benchmark.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include "components/localizer/register.hpp"
-#include "components/log/bag.hpp"
-#include "components/maps/maps_folder.hpp"
-#include "core/slam/slam.hpp"
 #include "memory/store/store.hpp"
+#include "tests/bench/cpu_time.hpp"
+#include "tests/bench/mapped_ring.hpp"
 #include "tests/bench/ring_drive.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/child_process.hpp"
@@ -32,38 +30,13 @@
 namespace strata {
 namespace {
 
+using bench::cpu_s;
 using bench::kPeriod;
 using bench::Robot;
+using bench::world;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kScans = 1'000;
 constexpr std::size_t kWarmUp = 40;  // the filter narrows, the middleware allocates
-constexpr std::size_t kRobots = 10;
-constexpr std::size_t kRecorded = 400;  // scans of each robot: 10 s
-
-/// Where the robot drives, and the maps of it that `strata learn` would write.
-struct World {
-  test::TemporaryDirectory folder;
-  std::vector<Observation> log = bench::ring_log();
-  World() {
-    log.resize(kScans);
-    slam::Slam slam(slam::SlamConfig{});
-    for (const Observation& observation : log) (void)slam.add(observation);
-    maps::write_grid_maps(folder.path(), slam.finish());
-  }
-  [[nodiscard]] std::string localizer() const {
-    return "{type: strata::Localizer, name: localizer, parameters: {maps: " +
-           folder.path().string() + ", model: filtered, start: {pose: [" +
-           std::to_string(log[0].odom_from_robot.x) + ", " +
-           std::to_string(log[0].odom_from_robot.y) + ", " +
-           std::to_string(log[0].odom_from_robot.theta) + "]}}}";
-  }
-};
-
-const World& world() {
-  static const World made;
-  return made;
-}
 
 /// When each pose came, and how long the filter itself took for it.
 class Poses {
@@ -170,25 +143,6 @@ BENCHMARK_CAPTURE(pose_from_process, shared_memory, bus::Transport::kSharedMemor
     ->Unit(benchmark::kSecond)
     ->UseRealTime();
 
-/// CPU time of a process so far.
-double cpu_s(pid_t pid) {
-  std::ifstream in("/proc/" + std::to_string(pid) + "/stat");
-  std::string field;
-  std::getline(in, field, ')');  // the name may hold blanks
-  double ticks = 0.0;
-  for (int i = 3; in >> field && i <= 15; ++i) {
-    if (i >= 14) ticks += std::stod(field);  // utime, stime [proc(5)]
-  }
-  return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
-}
-
-/// ... of a program with the processes that it started.
-double cpu_s(const test::ChildProcess& child) {
-  double sum = cpu_s(child.pid());
-  for (const pid_t pid : child.children()) sum += cpu_s(pid);
-  return sum;
-}
-
 /// The timescale memory as a process of its own, with a store on disk and somebody who listens to
 /// all that it says: its CPU time as a share of one core while scans come at 40 Hz.
 void remember(benchmark::State& state) {
@@ -256,7 +210,7 @@ void one_hop(benchmark::State& state) {
   const auto cdr = convert::to_cdr(convert::to_message(world().log[0].scan, "laser"));
   std::vector<double> each_ms;
   for (auto _ : state) {
-    for (std::size_t i = 0; i < kScans; ++i) {
+    for (std::size_t i = 0; i < bench::kMappedScans; ++i) {
       std::unique_lock lock(mutex);
       const std::size_t before = heard;
       lock.unlock();
@@ -274,57 +228,43 @@ void one_hop(benchmark::State& state) {
 }
 BENCHMARK(one_hop)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
-/// Ten robots at 40 Hz, reliable, into one bag: how many messages it holds of those sent.
-void record_ten_robots(benchmark::State& state, const char* storage) {
-  const test::TemporaryDirectory folder;
-  const auto topic = [](std::size_t robot) { return "/robot" + std::to_string(robot) + "/scan"; };
-  std::string topics;
-  for (std::size_t i = 0; i < kRobots; ++i) {
-    topics += (i > 0 ? ", '" : "'") + topic(i) + ":sensor_msgs/msg/LaserScan'";
-  }
-  const auto bag = folder.path() / "bag";
-  std::ofstream(folder.path() / "record.yaml")
-      << "version: 1\ndomain: " << test::own_domain()
-      << "\ntransport: shared_memory\nprocesses: [{name: p, components: [{type: strata::Recorder, "
-         "name: recorder, parameters: {storage: "
-      << storage << ", out: " << bag.string() << ", topics: [" << topics << "]}}]}]\n";
-  test::ChildProcess child({STRATA_PROGRAM, "run", (folder.path() / "record.yaml").string()}, {},
-                           test::ChildProcess::Errors::kMerged);
-  if (child.wait_for_line("process p runs").empty()) {
-    return state.SkipWithError("strata run does not run");
-  }
-  const auto participant = test::make_participant(bus::Transport::kSharedMemory);
-  std::vector<std::unique_ptr<bus::RawWriter>> writers;
-  for (std::size_t i = 0; i < kRobots; ++i) {
-    writers.push_back(std::make_unique<bus::RawWriter>(
-        participant, topic(i), "sensor_msgs/msg/LaserScan", bus::qos_profile("default")));
-    if (!writers.back()->wait_for_readers(1, std::chrono::seconds(20))) {
-      return state.SkipWithError("the recorder was not found");
-    }
-  }
-  const auto cdr = convert::to_cdr(convert::to_message(world().log[0].scan, "laser"));
+/// The same from a process of its own, whose scans say when they were handed over.
+void one_hop_from_process(benchmark::State& state, bus::Transport transport, const char* name) {
+  std::mutex mutex;
+  std::vector<double> each_ms;
+  const bus::RawReader reader(
+      test::make_participant(transport), "/scan", "sensor_msgs/msg/LaserScan",
+      bus::qos_profile("sensor_data"), [&](const bus::RawMessage& message) {
+        const Clock::time_point came = Clock::now();
+        std::int32_t sec = 0;  // of the stamp, which comes first
+        std::uint32_t nanosec = 0;
+        std::memcpy(&sec, message.cdr.data() + 4, sizeof sec);
+        std::memcpy(&nanosec, message.cdr.data() + 8, sizeof nanosec);
+        const auto begin = std::chrono::seconds(sec) + std::chrono::nanoseconds(nanosec);
+        const std::lock_guard lock(mutex);
+        each_ms.push_back(
+            std::chrono::duration<double, std::milli>(came.time_since_epoch() - begin).count());
+      });
+  const std::string count = std::to_string(bench::kMappedScans);
   for (auto _ : state) {
-    const Clock::time_point start = Clock::now();
-    for (std::size_t i = 0; i < kRecorded; ++i) {
-      std::this_thread::sleep_until(start + static_cast<int>(i) * kPeriod);
-      for (const auto& writer : writers) writer->publish(cdr);
+    test::ChildProcess sender(
+        {STRATA_ROBOT_PROCESS, std::to_string(test::own_domain()), name, "hop", count});
+    sender.close_input();
+    if (sender.wait_for_line("sent", std::chrono::seconds(60)).empty()) {
+      return state.SkipWithError("the sender was not found");
     }
-    std::this_thread::sleep_for(std::chrono::seconds(2));
-    child.send(SIGINT);
-    child.wait();
+    std::this_thread::sleep_for(std::chrono::seconds(1));
   }
-  const auto reader = log::BagReader::open(bag);
-  log::BagMessage message;
-  std::size_t held = 0;
-  while (reader->next(message)) ++held;
-  state.counters["sent"] = static_cast<double>(kRobots * kRecorded);
-  state.counters["lost"] = static_cast<double>(kRobots * kRecorded) - static_cast<double>(held);
+  const std::lock_guard lock(mutex);
+  if (each_ms.empty()) return state.SkipWithError("no scans came");
+  bench::tell(state, each_ms);
 }
-BENCHMARK_CAPTURE(record_ten_robots, sqlite3, "sqlite3")
+BENCHMARK_CAPTURE(one_hop_from_process, loopback, bus::Transport::kLoopback, "loopback")
     ->Iterations(1)
     ->Unit(benchmark::kSecond)
     ->UseRealTime();
-BENCHMARK_CAPTURE(record_ten_robots, mcap, "mcap")
+BENCHMARK_CAPTURE(one_hop_from_process, shared_memory, bus::Transport::kSharedMemory,
+                  "shared_memory")
     ->Iterations(1)
     ->Unit(benchmark::kSecond)
     ->UseRealTime();

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <memory>
 #include <numbers>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -39,13 +40,15 @@ inline std::vector<Observation> ring_log(int beams = kBeams) {
 }
 
 struct Robot {
-  explicit Robot(std::shared_ptr<bus::Participant> own = test::make_participant())
-      : participant(std::move(own)) {}
+  /// scope: of its topics, "" or "/robot1".
+  explicit Robot(std::shared_ptr<bus::Participant> own = test::make_participant(),
+                 const std::string& scope = "", const char* scan_qos = "sensor_data")
+      : participant(std::move(own)),
+        scans(participant, scope + "/scan", bus::qos_profile(scan_qos)),
+        odometry(participant, scope + "/odom", bus::qos_profile("sensor_data")) {}
   std::shared_ptr<bus::Participant> participant;
-  bus::Writer<sensor_msgs::msg::LaserScan> scans{participant, "/scan",
-                                                 bus::qos_profile("sensor_data")};
-  bus::Writer<nav_msgs::msg::Odometry> odometry{participant, "/odom",
-                                                bus::qos_profile("sensor_data")};
+  bus::Writer<sensor_msgs::msg::LaserScan> scans;
+  bus::Writer<nav_msgs::msg::Odometry> odometry;
   bus::Writer<tf2_msgs::msg::TFMessage> mounting{participant, "/tf_static",
                                                  bus::qos_profile("latched")};
   /// Where the laser sits; publish it before the first scan.
