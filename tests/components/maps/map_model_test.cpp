@@ -19,7 +19,6 @@ namespace strata::maps {
 namespace {
 
 using localization::ParticleSet;
-using localization::PatchBeamModelConfig;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
