@@ -49,9 +49,9 @@ using SensorPoses = std::function<std::optional<Pose3>(Stamp)>;
 
 /// Cuts a cloud that was measured while sensor or robot moved into parts of part_s seconds, each
 /// with the pose of its middle; points are brought into the order of the parts. offset_s: when each
-/// point was measured, after the cloud's stamp [s]; one beyond 10,000 s or not finite counts as 0. Points of
-/// parts without pose are left out. Returns how many. Requires one offset a point and part_s > 0.
-/// O(points log points + parts x poses).
+/// point was measured, after the cloud's stamp [s]; one beyond 10,000 s or not finite counts as 0.
+/// Points of parts without pose are left out. Returns how many. Requires one offset a point and
+/// part_s > 0. O(points log points + parts x poses).
 std::size_t cut_by_time(Cloud& cloud, std::span<const float> offset_s, double part_s,
                         const SensorPoses& poses);
 
