@@ -28,7 +28,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   return fuzz::expect_value_or_error([&] {
     const auto [parameters, option] = fuzz::split({data, size});
     YAML::Node document = settings::parse_document(kComposition, "fuzz.yaml");
-    runtime::apply_composition_settings(document, scratch.write("parameters.yaml", parameters));
+    (void)runtime::apply_composition_settings(document,
+                                              scratch.write("parameters.yaml", parameters));
     if (!option.empty()) runtime::apply_composition_override(document, fuzz::text_of(option));
     (void)runtime::read_composition(document, "fuzz.yaml");
   });
