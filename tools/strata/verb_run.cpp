@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata run COMPOSITION.yaml`: starts the components over DDS until SIGINT or SIGTERM.
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +14,7 @@
 #include "tools/strata/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
 #include "tools/strata/process_group.hpp"
+#include "tools/strata/restarts.hpp"
 #include "tools/strata/service_notice.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -81,60 +77,21 @@ void run_here(const RunOptions& options, VerbContext& context,
   host.stop();
 }
 
-/// When a process is to be started again.
-class Restarts {
- public:
-  using Clock = std::chrono::steady_clock;
-
-  /// The delay before the next start; nothing when its policy is not to.
-  std::optional<std::chrono::duration<double>> plan(const runtime::ProcessEntry& process,
-                                                    bool failed) {
-    const bool again = process.restart == runtime::Restart::kAlways ||
-                       (process.restart == runtime::Restart::kOnFailure && failed);
-    if (!again) return std::nullopt;
-    State& state = states_[process.name];
-    // Having run for a while, a process starts with a clean record.
-    if (Clock::now() - state.started > kGoodRun) state.failures = 0;
-    const double delay_s =
-        std::min(kLongestDelay_s, process.restart_delay_s * std::pow(2.0, state.failures++));
-    const std::chrono::duration<double> delay(delay_s);
-    state.due = Clock::now() + std::chrono::duration_cast<Clock::duration>(delay);
-    return delay;
-  }
-  void started(const std::string& name) {
-    states_[name].started = Clock::now();
-    states_[name].due.reset();
-  }
-  [[nodiscard]] bool is_due(const std::string& name) const {
-    const auto found = states_.find(name);
-    return found != states_.end() && found->second.due && *found->second.due <= Clock::now();
-  }
-
- private:
-  static constexpr double kLongestDelay_s = 60.0;
-  static constexpr auto kGoodRun = std::chrono::minutes(1);
-  struct State {
-    Clock::time_point started;
-    std::optional<Clock::time_point> due;
-    int failures = 0;
-  };
-  std::map<std::string, State> states_;
-};
-
 void run_children(const RunOptions& options, VerbContext& context,
                   const runtime::Composition& composition) {
   ProcessGroup group;
   Restarts restarts;
   const auto start = [&](const std::string& name) {
     group.start(name, child_arguments(options.composition, name, context, false));
-    restarts.started(name);
+    restarts.started(name, Restarts::Clock::now());
   };
   for (const runtime::ProcessEntry& process : composition.processes) start(process.name);
   const std::size_t count = composition.processes.size();
   bool is_told = false;
   while (!context.interrupt().wait_for(0.1)) {
     for (const ProcessGroup::Ended& ended : group.take_ended()) {
-      const auto delay = restarts.plan(find_process(composition, ended.name), ended.failed);
+      const auto delay = restarts.plan(find_process(composition, ended.name), ended.failed,
+                                       Restarts::Clock::now());
       if (delay) {
         context.note("process " + ended.name + " has ended; it starts again in " +
                      std::to_string(delay->count()) + " s");
@@ -145,7 +102,7 @@ void run_children(const RunOptions& options, VerbContext& context,
       }
     }
     for (const runtime::ProcessEntry& process : composition.processes) {
-      if (restarts.is_due(process.name)) start(process.name);
+      if (restarts.is_due(process.name, Restarts::Clock::now())) start(process.name);
     }
     if (!is_told && group.size() == count && group.all_ready()) {
       is_told = true;

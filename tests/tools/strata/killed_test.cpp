@@ -95,17 +95,27 @@ TEST_F(Killed, AProcessThatDiesIsStartedAgainAsItsPolicySays) {
          "  - name: one\n    restart: on_failure\n    restart_delay_s: 0\n"
          "    components: [{type: strata::BeamFilter, name: one}]\n"
          "  - name: two\n"
-         "    components: [{type: strata::BeamFilter, name: two}]\n";
+         "    components: [{type: strata::BeamFilter, name: two}]\n"
+         "  - name: three\n    restart: always\n    restart_delay_s: 0\n"
+         "    components: [{type: strata::BeamFilter, name: three}]\n";
   test::ChildProcess run({STRATA_PROGRAM, "run", "--quiet", at("restart.yaml").string(), "--set",
                           "domain=" + std::to_string(test::own_domain())});
-  ASSERT_TRUE(comes_true([&] { return run.children().size() == 2; }));
-  const pid_t first = *run.children().begin();  // started first, so `one` has the smaller number
-  kill(first, SIGKILL);
-  EXPECT_TRUE(comes_true([&] {
-    const std::set<pid_t> now = run.children();
-    return now.size() == 2 && now.count(first) == 0;
-  }));
-  kill(*run.children().begin(), SIGKILL);
+  ASSERT_TRUE(comes_true([&] { return run.children().size() == 3; }));
+  const std::set<pid_t> begun = run.children();  // in the order of starting: one, two, three
+  const pid_t one = *begun.begin();
+  const pid_t two = *std::next(begun.begin());
+  const pid_t three = *begun.rbegin();
+  const auto is_replaced = [&](pid_t gone) {
+    return comes_true([&] {
+      const std::set<pid_t> now = run.children();
+      return now.size() == 3 && now.count(gone) == 0;
+    });
+  };
+  kill(one, SIGKILL);
+  EXPECT_TRUE(is_replaced(one));
+  kill(three, SIGINT);  // it ends well, which is no failure
+  EXPECT_TRUE(is_replaced(three));
+  kill(two, SIGKILL);
   EXPECT_TRUE(comes_true([&] { return !run.runs(); })) << "`two` has no policy to come back";
 }
 
