@@ -23,6 +23,7 @@ class BeamFilter final : public runtime::Component {
   using Component::Component;
 
  private:
+  void on_declare() override { declare_parameters<BeamFilterComponentConfig>(); }
   void on_configure() override;
   void on_activate() override;
   void on_deactivate() override;

@@ -30,6 +30,7 @@ class Localizer final : public runtime::SensorComponent {
   using SensorComponent::SensorComponent;
 
  private:
+  void on_declare() override { declare_parameters<LocalizerComponentConfig>(); }
   void on_configure() override;
   void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;

@@ -19,6 +19,7 @@ class MapSaver final : public runtime::Component {
   using Component::Component;
 
  private:
+  void on_declare() override { declare_parameters<MapSaverConfig>(); }
   void on_configure() override;
   /// Throws InputError and OutputError.
   void save(const nav2_msgs::srv::SaveMap_Request& request) const;

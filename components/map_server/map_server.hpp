@@ -18,6 +18,7 @@ class MapServer final : public runtime::Component {
   using Component::Component;
 
  private:
+  void on_declare() override { declare_parameters<MapServerConfig>(); }
   void on_configure() override;
   void on_activate() override;
   [[nodiscard]] nav2_msgs::srv::LoadMap_Response load(const std::string& url);

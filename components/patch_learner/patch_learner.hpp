@@ -23,6 +23,7 @@ class PatchLearner final : public runtime::Component {
   using Component::Component;
 
  private:
+  void on_declare() override { declare_parameters<PatchLearnerComponentConfig>(); }
   void on_configure() override;
   void on_tick() override;
   void on_deactivate() override;

@@ -28,6 +28,7 @@ class Player final : public runtime::Component {
   using Clock = std::chrono::steady_clock;
   class Control;
 
+  void on_declare() override { declare_parameters<PlayerConfig>(); }
   void on_configure() override;
   void on_activate() override;
   void on_deactivate() override;

@@ -22,9 +22,9 @@ log::BagOptions bag_options(const RecorderConfig& config) {
 }
 
 /// The folder to write: the one that is asked for or, when it may be numbered, the first free one.
-std::filesystem::path free_folder(const RecorderConfig& config) {
+std::filesystem::path free_folder(const RecorderConfig& config, bool may_number) {
   std::filesystem::path folder = config.out;
-  for (int number = 2; config.number_if_exists && std::filesystem::exists(folder); ++number) {
+  for (int number = 2; may_number && std::filesystem::exists(folder); ++number) {
     folder = config.out + "_" + std::to_string(number);
   }
   return folder;
@@ -48,7 +48,10 @@ void Recorder::on_configure() {
   recorded_.clear();
   log_time_.reset();
   if (!context().only_explained) {
-    bag_ = std::make_unique<log::BagWriter>(free_folder(config_), bag_options(config_));
+    // Configured again, it finds its own bag there.
+    const bool may_number = config_.number_if_exists || has_recorded_;
+    bag_ = std::make_unique<log::BagWriter>(free_folder(config_, may_number), bag_options(config_));
+    has_recorded_ = true;
   }
   if (lockstep()) {
     subscribe<rosgraph_msgs::msg::Clock>("/clock", "clock", [this](const auto& message) {

@@ -17,9 +17,9 @@ namespace strata::recorder {
 /// Reads as the writers that are there offer: reliably when all do, latched messages too;
 /// losslessly in lockstep. Messages are stamped with when they were written, in lockstep with the
 /// log's time from /clock. Deactivating completes the bag; activating again goes on in another file
-/// of it. What came more than a second ago survives the end of the process by
-/// whatever cause. Controlled as rosbag2's recorder, by services ~/pause, ~/resume, ~/is_paused and
-/// ~/split_bagfile, and by the parameter `paused`.
+/// of it, configuring again in another folder beside it. What came more than a second ago survives
+/// the end of the process by whatever cause. Controlled as rosbag2's recorder, by services ~/pause,
+/// ~/resume, ~/is_paused and ~/split_bagfile, and by the parameter `paused`.
 class Recorder final : public runtime::Component {
  public:
   using Component::Component;
@@ -31,6 +31,7 @@ class Recorder final : public runtime::Component {
     std::optional<std::size_t> place;
   };
 
+  void on_declare() override { declare_parameters<RecorderConfig>(); }
   void on_configure() override;
   void on_tick() override;
   void on_deactivate() override;
@@ -47,6 +48,7 @@ class Recorder final : public runtime::Component {
 
   RecorderConfig config_;
   std::unique_ptr<log::BagWriter> bag_;
+  bool has_recorded_ = false;                 ///< in this life or one before
   std::map<std::string, Recorded> recorded_;  ///< by topic
   std::optional<Stamp> log_time_;             ///< lockstep
   std::chrono::steady_clock::time_point flushed_;

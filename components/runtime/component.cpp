@@ -18,6 +18,15 @@ void Component::request(std::uint8_t id) {
   });
 }
 
+void Component::join() {
+  context_.mailbox->call([this] {
+    if (node_) return;
+    join_domain();
+    announce();
+    diagnose();
+  });
+}
+
 void Component::configure() { request(1); }
 void Component::activate() { request(3); }
 void Component::deactivate() { request(4); }
@@ -85,6 +94,8 @@ void Component::do_shutdown() {
 
 void Component::join_domain() {
   take_use_sim_time();
+  on_declare();
+  if (parameter_model_.read) (void)parameter_model_.read(context_.parameters);
   node_ = std::make_unique<bus::Node>(context_.participant, context_.node_namespace, context_.name);
   diagnostics_ = std::make_unique<Diagnostics>(context_.participant, full_name_);
   if (!lockstep()) serve();

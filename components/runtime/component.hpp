@@ -82,10 +82,14 @@ class Component {
 
   /// Called by the host from outside the mailbox; each waits until it is done and passes errors on.
   /// They do nothing when the state is not the one they start from.
+  /// configure() joins first, unless the component has.
   void configure();
   void activate();
   void deactivate();
   void cleanup();
+  /// Onto the domain, unconfigured: others may lead it through its life and set its parameters.
+  /// Throws ConfigError when the parameters are not valid.
+  void join();
   /// From any state to the last one, and off the domain: no service answers any more.
   void shutdown();
   /// Several times a second while the process lives; returns at once.
@@ -100,6 +104,8 @@ class Component {
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  protected:
+  /// declare_parameters with the config struct, so that others see them before the first configure.
+  virtual void on_declare() {}
   /// Read parameters, subscribe, advertise; throws ConfigError and InputError. Runs again after a
   /// cleanup.
   virtual void on_configure() = 0;
@@ -166,9 +172,9 @@ class Component {
                             });
   }
 
-  /// The parameters as this struct; it is also what others may ask for and set over DDS.
+  /// The parameters are this struct's: that is what others may ask for and set over DDS.
   template <typename Config>
-  [[nodiscard]] Config read_parameters() {
+  void declare_parameters() {
     settings::detail::KeyCollector keys;
     const Config defaults{};
     Config::describe(defaults, keys);
@@ -177,6 +183,11 @@ class Component {
     parameter_model_.read = [place = parameters_place()](const YAML::Node& node) {
       return parameter_table(settings::read_config<Config>(node, place));
     };
+  }
+  /// Declares them and reads them.
+  template <typename Config>
+  [[nodiscard]] Config read_parameters() {
+    declare_parameters<Config>();
     return settings::read_config<Config>(context_.parameters, parameters_place());
   }
   /// These of the parameters may be changed while the component is active: then `config` is read

@@ -94,16 +94,34 @@ bus::Remappings read_remappings(const YAML::Node& node, const std::string& place
   return result;
 }
 
+/// What an entry has unless it says otherwise.
+struct Inherited {
+  std::string node_namespace;
+  Start start = Start::kActive;
+};
+
+Start read_start(const Section& section, Start usual) {
+  if (!section.find("start").IsDefined()) return usual;
+  const auto name = section.get<std::string>("start", "");
+  if (name == "active") return Start::kActive;
+  if (name == "inactive") return Start::kInactive;
+  if (name == "unconfigured") return Start::kUnconfigured;
+  throw ConfigError(
+      section.place_of("start"), "a component cannot start '" + name + "'",
+      settings::detail::suggestion(name, {"active", "inactive", "unconfigured"}, "states"));
+}
+
 ComponentEntry read_component(const YAML::Node& node, const std::string& place,
-                              const std::string& path, const std::string& node_namespace) {
+                              const std::string& path, const Inherited& inherited) {
   const Section section(
       node, place, path,
-      {"type", "name", "namespace", "remappings", "parameters", kCommonParameters});
+      {"type", "name", "namespace", "start", "remappings", "parameters", kCommonParameters});
   ComponentEntry entry;
   entry.place = settings::place_of(node, place, path);
   entry.type = section.require("type", "strata::Localizer");
   entry.name = section.require("name", "localizer");
-  entry.node_namespace = section.get<std::string>("namespace", node_namespace);
+  entry.node_namespace = section.get<std::string>("namespace", inherited.node_namespace);
+  entry.start = read_start(section, inherited.start);
   section.located("name",
                   [&] { return bus::expand_name(entry.name, entry.node_namespace, entry.name); });
   entry.remappings =
@@ -133,9 +151,9 @@ Restart read_restart(const Section& section) {
 }
 
 ProcessEntry read_process(const YAML::Node& node, const std::string& place, const std::string& path,
-                          const std::string& node_namespace) {
+                          Inherited inherited) {
   const Section section(node, place, path,
-                        {"name", "executor", "components", "restart", "restart_delay_s"});
+                        {"name", "executor", "start", "components", "restart", "restart_delay_s"});
   ProcessEntry entry;
   entry.name = section.require("name", "mapping");
   const auto executor = section.get<std::string>("executor", "multi_threaded");
@@ -152,11 +170,12 @@ ProcessEntry read_process(const YAML::Node& node, const std::string& place, cons
     throw ConfigError(section.place_of("restart_delay_s"), "restart_delay_s is negative",
                       "give seconds");
   }
+  inherited.start = read_start(section, inherited.start);
   const std::vector<YAML::Node> components = section.items("components");
   for (std::size_t i = 0; i < components.size(); ++i) {
-    entry.components.push_back(read_component(
-        components[i], place, section.path_of("components") + "[" + std::to_string(i) + "]",
-        node_namespace));
+    entry.components.push_back(
+        read_component(components[i], place,
+                       section.path_of("components") + "[" + std::to_string(i) + "]", inherited));
   }
   return entry;
 }
@@ -250,10 +269,11 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
     section.located("enclave", [&] { security::require_enclave_name(composition.enclave); });
   }
   composition.libraries = read_libraries(section, place);
+  const Inherited inherited{composition.node_namespace, read_start(section, Start::kActive)};
   const std::vector<YAML::Node> processes = section.items("processes");
   for (std::size_t i = 0; i < processes.size(); ++i) {
-    composition.processes.push_back(read_process(
-        processes[i], place, "processes[" + std::to_string(i) + "]", composition.node_namespace));
+    composition.processes.push_back(
+        read_process(processes[i], place, "processes[" + std::to_string(i) + "]", inherited));
   }
   require_different_names(composition);
   return composition;

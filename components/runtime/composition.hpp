@@ -14,6 +14,10 @@
 
 namespace strata::runtime {
 
+/// How far `strata run` leads a component by itself; the rest of its life is led by others over
+/// DDS, as by nav2's lifecycle manager. A replay leads every component through all of it.
+enum class Start { kActive, kInactive, kUnconfigured };
+
 struct ComponentEntry {
   std::string type;  ///< "strata::Localizer"
   std::string name;
@@ -22,6 +26,7 @@ struct ComponentEntry {
   YAML::Node parameters;
   YAML::Node common_parameters;  ///< for all components: each takes those that it knows
   std::string place;             ///< "file:line"
+  Start start = Start::kActive;  ///< else the process's, else the composition's
 };
 
 /// A shared library with components; see component_library.hpp.

@@ -249,8 +249,9 @@ std::string read_text(const std::filesystem::path& file) {
 }  // namespace
 
 std::vector<std::string> composition_keys() {
-  return {"domain",           "namespace",  "use_sim_time", "transport", "static_peers",
-          "discovery_server", "ros_distro", "enclave",      "libraries", "processes"};
+  return {"domain",       "namespace",        "use_sim_time", "transport",
+          "static_peers", "discovery_server", "ros_distro",   "enclave",
+          "start",        "libraries",        "processes"};
 }
 
 void apply_composition_override(YAML::Node& document, const std::string& option) {

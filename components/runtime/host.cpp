@@ -60,8 +60,27 @@ Host::Host(const Composition& composition, const ProcessEntry& process, const Re
     : cancellation_(std::make_unique<Cancellation>()),
       participant_(std::move(participant)),
       executor_(process.executor) {
+  make(composition, process, registry, options);
+  // Nobody leads a component through a replay or an explanation but the conductor.
+  const bool is_managed = options.mode == FeedMode::kLive && !options.only_explained;
+  try {
+    for (std::size_t i = 0; i < components_.size(); ++i) {
+      if (is_managed && starts_[i] == Start::kUnconfigured) {
+        components_[i]->join();
+      } else {
+        components_[i]->configure();
+      }
+    }
+  } catch (...) {
+    stop();  // the destructor does not run
+    throw;
+  }
+}
+
+void Host::make(const Composition& composition, const ProcessEntry& process,
+                const Registry& registry, const HostOptions& options) {
   for (const ComponentEntry& entry : process.components) {
-    const Factory& make = factory_of(registry, entry);
+    const Factory& factory = factory_of(registry, entry);
     ComponentContext context;
     context.participant = participant_;
     context.mailbox = executor_.mailbox();
@@ -82,20 +101,17 @@ Host::Host(const Composition& composition, const ProcessEntry& process, const Re
       const std::lock_guard lock(mutex_);
       errors_.push_back(error);
     };
-    components_.push_back(make(std::move(context)));
-  }
-  try {
-    for (const auto& component : components_) component->configure();
-  } catch (...) {
-    stop();  // the destructor does not run
-    throw;
+    components_.push_back(factory(std::move(context)));
+    starts_.push_back(entry.start);
   }
 }
 
 Host::~Host() { stop(); }
 
 void Host::activate() {
-  for (const auto& component : components_) component->activate();
+  for (std::size_t i = 0; i < components_.size(); ++i) {
+    if (starts_[i] == Start::kActive) components_[i]->activate();
+  }
 }
 
 void Host::tick() {

@@ -33,8 +33,10 @@ struct HostOptions {
 
 class Host {
  public:
-  /// Makes and configures the components of `process` in order. Throws ConfigError for an unknown
-  /// type (its remedy lists the known ones) and whatever a component's configuration throws.
+  /// Makes the components of `process` and configures them in order. Live, those that start
+  /// unconfigured are only put on the domain, to be led by others. Throws ConfigError for an
+  /// unknown type (its remedy lists the known ones) and whatever a component's configuration
+  /// throws.
   Host(const Composition& composition, const ProcessEntry& process, const Registry& registry,
        std::shared_ptr<bus::Participant> participant, const HostOptions& options);
   /// As stop().
@@ -42,7 +44,7 @@ class Host {
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// Live: begins to work. In lockstep the conductor activates.
+  /// Live: those that start active begin to work. In lockstep the conductor activates.
   void activate();
   /// To be called several times a second.
   void tick();
@@ -57,12 +59,15 @@ class Host {
 
  private:
   class Cancellation;
+  void make(const Composition& composition, const ProcessEntry& process, const Registry& registry,
+            const HostOptions& options);
   std::unique_ptr<Cancellation> cancellation_;
   std::mutex mutex_;
   std::vector<std::string> errors_;
   std::shared_ptr<bus::Participant> participant_;
   Executor executor_;
   std::vector<std::unique_ptr<Component>> components_;
+  std::vector<Start> starts_;  ///< of the components
   bool stopped_ = false;
 };
 

@@ -25,6 +25,7 @@ class ScanMatcher final : public runtime::SensorComponent {
   using SensorComponent::SensorComponent;
 
  private:
+  void on_declare() override { declare_parameters<ScanMatcherConfig>(); }
   void on_configure() override;
   void on_cleanup() override;
   void on_deactivate() override;

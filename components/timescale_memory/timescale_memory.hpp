@@ -29,6 +29,7 @@ class TimescaleMemory final : public runtime::Component {
   using Component::Component;
 
  private:
+  void on_declare() override { declare_parameters<TimescaleMemoryConfig>(); }
   void on_configure() override;
   void on_cleanup() override;
   void on_deactivate() override;

@@ -26,6 +26,7 @@ class TopologyMapper final : public runtime::SensorComponent {
   using SensorComponent::SensorComponent;
 
  private:
+  void on_declare() override { declare_parameters<TopologyMapperComponentConfig>(); }
   void on_configure() override;
   void on_activate() override;
   void on_deactivate() override;

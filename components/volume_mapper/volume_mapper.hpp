@@ -31,6 +31,7 @@ class VolumeMapper final : public runtime::Component {
     std::vector<float> offset_s;  ///< of each point; empty: unknown, or not asked for
     Stamp last;                   ///< when its last point was measured
   };
+  void on_declare() override { declare_parameters<VolumeMapperConfig>(); }
   void on_configure() override;
   void on_activate() override;
   void on_tick() override;

@@ -51,9 +51,21 @@ std::string qos_text(const bus::QosProfile& qos) {
   return text + (qos.depth > 0 ? ", last " + std::to_string(qos.depth) : ", all");
 }
 
+const char* start_text(runtime::Start start) {
+  switch (start) {
+    case runtime::Start::kInactive:
+      return ", starts inactive";
+    case runtime::Start::kUnconfigured:
+      return ", starts unconfigured";
+    default:
+      return "";
+  }
+}
+
 void print_component(const runtime::ComponentEntry& entry, const runtime::Component& component,
                      const Topics& topics) {
-  std::cout << "  " << component.full_name() << "  (" << entry.type << ")\n";
+  std::cout << "  " << component.full_name() << "  (" << entry.type << start_text(entry.start)
+            << ")\n";
   for (const bool writes : {false, true}) {
     for (const runtime::TopicUse& use : component.topics()) {
       if (use.writes != writes) continue;

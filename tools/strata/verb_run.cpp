@@ -66,6 +66,11 @@ void run_here(const RunOptions& options, VerbContext& context,
   runtime::Host host(composition, process, registry, participant, host_options);
   if (!options.lockstep) {
     host.activate();
+    for (const auto& component : host.components()) {
+      if (component->state() == runtime::LifecycleState::kActive) continue;
+      context.note(component->full_name() + " is " + runtime::lifecycle_label(component->state()) +
+                   " and waits for who manages it");
+    }
     context.note("process " + process.name + " runs; Ctrl-C ends it");
     tell_that_it_works(options);
   }

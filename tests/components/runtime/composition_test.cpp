@@ -58,6 +58,31 @@ processes:
   EXPECT_EQ(components[1].parameters["map_frame"].as<std::string>(), "m");
 }
 
+TEST(Composition, StartsWhatSaysNothingAsItsProcessElseAsTheWhole) {
+  const Composition composition = read(R"(
+start: unconfigured
+processes:
+  - name: first
+    components: [{type: A, name: a}, {type: A, name: b, start: active}]
+  - name: second
+    start: inactive
+    components: [{type: A, name: c}, {type: A, name: d, start: unconfigured}]
+)");
+  EXPECT_EQ(composition.processes[0].components[0].start, Start::kUnconfigured);
+  EXPECT_EQ(composition.processes[0].components[1].start, Start::kActive);
+  EXPECT_EQ(composition.processes[1].components[0].start, Start::kInactive);
+  EXPECT_EQ(composition.processes[1].components[1].start, Start::kUnconfigured);
+  const Composition usual = read("processes: [{name: p, components: [{type: A, name: a}]}]");
+  EXPECT_EQ(usual.processes[0].components[0].start, Start::kActive);
+}
+
+TEST(Composition, NamesThePlaceOfAStartThatThereIsNot) {
+  const std::string complaint = complaint_about(
+      "processes:\n  - name: p\n    start: unconfigred\n    components: [{type: A, name: a}]\n");
+  EXPECT_THAT(complaint, HasSubstr("c.yaml:3: a component cannot start 'unconfigred'"));
+  EXPECT_THAT(complaint, HasSubstr("did you mean 'unconfigured'"));
+}
+
 TEST(Composition, NamesThePlaceOfAnUnknownKeyAndTheLikelyOne) {
   const std::string top = complaint_about("domian: 3\nprocesses: []\n");
   EXPECT_THAT(top, HasSubstr("c.yaml:1"));

@@ -21,6 +21,22 @@ void attach(dds_entity_t reader, dds_attach_t tag);
 /* The next message, lent; false when none is there. */
 bool take(dds_entity_t reader, void** sample);
 
+/* The ends of a service that a client has. */
+struct Client {
+  dds_entity_t writer;
+  dds_entity_t reader;
+};
+/* Waits until it has found the service. */
+struct Client open_client(const char* node, const char* package, const char* service,
+                          const char* path, const dds_topic_descriptor_t* request_type,
+                          const dds_topic_descriptor_t* reply_type);
+/* Sends a request that begins with a client and a number, as rmw_cyclonedds does, and waits for the
+ * reply that begins with them; it is lent. */
+void* ask(const struct Client* client, const void* request);
+
+/* What nav2's lifecycle manager does; see cyclone_manager.c. */
+void manage(const char* name, char* node, char** arguments);
+
 /* Calls the service `name` of `node` with what follows it in `arguments` (ends with NULL) and
  * prints the answer; an unknown name does nothing. */
 void call_service(const char* name, char* node, char** arguments);

@@ -22,7 +22,9 @@
  *   get_rate NODE                            rate RATE
  *   set_rate NODE RATE                       success 0|1
  *   seek NODE SECONDS                        success 0|1
- *   play_next NODE                           success 0|1                                 */
+ *   play_next NODE                           success 0|1
+ * and those of cyclone_manager.c. Each says "made" when its ends are there and "ready" when it has
+ * found those of the service. */
 #include "cyclone_bag_requests.h"
 #include "cyclone_map_requests.h"
 #include "cyclone_peer.h"
@@ -37,25 +39,25 @@ static bool same_call(const void* request, const void* reply) {
   return memcmp(request, reply, 2 * sizeof(uint64_t)) == 0;
 }
 
-/* Sends one request of a service, as rmw_cyclonedds does, and waits for its reply; the caller reads
- * the body and may leave the loan. */
-static void* call(const char* node, const char* package, const char* service, const char* path,
-                  const dds_topic_descriptor_t* request_type,
-                  const dds_topic_descriptor_t* reply_type, const void* request) {
+struct Client open_client(const char* node, const char* package, const char* service,
+                          const char* path, const dds_topic_descriptor_t* request_type,
+                          const dds_topic_descriptor_t* reply_type) {
+  struct Client client;
   char topic[256];
   char type[256];
   snprintf(topic, sizeof topic, "rq%s/%sRequest", node, path);
   snprintf(type, sizeof type, "%s::srv::dds_::%s_Request_", package, service);
-  const dds_entity_t writer = make_writer(make_topic(request_type, topic, type), false);
+  client.writer = make_writer(make_topic(request_type, topic, type), false);
   snprintf(topic, sizeof topic, "rr%s/%sReply", node, path);
   snprintf(type, sizeof type, "%s::srv::dds_::%s_Response_", package, service);
-  const dds_entity_t reader = make_reader(make_topic(reply_type, topic, type), false, 10);
+  client.reader = make_reader(make_topic(reply_type, topic, type), false, 10);
+  say("made");
   /* Both ways must be known before the first word. */
   const dds_entity_t waitset = dds_create_waitset(g_participant);
-  require(dds_set_status_mask(writer, DDS_PUBLICATION_MATCHED_STATUS), "mask");
-  require(dds_set_status_mask(reader, DDS_SUBSCRIPTION_MATCHED_STATUS), "mask");
-  require(dds_waitset_attach(waitset, writer, 1), "attach");
-  require(dds_waitset_attach(waitset, reader, 2), "attach");
+  const dds_entity_t ends[] = {client.writer, client.reader};
+  require(dds_set_status_mask(client.writer, DDS_PUBLICATION_MATCHED_STATUS), "mask");
+  require(dds_set_status_mask(client.reader, DDS_SUBSCRIPTION_MATCHED_STATUS), "mask");
+  for (int i = 0; i < 2; ++i) require(dds_waitset_attach(waitset, ends[i], i + 1), "attach");
   require(dds_waitset_attach(waitset, g_end, 3), "attach");
   int matched = 0;
   while (matched != 3) {
@@ -65,14 +67,18 @@ static void* call(const char* node, const char* package, const char* service, co
       uint32_t status = 0;
       if (tags[i] == 3) exit(1);
       matched |= (int)tags[i];
-      dds_take_status(tags[i] == 1 ? writer : reader, &status,
+      dds_take_status(ends[tags[i] - 1], &status,
                       DDS_PUBLICATION_MATCHED_STATUS | DDS_SUBSCRIPTION_MATCHED_STATUS);
-      require(dds_waitset_detach(waitset, tags[i] == 1 ? writer : reader), "detach");
+      require(dds_waitset_detach(waitset, ends[tags[i] - 1]), "detach");
     }
   }
-  attach(reader, 0);
+  attach(client.reader, 0);
   say("ready");
-  require(dds_write(writer, request), "request");
+  return client;
+}
+
+void* ask(const struct Client* client, const void* request) {
+  require(dds_write(client->writer, request), "request");
   for (;;) {
     dds_attach_t tags[2];
     const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
@@ -80,11 +86,20 @@ static void* call(const char* node, const char* package, const char* service, co
       if (tags[i] != 0) exit(1);
     }
     void* sample = NULL;
-    while (take(reader, &sample)) {
+    while (take(client->reader, &sample)) {
       if (same_call(request, sample)) return sample;
-      dds_return_loan(reader, &sample, 1);
+      dds_return_loan(client->reader, &sample, 1);
     }
   }
+}
+
+/* Sends one request of a service and waits for its reply; the caller reads the body and may leave
+ * the loan. */
+static void* call(const char* node, const char* package, const char* service, const char* path,
+                  const dds_topic_descriptor_t* request_type,
+                  const dds_topic_descriptor_t* reply_type, const void* request) {
+  const struct Client client = open_client(node, package, service, path, request_type, reply_type);
+  return ask(&client, request);
 }
 
 /* `request` is a cyclone_requests_<service>Request; the reply is read by the caller. */
@@ -286,4 +301,5 @@ void call_service(const char* name, char* node, char** arguments) {
   maps(name, node, arguments);
   localization(name, node, arguments);
   bags(name, node, arguments);
+  manage(name, node, arguments);
 }
