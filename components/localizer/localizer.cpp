@@ -314,6 +314,8 @@ void Localizer::on_finish(const std::filesystem::path& out_dir) {
 
 void Localizer::on_cleanup() {
   localizer_.reset();
+  live_maps_.reset();
+  place_.reset();  // its odometry may begin anew before the next configure
   store_.reset();
   waits_for_odometry_ = false;
   health_.reset();

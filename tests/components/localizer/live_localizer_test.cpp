@@ -1,78 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A localizer beside a robot: its services, and what it keeps for the next start.
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <memory>
-#include <optional>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "components/bus/service.hpp"
-#include "components/convert/geometry_messages.hpp"
-#include "components/localizer/register.hpp"
-#include "components/player/log_player.hpp"
-#include "components/runtime/host.hpp"
-#include "tests/components/localizer/room_fixture.hpp"
-#include "tests/components/runtime/host_fixture.hpp"
+#include "components/convert/map_messages.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "tests/components/localizer/live_fixture.hpp"
 
 namespace fs = std::filesystem;
 
 namespace strata::localizer {
 namespace {
-
-/// A localizer as it runs beside a robot, and the robot.
-class LiveLocalizer : public ::testing::Test {
- protected:
-  LiveLocalizer() {
-    start(parameters_of("filtered", false));
-    player::Outputs outputs;
-    outputs.clock = [](const auto&) {};
-    outputs.tf_static = [this](const auto& message) { tf_static_.publish(message); };
-    outputs.tf = [this](const auto& message) { tf_.publish(message); };
-    outputs.odometry = [this](const auto& message) { odometry_.publish(message); };
-    outputs.scan = [this](const auto& message) { scan_.publish(message); };
-    player_.emplace(room().observations, outputs);
-  }
-
-  /// In the place of the one that runs.
-  void start(const std::string& parameters) {
-    host_.reset();
-    const runtime::Composition composition = composition_of(parameters);
-    runtime::Registry registry;
-    register_component(registry);
-    host_ = std::make_unique<runtime::Host>(composition, composition.processes[0], registry,
-                                            runtime::make_participant(composition),
-                                            runtime::HostOptions{.seed = kSeed});
-    host_->activate();
-  }
-
-  /// Plays on until a pose comes; scans without odometry beside them give none.
-  [[nodiscard]] geometry_msgs::msg::PoseWithCovarianceStamped next_pose() {
-    const std::size_t before = poses_.wait_for(0).size();
-    while (next_scan_ < room().observations.size()) {
-      player_->publish(next_scan_++);
-      const auto poses = poses_.wait_for(before + 1, std::chrono::milliseconds(500));
-      if (poses.size() > before) return poses.back();
-    }
-    ADD_FAILURE() << "no pose came";
-    return {};
-  }
-
-  std::shared_ptr<bus::Participant> robot_ = test::make_participant();
-  bus::Writer<tf2_msgs::msg::TFMessage> tf_static_{robot_, "/tf_static",
-                                                   bus::qos_profile("latched")};
-  bus::Writer<tf2_msgs::msg::TFMessage> tf_{robot_, "/tf", bus::qos_profile("tf")};
-  bus::Writer<nav_msgs::msg::Odometry> odometry_{robot_, "/odom", bus::qos_profile("default")};
-  bus::Writer<sensor_msgs::msg::LaserScan> scan_{robot_, "/scan", bus::qos_profile("default")};
-  test::Collector<geometry_msgs::msg::PoseWithCovarianceStamped> poses_{robot_, "/amcl_pose",
-                                                                        "default"};
-  std::optional<player::LogPlayer> player_;
-  std::size_t next_scan_ = 0;
-  std::unique_ptr<runtime::Host> host_;
-};
 
 TEST_F(LiveLocalizer, StartsAgainWhereAServiceSaysOrAnywhere) {
   const double settled_m2 = next_pose().pose().covariance()[0];
@@ -91,6 +36,55 @@ TEST_F(LiveLocalizer, StartsAgainWhereAServiceSaysOrAnywhere) {
   const auto anywhere = next_pose();
   EXPECT_GT(anywhere.pose().covariance()[0], 10.0 * settled_m2);
   EXPECT_GT(anywhere.pose().covariance()[0], 0.25);
+  EXPECT_TRUE(host_->take_errors().empty());
+}
+
+TEST_F(LiveLocalizer, LocalizesFromTfAlone) {
+  has_odometry_topic_ = false;
+  test::Collector<tf2_msgs::msg::TFMessage> transforms(robot_, "/tf", "tf");
+  geometry_msgs::msg::PoseWithCovarianceStamped last;
+  std::size_t poses = 0;
+  for (; next_scan_ < room().observations.size(); ++poses) last = next_pose();
+  EXPECT_GT(poses, 10U);
+  const Pose2 pose = planar(convert::from_message(last.pose().pose()));
+  const Stamp stamp = convert::from_message(last.header().stamp());
+  std::size_t scan = 0;
+  while (room().observations[scan].scan.stamp != stamp) ASSERT_LT(++scan, room().truth.size());
+  EXPECT_LT(translation_distance(pose, room().truth[scan]), 0.1);
+  // It knows the odometry of that very scan: what it says of map and odom leads to the pose.
+  std::optional<Pose2> map_from_odom;
+  for (std::size_t seen = 0; !map_from_odom;) {
+    const auto messages = transforms.wait_for(seen + 1);
+    ASSERT_GT(messages.size(), seen) << "nothing more comes on /tf";
+    for (; seen < messages.size(); ++seen) {
+      const auto& transform = messages[seen].transforms()[0];
+      if (transform.child_frame_id() != "odom" ||
+          transform.header().stamp() != last.header().stamp())
+        continue;
+      map_from_odom = planar(convert::from_message(transform.transform()));
+    }
+  }
+  EXPECT_LT(translation_distance(*map_from_odom * room().observations[scan].odom_from_robot, pose),
+            1e-6);
+  EXPECT_TRUE(host_->take_errors().empty());
+}
+
+TEST_F(LiveLocalizer, BeginsAtItsStartWhenItIsConfiguredAgain) {
+  // Its map comes by topic, and again when it is configured again.
+  const std::string parameters = parameters_of("filtered", false);
+  start("{" + parameters.substr(parameters.find("model:")));
+  bus::Writer<strata_msgs::msg::ReflectionGrid> map(robot_, "/reflection_filtered",
+                                                    bus::qos_profile("latched"));
+  map.publish(convert::to_message(maps::read_maps(room().folder.path()).filtered));
+  const auto next_place = [&] { return planar(convert::from_message(next_pose().pose().pose())); };
+  Pose2 place = next_place();
+  while (translation_distance(place, room().start) < 1.5) place = next_place();
+  runtime::Component& localizer = *host_->components().front();
+  localizer.deactivate();
+  localizer.cleanup();
+  localizer.configure();
+  localizer.activate();
+  EXPECT_LT(translation_distance(next_place(), room().start), 0.7);
   EXPECT_TRUE(host_->take_errors().empty());
 }
 

@@ -25,6 +25,7 @@ inline constexpr std::uint64_t kSeed = 7;
 struct Room {
   test::TemporaryDirectory folder;
   std::vector<Observation> observations;
+  std::vector<Pose2> truth;  ///< map_from_robot at each
   Pose2 start;
 };
 
@@ -41,6 +42,7 @@ inline const Room& room() {
     }
     for (const auto& scan : simulation.days[1].scans) {
       room->observations.push_back(scan.observation);
+      room->truth.push_back(scan.map_from_robot);
     }
     room->start = simulation.days[1].scans.front().map_from_robot;
     const pipeline::LearnResult learned =
