@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Our services asked by Cyclone DDS in the way of rmw_cyclonedds.
-#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -108,36 +107,14 @@ TEST_F(CycloneServices, LoadGetAndSaveMaps) {
   EXPECT_EQ(saved.rect(), log::read_map(larger).rect());
 }
 
-/// The services of the localizer's names and types, answered by a component that keeps the request.
-class Asked final : public runtime::Component {
- public:
-  using Component::Component;
-  static inline std::atomic<double> x_m{0.0};
-  static inline std::atomic<int> restarts{0};
-
- private:
-  void on_configure() override {
-    offer<bus::srv::SetInitialPose>("set_initial_pose", [](const auto& request) {
-      x_m = request.pose().pose().pose().position().x();
-      return nav2_msgs::srv::SetInitialPose_Response();
-    });
-    offer<bus::srv::Empty>("reinitialize_global_localization", [](const auto&) {
-      ++restarts;
-      return std_srvs::srv::Empty_Response();
-    });
-  }
-};
-
-TEST(CycloneLocalization, IsStartedAnywhereAndAtAPose) {
+TEST(CycloneClient, ThatIsThereBeforeTheServerGetsItsAnswer) {
+  CycloneProcess early({"get_state", "/robot1/saver"});
+  ASSERT_EQ(early.wait_for_line("made"), "made");
   runtime::Registry registry;
-  registry.add<Asked>("test::Asked");
-  const auto host = make_host("{type: test::Asked, name: localizer, namespace: /robot1}", registry,
+  map_saver::register_component(registry);
+  const auto host = make_host("{type: strata::MapSaver, name: saver, namespace: /robot1}", registry,
                               make_participant());
-  host->activate();
-  EXPECT_EQ(answer({"set_initial_pose", "/robot1", "2.5", "-1"}, "posed"), "posed");
-  EXPECT_EQ(Asked::x_m, 2.5);
-  EXPECT_EQ(answer({"empty", "/robot1", "reinitialize_global_localization"}, "done"), "done");
-  EXPECT_EQ(Asked::restarts, 1);
+  EXPECT_EQ(early.wait_for_line("state"), "state 2 inactive");
 }
 
 TEST(CycloneBags, ControlThePlayer) {
