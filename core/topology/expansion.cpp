@@ -217,7 +217,8 @@ Children expand(const Hypothesis& parent, Prediction& prediction,
 }
 
 std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& children,
-                                   VisitLog& log, const PatchMatchConfig& config) {
+                                   const Pose2& newest_pose, VisitLog& log,
+                                   const PatchMatchConfig& config) {
   std::vector<Overlap> overlaps;
   const std::size_t newest = parent.labels.size();
   if (log.visit(newest).patch.empty()) return overlaps;
@@ -225,8 +226,12 @@ std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& chi
     std::optional<ScanFactor> best;
     for (const std::size_t visit : partners(parent.labels, child.label)) {
       if (log.visit(visit).patch.empty()) continue;
-      const PlaceMatch match =
-          log.match(visit, newest, between(child.poses[visit], child.poses[newest]));
+      PlaceMatch match = log.match(visit, newest, between(child.poses[visit], child.poses[newest]));
+      if (match.gain < config.look_alike_gain) {
+        const PlaceMatch other =
+            log.match(visit, newest, between(parent.poses[visit], newest_pose));
+        if (other.gain > match.gain) match = other;
+      }
       if (best && match.gain <= best->match.gain) continue;
       best = ScanFactor{visit, newest, match};
     }
@@ -244,23 +249,26 @@ Sight look(const Hypothesis& parent, const Child& child, std::span<const Overlap
   const bool is_new = label == firsts.size();
   Sight unseen{std::nullopt, parent.log_evidence + child.log_odometry, child.poses};
   bool own_fits = false;
+  double misfit = 0.0;  // of its own landmark's map: counts wherever the newest one is laid
   for (const Overlap& overlap : overlaps) {
     if (overlap.label != child.label) continue;
     own_fits = overlap.scan.match.converged;
+    misfit = std::min(0.0, overlap.scan.match.gain);
     if (own_fits) continue;
     unseen.scan = overlap.scan;
-    unseen.log_evidence += overlap.scan.match.gain;
+    unseen.log_evidence += misfit;
   }
-  const double failure = unseen.scan ? unseen.scan->match.gain : 0.0;
   std::optional<Sight> best;
   for (const Overlap& overlap : overlaps) {
     const PlaceMatch& match = overlap.scan.match;
     if (!match.converged) continue;
-    if (overlap.label != child.label && !is_neighbour(match, config.location)) continue;
+    const bool own = overlap.label == child.label;
+    if (!own && !is_neighbour(match, config.location)) continue;
     std::vector<Pull> pulls{prediction.laid_on(overlap.scan.from, match)};
     if (!is_new) pulls.push_back(prediction.same_place(firsts[label], config.location));
-    Sight sight{overlap.scan, parent.log_evidence + match.gain + failure, {}};
-    sight.scan->match.gain += failure;
+    Sight sight{overlap.scan, parent.log_evidence, {}};
+    if (!own) sight.scan->match.gain += misfit;
+    sight.log_evidence += sight.scan->match.gain;
     Prediction::Pulled pulled = prediction.pulled_by(pulls);
     sight.log_evidence += pulled.log_factor;
     sight.log_evidence +=

@@ -52,14 +52,18 @@ struct Overlap {
 };
 
 /// One for every known landmark among the children whose local maps, and that of the newest visit,
-/// have points.
+/// have points. newest_pose: where the odometry alone leads. Matching starts where the child is,
+/// and there if that says less than a match can: a match that begins only where the label puts the
+/// visit does not find that the maps fit a metre away, which says that the place is another one.
 [[nodiscard]] std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& children,
-                                                 VisitLog& log, const PatchMatchConfig& config);
+                                                 const Pose2& newest_pose, VisitLog& log,
+                                                 const PatchMatchConfig& config);
 
 /// The child with its scan: matched to the local maps of its landmark, or of another one that lies
 /// so near that both see the same walls. The paper matches within a landmark only, its landmarks
 /// lying further apart than its maps reach; else two neighbours would be taken for one because
-/// their maps overlap, whichever metres apart the match puts them.
+/// their maps overlap, whichever metres apart the match puts them. That the map of the label's own
+/// landmark does not fit counts against the label, whichever map is then laid on it.
 [[nodiscard]] Sight look(const Hypothesis& parent, const Child& child,
                          std::span<const Overlap> overlaps, Prediction& prediction,
                          const TopologyConfig& config, double log_new_density);

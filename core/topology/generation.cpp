@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "core/topology/detail/terms.hpp"
 #include "core/topology/dirichlet_process.hpp"
 #include "core/topology/proposal.hpp"
 
@@ -18,6 +19,8 @@ namespace {
 constexpr double kLinearizationErrorNats = 5.0;
 /// Topologies that revise another one, tried after a visit, at most.
 constexpr std::size_t kMostRevisions = 12;
+/// Topologies that are revised, the heaviest.
+constexpr std::size_t kRevisedParticles = 4;
 
 /// Optimizes a topology from its poses; false when that does not converge.
 bool evaluate_from(const std::vector<Pose2>& start, const VisitLog& log,
@@ -28,6 +31,51 @@ bool evaluate_from(const std::vector<Pose2>& start, const VisitLog& log,
   hypothesis.poses = std::move(evidence.poses);
   hypothesis.gaussian = std::move(evidence.gaussian);
   return evidence.converged && std::isfinite(evidence.log_evidence);
+}
+
+/// A topology that revises that of a particle.
+struct Revision {
+  std::size_t parent = 0;
+  Labels labels;
+  double log_weight = 0.0;  // about
+};
+
+/// ln of the joint density of these labels, what was measured, and the poses of the hypothesis,
+/// which are held: poses that fit the labels better can only raise it.
+double log_density_held(const Labels& labels, const Hypothesis& hypothesis, const VisitLog& log,
+                        const TopologyConfig& config) {
+  const detail::Terms terms =
+      detail::collect(labels, log.measurements(log.size()), hypothesis.scans, config.location);
+  return terms.log_constant - detail::cost_at(terms, hypothesis.poses, config.location) +
+         log_partition_prior(labels, config.concentration);
+}
+
+/// Those of the heaviest particles that promise most, most first; judged with the poses held, for
+/// there are more than can be optimized, and one that does not come to its turn would not do so
+/// after the next visit either.
+std::vector<Revision> best_revisions(const Generation& generation, const VisitLog& log,
+                                     const TopologyConfig& config) {
+  std::set<Labels> known;
+  for (const Particle& particle : generation.particles) known.insert(particle.hypothesis.labels);
+  std::vector<std::size_t> order = by_weight(generation.particles, generation.log_weights);
+  order.resize(std::min(order.size(), kRevisedParticles));
+  std::vector<Revision> revisions;
+  for (const std::size_t parent : order) {
+    const Hypothesis& from = generation.particles[parent].hypothesis;
+    const double held = log_density_held(from.labels, from, log, config);
+    for (auto* revise : {mergers, moved_visits}) {
+      for (Labels& labels : revise(from, config.location)) {
+        if (!known.insert(labels).second) continue;
+        const double promise = log_density_held(labels, from, log, config) - held;
+        revisions.push_back({parent, std::move(labels), generation.log_weights[parent] + promise});
+      }
+    }
+  }
+  std::stable_sort(revisions.begin(), revisions.end(), [](const Revision& a, const Revision& b) {
+    return a.log_weight > b.log_weight;
+  });
+  if (revisions.size() > kMostRevisions) revisions.resize(kMostRevisions);
+  return revisions;
 }
 
 }  // namespace
@@ -82,29 +130,17 @@ Generation settle(std::span<const Candidate> candidates, const Parents& parents,
 void add_revisions(Generation& generation, const VisitLog& log, const TopologyConfig& config,
                    WorkerPool& pool) {
   std::vector<Particle>& particles = generation.particles;
-  std::set<Labels> known;
-  for (const Particle& particle : particles) known.insert(particle.hypothesis.labels);
-  const std::vector<std::size_t> order = by_weight(particles, generation.log_weights);
-  std::vector<std::pair<std::size_t, Labels>> revised;  // from which particle
-  for (std::size_t k = 0; k < order.size() && revised.size() < kMostRevisions; ++k) {
-    const Hypothesis& from = particles[order[k]].hypothesis;
-    for (auto* revisions : {mergers, moved_visits}) {
-      for (Labels& labels : revisions(from, config.location)) {
-        if (revised.size() == kMostRevisions) break;
-        if (known.insert(labels).second) revised.emplace_back(order[k], std::move(labels));
-      }
-    }
-  }
+  const std::vector<Revision> revised = best_revisions(generation, log, config);
   generation.optimized += revised.size();
   std::vector<std::optional<Particle>> settled(revised.size());
   std::vector<double> log_weights(revised.size(), 0.0);
   pool.for_chunks(revised.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    const Particle& from = particles[revised[i].first];
-    Particle particle{{revised[i].second, 0.0, 0.0, {}, from.hypothesis.scans, nullptr},
+    const Particle& from = particles[revised[i].parent];
+    Particle particle{{revised[i].labels, 0.0, 0.0, {}, from.hypothesis.scans, nullptr},
                       from.newest_covariances};
     Hypothesis& next = particle.hypothesis;
     if (!evaluate_from(from.hypothesis.poses, log, config, next)) return;
-    log_weights[i] = generation.log_weights[revised[i].first] + next.log_evidence -
+    log_weights[i] = generation.log_weights[revised[i].parent] + next.log_evidence -
                      from.hypothesis.log_evidence +
                      log_partition_prior(next.labels, config.concentration) -
                      log_partition_prior(from.hypothesis.labels, config.concentration);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -17,6 +18,10 @@ namespace {
 /// Scans kept for the local map, at most.
 constexpr std::size_t kMaxScans = 60;
 constexpr double kTurnRad = 0.35;
+/// Poses that the robot has passed are kept this far apart ...
+constexpr double kThinM = 0.05;
+/// ... over so much way: more than across the free disc of any place and out of it.
+constexpr double kMemoryM = 20.0;
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
 /// Components of cells that grow as the water falls: each knows its highest cell.
@@ -49,6 +54,21 @@ std::vector<std::uint32_t> free_cells_by_clearance(const ReflectionGrid& map,
     return clearance_m.values()[a] > clearance_m.values()[b];
   });
   return order;
+}
+
+/// Without those within same_m of one with more room.
+std::vector<OpenPlace> roomiest_of(std::vector<OpenPlace> places, double same_m) {
+  std::stable_sort(places.begin(), places.end(), [](const OpenPlace& a, const OpenPlace& b) {
+    return a.clearance_m > b.clearance_m;
+  });
+  std::vector<OpenPlace> kept;
+  for (const OpenPlace& place : places) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const OpenPlace& other) {
+      return (other.at_m - place.at_m).norm() <= same_m;
+    });
+    if (!known) kept.push_back(place);
+  }
+  return kept;
 }
 
 }  // namespace
@@ -110,29 +130,49 @@ void LandmarkDetector::look_around(const Pose2& robot) {
   const Cell middle = cell_at(robot.translation(), config_.resolution_m);
   const int half = static_cast<int>(config_.radius_m / config_.resolution_m);
   const CellRect rect{{middle.x - half, middle.y - half}, {middle.x + half, middle.y + half}};
-  for (const OpenPlace& place : open_places(map.reflection().cropped(rect), config_)) {
-    const auto known =
-        std::min_element(tracks_.begin(), tracks_.end(), [&](const Track& a, const Track& b) {
-          return (a.place.at_m - place.at_m).norm() < (b.place.at_m - place.at_m).norm();
-        });
-    if (known == tracks_.end() || (known->place.at_m - place.at_m).norm() > config_.same_m) {
-      tracks_.push_back({place, false, false, 0.0, 0.0, {}});
-    } else if (!known->visited) {
-      known->place = place;
-    }
-  }
+  const std::vector<OpenPlace> found = open_places(map.reflection().cropped(rect), config_);
+  for (const OpenPlace& place : roomiest_of(found, config_.same_m)) find_again(place);
 }
 
-void LandmarkDetector::follow(const PosedScan& scan) {
-  for (Track& track : tracks_) {
-    const double distance_m = (scan.map_from_robot.translation() - track.place.at_m).norm();
-    if (distance_m > track.place.clearance_m || track.reported) continue;
-    if (track.visited && distance_m >= track.nearest_m) continue;
-    track.visited = true;
-    track.nearest_m = distance_m;
-    track.way_at_nearest_m = way_m_;
-    track.nearest_stamp = scan.scan.stamp;
+/// What is seen of a place grows until it is left, so its middle moves, and with it what of the way
+/// was nearest. Tracks within same_m of what is found are of one landmark.
+void LandmarkDetector::find_again(const OpenPlace& place) {
+  Track found;
+  found.place = place;
+  found.from_way_m = way_m_;
+  for (const Track& track : tracks_) {
+    if ((track.place.at_m - place.at_m).norm() > config_.same_m) continue;
+    found.visited = found.visited || track.visited;
+    found.from_way_m = std::min(found.from_way_m, track.from_way_m);
+    if (track.reported) found = track;
+    if (found.reported) break;
   }
+  std::erase_if(tracks_, [&](const Track& track) {
+    return (track.place.at_m - place.at_m).norm() <= config_.same_m;
+  });
+  found.nearest_m = std::numeric_limits<double>::infinity();
+  for (const Passed& passed : passed_) {
+    if (passed.way_m >= found.from_way_m) pass(passed, found);
+  }
+  tracks_.push_back(found);
+}
+
+/// The newest pose, and those of the last metres, thinned.
+void LandmarkDetector::remember(const Passed& passed) {
+  const std::size_t n = passed_.size();
+  if (n >= 2 && passed_[n - 1].way_m - passed_[n - 2].way_m < kThinM) passed_.pop_back();
+  passed_.push_back(passed);
+  while (passed.way_m - passed_.front().way_m > kMemoryM) passed_.pop_front();
+}
+
+void LandmarkDetector::pass(const Passed& passed, Track& track) {
+  const double distance_m = (passed.at_m - track.place.at_m).norm();
+  if (track.reported || (!track.visited && distance_m > track.place.clearance_m)) return;
+  if (track.visited && distance_m >= track.nearest_m) return;
+  track.visited = true;
+  track.nearest_m = distance_m;
+  track.way_at_nearest_m = passed.way_m;
+  track.nearest_stamp = passed.stamp;
 }
 
 std::vector<LandmarkEvent> LandmarkDetector::add(const PosedScan& scan) {
@@ -151,7 +191,8 @@ std::vector<LandmarkEvent> LandmarkDetector::add(const PosedScan& scan) {
     if (recent_.size() > kMaxScans) recent_.erase(recent_.begin());
     look_around(robot);
   }
-  follow(scan);
+  remember({scan.scan.stamp, robot.translation(), way_m_});
+  for (Track& track : tracks_) pass(passed_.back(), track);
   std::vector<LandmarkEvent> events;
   for (Track& track : tracks_) {
     if (!track.visited || track.reported) continue;

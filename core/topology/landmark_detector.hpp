@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <vector>
 
 #include <Eigen/Core>
@@ -68,7 +69,9 @@ struct LandmarkEvent {
   double clearance_m = 0.0;
 };
 
-/// Follows one run; not thread-safe, two objects are independent.
+/// Follows one run. What is seen of a place grows until it is left: its middle is that of the last
+/// look at it, so that it is the same whichever way the robot came. Of findings within same_m of
+/// each other the one with most room counts. Not thread-safe, two objects are independent.
 class LandmarkDetector {
  public:
   explicit LandmarkDetector(const LandmarkConfig& config) : config_(config) {}
@@ -86,15 +89,24 @@ class LandmarkDetector {
     OpenPlace place;
     bool visited = false;
     bool reported = false;
+    double from_way_m = 0.0;  // where it was first found
     double nearest_m = 0.0;
     double way_at_nearest_m = 0.0;
     Stamp nearest_stamp;
   };
+  struct Passed {
+    Stamp stamp;
+    Eigen::Vector2d at_m{0.0, 0.0};
+    double way_m = 0.0;
+  };
   void look_around(const Pose2& robot);
-  void follow(const PosedScan& scan);
+  void find_again(const OpenPlace& place);
+  void remember(const Passed& passed);
+  static void pass(const Passed& passed, Track& track);
   LandmarkConfig config_;
   std::vector<PosedScan> recent_;
   std::vector<Track> tracks_;
+  std::deque<Passed> passed_;
   bool started_ = false;
   Pose2 last_;
   Pose2 last_look_;

@@ -12,7 +12,10 @@ namespace strata::topology {
 namespace {
 
 constexpr std::uint32_t kResampleIndex = 0xFFFFFFFFU;
-/// Landmarks within so many standard deviations of a revisit may be one.
+/// Landmarks within so many standard deviations of a revisit may be one: further apart the density
+/// of a revisit is below that of a landmark anywhere in a building.
+constexpr double kMergeStddevs = 4.0;
+/// A visit within so many of its landmark belongs there, if no other is nearer.
 constexpr double kNearStddevs = 2.0;
 
 /// The index whose share of the sum a place in [0, 1) falls into; never one without a share.
@@ -100,7 +103,7 @@ std::vector<Labels> mergers(const Hypothesis& hypothesis, const LocationPriorCon
   for (std::size_t b = 1; b < firsts.size(); ++b) {
     for (std::size_t a = 0; a < b; ++a) {
       if (translation_distance(hypothesis.poses[firsts[a]], hypothesis.poses[firsts[b]]) >
-          kNearStddevs * config.revisit_stddev_m) {
+          kMergeStddevs * config.revisit_stddev_m) {
         continue;
       }
       Labels labels = hypothesis.labels;

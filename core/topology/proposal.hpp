@@ -41,7 +41,7 @@ struct Choice {
                                                   const TopologyConfig& config);
 
 /// The topologies that come of holding two landmarks of this one, whose first visits it puts within
-/// two standard deviations of a revisit, for one. Canonical. O(landmarks^2).
+/// four standard deviations of a revisit, for one. Canonical. O(landmarks^2).
 [[nodiscard]] std::vector<Labels> mergers(const Hypothesis& hypothesis,
                                           const LocationPriorConfig& config);
 

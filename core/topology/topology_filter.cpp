@@ -100,7 +100,8 @@ std::vector<Candidate> TopologyFilter::State::candidates_of(std::size_t parent,
   const OdometryFactor& odometry = log.measurements(log.size()).odometry.back();
   Prediction prediction(hypothesis.poses, *hypothesis.gaussian, odometry);
   const Children children = expand(hypothesis, prediction, newest_covariances[parent], log, config);
-  const std::vector<Overlap> overlaps = find_overlaps(hypothesis, children, log, config.match);
+  const std::vector<Overlap> overlaps =
+      find_overlaps(hypothesis, children, prediction.newest(), log, config.match);
   const double log_new_density = log.measurements(log.size()).log_new_density.back();
   std::vector<Candidate> candidates;
   for (const Choice& choice : choose_children(hypothesis, children, places, config)) {

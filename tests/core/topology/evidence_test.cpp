@@ -9,6 +9,7 @@
 
 #include "core/random/stream.hpp"
 #include "core/topology/location_prior.hpp"
+#include "core/topology/mapper_config.hpp"
 
 namespace strata::topology {
 namespace {
@@ -60,6 +61,25 @@ TEST(Evidence, OfARevisitIsTheGaussianThatOdometryAndPlaceMake) {
   const double expected = log_gaussian(chain.poses[1].translation(), covariance) - std::log(kTwoPi);
   EXPECT_NEAR(evidence.log_evidence, expected, 1e-6);
   EXPECT_LT(evidence.poses[1].translation().norm(), chain.poses[1].translation().norm());
+}
+
+/// Of a small floor and a large one.
+TEST(Evidence, TakesADetectedPlaceForKnownWithinAMetreAndForNewBeyond) {
+  const LocationPriorConfig config = detected_landmarks().location;
+  for (const double area_m2 : {500.0, 4000.0}) {
+    for (const double apart_m : {0.5, 0.85, 1.15, 1.4}) {
+      const Pose2 step{apart_m, 0.0, 1.0};
+      const OdometryFactor sure{step, 1e-6 * Eigen::Matrix3d::Identity()};
+      const double density = -std::log(kTwoPi * area_m2);
+      const std::vector<double> densities{density, density};
+      const Measurements measured{{&sure, 1}, densities};
+      const Evidence known = evaluate({0, 0}, measured, {}, {Pose2{}, step}, config);
+      const Evidence fresh = evaluate({0, 1}, measured, {}, {Pose2{}, step}, config);
+      ASSERT_TRUE(known.converged && fresh.converged);
+      EXPECT_EQ(known.log_evidence > fresh.log_evidence, apart_m < 1.0)
+          << apart_m << " m apart on " << area_m2 << " m^2";
+    }
+  }
 }
 
 TEST(Evidence, WithAScanFactorIsTheProductOfGaussians) {

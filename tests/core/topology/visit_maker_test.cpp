@@ -113,6 +113,47 @@ TEST(VisitMaker, VisitsACrossingOnceWhereItIsAndAPlainCorridorNever) {
   EXPECT_TRUE(drive_through(kCorridor, elsewhere).empty());
 }
 
+/// Along the middle of a corridor, seen from y; one event a place.
+std::vector<LandmarkEvent> events_along(const Floor& floor, bool eastward) {
+  LandmarkDetector detector({});
+  std::vector<LandmarkEvent> events;
+  const auto take = [&](const std::vector<LandmarkEvent>& found) {
+    events.insert(events.end(), found.begin(), found.end());
+  };
+  for (int i = 0; i <= 90; ++i) {
+    const double x_m = -9.0 + 0.2 * i;
+    const Pose2 pose = eastward ? Pose2{x_m, 0.1, 0.0} : Pose2{-x_m, 0.1, std::numbers::pi};
+    take(detector.add(scan_at(floor, pose, 0.5 * i)));
+  }
+  take(detector.finish());
+  return events;
+}
+
+/// A hall whose near corners are seen only once the robot is inside.
+TEST(LandmarkDetector, PutsAPlaceWhereItIsWhicheverWayTheRobotComes) {
+  const Floor hall{{-20.0, -1.0, 20.0, 1.0}, {-3.0, -3.0, 2.0, 3.5}};
+  const std::vector<LandmarkEvent> there = events_along(hall, true);
+  const std::vector<LandmarkEvent> back = events_along(hall, false);
+  ASSERT_EQ(there.size(), 1U);
+  ASSERT_EQ(back.size(), 1U);
+  EXPECT_LT((there[0].center_m - back[0].center_m).norm(), 0.3);
+  EXPECT_LT((there[0].center_m - Eigen::Vector2d(-0.5, 0.25)).norm(), 0.5);
+}
+
+/// Branchings on either side, a metre from each other along the corridor.
+TEST(LandmarkDetector, FindsOneLandmarkWhereTwoFindingsLieTogether) {
+  const Floor offset{{-20.0, -1.0, 20.0, 1.0}, {-1.5, -1.0, 0.5, 20.0}, {-0.5, -20.0, 1.5, 1.0}};
+  for (const bool eastward : {true, false}) {
+    const std::vector<LandmarkEvent> events = events_along(offset, eastward);
+    ASSERT_FALSE(events.empty());
+    for (std::size_t b = 1; b < events.size(); ++b) {
+      for (std::size_t a = 0; a < b; ++a) {
+        EXPECT_GT((events[a].center_m - events[b].center_m).norm(), LandmarkConfig{}.same_m);
+      }
+    }
+  }
+}
+
 TEST(VisitMaker, TakesLandmarksByHandInOrderOfTime) {
   VisitConfig config;
   config.source = LandmarkSource::kGiven;
