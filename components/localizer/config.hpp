@@ -90,6 +90,7 @@ struct LocalizerComponentConfig {
   std::string pose_topic = "amcl_pose";
   std::string particles_topic = "particle_cloud";
   std::string states_topic = "submap_states";
+  std::string current_map_topic = "map_current";
   std::string health_topic = "localization_health";
   std::string located_topic;
   LocatedScansConfig located;
@@ -124,6 +125,10 @@ struct LocalizerComponentConfig {
     v.field("particles_topic", c.particles_topic,
             {.doc = "nav2_msgs/ParticleCloud out, made when somebody reads it"});
     v.field("states_topic", c.states_topic, {.doc = "strata_msgs/SubmapStates out"});
+    v.field(
+        "current_map_topic", c.current_map_topic,
+        {.doc = "nav_msgs/OccupancyGrid out: the map with what is believed of its sub-maps now, "
+                "whenever that changes"});
     v.field("health_topic", c.health_topic, {.doc = "strata_msgs/LocalizationHealth out"});
     v.field("located_topic", c.located_topic,
             {.doc = "strata_msgs/LabeledScan out: scans with their poses for learners that go on "
@@ -135,7 +140,8 @@ struct LocalizerComponentConfig {
     v.field("sensor_qos", c.sensor_qos,
             {.doc = "QoS profile of scan, odometry and particles: default, sensor_data, ..."});
     v.field("pose_qos", c.pose_qos, {.doc = "QoS profile of poses in and out"});
-    v.field("state_qos", c.state_qos, {.doc = "QoS profile of sub-map states and health"});
+    v.field("state_qos", c.state_qos,
+            {.doc = "QoS profile of sub-map states, the current map and health"});
     v.field("out_subfolder", c.out_subfolder,
             {.doc = "replay: folder inside --out for this component's files; empty: --out itself"});
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "components/convert/geometry_messages.hpp"
+#include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/maps/maps_folder.hpp"
 
@@ -71,6 +72,7 @@ void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussi
   model_ = config_.sensor_model == maps::SensorModelKind::kBeam
                ? maps::make_map_model(maps, config_.model, config_.sensor)
                : maps::make_likelihood_field_model(maps, config_.model, config_.likelihood_field);
+  current_map_.emplace(maps, config_.model);
   if (localizer_) {
     // A newer map: all that is known of the pose stays, be it one place or many.
     localizer_->set_model(model_.sensor);
@@ -137,6 +139,8 @@ void Localizer::advertise_topics() {
   publish_tf_ = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
   publish_states_ =
       advertise<strata_msgs::msg::SubmapStates>(config_.states_topic, config_.state_qos);
+  publish_map_ =
+      advertise<nav_msgs::msg::OccupancyGrid>(config_.current_map_topic, config_.state_qos);
   publish_health_ =
       advertise<strata_msgs::msg::LocalizationHealth>(config_.health_topic, config_.state_qos);
   if (!config_.located_topic.empty()) {
@@ -199,6 +203,7 @@ void Localizer::localize(const Observation& observation) {
   publish_particles(stamp);
   publish_located(observation, result);
   if (!result.submaps.empty()) publish_states(stamp, result.submaps);
+  publish_current_map(stamp, result.submaps);
   publish_health(stamp, result, update_time);
   if (store_ && result.converged && result.health.state != HealthState::kLost) {
     store_->keep(observation, result.pose);
@@ -261,6 +266,13 @@ void Localizer::publish_states(Stamp stamp,
   publish_states_(message);
 }
 
+void Localizer::publish_current_map(Stamp stamp,
+                                    const std::vector<localization::SubmapBelief>& submaps) {
+  if (const std::optional<ReflectionGrid> map = current_map_->news(submaps)) {
+    publish_map_(convert::to_occupancy(*map, stamp, config_.map_frame));
+  }
+}
+
 void Localizer::publish_health(Stamp stamp, const localization::LocalizationResult& result,
                                std::chrono::duration<double> update_time) {
   const localization::LocalizationHealth& health = result.health;
@@ -314,6 +326,7 @@ void Localizer::on_finish(const std::filesystem::path& out_dir) {
 
 void Localizer::on_cleanup() {
   localizer_.reset();
+  current_map_.reset();
   live_maps_.reset();
   place_.reset();  // its odometry may begin anew before the next configure
   store_.reset();

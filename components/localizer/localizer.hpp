@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "components/localizer/config.hpp"
+#include "components/localizer/current_map.hpp"
 #include "components/localizer/live_maps.hpp"
 #include "components/localizer/place_store.hpp"
 #include "components/maps/localization_files.hpp"
@@ -18,7 +19,8 @@
 namespace strata::localizer {
 
 /// Out, once a scan: amcl_pose, map -> odom on /tf (REP 105; as AMCL), particle_cloud,
-/// submap_states (maps with sub-maps only), localization_health. Services, as AMCL's:
+/// submap_states (maps with sub-maps only), localization_health; map_current when what is believed
+/// of a sub-map changes, and with each new map. Services, as AMCL's:
 /// reinitialize_global_localization, set_initial_pose. In: initialpose, and the maps when
 /// no MAPS folder is named (or map_topics.follow): scans that come before them are passed over, and
 /// when one comes again the robot goes on in it, with the particles that it has and what they
@@ -56,6 +58,7 @@ class Localizer final : public runtime::SensorComponent {
   void publish_located(const Observation& observation,
                        const localization::LocalizationResult& result);
   void publish_states(Stamp stamp, const std::vector<localization::SubmapBelief>& submaps);
+  void publish_current_map(Stamp stamp, const std::vector<localization::SubmapBelief>& submaps);
   void publish_health(Stamp stamp, const localization::LocalizationResult& result,
                       std::chrono::duration<double> update_time);
 
@@ -72,12 +75,14 @@ class Localizer final : public runtime::SensorComponent {
   std::optional<PlaceStore> store_;  ///< live only
   bool waits_for_odometry_ = false;  ///< to go on from there
   maps::MapModel model_;
+  std::optional<CurrentMap> current_map_;
   std::unique_ptr<localization::Localizer> localizer_;
   std::optional<strata_msgs::msg::LocalizationHealth> health_;  // as of the last scan
   maps::LocalizationRecord record_;  // lockstep only: live it would grow without end
   std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
   std::function<void(const tf2_msgs::msg::TFMessage&)> publish_tf_;
   std::function<void(const strata_msgs::msg::SubmapStates&)> publish_states_;
+  std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_map_;
   std::function<void(const strata_msgs::msg::LocalizationHealth&)> publish_health_;
   std::function<void(const strata_msgs::msg::LabeledScan&)> publish_located_;  // null: not wanted
   std::shared_ptr<bus::RawWriter> particle_writer_;  // raw, to see whether somebody reads

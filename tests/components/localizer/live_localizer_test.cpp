@@ -69,6 +69,23 @@ TEST_F(LiveLocalizer, LocalizesFromTfAlone) {
   EXPECT_TRUE(host_->take_errors().empty());
 }
 
+TEST_F(LiveLocalizer, ShowsLateJoinersTheMapThatItBelievesInAndSendsItOnlyWhenThatChanges) {
+  test::Collector<nav_msgs::msg::OccupancyGrid> early(robot_, "/map_current", "latched");
+  (void)next_pose();
+  ASSERT_EQ(early.wait_for(1).size(), 1U);
+  (void)next_pose();
+  (void)next_pose();
+  test::Collector<nav_msgs::msg::OccupancyGrid> late(robot_, "/map_current", "latched");
+  const auto maps = late.wait_for(1);
+  ASSERT_EQ(maps.size(), 1U);
+  const nav_msgs::msg::OccupancyGrid expected = convert::to_occupancy(
+      maps::read_maps(room().folder.path()).filtered, Stamp::from_seconds(0.0), "map");
+  EXPECT_EQ(maps[0].data(), expected.data());
+  EXPECT_EQ(maps[0].info().width(), expected.info().width());
+  EXPECT_EQ(maps[0].header().frame_id(), "map");
+  EXPECT_EQ(early.wait_for(1).size(), 1U);
+}
+
 TEST_F(LiveLocalizer, BeginsAtItsStartWhenItIsConfiguredAgain) {
   // Its map comes by topic, and again when it is configured again.
   const std::string parameters = parameters_of("filtered", false);
