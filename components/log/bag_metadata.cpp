@@ -167,9 +167,7 @@ void emit_files(YAML::Emitter& out, const BagSummary& summary) {
   out << YAML::EndSeq;
 }
 
-}  // namespace
-
-std::string bag_metadata(const BagSummary& summary) {
+void emit_information(YAML::Emitter& out, const BagSummary& summary) {
   std::size_t total = 0;
   Stamp begin{std::numeric_limits<std::int64_t>::max()};
   Stamp end{std::numeric_limits<std::int64_t>::min()};
@@ -182,9 +180,7 @@ std::string bag_metadata(const BagSummary& summary) {
   if (total == 0) begin = end = Stamp{};
   const bool packed = summary.packing != BagPacking::kNone;
   const char* const modes[] = {"", "FILE", "MESSAGE"};
-  YAML::Emitter out;
-  out << YAML::BeginMap << YAML::Key << "rosbag2_bagfile_information" << YAML::Value
-      << YAML::BeginMap;
+  out << YAML::BeginMap;
   out << YAML::Key << "version" << YAML::Value << (is_of_humble(summary) ? 5 : 7);
   out << YAML::Key << "storage_identifier" << YAML::Value
       << (summary.storage == BagStorage::kMcap ? "mcap" : "sqlite3");
@@ -201,7 +197,22 @@ std::string bag_metadata(const BagSummary& summary) {
     out << YAML::Key << "custom_data" << YAML::Value << YAML::Flow << YAML::BeginMap
         << YAML::EndMap;
   }
-  out << YAML::EndMap << YAML::EndMap;
+  out << YAML::EndMap;
+}
+
+}  // namespace
+
+std::string bag_information(const BagSummary& summary) {
+  YAML::Emitter out;
+  emit_information(out, summary);
+  return out.c_str();
+}
+
+std::string bag_metadata(const BagSummary& summary) {
+  YAML::Emitter out;
+  out << YAML::BeginMap << YAML::Key << "rosbag2_bagfile_information" << YAML::Value;
+  emit_information(out, summary);
+  out << YAML::EndMap;
   return std::string(out.c_str()) + '\n';
 }
 

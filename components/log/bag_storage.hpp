@@ -43,6 +43,10 @@ struct BagSummary {
 /// The text of metadata.yaml, in the form of Humble (version 5) with SQLite schema 3, else of Iron
 /// (7), which tells the hashes of types; each reads the other's.
 [[nodiscard]] std::string bag_metadata(const BagSummary& summary);
+/// What stands in it below its only key. This is what rosbag2 keeps in an MCAP file: its reader
+/// takes the record's map for the information itself and throws where that lies a level deeper, as
+/// other programs write it.
+[[nodiscard]] std::string bag_information(const BagSummary& summary);
 /// Throws OutputError.
 void write_bag_metadata(const std::filesystem::path& folder, const BagSummary& summary);
 

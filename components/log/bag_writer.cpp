@@ -39,7 +39,7 @@ struct BagWriter::State {
   }
 
   void close_file() {
-    file->close(bag_metadata(summary));
+    file->close(bag_information(summary));
     file.reset();
     if (options.packing != BagPacking::kFile) return;
     std::string& file_name = summary.files.back().name;
@@ -115,6 +115,8 @@ std::size_t BagWriter::add_topic(const BagTopic& topic) {
 void BagWriter::write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) {
   State& state = *state_;
   if (state.closed) {
+    // It names the files up to now only; who finds none reads them all, after a kill too.
+    fs::remove(state.folder / "metadata.yaml");
     state.open_file();
     state.closed = false;
   } else if (state.is_full(stamp)) {

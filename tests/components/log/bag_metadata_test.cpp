@@ -9,6 +9,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "components/log/bag.hpp"
+#include "components/log/bag_storage.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace fs = std::filesystem;
@@ -122,6 +123,18 @@ TEST_P(BagMetadata, OfABagWithoutMessagesTellsThatThereAreNone) {
   EXPECT_EQ(duration_ns(info()), 0);
   EXPECT_EQ(info()["topics_with_message_count"].size(), 0U);
   EXPECT_EQ(info()["files"][0]["message_count"].as<int>(), 0);
+}
+
+TEST_P(BagMetadata, HidesNothingThatComesAfterASplitWhenTheProcessIsKilledThen) {
+  BagWriter writer(bag(), GetParam());
+  const auto topic = writer.add_topic({"/a", "std_msgs/msg/String", "cdr", ""});
+  const std::vector<std::uint8_t> data(10, 1);
+  writer.write(topic, {kBegin_ns}, data);
+  writer.close();
+  EXPECT_EQ(bag_files(bag()).files.size(), 1U);
+  writer.write(topic, {kBegin_ns + 1}, data);
+  writer.flush();
+  EXPECT_EQ(bag_files(bag()).files.size(), 2U);  // as after a kill: nothing is closed
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BagMetadata,
