@@ -31,6 +31,11 @@ std::string topic_name(const DiscoveredEndpoint& endpoint) {
   return name.empty() ? endpoint.wire_topic : name;
 }
 
+/// ROS 2 nodes latch their log for ten seconds only: that nothing of it comes says nothing.
+bool keeps_what_it_latches(const DiscoveredEndpoint& writer) {
+  return writer.wire_topic != "rt/rosout" && !bus::topic_from_wire(writer.wire_topic).empty();
+}
+
 /// Surely on our host. Of other vendors' processes we cannot tell.
 bool is_here(const Guid& guid, const Guid& self) {
   return bus::vendor_of(guid) == bus::kVendorFastDds && bus::host_of(guid) == bus::host_of(self);
@@ -75,8 +80,8 @@ std::vector<Finding> find_losses(const Observed& observed, const NameOf& name_of
                               " did not come at the first attempt",
                           kWifiAdvice});
     }
-    const bool is_latched = writer.reliable && writer.transient_local &&
-                            !bus::topic_from_wire(writer.wire_topic).empty();
+    const bool is_latched =
+        writer.reliable && writer.transient_local && keeps_what_it_latches(writer);
     if (is_latched && !heard.has_latched && observed.listened_s >= kPatienceForLatched_s) {
       findings.push_back({false, topic_name(writer),
                           "is latched by " + name_of(writer.guid) +

@@ -28,6 +28,7 @@ void examine(const DoctorOptions& options, VerbContext& context) {
   if (options.domain >= 0) participant.domain = options.domain;
   if (!options.transport.empty()) {
     participant.transport = bus::transport_from_name(options.transport);
+    participant.is_alone = false;  // as in a composition that names a transport
   }
   context.note("listening on domain " + std::to_string(participant.domain));
   const auto end = std::chrono::steady_clock::now() +

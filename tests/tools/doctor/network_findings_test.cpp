@@ -84,6 +84,13 @@ TEST(NetworkFindings, NameALatchedTopicOfAnotherHostThatDoesNotArrive) {
   EXPECT_THAT(find_losses(heard_from(writer, latched), kNameOf), IsEmpty());
 }
 
+// ROS 2 nodes latch what they log for ten seconds.
+TEST(NetworkFindings, SayNothingOfALogInWhichNothingWasWritten) {
+  auto writer = endpoint(guid(kThere, 1, 3), true, true);
+  writer.wire_topic = bus::wire_topic("/rosout");
+  EXPECT_THAT(find_losses(heard_from(writer, {}), kNameOf), IsEmpty());
+}
+
 /// Process 1 and process 2 on the doctor's host, all with shared memory; the doctor is the first.
 Observed two_processes(const std::string& first, const std::string& second) {
   Observed observed;
