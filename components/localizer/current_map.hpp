@@ -14,8 +14,9 @@
 namespace strata::localizer {
 
 /// With sub-maps: the base map, and in each sub-map the configuration that is more likely than all
-/// others together; until one is, the last that was, at first the one seen most. Without: the map
-/// that the robot is localized in; for timescale levels, which are no grids, the filtered map.
+/// others together; until one is, the last that was, and since this map came the one seen most.
+/// Without: the map that the robot is localized in; for timescale levels, which are no grids, the
+/// filtered map.
 class CurrentMap {
  public:
   CurrentMap(const maps::Maps& maps, const std::string& model);

@@ -16,9 +16,8 @@
 namespace strata::player {
 
 /// Live only: in lockstep `strata replay` plays. Controlled as rosbag2's player, by services
-/// ~/pause,
-/// ~/resume, ~/toggle_paused, ~/is_paused, ~/get_rate, ~/set_rate, ~/seek and ~/play_next, and by
-/// the parameters `rate` and `paused`, which say the same.
+/// ~/pause, ~/resume, ~/toggle_paused, ~/is_paused, ~/get_rate, ~/set_rate, ~/seek and
+/// ~/play_next, and by the parameters `rate` and `paused`, which say the same.
 class Player final : public runtime::Component {
  public:
   using Component::Component;
