@@ -80,8 +80,12 @@ int run(std::vector<std::string> words, const MemoryFile& in, const MemoryFile& 
          "install librsvg2-bin");
   }
   int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  pid_t ended = 0;
+  while ((ended = waitpid(pid, &status, 0)) < 0 && errno == EINTR) {
   }
+  if (ended != pid)
+    fail("cannot be drawn: how " + words.front() + " ended cannot be told",
+         "do not ignore SIGCHLD");
   return status;
 }
 
