@@ -103,6 +103,7 @@ void run_children(const RunOptions& options, VerbContext& context,
       } else if (ended.failed) {
         throw Error("process " + ended.name, "ended early", "see its message above");
       } else {
+        tell_service_manager("STOPPING=1");
         return;
       }
     }
