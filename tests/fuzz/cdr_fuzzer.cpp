@@ -4,6 +4,7 @@
 #include "strata_idl/rmw_dds_common.h"
 #include "strata_idl/rmw_dds_common_24.h"
 
+#include "components/bus/bag_service_types.hpp"
 #include "components/bus/graph_message.hpp"
 #include "components/bus/message_types.hpp"
 #include "components/bus/service.hpp"
@@ -54,11 +55,16 @@ void receive_node_map(Input bytes) {
 
 /// Others' nodes, with the long or the short GIDs; what is read says the same when it is written.
 void receive_graph(Input bytes) {
-  const auto graph = bus::graph_from_cdr({bytes.begin(), bytes.end()});
+  auto graph = bus::graph_from_cdr({bytes.begin(), bytes.end()});
   if (!graph) return;
+  // A string is written up to its first zero, and no name has one.
+  for (bus::NodeInfo& node : graph->second) {
+    node.name = node.name.c_str();
+    node.node_namespace = node.node_namespace.c_str();
+  }
   for (const std::size_t gid_bytes : {16, 24}) {
     const auto written = bus::graph_to_cdr(graph->first, graph->second, gid_bytes);
-    if (!bus::graph_from_cdr(written)) __builtin_trap();
+    if (bus::graph_from_cdr(written) != graph) __builtin_trap();
   }
 }
 
@@ -67,6 +73,7 @@ void serve(Input cdr) {
   (void)from_cdr<typename bus::ServiceType<S>::Request>(cdr, bus::ServiceType<S>::name);
 }
 
+/// The corpus names these by their place, too: new ones go to the end.
 constexpr void (*kServices[])(Input) = {
     serve<srv::ChangeState>,
     serve<srv::GetState>,
@@ -83,9 +90,19 @@ constexpr void (*kServices[])(Input) = {
     serve<srv::SetParameters>,
     serve<srv::SetParametersAtomically>,
     serve<srv::Empty>,
+    serve<srv::Pause>,
+    serve<srv::Resume>,
+    serve<srv::TogglePaused>,
+    serve<srv::IsPaused>,
+    serve<srv::GetRate>,
+    serve<srv::SetRate>,
+    serve<srv::PlayNext>,
+    serve<srv::Seek>,
+    serve<srv::SplitBagfile>,
 };
 
-/// The next byte chooses the service, and whose client asks: Cyclone's puts a prefix in front.
+/// The next byte chooses the service, and its highest bit whose client asks: Cyclone's puts a prefix
+/// in front.
 void receive_request(Input bytes) {
   if (bytes.empty()) return;
   bus::RawMessage message;
@@ -98,7 +115,7 @@ void receive_request(Input bytes) {
   // The reply names the client and has the four bytes of its header besides.
   const std::vector<std::uint8_t> reply = bus::service_reply_bytes(*request, {0, 1, 0, 0, 7});
   if (reply.size() != (request->prefix ? 21 : 5)) __builtin_trap();
-  kServices[bytes[0] % std::size(kServices)](request->cdr);
+  kServices[(bytes[0] & 127) % std::size(kServices)](request->cdr);
 }
 
 constexpr void (*kKinds[])(Input) = {
