@@ -38,6 +38,7 @@ struct TopologyMapperComponentConfig {
   std::string sensor_qos = "sensor_data";
   std::string out_subfolder = "topology";
   std::string save;
+  topology::WayKeepConfig keep{.thin_m = 0.05, .thin_rad = 0.05, .memory_mb = 512.0};
   MapperStoreConfig store;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -61,6 +62,7 @@ struct TopologyMapperComponentConfig {
     v.field("save", c.save,
             {.doc = "live: write the same files into this folder, which must be new, when the "
                     "component is deactivated; empty: do not"});
+    v.group("keep", c.keep, "live: which scans are kept; of a log all are");
     v.group("store", c.store, "going on after the process was stopped");
   }
 };

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -14,28 +15,45 @@ namespace strata::topology_mapper {
 namespace {
 
 constexpr const char* kMarks = "topology/marks";
-constexpr const char* kOdometry = "topology/odometry";
+constexpr const char* kNewest = "topology/newest";
 
-/// Nothing when it is not there, or null.
+/// Nothing when it is not there.
 template <typename T>
 std::optional<T> read(const memory::Store& store, const char* key) {
   const std::optional<std::string> text = store.find_text(key);
   if (!text) return std::nullopt;
   try {
-    const nlohmann::json value = nlohmann::json::parse(*text);
-    return value.is_null() ? std::nullopt : std::optional(value.get<T>());
+    return nlohmann::json::parse(*text).get<T>();
   } catch (const nlohmann::json::exception&) {
     throw InputError(store.path().string(), std::string("has a damaged ") + key,
                      "take it from a backup, or remove it to begin anew");
   }
 }
 
+/// A moment's stamp; its pose, and that of its odometry if it has one.
+using KeptMoment = std::pair<std::int64_t, std::vector<std::array<double, 3>>>;
+
+KeptMoment to_kept(const topology::TrackedMoment& moment) {
+  const auto values = [](const Pose2& pose) { return std::array{pose.x, pose.y, pose.theta}; };
+  KeptMoment kept{moment.stamp.ns, {values(moment.map_from_robot)}};
+  if (moment.odom_from_robot) kept.second.push_back(values(*moment.odom_from_robot));
+  return kept;
+}
+
+topology::TrackedMoment from_kept(const KeptMoment& kept) {
+  const auto pose = [](const std::array<double, 3>& values) {
+    return Pose2{values[0], values[1], values[2]};
+  };
+  topology::TrackedMoment moment{Stamp{kept.first}, pose(kept.second.front()), std::nullopt};
+  if (kept.second.size() > 1) moment.odom_from_robot = pose(kept.second[1]);
+  return moment;
+}
+
 }  // namespace
 
 MapperStore::MapperStore(const std::filesystem::path& file) : store_(file) {}
 
-std::optional<MapperStore::Restored> MapperStore::restore(topology::TopologyMapper& mapper) {
-  std::optional<Restored> restored;
+std::optional<topology::TrackedMoment> MapperStore::restore(topology::TopologyMapper& mapper) {
   using Marks = std::vector<std::pair<std::size_t, std::int64_t>>;
   for (const auto& [after_scans, stamp_ns] : read<Marks>(store_, kMarks).value_or(Marks())) {
     marks_.push_back({after_scans, Stamp{stamp_ns}});
@@ -46,15 +64,15 @@ std::optional<MapperStore::Restored> MapperStore::restore(topology::TopologyMapp
       for (; mark != marks_.cend() && mark->after_scans <= scans_; ++mark) mapper.mark(mark->stamp);
       for (topology::MadeVisit& visit : mapper.restore(scan)) (void)mapper.update(std::move(visit));
       ++scans_;
-      restored = Restored{scan.scan.stamp, std::nullopt};
     }
   }
   for (; mark != marks_.cend(); ++mark) mapper.mark(mark->stamp);
-  if (!restored) return restored;
-  if (const auto pose = read<std::array<double, 3>>(store_, kOdometry)) {
-    restored->odom_from_robot = Pose2{(*pose)[0], (*pose)[1], (*pose)[2]};
-  }
-  return restored;
+  if (scans_ == 0) return std::nullopt;
+  newest_ = mapper.newest();
+  const auto kept = read<KeptMoment>(store_, kNewest);
+  // Without it, of an older version or cut short: where the last scan was taken.
+  if (kept && !kept->second.empty() && kept->first >= newest_->stamp.ns) newest_ = from_kept(*kept);
+  return newest_;
 }
 
 void MapperStore::mark(Stamp stamp) {
@@ -62,31 +80,30 @@ void MapperStore::mark(Stamp stamp) {
   has_new_mark_ = true;
 }
 
-void MapperStore::add(const PosedScan& tracked, const std::optional<Pose2>& odom_from_robot) {
-  waiting_.push_back(tracked);
-  odom_from_robot_ = odom_from_robot;
+void MapperStore::add(const PosedScan& kept) {
+  waiting_.push_back(kept);
   ++scans_;
 }
 
+void MapperStore::came_to(const topology::TrackedMoment& newest) {
+  has_moved_on_ = has_moved_on_ || !newest_ || newest_->stamp < newest.stamp;
+  newest_ = newest;
+}
+
 void MapperStore::flush() {
-  if (waiting_.empty() && !has_new_mark_) return;
+  if (waiting_.empty() && !has_new_mark_ && !has_moved_on_) return;
   store_.transaction([&] {
-    if (!waiting_.empty()) {
-      store_.append_scans(waiting_.front().run, waiting_);
-      nlohmann::json odometry;
-      if (odom_from_robot_) {
-        odometry = {odom_from_robot_->x, odom_from_robot_->y, odom_from_robot_->theta};
-      }
-      store_.save_text(kOdometry, odometry.dump());
-    }
+    if (!waiting_.empty()) store_.append_scans(waiting_.front().run, waiting_);
     if (has_new_mark_) {
       nlohmann::json marks = nlohmann::json::array();
       for (const Mark& mark : marks_) marks.push_back({mark.after_scans, mark.stamp.ns});
       store_.save_text(kMarks, marks.dump());
     }
+    if (has_moved_on_) store_.save_text(kNewest, nlohmann::json(to_kept(*newest_)).dump());
   });
   waiting_.clear();
   has_new_mark_ = false;
+  has_moved_on_ = false;
 }
 
 }  // namespace strata::topology_mapper

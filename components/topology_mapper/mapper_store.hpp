@@ -13,26 +13,23 @@
 
 namespace strata::topology_mapper {
 
-/// Scans with the poses that the mapper gave them, landmarks as they were told, and the odometry of
-/// the newest scan. Everything else the mapper makes of them again: visits are what costs, tracking
-/// is not done twice. Not thread-safe.
+/// The scans that the mapper keeps with the poses that it gave them, landmarks as they were told,
+/// and where it has come to. Everything else the mapper makes of them again: visits are what costs,
+/// tracking is not done twice. Not thread-safe.
 class MapperStore {
  public:
   /// Opens or makes the file. Throws InputError for one that is no store or damaged, OutputError.
   explicit MapperStore(const std::filesystem::path& file);
 
-  /// Makes a new mapper what the one was that wrote this, and gives its newest scan's stamp and
-  /// odometry; nothing when no scan was written. O(scans + visits x a landmark update). Throws
+  /// Makes a new mapper what the one was that wrote this, but for `resume_from`, and gives where it
+  /// had come to; nothing when no scan was written. O(scans + visits x a landmark update). Throws
   /// InputError.
-  struct Restored {
-    Stamp newest;
-    std::optional<Pose2> odom_from_robot;
-  };
-  [[nodiscard]] std::optional<Restored> restore(topology::TopologyMapper& mapper);
+  [[nodiscard]] std::optional<topology::TrackedMoment> restore(topology::TopologyMapper& mapper);
 
   /// What the mapper has just been given: written by the next flush.
   void mark(Stamp stamp);
-  void add(const PosedScan& tracked, const std::optional<Pose2>& odom_from_robot);
+  void add(const PosedScan& kept);
+  void came_to(const topology::TrackedMoment& newest);
   /// One transaction. Throws OutputError, and keeps what it could not write.
   void flush();
 
@@ -47,7 +44,8 @@ class MapperStore {
   std::vector<Mark> marks_;
   bool has_new_mark_ = false;
   std::vector<PosedScan> waiting_;
-  std::optional<Pose2> odom_from_robot_;
+  std::optional<topology::TrackedMoment> newest_;
+  bool has_moved_on_ = false;
 };
 
 }  // namespace strata::topology_mapper

@@ -15,8 +15,9 @@ namespace strata::topology_mapper {
 
 void TopologyMapper::on_configure() {
   config_ = read_parameters<TopologyMapperComponentConfig>();
-  mapper_ = std::make_unique<topology::TopologyMapper>(config_.mapping, context().seed,
-                                                       context().threads);
+  mapper_ = std::make_unique<topology::TopologyMapper>(
+      config_.mapping, context().seed, context().threads,
+      lockstep() ? topology::WayKeepConfig{} : config_.keep);
   publish_ = advertise<strata_msgs::msg::Topologies>(config_.topic, "latched");
   subscribe<geometry_msgs::msg::PointStamped>(
       config_.landmark_topic, "default", [this](const auto& message) { on_landmark(message); });
@@ -29,7 +30,7 @@ void TopologyMapper::on_configure() {
 void TopologyMapper::open_store() {
   store_.emplace(config_.store.file);
   restored_ = store_->restore(*mapper_);
-  if (restored_) last_scan_ = restored_->newest;
+  if (restored_) last_scan_ = restored_->stamp;
 }
 
 void TopologyMapper::on_activate() {
@@ -37,20 +38,19 @@ void TopologyMapper::on_activate() {
 }
 
 bool TopologyMapper::resume(const Observation& first) {
-  const double since_s = (first.scan.stamp - restored_->newest).seconds();
+  const double since_s = (first.scan.stamp - restored_->stamp).seconds();
   if (since_s <= 0.0) {
     tell(InputError(config_.store.file,
                     "its newest scan is " + std::to_string(-since_s) + " s ahead of the clock",
                     "set the clock, or remove the file to begin anew; until the clock has passed "
                     "it, scans are left out"));
   }
-  const runtime::KeptMoment kept{restored_->newest, restored_->odom_from_robot.has_value()};
+  const runtime::KeptMoment kept{restored_->stamp, restored_->odom_from_robot.has_value()};
   waits_for_odometry_ =
       config_.input.use_odometry && runtime::needs_odometry(kept, first, config_.store.carry);
   if (waits_for_odometry_) return false;
-  if (runtime::is_carried(kept, first, config_.store.carry)) {
-    mapper_->resume_from(*restored_->odom_from_robot);
-  }
+  if (!runtime::is_carried(kept, first, config_.store.carry)) restored_->odom_from_robot.reset();
+  mapper_->resume_from(*restored_);
   restored_.reset();
   return true;
 }
@@ -86,11 +86,8 @@ void TopologyMapper::on_observation(const Observation& scanned) {
   last_scan_ = observation.scan.stamp;
   const std::size_t scans = mapper_->scans().size();
   std::vector<topology::MadeVisit> visits = mapper_->add(observation, given ? &*given : nullptr);
-  if (store_ && mapper_->scans().size() > scans) {
-    store_->add(mapper_->scans().back(), observation.has_odometry
-                                             ? std::optional(observation.odom_from_robot)
-                                             : std::nullopt);
-  }
+  if (store_ && mapper_->scans().size() > scans) store_->add(mapper_->scans().back());
+  if (store_ && mapper_->newest()) store_->came_to(*mapper_->newest());
   update(std::move(visits));
 }
 
@@ -148,6 +145,11 @@ void TopologyMapper::write(const std::filesystem::path& folder, Progress* progre
 void TopologyMapper::on_diagnose(runtime::Health& health) const {
   if (!mapper_) return;
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
+  if (mapper_->is_full()) {
+    health.warn(
+        "the map is complete: its scans use keep.memory_mb, and no more are taken; raise "
+        "it, or begin anew with another store");
+  }
   const topology::TopologyCounts counts = mapper_->counts();
   const std::vector<topology::Hypothesis>& posterior = mapper_->posterior();
   health.add("visits of landmarks", std::uint64_t{mapper_->visits().size()});
@@ -157,6 +159,8 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
     health.add("landmarks of the likeliest",
                static_cast<std::uint64_t>(topology::landmark_count(posterior.front().labels)));
   }
+  health.add("scans tracked", std::uint64_t{mapper_->tracked_scans()});
+  health.add("scans kept", std::uint64_t{mapper_->scans().size()});
   health.add("scans left out", std::uint64_t{mapper_->skipped_scans()});
   health.add("landmarks out of order", std::uint64_t{counts.late_visits});
   health.add("landmarks with broken odometry", std::uint64_t{counts.broken_visits});

@@ -50,6 +50,29 @@ inline constexpr OdometryNoiseConfig kMatchedOdometryNoise{.floor_m = 0.05,
   return config;
 }
 
+/// What a robot that works for days keeps of its way: memory does not grow while it stands, and
+/// ends growing when the budget is used up. Of a log everything is kept.
+struct WayKeepConfig {
+  double thin_m = 0.0;
+  double thin_rad = 0.0;
+  double memory_mb = 0.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("thin_m", c.thin_m,
+            {.doc = "scans nearer than this to the last one kept, and turned by less than "
+                    "thin_rad, are matched but not kept",
+             .unit = "m",
+             .min = 0.0});
+    v.field("thin_rad", c.thin_rad, {.doc = "see thin_m", .unit = "rad", .min = 0.0});
+    v.field("memory_mb", c.memory_mb,
+            {.doc = "scans are kept up to this; then the map is complete and the mapper takes no "
+                    "more. About 4 bytes a beam: 512 MB hold 6 km of scans of 1,080 beams every 5 "
+                    "cm; 0: no bound",
+             .unit = "MB",
+             .min = 0.0});
+  }
+};
+
 struct TopologyMapperConfig {
   bool match_scans = true;
   double resolution_m = 0.05;

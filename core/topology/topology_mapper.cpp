@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/topology/topology_mapper.hpp"
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -9,13 +10,16 @@
 namespace strata::topology {
 
 struct TopologyMapper::State {
-  State(const TopologyMapperConfig& mapper_config, std::uint64_t seed, int thread_count)
+  State(const TopologyMapperConfig& mapper_config, std::uint64_t seed, int thread_count,
+        const WayKeepConfig& keep_config)
       : config(mapper_config),
+        keep(keep_config),
         maker(mapper_config.landmarks),
         filter(mapper_config.topology, seed, thread_count),
         threads(thread_count) {}
 
   TopologyMapperConfig config;
+  WayKeepConfig keep;
   std::optional<slam::Tracker> tracker;
   VisitMaker maker;
   TopologyFilter filter;
@@ -23,27 +27,47 @@ struct TopologyMapper::State {
   std::vector<PosedScan> scans;
   std::vector<MadeVisit> visits;
   std::size_t skipped = 0;
-  bool is_begun = false;  // a scan came that was not restored
-  std::optional<Pose2> resumed_odom;
+  std::size_t tracked = 0;
+  std::size_t kept_bytes = 0;
+  std::optional<TrackedMoment> newest;
+  bool is_begun = false;               // a scan came that was not restored
   std::optional<Pose2> run_from_odom;  // nothing: the same, unless the mapper was restored
+
+  [[nodiscard]] bool is_full() const {
+    return keep.memory_mb > 0.0 && static_cast<double>(kept_bytes) >= keep.memory_mb * 1e6;
+  }
+
+  [[nodiscard]] bool is_beside_last(const Pose2& pose) const {
+    if (scans.empty()) return false;
+    const Pose2 step = between(scans.back().map_from_robot, pose);
+    return step.translation().norm() < keep.thin_m && std::abs(step.theta) < keep.thin_rad;
+  }
+
+  [[nodiscard]] std::vector<MadeVisit> keep_scan(const PosedScan& scan) {
+    kept_bytes += sizeof(PosedScan) + scan.scan.ranges_m.size() * sizeof(float);
+    scans.push_back(scan);
+    return maker.add(scan);
+  }
 
   void begin(const Observation& observation) {
     is_begun = true;
     Pose2 start = observation.odom_from_robot;
-    if (!scans.empty()) {
-      const Pose2 step =
-          resumed_odom ? between(*resumed_odom, observation.odom_from_robot) : Pose2();
-      start = scans.back().map_from_robot * step;
+    if (newest) {
+      const Pose2 step = newest->odom_from_robot
+                             ? between(*newest->odom_from_robot, observation.odom_from_robot)
+                             : Pose2();
+      start = newest->map_from_robot * step;
       run_from_odom = start * inverse(observation.odom_from_robot);
     }
     tracker.emplace(config.tracking, config.resolution_m, observation.run, start);
   }
 };
 
-TopologyMapper::TopologyMapper(const TopologyMapperConfig& config, std::uint64_t seed,
-                               int threads) {
+TopologyMapper::TopologyMapper(const TopologyMapperConfig& config, std::uint64_t seed, int threads,
+                               const WayKeepConfig& keep) {
   require_valid(config, "topology mapping");
-  state_ = std::make_unique<State>(config, seed, threads);
+  require_valid(keep, "topology mapping: keep");
+  state_ = std::make_unique<State>(config, seed, threads, keep);
 }
 
 TopologyMapper::~TopologyMapper() = default;
@@ -51,8 +75,9 @@ TopologyMapper::~TopologyMapper() = default;
 std::vector<MadeVisit> TopologyMapper::add(const Observation& observation, const Pose2* given) {
   State& s = *state_;
   const bool follows = s.scans.empty() || (observation.run == s.scans.back().run &&
-                                           s.scans.back().scan.stamp < observation.scan.stamp);
-  if (!follows || (observation.has_odometry && !is_finite(observation.odom_from_robot)) ||
+                                           s.newest->stamp < observation.scan.stamp);
+  if (!follows || s.is_full() ||
+      (observation.has_odometry && !is_finite(observation.odom_from_robot)) ||
       (given != nullptr && !is_finite(*given))) {
     ++s.skipped;
     return {};
@@ -64,22 +89,23 @@ std::vector<MadeVisit> TopologyMapper::add(const Observation& observation, const
     scan.map_from_robot = *given;
   } else if (s.config.match_scans) {
     const Pose2* odometry = observation.has_odometry ? &observation.odom_from_robot : nullptr;
-    scan.map_from_robot =
-        s.tracker->add(observation.scan, odometry, s.scans.size()).run_from_robot.mean;
+    scan.map_from_robot = s.tracker->add(observation.scan, odometry, s.tracked).run_from_robot.mean;
     (void)s.tracker->take_finished();
   }
-  s.scans.push_back(scan);
-  return s.maker.add(scan);
+  ++s.tracked;
+  s.newest = {scan.scan.stamp, scan.map_from_robot,
+              observation.has_odometry ? std::optional(observation.odom_from_robot) : std::nullopt};
+  if (s.is_beside_last(scan.map_from_robot)) return {};
+  return s.keep_scan(scan);
 }
 
 std::vector<MadeVisit> TopologyMapper::restore(const PosedScan& tracked) {
-  state_->scans.push_back(tracked);
-  return state_->maker.add(tracked);
+  ++state_->tracked;
+  state_->newest = {tracked.scan.stamp, tracked.map_from_robot, std::nullopt};
+  return state_->keep_scan(tracked);
 }
 
-void TopologyMapper::resume_from(const Pose2& odom_from_robot) {
-  state_->resumed_odom = odom_from_robot;
-}
+void TopologyMapper::resume_from(const TrackedMoment& newest) { state_->newest = newest; }
 
 void TopologyMapper::mark(Stamp stamp) { state_->maker.mark(stamp); }
 
@@ -96,7 +122,10 @@ int TopologyMapper::threads() const { return state_->threads; }
 const TopologyFilter& TopologyMapper::filter() const { return state_->filter; }
 const std::vector<MadeVisit>& TopologyMapper::visits() const { return state_->visits; }
 const std::vector<PosedScan>& TopologyMapper::scans() const { return state_->scans; }
+const std::optional<TrackedMoment>& TopologyMapper::newest() const { return state_->newest; }
+std::size_t TopologyMapper::tracked_scans() const { return state_->tracked; }
 std::size_t TopologyMapper::skipped_scans() const { return state_->skipped; }
+bool TopologyMapper::is_full() const { return state_->is_full(); }
 
 TopologyCounts TopologyMapper::counts() const {
   TopologyCounts counts = state_->filter.counts();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <numbers>
@@ -125,6 +126,15 @@ class Robot {
                                             return test::value_of(status, key) == value;
                                           }),
                           key) == value;
+  }
+  /// What a status warns of.
+  [[nodiscard]] std::string warning() {
+    return watch_
+        .wait_for(*host_,
+                  [](const auto& status) {
+                    return status.level() == static_cast<std::uint8_t>(runtime::HealthLevel::kWarn);
+                  })
+        .message();
   }
   /// Whether a status has it with another value than 0.
   [[nodiscard]] bool counts(const std::string& key) {
@@ -253,6 +263,42 @@ TEST(TopologyMapper, IsDeactivatedOnAFullDiskAndKeepsWhatItHeardWhenThereIsRoom)
   EXPECT_THAT(memory::Store(store, {.read_only = true}).runs_with_scans(), ElementsAre(0));
 }
 
+TEST(TopologyMapper, KeepsNothingWhileItStandsAndKnowsAfterARestartThatItStoodThereTillNow) {
+  const test::TemporaryDirectory folder;
+  const std::string parameters =
+      "store: {file: '" + (folder.path() / "way.db").string() + "', carry_s: 1.0}";
+  std::vector<Moment> drive = there_and_back();
+  drive.resize(10);
+  for (int i = 0; i < 30; ++i) {  // longer than carry_s
+    drive.push_back({drive.back().time_s + kStepS, drive.back().pose});
+  }
+  {
+    Robot robot(parameters);
+    robot.drive(drive);
+    ASSERT_TRUE(robot.says("scans tracked", "40"));
+    EXPECT_TRUE(robot.says("scans kept", "10"));
+    EXPECT_TRUE(robot.says("scans left out", "0"));
+    robot.end();
+  }
+  Robot robot(parameters);
+  const Pose2 further = drive.back().pose * Pose2{1.0, 0.0, 0.0};
+  for (int i = 1; i <= 3; ++i) robot.drive({{drive.back().time_s + kStepS * i, further}});
+  ASSERT_TRUE(robot.says("scans tracked", "13"));
+  EXPECT_TRUE(robot.says("scans kept", "11"));
+  robot.end();
+  const auto scans = memory::Store(folder.path() / "way.db", {.read_only = true}).load_scans(0);
+  ASSERT_EQ(scans.size(), 11U);
+  EXPECT_NEAR(translation_distance(scans[9].map_from_robot, scans[10].map_from_robot), 1.0, 0.05)
+      << "its odometry has gone on";
+}
+
+TEST(TopologyMapper, WarnsThatItsMapIsCompleteWhenItsMemoryIsUsedUp) {
+  Robot robot("keep: {memory_mb: 0.01}");
+  robot.drive(there_and_back());
+  ASSERT_TRUE(robot.says("received /scan", "109"));
+  EXPECT_THAT(robot.warning(), HasSubstr("keep.memory_mb"));
+}
+
 TEST(TopologyMapper, NamesWhatItLeftOutOnDiagnostics) {
   Robot robot("mapping: {landmarks: {source: given}}");
   robot.mark(kThere9);
@@ -266,7 +312,8 @@ TEST(TopologyMapper, NamesWhatItLeftOutOnDiagnostics) {
   beyond.time_s += kStepS;
   Moment nowhere = beyond;
   nowhere.pose.x = std::numeric_limits<double>::quiet_NaN();
-  robot.drive({nowhere, moments.front(), {beyond.time_s + kStepS, beyond.pose}});
+  const Pose2 further = beyond.pose * Pose2{kStepM, 0.0, 0.0};
+  robot.drive({nowhere, moments.front(), {beyond.time_s + kStepS, further}});
   EXPECT_TRUE(robot.says("landmarks out of order", "1"));
   EXPECT_TRUE(robot.says("landmarks with broken odometry", "0"));
   EXPECT_TRUE(robot.says("landmarks nearly at one place", "0"));
