@@ -137,12 +137,18 @@ void learning(benchmark::State& state) {
   bus::Writer<strata_msgs::msg::ReflectionGrid> map(participant, "/reflection_filtered",
                                                     bus::qos_profile("latched"));
   map.publish(convert::to_message(map_of_a_round()));
+  std::atomic<std::size_t> submaps = 0;
+  bus::Reader<strata_msgs::msg::PatchMap> learned(
+      participant, "/patch_map", bus::qos_profile("latched"),
+      [&](const strata_msgs::msg::PatchMap& patches) { submaps = patches.submaps().size(); });
   const auto host = test::make_host(
       "{type: strata::PatchLearner, name: learner, parameters: {online: {enabled: true, learner: "
       "{memory_mb: 16}}}}",
       registry, test::make_participant());
   bench::EndlessDrive drive(true);
   drive_with_poses(state, *host, participant, drive);
+  if (submaps == 0) return state.SkipWithError("nothing was learned, so nothing could grow");
+  state.counters["sub-maps"] = static_cast<double>(submaps.load());
 }
 BENCHMARK(learning)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
@@ -171,12 +177,21 @@ void drive_with_sensors(benchmark::State& state, runtime::Host& host) {
   drive_with(state, host, drive, [&](const Observation& seen) { robot.see(seen); });
 }
 
+/// With a budget that is used up within the first hour: the map is complete then.
 void topology(benchmark::State& state) {
   runtime::Registry registry;
   topology_mapper::register_component(registry);
-  const auto host = test::make_host("{type: strata::TopologyMapper, name: topology}", registry,
-                                    test::make_participant());
+  const auto participant = test::make_participant();
+  std::atomic<std::size_t> visits = 0;
+  bus::Reader<strata_msgs::msg::Topologies> posterior(
+      participant, "/topologies", bus::qos_profile("latched"),
+      [&](const strata_msgs::msg::Topologies& message) { visits = message.visits().size(); });
+  const auto host = test::make_host(
+      "{type: strata::TopologyMapper, name: topology, parameters: {keep: {memory_mb: 8}}}",
+      registry, test::make_participant());
   drive_with_sensors(state, *host);
+  if (visits == 0) return state.SkipWithError("no landmark was found");
+  state.counters["visits"] = static_cast<double>(visits.load());
 }
 BENCHMARK(topology)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
