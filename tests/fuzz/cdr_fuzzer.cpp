@@ -101,8 +101,8 @@ constexpr void (*kServices[])(Input) = {
     serve<srv::SplitBagfile>,
 };
 
-/// The next byte chooses the service, and its highest bit whose client asks: Cyclone's puts a prefix
-/// in front.
+/// The next byte chooses the service, and its highest bit whose client asks: Cyclone's puts a
+/// prefix in front.
 void receive_request(Input bytes) {
   if (bytes.empty()) return;
   bus::RawMessage message;
