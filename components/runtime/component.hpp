@@ -160,16 +160,21 @@ class Component {
   void offer(const std::string& name, std::function<typename bus::ServiceType<S>::Response(
                                           const typename bus::ServiceType<S>::Request&)>
                                           handler) {
+    offer_later<S>(name, [this, handler = std::move(handler)](const auto& request, auto reply) {
+      typename bus::ServiceType<S>::Response response;
+      guarded([&] { response = handler(request); });
+      reply(response);
+    });
+  }
+  /// As above for what takes long: the handler returns at once and sees to it that somebody calls
+  /// its second argument with the response, once, on whatever thread.
+  template <typename S>
+  void offer_later(const std::string& name, ServiceHub::LateHandler<S> handler) {
     if (lockstep()) return;
     if (!own_services_) {
       own_services_ = std::make_unique<ServiceHub>(context_.participant, context_.mailbox);
     }
-    own_services_->serve<S>(resolve(name), "default",
-                            [this, handler = std::move(handler)](const auto& request) {
-                              typename bus::ServiceType<S>::Response response;
-                              guarded([&] { response = handler(request); });
-                              return response;
-                            });
+    own_services_->serve_later<S>(resolve(name), "default", std::move(handler));
   }
 
   /// The parameters are this struct's: that is what others may ask for and set over DDS.

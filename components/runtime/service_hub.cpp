@@ -15,7 +15,9 @@ void ServiceHub::serve_raw(const std::string& name, const std::string& type,
       const auto held = weak.lock();
       if (!held || !held->server) return;
       try {
-        held->server->reply(request, held->handler(request.cdr));
+        held->handler(request.cdr, [weak, request](const Bytes& response) {
+          if (const auto still = weak.lock()) still->server->reply(request, response);
+        });
       } catch (const InputError&) {  // NOLINT(bugprone-empty-catch): no request, no answer
       }
     });

@@ -18,16 +18,33 @@ class ServiceHub {
   ServiceHub(std::shared_ptr<bus::Participant> participant, std::shared_ptr<Mailbox> mailbox)
       : participant_(std::move(participant)), mailbox_(std::move(mailbox)) {}
 
+  /// What a request is answered with: once, on whatever thread; nothing happens when the hub is
+  /// gone.
+  template <typename S>
+  using Reply = std::function<void(const typename bus::ServiceType<S>::Response&)>;
+  template <typename S>
+  using LateHandler = std::function<void(const typename bus::ServiceType<S>::Request&, Reply<S>)>;
+
   /// name: full. handler: called on the mailbox. Requests that do not decode get no answer.
   template <typename S>
   void serve(const std::string& name, const std::string& qos,
              std::function<typename bus::ServiceType<S>::Response(
                  const typename bus::ServiceType<S>::Request&)>
                  handler) {
-    using Request = typename bus::ServiceType<S>::Request;
-    serve_raw(name, bus::ServiceType<S>::name, bus::qos_profile(qos),
-              [name, handler = std::move(handler)](const std::vector<std::uint8_t>& cdr) {
-                return convert::to_cdr(handler(convert::from_cdr<Request>(cdr, name)));
+    serve_later<S>(name, qos, [handler = std::move(handler)](const auto& request, auto reply) {
+      reply(handler(request));
+    });
+  }
+  /// As above; the handler may leave the answer to others.
+  template <typename S>
+  void serve_later(const std::string& name, const std::string& qos, LateHandler<S> handler) {
+    using Type = bus::ServiceType<S>;
+    serve_raw(name, Type::name, bus::qos_profile(qos),
+              [name, handler = std::move(handler)](const Bytes& cdr, RawReply reply) {
+                handler(convert::from_cdr<typename Type::Request>(cdr, name),
+                        [reply = std::move(reply)](const typename Type::Response& response) {
+                          reply(convert::to_cdr(response));
+                        });
               });
   }
 
@@ -35,7 +52,9 @@ class ServiceHub {
   [[nodiscard]] std::vector<bus::Guid> writers() const;
 
  private:
-  using RawHandler = std::function<std::vector<std::uint8_t>(const std::vector<std::uint8_t>&)>;
+  using Bytes = std::vector<std::uint8_t>;
+  using RawReply = std::function<void(const Bytes&)>;
+  using RawHandler = std::function<void(const Bytes&, RawReply)>;
   struct Entry {
     RawHandler handler;
     std::unique_ptr<bus::ServiceServer> server;
