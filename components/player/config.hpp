@@ -50,7 +50,7 @@ struct PlayerConfig {
              .unit = "1",
              .min = 1e-3,
              .max = 1e6});
-    v.field("start_s", c.start_s, {.doc = "begin there", .unit = "s", .min = 0.0});
+    v.field("start_s", c.start_s, {.doc = "begin there", .unit = "s", .min = 0.0, .max = 4e9});
     v.field("loop", c.loop, {.doc = "begin again at the end"});
     v.field("paused", c.paused, {.doc = "begin when resumed; may be changed while it plays"});
   }

@@ -2,26 +2,45 @@
 #include "components/player/player.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "components/log/log_reader.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::player {
 
-Player::~Player() { stop(); }
+using Wall = std::chrono::steady_clock;
+
+/// mutex_ is free while it lives.
+class Player::Unlocked {
+ public:
+  explicit Unlocked(Lock& lock) : lock_(lock) { lock_.unlock(); }
+  ~Unlocked() { lock_.lock(); }
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  Lock& lock_;
+};
+
+Player::~Player() { end(); }
 
 void Player::on_configure() {
   config_ = read_parameters<PlayerConfig>();
+  stop_ = std::stop_source();
   source_ = make_source();
-  rate_ = config_.rate;
-  paused_ = config_.paused;
-  over_ = false;
-  from_ = Duration::from_seconds(config_.start_s);
-  if (from_.ns > 0 && !source_->seek(from_)) {
+  const Duration start = Duration::from_seconds(config_.start_s);
+  if (start.ns > 0 && !source_->seek(start)) {
     throw ConfigError(full_name() + ".start_s", "is behind the end of " + config_.log,
                       "see `strata info` for how long it is");
   }
+  clock_ = PlayClock();
+  clock_.jump(start, Wall::now());
+  clock_.set_rate(config_.rate, Wall::now());
+  paused_ = config_.paused;
+  over_ = false;
   serve();
+  thread_ = std::thread([this] { play(); });
 }
 
 std::unique_ptr<Source> Player::make_source() {
@@ -32,7 +51,7 @@ std::unique_ptr<Source> Player::make_source() {
         [this](const log::BagTopic& topic) {
           return advertise_raw(resolve(topic.name), topic.type, recorded_qos(topic));
         },
-        std::move(clock));
+        stop_.get_token(), std::move(clock));
   }
   Outputs outputs;
   outputs.clock = std::move(clock);
@@ -44,88 +63,116 @@ std::unique_ptr<Source> Player::make_source() {
       LogPlayer(log::read_observations(config_.log), std::move(outputs)));
 }
 
-void Player::on_activate() {
-  stopped_ = false;
-  since_ = Clock::now();
-  thread_ = std::thread([this] { play(); });
+void Player::on_activate() { set_stopped(false); }
+
+void Player::on_deactivate() { set_stopped(true); }
+
+void Player::on_cleanup() {
+  end();
+  orders_.clear();
+  source_.reset();  // and with it the writers
 }
 
-void Player::on_deactivate() { stop(); }
-
-void Player::stop() {
+void Player::end() {
   {
     const std::lock_guard lock(mutex_);
-    restart_clock(position(Clock::now()));
-    stopped_ = true;
+    stop_.request_stop();
   }
   changed_.notify_all();
   if (thread_.joinable()) thread_.join();
 }
 
-Duration Player::position(Clock::time_point now) const {
-  if (paused_ || stopped_) return from_;
-  constexpr double kLongest_ns = 4e18;  // more than a century; what has ended goes on counting
-  const std::chrono::duration<double> elapsed = now - since_;
-  const double passed_ns = std::min(elapsed.count() * 1e9 * rate_, kLongest_ns);
-  return {from_.ns + static_cast<std::int64_t>(passed_ns)};
-}
-
-void Player::restart_clock(Duration position) {
-  from_ = position;
-  since_ = Clock::now();
-}
-
 void Player::play() {
-  try {
-    std::unique_lock lock(mutex_);
-    while (!stopped_) {
-      if (controls_ > 0) {
-        changed_.wait(lock);
-        continue;
-      }
-      if (play_step(lock)) continue;
-      if (config_.loop && source_->seek({})) {
-        restart_clock({});
-        continue;
-      }
+  Lock lock(mutex_);
+  while (!stop_.stop_requested()) {
+    if (controls_ > 0) {
+      changed_.wait(lock);
+    } else if (!orders_.empty()) {
+      const Order order = std::move(orders_.front());
+      orders_.pop_front();
+      bool is_done = false;
+      (void)attempt([&] { is_done = order.seek ? seek(*order.seek, lock) : play_next(lock); });
+      (void)attempt([&] {
+        const Unlocked unlocked(lock);
+        order.answer(is_done);
+      });
+    } else if (stopped_ || paused_ || over_) {
+      changed_.wait(lock);
+    } else if (!attempt([&] { play_step(lock); })) {
       over_ = true;
-      changed_.wait(lock, [&] { return stopped_ || !over_; });
     }
+  }
+}
+
+bool Player::attempt(const std::function<void()>& body) {
+  try {
+    body();
+    return true;
   } catch (const std::exception& error) {
     if (context().on_error) context().on_error(full_name() + ": " + error.what());
+    return false;
   }
 }
 
-/// Waits for one step and publishes it, or returns when something may have changed; false at the
-/// end.
-bool Player::play_step(std::unique_lock<std::mutex>& lock) {
+void Player::play_step(Lock& lock) {
+  const std::optional<Duration> due = fetch(lock);
+  over_ = !due;
+  // Meanwhile others may have said something else.
+  if (!due || controls_ > 0 || !orders_.empty() || stopped_ || paused_) return;
+  const auto wait = clock_.wait(*due, Wall::now());
+  if (wait.count() > 0) {
+    changed_.wait_for(lock, wait);
+  } else {
+    step(lock);
+  }
+}
+
+std::optional<Duration> Player::fetch(Lock& lock) {
   Duration due;
-  if (!source_->peek(due)) return false;
-  const Duration left = due - position(Clock::now());
-  if (paused_) {
-    changed_.wait(lock);
-    return true;
+  bool begins_again = false;
+  {
+    const Unlocked unlocked(lock);
+    if (!source_->peek(due)) {
+      begins_again = config_.loop && source_->seek({}) && source_->peek(due);
+      if (!begins_again) return std::nullopt;
+    }
   }
-  if (left.ns > 0) {
-    const std::chrono::duration<double> wall(left.seconds() / rate_);
-    changed_.wait_for(lock, wall);
-    return true;  // the pace or the place may be another by now
-  }
+  if (begins_again) clock_.jump({}, Wall::now());
+  return due;
+}
+
+void Player::step(Lock& lock) {
   is_stepping_ = true;
-  lock.unlock();
-  const auto done = [&] {
-    lock.lock();
-    is_stepping_ = false;
-    changed_.notify_all();
-  };
-  try {
+  const auto publish = [&] {
+    const Unlocked unlocked(lock);
     source_->step();
-  } catch (...) {
-    done();
-    throw;
+  };
+  over_ = !attempt(publish);
+  is_stepping_ = false;
+  changed_.notify_all();
+}
+
+bool Player::seek(Stamp time, Lock& lock) {
+  Duration place;
+  {
+    const Unlocked unlocked(lock);
+    const std::optional<Stamp> begin = source_->begin();
+    if (!begin) return false;
+    place = std::max(since(*begin, time), Duration{});
+    if (!source_->seek(place)) return false;
   }
-  done();
+  clock_.jump(place, Wall::now());
+  over_ = false;
   return true;
+}
+
+bool Player::play_next(Lock& lock) {
+  if (!paused_ || stopped_) return false;
+  const std::optional<Duration> due = fetch(lock);
+  if (!due || !paused_ || stopped_) return false;
+  clock_.jump(*due, Wall::now());
+  step(lock);
+  return !over_;
 }
 
 }  // namespace strata::player

@@ -2,14 +2,17 @@
 /// strata::Player: a log in; what a robot published out, at the pace of the log.
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
+#include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <thread>
 
 #include "components/player/config.hpp"
+#include "components/player/play_clock.hpp"
 #include "components/player/source.hpp"
 #include "components/runtime/component.hpp"
 
@@ -17,54 +20,70 @@ namespace strata::player {
 
 /// Live only: in lockstep `strata replay` plays. Controlled as rosbag2's player, by services
 /// ~/pause, ~/resume, ~/toggle_paused, ~/is_paused, ~/get_rate, ~/set_rate, ~/seek and
-/// ~/play_next, and by the parameters `rate` and `paused`, which say the same.
+/// ~/play_next, and by the parameters `rate` and `paused`, which say the same. The log is read on a
+/// thread of its own: however long that takes, the services answer.
 class Player final : public runtime::Component {
  public:
   using Component::Component;
   ~Player() override;
 
  private:
-  using Clock = std::chrono::steady_clock;
   class Control;
+  class Unlocked;
+  using Lock = std::unique_lock<std::mutex>;
+
+  /// What the playing thread is asked for besides playing.
+  struct Order {
+    std::optional<Stamp> seek;         ///< without: the next step
+    std::function<void(bool)> answer;  ///< whether it was done
+  };
 
   void on_declare() override { declare_parameters<PlayerConfig>(); }
   void on_configure() override;
   void on_activate() override;
   void on_deactivate() override;
+  void on_cleanup() override;
   [[nodiscard]] std::unique_ptr<Source> make_source();
-  void play();
-  bool play_step(std::unique_lock<std::mutex>& lock);
-  /// The place of the log that now is; under mutex_.
-  [[nodiscard]] Duration position(Clock::time_point now) const;
-  void restart_clock(Duration position);
-  void stop();
+  /// Ends the playing thread, whatever it reads.
+  void end();
 
-  // Controls (player_services.cpp). What they say holds once they return: nothing is being played
-  // from before.
+  // On the playing thread, which lives from configure to cleanup; each is called and returns with
+  // mutex_ locked.
+  void play();
+  /// False when `body` failed, which is told.
+  [[nodiscard]] bool attempt(const std::function<void()>& body);
+  /// Waits for one step and publishes it, or returns when something may have changed.
+  void play_step(Lock& lock);
+  /// When the next step is due; none at the end of the log, which may be its beginning again.
+  [[nodiscard]] std::optional<Duration> fetch(Lock& lock);
+  void step(Lock& lock);
+  [[nodiscard]] bool seek(Stamp time, Lock& lock);
+  [[nodiscard]] bool play_next(Lock& lock);
+
+  // Controls (player_services.cpp). What they say holds once they return or answer: nothing is
+  // being played from before.
   void serve();
   void set_paused(bool paused);
   void set_rate(double rate);
-  /// False, and nothing changes, behind the end of the log; before its beginning is the beginning.
-  bool seek(Stamp time);
-  /// One step of a log that is paused; false when it is not, or has ended.
-  bool play_next();
+  void set_stopped(bool stopped);
   [[nodiscard]] bool is_paused();
+  void give(Order order);
   /// Sets a parameter of this name as others do.
   bool set_parameter(const std::string& name, rcl_interfaces::msg::ParameterValue value);
 
   PlayerConfig config_;
+  std::unique_ptr<Source> source_;  ///< the playing thread's, while there is one
+  std::stop_source stop_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  // Under mutex_: the log was at `from_` when the clock said `since_`.
-  Duration from_;
-  Clock::time_point since_;
-  double rate_ = 1.0;
+  // Under mutex_.
+  PlayClock clock_;  ///< runs while neither paused nor stopped
   bool paused_ = false;
-  bool over_ = false;
   bool stopped_ = true;
-  bool is_stepping_ = false;        ///< the playing thread publishes, without mutex_
-  int controls_ = 0;                ///< wait for the playing thread, which lets them go first
-  std::unique_ptr<Source> source_;  ///< under mutex_, or by who set is_stepping_
+  bool over_ = false;         ///< nothing is left to play, or it could not be
+  bool is_stepping_ = false;  ///< the playing thread publishes, without mutex_
+  int controls_ = 0;          ///< wait for the playing thread, which lets them go first
+  std::deque<Order> orders_;
   std::thread thread_;
 };
 
@@ -78,7 +97,7 @@ class Player::Control {
 
  private:
   Player& player_;
-  std::unique_lock<std::mutex> lock_;
+  Lock lock_;
 };
 
 }  // namespace strata::player

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// How others control the player: the services of rosbag2's player, and parameters.
-#include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "components/bus/bag_service_types.hpp"
@@ -48,7 +48,7 @@ void Player::serve() {
   offer<bus::srv::GetRate>("~/get_rate", [this](const auto&) {
     GetRate_Response response;
     const Control control(*this);
-    response.rate(rate_);
+    response.rate(clock_.rate());
     return response;
   });
   offer<bus::srv::SetRate>("~/set_rate", [this](const auto& request) {
@@ -56,16 +56,26 @@ void Player::serve() {
     response.success(set_parameter("rate", parameter_value(request.rate())));
     return response;
   });
-  offer<bus::srv::Seek>("~/seek", [this](const auto& request) {
-    Seek_Response response;
-    response.success(seek(convert::from_message(request.time())));
-    return response;
+  offer_later<bus::srv::Seek>("~/seek", [this](const auto& request, auto reply) {
+    give({convert::from_message(request.time()), [reply = std::move(reply)](bool is_done) {
+            Seek_Response response;
+            response.success(is_done);
+            reply(response);
+          }});
   });
-  offer<bus::srv::PlayNext>("~/play_next", [this](const auto&) {
-    PlayNext_Response response;
-    response.success(play_next());
-    return response;
+  offer_later<bus::srv::PlayNext>("~/play_next", [this](const auto&, auto reply) {
+    give({std::nullopt, [reply = std::move(reply)](bool is_done) {
+            PlayNext_Response response;
+            response.success(is_done);
+            reply(response);
+          }});
   });
+}
+
+void Player::give(Order order) {
+  const std::lock_guard lock(mutex_);
+  orders_.push_back(std::move(order));
+  changed_.notify_all();
 }
 
 bool Player::set_parameter(const std::string& name, rcl_interfaces::msg::ParameterValue value) {
@@ -77,37 +87,20 @@ bool Player::set_parameter(const std::string& name, rcl_interfaces::msg::Paramet
 
 void Player::set_paused(bool paused) {
   const Control control(*this);
-  restart_clock(position(Clock::now()));
   paused_ = paused;
+  clock_.run(!paused_ && !stopped_, std::chrono::steady_clock::now());
 }
 
 void Player::set_rate(double rate) {
   const Control control(*this);
-  restart_clock(position(Clock::now()));
-  rate_ = rate;
+  clock_.set_rate(rate, std::chrono::steady_clock::now());
 }
 
-bool Player::seek(Stamp time) {
+void Player::set_stopped(bool stopped) {
   const Control control(*this);
-  const auto begin = source_->begin();
-  if (!begin) return false;
-  const Duration place = std::max(time - *begin, Duration{});
-  if (!source_->seek(place)) return false;
-  restart_clock(place);
-  over_ = false;
-  return true;
-}
-
-bool Player::play_next() {
-  const Control control(*this);
-  if (!paused_ || stopped_) return false;
-  Duration due;
-  if (!source_->peek(due)) {
-    if (!config_.loop || !source_->seek({}) || !source_->peek(due)) return false;
-  }
-  source_->step();
-  restart_clock(due);
-  return true;
+  stopped_ = stopped;
+  over_ = false;  // what could not be played is tried again
+  clock_.run(!paused_ && !stopped_, std::chrono::steady_clock::now());
 }
 
 bool Player::is_paused() {

@@ -2,6 +2,8 @@
 #include "components/player/source.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 
 #include <yaml-cpp/yaml.h>
 
@@ -10,10 +12,17 @@
 
 namespace strata::player {
 
+Duration since(Stamp begin, Stamp stamp) {
+  Duration result;
+  if (!__builtin_sub_overflow(stamp.ns, begin.ns, &result.ns)) return result;
+  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+  return {stamp > begin ? kMost : -kMost};
+}
+
 bool ScanSource::peek(Duration& since_begin) {
   const auto& observations = player_.observations();
   if (next_ >= observations.size()) return false;
-  since_begin = observations[next_].scan.stamp - observations.front().scan.stamp;
+  since_begin = since(observations.front().scan.stamp, observations[next_].scan.stamp);
   return true;
 }
 
@@ -21,7 +30,7 @@ bool ScanSource::seek(Duration since_begin) {
   const auto& observations = player_.observations();
   const auto found =
       std::find_if(observations.begin(), observations.end(), [&](const Observation& entry) {
-        return entry.scan.stamp - observations.front().scan.stamp >= since_begin;
+        return since(observations.front().scan.stamp, entry.scan.stamp) >= since_begin;
       });
   if (found == observations.end()) return false;
   next_ = static_cast<std::size_t>(found - observations.begin());
@@ -34,9 +43,10 @@ std::optional<Stamp> ScanSource::begin() {
 }
 
 BagSource::BagSource(std::filesystem::path bag, const std::vector<std::string>& topics,
-                     const Advertise& advertise,
+                     const Advertise& advertise, std::stop_token stop,
                      std::function<void(const rosgraph_msgs::msg::Clock&)> publish_clock)
     : bag_(std::move(bag)),
+      stop_(std::move(stop)),
       publish_clock_(std::move(publish_clock)),
       reader_(log::BagReader::open(bag_)) {
   for (const log::BagTopic& topic : reader_->topics()) {
@@ -50,7 +60,7 @@ BagSource::BagSource(std::filesystem::path bag, const std::vector<std::string>& 
 }
 
 bool BagSource::read_played(log::BagReader& reader, log::BagMessage& message) const {
-  while (reader.next(message)) {
+  while (!stop_.stop_requested() && reader.next(message)) {
     if (writers_.count(reader.topics()[message.topic].name) > 0) return true;
   }
   return false;
@@ -64,7 +74,7 @@ bool BagSource::fetch() {
 
 bool BagSource::peek(Duration& since_begin) {
   if (!fetch()) return false;
-  since_begin = message_.stamp - *begin_;
+  since_begin = since(*begin_, message_.stamp);
   return true;
 }
 
@@ -87,7 +97,7 @@ bool BagSource::seek(Duration since_begin) {
   auto reader = log::BagReader::open(bag_);
   log::BagMessage message;
   while (read_played(*reader, message)) {
-    if (message.stamp - *begin_ < since_begin) continue;
+    if (since(*begin_, message.stamp) < since_begin) continue;
     reader_ = std::move(reader);
     message_ = std::move(message);
     fetched_ = true;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 
 namespace strata::player {
 
+/// Used by one thread at a time.
 class Source {
  public:
   Source() = default;
@@ -22,14 +24,14 @@ class Source {
   Source& operator=(const Source&) = delete;
   virtual ~Source() = default;
 
-  /// When the next step is due, since the beginning; false at the end.
+  /// When the next step is due, since the beginning; false at the end. May read for long.
   [[nodiscard]] virtual bool peek(Duration& since_begin) = 0;
   /// Publishes the step that peek announced.
   virtual void step() = 0;
   /// The next step is the first one at or after that time; false, and the next step stays what it
-  /// is, when there is none.
+  /// is, when there is none. May read for long.
   [[nodiscard]] virtual bool seek(Duration since_begin) = 0;
-  /// The stamp of the first step; nothing when there is no step.
+  /// The stamp of the first step; nothing when there is no step. May read for long.
   [[nodiscard]] virtual std::optional<Stamp> begin() = 0;
 };
 
@@ -51,10 +53,10 @@ class ScanSource final : public Source {
 class BagSource final : public Source {
  public:
   using Advertise = std::function<std::shared_ptr<bus::RawWriter>(const log::BagTopic&)>;
-  /// topics: empty for all. advertise: makes the writer of a topic. Throws InputError when the path
-  /// is no bag or has none of the topics.
+  /// topics: empty for all. advertise: makes the writer of a topic. Once `stop` is requested
+  /// nothing more is found. Throws InputError when the path is no bag or has none of the topics.
   BagSource(std::filesystem::path bag, const std::vector<std::string>& topics,
-            const Advertise& advertise,
+            const Advertise& advertise, std::stop_token stop,
             std::function<void(const rosgraph_msgs::msg::Clock&)> publish_clock);
   bool peek(Duration& since_begin) override;
   void step() override;
@@ -68,6 +70,7 @@ class BagSource final : public Source {
 
   std::filesystem::path bag_;
   std::map<std::string, std::shared_ptr<bus::RawWriter>> writers_;  ///< by recorded topic
+  std::stop_token stop_;
   std::function<void(const rosgraph_msgs::msg::Clock&)> publish_clock_;
   std::unique_ptr<log::BagReader> reader_;
   log::BagMessage message_;
@@ -75,6 +78,9 @@ class BagSource final : public Source {
   std::optional<Stamp> begin_;  ///< once something was fetched
 };
 
+/// From `begin` on; stays at the longest where a damaged bag's stamps lie further apart than a
+/// Duration can say.
+[[nodiscard]] Duration since(Stamp begin, Stamp stamp);
 /// The profile that a bag says a topic was offered with; "default" where it does not say.
 [[nodiscard]] bus::QosProfile recorded_qos(const log::BagTopic& topic);
 

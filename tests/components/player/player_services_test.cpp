@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A player under the control of others, by the services of rosbag2's player and by parameters.
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <future>
 #include <limits>
-#include <optional>
+#include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "components/bus/bag_service_types.hpp"
 #include "components/bus/service.hpp"
@@ -25,12 +34,13 @@ constexpr int kScans = 20;
 class PlayerServices : public testing::TestWithParam<const char*> {
  protected:
   void start(const std::string& parameters) {
-    test::write_drive(folder_.path() / "bag", kScans);
-    host_ = test::play(folder_.path() / "bag",
-                       std::string(", topics: [/scan], mode: ") + GetParam() + parameters,
+    test::write_drive(bag(), kScans);
+    host_ = test::play(bag(), std::string(", topics: [/scan], mode: ") + GetParam() + parameters,
                        participant_);
     host_->activate();
   }
+  [[nodiscard]] std::filesystem::path bag() const { return folder_.path() / "bag"; }
+  std::vector<std::string> take_errors() { return host_->take_errors(); }
   void TearDown() override {
     if (host_) {
       EXPECT_TRUE(host_->take_errors().empty());
@@ -150,6 +160,19 @@ TEST_P(PlayerServices, SeekBackFromTheEnd) {
   EXPECT_EQ(played(5), (std::vector<int>{18, 19, 17, 18, 19}));
 }
 
+TEST_P(PlayerServices, SeekInTheMiddleOfPlaying) {
+  start(", rate: 0.001");
+  EXPECT_EQ(played(1), first(1));
+  EXPECT_TRUE(seek(18.0));  // 17 minutes away
+  EXPECT_EQ(played(2), (std::vector<int>{0, 17}));
+  EXPECT_TRUE(seek(3.0));
+  EXPECT_EQ(played(3), (std::vector<int>{0, 17, 2}));
+  EXPECT_TRUE(seek(18.5));
+  EXPECT_TRUE(set_rate(1e6));
+  EXPECT_EQ(played(5), (std::vector<int>{0, 17, 2, 18, 19})) << "and nothing of before";
+  EXPECT_FALSE(is_paused());
+}
+
 TEST_P(PlayerServices, SetTheRateAtOnce) {
   start(", rate: 0.001");
   EXPECT_EQ(played(1).size(), 1U);
@@ -181,6 +204,64 @@ TEST_P(PlayerServices, AgreeWithTheParameters) {
   EXPECT_EQ(played(kScans), first(kScans));
 }
 
+/// A pipe instead of the bag's file: who opens it waits for a writer, and reads until that is gone.
+class Pipe {
+ public:
+  explicit Pipe(std::filesystem::path file) : file_(std::move(file)) {
+    std::filesystem::remove(file_);
+    if (mkfifo(file_.c_str(), 0600) != 0) throw std::runtime_error("no pipe at " + file_.string());
+  }
+  ~Pipe() { close_writer(); }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+
+  /// Lets the reader that waits, or comes within 20 s, open it; false when none comes, or when
+  /// `is_over`.
+  bool open_writer(const std::function<bool()>& is_over) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (writer_ < 0 && !is_over() && std::chrono::steady_clock::now() < deadline) {
+      writer_ = open(file_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+      if (writer_ < 0) std::this_thread::yield();
+    }
+    return writer_ >= 0;
+  }
+  void close_writer() {
+    if (writer_ >= 0) close(writer_);
+    writer_ = -1;
+  }
+
+ private:
+  std::filesystem::path file_;
+  int writer_ = -1;
+};
+
+/// Where seeking reads the bag.
+class PlayerServicesOfMessages : public PlayerServices {};
+
+TEST_P(PlayerServicesOfMessages, AnswerWhileASeekReads) {
+  start(", paused: true");
+  EXPECT_TRUE(play_next());
+  Pipe pipe(bag() / "bag_0.db3");
+  auto sought = std::async(std::launch::async, [this] { return seek(18.0); });
+  ASSERT_TRUE(pipe.open_writer([] { return false; })) << "it seeks now, until the writer is gone";
+  EXPECT_TRUE(is_paused());
+  EXPECT_EQ(rate(), 1.0);
+  EXPECT_TRUE(set_rate(2.0));
+  EXPECT_EQ(parameter("rate").double_value(), 2.0);
+  EXPECT_EQ(played(1), first(1));
+  const auto is_answered = [&] {
+    return sought.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  };
+  do {
+    pipe.close_writer();
+  } while (pipe.open_writer(is_answered));  // it looks at the file more than once
+  EXPECT_FALSE(sought.get()) << "there is no bag any more";
+  EXPECT_EQ(take_errors().size(), 1U);
+  EXPECT_TRUE(play_next());
+  EXPECT_EQ(played(2), first(2)) << "goes on where it was";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PlayerServicesOfMessages, testing::Values("messages"));
 INSTANTIATE_TEST_SUITE_P(All, PlayerServices, testing::Values("robot", "messages"));
 
 }  // namespace

@@ -120,6 +120,74 @@ TEST(Player, RefusesToBeginBehindTheEndOfTheLog) {
   EXPECT_NO_THROW(play(", start_s: 19"));
 }
 
+TEST(Player, RefusesRatesThatItCannotPlayAt) {
+  const test::TemporaryDirectory folder;
+  test::write_drive(folder.path() / "bag", 20);
+  const auto participant = test::make_participant();
+  for (const char* rate : {"1e-9", "1e9", ".inf", "-.inf", ".nan", "-1", "0", "1e400"}) {
+    EXPECT_THROW(
+        (void)test::play(folder.path() / "bag", std::string(", rate: ") + rate, participant),
+        ConfigError)
+        << rate;
+  }
+  for (const char* start : {"-1", "1e300", ".inf", ".nan"}) {
+    EXPECT_THROW(
+        (void)test::play(folder.path() / "bag", std::string(", start_s: ") + start, participant),
+        ConfigError)
+        << start;
+  }
+}
+
+/// How many writers a reader of another participant has found, to be waited for.
+class Matches {
+ public:
+  Matches(const std::shared_ptr<bus::Participant>& participant, const std::string& topic)
+      : reader_(
+            participant, topic, bus::MessageType<LaserScan>::name, bus::qos_profile("lossless"),
+            [](const auto&) {},
+            [this] {
+              const std::lock_guard lock(mutex_);
+              changed_.notify_all();
+            }) {}
+  bool wait_for(int writers) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(20),
+                             [&] { return reader_.matched() == writers; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bus::RawReader reader_;  // last: its callbacks use the others
+};
+
+TEST(Player, TakesItsWritersAwayAtCleanupAndPlaysAgainWhenConfiguredAgain) {
+  const test::TemporaryDirectory folder;
+  test::write_drive(folder.path() / "bag", 5);
+  for (const std::string mode : {"robot", "messages"}) {
+    const auto other = test::make_participant();
+    Matches matches(other, "/scan");
+    test::Collector<LaserScan> scans(other, "/scan", "lossless");
+    const auto participant = test::make_participant();
+    const auto host =
+        test::play(folder.path() / "bag", ", loop: true, rate: 1000, mode: " + mode, participant);
+    runtime::Component& player = *host->components()[0];
+    for (int life = 0; life < 2; ++life) {
+      ASSERT_TRUE(matches.wait_for(1)) << mode;
+      const std::size_t before = scans.wait_for(0).size();
+      player.activate();
+      EXPECT_GE(scans.wait_for(before + 5).size(), before + 5) << mode;
+      player.deactivate();
+      player.cleanup();
+      EXPECT_TRUE(matches.wait_for(0)) << mode;
+      EXPECT_EQ(participant->published_topics().count("/scan"), 0U) << mode;
+      player.configure();
+    }
+    host->stop();
+    EXPECT_TRUE(host->take_errors().empty());
+  }
+}
+
 TEST(Player, PlaysMessagesOfAnyTypeAsTheyWereRecorded) {
   const test::TemporaryDirectory folder;
   const std::vector<std::uint8_t> unknown = {0, 1, 0, 0, 42, 0, 0, 0};
