@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <utility>
 
 #include <pthread.h>
@@ -13,6 +14,11 @@ namespace {
 
 /// Ends the watcher; never sent from outside in practice.
 constexpr int kWakeSignal = SIGUSR2;
+/// Signals that come closer together than this are one wish to end.
+constexpr auto kSameWish = std::chrono::seconds(1);
+constexpr auto kHurriedGrace = std::chrono::seconds(1);
+/// The grace time may grow while it runs, so that it is looked at again and again.
+constexpr timespec kLookAgain = {0, 50'000'000};
 
 sigset_t watched_signals() {
   sigset_t set;
@@ -42,7 +48,7 @@ Interrupt::~Interrupt() {
   watcher_.join();
 }
 
-void Interrupt::set_on_overdue(std::function<void()> on_overdue) {
+void Interrupt::set_on_overdue(std::function<void(Overdue)> on_overdue) {
   const std::lock_guard lock(mutex_);
   on_overdue_ = std::move(on_overdue);
 }
@@ -53,20 +59,37 @@ bool Interrupt::wait_for(double seconds) {
   return requested();
 }
 
-void Interrupt::watch() {
-  const sigset_t set = watched_signals();
-  int signal = 0;
-  while (sigwait(&set, &signal) == 0) {
-    std::unique_lock lock(mutex_);
-    if (finished_) return;
-    if (signal == kWakeSignal) continue;
+void Interrupt::take_signal(Clock::time_point now) {
+  if (!first_) {
+    first_ = now;
     requested_.store(true);
     changed_.notify_all();
-    if (!deadline_.load()) continue;
-    changed_.wait_for(lock, std::chrono::duration<double>(grace_s_), [this] { return finished_; });
+  } else if (!second_ && may_be_hurried_.load() && now - *first_ >= kSameWish) {
+    second_ = now;
+    hurried_.store(true);
+  }
+}
+
+std::optional<Interrupt::Overdue> Interrupt::overdue(Clock::time_point now) const {
+  if (second_ && now - *second_ >= kHurriedGrace) return Overdue::kHurried;
+  if (first_ && now - *first_ >= std::chrono::duration<double>(grace_s_.load())) {
+    return Overdue::kGraceIsOver;
+  }
+  return std::nullopt;
+}
+
+void Interrupt::watch() {
+  const sigset_t set = watched_signals();
+  for (;;) {
+    const int signal = sigtimedwait(&set, nullptr, first_ ? &kLookAgain : nullptr);
+    const std::lock_guard lock(mutex_);
     if (finished_) return;
-    if (on_overdue_) on_overdue_();
-    _exit(1);
+    const auto now = Clock::now();
+    if (signal > 0 && signal != kWakeSignal) take_signal(now);
+    if (const auto why = overdue(now)) {
+      if (on_overdue_) on_overdue_(*why);
+      _exit(1);
+    }
   }
 }
 

@@ -55,9 +55,13 @@ int fail(const std::string& verb, const std::string& message, int code) {
 int run(int argc, char** argv) {
   Interrupt interrupt;
   StagedPaths staged;
-  interrupt.set_on_overdue([&staged] {
+  interrupt.set_on_overdue([&staged](Interrupt::Overdue why) {
     staged.remove_all();
-    std::fputs("\nstrata: error: interrupted; run the command again\n", stderr);
+    std::fputs(why == Interrupt::Overdue::kHurried
+                   ? "\nstrata: error: interrupted a second time, before all was written; run the "
+                     "command again\n"
+                   : "\nstrata: error: interrupted; run the command again\n",
+               stderr);
   });
   VerbContext context(interrupt, staged);
   CLI::App app("Maps that know change, for robots that stay", "strata");

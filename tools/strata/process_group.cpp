@@ -17,7 +17,25 @@
 
 namespace strata::tools {
 
-ProcessGroup::~ProcessGroup() { stop(); }
+namespace {
+
+/// This very program with these arguments; it inherits `descriptor` alone. Returns an errno.
+int spawn(pid_t& pid, const std::vector<char*>& argv, int descriptor) {
+  posix_spawn_file_actions_t actions;
+  int error = posix_spawn_file_actions_init(&actions);
+  if (error != 0) return error;
+  // Onto itself: that alone makes this child, and no other, inherit it.
+  error = posix_spawn_file_actions_adddup2(&actions, descriptor, descriptor);
+  if (error == 0) {
+    error = posix_spawn(&pid, "/proc/self/exe", &actions, nullptr, argv.data(), environ);
+  }
+  posix_spawn_file_actions_destroy(&actions);
+  return error;
+}
+
+}  // namespace
+
+ProcessGroup::~ProcessGroup() { (void)end_all(patience_); }
 
 void ProcessGroup::start(const std::string& name, const std::vector<std::string>& arguments) {
   const auto check = [&](int error) {
@@ -34,13 +52,7 @@ void ProcessGroup::start(const std::string& name, const std::vector<std::string>
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  // Onto itself: that alone makes this child, and no other, inherit it.
-  posix_spawn_file_actions_adddup2(&actions, ends[1], ends[1]);
-  const int error =
-      posix_spawn(&child.pid, "/proc/self/exe", &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
+  const int error = spawn(child.pid, argv, ends[1]);
   close(ends[1]);
   if (error != 0) close_pipe(child);
   check(error);
@@ -85,19 +97,39 @@ void ProcessGroup::close_pipe(const Child& child) noexcept {
   if (child.ready_pipe >= 0) close(child.ready_pipe);
 }
 
-void ProcessGroup::stop() noexcept {
+void ProcessGroup::stop(const Patience& patience) {
+  const std::vector<std::string> failed = end_all(patience);
+  if (failed.empty()) return;
+  const bool is_hurried = patience.is_hurried && patience.is_hurried();
+  throw Error("process " + failed.front(),
+              std::string(is_hurried ? "was ended in a hurry" : "did not end well in its time") +
+                  "; it may have lost what it had not written",
+              "see its message above");
+}
+
+std::vector<std::string> ProcessGroup::end_all(const Patience& patience) noexcept {
+  std::vector<std::string> failed;
+  (void)all_ready();  // what never worked has nothing to lose
   for (const Child& child : children_) kill(child.pid, SIGTERM);
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::milliseconds(1500);
+  const auto deadline = std::chrono::steady_clock::now() + patience.longest;
   for (const Child& child : children_) {
     int status = 0;
     while (waitpid(child.pid, &status, WNOHANG) == 0) {
-      if (std::chrono::steady_clock::now() > deadline) kill(child.pid, SIGKILL);
+      if (std::chrono::steady_clock::now() > deadline ||
+          (patience.is_hurried && patience.is_hurried())) {
+        kill(child.pid, SIGKILL);
+      }
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     close_pipe(child);
+    const bool ended_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    if (child.is_ready && !ended_well) failed.push_back(child.name);
   }
   children_.clear();
+  return failed;
 }
+
+void keep_ready_pipe(int ready_pipe) { fcntl(ready_pipe, F_SETFD, FD_CLOEXEC); }
 
 void tell_ready(int ready_pipe) {
   // Whether anybody still reads makes no difference to this process: its parent's end ends it.

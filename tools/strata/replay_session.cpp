@@ -226,7 +226,7 @@ void ReplaySession::finish(const std::filesystem::path& out) {
 void ReplaySession::stop() {
   if (recorder_) recorder_->stop();
   if (host_) host_->stop();
-  group_.stop();
+  group_.stop({kStopPatience, [this] { return context_.interrupt().requested(); }});
 }
 
 }  // namespace strata::tools

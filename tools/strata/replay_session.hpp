@@ -2,6 +2,7 @@
 /// The components of a composition in lockstep: started, fed with recorded scans, asked to save.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -33,6 +34,9 @@ struct SessionOptions {
 
 class ReplaySession {
  public:
+  /// With processes of a replay that was broken off: nothing of it is kept.
+  static constexpr std::chrono::milliseconds kUnfinishedPatience{1500};
+
   /// Starts the components, in this process or in the several that the composition asks for. file:
   /// the composition's, for processes. Players are left out: the session plays. Waits while another
   /// session of this machine is on the domain: each would hear the other. Throws as Host, and
@@ -57,6 +61,8 @@ class ReplaySession {
   void play(std::size_t begin, std::size_t end, double rate);
   /// Every component does what needs all data and saves below `out`.
   void finish(const std::filesystem::path& out);
+  /// The end of a replay that is finished: processes have their time to write. Throws Error when
+  /// one did not end well.
   void stop();
 
   [[nodiscard]] const runtime::Composition& composition() const { return composition_; }
@@ -77,7 +83,7 @@ class ReplaySession {
   std::optional<bus::DomainClaim> claim_;
   runtime::Registry registry_;
   std::shared_ptr<bus::Participant> participant_;
-  ProcessGroup group_;
+  ProcessGroup group_{{kUnfinishedPatience}};
   std::unique_ptr<runtime::Host> host_;
   std::unique_ptr<runtime::Host> recorder_;
   std::vector<std::string> names_;  ///< of the components, in the order of work

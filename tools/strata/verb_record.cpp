@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata record --out BAG`: records topics into a rosbag2 bag until Ctrl-C.
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 #include "components/runtime/host.hpp"
 #include "components/settings/config_reader.hpp"
 #include "tools/strata/all_components.hpp"
+#include "tools/strata/process_group.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -69,6 +71,7 @@ void record(const RecordOptions& options, VerbContext& context) {
   runtime::Host host(composition, composition.processes[0], registry,
                      runtime::make_participant(composition), {});
   host.activate();
+  context.interrupt().set_grace(std::chrono::duration<double>(kStopPatience).count());
   context.note("recording into " + options.out + "; Ctrl-C ends it");
   while (!context.interrupt().wait_for(0.1)) {
     host.tick();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata run COMPOSITION.yaml`: starts the components over DDS until SIGINT or SIGTERM.
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,10 +43,12 @@ const runtime::ProcessEntry& find_process(const runtime::Composition& compositio
                     settings::detail::suggestion(name, known, "processes"));
 }
 
+double seconds_of(std::chrono::duration<double> time) { return time.count(); }
+
 /// To who started this process: the composition's, or systemd.
 void tell_that_it_works(const RunOptions& options) {
   if (!options.is_child()) {
-    tell_service_manager("READY=1");
+    if (!options.lockstep) tell_service_manager("READY=1");
   } else if (options.ready_pipe >= 0) {
     tell_ready(options.ready_pipe);
   }
@@ -72,51 +75,82 @@ void run_here(const RunOptions& options, VerbContext& context,
                    " and waits for who manages it");
     }
     context.note("process " + process.name + " runs; Ctrl-C ends it");
-    tell_that_it_works(options);
   }
+  tell_that_it_works(options);
+  // From here on there is something to lose.
+  context.interrupt().set_grace(seconds_of(kStopPatience));
   while (!context.interrupt().wait_for(0.1)) {
     if (!options.lockstep) host.tick();
     for (const std::string& error : host.take_errors()) context.note("warning: " + error);
   }
   if (!options.is_child()) tell_service_manager("STOPPING=1");
   host.stop();
+  for (const std::string& error : host.take_errors()) context.note("warning: " + error);
 }
 
-void run_children(const RunOptions& options, VerbContext& context,
-                  const runtime::Composition& composition) {
-  ProcessGroup group;
-  Restarts restarts;
-  const auto start = [&](const std::string& name) {
-    group.start(name, child_arguments(options.composition, name, context, false));
-    restarts.started(name, Restarts::Clock::now());
-  };
-  for (const runtime::ProcessEntry& process : composition.processes) start(process.name);
-  const std::size_t count = composition.processes.size();
-  bool is_told = false;
-  while (!context.interrupt().wait_for(0.1)) {
-    for (const ProcessGroup::Ended& ended : group.take_ended()) {
-      const auto delay = restarts.plan(find_process(composition, ended.name), ended.failed,
-                                       Restarts::Clock::now());
+/// The processes of a composition, started and started again until one has ended for good.
+class Supervision {
+ public:
+  Supervision(const RunOptions& options, VerbContext& context,
+              const runtime::Composition& composition)
+      : options_(options),
+        context_(context),
+        composition_(composition),
+        group_({kStopPatience, [&context] { return context.interrupt().is_hurried(); }}) {}
+
+  void run() {
+    // The group's patience ends first.
+    context_.interrupt().set_grace(seconds_of(kStopPatience) + 2.0);
+    for (const runtime::ProcessEntry& process : composition_.processes) start(process.name);
+    try {
+      while (!context_.interrupt().wait_for(0.1) && tend()) {
+      }
+    } catch (...) {
+      // What could not even start is no service that stops.
+      if (is_told_) tell_service_manager("STOPPING=1");
+      throw;
+    }
+    tell_service_manager("STOPPING=1");
+    group_.stop();
+  }
+
+ private:
+  void start(const std::string& name) {
+    group_.start(name, child_arguments(options_.composition, name, context_, false));
+    restarts_.started(name, Restarts::Clock::now());
+  }
+
+  /// Throws Error when one has failed for good; false when one has ended well for good.
+  bool tend() {
+    for (const ProcessGroup::Ended& ended : group_.take_ended()) {
+      const auto delay = restarts_.plan(find_process(composition_, ended.name), ended.failed,
+                                        Restarts::Clock::now());
       if (delay) {
-        context.note("process " + ended.name + " has ended; it starts again in " +
-                     std::to_string(delay->count()) + " s");
+        context_.note("process " + ended.name + " has ended; it starts again in " +
+                      std::to_string(delay->count()) + " s");
       } else if (ended.failed) {
         throw Error("process " + ended.name, "ended early", "see its message above");
       } else {
-        tell_service_manager("STOPPING=1");
-        return;
+        return false;
       }
     }
-    for (const runtime::ProcessEntry& process : composition.processes) {
-      if (restarts.is_due(process.name, Restarts::Clock::now())) start(process.name);
+    for (const runtime::ProcessEntry& process : composition_.processes) {
+      if (restarts_.is_due(process.name, Restarts::Clock::now())) start(process.name);
     }
-    if (!is_told && group.size() == count && group.all_ready()) {
-      is_told = true;
-      tell_that_it_works(options);
+    if (!is_told_ && group_.size() == composition_.processes.size() && group_.all_ready()) {
+      is_told_ = true;
+      tell_that_it_works(options_);
     }
+    return true;
   }
-  tell_service_manager("STOPPING=1");
-}
+
+  const RunOptions& options_;
+  VerbContext& context_;
+  const runtime::Composition& composition_;
+  Restarts restarts_;
+  ProcessGroup group_;
+  bool is_told_ = false;
+};
 
 }  // namespace
 
@@ -143,9 +177,12 @@ void add_run(CLI::App& app, VerbContext& context) {
       app, context, "run", "start the components of a composition over DDS until Ctrl-C",
       "strata run components/config/mapping.yaml", [options, &context] {
         if (options->is_child()) {
-          prctl(PR_SET_PDEATHSIG, SIGTERM);
+          // What a process of an unfinished replay holds is of no use to anybody.
+          prctl(PR_SET_PDEATHSIG, options->lockstep ? SIGKILL : SIGTERM);
           // It may have died before: then nobody is left to end this process.
           if (getppid() != options->parent) return;
+          if (options->ready_pipe >= 0) keep_ready_pipe(options->ready_pipe);
+          context.interrupt().ignore_further_signals();
         }
         // The parent has told what there is to tell.
         const runtime::Composition composition =
@@ -159,9 +196,13 @@ void add_run(CLI::App& app, VerbContext& context) {
                    composition.processes.front().restart == runtime::Restart::kNever) {
           run_here(*options, context, composition, composition.processes.front());
         } else {
-          run_children(*options, context, composition);
+          Supervision(*options, context, composition).run();
         }
       });
+  verb->footer("Ctrl-C or SIGTERM ends it: components write what they have learned, for " +
+               std::to_string(kStopPatience.count()) +
+               " s at most. A second\nsignal, a second or more later, ends it at once.\n" +
+               verb->get_footer());
   verb->add_option("composition", options->composition, "composition file")->required();
   verb->get_option("--set")->description(kCompositionSetHelp);
   verb->get_option("--config")->description(kCompositionConfigHelp);

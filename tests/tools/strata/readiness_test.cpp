@@ -1,52 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What `strata run` tells systemd, and when.
-#include <chrono>
-#include <filesystem>
 #include <fstream>
-#include <functional>
-#include <memory>
 #include <string>
-#include <thread>
 
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include "tests/components/bus/domain.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/test_data.hpp"
-#include "tests/tools/strata/service_manager.hpp"
+#include "tests/tools/strata/managed_run.hpp"
 
 namespace strata::tools {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(60);
-
-class Readiness : public testing::Test {
+class Readiness : public test::ManagedRun {
  protected:
-  [[nodiscard]] std::filesystem::path at(const char* name) const { return folder_.path() / name; }
-  [[nodiscard]] std::string gate() const {
-    return "    components: [{type: gate::Gate, name: gate, parameters: {folder: '" +
-           folder_.path().string() + "'}}]\n";
-  }
-  /// processes: YAML lines, indented.
-  [[nodiscard]] std::unique_ptr<test::ChildProcess> run(const std::string& processes) const {
-    std::ofstream(at("c.yaml")) << "version: 1\ntransport: loopback\nlibraries: [" STRATA_TEST_GATE
-                                   "]\nprocesses:\n"
-                                << processes;
-    return std::make_unique<test::ChildProcess>(
-        std::vector<std::string>{STRATA_PROGRAM, "run", at("c.yaml").string(), "--set",
-                                 "domain=" + std::to_string(test::own_domain())},
-        std::vector<std::string>{"NOTIFY_SOCKET=" + at("notify").string()},
-        test::ChildProcess::Errors::kMerged);
-  }
-  [[nodiscard]] bool appears(const char* name) const {
-    const auto deadline = std::chrono::steady_clock::now() + kPatience;
-    while (!std::filesystem::exists(at(name))) {
-      if (std::chrono::steady_clock::now() > deadline) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return true;
-  }
   void open_gate() const { std::ofstream(at("open")).close(); }
   /// Ends it as systemd does.
   void expect_good_end(test::ChildProcess& process) {
@@ -55,16 +21,10 @@ class Readiness : public testing::Test {
     EXPECT_EQ(process.wait(), 0);
     EXPECT_EQ(manager_.receive(), "") << "nothing is told twice";
   }
-
-  const test::TemporaryDirectory folder_;
-  test::ServiceManager manager_{at("notify").string()};
 };
 
-constexpr const char* kActiveAtOnce =
-    "  - name: first\n    components: [{type: strata::BeamFilter, name: filter}]\n";
-
 TEST_F(Readiness, OfSeveralProcessesIsToldWhenTheLastIsActive) {
-  const auto process = run(kActiveAtOnce + ("  - name: second\n" + gate()));
+  const auto process = run(kActiveAtOnce + ("  - name: second\n" + component("Gate")));
   ASSERT_NE(process->wait_for_line("process first runs", kPatience), "");
   ASSERT_TRUE(appears("waiting"));
   EXPECT_EQ(manager_.receive(), "") << "the second is not active yet";
@@ -74,7 +34,7 @@ TEST_F(Readiness, OfSeveralProcessesIsToldWhenTheLastIsActive) {
 }
 
 TEST_F(Readiness, OfOneProcessThatMayRestartIsToldWhenItIsActive) {
-  const auto process = run("  - name: only\n    restart: on_failure\n" + gate());
+  const auto process = run("  - name: only\n    restart: on_failure\n" + component("Gate"));
   ASSERT_TRUE(appears("waiting"));
   EXPECT_EQ(manager_.receive(), "");
   open_gate();
@@ -83,7 +43,7 @@ TEST_F(Readiness, OfOneProcessThatMayRestartIsToldWhenItIsActive) {
 }
 
 TEST_F(Readiness, OfOneProcessIsToldWhenItIsActive) {
-  const auto process = run("  - name: only\n" + gate());
+  const auto process = run("  - name: only\n" + component("Gate"));
   ASSERT_TRUE(appears("waiting"));
   EXPECT_EQ(manager_.receive(), "");
   open_gate();
@@ -108,7 +68,7 @@ TEST_F(Readiness, IsToldOnceThoughAProcessStartsAgain) {
       run("  - name: first\n    restart: on_failure\n    restart_delay_s: 0\n"
           "    components: [{type: strata::BeamFilter, name: filter}]\n"
           "  - name: second\n" +
-          gate());
+          component("Gate"));
   ASSERT_EQ(manager_.receive(kPatience), "READY=1");
   const auto children = process->children();
   ASSERT_EQ(children.size(), 2U);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A component that becomes active when it is let: it announces itself by one file and waits for
-/// another.
+/// Components that take their time: one becomes active when it is let, one writes for long at its
+/// end. Files tell how far they are.
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -35,6 +35,41 @@ class Gate final : public strata::runtime::Component {
   std::filesystem::path folder_;
 };
 
+struct SlowStoreConfig {
+  std::string folder;
+  double takes_s = 0.0;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("folder", c.folder,
+            {.doc = "where `active`, `begun` and, when all is written, `kept` appear"});
+    v.field("takes_s", c.takes_s, {.doc = "to write it", .unit = "s", .min = 0.0});
+  }
+};
+
+class SlowStore final : public strata::runtime::Component {
+ public:
+  using Component::Component;
+
+ private:
+  void on_configure() override { config_ = read_parameters<SlowStoreConfig>(); }
+  void on_activate() override { std::ofstream(config_.folder + "/active").close(); }
+  void on_deactivate() override {
+    const std::filesystem::path folder = config_.folder;
+    const auto begin = std::chrono::steady_clock::now();
+    std::ofstream(folder / "begun").close();
+    const std::chrono::duration<double> takes(config_.takes_s);
+    while (std::chrono::steady_clock::now() - begin < takes) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    std::ofstream(folder / "kept").close();
+  }
+
+  SlowStoreConfig config_;
+};
+
 }  // namespace gate
 
-STRATA_COMPONENT_LIBRARY(registry) { registry.add<gate::Gate>("gate::Gate"); }
+STRATA_COMPONENT_LIBRARY(registry) {
+  registry.add<gate::Gate>("gate::Gate");
+  registry.add<gate::SlowStore>("gate::SlowStore");
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How `strata run` ends: what takes its time to write is waited for, and systemd is told.
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/tools/strata/managed_run.hpp"
+
+namespace strata::tools {
+namespace {
+
+/// Longer than programs that write nothing are given, far shorter than kStopPatience.
+constexpr const char* kSlow = ", takes_s: 3";
+constexpr const char* kEndless = ", takes_s: 10000";
+
+class Stopping : public test::ManagedRun {
+ protected:
+  [[nodiscard]] std::string in_one_process(const char* takes) const {
+    return "  - name: only\n" + component("SlowStore", takes);
+  }
+  [[nodiscard]] std::string in_several(const char* takes) const {
+    return kActiveAtOnce + ("  - name: slow\n" + component("SlowStore", takes));
+  }
+  void expect_all_kept(const std::string& processes) {
+    const auto process = run(processes);
+    ASSERT_EQ(manager_.receive(kPatience), "READY=1");
+    // As `timeout` and launchers do, which signal the process and its group.
+    process->send(SIGINT);
+    process->send(SIGINT);
+    EXPECT_EQ(process->wait(), 0) << process->rest();
+    EXPECT_TRUE(std::filesystem::exists(at("kept")));
+  }
+  /// Signals again and again until all processes are gone; what they said.
+  [[nodiscard]] std::string said_when_hurried(const std::string& processes) {
+    const auto process = run(processes);
+    EXPECT_EQ(manager_.receive(kPatience), "READY=1");
+    const std::set<pid_t> children = process->children();
+    process->send(SIGTERM);
+    EXPECT_TRUE(appears("begun"));
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (process->runs() && std::chrono::steady_clock::now() < deadline) {
+      process->send(SIGTERM);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    EXPECT_EQ(process->wait(), 1);
+    for (const pid_t child : children) EXPECT_NE(kill(child, 0), 0) << "one is left";
+    EXPECT_FALSE(std::filesystem::exists(at("kept")));
+    return process->rest();
+  }
+};
+
+TEST_F(Stopping, OfOneProcessWaitsForAStoreThatIsSlowToWrite) {
+  expect_all_kept(in_one_process(kSlow));
+}
+
+TEST_F(Stopping, OfSeveralProcessesWaitsForAStoreThatIsSlowToWrite) {
+  expect_all_kept(in_several(kSlow));
+}
+
+TEST_F(Stopping, WaitsForTheOthersWhenAProcessEndsByItself) {
+  for (const int signal : {SIGINT, SIGKILL}) {
+    const bool failed = signal == SIGKILL;
+    const auto process = run(in_several(kSlow));
+    ASSERT_EQ(manager_.receive(kPatience), "READY=1");
+    const auto children = process->children();
+    ASSERT_EQ(children.size(), 2U);
+    kill(*children.begin(), signal);  // the first, which writes nothing
+    EXPECT_EQ(manager_.receive(kPatience), "STOPPING=1") << signal;
+    EXPECT_EQ(process->wait(), failed ? 1 : 0) << process->rest();
+    EXPECT_EQ(manager_.receive(), "") << "nothing is told twice";
+    EXPECT_TRUE(std::filesystem::remove(at("kept"))) << signal;
+  }
+}
+
+TEST_F(Stopping, OfOneProcessIsHurriedByASecondSignal) {
+  const std::string said = said_when_hurried(in_one_process(kEndless));
+  EXPECT_NE(said.find("interrupted a second time"), std::string::npos) << said;
+}
+
+TEST_F(Stopping, OfSeveralProcessesIsHurriedByASecondSignal) {
+  const std::string said = said_when_hurried(in_several(kEndless));
+  EXPECT_NE(said.find("process slow: was ended in a hurry"), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace strata::tools
