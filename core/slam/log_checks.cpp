@@ -68,14 +68,16 @@ void LogChecks::add(const Scan& scan, bool new_run, const ScanFindings& findings
   last_ranges_ = scan.ranges_m;
   if (findings.odometry_jumped) jumps_.add(at_s);
   if (new_run || findings.odometry_jumped) return;
-  if (!findings.matched) (findings.empty ? empty_ : unmatched_).add(at_s);
+  if (!findings.matched) (findings.empty ? empty_ : findings.few ? few_ : unmatched_).add(at_s);
   if (findings.ambiguous) ambiguous_.add(at_s);
+  if (findings.heading_open) heading_open_.add(at_s);
   if (!findings.matched || findings.ambiguous) return;
   const double forward = findings.odometry_step.x * findings.matched_step.x +
                          findings.odometry_step.y * findings.matched_step.y;
   forward_match_ += forward;
   if (moved_m > kReversedM && forward < -kReversedShare * moved_m * moved_m) reversed_.add(at_s);
   forward_odometry_ += moved_m * moved_m;
+  if (findings.heading_open) return;
   turn_match_ += findings.odometry_step.theta * findings.matched_step.theta;
   turn_odometry_ += findings.odometry_step.theta * findings.odometry_step.theta;
 }
@@ -115,13 +117,15 @@ std::vector<std::string> LogChecks::warnings() const {
   }
   if (turn_odometry_ > kEnoughTurnRad2 && turn_match_ < kLeastAgreement * turn_odometry_) {
     all.push_back(
-        "the scans turn against odometry: is the scanner upside down, and does the log say so? Or "
-        "does a round hall leave the heading open?");
+        "the scans turn against odometry: is the scanner upside down, and does the log say so?");
   }
   for (const auto& [seen, what] :
        {std::pair(ambiguous_,
                   "leave the position open in one direction (a bare corridor or hall): "
                   "odometry or given poses rule there"),
+        std::pair(heading_open_,
+                  "leave the heading open (a round hall): odometry or given poses rule there"),
+        std::pair(few_, "hit too little to be matched: their poses are odometry's"),
         std::pair(empty_, "hit nothing within reach (an open hall?): their poses are odometry's"),
         std::pair(unmatched_, "fit no map: their poses are odometry's")}) {
     if (percent(seen.count, scans_) <= 100.0 * kWorthAWord) continue;

@@ -18,7 +18,9 @@ namespace strata::slam {
 struct ScanFindings {
   bool matched = false;
   bool empty = false;            ///< the scan hit nothing
+  bool few = false;              ///< it hit too little to be matched
   bool ambiguous = false;        ///< the scan leaves its position open in some direction
+  bool heading_open = false;     ///< the scan leaves its heading open
   bool odometry_jumped = false;  ///< odometry moved faster than a robot can, and was not believed
   Pose2 odometry_step;           ///< since the scan before; identity without odometry
   Pose2 matched_step;
@@ -48,7 +50,7 @@ class LogChecks {
   static void state(Self& self, Archive& archive) {
     for (auto& count : self.skips_) archive(count);
     for (auto* seen : {&self.gaps_, &self.jumps_, &self.stuck_, &self.ambiguous_, &self.unmatched_,
-                       &self.empty_, &self.reversed_}) {
+                       &self.empty_, &self.reversed_, &self.few_, &self.heading_open_}) {
       archive(*seen);
     }
     archive(self.scans_);
@@ -82,6 +84,8 @@ class LogChecks {
   Seen unmatched_;
   Seen empty_;
   Seen reversed_;
+  Seen few_;
+  Seen heading_open_;
   std::vector<float> last_ranges_;
   // Agreement of odometry with the matches: sums of odometry x match, and odometry squared.
   double forward_match_ = 0.0;

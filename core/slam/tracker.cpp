@@ -150,6 +150,9 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
     if (result.matched) drift_ = shrunk(drift_, information);
     result.findings.matched = result.matched;
     result.findings.ambiguous = result.matched && is_ambiguous(information);
+    result.findings.heading_open =
+        result.matched && is_heading_open(information, endpoints, config_.match);
+    result.findings.few = endpoints.size() > 0 && endpoints.size() < kLeastHits;
     result.findings.matched_step = between(pose_.mean, result.run_from_robot.mean);
     if (believed != nullptr) doubt_odometry(result.findings);
   }

@@ -34,6 +34,13 @@ constexpr std::size_t kMixedScans = 4;
 /// From here on the scan alone leaves its position open in some direction.
 constexpr double kAmbiguousStddevM = 0.3;
 
+/// The heading is open when a scan tells this share or less of what it would if every surface stood
+/// in its way as it turns. In a round hall that is 1e-4 to 1e-3, on the real logs 0.05 or more.
+constexpr double kOpenHeading = 0.01;
+
+/// The heading is held by this.
+constexpr double kFixedStddevRad = 1e-4;
+
 /// A beam ends in the open when it ends farther than this from every surface, or at one that more
 /// beams passed than hit: somebody was there.
 constexpr double kStillStddevs = 3.0;
@@ -76,6 +83,19 @@ Endpoints explained_at(const Endpoints& endpoints, const SurfaceMap& map, const 
   return result;
 }
 
+/// The pose with the guess's heading; nothing where the scan fits nowhere so. Where the heading is
+/// open the map would hold the robot back: wherever it turns, it fits best as it stood.
+std::optional<Pose2> match_at_heading(const Endpoints& endpoints,
+                                      const registration::MatchField& field, Pose2Gaussian guess,
+                                      const registration::MatchConfig& config) {
+  guess.covariance.row(2).setZero();
+  guess.covariance.col(2).setZero();
+  guess.covariance(2, 2) = kFixedStddevRad * kFixedStddevRad;
+  const registration::MatchResult fixed =
+      registration::match(endpoints, {}, field, guess.mean, &guess, config);
+  return fixed.converged ? std::optional(fixed.pose) : std::nullopt;
+}
+
 /// How far a robot without odometry may have come.
 Eigen::Matrix3d blind_covariance() {
   return Eigen::Vector3d(kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
@@ -95,6 +115,23 @@ bool is_ambiguous(const Eigen::Matrix3d& information) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(information.topLeftCorner<2, 2>(),
                                                             Eigen::EigenvaluesOnly);
   return axes.eigenvalues()(0) < 1.0 / (kAmbiguousStddevM * kAmbiguousStddevM);
+}
+
+bool is_heading_open(const Eigen::Matrix3d& information, const Endpoints& endpoints,
+                     const registration::MatchConfig& config) {
+  double lever_m2 = 0.0;
+  for (std::size_t i = 0; i < endpoints.size(); ++i) {
+    lever_m2 += static_cast<double>(endpoints.x_m[i]) * endpoints.x_m[i] +
+                static_cast<double>(endpoints.y_m[i]) * endpoints.y_m[i];
+  }
+  // As beams are counted in `information`.
+  const double share =
+      std::min(1.0, config.effective_beams / static_cast<double>(endpoints.size()));
+  const double most = share * lever_m2 / (config.hit_stddev_m * config.hit_stddev_m);
+  // What is left when the robot may also move: in a round hall it turns about the hall's middle.
+  Eigen::Matrix3d bounded = information;
+  bounded.diagonal().array() += 1e-6;
+  return 1.0 < kOpenHeading * most * bounded.inverse()(2, 2);
 }
 
 Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Pose2& turn) {
@@ -172,7 +209,7 @@ std::optional<registration::MatchResult> Tracker::match_still_alone(
 bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Gaussian& guess,
                      GuessFrom from, Pose2Gaussian& found, Eigen::Matrix3d& information) const {
   constexpr double kMargin = 0.02;  // by how much another start must explain more
-  if (endpoints.size() == 0) return false;
+  if (endpoints.size() < kLeastHits) return false;
   const registration::MatchField& field = active_.front().map.field();
   registration::MatchResult result =
       registration::match(endpoints, {}, field, guess.mean, &guess, config_.match);
@@ -220,6 +257,11 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
       result = *alone;
       prior = &guess;
     }
+  }
+  if (from != GuessFrom::kMotion && result.converged &&
+      is_heading_open(result.covariance.inverse() - prior->covariance.inverse(), endpoints,
+                      config_.match)) {
+    result.pose = match_at_heading(endpoints, field, guess, config_.match).value_or(result.pose);
   }
   const bool blind = from == GuessFrom::kMotion;
   if (!result.converged || (blind && result.explained < kBlindExplained)) return false;
