@@ -42,7 +42,10 @@ void restore_place(const std::filesystem::path& file) {
 void restore_way(const std::filesystem::path& file) {
   topology_mapper::MapperStore store(file);
   topology::TopologyMapper mapper{topology::TopologyMapperConfig{}};
-  (void)store.restore(mapper);
+  if (const auto newest = store.restore(mapper)) mapper.resume_from(*newest);
+  Observation first;
+  first.scan.ranges_m.assign(8, 1.0F);
+  (void)mapper.add(first);
 }
 
 void restore_one(std::uint8_t kind, fuzz::Input bytes, const fuzz::ScratchFolder& scratch) {
