@@ -46,6 +46,7 @@ struct DiscoveredParticipant {
   std::string name;
   std::string enclave;              ///< from its user data, as ROS 2 sets it; empty: none given
   bool uses_shared_memory = false;  ///< is to be reached so, from where discovery runs
+  std::vector<std::uint16_t> ports = {};  ///< where it listens, of UDP and of shared memory
 };
 
 struct DiscoveredEndpoint {

@@ -152,9 +152,15 @@ void Participant::State::on_participant_discovery(dds::DomainParticipant* /*part
   const bool uses_shared_memory =
       std::any_of(addresses.begin(), addresses.end(),
                   [](const rtps::Locator_t& address) { return address.kind == LOCATOR_KIND_SHM; });
-  participants[guid] = {guid, info.info.m_participantName.to_string(),
-                        user_data_value(info.info.m_userData.getValue(), "enclave"),
-                        uses_shared_memory};
+  DiscoveredParticipant found{guid, info.info.m_participantName.to_string(),
+                              user_data_value(info.info.m_userData.getValue(), "enclave"),
+                              uses_shared_memory};
+  for (const auto& locators : {addresses, info.info.metatraffic_locators.unicast}) {
+    for (const rtps::Locator_t& address : locators) {
+      found.ports.push_back(static_cast<std::uint16_t>(address.port & 0xFFFFU));
+    }
+  }
+  participants[guid] = std::move(found);
 }
 
 void Participant::State::on_publisher_discovery(dds::DomainParticipant* /*participant*/,

@@ -23,6 +23,7 @@ struct Heard {
   std::int64_t first_number = 0;  ///< the writer's, of the first and the last that came
   std::int64_t last_number = 0;
   bool has_latched = false;  ///< asked for what was published before, some came
+  double known_s = 0.0;      ///< for how long the writer has been listened to
 };
 
 struct Observed {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "components/bus/endpoint.hpp"
+#include "components/bus/names.hpp"
 #include "core/base/error.hpp"
 #include "tools/doctor/process_user.hpp"
 
@@ -29,11 +30,16 @@ class Ear {
     qos_.depth = 100;
   }
 
-  void listen_to(const std::string& topic, const bus::PublishedTopic& published) {
-    subscribe(readers_, topic, published.type, qos_,
-              [this](const auto& message) { count(message); });
-    if (!published.reliable || !published.transient_local) return;
-    subscribe(latched_, topic, published.type, bus::qos_profile("latched"),
+  /// Of a writer of a ROS 2 topic; what is heard of already stays as it is.
+  void listen_to(const bus::DiscoveredEndpoint& writer) {
+    const std::string topic = bus::topic_from_wire(writer.wire_topic);
+    const std::string type = bus::type_from_wire(writer.wire_type);
+    if (topic.empty() || type.empty()) return;
+    known_since_.emplace(writer.guid, Clock::now());
+    subscribe(readers_, topic, type, qos_, [this](const auto& message) { count(message); });
+    // Volatile writers of the same topic do not match it.
+    if (!writer.reliable || !writer.transient_local) return;
+    subscribe(latched_, topic, type, bus::qos_profile("latched"),
               [this](const bus::RawMessage& message) {
                 const std::lock_guard lock(mutex_);
                 heard_[message.identity.writer].has_latched = true;
@@ -41,10 +47,15 @@ class Ear {
   }
   [[nodiscard]] std::map<bus::Guid, Heard> heard() const {
     const std::lock_guard lock(mutex_);
-    return heard_;
+    std::map<bus::Guid, Heard> heard = heard_;
+    for (const auto& [writer, since] : known_since_) {
+      heard[writer].known_s = std::chrono::duration<double>(Clock::now() - since).count();
+    }
+    return heard;
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
   using Readers = std::map<std::string, std::unique_ptr<bus::RawReader>>;
 
   void subscribe(Readers& readers, const std::string& topic, const std::string& type,
@@ -71,6 +82,7 @@ class Ear {
   bus::QosProfile qos_;
   mutable std::mutex mutex_;
   std::map<bus::Guid, Heard> heard_;
+  std::map<bus::Guid, Clock::time_point> known_since_;
   Readers readers_;  // last: they use the others
   Readers latched_;
 };
@@ -82,7 +94,10 @@ std::map<bus::Guid, std::string> users_of(const bus::DomainView& view, const bus
         bus::host_of(participant.guid) != bus::host_of(self)) {
       continue;
     }
-    const std::string user = user_of_process(bus::process_of(participant.guid));
+    const std::string user =
+        participant.guid == self
+            ? own_user()
+            : user_of_process(bus::process_of(participant.guid), participant.ports);
     if (!user.empty()) users[participant.guid] = user;
   }
   return users;
@@ -96,8 +111,10 @@ Observed listen(const std::shared_ptr<bus::Participant>& participant,
   const bus::GraphReader graph(participant);
   Ear ear(participant);
   do {
-    for (const auto& [topic, published] : participant->published_topics()) {
-      ear.listen_to(topic, published);
+    for (const bus::DiscoveredEndpoint& endpoint : participant->view().endpoints) {
+      if (endpoint.writes && !bus::same_participant(endpoint.guid, participant->guid())) {
+        ear.listen_to(endpoint);
+      }
     }
   } while (wait(kLookAgain_s));
   Observed observed;

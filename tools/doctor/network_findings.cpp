@@ -36,9 +36,17 @@ bool keeps_what_it_latches(const DiscoveredEndpoint& writer) {
   return writer.wire_topic != "rt/rosout" && !bus::topic_from_wire(writer.wire_topic).empty();
 }
 
-/// Surely on our host. Of other vendors' processes we cannot tell.
+/// Surely on our host. Of other vendors' processes we cannot tell: see where_is.
 bool is_here(const Guid& guid, const Guid& self) {
   return bus::vendor_of(guid) == bus::kVendorFastDds && bus::host_of(guid) == bus::host_of(self);
+}
+
+/// Of one that is not surely here.
+std::string where_is(const Guid& guid) {
+  const std::uint16_t vendor = bus::vendor_of(guid);
+  return vendor == bus::kVendorFastDds
+             ? "on another host"
+             : bus::vendor_name(vendor) + ", here or on another host: its GUID does not tell";
 }
 
 std::string share_text(std::int64_t lost, std::int64_t sent) {
@@ -59,7 +67,9 @@ const std::string* sharing_user(const Observed& observed,
 
 bool is_heard(const Observed& observed, const Guid& participant) {
   return std::any_of(observed.heard.begin(), observed.heard.end(), [&](const auto& entry) {
-    return entry.second.messages > 0 && bus::same_participant(entry.first, participant);
+    const Heard& heard = entry.second;
+    return (heard.messages > 0 || heard.has_latched) &&
+           bus::same_participant(entry.first, participant);
   });
 }
 
@@ -76,19 +86,19 @@ std::vector<Finding> find_losses(const Observed& observed, const NameOf& name_of
     if (heard.messages > 0 && sent >= kFewestMessages &&
         static_cast<double>(lost) >= kSmallestLostShare * static_cast<double>(sent)) {
       findings.push_back({false, topic_name(writer),
-                          share_text(lost, sent) + " of " + name_of(writer.guid) +
-                              " did not come at the first attempt",
+                          share_text(lost, sent) + " of " + name_of(writer.guid) + " (" +
+                              where_is(writer.guid) + ") did not come at the first attempt",
                           kWifiAdvice});
     }
     const bool is_latched =
         writer.reliable && writer.transient_local && keeps_what_it_latches(writer);
-    if (is_latched && !heard.has_latched && observed.listened_s >= kPatienceForLatched_s) {
+    if (is_latched && !heard.has_latched && heard.known_s >= kPatienceForLatched_s) {
       findings.push_back({false, topic_name(writer),
-                          "is latched by " + name_of(writer.guid) +
-                              ", and nothing of it has come in " +
-                              std::to_string(static_cast<int>(observed.listened_s)) + " s",
-                          "nothing may have been published yet; else it is too large for this "
-                          "network: " +
+                          "is latched by " + name_of(writer.guid) + " (" + where_is(writer.guid) +
+                              "), and nothing of it has come in " +
+                              std::to_string(static_cast<int>(heard.known_s)) + " s",
+                          "nothing may have been published yet; else, from another host, it is "
+                          "too large for this network: " +
                               std::string(kWifiAdvice)});
     }
   }

@@ -13,8 +13,9 @@ namespace strata::doctor {
 /// The node or, where it has none, the GUID of an endpoint or participant.
 using NameOf = std::function<std::string(const bus::Guid&)>;
 
-/// Messages that other hosts sent and that did not come: numbers missing between those that did,
-/// and latched topics of which nothing has come at all.
+/// Messages that were sent elsewhere, or by a DDS that does not tell where, and that did not come:
+/// numbers missing between those that did, and latched topics of which nothing has come at all
+/// since their writer has been known.
 [[nodiscard]] std::vector<Finding> find_losses(const Observed& observed, const NameOf& name_of);
 
 /// Users of this host whose processes share memory: Fast DDS may not open another user's, falls

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/doctor/network_findings.hpp"
 
-#include <filesystem>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "components/bus/names.hpp"
-#include "tests/support/test_data.hpp"
-#include "tools/doctor/process_user.hpp"
 
 namespace strata::doctor {
 namespace {
@@ -73,22 +68,46 @@ TEST(NetworkFindings, SayNothingOfMessagesThatWereSkippedOnThisHost) {
               IsEmpty());
 }
 
+/// Nothing of a writer that has been there for so long.
+Heard silence_of(double known_s) {
+  Heard heard;
+  heard.known_s = known_s;
+  return heard;
+}
+
 TEST(NetworkFindings, NameALatchedTopicOfAnotherHostThatDoesNotArrive) {
   const auto writer = endpoint(guid(kThere, 1, 3), true, true);
-  const auto findings = find_losses(heard_from(writer, {}), kNameOf);
+  const auto findings = find_losses(heard_from(writer, silence_of(4.0)), kNameOf);
   ASSERT_THAT(findings, SizeIs(1));
+  EXPECT_THAT(findings[0].what, HasSubstr("on another host"));
   EXPECT_THAT(findings[0].what, HasSubstr("nothing of it has come in 4 s"));
   EXPECT_THAT(findings[0].advice, HasSubstr("transport: wifi"));
-  Heard latched;
+  Heard latched = silence_of(4.0);
   latched.has_latched = true;
   EXPECT_THAT(find_losses(heard_from(writer, latched), kNameOf), IsEmpty());
+}
+
+TEST(NetworkFindings, AreAsPatientWithALatchedWriterThatCameLate) {
+  const auto writer = endpoint(guid(kThere, 1, 3), true, true);
+  EXPECT_THAT(find_losses(heard_from(writer, silence_of(1.5)), kNameOf), IsEmpty());
+}
+
+TEST(NetworkFindings, DoNotSayWhichHostAProcessOfAnotherVendorIsOn) {
+  auto writer = endpoint(guid(kHere, 1, 3), true, true);
+  writer.guid[1] = 0x10;  // Cyclone DDS
+  Heard heard{15, 1000, 0.0, 101, 120, false, 4.0};
+  const auto findings = find_losses(heard_from(writer, heard), kNameOf);
+  ASSERT_THAT(findings, SizeIs(2));
+  for (const Finding& finding : findings) {
+    EXPECT_THAT(finding.what, HasSubstr("(Cyclone DDS, here or on another host"));
+  }
 }
 
 // ROS 2 nodes latch what they log for ten seconds.
 TEST(NetworkFindings, SayNothingOfALogInWhichNothingWasWritten) {
   auto writer = endpoint(guid(kThere, 1, 3), true, true);
   writer.wire_topic = bus::wire_topic("/rosout");
-  EXPECT_THAT(find_losses(heard_from(writer, {}), kNameOf), IsEmpty());
+  EXPECT_THAT(find_losses(heard_from(writer, silence_of(4.0)), kNameOf), IsEmpty());
 }
 
 /// Process 1 and process 2 on the doctor's host, all with shared memory; the doctor is the first.
@@ -134,16 +153,9 @@ TEST(NetworkFindings, SayThatTheDoctorIsDeafToAnotherUser) {
   EXPECT_THAT(findings[0].advice, HasSubstr("run `strata doctor` as robot"));
   observed.heard[guid(kHere, 1, 3)].messages = 1;
   EXPECT_THAT(find_users_apart(observed, kNameOf), IsEmpty());
-}
-
-TEST(NetworkFindings, TellAProcessOfNobodyFromOurs) {
-  const auto id = static_cast<std::uint16_t>(getpid());
-  EXPECT_NE(user_of_process(id), "");
-  const test::TemporaryDirectory folder;
-  EXPECT_EQ(user_of_process(7, folder.path()), "");
-  std::filesystem::create_directory(folder.path() / "7");
-  EXPECT_EQ(user_of_process(7, folder.path()), user_of_process(id));
-  EXPECT_EQ(user_of_process(8, folder.path()), "");
+  observed.heard[guid(kHere, 1, 3)].messages = 0;
+  observed.heard[guid(kHere, 1, 3)].has_latched = true;
+  EXPECT_THAT(find_users_apart(observed, kNameOf), IsEmpty());
 }
 
 }  // namespace
