@@ -180,6 +180,8 @@ Outcomes box_in_corridor(const std::string& scenario, std::uint64_t seed) {
   for (const char* name : {"occupancy", "filtered", "patch_paper", "patch_shared", "patch"}) {
     outcomes[name] = run_day(task, model_named(name, maps, patches), {}, seed);
   }
+  const StaticMaps today = static_maps(noisy_scans(simulation, {}, seed, last, last));
+  outcomes["own_day"] = run_day(task, grid_model(today.filtered), {}, seed);
   return outcomes;
 }
 

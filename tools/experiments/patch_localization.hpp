@@ -25,7 +25,8 @@ using Outcomes = std::map<std::string, DayOutcome>;  ///< per model
 
 /// Figures 3 to 5: a plain corridor, range 4 m, a box at one of three places; learned on all days
 /// but the last, localized on the last with occupancy, filtered, patch_paper, patch_shared and
-/// patch. Changed: x in [11, 25] m. scenario: corridor_box.yaml.
+/// patch, and with own_day, the filtered map of that last day itself: what no memory can beat.
+/// Changed: x in [11, 25] m. scenario: corridor_box.yaml.
 [[nodiscard]] Outcomes box_in_corridor(const std::string& scenario, std::uint64_t seed);
 
 /// Figures 6 and 7: a global start where a door decides between two places that look alike.

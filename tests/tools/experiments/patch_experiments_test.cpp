@@ -61,5 +61,16 @@ TEST(BoxInCorridor, PatchKnowsTheBoxAndBeatsTheFilteredMap) {
   EXPECT_EQ(patch.recognized, 2);
 }
 
+TEST(BoxInCorridor, NoMapIsMuchBetterThanThePatchMapNotEvenOneOfTheDayItself) {
+  double patch_m = 0.0;
+  double own_day_m = 0.0;
+  for (std::uint64_t seed = kSeed; seed < kSeed + 3; ++seed) {
+    const Outcomes outcomes = box_in_corridor(scenario("corridor_box.yaml"), seed);
+    patch_m += outcomes.at("patch").changed_error_m / 3.0;
+    own_day_m += outcomes.at("own_day").changed_error_m / 3.0;
+  }
+  EXPECT_LT(patch_m, 1.25 * own_day_m);
+}
+
 }  // namespace
 }  // namespace strata::experiments
