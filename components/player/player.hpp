@@ -68,8 +68,6 @@ class Player final : public runtime::Component {
   void set_stopped(bool stopped);
   [[nodiscard]] bool is_paused();
   void give(Order order);
-  /// Sets a parameter of this name as others do.
-  bool set_parameter(const std::string& name, rcl_interfaces::msg::ParameterValue value);
 
   PlayerConfig config_;
   std::unique_ptr<Source> source_;  ///< the playing thread's, while there is one

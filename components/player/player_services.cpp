@@ -23,21 +23,24 @@ Player::Control::~Control() {
 
 /// What a parameter says too goes through the parameter, so that both always say the same.
 void Player::serve() {
+  const auto set = [this](const char* name, rcl_interfaces::msg::ParameterValue value) {
+    return set_parameters({runtime::parameter(name, std::move(value))}).ok;
+  };
   keep_live<PlayerConfig>({"rate", "paused"}, [this](const PlayerConfig& config) {
     set_rate(config.rate);
     set_paused(config.paused);
   });
   using namespace rosbag2_interfaces::srv;  // NOLINT: the names below would be all there is to read
-  offer<bus::srv::Pause>("~/pause", [this](const auto&) {
-    set_parameter("paused", parameter_value(true));
+  offer<bus::srv::Pause>("~/pause", [set](const auto&) {
+    set("paused", parameter_value(true));
     return Pause_Response();
   });
-  offer<bus::srv::Resume>("~/resume", [this](const auto&) {
-    set_parameter("paused", parameter_value(false));
+  offer<bus::srv::Resume>("~/resume", [set](const auto&) {
+    set("paused", parameter_value(false));
     return Resume_Response();
   });
-  offer<bus::srv::TogglePaused>("~/toggle_paused", [this](const auto&) {
-    set_parameter("paused", parameter_value(!is_paused()));
+  offer<bus::srv::TogglePaused>("~/toggle_paused", [this, set](const auto&) {
+    set("paused", parameter_value(!is_paused()));
     return TogglePaused_Response();
   });
   offer<bus::srv::IsPaused>("~/is_paused", [this](const auto&) {
@@ -51,9 +54,9 @@ void Player::serve() {
     response.rate(clock_.rate());
     return response;
   });
-  offer<bus::srv::SetRate>("~/set_rate", [this](const auto& request) {
+  offer<bus::srv::SetRate>("~/set_rate", [set](const auto& request) {
     SetRate_Response response;
-    response.success(set_parameter("rate", parameter_value(request.rate())));
+    response.success(set("rate", parameter_value(request.rate())));
     return response;
   });
   offer_later<bus::srv::Seek>("~/seek", [this](const auto& request, auto reply) {
@@ -76,13 +79,6 @@ void Player::give(Order order) {
   const std::lock_guard lock(mutex_);
   orders_.push_back(std::move(order));
   changed_.notify_all();
-}
-
-bool Player::set_parameter(const std::string& name, rcl_interfaces::msg::ParameterValue value) {
-  rcl_interfaces::msg::Parameter parameter;
-  parameter.name(name);
-  parameter.value(std::move(value));
-  return set_parameters({parameter}).ok;
 }
 
 void Player::set_paused(bool paused) {

@@ -35,6 +35,7 @@ struct RecorderConfig {
   double split_mb = 0.0;
   double split_s = 0.0;
   bool paused = false;
+  int latched_depth = 1;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("out", c.out, {.doc = "bag folder to write"});
@@ -60,6 +61,11 @@ struct RecorderConfig {
     v.field("paused", c.paused,
             {.doc = "record when resumed; may be changed while it records: what comes meanwhile is "
                     "left out"});
+    v.field("latched_depth", c.latched_depth,
+            {.doc = "latched messages (maps, /tf_static) that come while paused are recorded when "
+                    "resumed: the last so many of each writer",
+             .min = 0,
+             .max = 1000});
   }
 };
 

@@ -2,6 +2,7 @@
 #include "components/recorder/recorder.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "components/bus/bag_service_types.hpp"
 #include "components/convert/geometry_messages.hpp"
@@ -10,6 +11,8 @@ namespace strata::recorder {
 namespace {
 
 constexpr auto kFlushPeriod = std::chrono::milliseconds(500);
+/// A burst must not push messages out before they are written.
+constexpr int kDepth = 1000;
 
 log::BagOptions bag_options(const RecorderConfig& config) {
   log::BagOptions options;
@@ -48,10 +51,11 @@ void Recorder::on_configure() {
   recorded_.clear();
   log_time_.reset();
   if (!context().only_explained) {
-    // Configured again, it finds its own bag there.
-    const bool may_number = config_.number_if_exists || has_recorded_;
+    // Configured again, it finds its own bag there; another's is left alone.
+    const auto out = std::filesystem::weakly_canonical(config_.out);
+    const bool may_number = config_.number_if_exists || own_outs_.contains(out);
     bag_ = std::make_unique<log::BagWriter>(free_folder(config_, may_number), bag_options(config_));
-    has_recorded_ = true;
+    own_outs_.insert(out);
   }
   if (lockstep()) {
     subscribe<rosgraph_msgs::msg::Clock>("/clock", "clock", [this](const auto& message) {
@@ -74,13 +78,16 @@ void Recorder::on_configure() {
 }
 
 void Recorder::serve() {
-  keep_live<RecorderConfig>(
-      {"paused"}, [this](const RecorderConfig& config) { config_.paused = config.paused; });
-  offer<bus::srv::Pause>("~/pause", [this](const auto&) {
+  const auto set_paused = [this](bool paused) {
+    (void)set_parameters({runtime::parameter("paused", runtime::parameter_value(paused))});
+  };
+  keep_live<RecorderConfig>({"paused"},
+                            [this](const RecorderConfig& config) { take_paused(config.paused); });
+  offer<bus::srv::Pause>("~/pause", [set_paused](const auto&) {
     set_paused(true);
     return rosbag2_interfaces::srv::Pause_Response();
   });
-  offer<bus::srv::Resume>("~/resume", [this](const auto&) {
+  offer<bus::srv::Resume>("~/resume", [set_paused](const auto&) {
     set_paused(false);
     return rosbag2_interfaces::srv::Resume_Response();
   });
@@ -95,11 +102,23 @@ void Recorder::serve() {
   });
 }
 
-void Recorder::set_paused(bool paused) {
-  rcl_interfaces::msg::Parameter parameter;
-  parameter.name("paused");
-  parameter.value(runtime::parameter_value(paused));
-  (void)set_parameters({parameter});
+void Recorder::take_paused(bool paused) {
+  const bool goes_on = config_.paused && !paused;
+  config_.paused = paused;
+  if (goes_on) write_held();
+}
+
+/// As if they came now, by their writers' clocks: with their own stamps, those that came early in a
+/// pause would stand alone there, and a player would wait for what follows.
+void Recorder::write_held() {
+  const auto now = std::chrono::steady_clock::now();
+  std::map<std::string, Stamp> last;  // by topic: they stay in order
+  for (const Held& held : std::exchange(held_, {})) {
+    const std::chrono::nanoseconds kept = now - held.since;
+    Stamp& stamp = last.try_emplace(held.topic, Stamp{held.message.source_stamp_ns}).first->second;
+    stamp = std::max(stamp, Stamp{held.message.source_stamp_ns + kept.count()});
+    write(held.topic, held.message, stamp);
+  }
 }
 
 void Recorder::on_tick() {
@@ -125,13 +144,16 @@ void Recorder::record_what_is_published() {
 }
 
 void Recorder::record(const std::string& topic, const bus::PublishedTopic& published) {
-  if (!recorded_.try_emplace(topic, Recorded{published.type, std::nullopt}).second) return;
+  if (!recorded_
+           .try_emplace(topic, Recorded{published.type, published.transient_local, std::nullopt})
+           .second)
+    return;
   bus::QosProfile qos = bus::qos_profile("sensor_data");
   qos.reliable = published.reliable;
   qos.transient_local = published.transient_local;  // the laser's mounting was sent long ago
-  qos.depth = 1000;  // a burst must not push messages out before they are written
+  qos.depth = kDepth;
   subscribe_raw(topic, published.type, qos,
-                [this, topic](const bus::RawMessage& message) { write(topic, message); });
+                [this, topic](const bus::RawMessage& message) { take(topic, message); });
 }
 
 std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTopic* offered) {
@@ -143,15 +165,38 @@ std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTop
   return recorded.place.value_or(0);
 }
 
-void Recorder::write(const std::string& topic, const bus::RawMessage& message) {
-  if (!bag_ || config_.paused) return;
-  if (!recorded_.at(topic).place) {
+void Recorder::take(const std::string& topic, const bus::RawMessage& message) {
+  if (!config_.paused) {
+    write(topic, message, log_time_.value_or(Stamp{message.source_stamp_ns}));
+  } else if (recorded_.at(topic).latched) {
+    hold(topic, message);
+  }
+}
+
+/// A writer's last ones, as it keeps them for who comes late; how many that are it does not tell.
+void Recorder::hold(const std::string& topic, const bus::RawMessage& message) {
+  held_.push_back({topic, message, std::chrono::steady_clock::now()});
+  const auto drop_first = [&](std::size_t most, const auto& is_alike) {
+    const auto count = std::count_if(held_.begin(), held_.end(), is_alike);
+    if (static_cast<std::size_t>(count) <= most) return;
+    held_.erase(std::find_if(held_.begin(), held_.end(), is_alike));
+  };
+  drop_first(static_cast<std::size_t>(config_.latched_depth), [&](const Held& held) {
+    return held.topic == topic && held.message.identity.writer == message.identity.writer;
+  });
+  // Writers may come and go for as long as the pause lasts.
+  drop_first(kDepth, [&](const Held& held) { return held.topic == topic; });
+}
+
+void Recorder::write(const std::string& topic, const bus::RawMessage& message, Stamp stamp) {
+  if (!bag_) return;
+  const Recorded& recorded = recorded_.at(topic);
+  if (!recorded.place) {
     const auto published = context().participant->published_topics();
     const auto found = published.find(topic);
     place_of(topic, found == published.end() ? nullptr : &found->second);
   }
-  const Stamp stamp = log_time_.value_or(Stamp{message.source_stamp_ns});
-  bag_->write(*recorded_.at(topic).place, stamp, message.cdr);
+  bag_->write(*recorded.place, stamp, message.cdr);
 }
 
 void Recorder::on_deactivate() {
@@ -161,6 +206,7 @@ void Recorder::on_deactivate() {
 void Recorder::on_cleanup() {
   bag_.reset();
   recorded_.clear();
+  held_.clear();
 }
 
 }  // namespace strata::recorder

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
+#include <list>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "components/log/bag.hpp"
@@ -16,7 +19,8 @@ namespace strata::recorder {
 
 /// Reads as the writers that are there offer: reliably when all do, latched messages too;
 /// losslessly in lockstep. Messages are stamped with when they were written, in lockstep with the
-/// log's time from /clock. Deactivating completes the bag; activating again goes on in another file
+/// log's time from /clock. Latched ones that came during a pause are written after it, as if they
+/// had come then. Deactivating completes the bag; activating again goes on in another file
 /// of it, configuring again in another folder beside it. What came more than a second ago survives
 /// the end of the process by whatever cause. Controlled as rosbag2's recorder, by services ~/pause,
 /// ~/resume, ~/is_paused and ~/split_bagfile, and by the parameter `paused`.
@@ -28,7 +32,13 @@ class Recorder final : public runtime::Component {
   /// A topic that is read; its place in the bag is given when its writers are known.
   struct Recorded {
     std::string type;
+    bool latched = false;
     std::optional<std::size_t> place;
+  };
+  struct Held {
+    std::string topic;
+    bus::RawMessage message;
+    std::chrono::steady_clock::time_point since;
   };
 
   void on_declare() override { declare_parameters<RecorderConfig>(); }
@@ -38,18 +48,22 @@ class Recorder final : public runtime::Component {
   void on_cleanup() override;
   /// Offers the services.
   void serve();
-  /// Sets the parameter, as others do.
-  void set_paused(bool paused);
+  void take_paused(bool paused);
   void record_what_is_published();
   void record(const std::string& topic, const bus::PublishedTopic& published);
-  void write(const std::string& topic, const bus::RawMessage& message);
+  void take(const std::string& topic, const bus::RawMessage& message);
+  /// Keeps a latched message until the recording goes on.
+  void hold(const std::string& topic, const bus::RawMessage& message);
+  void write_held();
+  void write(const std::string& topic, const bus::RawMessage& message, Stamp stamp);
   /// offered: by the writers; nothing when nobody has published the topic yet.
   std::size_t place_of(const std::string& topic, const bus::PublishedTopic* offered);
 
   RecorderConfig config_;
   std::unique_ptr<log::BagWriter> bag_;
-  bool has_recorded_ = false;                 ///< in this life or one before
+  std::set<std::filesystem::path> own_outs_;  ///< in this life and those before
   std::map<std::string, Recorded> recorded_;  ///< by topic
+  std::list<Held> held_;                      ///< latched, while paused; in the order they came
   std::optional<Stamp> log_time_;             ///< lockstep
   std::chrono::steady_clock::time_point flushed_;
 };

@@ -108,6 +108,14 @@ ParameterValue parameter_value(const std::vector<std::string>& value) {
   return result;
 }
 
+rcl_interfaces::msg::Parameter parameter(const std::string& name,
+                                         rcl_interfaces::msg::ParameterValue value) {
+  rcl_interfaces::msg::Parameter parameter;
+  parameter.name(name);
+  parameter.value(std::move(value));
+  return parameter;
+}
+
 YAML::Node to_yaml(const ParameterValue& value) {
   using settings::detail::yaml_text;
   YAML::Node list(YAML::NodeType::Sequence);

@@ -47,6 +47,9 @@ using ParameterTable = std::vector<ParameterEntry>;
 [[nodiscard]] rcl_interfaces::msg::ParameterValue parameter_value(
     const std::vector<std::string>& value);
 
+/// What a request to set a parameter holds.
+[[nodiscard]] rcl_interfaces::msg::Parameter parameter(const std::string& name,
+                                                       rcl_interfaces::msg::ParameterValue value);
 /// The value as YAML, as a composition would give it.
 [[nodiscard]] YAML::Node to_yaml(const rcl_interfaces::msg::ParameterValue& value);
 /// Puts `value` at the dotted name below `root`, making the maps on the way.

@@ -72,9 +72,7 @@ class PlayerServices : public testing::TestWithParam<const char*> {
   }
   bool set_parameter(const std::string& name, rcl_interfaces::msg::ParameterValue value) {
     rcl_interfaces::srv::SetParameters_Request request;
-    request.parameters().resize(1);
-    request.parameters()[0].name(name);
-    request.parameters()[0].value(std::move(value));
+    request.parameters({runtime::parameter(name, std::move(value))});
     const auto response = call<bus::srv::SetParameters>("set_parameters", request);
     // Neither refused nor put off until the next configure.
     return response.results().at(0).successful() && response.results()[0].reason().empty();

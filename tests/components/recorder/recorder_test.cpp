@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/recorder/recorder.hpp"
 
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <map>
+#include <thread>
 #include <utility>
 
 #include <gmock/gmock.h>
@@ -68,6 +72,12 @@ class RecorderStorage : public testing::TestWithParam<Storage> {
  private:
   test::TemporaryDirectory folder_;
 };
+
+/// As messages are stamped.
+std::int64_t now_ns() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
 
 sensor_msgs::msg::LaserScan numbered(int number) {
   sensor_msgs::msg::LaserScan scan;
@@ -240,9 +250,7 @@ TEST_P(RecorderStorage, LeavesOutWhatComesWhileItIsPaused) {
   call<bus::srv::Resume>("resume");
   scans.publish(numbered(3));
   rcl_interfaces::srv::SetParameters_Request pause;
-  pause.parameters().resize(1);
-  pause.parameters()[0].name("paused");
-  pause.parameters()[0].value(runtime::parameter_value(true));
+  pause.parameters({runtime::parameter("paused", runtime::parameter_value(true))});
   EXPECT_TRUE(call<bus::srv::SetParameters>("set_parameters", pause).results().at(0).successful());
   EXPECT_TRUE(call<bus::srv::IsPaused>("is_paused").paused());
   scans.publish(numbered(4));
@@ -250,6 +258,101 @@ TEST_P(RecorderStorage, LeavesOutWhatComesWhileItIsPaused) {
   EXPECT_TRUE(host->take_errors().empty());
   EXPECT_EQ(read_bag(bag()).at("/scan"),
             (std::vector{convert::to_cdr(numbered(1)), convert::to_cdr(numbered(3))}));
+}
+
+TEST_P(RecorderStorage, RecordsWhatWasLatchedWhileItWasPausedOnceItGoesOn) {
+  auto map = writer("/map", "latched");
+  auto other_map = writer("/map", "latched");
+  auto scans = writer("/scan", "default");
+  const auto host = make(", paused: true, topics: [/map, /scan]");
+  host->activate();
+  map.publish(numbered(1));
+  call<bus::srv::Resume>("resume");
+  scans.publish(numbered(2));
+  call<bus::srv::Pause>("pause");
+  scans.publish(numbered(3));
+  const std::int64_t before_ns = now_ns();
+  map.publish(numbered(4));
+  other_map.publish(numbered(5));
+  map.publish(numbered(6));
+  const std::int64_t after_ns = now_ns();
+  EXPECT_TRUE(call<bus::srv::IsPaused>("is_paused").paused());
+  const std::int64_t kept_ns = now_ns();
+  while (now_ns() - kept_ns <= after_ns - before_ns) std::this_thread::yield();
+  for (const int again : {0, 1}) {  // nothing is left that would be recorded twice
+    call<bus::srv::Resume>("resume");
+    if (again == 0) call<bus::srv::Pause>("pause");
+  }
+  scans.publish(numbered(7));
+  call<bus::srv::Pause>("pause");
+  map.publish(numbered(8));
+  host->stop();  // still paused
+  EXPECT_TRUE(host->take_errors().empty());
+  const auto reader = log::BagReader::open(bag());
+  std::vector<std::vector<std::uint8_t>> recorded;
+  std::vector<std::int64_t> stamps;
+  for (log::BagMessage message; reader->next(message);) {
+    recorded.push_back(message.data);
+    stamps.push_back(message.stamp.ns);
+  }
+  std::vector<std::vector<std::uint8_t>> expected;
+  for (const int number : {1, 2, 5, 6, 7}) expected.push_back(convert::to_cdr(numbered(number)));
+  ASSERT_TRUE(recorded == expected);
+  EXPECT_LT(stamps[1], before_ns);
+  EXPECT_GT(stamps[2], after_ns) << "where the recording goes on, not where it was published";
+}
+
+TEST_P(RecorderStorage, KeepsAsManyLatchedMessagesOfAWriterAsItIsToldTo) {
+  bus::QosProfile qos = bus::qos_profile("latched");
+  qos.depth = 5;
+  bus::Writer<sensor_msgs::msg::LaserScan> things(participant_, "/things", qos);
+  for (const int depth : {0, 1, 3}) {
+    const auto host = make(
+        ", number_if_exists: true, paused: true, topics: [/things], "
+        "latched_depth: " +
+        std::to_string(depth));
+    host->activate();
+    for (int i = 0; i < 6; ++i) things.publish(numbered(i));
+    call<bus::srv::Resume>("resume");
+    host->stop();
+    const auto folder = depth == 0 ? bag().string() : bag().string() + (depth == 1 ? "_2" : "_3");
+    std::vector<std::vector<std::uint8_t>> last;
+    for (int i = 6 - depth; i < 6; ++i) last.push_back(convert::to_cdr(numbered(i)));
+    EXPECT_EQ(read_bag(folder)["/things"], last) << depth;
+  }
+}
+
+TEST_P(RecorderStorage, LeavesAnothersBagAloneWhenItIsToldToRecordThere) {
+  auto scans = writer("/scan", "default");
+  const auto host = make(", topics: [/scan]");
+  runtime::Component& recorder = *host->components()[0];
+  const auto configure_into = [&](const std::filesystem::path& out) {
+    recorder.deactivate();
+    recorder.cleanup();
+    rcl_interfaces::srv::SetParameters_Request request;
+    request.parameters({runtime::parameter("out", runtime::parameter_value(out.string()))});
+    EXPECT_TRUE(call<bus::srv::SetParameters>("set_parameters", request).results()[0].successful());
+    recorder.configure();
+    recorder.activate();
+  };
+  const auto anothers = bag().parent_path() / "another";
+  std::filesystem::create_directories(anothers);
+  std::ofstream(anothers / "bag_0.mcap") << "theirs";
+  EXPECT_THROW(configure_into(anothers), OutputError) << "it has never recorded there";
+  EXPECT_EQ(recorder.state(), runtime::LifecycleState::kUnconfigured);
+  const auto fresh = bag().parent_path() / "fresh";
+  int number = 0;
+  for (const auto& out : {fresh, bag(), fresh}) {
+    configure_into(out);
+    scans.publish(numbered(++number));
+  }
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  number = 0;
+  for (const std::string& folder : {fresh.string(), bag().string() + "_2", fresh.string() + "_2"}) {
+    EXPECT_EQ(read_bag(folder), (Messages{{"/scan", {convert::to_cdr(numbered(++number))}}}));
+  }
+  EXPECT_FALSE(std::filesystem::exists(anothers.string() + "_2"));
 }
 
 TEST_P(RecorderStorage, BeginsAnotherFileWhenItIsAskedTo) {
