@@ -11,7 +11,6 @@ namespace strata::runtime {
 namespace {
 
 using rcl_interfaces::msg::Parameter;
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
