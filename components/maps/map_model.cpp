@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <utility>
+#include <vector>
 
 #include "components/maps/timescale_model.hpp"
 #include "core/base/error.hpp"
@@ -94,6 +97,24 @@ std::vector<int> believed(const localization::PatchStates& states, const Particl
   return chosen;
 }
 
+/// Casts in the maps that configurations compose, each made once: few of their combinations occur
+/// in a run. Any threads.
+class ComposedCasters {
+ public:
+  explicit ComposedCasters(std::shared_ptr<const patch::PatchMap> map) : map_(std::move(map)) {}
+  [[nodiscard]] std::shared_ptr<const RayCaster> of(const std::vector<int>& chosen) {
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<const RayCaster>& caster = casters_[chosen];
+    if (!caster) caster = std::make_shared<const RayCaster>(patch::compose(*map_, chosen));
+    return caster;
+  }
+
+ private:
+  std::shared_ptr<const patch::PatchMap> map_;
+  std::mutex mutex_;
+  std::map<std::vector<int>, std::shared_ptr<const RayCaster>> casters_;
+};
+
 MapModel patch_model(const std::string& name, const Maps& maps, PatchBeamModelConfig config) {
   const std::optional<patch::PatchMap>& learned =
       name == "patch_places" ? maps.place_patches : maps.patches;
@@ -103,18 +124,13 @@ MapModel patch_model(const std::string& name, const Maps& maps, PatchBeamModelCo
   if (name == "patch_per_particle") config.states.memory = PatchMemory::kPerParticle;
   const auto map = std::make_shared<const patch::PatchMap>(*learned);
   const auto sensor = std::make_shared<const localization::PatchBeamModel>(map, config);
-  // Few combinations of configurations occur in a run: cast in each composed map once made.
-  using Casters = std::map<std::vector<int>, std::shared_ptr<const RayCaster>>;
   MapModel model;
   model.name = name;
   model.sensor = sensor;
-  model.best_prediction = [map, sensor,
-                           casters = std::make_shared<Casters>()](const ParticleSet& particles) {
-    const std::vector<int> chosen = believed(*sensor->patch_states(), particles);
-    auto& caster = (*casters)[chosen];
-    if (!caster) caster = std::make_shared<const RayCaster>(patch::compose(*map, chosen));
-    return ranges_of(caster);
-  };
+  model.best_prediction =
+      [sensor, casters = std::make_shared<ComposedCasters>(map)](const ParticleSet& particles) {
+        return ranges_of(casters->of(believed(*sensor->patch_states(), particles)));
+      };
   model.bytes = map->base.size();
   model.resident_bytes = map->base.size() * (sizeof(float) + kCasterBytes);
   for (const patch::Submap& submap : map->submaps) {
