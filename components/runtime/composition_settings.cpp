@@ -214,14 +214,17 @@ std::vector<std::string> apply_ros_entries(YAML::Node& document,
 }
 
 void apply_own_form(YAML::Node& document, const YAML::Node& given, const std::string& place) {
+  for (const auto& item : given) {
+    const std::string& key = item.first.Scalar();
+    if (!is_composition_key(key)) continue;
+    if (look_up(document, key).IsDefined()) document.remove(key);
+    document.force_insert(item.first, item.second);
+  }
+  // Those that the file itself puts there, if it does.
   const std::vector<Place> components = component_places(document);
   for (const auto& item : given) {
     const std::string& key = item.first.Scalar();
-    if (is_composition_key(key)) {
-      if (look_up(document, key).IsDefined()) document.remove(key);
-      document.force_insert(item.first, item.second);
-      continue;
-    }
+    if (is_composition_key(key)) continue;
     bool is_used = false;
     for (const Place& component : components) {
       if (key != component.name && key != component.full_name) continue;

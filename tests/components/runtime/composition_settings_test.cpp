@@ -48,6 +48,15 @@ class CompositionSettings : public testing::Test {
   strata::test::TemporaryDirectory folder_;
 };
 
+TEST_F(CompositionSettings, AFileThatReplacesTheProcessesSetsItsOwnComponentsWhereverTheyStand) {
+  const Composition composition = with(
+      "version: 1\nplanner: {speed: 3}\nprocesses:\n  - name: main\n    components:\n"
+      "      - {type: t, name: planner}\n");
+  EXPECT_EQ(parameter(composition, 0, "speed"), "3");
+  EXPECT_THAT(complaint_about("version: 1\nprocesses: loopback\nlocalizer: {model: patch}\n"),
+              HasSubstr("'localizer' is neither a component nor a key of the composition"));
+}
+
 TEST_F(CompositionSettings, OwnFormSetsComponentsByNameAndKeysOfTheComposition) {
   const Composition composition = with(
       "version: 1\ndomain: 7\nlocalizer: {model: filtered, input: {b: 3}}\n"
