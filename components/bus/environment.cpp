@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/bus/environment.hpp"
 
-#include <algorithm>
 #include <charconv>
 #include <cstdlib>
 
 #include "components/bus/node.hpp"
 #include "core/base/error.hpp"
+#include "core/base/split.hpp"
 
 namespace strata::bus {
 namespace {
@@ -25,16 +25,6 @@ int domain_of(const std::string& text) {
     throw ConfigError("ROS_DOMAIN_ID", "is '" + text + "'", "set it to a number from 0 to 232");
   }
   return domain;
-}
-
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(';', begin), text.size());
-    if (end > begin) parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
 }
 
 SecurityOptions security_options() {
@@ -59,6 +49,18 @@ SecurityOptions security_options() {
   return options;
 }
 
+/// The release by ROS_DISTRO; empty where nothing is said. Throws ConfigError at the variable.
+std::string release_of_environment() {
+  const std::string release = variable("ROS_DISTRO");
+  if (release.empty()) return release;
+  try {
+    (void)gid_bytes_of(release);
+  } catch (const ConfigError& error) {
+    throw ConfigError("ROS_DISTRO", error.problem(), error.remedy());
+  }
+  return release;
+}
+
 /// Whether that release knows ROS_AUTOMATIC_DISCOVERY_RANGE: it came with Iron, as the short Gid.
 bool has_discovery_range(const std::string& ros_distro) { return gid_bytes_of(ros_distro) == 16; }
 
@@ -72,7 +74,7 @@ void read_discovery(ParticipantOptions& options) {
   }
   const std::string range = variable("ROS_AUTOMATIC_DISCOVERY_RANGE");
   if (range.empty() || range == "SUBNET" || range == "LOCALHOST") {
-    options.static_peers = split(variable("ROS_STATIC_PEERS"));
+    options.static_peers = split(variable("ROS_STATIC_PEERS"), ';');
     if (range == "LOCALHOST") options.transport = Transport::kLocalhost;
   } else if (range == "OFF") {
     options.is_alone = true;
@@ -89,7 +91,7 @@ ParticipantOptions options_from_environment(const std::string& ros_distro) {
   if (const std::string domain = variable("ROS_DOMAIN_ID"); !domain.empty()) {
     options.domain = domain_of(domain);
   }
-  const std::string release = ros_distro.empty() ? variable("ROS_DISTRO") : ros_distro;
+  const std::string release = ros_distro.empty() ? release_of_environment() : ros_distro;
   if (!release.empty()) options.ros_distro = release;
   read_discovery(options);
   options.security = security_options();

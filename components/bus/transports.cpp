@@ -40,21 +40,28 @@ rtps::Locator_t ipv4_locator(const std::string& address) {
   return locator;
 }
 
-/// As rmw_fastrtps since Iron (its participant.cpp): every interface, so that static peers are
-/// reached and nodes of the default range are met, but no multicast group.
+/// UDP that asks enough processes of a host without a multicast group, and shared memory as usual.
+/// Not where a profile of the user's says which transports to use: as in rmw_fastrtps (its
+/// participant.cpp) those stay as they are.
+void ask_more_processes(dds::TransportConfigQos& transport) {
+  if (!transport.use_builtin_transports || !transport.user_transports.empty()) return;
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->maxInitialPeersRange = kProcessesOfAPeer;
+  transport.use_builtin_transports = false;
+  transport.user_transports.push_back(
+      std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
+  transport.user_transports.push_back(udp);
+}
+
+/// As rmw_fastrtps since Iron: every interface, so that static peers are reached and nodes of the
+/// default range are met, but no multicast group.
 void use_localhost(dds::DomainParticipantQos& qos) {
   auto& builtin = qos.wire_protocol().builtin;
   builtin.metatrafficMulticastLocatorList.clear();
   // An empty unicast locator keeps the default multicast one away.
   builtin.metatrafficUnicastLocatorList.push_back(rtps::Locator_t());
   builtin.initialPeersList.push_back(ipv4_locator("127.0.0.1"));
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->maxInitialPeersRange = kProcessesOfAPeer;
-  auto& transport = qos.transport();
-  transport.use_builtin_transports = false;
-  transport.user_transports.push_back(
-      std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
-  transport.user_transports.push_back(udp);
+  ask_more_processes(qos.transport());
 }
 
 void use_loopback(dds::DomainParticipantQos& qos) {
@@ -115,13 +122,7 @@ void add_peers_and_group(const std::vector<std::string>& peers, dds::DomainParti
   if (peers.empty()) return;
   add_peers(peers, qos);
   qos.wire_protocol().builtin.initialPeersList.push_back(ipv4_locator("239.255.0.1"));
-  if (!qos.transport().use_builtin_transports) return;
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->maxInitialPeersRange = kProcessesOfAPeer;
-  qos.transport().user_transports.push_back(udp);
-  qos.transport().user_transports.push_back(
-      std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
-  qos.transport().use_builtin_transports = false;
+  ask_more_processes(qos.transport());
 }
 
 void use_discovery_server(const std::string& servers, dds::DomainParticipantQos& qos) {

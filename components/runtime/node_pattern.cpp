@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "components/settings/config_reader.hpp"
+#include "core/base/split.hpp"
 
 namespace strata::runtime {
 namespace {
@@ -16,15 +17,7 @@ constexpr const char* kAnyNumber = "**";
 
 bool is_name(const std::string& segment) { return segment != kOneSegment && segment != kAnyNumber; }
 
-std::vector<std::string> segments_of(const std::string& path) {
-  std::vector<std::string> segments;
-  for (std::size_t begin = 0; begin < path.size();) {
-    const std::size_t end = std::min(path.find('/', begin), path.size());
-    if (end > begin) segments.push_back(path.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return segments;
-}
+std::vector<std::string> segments_of(const std::string& path) { return split(path, '/'); }
 
 /// O(pattern names): `reached[j]` says whether the pattern so far can end before name j.
 bool matches(std::span<const std::string> pattern, std::span<const std::string> names) {

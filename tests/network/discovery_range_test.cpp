@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Who meets whom with ROS 2's ranges of discovery, on one host and on two: the tables of "Improved
 /// Dynamic Discovery" in ROS 2's documentation, tried in both directions with data.
-#include <algorithm>
 #include <fstream>
 #include <ostream>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/split.hpp"
 #include "tests/network/network_fixture.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -31,12 +31,9 @@ void PrintTo(const Pair& pair, std::ostream* out) { *out << pair.name; }
 
 Environment environment_of(const std::string& text, const std::string& other_host) {
   Environment result;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    std::string word = text.substr(begin, end - begin);
+  for (std::string& word : split(text, ' ')) {
     if (word.ends_with('@')) word.replace(word.size() - 1, 1, other_host);
     result.push_back("ROS_" + word);
-    begin = end + 1;
   }
   return result;
 }

@@ -30,8 +30,9 @@ class Users : public Network {
   }
   [[nodiscard]] std::unique_ptr<ChildProcess> person(const std::string& user,
                                                      const std::string& transport,
-                                                     const std::string& number) const {
-    auto process = run_as(user, {STRATA_NETWORK_PEER, transport, "meet", number});
+                                                     const std::string& number,
+                                                     const std::string& variable = "NONE=") const {
+    auto process = run_as(user, {"env", variable, STRATA_NETWORK_PEER, transport, "meet", number});
     EXPECT_EQ(process->wait_for_line("ready"), "ready");
     return process;
   }
@@ -51,6 +52,16 @@ TEST_F(Users, WhoDoNotHearEachOtherAreNamedByTheDoctor) {
   EXPECT_THAT(report, HasSubstr("note: user 61002: runs"));
   EXPECT_EQ(first->wait_for_line("met", seconds(1)), "");
   EXPECT_EQ(second->wait_for_line("met", seconds(1)), "");
+}
+
+TEST_F(Users, HearEachOtherWhereOneSharesNoMemory) {
+  STRATA_MAKE_HOSTS(1);
+  const auto first =
+      person(kRobot, "default", "1",
+             "FASTRTPS_DEFAULT_PROFILES_FILE=" STRATA_SOURCE_DIR "/packaging/udp_only.xml");
+  const auto second = person(kOperator, "default", "2");
+  EXPECT_EQ(first->wait_for_line("met", kPatience), "met 2");
+  EXPECT_EQ(second->wait_for_line("met", kPatience), "met 1");
 }
 
 TEST_F(Users, HearEachOtherThroughLoopback) {

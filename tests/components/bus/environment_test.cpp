@@ -101,6 +101,20 @@ TEST_F(Environment, OfTheOldVariableMeansLoopbackToReleasesWithoutARange) {
   EXPECT_EQ(options_from_environment("humble").transport, Transport::kLoopback);
 }
 
+TEST_F(Environment, OfAReleaseThatThereIsNotIsNamed) {
+  set("ROS_DISTRO", "jazy");
+  for (const char* localhost : {"0", "1"}) {
+    set("ROS_LOCALHOST_ONLY", localhost);
+    try {
+      (void)options_from_environment();
+      FAIL() << localhost;
+    } catch (const ConfigError& error) {
+      EXPECT_EQ(error.place(), "ROS_DISTRO") << localhost;
+    }
+    EXPECT_NO_THROW((void)options_from_environment("humble")) << "it is known from elsewhere";
+  }
+}
+
 TEST_F(Environment, RefusesADomainThatIsNone) {
   for (const char* text : {"x", "233", "-1", "1 "}) {
     set("ROS_DOMAIN_ID", text);
@@ -189,6 +203,32 @@ TEST_F(Environment, WithStaticPeersStillFindsOthers) {
   const RawReader reader(there, "/scan", "sensor_msgs/msg/LaserScan", qos_profile("default"),
                          [](const RawMessage&) {});
   EXPECT_TRUE(writer.wait_for_readers(1, std::chrono::seconds(20)));
+}
+
+/// Whether all that these options give the middleware to talk through is one UDP transport.
+bool is_udp_only(const ParticipantOptions& options) {
+  const auto qos = participant_qos(options);
+  const auto& own = qos.transport().user_transports;
+  return !qos.transport().use_builtin_transports && own.size() == 1 &&
+         dynamic_cast<const eprosima::fastdds::rtps::UDPv4TransportDescriptor*>(
+             own.front().get()) != nullptr;
+}
+
+TEST_F(Environment, OfAProfileWithoutSharedMemoryIsKeptByLocalhostAndByPeers) {
+  set("FASTRTPS_DEFAULT_PROFILES_FILE", STRATA_SOURCE_DIR "/packaging/udp_only.xml");
+  // The middleware reads them once a process, so this needs one of its own.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        ParticipantOptions options;
+        const bool by_default = is_udp_only(options);
+        options.static_peers = {"10.0.0.1"};
+        const bool with_peers = is_udp_only(options);
+        options.transport = Transport::kLocalhost;
+        std::exit(by_default && with_peers && is_udp_only(options) ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
+  unsetenv("FASTRTPS_DEFAULT_PROFILES_FILE");
 }
 
 TEST_F(Environment, HandsTheUsersProfilesOnToTheMiddleware) {
