@@ -193,36 +193,38 @@ std::vector<LibraryEntry> read_libraries(const Section& section, const std::stri
   return libraries;
 }
 
-/// The transport and whom it asks: what the file says, else what the environment does.
-void read_discovery(const Section& section, const bus::ParticipantOptions& usual,
-                    Composition& composition) {
-  composition.transport = usual.transport;
-  composition.static_peers = usual.static_peers;
-  composition.discovery_server = section.get<std::string>("discovery_server", "");
-  const bool has_server = !composition.discovery_server.empty();
+/// The transport and whom it asks: what the file says takes the place of the environment's.
+void read_discovery(const Section& section, Composition& composition) {
+  bus::ParticipantOptions& network = composition.network;
+  network.discovery_server = section.get<std::string>("discovery_server", "");
+  const bool has_server = !network.discovery_server.empty();
   const bool has_transport = section.find("transport").IsDefined();
   if (has_transport) {
-    composition.transport = section.located("transport", [&] {
+    network.transport = section.located("transport", [&] {
       return bus::transport_from_name(section.get<std::string>("transport", ""));
     });
   } else if (has_server) {
-    composition.transport = bus::Transport::kDiscoveryServer;
-  } else {
-    composition.is_alone = usual.is_alone;
+    network.transport = bus::Transport::kDiscoveryServer;
   }
-  const std::string transport(bus::transport_name(composition.transport));
-  if (has_server && composition.transport != bus::Transport::kDiscoveryServer) {
+  if (has_transport || has_server) network.is_alone = false;
+  const std::string transport(bus::transport_name(network.transport));
+  if (has_server && network.transport != bus::Transport::kDiscoveryServer) {
     throw ConfigError(section.place_of("discovery_server"),
                       "a server is not asked with transport: " + transport,
                       "leave transport out, or write transport: discovery_server");
   }
   if (!section.find("static_peers").IsDefined()) return;
-  composition.static_peers = section.texts("static_peers");
-  if ((has_transport || has_server) && !bus::asks_static_peers(composition.transport)) {
+  network.static_peers = section.texts("static_peers");
+  if (!network.is_alone && bus::asks_static_peers(network.transport)) return;
+  if (has_transport || has_server) {
     throw ConfigError(section.place_of("static_peers"),
                       "peers are not asked with transport: " + transport,
                       "use transport default, localhost or wifi");
   }
+  composition.notes.push_back(
+      section.place_of("static_peers") + ": static_peers are not asked: the environment says " +
+      (network.is_alone ? "ROS_AUTOMATIC_DISCOVERY_RANGE=OFF" : "transport " + transport) +
+      "; name a transport here to have them asked");
 }
 
 void require_different_names(const Composition& composition) {
@@ -255,18 +257,15 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
   composition.place = place;
   const auto release = section.get<std::string>("ros_distro", "");
   if (!release.empty()) section.located("ros_distro", [&] { return bus::gid_bytes_of(release); });
-  const bus::ParticipantOptions usual = bus::options_from_environment(release);
-  composition.ros_distro = usual.ros_distro;
-  section.located("ros_distro", [&] { return bus::gid_bytes_of(composition.ros_distro); });
-  composition.domain = section.get<int>("domain", usual.domain);
+  bus::ParticipantOptions& network = composition.network;
+  network = bus::options_from_environment(release);
+  network.domain = section.get<int>("domain", network.domain);
   composition.node_namespace = section.get<std::string>("namespace", "/");
   composition.use_sim_time = section.get<bool>("use_sim_time", false);
-  read_discovery(section, usual, composition);
-  composition.security = usual.security;
-  composition.enclave = usual.enclave;
+  read_discovery(section, composition);
   if (!bus::environment_names_enclave()) {
-    composition.enclave = section.get<std::string>("enclave", "/");
-    section.located("enclave", [&] { security::require_enclave_name(composition.enclave); });
+    network.enclave = section.get<std::string>("enclave", "/");
+    section.located("enclave", [&] { security::require_enclave_name(network.enclave); });
   }
   composition.libraries = read_libraries(section, place);
   const Inherited inherited{composition.node_namespace, read_start(section, Start::kActive)};
@@ -287,7 +286,7 @@ Composition load_composition(const std::filesystem::path& file,
   if (!settings_file.empty()) notes = apply_composition_settings(document, settings_file);
   for (const std::string& option : overrides) apply_composition_override(document, option);
   Composition composition = read_composition(document, file.string());
-  composition.notes = std::move(notes);
+  composition.notes.insert(composition.notes.begin(), notes.begin(), notes.end());
   return composition;
 }
 

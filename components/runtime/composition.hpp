@@ -52,17 +52,10 @@ struct ProcessEntry {
 
 struct Composition {
   std::string place;  ///< the file
-  int domain = 0;
   std::string node_namespace = "/";
   bool use_sim_time = false;
-  bus::Transport transport = bus::Transport::kDefault;
-  std::string ros_distro = "jazzy";       ///< the ROS 2 release of the robot; see bus::gid_bytes_of
-  std::vector<std::string> static_peers;  ///< hosts to ask besides
-  std::string discovery_server;           ///< empty: what the environment says
-  bool is_alone = false;                  ///< from the environment
-  std::string enclave = "/";              ///< of every process
-  bus::SecurityOptions security;          ///< from the environment
-  std::vector<LibraryEntry> libraries;    ///< loaded by load_component_libraries
+  bus::ParticipantOptions network;      ///< of every process; security is the environment's
+  std::vector<LibraryEntry> libraries;  ///< loaded by load_component_libraries
   std::vector<ProcessEntry> processes;
   std::vector<std::string> notes;  ///< what a user is to know of the settings, one line each
 };

@@ -146,6 +146,11 @@ void collect_ros_entries(const YAML::Node& node, const std::string& path, const 
     if (key != kRosParameters) {
       collect_ros_entries(item.second, path.empty() ? key : path + "/" + key,
                           settings::place_of(item.first, place, path), entries);
+    } else if (path.empty()) {
+      // As ROS 2's own reader of these files.
+      throw ConfigError(settings::place_of(item.first, place, key),
+                        std::string(kRosParameters) + " is below no node's name",
+                        "write the name above it, or /**: for all nodes");
     } else if (item.second.IsMap()) {
       entries.push_back({NodePattern(path), without_dots(item.second), place});
     }
@@ -168,6 +173,7 @@ std::vector<const RosEntry*> entries_for(const Place& component,
   return sorted;
 }
 
+/// components: those that no entry names.
 void refuse_typo(const RosEntry& entry, const std::vector<Place>& components) {
   for (const Place& component : components) {
     if (!entry.nodes.is_typo_of(component.full_name)) continue;
@@ -195,19 +201,23 @@ std::vector<std::string> apply_ros_entries(YAML::Node& document,
                                            const std::string& place) {
   const std::vector<Place> components = component_places(document);
   std::set<const RosEntry*> used;
+  std::vector<Place> unnamed;  // a name like that of one that has its own entry is another node's
   for (const Place& component : components) {
+    bool is_named = false;
     for (const RosEntry* entry : entries_for(component, entries)) {
       used.insert(entry);
+      is_named |= entry->nodes.names_node();
       // What is for every node of a namespace is not known to every one.
       merge_into_component(document, component,
                            entry->nodes.names_node() ? "parameters" : kCommonParameters,
                            entry->parameters);
     }
+    if (!is_named) unnamed.push_back(component);
   }
   std::vector<const RosEntry*> unused;
   for (const RosEntry& entry : entries) {
     if (used.contains(&entry)) continue;
-    refuse_typo(entry, components);
+    refuse_typo(entry, unnamed);
     unused.push_back(&entry);
   }
   return note_of(unused, place);

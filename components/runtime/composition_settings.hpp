@@ -35,7 +35,8 @@ void apply_composition_override(YAML::Node& document, const std::string& option)
 ///
 /// More specific entries win, then later ones; of those that name no node ("/**", "/robot1/*") a
 /// component takes what it knows. Entries for other nodes are left out: the result is what to tell
-/// the user of them. Throws InputError, and ConfigError, for a name that looks like a typo as well.
+/// the user of them. Throws InputError, and ConfigError, also for parameters below no name, and for
+/// a name that looks like a typo of a component's that has no entry of its own.
 std::vector<std::string> apply_composition_settings(YAML::Node& document,
                                                     const std::filesystem::path& file);
 

@@ -43,16 +43,7 @@ std::filesystem::path out_folder_of(const ComponentEntry& entry, const Compositi
 }
 
 std::shared_ptr<bus::Participant> make_participant(const Composition& composition) {
-  bus::ParticipantOptions options;
-  options.domain = composition.domain;
-  options.transport = composition.transport;
-  options.ros_distro = composition.ros_distro;
-  options.static_peers = composition.static_peers;
-  options.discovery_server = composition.discovery_server;
-  options.is_alone = composition.is_alone;
-  options.enclave = composition.enclave;
-  options.security = composition.security;
-  return std::make_shared<bus::Participant>(options);
+  return std::make_shared<bus::Participant>(composition.network);
 }
 
 Host::Host(const Composition& composition, const ProcessEntry& process, const Registry& registry,

@@ -2,9 +2,11 @@
 /// A composition with what the command line says about it.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "components/runtime/composition.hpp"
+#include "components/runtime/host.hpp"
 #include "tools/strata/verb_context.hpp"
 
 namespace strata::tools {
@@ -28,6 +30,17 @@ inline constexpr const char* kCompositionConfigHelp =
   runtime::Composition composition = load_composition(file, context.options);
   for (const std::string& note : composition.notes) context.note("note: " + note);
   return composition;
+}
+
+/// Its participant; tells the user where it runs without the security that was asked for.
+[[nodiscard]] inline std::shared_ptr<bus::Participant> join(const runtime::Composition& composition,
+                                                            VerbContext& context) {
+  auto participant = runtime::make_participant(composition);
+  if (composition.network.security.enabled && !participant->is_secured()) {
+    context.note("warning: runs without security: enclave " + composition.network.enclave +
+                 " is not in the keystore and ROS_SECURITY_STRATEGY is not Enforce");
+  }
+  return participant;
 }
 
 /// Prints what each process and component would do, and warns of what does not fit together.

@@ -34,8 +34,8 @@ runtime::Composition composition_of(const localizer::LocalizerComponentConfig& c
   entry.parameters.remove("version");
   runtime::Composition composition;
   composition.place = "--via dds";
-  composition.transport = bus::Transport::kLoopback;
-  composition.is_alone = true;
+  composition.network.transport = bus::Transport::kLoopback;
+  composition.network.is_alone = true;
   composition.processes = {{.name = "localizer", .components = {entry}}};
   return composition;
 }

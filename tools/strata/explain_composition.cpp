@@ -57,9 +57,10 @@ const char* start_text(runtime::Start start) {
       return ", starts inactive";
     case runtime::Start::kUnconfigured:
       return ", starts unconfigured";
-    default:
-      return "";
+    case runtime::Start::kActive:
+      break;
   }
+  return "";
 }
 
 void print_component(const runtime::ComponentEntry& entry, const runtime::Component& component,
@@ -103,7 +104,7 @@ void print_warnings(const Topics& topics) {
 
 ExplainedHosts explained_hosts(const runtime::Composition& composition) {
   bus::ParticipantOptions alone;
-  alone.domain = composition.domain;
+  alone.domain = composition.network.domain;
   alone.transport = bus::Transport::kAlone;
   ExplainedHosts result;
   result.participant = std::make_shared<bus::Participant>(alone);
@@ -122,8 +123,8 @@ void explain(const runtime::Composition& composition) {
   const ExplainedHosts explained = explained_hosts(composition);
   const Hosts& hosts = explained.hosts;
   const Topics topics = collect(hosts);
-  std::cout << composition.place << ": domain " << composition.domain << ", transport "
-            << bus::transport_name(composition.transport) << '\n';
+  std::cout << composition.place << ": domain " << composition.network.domain << ", transport "
+            << bus::transport_name(composition.network.transport) << '\n';
   for (const auto& file : explained.libraries) std::cout << "library " << file.string() << '\n';
   for (std::size_t i = 0; i < hosts.size(); ++i) {
     const runtime::ProcessEntry& process = composition.processes[i];

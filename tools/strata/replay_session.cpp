@@ -77,12 +77,12 @@ runtime::HostOptions host_options(const SessionOptions& session) {
 /// Waits for the domain; nothing for a session that nobody else can hear.
 std::optional<bus::DomainClaim> claim_domain(VerbContext& context,
                                              const runtime::Composition& composition) {
-  if (composition.is_alone) return std::nullopt;
+  if (composition.network.is_alone) return std::nullopt;
   bool told = false;
   for (;;) {
-    if (auto claim = bus::DomainClaim::take("replay", composition.domain)) return claim;
+    if (auto claim = bus::DomainClaim::take("replay", composition.network.domain)) return claim;
     if (!told) {
-      context.note("another replay is on domain " + std::to_string(composition.domain) +
+      context.note("another replay is on domain " + std::to_string(composition.network.domain) +
                    " of this machine: waiting for its end. --set domain=N lets both run");
       told = true;
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata record --out BAG`: records topics into a rosbag2 bag until Ctrl-C.
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -7,8 +8,8 @@
 #include <vector>
 
 #include "components/runtime/host.hpp"
-#include "components/settings/config_reader.hpp"
 #include "tools/strata/all_components.hpp"
+#include "tools/strata/composition_options.hpp"
 #include "tools/strata/process_group.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -26,50 +27,46 @@ struct RecordOptions {
   std::optional<int> domain;
 };
 
-/// A key of the settings that is not the recorder's own.
-std::string take(YAML::Node& document, const char* key, const std::string& otherwise) {
-  if (!document[key].IsDefined()) return otherwise;
-  const auto value = document[key].as<std::string>();
-  document.remove(key);
-  return value;
-}
+/// Keys of --config and --set that say where to record, not what: a composition's.
+constexpr std::array<const char*, 6> kNetworkKeys = {
+    "domain", "transport", "static_peers", "discovery_server", "ros_distro", "enclave"};
 
-/// A composition of one recorder: --config and --set hold its parameters, `domain` and `transport`;
-/// options of their own win.
+/// A composition of one recorder: --config and --set hold its parameters and kNetworkKeys; options
+/// of their own win. What nobody says the environment does, as for `strata run`.
 runtime::Composition composition_of(const RecordOptions& options, const CommonOptions& common) {
-  YAML::Node document = load_config(common);
-  const std::string domain = take(document, "domain", "0");
-  const std::string transport = take(document, "transport", "default");
-  document["out"] = options.out;
-  if (!options.storage.empty()) document["storage"] = options.storage;
-  if (options.split_mb) document["split_mb"] = *options.split_mb;
-  if (options.split_s) document["split_s"] = *options.split_s;
-  if (!options.topics.empty()) document["topics"] = options.topics;
-
-  runtime::Composition composition;
-  composition.place = config_place(common);
-  if (options.domain) {
-    composition.domain = *options.domain;
-  } else {
-    settings::detail::read_value(YAML::Node(domain), composition.place, "domain",
-                                 composition.domain);
+  YAML::Node parameters = load_config(common);
+  YAML::Node document(YAML::NodeType::Map);
+  for (const char* key : kNetworkKeys) {
+    if (!parameters[key].IsDefined()) continue;
+    document[key] = parameters[key];
+    parameters.remove(key);
   }
-  composition.transport =
-      bus::transport_from_name(options.transport.empty() ? transport : options.transport);
-  runtime::ComponentEntry entry;
-  entry.type = "strata::Recorder";
-  entry.name = "recorder";
-  entry.node_namespace = "/";
-  entry.parameters = document;
-  composition.processes = {{"record", runtime::ExecutorKind::kSingleThreaded, {entry}}};
-  return composition;
+  if (options.domain) document["domain"] = *options.domain;
+  if (!options.transport.empty()) document["transport"] = options.transport;
+  parameters["out"] = options.out;
+  if (!options.storage.empty()) parameters["storage"] = options.storage;
+  if (options.split_mb) parameters["split_mb"] = *options.split_mb;
+  if (options.split_s) parameters["split_s"] = *options.split_s;
+  if (!options.topics.empty()) parameters["topics"] = options.topics;
+
+  YAML::Node recorder;
+  recorder["type"] = "strata::Recorder";
+  recorder["name"] = "recorder";
+  recorder["parameters"] = parameters;
+  YAML::Node process;
+  process["name"] = "record";
+  process["executor"] = "single_threaded";
+  process["components"].push_back(recorder);
+  document["processes"].push_back(process);
+  return runtime::read_composition(document, config_place(common));
 }
 
 void record(const RecordOptions& options, VerbContext& context) {
   const runtime::Composition composition = composition_of(options, context.options);
+  for (const std::string& note : composition.notes) context.note("note: " + note);
   const runtime::Registry registry = all_components();
-  runtime::Host host(composition, composition.processes[0], registry,
-                     runtime::make_participant(composition), {});
+  runtime::Host host(composition, composition.processes[0], registry, join(composition, context),
+                     {});
   host.activate();
   context.interrupt().set_grace(std::chrono::duration<double>(kStopPatience).count());
   context.note("recording into " + options.out + "; Ctrl-C ends it");
@@ -94,8 +91,10 @@ void add_record(CLI::App& app, VerbContext& context) {
   verb->add_option("--storage", options->storage, "sqlite3 or mcap");
   verb->add_option("--split-mb", options->split_mb, "begin another file when one holds this much");
   verb->add_option("--split-s", options->split_s, "... or spans this many seconds");
-  verb->add_option("--domain", options->domain, "ROS_DOMAIN_ID")->envname("ROS_DOMAIN_ID");
-  verb->add_option("--transport", options->transport, "default, loopback or shared_memory");
+  verb->add_option("--domain", options->domain, "the environment's ROS_DOMAIN_ID when left out")
+      ->check(CLI::Range(0, 232));
+  verb->add_option("--transport", options->transport,
+                   bus::transport_names() + "; the environment's when left out");
 }
 
 }  // namespace strata::tools

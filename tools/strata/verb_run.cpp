@@ -61,12 +61,7 @@ void run_here(const RunOptions& options, VerbContext& context,
   host_options.seed = context.options.seed;
   host_options.threads = context.options.threads;
   const runtime::Registry registry = all_components(composition);
-  const auto participant = runtime::make_participant(composition);
-  if (composition.security.enabled && !participant->is_secured()) {
-    context.note("warning: runs without security: enclave " + composition.enclave +
-                 " is not in the keystore and ROS_SECURITY_STRATEGY is not Enforce");
-  }
-  runtime::Host host(composition, process, registry, participant, host_options);
+  runtime::Host host(composition, process, registry, join(composition, context), host_options);
   if (!options.lockstep) {
     host.activate();
     for (const auto& component : host.components()) {

@@ -293,7 +293,7 @@ TEST(CompositionOverride, ReachesTheParametersOfTheNamedComponent) {
                          "parameters: {maps: old, model: filtered}}\n";
   const runtime::Composition composition =
       runtime::load_composition(file, {"localizer.maps=new", "player.start.speed=2", "domain=42"});
-  EXPECT_EQ(composition.domain, 42);
+  EXPECT_EQ(composition.network.domain, 42);
   const auto& components = composition.processes.at(0).components;
   EXPECT_EQ(components.at(0).parameters["start"]["speed"].as<int>(), 2);
   EXPECT_EQ(components.at(1).parameters["maps"].as<std::string>(), "new");

@@ -61,7 +61,7 @@ TEST_F(CompositionSettings, OwnFormSetsComponentsByNameAndKeysOfTheComposition) 
   const Composition composition = with(
       "version: 1\ndomain: 7\nlocalizer: {model: filtered, input: {b: 3}}\n"
       "/robot2/localizer: {model: occupancy}\n");
-  EXPECT_EQ(composition.domain, 7);
+  EXPECT_EQ(composition.network.domain, 7);
   EXPECT_EQ(parameter(composition, 0, "model"), "filtered");
   EXPECT_EQ(parameter(composition, 1, "model"), "occupancy");
   EXPECT_EQ(parameter(composition, 2, "model"), "absent");
@@ -149,6 +149,26 @@ TEST_F(CompositionSettings, WhatIsForOneComponentDoesNotReachAnotherThroughAShar
   const auto& components = composition.processes[0].components;
   EXPECT_EQ(components[0].parameters["group"]["a"].as<int>(), 1);
   EXPECT_EQ(components[1].parameters["group"]["a"].as<int>(), 2);
+}
+
+// A robot may well have a node `localizer2` or `matchers` of somebody else's.
+TEST_F(CompositionSettings, ANameLikeThatOfAComponentWithItsOwnEntryIsAnotherNodes) {
+  const Composition composition = with(
+      "localizer:\n  ros__parameters: {model: mine}\n"
+      "/robot1/localiser:\n  ros__parameters: {model: theirs}\n");
+  EXPECT_EQ(parameter(composition, 0, "model"), "mine");
+  EXPECT_THAT(composition.notes, testing::ElementsAre(HasSubstr("/robot1/localiser")));
+  // What is for all nodes names none.
+  EXPECT_THAT(complaint_about("/**:\n  ros__parameters: {a: 1}\n"
+                              "macher:\n  ros__parameters: {model: a}\n"),
+              HasSubstr("did you mean 'matcher'?"));
+}
+
+// rcl_yaml_param_parser: "There are no node names before ros__parameters".
+TEST_F(CompositionSettings, RefusesRosParametersBelowNoName) {
+  const std::string complaint =
+      complaint_about("localizer:\n  ros__parameters: {model: a}\nros__parameters: {model: b}\n");
+  EXPECT_THAT(complaint, HasSubstr("s.yaml:3: ros__parameters is below no node's name"));
 }
 
 TEST_F(CompositionSettings, OptionsWinOverTheFile) {

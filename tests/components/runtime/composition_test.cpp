@@ -44,8 +44,8 @@ processes:
       - {type: strata::BeamFilter, name: filter, namespace: /robot2, parameters: {map_frame: m}}
   - name: second
 )");
-  EXPECT_EQ(composition.domain, 7);
-  EXPECT_EQ(composition.transport, bus::Transport::kLoopback);
+  EXPECT_EQ(composition.network.domain, 7);
+  EXPECT_EQ(composition.network.transport, bus::Transport::kLoopback);
   ASSERT_EQ(composition.processes.size(), 2U);
   EXPECT_EQ(composition.processes[0].executor, ExecutorKind::kSingleThreaded);
   EXPECT_EQ(composition.processes[1].executor, ExecutorKind::kMultiThreaded);
@@ -112,19 +112,37 @@ constexpr const char* kOneComponent =
 
 TEST(Composition, NamesWhomToAskAndWinsOverTheEnvironment) {
   setenv("ROS_STATIC_PEERS", "10.0.0.1", 1);
-  EXPECT_THAT(read(kOneComponent).static_peers, testing::ElementsAre("10.0.0.1"));
+  EXPECT_THAT(read(kOneComponent).network.static_peers, testing::ElementsAre("10.0.0.1"));
   const Composition peers =
       read(std::string("transport: localhost\nstatic_peers: [robot, 10.0.0.2]\n") + kOneComponent);
   unsetenv("ROS_STATIC_PEERS");
-  EXPECT_EQ(peers.transport, bus::Transport::kLocalhost);
-  EXPECT_THAT(peers.static_peers, testing::ElementsAre("robot", "10.0.0.2"));
+  EXPECT_EQ(peers.network.transport, bus::Transport::kLocalhost);
+  EXPECT_THAT(peers.network.static_peers, testing::ElementsAre("robot", "10.0.0.2"));
   setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF", 1);
   const Composition server =
       read(std::string("discovery_server: 10.0.0.5:11811\n") + kOneComponent);
   unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
-  EXPECT_EQ(server.transport, bus::Transport::kDiscoveryServer);
-  EXPECT_EQ(server.discovery_server, "10.0.0.5:11811");
-  EXPECT_FALSE(server.is_alone);
+  EXPECT_EQ(server.network.transport, bus::Transport::kDiscoveryServer);
+  EXPECT_EQ(server.network.discovery_server, "10.0.0.5:11811");
+  EXPECT_FALSE(server.network.is_alone);
+}
+
+TEST(Composition, SaysThatItsPeersAreNotAskedWhereTheEnvironmentForbidsIt) {
+  const std::string text = std::string("static_peers: [10.0.0.1]\n") + kOneComponent;
+  const auto notes_with = [&](const char* name, const char* value) {
+    setenv(name, value, 1);
+    const Composition composition = read(text);
+    unsetenv(name);
+    EXPECT_THAT(composition.network.static_peers, testing::ElementsAre("10.0.0.1"));
+    return composition.notes;
+  };
+  EXPECT_THAT(
+      notes_with("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"),
+      testing::ElementsAre(HasSubstr("c.yaml:1: static_peers are not asked: the environment "
+                                     "says ROS_AUTOMATIC_DISCOVERY_RANGE=OFF")));
+  EXPECT_THAT(notes_with("ROS_DISCOVERY_SERVER", "10.0.0.5:11811"),
+              testing::ElementsAre(HasSubstr("the environment says transport discovery_server")));
+  EXPECT_THAT(notes_with("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"), testing::IsEmpty());
 }
 
 TEST(Composition, LetsTheReleaseSayWhatLocalhostOnlyMeans) {
@@ -132,8 +150,8 @@ TEST(Composition, LetsTheReleaseSayWhatLocalhostOnlyMeans) {
   const Composition old = read(std::string("ros_distro: humble\n") + kOneComponent);
   const Composition recent = read(std::string("ros_distro: jazzy\n") + kOneComponent);
   unsetenv("ROS_LOCALHOST_ONLY");
-  EXPECT_EQ(old.transport, bus::Transport::kLoopback);
-  EXPECT_EQ(recent.transport, bus::Transport::kLocalhost);
+  EXPECT_EQ(old.network.transport, bus::Transport::kLoopback);
+  EXPECT_EQ(recent.network.transport, bus::Transport::kLocalhost);
 }
 
 TEST(Composition, RefusesPeersAndServersThatItsTransportDoesNotAsk) {
@@ -165,7 +183,7 @@ TEST(Composition, RunsAsItsEnclaveUnlessTheEnvironmentNamesAnother) {
   const auto enclave_of = [](const std::string& line) {
     const std::string text =
         line + "processes: [{name: p, components: [{type: strata::Player, name: player}]}]\n";
-    return read_composition(settings::parse_yaml(text, "c.yaml"), "c.yaml").enclave;
+    return read_composition(settings::parse_yaml(text, "c.yaml"), "c.yaml").network.enclave;
   };
   EXPECT_EQ(enclave_of(""), "/");
   EXPECT_EQ(enclave_of("enclave: /fleet/robot1\n"), "/fleet/robot1");
@@ -186,7 +204,7 @@ TEST(Composition, FileNeedsItsVersionAndTakesOverrides) {
     std::ofstream(path) << first_line << '\n' << body;
   };
   write("version: 1");
-  EXPECT_EQ(load_composition(path, {"domain=42"}).domain, 42);
+  EXPECT_EQ(load_composition(path, {"domain=42"}).network.domain, 42);
   EXPECT_THROW((void)load_composition(path, {"domian=42"}), ConfigError);
   const Composition set = load_composition(path, {"processes[0].components[0].parameters.rate=2"});
   EXPECT_EQ(set.processes[0].components[0].parameters["rate"].as<int>(), 2);
