@@ -1,9 +1,10 @@
 # cmake -DBINARY_DIR=.. -DSOURCE_DIR=.. [-DBUILD_BASE=..] -P colcon_test.cmake
 # Builds a workspace of two packages as its user does: strata, and one that depends on it. core and
 # memory only, since the rest takes long and is built by the same lists.
+include(${CMAKE_CURRENT_LIST_DIR}/script.cmake)
 find_program(colcon colcon)
 if(NOT colcon)
-  message(STATUS "skipped: colcon is not installed")
+  skip("colcon is not installed")
   return()
 endif()
 string(RANDOM LENGTH 8 suffix)
@@ -12,15 +13,6 @@ set(consumer ${work}/src/consumer)
 if(NOT DEFINED BUILD_BASE)
   set(BUILD_BASE ${work}/build)
 endif()
-function(run)
-  execute_process(COMMAND ${ARGV} WORKING_DIRECTORY ${work} RESULT_VARIABLE result
-    OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT result EQUAL 0)
-    message(STATUS "left in ${work}")
-    message(FATAL_ERROR "failed (${result}): ${ARGV}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
 
 file(MAKE_DIRECTORY ${work})
 run(${CMAKE_COMMAND} -E copy_directory ${SOURCE_DIR}/tests/structure/consumer ${consumer})

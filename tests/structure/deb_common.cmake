@@ -1,21 +1,7 @@
 # What the scripts about the Debian packages share. `deb` is where deb_test.cmake unpacks them.
-cmake_minimum_required(VERSION 3.22)
+include(${CMAKE_CURRENT_LIST_DIR}/script.cmake)
 set(deb ${BINARY_DIR}/deb-test)
 set(work ${deb})
-function(run)
-  execute_process(COMMAND ${ARGV} WORKING_DIRECTORY ${work} RESULT_VARIABLE result
-    OUTPUT_VARIABLE output ERROR_VARIABLE errors)
-  if(NOT result EQUAL 0)
-    message(STATUS "left in ${work}")
-    message(FATAL_ERROR "failed (${result}): ${ARGV}\n${output}\n${errors}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
-function(expect text pattern)
-  if(NOT text MATCHES "${pattern}")
-    message(FATAL_ERROR "no ${pattern} in\n${text}")
-  endif()
-endfunction()
 # Runs the program below `root` without the environment of the build; ARGN: words before it.
 function(try_program root)
   file(WRITE ${work}/log.clf "FLASER 3 1 2 3 0 0 0 0 0 0 1.0 h 1.0\nFLASER 3 1 2 3 1 0 0 1 0 0 2.0 h 2.0\n")

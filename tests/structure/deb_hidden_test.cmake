@@ -11,7 +11,7 @@ foreach(option --mount --map-root-user)  # the second, with the first, without b
   endif()
 endforeach()
 if(NOT refused EQUAL 0)
-  message(STATUS "skipped: a mount namespace of its own is not allowed: ${reason}")
+  skip("a mount namespace of its own is not allowed: ${reason}")
   return()
 endif()
 execute_process(COMMAND mktemp --directory --tmpdir strata-deb-XXXXXX

@@ -12,8 +12,8 @@ foreach(package libfastrtps libsqlite3 libyaml-cpp librsvg2-bin fonts-dejavu-cor
 endforeach()
 run(dpkg-deb --field ${development} Depends)
 expect("${output}" "libeigen3-dev")
-# Every package that the two depend on exists.
-run(apt-get install --simulate --no-install-recommends ${program} ${development})
+# Every package that the two depend on exists; these here may be installed already, or others.
+run(apt-get install --simulate --no-install-recommends --reinstall --allow-downgrades ${program} ${development})
 expect("${output}" "Inst strata ")
 expect("${output}" "Inst strata-dev ")
 run(dpkg-deb --extract ${program} ${deb}/root)

@@ -1,15 +1,8 @@
 # cmake -DBINARY_DIR=.. -DSOURCE_DIR=.. -DWITH_COMPONENTS=ON|OFF -P install_test.cmake
 # Installs the build to a fresh prefix, then builds and runs a program outside the tree with it.
+include(${CMAKE_CURRENT_LIST_DIR}/script.cmake)
 string(RANDOM LENGTH 8 suffix)
 set(work ${BINARY_DIR}/install-test-${suffix})
-function(run)
-  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT result EQUAL 0)
-    message(STATUS "left in ${work}")
-    message(FATAL_ERROR "failed (${result}): ${ARGV}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
 run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${work}/prefix)
 run(${CMAKE_COMMAND} -E copy_directory ${SOURCE_DIR}/consumer ${work}/source)
 run(${CMAKE_COMMAND} -G Ninja -S ${work}/source -B ${work}/build -DWITH_COMPONENTS=${WITH_COMPONENTS}

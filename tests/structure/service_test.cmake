@@ -1,8 +1,9 @@
 # cmake -DSOURCE_DIR=.. -DPROGRAM=the built strata -DINSTALLED=/usr/bin/strata -DWORK=.. -P service_test.cmake
 # The sample unit is one that systemd takes, and runs what the Debian package installs.
+include(${CMAKE_CURRENT_LIST_DIR}/script.cmake)
 find_program(verifier systemd-analyze)
 if(NOT verifier)
-  message(STATUS "skipped: systemd-analyze is not installed")
+  skip("systemd-analyze is not installed")
   return()
 endif()
 file(READ ${SOURCE_DIR}/packaging/strata.service unit)
