@@ -29,6 +29,9 @@ class ObstacleAlarm final : public strata::runtime::Component {
   using Component::Component;
 
  private:
+  // Its parameters can be listed and set before a lifecycle manager has configured it.
+  void on_declare() override { declare_parameters<ObstacleAlarmConfig>(); }
+
   void on_configure() override {
     config_ = read_parameters<ObstacleAlarmConfig>();
     keep_live(config_, {"alarm_distance_m"});  // may be set while it runs: ros2 param set

@@ -2,9 +2,7 @@
 /// What tests share that kill a robot's process on its host, while its sensors live on another.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -14,17 +12,10 @@
 
 #include "core/base/error.hpp"
 #include "tests/network/virtual_network.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::test {
-
-inline bool comes_true(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-  }
-  return true;
-}
 
 class KilledRobot : public testing::Test {
  protected:

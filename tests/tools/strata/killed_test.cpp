@@ -4,7 +4,6 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <set>
 #include <string>
@@ -17,6 +16,7 @@
 #include "components/log/log_reader.hpp"
 #include "core/base/error.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/support/shared_segments.hpp"
 #include "tests/tools/strata/moments.hpp"
 
@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
+using test::comes_true;
 using test::file_names;
 using test::moments;
 using test::quoted;
@@ -79,14 +80,6 @@ TEST_F(Killed, RecorderLeavesWhatItRecordedReadable) {
     EXPECT_EQ(readable_messages(at("bag")), scans) << storage;
     fs::remove_all(at("bag"));
   }
-}
-
-bool comes_true(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-  }
-  return true;
 }
 
 TEST_F(Killed, AProcessThatDiesIsStartedAgainAsItsPolicySays) {

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The processes of a replay: what they keep of the one that started them, and how they end.
-#include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "tests/support/child_process.hpp"
+#include "tests/support/comes_true.hpp"
 #include "tests/tools/strata/replay_fixture.hpp"
 
 namespace fs = std::filesystem;
@@ -20,14 +18,7 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
-bool comes_true(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return true;
-}
+using test::comes_true;
 
 /// "pipe:[NUMBER]" of each that the process has beside its standard ones.
 std::set<std::string> pipes_of(pid_t process) {

@@ -41,6 +41,13 @@ TEST_F(RestartsOf, TheDelayDoublesWithEachEndInARowToAMinuteAtMost) {
             (std::vector<double>{0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0, 60.0}));
 }
 
+TEST_F(RestartsOf, TheDelayStaysWhatItIsHoweverOftenAProcessEnds) {
+  constexpr int kOften = 3000;
+  EXPECT_EQ(delays(process_with(Restart::kOnFailure, 0.0), kOften, true),
+            std::vector<double>(kOften, 0.0));
+  EXPECT_EQ(delays(process_with(Restart::kOnFailure, 1e-9), kOften, true).back(), 60.0);
+}
+
 TEST_F(RestartsOf, AProcessThatRanForAWhileHasACleanRecord) {
   const auto process = process_with(Restart::kOnFailure);
   EXPECT_EQ(delays(process, 3, true), (std::vector<double>{1.0, 2.0, 4.0}));
