@@ -10,7 +10,9 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <thread>
@@ -19,13 +21,13 @@
 
 #include "components/beam_filter/register.hpp"
 #include "components/convert/map_messages.hpp"
-#include "components/log/bag.hpp"
 #include "components/patch_learner/register.hpp"
 #include "components/recorder/register.hpp"
 #include "components/scan_matcher/register.hpp"
 #include "components/timescale_memory/register.hpp"
 #include "components/topology_mapper/register.hpp"
 #include "core/grid/counting_map.hpp"
+#include "tests/bench/bag_count.hpp"
 #include "tests/bench/endless_drive.hpp"
 #include "tests/bench/resident_memory.hpp"
 #include "tests/bench/ring_drive.hpp"
@@ -195,24 +197,28 @@ void topology(benchmark::State& state) {
 }
 BENCHMARK(topology)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
-/// MCAP, its chunks compressed with zstd.
+/// MCAP, its chunks compressed with zstd; a file holds an hour of the robot's time, since what MCAP
+/// ends a file with is kept until then. By size: messages are stamped by the clock on the wall.
 void recording(benchmark::State& state) {
   runtime::Registry registry;
   recorder::register_component(registry);
+  bench::EndlessDrive sample;
+  const auto scan = convert::to_cdr(convert::to_message(sample.next().scan, "laser"));
+  const auto odometry = convert::to_cdr(nav_msgs::msg::Odometry());
+  const double hour_mb =
+      static_cast<double>((scan.size() + odometry.size()) * 20 * kScansASample) / 1e6;
   const test::TemporaryDirectory folder;
   auto host = test::make_host(
       "{type: strata::Recorder, name: recorder, parameters: {storage: mcap, compression: zstd, "
-      "out: " +
-          (folder.path() / "bag").string() +
+      "split_mb: " +
+          std::to_string(hour_mb) + ", out: " + (folder.path() / "bag").string() +
           ", topics: ['/scan:sensor_msgs/msg/LaserScan', '/odom:nav_msgs/msg/Odometry']}}",
       registry, test::make_participant());
   drive_with_sensors(state, *host);
   host.reset();
-  const auto bag = log::BagReader::open(folder.path() / "bag");
-  log::BagMessage message;
-  std::size_t held = 0;
-  while (bag->next(message)) ++held;
-  state.counters["recorded"] = static_cast<double>(held);
+  state.counters["recorded"] = static_cast<double>(bench::messages_in(folder.path() / "bag"));
+  const std::filesystem::directory_iterator files(folder.path() / "bag");
+  state.counters["files"] = static_cast<double>(std::distance(files, {}) - 1);  // and metadata.yaml
 }
 BENCHMARK(recording)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 

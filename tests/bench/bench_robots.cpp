@@ -16,7 +16,7 @@
 #include <benchmark/benchmark.h>
 #include <signal.h>
 
-#include "components/log/bag.hpp"
+#include "tests/bench/bag_count.hpp"
 #include "tests/bench/cpu_time.hpp"
 #include "tests/bench/mapped_ring.hpp"
 
@@ -79,29 +79,26 @@ struct Told {
   long late = 0;
   double median_ms = 0.0;  ///< the largest of the robots'
   double p99_ms = 0.0;
-  void add(const std::string& line) {
+  /// False when a robot said something else, or nothing.
+  [[nodiscard]] bool add(const std::string& line) {
     std::size_t own_sent = 0;
     std::size_t own_poses = 0;
     long own_late = 0;
     double own_median_ms = 0.0;
     double own_p99_ms = 0.0;
-    std::sscanf(line.c_str(), "sent %zu poses %zu late %ld median %lf p99 %lf", &own_sent,
-                &own_poses, &own_late, &own_median_ms, &own_p99_ms);
+    constexpr int kNumbers = 5;
+    if (std::sscanf(line.c_str(), "sent %zu poses %zu late %ld median %lf p99 %lf", &own_sent,
+                    &own_poses, &own_late, &own_median_ms, &own_p99_ms) != kNumbers) {
+      return false;
+    }
     sent += own_sent;
     poses += own_poses;
     late += own_late;
     median_ms = std::max(median_ms, own_median_ms);
     p99_ms = std::max(p99_ms, own_p99_ms);
+    return true;
   }
 };
-
-std::size_t messages_in(const std::string& bag) {
-  const auto reader = log::BagReader::open(bag);
-  log::BagMessage message;
-  std::size_t held = 0;
-  while (reader->next(message)) ++held;
-  return held;
-}
 
 double load() {
   double one_minute = 0.0;
@@ -136,8 +133,10 @@ void ten_robots(benchmark::State& state, const char* transport, const char* stor
     const double localizing_before_s = localizing ? cpu_s(localizing->child()) : 0.0;
     for (const auto& robot : robots) robot->close_input();
     for (std::size_t i = 0; i < kRobots; ++i) {
-      (i < localized ? located : alone)
-          .add(robots[i]->wait_for_line("sent", std::chrono::seconds(90)));
+      Told& told = i < localized ? located : alone;
+      if (!told.add(robots[i]->wait_for_line("sent", std::chrono::seconds(90)))) {
+        return state.SkipWithError("a robot did not tell what became of its scans");
+      }
     }
     const double took_s = std::chrono::duration<double>(Clock::now() - begin).count();
     state.counters["recorder_core"] = (cpu_s(recording.child()) - recording_before_s) / took_s;
@@ -150,7 +149,7 @@ void ten_robots(benchmark::State& state, const char* transport, const char* stor
     recording.end();
   }
   const auto sent = static_cast<double>(kRobots * kScans);
-  state.counters["recorded_lost"] = sent - static_cast<double>(messages_in(bag));
+  state.counters["recorded_lost"] = sent - static_cast<double>(bench::messages_in(bag));
   state.counters["poses_asked"] = static_cast<double>(located.sent);
   state.counters["poses_lost"] = static_cast<double>(located.sent - located.poses);
   state.counters["poses_late"] = static_cast<double>(located.late);

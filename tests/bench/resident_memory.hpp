@@ -24,46 +24,48 @@ inline double resident_mb() {
   return 0.0;
 }
 
+inline constexpr std::size_t kBlocks = 10;  ///< stretches of time that a slope is told from
+
 struct Slope {
   double per_hour = 0.0;
   double plus_minus = 0.0;  ///< 95%
 };
 
-/// The slope of means over blocks of an hour's length or less: what lies near in time is alike, and
-/// samples that count as independent would make the interval too narrow. At least three blocks.
-inline Slope slope_of(const std::vector<double>& hours, const std::vector<double>& values,
-                      std::size_t blocks) {
-  std::vector<double> x(blocks, 0.0);
-  std::vector<double> y(blocks, 0.0);
-  std::vector<double> n(blocks, 0.0);
+/// The slope of a line through the means of ten stretches of as many samples each, however long
+/// those are: what lies near in time is alike, and samples that count as independent would make the
+/// interval too narrow. At least ten samples.
+inline Slope slope_of(const std::vector<double>& hours, const std::vector<double>& values) {
+  std::vector<double> x(kBlocks, 0.0);
+  std::vector<double> y(kBlocks, 0.0);
+  std::vector<double> n(kBlocks, 0.0);
   for (std::size_t i = 0; i < hours.size(); ++i) {
-    const std::size_t block = i * blocks / hours.size();
+    const std::size_t block = i * kBlocks / hours.size();
     x[block] += hours[i];
     y[block] += values[i];
     n[block] += 1.0;
   }
   double mean_x = 0.0;
   double mean_y = 0.0;
-  for (std::size_t b = 0; b < blocks; ++b) {
+  for (std::size_t b = 0; b < kBlocks; ++b) {
     x[b] /= n[b];
     y[b] /= n[b];
-    mean_x += x[b] / static_cast<double>(blocks);
-    mean_y += y[b] / static_cast<double>(blocks);
+    mean_x += x[b] / static_cast<double>(kBlocks);
+    mean_y += y[b] / static_cast<double>(kBlocks);
   }
   double xx = 0.0;
   double xy = 0.0;
-  for (std::size_t b = 0; b < blocks; ++b) {
+  for (std::size_t b = 0; b < kBlocks; ++b) {
     xx += (x[b] - mean_x) * (x[b] - mean_x);
     xy += (x[b] - mean_x) * (y[b] - mean_y);
   }
   Slope slope{xy / xx, 0.0};
   double squares = 0.0;
-  for (std::size_t b = 0; b < blocks; ++b) {
+  for (std::size_t b = 0; b < kBlocks; ++b) {
     const double off = y[b] - mean_y - slope.per_hour * (x[b] - mean_x);
     squares += off * off;
   }
-  constexpr double kStudent = 2.31;  // 97.5% of Student's t with 8 degrees of freedom: 10 blocks
-  slope.plus_minus = kStudent * std::sqrt(squares / static_cast<double>(blocks - 2) / xx);
+  constexpr double kStudent = 2.31;  // 97.5% of Student's t with kBlocks - 2 = 8 degrees of freedom
+  slope.plus_minus = kStudent * std::sqrt(squares / static_cast<double>(kBlocks - 2) / xx);
   return slope;
 }
 
@@ -81,9 +83,8 @@ class MemoryCourse {
     const std::vector<double> hours(hours_.begin() + static_cast<std::ptrdiff_t>(first),
                                     hours_.end());
     const std::vector<double> mb(mb_.begin() + static_cast<std::ptrdiff_t>(first), mb_.end());
-    constexpr std::size_t kBlocks = 10;
     if (hours.size() < kBlocks) return state.SkipWithError("too short for a slope");
-    const Slope slope = slope_of(hours, mb, kBlocks);
+    const Slope slope = slope_of(hours, mb);
     state.counters["hours"] = hours.back();
     state.counters["mb_after_hour_1"] = mb.front();
     state.counters["mb_at_the_end"] = mb.back();
