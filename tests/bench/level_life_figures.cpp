@@ -3,13 +3,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "memory/levels/level_config.hpp"
 #include "tests/memory/decoding/level_life.hpp"
-#include "tools/report/image.hpp"
 #include "tools/report/plot.hpp"
 
 namespace strata::memory::level_life {
@@ -19,11 +17,6 @@ using report::LinePlot;
 using report::Series;
 
 constexpr int kSeeds = 20;
-
-void save(const LinePlot& plot, const std::filesystem::path& path) {
-  std::ofstream(path, std::ios::binary)
-      << report::render_svg_to_png(report::to_svg(plot, true), 1.5);
-}
 
 Series over_half_lives(const std::string& name, const std::vector<double>& share, double half_life,
                        double most_half_lives) {
@@ -88,8 +81,8 @@ void figures(const std::filesystem::path& out) {
     theory.y.push_back(std::exp2(-0.1 * i));
   }
   surviving.series.push_back(std::move(theory));
-  save(surviving, out / "half_lives.png");
-  save(forgetting, out / "forgetting.png");
+  report::save_png(surviving, out / "half_lives.png");
+  report::save_png(forgetting, out / "forgetting.png");
 }
 
 }  // namespace strata::memory::level_life

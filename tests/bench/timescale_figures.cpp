@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,7 +16,6 @@
 #include "tests/bench/level_life_figures.hpp"
 #include "tests/memory/decoding/paper_world.hpp"
 #include "tests/memory/decoding/textbook_dijkstra.hpp"
-#include "tools/report/image.hpp"
 #include "tools/report/plot.hpp"
 
 namespace strata::memory {
@@ -48,11 +46,6 @@ std::vector<Decoder> decoders() {
           {"paper", true, by(paper_decoding())},
           {"literal", true, by(literal_decoding())},
           {"median of each bin", false, decode_per_bin_median}};
-}
-
-void save(const LinePlot& plot, const std::filesystem::path& path) {
-  std::ofstream(path, std::ios::binary)
-      << report::render_svg_to_png(report::to_svg(plot, true), 1.5);
 }
 
 NodeLevel filled(bool with_object, bool coupled, RandomStream& random) {
@@ -89,7 +82,7 @@ void figure_6(const std::filesystem::path& out) {
     std::printf("| %s | %.1f | %.1f of %d |\n", decoder.name, first, mixed, kScans);
     plot.series.push_back(std::move(series));
   }
-  save(plot, out / "figure_6.png");
+  report::save_png(plot, out / "figure_6.png");
 }
 
 void figure_7() {
@@ -142,7 +135,7 @@ void figure_8(const std::filesystem::path& out) {
     std::printf(" |\n");
     plot.series.push_back(std::move(series));
   }
-  save(plot, out / "figure_8.png");
+  report::save_png(plot, out / "figure_8.png");
 }
 
 /// All edges between 20 range bins in 360 angle bins; only the first `starts` have a prior.

@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <limits>
 
 #include "core/base/error.hpp"
 #include "tools/experiments/decoder_table.hpp"
-#include "tools/report/image.hpp"
 #include "tools/report/plot.hpp"
 
 namespace strata::experiments {
@@ -22,11 +20,6 @@ using report::Series;
 const Pose2 kWrong{-0.3, 0.2, 0.1};
 /// Of a SICK LMS, by its data sheet.
 constexpr double kScannerNoise_m = 0.01;
-
-void save(const LinePlot& plot, const std::filesystem::path& path) {
-  std::ofstream(path, std::ios::binary)
-      << report::render_svg_to_png(report::to_svg(plot, true), 1.5);
-}
 
 void figure_6(const TwoStates& states, const PlaceFigures& figures,
               const std::filesystem::path& out) {
@@ -47,7 +40,7 @@ void figure_6(const TwoStates& states, const PlaceFigures& figures,
     }
     plot.series.push_back(std::move(series));
   }
-  save(plot, out / "place_figure_6.png");
+  report::save_png(plot, out / "place_figure_6.png");
 }
 
 /// Angle bins from the object's first to one of its bins, the way it lies.
@@ -92,7 +85,7 @@ void figure_7(const TwoStates& states, const PlaceFigures& figures,
   const int hidden_from = static_cast<int>(states.bins.front()) +
                           bins_along(states, states.bins[states.bins.size() / 2], figures.bins);
   plot.events.push_back({360.0 * hidden_from / figures.bins.angle_bins, "hidden from here on"});
-  save(plot, out / "place_figure_7.png");
+  report::save_png(plot, out / "place_figure_7.png");
 }
 
 void figure_8(const TwoStates& poses, const PlaceFigures& figures,
@@ -115,7 +108,7 @@ void figure_8(const TwoStates& poses, const PlaceFigures& figures,
     std::printf(" |\n");
     plot.series.push_back(std::move(series));
   }
-  save(plot, out / "place_figure_8.png");
+  report::save_png(plot, out / "place_figure_8.png");
 }
 
 }  // namespace

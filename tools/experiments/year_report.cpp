@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <iostream>
 
-#include "tools/report/image.hpp"
 #include "tools/report/plot.hpp"
 
 namespace strata::experiments {
@@ -13,11 +12,6 @@ namespace {
 
 using report::LinePlot;
 using report::Series;
-
-void save(const LinePlot& plot, const std::filesystem::path& path) {
-  std::ofstream(path, std::ios::binary)
-      << report::render_svg_to_png(report::to_svg(plot, true), 1.5);
-}
 
 }  // namespace
 
@@ -102,8 +96,8 @@ void YearReport::draw() const {
       size.series[i].y.push_back(megabytes[i]);
     }
   }
-  save(error, folder_ / "year_error.png");
-  save(size, folder_ / "year_size.png");
+  report::save_png(error, folder_ / "year_error.png");
+  report::save_png(size, folder_ / "year_size.png");
 }
 
 }  // namespace strata::experiments

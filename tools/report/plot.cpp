@@ -9,6 +9,8 @@
 #include <sstream>
 #include <utility>
 
+#include "tools/report/image.hpp"
+
 namespace strata::report {
 namespace {
 
@@ -322,6 +324,11 @@ std::string to_svg(const LinePlot& plot, bool standalone) {
   draw_legend(plot, frame, out);
   out << "</svg>\n";
   return out.str();
+}
+
+void save_png(const LinePlot& plot, const std::filesystem::path& file) {
+  constexpr double kPixels = 1.5;
+  write_file(file, render_svg_to_png(to_svg(plot, true), kPixels));
 }
 
 std::string to_csv(const LinePlot& plot) {

@@ -2,6 +2,7 @@
 /// Line plots as SVG that follows the page's light or dark theme, and as data.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,9 @@ struct LinePlot {
 /// A self-contained <svg> element with title, axes, grid, legend. Colours are CSS classes s0..s7
 /// that the document styles; `standalone` adds light styles inside, for files and PNG.
 [[nodiscard]] std::string to_svg(const LinePlot& plot, bool standalone);
+
+/// Writes it as a picture, in light colours. Throws OutputError.
+void save_png(const LinePlot& plot, const std::filesystem::path& file);
 
 /// "series,x,y" rows with a header line, 9 significant digits.
 [[nodiscard]] std::string to_csv(const LinePlot& plot);

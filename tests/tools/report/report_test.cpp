@@ -81,6 +81,18 @@ TEST(LinePlot, RendersItsLinesInTheirColours) {
   EXPECT_GT(orange, 200);
 }
 
+TEST(LinePlot, IsSavedAsAPictureOrSaysThatItCannotBe) {
+  LinePlot plot;
+  plot.series = {{"one", {0, 1, 2}, {0, 1, 0}}};
+  const test::TemporaryDirectory folder;
+  const auto file = folder.path() / "plot.png";
+  save_png(plot, file);
+  std::ostringstream bytes;
+  bytes << std::ifstream(file, std::ios::binary).rdbuf();
+  EXPECT_EQ(decode(bytes.str()).width(), plot.width * 3 / 2);
+  EXPECT_THROW(save_png(plot, folder.path() / "missing" / "plot.png"), OutputError);
+}
+
 TEST(LinePlot, DrawsLonelyPointsAsDots) {
   LinePlot plot;
   plot.points = true;
