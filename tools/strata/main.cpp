@@ -53,8 +53,8 @@ int fail(const std::string& verb, const std::string& message, int code) {
 }
 
 int run(int argc, char** argv) {
+  StagedPaths staged;  // outlives the watcher of signals, which may empty it to the last
   Interrupt interrupt;
-  StagedPaths staged;
   interrupt.set_on_overdue([&staged](Interrupt::Overdue why) {
     staged.remove_all();
     std::fputs(why == Interrupt::Overdue::kHurried
