@@ -117,7 +117,8 @@ void Recorder::write_held() {
     const std::chrono::nanoseconds kept = now - held.since;
     Stamp& stamp = last.try_emplace(held.topic, Stamp{held.message.source_stamp_ns}).first->second;
     stamp = std::max(stamp, Stamp{held.message.source_stamp_ns + kept.count()});
-    write(held.topic, held.message, stamp);
+    // Each by itself: a full disk ends neither the process nor the attempt with the others.
+    guarded([&] { write(held.topic, held.message, stamp); });
   }
 }
 

@@ -16,6 +16,7 @@
 
 #include "components/bus/bag_service_types.hpp"
 #include "components/bus/service.hpp"
+#include "components/log/sqlite_handles.hpp"
 #include "components/recorder/register.hpp"
 #include "components/runtime/parameters.hpp"
 #include "core/base/error.hpp"
@@ -374,6 +375,43 @@ TEST_P(RecorderStorage, BeginsAnotherFileWhenItIsAskedTo) {
   EXPECT_EQ(read_bag(bag()).at("/scan").size(), 4U);
 }
 
+/// Where one message can be refused and the next one not.
+class RecorderIntoSqlite : public RecorderStorage {
+ protected:
+  /// The bag takes nothing of that topic any more.
+  void refuse(const std::string& topic) {
+    sqlite3* opened = nullptr;
+    ASSERT_EQ(sqlite3_open((bag() / "bag_0.db3").c_str(), &opened), SQLITE_OK);
+    const log::Database database(opened);
+    const std::string sql =
+        "CREATE TRIGGER refuse BEFORE INSERT ON messages WHEN NEW.topic_id = "
+        "(SELECT id FROM topics WHERE name = '" +
+        topic + "') BEGIN SELECT RAISE(ABORT, 'not that one'); END";
+    ASSERT_EQ(sqlite3_exec(opened, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(opened);
+  }
+};
+
+TEST_P(RecorderIntoSqlite, TellsWhatItCannotRecordWhenItGoesOnAndRecordsTheRest) {
+  auto bad = writer("/bad", "latched");
+  auto good = writer("/good", "latched");
+  const auto host = make(", paused: true, topics: [/bad, /good]");
+  host->activate();
+  host->tick();                                 // the topics are in the file
+  (void)call<bus::srv::IsPaused>("is_paused");  // after the tick
+  refuse("/bad");
+  bad.publish(numbered(1));
+  good.publish(numbered(2));
+  rcl_interfaces::srv::SetParameters_Request resume;
+  resume.parameters({runtime::parameter("paused", runtime::parameter_value(false))});
+  EXPECT_TRUE(call<bus::srv::SetParameters>("set_parameters", resume).results().at(0).successful());
+  EXPECT_FALSE(call<bus::srv::IsPaused>("is_paused").paused());
+  EXPECT_THAT(host->take_errors(), testing::ElementsAre(testing::HasSubstr("bag_0.db3")));
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  EXPECT_EQ(read_bag(bag()), (Messages{{"/good", {convert::to_cdr(numbered(2))}}}));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     All, RecorderStorage,
     testing::Values(Storage{"Sqlite3", "sqlite3", "SQLite schema 3"},
@@ -382,6 +420,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Storage{"McapZstd", "mcap, compression: zstd", "MCAP, chunks packed with zstd"},
                     Storage{"McapLz4", "mcap, compression: lz4", "MCAP, chunks packed with lz4"}),
     [](const auto& each) { return std::string(each.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, RecorderIntoSqlite,
+                         testing::Values(Storage{"Sqlite3", "sqlite3", "SQLite schema 3"}),
+                         [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
 }  // namespace strata::recorder
