@@ -24,11 +24,20 @@ log::BagOptions bag_options(const RecorderConfig& config) {
   return options;
 }
 
+/// One name for a folder, before it exists and after: absolute, without links and a slash at its
+/// end. weakly_canonical leaves a relative path relative as long as nothing of it exists.
+std::filesystem::path normal_form(const std::filesystem::path& folder) {
+  auto normal = std::filesystem::weakly_canonical(std::filesystem::absolute(folder));
+  return normal.has_filename() ? normal : normal.parent_path();
+}
+
 /// The folder to write: the one that is asked for or, when it may be numbered, the first free one.
 std::filesystem::path free_folder(const RecorderConfig& config, bool may_number) {
-  std::filesystem::path folder = config.out;
+  std::filesystem::path out = config.out;
+  if (!out.has_filename()) out = out.parent_path();  // beside "bag/", not in it
+  std::filesystem::path folder = out;
   for (int number = 2; may_number && std::filesystem::exists(folder); ++number) {
-    folder = config.out + "_" + std::to_string(number);
+    folder = out.string() + "_" + std::to_string(number);
   }
   return folder;
 }
@@ -52,7 +61,7 @@ void Recorder::on_configure() {
   log_time_.reset();
   if (!context().only_explained) {
     // Configured again, it finds its own bag there; another's is left alone.
-    const auto out = std::filesystem::weakly_canonical(config_.out);
+    const std::filesystem::path out = normal_form(config_.out);
     const bool may_number = config_.number_if_exists || own_outs_.contains(out);
     bag_ = std::make_unique<log::BagWriter>(free_folder(config_, may_number), bag_options(config_));
     own_outs_.insert(out);

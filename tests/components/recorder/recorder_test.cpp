@@ -48,11 +48,14 @@ struct Storage {
 class RecorderStorage : public testing::TestWithParam<Storage> {
  protected:
   [[nodiscard]] std::unique_ptr<runtime::Host> make(const std::string& parameters) {
+    return make_into(bag().string(), parameters);
+  }
+  [[nodiscard]] std::unique_ptr<runtime::Host> make_into(const std::string& out,
+                                                         const std::string& parameters) {
     runtime::Registry registry;
     register_component(registry);
-    return test::make_host("{type: strata::Recorder, name: recorder, parameters: {out: '" +
-                               bag().string() + "', storage: " + GetParam().parameters +
-                               parameters + "}}",
+    return test::make_host("{type: strata::Recorder, name: recorder, parameters: {out: '" + out +
+                               "', storage: " + GetParam().parameters + parameters + "}}",
                            registry, participant_);
   }
   [[nodiscard]] std::filesystem::path bag() const { return folder_.path() / "bag"; }
@@ -410,6 +413,42 @@ TEST_P(RecorderIntoSqlite, TellsWhatItCannotRecordWhenItGoesOnAndRecordsTheRest)
   host->stop();
   EXPECT_TRUE(host->take_errors().empty());
   EXPECT_EQ(read_bag(bag()), (Messages{{"/good", {convert::to_cdr(numbered(2))}}}));
+}
+
+/// The process works there while it lives.
+class WorkingFolder {
+ public:
+  explicit WorkingFolder(const std::filesystem::path& folder) {
+    std::filesystem::current_path(folder);
+  }
+  ~WorkingFolder() { std::filesystem::current_path(before_); }
+  WorkingFolder(const WorkingFolder&) = delete;
+  WorkingFolder& operator=(const WorkingFolder&) = delete;
+
+ private:
+  std::filesystem::path before_ = std::filesystem::current_path();
+};
+
+TEST_P(RecorderStorage, KnowsItsOwnBagHoweverItsFolderIsWritten) {
+  auto scans = writer("/scan", "default");
+  const WorkingFolder here(bag().parent_path());
+  for (const auto& [out, second] :
+       std::map<std::string, std::string>{{"relative", "relative_2"},
+                                          {"./dotted", "dotted_2"},
+                                          {"with_slash/", "with_slash_2"},
+                                          {bag().string() + "//", bag().string() + "_2"}}) {
+    const auto host = make_into(out, ", topics: [/scan]");
+    runtime::Component& recorder = *host->components()[0];
+    host->activate();
+    recorder.deactivate();
+    recorder.cleanup();
+    EXPECT_NO_THROW(recorder.configure()) << out;
+    recorder.activate();
+    scans.publish(numbered(1));
+    host->stop();
+    EXPECT_TRUE(host->take_errors().empty()) << out;
+    EXPECT_EQ(read_bag(second), (Messages{{"/scan", {convert::to_cdr(numbered(1))}}})) << out;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(
