@@ -114,7 +114,8 @@ void Recorder::serve() {
 void Recorder::take_paused(bool paused) {
   const bool goes_on = config_.paused && !paused;
   config_.paused = paused;
-  if (goes_on) write_held();
+  // While it rests, the bag is complete.
+  if (goes_on && state() == runtime::LifecycleState::kActive) write_held();
 }
 
 /// As if they came now, by their writers' clocks: with their own stamps, those that came early in a
@@ -129,6 +130,10 @@ void Recorder::write_held() {
     // Each by itself: a full disk ends neither the process nor the attempt with the others.
     guarded([&] { write(held.topic, held.message, stamp); });
   }
+}
+
+void Recorder::on_activate() {
+  if (!config_.paused) write_held();
 }
 
 void Recorder::on_tick() {

@@ -43,6 +43,7 @@ class Recorder final : public runtime::Component {
 
   void on_declare() override { declare_parameters<RecorderConfig>(); }
   void on_configure() override;
+  void on_activate() override;
   void on_tick() override;
   void on_deactivate() override;
   void on_cleanup() override;

@@ -451,6 +451,26 @@ TEST_P(RecorderStorage, KnowsItsOwnBagHoweverItsFolderIsWritten) {
   }
 }
 
+TEST_P(RecorderStorage, LeavesItsBagCompleteWhenItIsResumedWhileItRests) {
+  auto map = writer("/map", "latched");
+  const auto host = make(", paused: true, topics: [/map]");
+  runtime::Component& recorder = *host->components()[0];
+  host->activate();
+  map.publish(numbered(1));
+  (void)call<bus::srv::IsPaused>("is_paused");  // after the message
+  for (const bool goes_on : {false, true}) {
+    recorder.deactivate();
+    call<bus::srv::Resume>("resume");
+    EXPECT_TRUE(std::filesystem::exists(bag() / "metadata.yaml"));
+    EXPECT_TRUE(read_bag(bag()).empty());
+    if (!goes_on) call<bus::srv::Pause>("pause");
+    recorder.activate();
+  }
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  EXPECT_EQ(read_bag(bag()), (Messages{{"/map", {convert::to_cdr(numbered(1))}}}));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     All, RecorderStorage,
     testing::Values(Storage{"Sqlite3", "sqlite3", "SQLite schema 3"},
