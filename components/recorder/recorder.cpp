@@ -114,6 +114,7 @@ void Recorder::serve() {
 void Recorder::take_paused(bool paused) {
   const bool goes_on = config_.paused && !paused;
   config_.paused = paused;
+  for (auto& [topic, recorded] : recorded_) recorded.known_writers.clear();  // many may come and go
   // While it rests, the bag is complete.
   if (goes_on && state() == runtime::LifecycleState::kActive) write_held();
 }
@@ -159,10 +160,9 @@ void Recorder::record_what_is_published() {
 }
 
 void Recorder::record(const std::string& topic, const bus::PublishedTopic& published) {
-  if (!recorded_
-           .try_emplace(topic, Recorded{published.type, published.transient_local, std::nullopt})
-           .second)
-    return;
+  const auto [entry, is_new] = recorded_.try_emplace(topic, Recorded{published.type});
+  entry->second.latched = entry->second.latched || published.transient_local;
+  if (!is_new) return;
   bus::QosProfile qos = bus::qos_profile("sensor_data");
   qos.reliable = published.reliable;
   qos.transient_local = published.transient_local;  // the laser's mounting was sent long ago
@@ -183,9 +183,21 @@ std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTop
 void Recorder::take(const std::string& topic, const bus::RawMessage& message) {
   if (!config_.paused) {
     write(topic, message, log_time_.value_or(Stamp{message.source_stamp_ns}));
-  } else if (recorded_.at(topic).latched) {
+  } else if (is_latched(topic, message.identity.writer)) {
     hold(topic, message);
   }
+}
+
+bool Recorder::is_latched(const std::string& topic, const bus::Guid& writer) {
+  Recorded& recorded = recorded_.at(topic);
+  // When its reading began, nobody may have published it yet. Asked once a writer: it takes long.
+  if (recorded.latched || recorded.known_writers.contains(writer)) return recorded.latched;
+  const auto published = context().participant->published_topics();
+  if (const auto found = published.find(topic); found != published.end()) {
+    recorded.latched = found->second.transient_local;
+    recorded.known_writers.insert(writer);
+  }
+  return recorded.latched;
 }
 
 /// A writer's last ones, as it keeps them for who comes late; how many that are it does not tell.

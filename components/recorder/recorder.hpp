@@ -33,7 +33,8 @@ class Recorder final : public runtime::Component {
   struct Recorded {
     std::string type;
     bool latched = false;
-    std::optional<std::size_t> place;
+    std::set<bus::Guid> known_writers{};  ///< whose topic was looked at in this pause
+    std::optional<std::size_t> place{};
   };
   struct Held {
     std::string topic;
@@ -53,6 +54,8 @@ class Recorder final : public runtime::Component {
   void record_what_is_published();
   void record(const std::string& topic, const bus::PublishedTopic& published);
   void take(const std::string& topic, const bus::RawMessage& message);
+  /// While paused, for a message of that writer.
+  [[nodiscard]] bool is_latched(const std::string& topic, const bus::Guid& writer);
   /// Keeps a latched message until the recording goes on.
   void hold(const std::string& topic, const bus::RawMessage& message);
   void write_held();

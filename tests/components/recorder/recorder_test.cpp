@@ -471,6 +471,40 @@ TEST_P(RecorderStorage, LeavesItsBagCompleteWhenItIsResumedWhileItRests) {
   EXPECT_EQ(read_bag(bag()), (Messages{{"/map", {convert::to_cdr(numbered(1))}}}));
 }
 
+TEST_P(RecorderStorage, KeepsWhatIsLatchedOnATopicThatNobodyPublishedYet) {
+  const auto host = make(", paused: true, topics: ['/map:sensor_msgs/msg/LaserScan']");
+  host->activate();
+  auto map = writer("/map", "latched");
+  map.publish(numbered(1));
+  call<bus::srv::Resume>("resume");
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  EXPECT_EQ(read_bag(bag()), (Messages{{"/map", {convert::to_cdr(numbered(1))}}}));
+}
+
+TEST_P(RecorderStorage, KeepsWhatIsLatchedOnceNobodyPublishesTheTopicOtherwise) {
+  auto volatile_map = std::make_unique<bus::Writer<sensor_msgs::msg::LaserScan>>(
+      participant_, "/map", bus::qos_profile("default"));
+  const auto host = make(", paused: true, topics: [/map]");
+  host->activate();
+  auto map = writer("/map", "latched");
+  map.publish(numbered(1));
+  (void)call<bus::srv::IsPaused>("is_paused");  // after the message
+  volatile_map.reset();
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!participant_->published_topics()["/map"].transient_local) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  host->tick();  // finds it
+  (void)call<bus::srv::IsPaused>("is_paused");
+  map.publish(numbered(2));
+  call<bus::srv::Resume>("resume");
+  host->stop();
+  EXPECT_TRUE(host->take_errors().empty());
+  EXPECT_EQ(read_bag(bag()), (Messages{{"/map", {convert::to_cdr(numbered(2))}}}));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     All, RecorderStorage,
     testing::Values(Storage{"Sqlite3", "sqlite3", "SQLite schema 3"},
