@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A player under the control of others, by the services of rosbag2's player and by parameters.
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -49,9 +50,9 @@ class PlayerServices : public testing::TestWithParam<const char*> {
   /// The answer to a call; an empty one when there is none, which fails the test.
   template <typename S>
   typename bus::ServiceType<S>::Response call(
-      const std::string& name, const typename bus::ServiceType<S>::Request& request = {}) {
-    const auto response =
-        bus::call_service<S>(participant_, "/player/" + name, request, std::chrono::seconds(20));
+      const std::string& name, const typename bus::ServiceType<S>::Request& request = {},
+      std::chrono::seconds patience = std::chrono::seconds(20)) {
+    const auto response = bus::call_service<S>(participant_, "/player/" + name, request, patience);
     EXPECT_TRUE(response.has_value()) << name;
     return response.value_or(typename bus::ServiceType<S>::Response());
   }
@@ -65,10 +66,15 @@ class PlayerServices : public testing::TestWithParam<const char*> {
     request.rate(rate);
     return call<bus::srv::SetRate>("set_rate", request).success();
   }
-  bool seek(double seconds) {
+  bool seek(double seconds, std::chrono::seconds patience = std::chrono::seconds(20)) {
     rosbag2_interfaces::srv::Seek_Request request;
     request.time(convert::to_message(Stamp::from_seconds(seconds)));
-    return call<bus::srv::Seek>("seek", request).success();
+    return call<bus::srv::Seek>("seek", request, patience).success();
+  }
+  /// Of a seek that is held open, and with it all that is done meanwhile.
+  std::future<bool> begin_to_seek(double seconds) {
+    return std::async(std::launch::async,
+                      [this, seconds] { return seek(seconds, std::chrono::seconds(60)); });
   }
   bool set_parameter(const std::string& name, rcl_interfaces::msg::ParameterValue value) {
     rcl_interfaces::srv::SetParameters_Request request;
@@ -219,7 +225,7 @@ class Pipe {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (writer_ < 0 && !is_over() && std::chrono::steady_clock::now() < deadline) {
       writer_ = open(file_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
-      if (writer_ < 0) std::this_thread::yield();
+      if (writer_ < 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return writer_ >= 0;
   }
@@ -233,6 +239,21 @@ class Pipe {
   int writer_ = -1;
 };
 
+bool is_ready(const std::future<bool>& future) {
+  return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+/// Lets who reads the pipe go on, however often they look at it, until all are answered.
+void let_go(Pipe& pipe, const std::vector<std::future<bool>*>& answers) {
+  const auto are_answered = [&] {
+    return std::all_of(answers.begin(), answers.end(),
+                       [](const std::future<bool>* answer) { return is_ready(*answer); });
+  };
+  do {
+    pipe.close_writer();
+  } while (pipe.open_writer(are_answered));
+}
+
 /// Where seeking reads the bag.
 class PlayerServicesOfMessages : public PlayerServices {};
 
@@ -240,19 +261,14 @@ TEST_P(PlayerServicesOfMessages, AnswerWhileASeekReads) {
   start(", paused: true");
   EXPECT_TRUE(play_next());
   Pipe pipe(bag() / "bag_0.db3");
-  auto sought = std::async(std::launch::async, [this] { return seek(18.0); });
+  auto sought = begin_to_seek(18.0);
   ASSERT_TRUE(pipe.open_writer([] { return false; })) << "it seeks now, until the writer is gone";
   EXPECT_TRUE(is_paused());
   EXPECT_EQ(rate(), 1.0);
   EXPECT_TRUE(set_rate(2.0));
   EXPECT_EQ(parameter("rate").double_value(), 2.0);
   EXPECT_EQ(played(1), first(1));
-  const auto is_answered = [&] {
-    return sought.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  };
-  do {
-    pipe.close_writer();
-  } while (pipe.open_writer(is_answered));  // it looks at the file more than once
+  let_go(pipe, {&sought});
   EXPECT_FALSE(sought.get()) << "there is no bag any more";
   EXPECT_EQ(take_errors().size(), 1U);
   EXPECT_TRUE(play_next());
