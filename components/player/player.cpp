@@ -153,15 +153,19 @@ void Player::step(Lock& lock) {
 }
 
 bool Player::seek(Stamp time, Lock& lock) {
-  Duration place;
-  {
+  const Duration before = clock_.position(Wall::now());
+  std::optional<Duration> found;
+  const auto look = [&] {
     const Unlocked unlocked(lock);
     const std::optional<Stamp> begin = source_->begin();
-    if (!begin) return false;
-    place = std::max(since(*begin, time), Duration{});
-    if (!source_->seek(place)) return false;
-  }
-  clock_.jump(place, Wall::now());
+    if (!begin) return;
+    const Duration place = std::max(since(*begin, time), Duration{});
+    if (source_->seek(place)) found = place;
+  };
+  (void)attempt(look);
+  // The clock has run on meanwhile; nothing is to be caught up with.
+  clock_.jump(found.value_or(before), Wall::now());
+  if (!found) return false;
   over_ = false;
   return true;
 }

@@ -67,6 +67,7 @@ class Player final : public runtime::Component {
   void set_rate(double rate);
   void set_stopped(bool stopped);
   [[nodiscard]] bool is_paused();
+  /// A seek takes the place of those that still wait: they are answered with false.
   void give(Order order);
 
   PlayerConfig config_;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// How others control the player: the services of rosbag2's player, and parameters.
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "components/bus/bag_service_types.hpp"
 #include "components/convert/geometry_messages.hpp"
@@ -76,9 +79,19 @@ void Player::serve() {
 }
 
 void Player::give(Order order) {
-  const std::lock_guard lock(mutex_);
-  orders_.push_back(std::move(order));
+  std::vector<Order> outdone;
+  {
+    const std::lock_guard lock(mutex_);
+    if (order.seek) {
+      const auto kept = std::stable_partition(orders_.begin(), orders_.end(),
+                                              [](const Order& waits) { return !waits.seek; });
+      std::move(kept, orders_.end(), std::back_inserter(outdone));
+      orders_.erase(kept, orders_.end());
+    }
+    orders_.push_back(std::move(order));
+  }
   changed_.notify_all();
+  for (const Order& waited : outdone) guarded([&] { waited.answer(false); });
 }
 
 void Player::set_paused(bool paused) {

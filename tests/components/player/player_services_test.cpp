@@ -275,6 +275,43 @@ TEST_P(PlayerServicesOfMessages, AnswerWhileASeekReads) {
   EXPECT_EQ(played(2), first(2)) << "goes on where it was";
 }
 
+TEST_P(PlayerServicesOfMessages, GoOnWhereTheyWereWhenASeekIsRefusedHoweverLongItRead) {
+  start(", rate: 0.001");
+  EXPECT_EQ(played(1), first(1));
+  Pipe pipe(bag() / "bag_0.db3");
+  auto sought = begin_to_seek(18.0);
+  ASSERT_TRUE(pipe.open_writer([] { return false; }));
+  EXPECT_TRUE(set_rate(1e6));  // from here to there is far beyond the end
+  EXPECT_TRUE(set_rate(0.001));
+  let_go(pipe, {&sought});
+  EXPECT_FALSE(sought.get());
+  EXPECT_EQ(take_errors().size(), 1U);
+  pause();
+  EXPECT_TRUE(play_next());
+  EXPECT_EQ(played(2), first(2)) << "nothing was caught up with";
+}
+
+TEST_P(PlayerServicesOfMessages, RefuseASeekThatWaitsWhenAnotherComes) {
+  start(", paused: true");
+  Pipe pipe(bag() / "bag_0.db3");
+  auto held = begin_to_seek(18.0);
+  ASSERT_TRUE(pipe.open_writer([] { return false; }));
+  std::vector<std::future<bool>> waiting;
+  waiting.push_back(begin_to_seek(3.0));
+  waiting.push_back(begin_to_seek(5.0));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto answered = [&] { return std::count_if(waiting.begin(), waiting.end(), is_ready); };
+  while (answered() == 0 && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(answered(), 1) << "the one that came first";
+  EXPECT_FALSE(is_ready(held)) << "it is not held up by what reads";
+  let_go(pipe, {&held, waiting.data(), waiting.data() + 1});
+  EXPECT_FALSE(held.get());
+  for (auto& answer : waiting) EXPECT_FALSE(answer.get());
+  EXPECT_EQ(take_errors().size(), 2U) << "of the two that were tried";
+}
+
 INSTANTIATE_TEST_SUITE_P(All, PlayerServicesOfMessages, testing::Values("messages"));
 INSTANTIATE_TEST_SUITE_P(All, PlayerServices, testing::Values("robot", "messages"));
 
