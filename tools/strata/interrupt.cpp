@@ -16,7 +16,6 @@ namespace {
 constexpr int kWakeSignal = SIGUSR2;
 /// Signals that come closer together than this are one wish to end.
 constexpr auto kSameWish = std::chrono::seconds(1);
-constexpr auto kHurriedGrace = std::chrono::seconds(1);
 /// The grace time may grow while it runs, so that it is looked at again and again.
 constexpr timespec kLookAgain = {0, 50'000'000};
 
@@ -59,19 +58,23 @@ bool Interrupt::wait_for(double seconds) {
   return requested();
 }
 
-void Interrupt::take_signal(Clock::time_point now) {
+void Interrupt::take_signal(int signal, Clock::time_point now) {
   if (!first_) {
     first_ = now;
+    first_signal_ = signal;
     requested_.store(true);
     changed_.notify_all();
-  } else if (!second_ && may_be_hurried_.load() && now - *first_ >= kSameWish) {
+  } else if (!second_ && may_be_hurried_.load() && signal == first_signal_ &&
+             now - *first_ >= kSameWish) {
     second_ = now;
     hurried_.store(true);
   }
 }
 
 std::optional<Interrupt::Overdue> Interrupt::overdue(Clock::time_point now) const {
-  if (second_ && now - *second_ >= kHurriedGrace) return Overdue::kHurried;
+  if (second_ && now - *second_ >= std::chrono::duration<double>(hurried_grace_s_.load())) {
+    return Overdue::kHurried;
+  }
   if (first_ && now - *first_ >= std::chrono::duration<double>(grace_s_.load())) {
     return Overdue::kGraceIsOver;
   }
@@ -85,7 +88,7 @@ void Interrupt::watch() {
     const std::lock_guard lock(mutex_);
     if (finished_) return;
     const auto now = Clock::now();
-    if (signal > 0 && signal != kWakeSignal) take_signal(now);
+    if (signal > 0 && signal != kWakeSignal) take_signal(signal, now);
     if (const auto why = overdue(now)) {
       if (on_overdue_) on_overdue_(*why);
       _exit(1);

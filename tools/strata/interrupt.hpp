@@ -15,9 +15,9 @@ namespace strata::tools {
 /// Takes SIGINT and SIGTERM for the whole process: create one, first thing in main, before any
 /// other thread. When a signal comes and the program has not ended `grace_s` later, `on_overdue` is
 /// called (to remove half-written output) and the process ends with exit code 1, so that a piece of
-/// work that forgot to look at the flag cannot keep the user waiting. A second signal cuts the
-/// grace time short, unless it belongs to the first: `timeout`, launchers and terminals send two at
-/// once.
+/// work that forgot to look at the flag cannot keep the user waiting. The same signal again cuts
+/// the grace time short, unless it belongs to the first: `timeout` and terminals send two at once.
+/// Another one does not: `ros2 launch` sends SIGINT and, 5 s later, SIGTERM.
 class Interrupt {
  public:
   enum class Overdue { kGraceIsOver, kHurried };
@@ -28,13 +28,16 @@ class Interrupt {
   Interrupt& operator=(const Interrupt&) = delete;
 
   [[nodiscard]] bool requested() const { return requested_.load(std::memory_order_relaxed); }
-  /// A second signal has come: what still runs has another second.
+  /// The signal has come again: what still runs has another second, or what set_grace says.
   [[nodiscard]] bool is_hurried() const { return hurried_.load(std::memory_order_relaxed); }
   /// What to do before the process is ended the hard way.
   void set_on_overdue(std::function<void(Overdue)> on_overdue);
   /// For what has to be written at the end and may take longer (`run`, `record`). Holds for a
   /// signal that has come already as well.
-  void set_grace(double grace_s) { grace_s_.store(grace_s); }
+  void set_grace(double grace_s, double hurried_grace_s = 1.0) {
+    grace_s_.store(grace_s);
+    hurried_grace_s_.store(hurried_grace_s);
+  }
   /// For a process whose parent decides when it has waited for long enough.
   void ignore_further_signals() { may_be_hurried_.store(false); }
   /// Returns after the time, or at once when an interrupt is or gets requested; says whether it is.
@@ -43,10 +46,11 @@ class Interrupt {
  private:
   using Clock = std::chrono::steady_clock;
   void watch();
-  void take_signal(Clock::time_point now);
+  void take_signal(int signal, Clock::time_point now);
   [[nodiscard]] std::optional<Overdue> overdue(Clock::time_point now) const;
 
   std::atomic<double> grace_s_;
+  std::atomic<double> hurried_grace_s_{1.0};
   std::atomic<bool> requested_{false};
   std::atomic<bool> hurried_{false};
   std::atomic<bool> may_be_hurried_{true};
@@ -55,6 +59,7 @@ class Interrupt {
   bool finished_ = false;
   std::function<void(Overdue)> on_overdue_;
   std::optional<Clock::time_point> first_;   ///< when it was requested; the watcher's own
+  int first_signal_ = 0;                     ///< likewise
   std::optional<Clock::time_point> second_;  ///< when it was hurried; likewise
   std::thread watcher_;
 };

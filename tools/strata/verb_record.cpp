@@ -70,13 +70,17 @@ void record(const RecordOptions& options, VerbContext& context) {
   host.activate();
   context.interrupt().set_grace(std::chrono::duration<double>(kStopPatience).count());
   context.note("recording into " + options.out + "; Ctrl-C ends it");
-  while (!context.interrupt().wait_for(0.1)) {
-    host.tick();
+  const auto check = [&] {
     if (const auto errors = host.take_errors(); !errors.empty()) {
       throw OutputError(options.out, errors.front(), "free some space and record again");
     }
+  };
+  while (!context.interrupt().wait_for(0.1)) {
+    host.tick();
+    check();
   }
   host.stop();
+  check();  // the bag's last chunk and its index are written at the end
 }
 
 }  // namespace

@@ -80,7 +80,12 @@ void run_here(const RunOptions& options, VerbContext& context,
   }
   if (!options.is_child()) tell_service_manager("STOPPING=1");
   host.stop();
-  for (const std::string& error : host.take_errors()) context.note("warning: " + error);
+  // What could not be written at the end is lost: no clean end, whoever started this.
+  if (const auto errors = host.take_errors(); !errors.empty()) {
+    for (std::size_t i = 1; i < errors.size(); ++i) context.note("warning: " + errors[i]);
+    throw Error("process " + process.name, "could not end well: " + errors.front(),
+                "mend that before the next start; what was written before is kept");
+  }
 }
 
 /// The processes of a composition, started and started again until one has ended for good.
@@ -94,8 +99,8 @@ class Supervision {
         group_({kStopPatience, [&context] { return context.interrupt().is_hurried(); }}) {}
 
   void run() {
-    // The group's patience ends first.
-    context_.interrupt().set_grace(seconds_of(kStopPatience) + 2.0);
+    // The group's patience ends first; killed processes are told of.
+    context_.interrupt().set_grace(seconds_of(kStopPatience) + 2.0, 5.0);
     for (const runtime::ProcessEntry& process : composition_.processes) start(process.name);
     try {
       while (!context_.interrupt().wait_for(0.1) && tend()) {
@@ -196,7 +201,7 @@ void add_run(CLI::App& app, VerbContext& context) {
       });
   verb->footer("Ctrl-C or SIGTERM ends it: components write what they have learned, for " +
                std::to_string(kStopPatience.count()) +
-               " s at most. A second\nsignal, a second or more later, ends it at once.\n" +
+               " s at most. The same\nsignal again, a second or more later, ends it at once.\n" +
                verb->get_footer());
   verb->add_option("composition", options->composition, "composition file")->required();
   verb->get_option("--set")->description(kCompositionSetHelp);

@@ -55,6 +55,18 @@ TEST_F(Stopping, OfOneProcessWaitsForAStoreThatIsSlowToWrite) {
   expect_all_kept(in_one_process(kSlow));
 }
 
+TEST_F(Stopping, IsNotHurriedByALauncherThatSendsAnotherSignal) {
+  const auto process = run(in_one_process(kSlow));
+  ASSERT_EQ(manager_.receive(kPatience), "READY=1");
+  process->send(SIGINT);
+  while (process->runs()) {  // for longer than two signals count as one
+    process->send(SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_EQ(process->wait(), 0) << process->rest();
+  EXPECT_TRUE(std::filesystem::exists(at("kept")));
+}
+
 TEST_F(Stopping, OfSeveralProcessesWaitsForAStoreThatIsSlowToWrite) {
   expect_all_kept(in_several(kSlow));
 }
@@ -71,6 +83,21 @@ TEST_F(Stopping, WaitsForTheOthersWhenAProcessEndsByItself) {
     EXPECT_EQ(process->wait(), failed ? 1 : 0) << process->rest();
     EXPECT_EQ(manager_.receive(), "") << "nothing is told twice";
     EXPECT_TRUE(std::filesystem::remove(at("kept"))) << signal;
+  }
+}
+
+TEST_F(Stopping, FailsWhenAStoreCannotBeWritten) {
+  constexpr const char* kFull = ", disk_is_full: true";
+  for (const bool several : {false, true}) {
+    const auto process = run(several ? in_several(kFull) : in_one_process(kFull));
+    ASSERT_EQ(manager_.receive(kPatience), "READY=1");
+    process->send(SIGTERM);
+    EXPECT_EQ(process->wait(), 1);
+    const std::string said = process->rest();
+    EXPECT_NE(said.find("could not end well"), std::string::npos) << said;
+    EXPECT_NE(said.find("has no space"), std::string::npos) << said;
+    EXPECT_NE(said.find(several ? "process slow" : "process only"), std::string::npos) << said;
+    EXPECT_EQ(manager_.receive(kPatience), "STOPPING=1");
   }
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "components/runtime/component_library.hpp"
+#include "core/base/error.hpp"
 
 namespace gate {
 
@@ -38,11 +39,13 @@ class Gate final : public strata::runtime::Component {
 struct SlowStoreConfig {
   std::string folder;
   double takes_s = 0.0;
+  bool disk_is_full = false;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("folder", c.folder,
             {.doc = "where `active`, `begun` and, when all is written, `kept` appear"});
     v.field("takes_s", c.takes_s, {.doc = "to write it", .unit = "s", .min = 0.0});
+    v.field("disk_is_full", c.disk_is_full, {.doc = "it cannot be written"});
   }
 };
 
@@ -60,6 +63,9 @@ class SlowStore final : public strata::runtime::Component {
     const std::chrono::duration<double> takes(config_.takes_s);
     while (std::chrono::steady_clock::now() - begin < takes) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    if (config_.disk_is_full) {
+      throw strata::OutputError(config_.folder, "has no space", "free some");
     }
     std::ofstream(folder / "kept").close();
   }
