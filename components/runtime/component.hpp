@@ -167,14 +167,19 @@ class Component {
     });
   }
   /// As above for what takes long: the handler returns at once and sees to it that somebody calls
-  /// its second argument with the response, once, on whatever thread.
+  /// its second argument with the response, once, on whatever thread; that never throws. An error
+  /// of the handler is counted and told, and the client gets no answer.
   template <typename S>
   void offer_later(const std::string& name, ServiceHub::LateHandler<S> handler) {
     if (lockstep()) return;
     if (!own_services_) {
       own_services_ = std::make_unique<ServiceHub>(context_.participant, context_.mailbox);
     }
-    own_services_->serve_later<S>(resolve(name), "default", std::move(handler));
+    own_services_->serve_later<S>(
+        resolve(name), "default",
+        [this, handler = std::move(handler)](const auto& request, auto reply) {
+          guarded([&] { handler(request, std::move(reply)); });
+        });
   }
 
   /// The parameters are this struct's: that is what others may ask for and set over DDS.

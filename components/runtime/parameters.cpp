@@ -213,7 +213,12 @@ ParameterChange change_parameters(const ParameterModel& model,
   }
   parameters.reset(changed);
   if (!is_live) return {true, "takes effect when the component is configured again"};
-  model.apply_live(changed);
+  try {
+    model.apply_live(changed);
+  } catch (const Error& error) {
+    return {true,
+            "is set, but not all of it could be done: " + error.problem() + "; " + error.remedy()};
+  }
   return {true, ""};
 }
 

@@ -16,7 +16,12 @@ void ServiceHub::serve_raw(const std::string& name, const std::string& type,
       if (!held || !held->server) return;
       try {
         held->handler(request.cdr, [weak, request](const Bytes& response) {
-          if (const auto still = weak.lock()) still->server->reply(request, response);
+          const auto still = weak.lock();
+          if (!still) return;
+          try {
+            still->server->reply(request, response);
+          } catch (const OutputError&) {  // NOLINT(bugprone-empty-catch): the client is gone
+          }
         });
       } catch (const InputError&) {  // NOLINT(bugprone-empty-catch): no request, no answer
       }

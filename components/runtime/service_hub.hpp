@@ -18,8 +18,8 @@ class ServiceHub {
   ServiceHub(std::shared_ptr<bus::Participant> participant, std::shared_ptr<Mailbox> mailbox)
       : participant_(std::move(participant)), mailbox_(std::move(mailbox)) {}
 
-  /// What a request is answered with: once, on whatever thread; nothing happens when the hub is
-  /// gone.
+  /// What a request is answered with: once, on whatever thread; nothing happens when the hub or
+  /// the client is gone.
   template <typename S>
   using Reply = std::function<void(const typename bus::ServiceType<S>::Response&)>;
   template <typename S>
