@@ -39,6 +39,7 @@ struct BagWriter::State {
   }
 
   void close_file() {
+    if (!file) return;  // the next could not be made
     file->close(bag_information(summary));
     file.reset();
     if (options.packing != BagPacking::kFile) return;
@@ -119,7 +120,7 @@ void BagWriter::write(std::size_t topic, Stamp stamp, std::span<const std::uint8
     fs::remove(state.folder / "metadata.yaml");
     state.open_file();
     state.closed = false;
-  } else if (state.is_full(stamp)) {
+  } else if (!state.file || state.is_full(stamp)) {
     state.close_file();
     state.open_file();
   }

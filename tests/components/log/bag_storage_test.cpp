@@ -213,6 +213,24 @@ TEST_F(BagFilesTest, ABagOfManyFilesIsOneBag) {
   }
 }
 
+TEST_F(BagFilesTest, WhereTheNextFileCannotBeMadeMessagesAreRefusedUntilItCan) {
+  for (const auto storage : {BagStorage::kSqlite3, BagStorage::kMcap}) {
+    const fs::path bag = folder_.path() / "blocked";
+    const std::vector<std::uint8_t> data(1'000, 1);
+    BagWriter writer(bag, {.storage = storage, .split_bytes = 1});
+    const std::size_t topic = writer.add_topic({"/a", "std_msgs/msg/String", "cdr", ""});
+    writer.write(topic, {0}, data);
+    const fs::path next = bag / (storage == BagStorage::kMcap ? "blocked_1.mcap" : "blocked_1.db3");
+    fs::create_directory(next);
+    for (int i = 0; i < 3; ++i) EXPECT_THROW(writer.write(topic, {1}, data), OutputError);
+    fs::remove(next);
+    writer.write(topic, {1}, data);
+    writer.close();
+    EXPECT_EQ(read_all(bag).stamps, numbers(2));
+    fs::remove_all(bag);
+  }
+}
+
 TEST_F(BagFilesTest, ABagIsSplitByTimeToo) {
   const fs::path bag = write({.storage = BagStorage::kMcap, .split_after = Duration{30}}, 90);
   EXPECT_TRUE(fs::exists(bag / "bag_2.mcap"));
