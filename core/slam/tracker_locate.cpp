@@ -38,6 +38,9 @@ constexpr double kAmbiguousStddevM = 0.3;
 /// in its way as it turns. In a round hall that is 1e-4 to 1e-3, on the real logs 0.05 or more.
 constexpr double kOpenHeading = 0.01;
 
+/// By how much another start must explain more.
+constexpr double kMargin = 0.02;
+
 /// The heading is held by this.
 constexpr double kFixedStddevRad = 1e-4;
 
@@ -83,17 +86,24 @@ Endpoints explained_at(const Endpoints& endpoints, const SurfaceMap& map, const 
   return result;
 }
 
-/// The pose with the guess's heading; nothing where the scan fits nowhere so. Where the heading is
-/// open the map would hold the robot back: wherever it turns, it fits best as it stood.
-std::optional<Pose2> match_at_heading(const Endpoints& endpoints,
-                                      const registration::MatchField& field, Pose2Gaussian guess,
-                                      const registration::MatchConfig& config) {
-  guess.covariance.row(2).setZero();
-  guess.covariance.col(2).setZero();
-  guess.covariance(2, 2) = kFixedStddevRad * kFixedStddevRad;
-  const registration::MatchResult fixed =
-      registration::match(endpoints, {}, field, guess.mean, &guess, config);
-  return fixed.converged ? std::optional(fixed.pose) : std::nullopt;
+/// Where the heading is open, the pose with the guess's: the map would hold the robot back, since
+/// it fits best as it stood wherever it turns. That of `found` otherwise, and where the guess's
+/// heading explains less. prior: what `found` was matched with.
+Pose2 with_known_heading(const registration::MatchResult& found, const Pose2Gaussian& guess,
+                         const Pose2Gaussian& prior, const Endpoints& endpoints,
+                         const registration::MatchField& field,
+                         const registration::MatchConfig& config) {
+  const Eigen::Matrix3d information = found.covariance.inverse() - prior.covariance.inverse();
+  if (!found.converged || !is_heading_open(information, endpoints, config)) return found.pose;
+  Pose2Gaussian straight = prior;
+  straight.mean.theta = guess.mean.theta;
+  straight.covariance.row(2).setZero();
+  straight.covariance.col(2).setZero();
+  straight.covariance(2, 2) = kFixedStddevRad * kFixedStddevRad;
+  const registration::MatchResult fixed = registration::match(
+      endpoints, {}, field, {found.pose.x, found.pose.y, guess.mean.theta}, &straight, config);
+  const bool is_as_good = fixed.converged && fixed.explained + kMargin >= found.explained;
+  return is_as_good ? fixed.pose : found.pose;
 }
 
 /// How far a robot without odometry may have come.
@@ -208,7 +218,6 @@ std::optional<registration::MatchResult> Tracker::match_still_alone(
 
 bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Gaussian& guess,
                      GuessFrom from, Pose2Gaussian& found, Eigen::Matrix3d& information) const {
-  constexpr double kMargin = 0.02;  // by how much another start must explain more
   if (endpoints.size() < kLeastHits) return false;
   const registration::MatchField& field = active_.front().map.field();
   registration::MatchResult result =
@@ -258,10 +267,8 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
       prior = &guess;
     }
   }
-  if (from != GuessFrom::kMotion && result.converged &&
-      is_heading_open(result.covariance.inverse() - prior->covariance.inverse(), endpoints,
-                      config_.match)) {
-    result.pose = match_at_heading(endpoints, field, guess, config_.match).value_or(result.pose);
+  if (from != GuessFrom::kMotion) {
+    result.pose = with_known_heading(result, guess, *prior, endpoints, field, config_.match);
   }
   const bool blind = from == GuessFrom::kMotion;
   if (!result.converged || (blind && result.explained < kBlindExplained)) return false;
