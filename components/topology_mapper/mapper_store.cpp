@@ -16,14 +16,17 @@ namespace {
 
 constexpr const char* kMarks = "topology/marks";
 constexpr const char* kNewest = "topology/newest";
+/// Of versions that kept every scan: the newest one's.
+constexpr const char* kOldOdometry = "topology/odometry";
 
-/// Nothing when it is not there.
+/// Nothing when it is not there, or null.
 template <typename T>
 std::optional<T> read(const memory::Store& store, const char* key) {
   const std::optional<std::string> text = store.find_text(key);
   if (!text) return std::nullopt;
   try {
-    return nlohmann::json::parse(*text).get<T>();
+    const nlohmann::json value = nlohmann::json::parse(*text);
+    return value.is_null() ? std::nullopt : std::optional(value.get<T>());
   } catch (const nlohmann::json::exception&) {
     throw InputError(store.path().string(), std::string("has a damaged ") + key,
                      "take it from a backup, or remove it to begin anew");
@@ -31,16 +34,16 @@ std::optional<T> read(const memory::Store& store, const char* key) {
 }
 
 /// A moment's stamp; its pose, and that of its odometry if it has one.
-using KeptMoment = std::pair<std::int64_t, std::vector<std::array<double, 3>>>;
+using SavedMoment = std::pair<std::int64_t, std::vector<std::array<double, 3>>>;
 
-KeptMoment to_kept(const topology::TrackedMoment& moment) {
+SavedMoment to_saved(const topology::TrackedMoment& moment) {
   const auto values = [](const Pose2& pose) { return std::array{pose.x, pose.y, pose.theta}; };
-  KeptMoment kept{moment.stamp.ns, {values(moment.map_from_robot)}};
+  SavedMoment kept{moment.stamp.ns, {values(moment.map_from_robot)}};
   if (moment.odom_from_robot) kept.second.push_back(values(*moment.odom_from_robot));
   return kept;
 }
 
-topology::TrackedMoment from_kept(const KeptMoment& kept) {
+topology::TrackedMoment from_saved(const SavedMoment& kept) {
   const auto pose = [](const std::array<double, 3>& values) {
     return Pose2{values[0], values[1], values[2]};
   };
@@ -69,9 +72,13 @@ std::optional<topology::TrackedMoment> MapperStore::restore(topology::TopologyMa
   for (; mark != marks_.cend(); ++mark) mapper.mark(mark->stamp);
   if (scans_ == 0) return std::nullopt;
   newest_ = mapper.newest();
-  const auto kept = read<KeptMoment>(store_, kNewest);
-  // Without it, of an older version or cut short: where the last scan was taken.
-  if (kept && !kept->second.empty() && kept->first >= newest_->stamp.ns) newest_ = from_kept(*kept);
+  const auto kept = read<SavedMoment>(store_, kNewest);
+  // Without it, of an older version: where the last scan was taken, whose odometry that one wrote.
+  if (kept && !kept->second.empty() && kept->first >= newest_->stamp.ns) {
+    newest_ = from_saved(*kept);
+  } else if (const auto odom = read<std::array<double, 3>>(store_, kOldOdometry); odom && !kept) {
+    newest_->odom_from_robot = Pose2{(*odom)[0], (*odom)[1], (*odom)[2]};
+  }
   return newest_;
 }
 
@@ -99,7 +106,7 @@ void MapperStore::flush() {
       for (const Mark& mark : marks_) marks.push_back({mark.after_scans, mark.stamp.ns});
       store_.save_text(kMarks, marks.dump());
     }
-    if (has_moved_on_) store_.save_text(kNewest, nlohmann::json(to_kept(*newest_)).dump());
+    if (has_moved_on_) store_.save_text(kNewest, nlohmann::json(to_saved(*newest_)).dump());
   });
   waiting_.clear();
   has_new_mark_ = false;

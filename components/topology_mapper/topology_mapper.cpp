@@ -56,6 +56,7 @@ bool TopologyMapper::resume(const Observation& first) {
 }
 
 void TopologyMapper::mark(Stamp stamp) {
+  if (mapper_->is_full()) return;
   mapper_->mark(stamp);
   if (store_) store_->mark(stamp);
 }

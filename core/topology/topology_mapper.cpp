@@ -102,12 +102,16 @@ std::vector<MadeVisit> TopologyMapper::add(const Observation& observation, const
 std::vector<MadeVisit> TopologyMapper::restore(const PosedScan& tracked) {
   ++state_->tracked;
   state_->newest = {tracked.scan.stamp, tracked.map_from_robot, std::nullopt};
+  // Older versions wrote those of a standing robot, too.
+  if (state_->is_beside_last(tracked.map_from_robot)) return {};
   return state_->keep_scan(tracked);
 }
 
 void TopologyMapper::resume_from(const TrackedMoment& newest) { state_->newest = newest; }
 
-void TopologyMapper::mark(Stamp stamp) { state_->maker.mark(stamp); }
+void TopologyMapper::mark(Stamp stamp) {
+  if (!state_->is_full()) state_->maker.mark(stamp);
+}
 
 std::vector<MadeVisit> TopologyMapper::finish() { return state_->maker.finish(); }
 
