@@ -124,7 +124,8 @@ std::vector<std::string> LogChecks::warnings() const {
                   "leave the position open in one direction (a bare corridor or hall): "
                   "odometry or given poses rule there"),
         std::pair(heading_open_,
-                  "leave the heading open (a round hall): odometry or given poses rule there"),
+                  "leave the heading open (a round hall): odometry or given poses rule there; "
+                  "without them the map is not to be trusted"),
         std::pair(few_, "hit too little to be matched: their poses are odometry's"),
         std::pair(empty_, "hit nothing within reach (an open hall?): their poses are odometry's"),
         std::pair(unmatched_, "fit no map: their poses are odometry's")}) {
