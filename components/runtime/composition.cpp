@@ -215,6 +215,7 @@ void read_discovery(const Section& section, Composition& composition) {
   }
   if (!section.find("static_peers").IsDefined()) return;
   network.static_peers = section.texts("static_peers");
+  if (network.static_peers.empty()) return;
   if (!network.is_alone && bus::asks_static_peers(network.transport)) return;
   if (has_transport || has_server) {
     throw ConfigError(section.place_of("static_peers"),

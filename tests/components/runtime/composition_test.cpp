@@ -145,6 +145,15 @@ TEST(Composition, SaysThatItsPeersAreNotAskedWhereTheEnvironmentForbidsIt) {
   EXPECT_THAT(notes_with("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"), testing::IsEmpty());
 }
 
+TEST(Composition, TakesAnEmptyListOfPeersWhereNoneWouldBeAsked) {
+  const std::string text = std::string("static_peers: []\n") + kOneComponent;
+  setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF", 1);
+  const Composition composition = read(text);
+  unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  EXPECT_THAT(composition.notes, testing::IsEmpty());
+  EXPECT_EQ(complaint_about("transport: loopback\n" + text), "no complaint");
+}
+
 TEST(Composition, LetsTheReleaseSayWhatLocalhostOnlyMeans) {
   setenv("ROS_LOCALHOST_ONLY", "1", 1);
   const Composition old = read(std::string("ros_distro: humble\n") + kOneComponent);
