@@ -64,6 +64,11 @@ runtime::Composition composition_of(const RecordOptions& options, const CommonOp
 void record(const RecordOptions& options, VerbContext& context) {
   const runtime::Composition composition = composition_of(options, context.options);
   for (const std::string& note : composition.notes) context.note("note: " + note);
+  if (composition.network.is_alone) {
+    context.note(
+        "note: no other process is heard: the environment says ROS_AUTOMATIC_DISCOVERY_RANGE=OFF; "
+        "name a --transport to record from others");
+  }
   const runtime::Registry registry = all_components();
   runtime::Host host(composition, composition.processes[0], registry, join(composition, context),
                      {});

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -16,6 +17,7 @@ namespace strata::tools {
 namespace {
 
 constexpr auto kPatience = std::chrono::seconds(60);
+constexpr const char* kHearsNobody = "note: no other process is heard";
 
 class RecordEnvironment : public testing::Test {
  protected:
@@ -55,6 +57,17 @@ TEST_F(RecordEnvironment, SaysDomainAndTransport) {
 TEST_F(RecordEnvironment, YieldsToOptions) {
   const auto recorder = record({"ROS_AUTOMATIC_DISCOVERY_RANGE=OFF"}, {"--transport", "loopback"});
   expect_meets_loopback(*recorder);
+  EXPECT_EQ(recorder->rest().find(kHearsNobody), std::string::npos);
+}
+
+TEST_F(RecordEnvironment, SaysThatItHearsNobodyWhereTheRangeIsOff) {
+  const auto recorder = record({"ROS_AUTOMATIC_DISCOVERY_RANGE=OFF"});
+  EXPECT_THAT(recorder->wait_for_line(kHearsNobody, kPatience),
+              testing::HasSubstr("ROS_AUTOMATIC_DISCOVERY_RANGE=OFF"));
+  ASSERT_NE(recorder->wait_for_line("recording into", kPatience), "");
+  recorder->send(SIGINT);
+  EXPECT_EQ(recorder->wait(), 0);
+  EXPECT_EQ(recorder->rest().find(kHearsNobody), std::string::npos) << "said twice";
 }
 
 TEST_F(RecordEnvironment, SaysRangePeersAndRelease) {
