@@ -226,7 +226,12 @@ void ReplaySession::finish(const std::filesystem::path& out) {
 void ReplaySession::stop() {
   if (recorder_) recorder_->stop();
   if (host_) host_->stop();
-  group_.stop({kStopPatience, [this] { return context_.interrupt().requested(); }});
+  try {
+    group_.stop({kStopPatience, [this] { return context_.interrupt().requested(); }});
+  } catch (const Error&) {
+    if (context_.interrupt().requested()) throw Cancelled("replay");
+    throw;
+  }
 }
 
 }  // namespace strata::tools

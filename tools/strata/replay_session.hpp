@@ -61,8 +61,8 @@ class ReplaySession {
   void play(std::size_t begin, std::size_t end, double rate);
   /// Every component does what needs all data and saves below `out`.
   void finish(const std::filesystem::path& out);
-  /// The end of a replay that is finished: processes have their time to write. Throws Error when
-  /// one did not end well.
+  /// The end of a replay that is finished: processes have their time to write, unless the user
+  /// interrupts it. Throws Error when one did not end well; Cancelled when that is why.
   void stop();
 
   [[nodiscard]] const runtime::Composition& composition() const { return composition_; }

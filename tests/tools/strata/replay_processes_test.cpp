@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include "tests/support/child_process.hpp"
@@ -77,6 +78,16 @@ TEST_F(ProcessesOfAReplay, HaveTheirTimeToWriteAtItsEnd) {
   test::ChildProcess replay(command(3.0, 1000.0));
   EXPECT_EQ(replay.wait(), 0) << replay.rest();
   EXPECT_TRUE(fs::exists(at("kept")));
+}
+
+TEST_F(ProcessesOfAReplay, AreNotBlamedWhenItIsInterruptedWhileTheyWrite) {
+  test::ChildProcess replay(command(10000.0, 1000.0), {}, test::ChildProcess::Errors::kMerged);
+  ASSERT_TRUE(comes_true([&] { return fs::exists(at("begun")); }));
+  replay.send(SIGINT);
+  EXPECT_EQ(replay.wait(), 1);
+  EXPECT_NE(replay.rest().find("strata replay: error: replay: stopped on request"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(at("out")));
 }
 
 TEST_F(ProcessesOfAReplay, WriteNothingWhenItIsKilled) {
