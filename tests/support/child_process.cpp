@@ -112,6 +112,16 @@ std::set<pid_t> ChildProcess::children() const {
   return {std::istream_iterator<pid_t>(in), {}};
 }
 
+pid_t ChildProcess::child_with(const std::string& word) const {
+  for (const pid_t child : children()) {
+    std::ifstream in("/proc/" + std::to_string(child) + "/cmdline");
+    for (std::string argument; std::getline(in, argument, '\0');) {
+      if (argument == word) return child;
+    }
+  }
+  return 0;
+}
+
 bool ChildProcess::read_more(std::chrono::steady_clock::time_point deadline) {
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
       deadline - std::chrono::steady_clock::now());

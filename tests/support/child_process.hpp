@@ -39,6 +39,8 @@ class ChildProcess {
   [[nodiscard]] pid_t pid() const { return pid_; }
   /// The processes that it started.
   [[nodiscard]] std::set<pid_t> children() const;
+  /// The one of them with this word on its command line; 0 when there is none.
+  [[nodiscard]] pid_t child_with(const std::string& word) const;
 
  private:
   /// False when nothing more comes until `deadline`.

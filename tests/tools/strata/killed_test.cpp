@@ -94,10 +94,10 @@ TEST_F(Killed, AProcessThatDiesIsStartedAgainAsItsPolicySays) {
   test::ChildProcess run({STRATA_PROGRAM, "run", "--quiet", at("restart.yaml").string(), "--set",
                           "domain=" + std::to_string(test::own_domain())});
   ASSERT_TRUE(comes_true([&] { return run.children().size() == 3; }));
-  const std::set<pid_t> begun = run.children();  // in the order of starting: one, two, three
-  const pid_t one = *begun.begin();
-  const pid_t two = *std::next(begun.begin());
-  const pid_t three = *begun.rbegin();
+  const pid_t one = run.child_with("one");
+  const pid_t two = run.child_with("two");
+  const pid_t three = run.child_with("three");
+  ASSERT_TRUE(one != 0 && two != 0 && three != 0);
   const auto is_replaced = [&](pid_t gone) {
     return comes_true([&] {
       const std::set<pid_t> now = run.children();
