@@ -76,7 +76,7 @@ std::optional<Interrupt::Overdue> Interrupt::overdue(Clock::time_point now) cons
     return Overdue::kHurried;
   }
   if (first_ && now - *first_ >= std::chrono::duration<double>(grace_s_.load())) {
-    return Overdue::kGraceIsOver;
+    return writes_at_the_end_.load() ? Overdue::kUnwritten : Overdue::kGraceIsOver;
   }
   return std::nullopt;
 }

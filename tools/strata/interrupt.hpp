@@ -20,7 +20,11 @@ namespace strata::tools {
 /// Another one does not: `ros2 launch` sends SIGINT and, 5 s later, SIGTERM.
 class Interrupt {
  public:
-  enum class Overdue { kGraceIsOver, kHurried };
+  enum class Overdue {
+    kGraceIsOver,
+    kUnwritten,  ///< as before, of work that had asked for time to write
+    kHurried
+  };
 
   explicit Interrupt(double grace_s = 1.6);
   ~Interrupt();
@@ -37,6 +41,7 @@ class Interrupt {
   void set_grace(double grace_s, double hurried_grace_s = 1.0) {
     grace_s_.store(grace_s);
     hurried_grace_s_.store(hurried_grace_s);
+    writes_at_the_end_.store(true);
   }
   /// For a process whose parent decides when it has waited for long enough.
   void ignore_further_signals() { may_be_hurried_.store(false); }
@@ -51,6 +56,7 @@ class Interrupt {
 
   std::atomic<double> grace_s_;
   std::atomic<double> hurried_grace_s_{1.0};
+  std::atomic<bool> writes_at_the_end_{false};
   std::atomic<bool> requested_{false};
   std::atomic<bool> hurried_{false};
   std::atomic<bool> may_be_hurried_{true};

@@ -52,16 +52,25 @@ int fail(const std::string& verb, const std::string& message, int code) {
   return code;
 }
 
+const char* what_overdue_means(Interrupt::Overdue why) {
+  switch (why) {
+    case Interrupt::Overdue::kHurried:
+      return "interrupted a second time, before all was written; run the command again";
+    case Interrupt::Overdue::kUnwritten:
+      return "did not end in its time; what it had not written yet is lost; look for a slow disk "
+             "or a component that hangs";
+    case Interrupt::Overdue::kGraceIsOver:
+      break;
+  }
+  return "interrupted; run the command again";
+}
+
 int run(int argc, char** argv) {
   StagedPaths staged;  // outlives the watcher of signals, which may empty it to the last
   Interrupt interrupt;
   interrupt.set_on_overdue([&staged](Interrupt::Overdue why) {
     staged.remove_all();
-    std::fputs(why == Interrupt::Overdue::kHurried
-                   ? "\nstrata: error: interrupted a second time, before all was written; run the "
-                     "command again\n"
-                   : "\nstrata: error: interrupted; run the command again\n",
-               stderr);
+    std::fprintf(stderr, "\nstrata: error: %s\n", what_overdue_means(why));
   });
   VerbContext context(interrupt, staged);
   CLI::App app("Maps that know change, for robots that stay", "strata");
