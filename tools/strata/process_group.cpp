@@ -101,10 +101,13 @@ void ProcessGroup::stop(const Patience& patience) {
   const std::vector<std::string> failed = end_all(patience);
   if (failed.empty()) return;
   const bool is_hurried = patience.is_hurried && patience.is_hurried();
-  throw Error("process " + failed.front(),
-              std::string(is_hurried ? "was ended in a hurry" : "did not end well in its time") +
-                  "; it may have lost what it had not written",
-              "see its message above");
+  std::string names = failed.front();
+  for (std::size_t i = 1; i < failed.size(); ++i) names += ", " + failed[i];
+  const bool is_one = failed.size() == 1;
+  throw Error((is_one ? "process " : "processes ") + names,
+              std::string(is_hurried ? "ended in a hurry" : "did not end well in time") +
+                  "; what was not yet written may be lost",
+              is_one ? "see its message above" : "see their messages above");
 }
 
 std::vector<std::string> ProcessGroup::end_all(const Patience& patience) noexcept {

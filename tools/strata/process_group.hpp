@@ -49,7 +49,7 @@ class ProcessGroup {
   /// Whether each of them has told that it works.
   [[nodiscard]] bool all_ready();
   /// SIGTERM to all, and SIGKILL to those that are still there when patience ends. Throws Error
-  /// that names one that was killed or failed meanwhile; all have ended then as well.
+  /// that names those that were killed or failed meanwhile; all have ended then as well.
   void stop(const Patience& patience);
   void stop() { stop(patience_); }
 

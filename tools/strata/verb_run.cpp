@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata run COMPOSITION.yaml`: starts the components over DDS until SIGINT or SIGTERM.
 #include <chrono>
+#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -105,9 +106,10 @@ class Supervision {
     try {
       while (!context_.interrupt().wait_for(0.1) && tend()) {
       }
-    } catch (...) {
+    } catch (const std::exception& failure) {
       // What could not even start is no service that stops.
       if (is_told_) tell_service_manager("STOPPING=1");
+      end_others(failure);
       throw;
     }
     tell_service_manager("STOPPING=1");
@@ -118,6 +120,17 @@ class Supervision {
   void start(const std::string& name) {
     group_.start(name, child_arguments(options_.composition, name, context_, false));
     restarts_.started(name, Restarts::Clock::now());
+  }
+
+  /// Says at once why, since the others may take their time, and which of them lost something.
+  void end_others(const std::exception& failure) {
+    if (group_.size() == 0) return;
+    context_.note(std::string("error: ") + failure.what() + "; the other processes end now");
+    try {
+      group_.stop();
+    } catch (const Error& loss) {
+      context_.note(std::string("warning: ") + loss.what());
+    }
   }
 
   /// Throws Error when one has failed for good; false when one has ended well for good.

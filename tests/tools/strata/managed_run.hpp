@@ -28,10 +28,10 @@ class ManagedRun : public testing::Test {
 
   [[nodiscard]] std::filesystem::path at(const char* name) const { return folder_.path() / name; }
   /// The components of a process: one of the library. parameters: besides its folder.
-  [[nodiscard]] std::string component(const char* type, const std::string& parameters = "") const {
-    return std::string("    components: [{type: gate::") + type +
-           ", name: gate, parameters: {folder: '" + folder_.path().string() + "'" + parameters +
-           "}}]\n";
+  [[nodiscard]] std::string component(const char* type, const std::string& parameters = "",
+                                      const std::string& name = "gate") const {
+    return std::string("    components: [{type: gate::") + type + ", name: " + name +
+           ", parameters: {folder: '" + folder_.path().string() + "'" + parameters + "}}]\n";
   }
   /// processes: YAML lines, indented.
   [[nodiscard]] std::unique_ptr<ChildProcess> run(const std::string& processes) const {

@@ -76,9 +76,9 @@ TEST_F(Stopping, WaitsForTheOthersWhenAProcessEndsByItself) {
     const bool failed = signal == SIGKILL;
     const auto process = run(in_several(kSlow));
     ASSERT_EQ(manager_.receive(kPatience), "READY=1");
-    const auto children = process->children();
-    ASSERT_EQ(children.size(), 2U);
-    kill(*children.begin(), signal);  // the first, which writes nothing
+    const pid_t first = process->child_with("first");  // which writes nothing
+    ASSERT_NE(first, 0);
+    kill(first, signal);
     EXPECT_EQ(manager_.receive(kPatience), "STOPPING=1") << signal;
     EXPECT_EQ(process->wait(), failed ? 1 : 0) << process->rest();
     EXPECT_EQ(manager_.receive(), "") << "nothing is told twice";
@@ -108,7 +108,37 @@ TEST_F(Stopping, OfOneProcessIsHurriedByASecondSignal) {
 
 TEST_F(Stopping, OfSeveralProcessesIsHurriedByASecondSignal) {
   const std::string said = said_when_hurried(in_several(kEndless));
-  EXPECT_NE(said.find("process slow: was ended in a hurry"), std::string::npos) << said;
+  EXPECT_NE(said.find("process slow: ended in a hurry"), std::string::npos) << said;
+}
+
+TEST_F(Stopping, SaysWhichProcessFailedBeforeTheOthersHaveEnded) {
+  const auto process = run(in_several(kEndless));
+  ASSERT_EQ(manager_.receive(kPatience), "READY=1");
+  const pid_t first = process->child_with("first");
+  ASSERT_NE(first, 0);
+  kill(first, SIGKILL);
+  EXPECT_NE(process->wait_for_line("error: process first: ended early", kPatience), "");
+  EXPECT_FALSE(std::filesystem::exists(at("kept")));
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (process->runs() && std::chrono::steady_clock::now() < deadline) {
+    process->send(SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_EQ(process->wait(), 1);
+  const std::string said = process->rest();
+  EXPECT_NE(said.find("warning: process slow: ended in a hurry"), std::string::npos) << said;
+  EXPECT_NE(said.find("error: process first: ended early"), std::string::npos) << said;
+}
+
+TEST_F(Stopping, NamesEveryProcessThatCouldNotWrite) {
+  constexpr const char* kFull = ", disk_is_full: true";
+  const auto process = run("  - name: one\n" + component("SlowStore", kFull, "gate_one") +
+                           "  - name: two\n" + component("SlowStore", kFull, "gate_two"));
+  ASSERT_EQ(manager_.receive(kPatience), "READY=1");
+  process->send(SIGTERM);
+  EXPECT_EQ(process->wait(), 1);
+  const std::string said = process->rest();
+  EXPECT_NE(said.find("processes one, two: did not end well in time"), std::string::npos) << said;
 }
 
 }  // namespace
