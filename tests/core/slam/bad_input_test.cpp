@@ -17,12 +17,12 @@ namespace {
 
 using test::drive_round;
 using test::record;
+using test::record_with;
 using test::ring;
 using test::run_slam;
 using test::Wall;
 using test::worst_error;
 using ::testing::Contains;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -137,59 +137,6 @@ TEST(BadInput, ABareCorridorIsSaidToBeAmbiguousAndLeftToOdometry) {
     EXPECT_NEAR(last.x, path.back().x * 1.03, 0.4);  // 3% is odometry's own error
     EXPECT_NEAR(last.y, 1.0, 0.1);
   }
-}
-
-/// Walls of a round hall, six metres from its middle.
-std::vector<Wall> round_hall() {
-  std::vector<Wall> walls;
-  constexpr int kSides = 180;
-  for (int i = 0; i < kSides; ++i) {
-    const double a = 2.0 * std::numbers::pi * i / kSides;
-    const double b = 2.0 * std::numbers::pi * (i + 1) / kSides;
-    walls.push_back({6.0 * std::cos(a), 6.0 * std::sin(a), 6.0 * std::cos(b), 6.0 * std::sin(b)});
-  }
-  return walls;
-}
-
-/// Turns a good half round on the way across the hall.
-std::vector<Pose2> across_a_hall() {
-  std::vector<Pose2> path;
-  for (int i = 0; i < 120; ++i) path.push_back({0.01 * i, 0.5, wrap_angle(0.03 * i)});
-  return path;
-}
-
-/// As a scanner of so many beams all round sees it.
-std::vector<Observation> record_with(int beams, const std::vector<Wall>& walls,
-                                     const std::vector<Pose2>& path, double noise_m = 0.01) {
-  std::vector<Observation> log = record(walls, path, 0, 43);
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    log[i].scan = test::scan_of(walls, path[i], 0.2 * static_cast<double>(i), noise_m, 43, beams,
-                                2.0 * std::numbers::pi);
-  }
-  return log;
-}
-
-TEST(BadInput, ARoundHallIsSaidToLeaveTheHeadingOpenWhichIsLeftToOdometry) {
-  const std::vector<Pose2> path = across_a_hall();
-  for (const double noise_m : {0.01, 0.03}) {
-    const std::vector<Observation> log = record_with(180, round_hall(), path, noise_m);
-    const SlamResult result = run_slam(log);
-    EXPECT_THAT(result.warnings, ElementsAre(HasSubstr("leave the heading open")));
-    const double turned_rad =
-        between(log.front().odom_from_robot, log.back().odom_from_robot).theta;
-    const double found_rad =
-        between(result.scans.front().map_from_robot, result.scans.back().map_from_robot).theta;
-    EXPECT_NEAR(angle_difference(found_rad, turned_rad), 0.0, 0.05);
-  }
-}
-
-TEST(BadInput, ARoundHallWithAStraightWallTellsTheHeading) {
-  std::vector<Wall> walls = round_hall();
-  walls.push_back({4.0, -4.5, 4.0, 4.5});
-  const std::vector<Pose2> path = across_a_hall();
-  const SlamResult result = run_slam(record_with(180, walls, path));
-  EXPECT_THAT(result.warnings, IsEmpty());
-  EXPECT_LT(worst_error(result, path, 0), 0.06);
 }
 
 TEST(BadInput, AScannerOfAFewBeamsIsLeftToOdometryAndSaidToBe) {

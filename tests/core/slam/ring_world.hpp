@@ -88,6 +88,17 @@ inline std::vector<Observation> record(const std::vector<Wall>& walls,
   return log;
 }
 
+/// As a scanner of so many beams all round sees it.
+inline std::vector<Observation> record_with(int beams, const std::vector<Wall>& walls,
+                                            const std::vector<Pose2>& path, double noise_m = 0.01) {
+  std::vector<Observation> log = record(walls, path, 0, 43);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    log[i].scan = scan_of(walls, path[i], 0.2 * static_cast<double>(i), noise_m, 43, beams,
+                          2.0 * std::numbers::pi);
+  }
+  return log;
+}
+
 /// After one rigid alignment.
 inline double worst_error(const slam::SlamResult& result, const std::vector<Pose2>& truth,
                           int run) {
