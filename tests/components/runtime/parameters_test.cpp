@@ -6,6 +6,7 @@
 
 #include "components/localizer/config.hpp"
 #include "components/settings/yaml_document.hpp"
+#include "core/base/error.hpp"
 
 namespace strata::runtime {
 namespace {
@@ -126,6 +127,17 @@ TEST(Parameters, ThatAreNotLiveWaitForTheNextConfigureAndSaySo) {
   EXPECT_THAT(outcome.reason, HasSubstr("configured again"));
   EXPECT_EQ(holder.active.count, 3);
   EXPECT_EQ(holder.configured().count, 7);
+}
+
+TEST(Parameters, ThatAreLiveSayWhatOfThemCouldNotBeDone) {
+  Holder holder;
+  holder.model.apply_live = [](const YAML::Node&) {
+    throw OutputError("a bag", "cannot be written", "free some space");
+  };
+  const ParameterChange outcome = holder.set({change("on", false)});
+  EXPECT_TRUE(outcome.ok) << "part of it may have been done";
+  EXPECT_THAT(outcome.reason, HasSubstr("not all of it could be done: cannot be written; free "));
+  EXPECT_FALSE(holder.configured().on);
 }
 
 TEST(Parameters, OfEachTypeComeThroughYamlUnchanged) {
