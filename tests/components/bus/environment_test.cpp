@@ -205,13 +205,16 @@ TEST_F(Environment, WithStaticPeersStillFindsOthers) {
   EXPECT_TRUE(writer.wait_for_readers(1, std::chrono::seconds(20)));
 }
 
-/// Whether all that these options give the middleware to talk through is one UDP transport.
+/// Whether all that these options give the middleware to talk through is one UDP transport, which
+/// asks as many processes of a host as ROS 2 does where nothing is multicast.
 bool is_udp_only(const ParticipantOptions& options) {
+  constexpr std::uint32_t kProcesses = 32;
   const auto qos = participant_qos(options);
   const auto& own = qos.transport().user_transports;
-  return !qos.transport().use_builtin_transports && own.size() == 1 &&
-         dynamic_cast<const eprosima::fastdds::rtps::UDPv4TransportDescriptor*>(
-             own.front().get()) != nullptr;
+  if (qos.transport().use_builtin_transports || own.size() != 1) return false;
+  const auto* udp =
+      dynamic_cast<const eprosima::fastdds::rtps::UDPv4TransportDescriptor*>(own.front().get());
+  return udp != nullptr && udp->max_initial_peers_range() == kProcesses;
 }
 
 TEST_F(Environment, OfAProfileWithoutSharedMemoryIsKeptByLocalhostAndByPeers) {
