@@ -199,7 +199,8 @@ double Localizer::annealing() const {
 }
 
 void Localizer::roughen_start() {
-  const int updates = config_.global_start.annealing_updates;
+  // Longer than half of the way it would blur a pose that was found by one mark and then sees none.
+  const int updates = (config_.global_start.annealing_updates + 1) / 2;
   if (annealed_updates_ >= updates || config_.global_start.roughening <= 0.0) return;
   const double left = 1.0 - static_cast<double>(annealed_updates_) / updates;
   const double spacing = pose_spacing(free_space_.area_m2(), most_particles_);
@@ -249,6 +250,10 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   moved_ = Pose2{};
   scans_since_weighed_ = 0;
   ++annealed_updates_;
+  // One place is left: nothing has to be kept apart any more.
+  if (position_stddev(pose) <= config_.recovery.uncertain_stddev_m) {
+    annealed_updates_ = std::max(annealed_updates_, config_.global_start.annealing_updates);
+  }
   return pose;
 }
 

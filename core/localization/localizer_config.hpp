@@ -39,8 +39,8 @@ struct GatingConfig {
 struct GlobalStartConfig {
   double particles_per_m2 = 500.0;
   int most_particles = 60000;
-  int annealing_updates = 16;
-  double annealing_factor = 4.0;
+  int annealing_updates = 32;
+  double annealing_factor = 8.0;
   double roughening = 0.5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -48,17 +48,19 @@ struct GlobalStartConfig {
             {.doc = "particles per free area", .unit = "1/m^2", .min = 1.0});
     v.field("most_particles", c.most_particles,
             {.doc = "never more", .unit = "particles", .min = 1});
-    v.field("annealing_updates", c.annealing_updates,
-            {.doc = "weighed scans until the temperature is the one for tracking",
-             .unit = "scans",
-             .min = 0});
+    v.field(
+        "annealing_updates", c.annealing_updates,
+        {.doc = "weighed scans until the temperature is the one for tracking; fewer when one place "
+                "is left before",
+         .unit = "scans",
+         .min = 0});
     v.field("annealing_factor", c.annealing_factor,
-            {.doc = "temperature at the start over that for tracking, halved in steps",
+            {.doc = "temperature at the start over that for tracking; falls to it in three steps",
              .unit = "1",
              .min = 1.0});
     v.field("roughening", c.roughening,
             {.doc = "spread added to the poses at the start over their mean distance from each "
-                    "other, falling to 0 with the last of these scans",
+                    "other, falling to 0 over the first half of these scans",
              .unit = "1",
              .min = 0.0});
   }
