@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A disk that is full when a recording ends: what `strata record` writes last is lost, and it says
+/// so.
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "components/bus/endpoint.hpp"
+#include "tests/components/bus/domain.hpp"
+#include "tests/support/child_process.hpp"
+#include "tests/support/comes_true.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr auto kPatience = std::chrono::seconds(60);
+
+std::uintmax_t bytes_in(const fs::path& folder) {
+  std::uintmax_t sum = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) sum += entry.file_size();
+  return sum;
+}
+
+/// A scan that does not become small when it is packed.
+sensor_msgs::msg::LaserScan large_scan() {
+  sensor_msgs::msg::LaserScan scan;
+  std::uint32_t number = 1;
+  for (int i = 0; i < 4'000; ++i) {
+    number = number * 1'664'525U + 1'013'904'223U;
+    scan.ranges().push_back(static_cast<float>(number) * 1e-9F);
+  }
+  return scan;
+}
+
+class RecordOnAFullDisk : public testing::TestWithParam<const char*> {
+ protected:
+  /// Writing fails there, as on a disk without space, instead of ending the process.
+  RecordOnAFullDisk() { (void)std::signal(SIGXFSZ, SIG_IGN); }
+  static void fill_disk(const test::ChildProcess& process) {
+    rlimit limit{};
+    ASSERT_EQ(prlimit(process.pid(), RLIMIT_FSIZE, nullptr, &limit), 0);
+    limit.rlim_cur = 0;
+    ASSERT_EQ(prlimit(process.pid(), RLIMIT_FSIZE, &limit, nullptr), 0);
+  }
+  [[nodiscard]] fs::path bag() const { return folder_.path() / "bag"; }
+
+ private:
+  const test::TemporaryDirectory folder_;
+};
+
+TEST_P(RecordOnAFullDisk, FailsAlsoWhenOnlyItsEndCannotBeWritten) {
+  test::ChildProcess recorder(
+      {STRATA_PROGRAM, "record", "--out", bag().string(), "--storage", GetParam(), "--topics",
+       "/scan:sensor_msgs/msg/LaserScan", "--transport", "loopback", "--domain",
+       std::to_string(test::own_domain())},
+      {}, test::ChildProcess::Errors::kMerged);
+  ASSERT_NE(recorder.wait_for_line("recording into", kPatience), "");
+  bus::Writer<sensor_msgs::msg::LaserScan> scans(test::make_participant(), "/scan",
+                                                 bus::qos_profile("lossless"));
+  ASSERT_TRUE(scans.raw().wait_for_readers(1, kPatience));
+  const std::uintmax_t before = bytes_in(bag());
+  scans.publish(large_scan());
+  // From then on nothing waits to be written but what ends a bag.
+  ASSERT_TRUE(test::comes_true([&] { return bytes_in(bag()) > before + 4'000; }));
+  fill_disk(recorder);
+  recorder.send(SIGINT);
+  EXPECT_EQ(recorder.wait(), 1);
+  EXPECT_THAT(recorder.rest(), AllOf(HasSubstr("strata record: error: " + bag().string()),
+                                     HasSubstr("free some space and record again")));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RecordOnAFullDisk, testing::Values("mcap", "sqlite3"));
+
+}  // namespace
+}  // namespace strata::tools
