@@ -2,11 +2,13 @@
 #include "core/localization/changing_beams.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace strata::localization {
 
 void ChangingBeams::Way::resize(std::size_t count) {
-  for (std::vector<double>* column : {&beam, &x_m, &y_m, &cosine, &sine, &from_m, &to_m, &skip}) {
+  for (std::vector<double>* column :
+       {&beam, &x_m, &y_m, &cosine, &sine, &from_m, &to_m, &skip, &boxes}) {
     if (column->size() < count) column->resize(2 * count);
   }
   if (of.size() < count) of.resize(2 * count);
@@ -14,7 +16,7 @@ void ChangingBeams::Way::resize(std::size_t count) {
 
 void ChangingBeams::Way::copy(std::size_t from, std::size_t to) {
   if (from == to) return;
-  for (std::vector<double>* column : {&beam, &x_m, &y_m, &cosine, &sine, &to_m}) {
+  for (std::vector<double>* column : {&beam, &x_m, &y_m, &cosine, &sine, &to_m, &boxes}) {
     (*column)[to] = (*column)[from];
   }
   of[to] = of[from];
@@ -27,18 +29,19 @@ void ChangingBeams::begin() {
   seen_.clear();
   begins_.assign(1, 0);
   events_.clear();
+  boxes_.clear();
 }
 
-void ChangingBeams::add(const RayFan& fan, const double* static_m, std::span<const RayBox> boxes,
-                        int current, int fixed) {
+void ChangingBeams::add(const PatchRayCaster& caster, const RayFan& fan, const double* static_m,
+                        std::span<const RayBox> boxes, int current, int fixed) {
   max_range_m_ = fan.max_range_m;
   std::size_t found = 0;
   if (!boxes.empty()) {
     way_.resize(rays_ + fan.count + RayCrossings::kSlack);
-    found =
-        cross_boxes(fan, static_m, boxes.data(), boxes.size(),
-                    {way_.beam.data() + rays_, way_.cosine.data() + rays_, way_.sine.data() + rays_,
-                     way_.from_m.data() + rays_, way_.to_m.data() + rays_});
+    found = cross_boxes(
+        fan, static_m, boxes.data(), boxes.size(),
+        {way_.beam.data() + rays_, way_.cosine.data() + rays_, way_.sine.data() + rays_,
+         way_.from_m.data() + rays_, way_.to_m.data() + rays_, way_.boxes.data() + rays_});
   }
   for (std::size_t k = rays_; k < rays_ + found; ++k) {
     way_.x_m[k] = fan.x_m;
@@ -48,7 +51,8 @@ void ChangingBeams::add(const RayFan& fan, const double* static_m, std::span<con
     beams_.push_back({static_cast<std::uint32_t>(way_.beam[k]), -1, 0, false});
     particle_.push_back(static_cast<std::uint32_t>(seen_.size()));
   }
-  seen_.push_back({current, fixed});
+  seen_.push_back({current, fixed, boxes_.size(), boxes.size() <= RayCrossings::kNamed});
+  for (const RayBox& box : boxes) boxes_.push_back(caster.owners_in(box, current));
   rays_ += found;
   begins_.push_back(rays_);
 }
@@ -61,6 +65,22 @@ std::uint64_t ChangingBeams::ended(const ChangingBeam& beam, std::int32_t submap
   return mask;
 }
 
+/// Whether ray k may come to a cell, in one of the boxes that it crosses, of a configuration that
+/// counts and has not ended the beam yet.
+bool ChangingBeams::may_meet_more(std::size_t k) const {
+  const std::uint32_t of = way_.of[k];
+  const Seen& seen = seen_[particle_[of]];
+  if (!seen.is_named) return true;
+  for (auto left = static_cast<std::uint64_t>(way_.boxes[k]); left != 0; left &= left - 1) {
+    const auto box = static_cast<std::size_t>(std::countr_zero(left));
+    for (const CellOwner& cells : boxes_[seen.first_box + box]) {
+      const std::uint64_t counts = PatchRayCaster::counting(cells.submap, seen.current, seen.fixed);
+      if ((cells.mask & counts & ~ended(beams_[of], cells.submap)) != 0) return true;
+    }
+  }
+  return false;
+}
+
 /// Ray k has come to a marked cell: keeps the event, and the ray as number `on` when it goes on.
 void ChangingBeams::meet(const PatchRayCaster& caster, std::size_t k, std::size_t& on) {
   const std::uint32_t of = way_.of[k];
@@ -69,7 +89,7 @@ void ChangingBeams::meet(const PatchRayCaster& caster, std::size_t k, std::size_
   const CellOwner cell = caster.owner(mark_[k], seen.current);
   const bool is_known = cell.submap == seen.current && seen.fixed >= 0;
   const std::uint64_t before = ended(beam, cell.submap);
-  const std::uint64_t counts = is_known ? std::uint64_t{1} << seen.fixed : ~std::uint64_t{0};
+  const std::uint64_t counts = PatchRayCaster::counting(cell.submap, seen.current, seen.fixed);
   const std::uint64_t fresh = cell.mask & ~before & counts;
   if (fresh != 0) {
     event_beam_.push_back(way_.beam[k]);
@@ -80,6 +100,7 @@ void ChangingBeams::meet(const PatchRayCaster& caster, std::size_t k, std::size_
     beam.is_ended = is_known || (before | fresh) == caster.all(cell.submap);
     if (beam.is_ended) return;
   }
+  if (!may_meet_more(k)) return;
   way_.copy(k, on);
   // From the middle of this cell on, through others like it.
   way_.from_m[on] = range_m_[k];

@@ -38,8 +38,8 @@ class ChangingBeams {
   /// The next particle, in sub-map `current`; fixed: the one configuration that counts there, -1
   /// for all. static_m: where each beam of the fan ends for certain, +infinity for nowhere. boxes:
   /// those of caster.boxes() that are near.
-  void add(const RayFan& fan, const double* static_m, std::span<const RayBox> boxes,
-           int current = -1, int fixed = -1);
+  void add(const PatchRayCaster& caster, const RayFan& fan, const double* static_m,
+           std::span<const RayBox> boxes, int current = -1, int fixed = -1);
   /// Follows all beams of all particles to where they end for certain.
   void follow(const PatchRayCaster& caster, const ScanMixture& mixture);
 
@@ -55,6 +55,7 @@ class ChangingBeams {
   /// Rays on their way, in columns.
   struct Way {
     std::vector<double> beam, x_m, y_m, cosine, sine, from_m, to_m, skip;
+    std::vector<double> boxes;      ///< which of the particle's it crosses, as RayCrossings
     std::vector<std::uint32_t> of;  ///< place in beams_
     void resize(std::size_t count);
     void copy(std::size_t from, std::size_t to);
@@ -62,8 +63,11 @@ class ChangingBeams {
   struct Seen {
     std::int32_t current = -1;
     std::int32_t fixed = -1;
+    std::size_t first_box = 0;  ///< in boxes_, as many as it has
+    bool is_named = true;       ///< none of its boxes is without a number
   };
   void meet(const PatchRayCaster& caster, std::size_t k, std::size_t& on);
+  [[nodiscard]] bool may_meet_more(std::size_t k) const;
   [[nodiscard]] std::uint64_t ended(const ChangingBeam& beam, std::int32_t submap) const;
 
   double max_range_m_ = 0.0;
@@ -76,6 +80,7 @@ class ChangingBeams {
   std::vector<std::uint32_t> particle_;  // of each beam
   std::vector<Seen> seen_;               // of each particle
   std::vector<std::size_t> begins_;
+  std::vector<std::span<const CellOwner>> boxes_;  // what is in those of each particle
   std::vector<Event> events_;
 };
 

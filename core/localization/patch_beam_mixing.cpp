@@ -21,6 +21,44 @@ bool is_pair(const ChangingBeam& beam, const ChangingBeams& changing) {
   return changing.event(last.previous).ray.submap == last.ray.submap;
 }
 
+/// mix_events for a beam that met two different sub-maps, as most that met several did; the same
+/// bits.
+class TwoEvents {
+ public:
+  TwoEvents(const std::vector<RayEvent>& events, const std::vector<double>& values,
+            double end_value, const PatchStates& states, std::span<const float> belief)
+      : events_(events), values_(values), end_value_(end_value) {
+    is_all_ = events.size() == 2 && events[0].submap != events[1].submap;
+    for (std::size_t e = 0; e < 2 && is_all_; ++e) {
+      const float* const own = belief.data() + states.offset(to_place(events[e].submap));
+      for (std::uint64_t left = events[e].mask; left != 0; left &= left - 1) {
+        probability_[e] += static_cast<double>(own[std::countr_zero(left)]);
+      }
+    }
+  }
+  /// Whether there are no others.
+  [[nodiscard]] bool is_all() const { return is_all_; }
+  [[nodiscard]] double mixed(int fixed_submap, int fixed_patch) const {
+    const double near = probability(0, fixed_submap, fixed_patch);
+    const double far = probability(1, fixed_submap, fixed_patch);
+    const double past_near = std::max(0.0, 1.0 - near);
+    const double past_far = std::max(0.0, 1.0 - far);
+    return near * values_[0] + past_near * far * values_[1] + past_near * past_far * end_value_;
+  }
+
+ private:
+  [[nodiscard]] double probability(std::size_t e, int fixed_submap, int fixed_patch) const {
+    if (events_[e].submap != fixed_submap) return probability_[e];
+    return (events_[e].mask >> fixed_patch & 1U) != 0 ? 1.0 : 0.0;
+  }
+
+  const std::vector<RayEvent>& events_;
+  const std::vector<double>& values_;
+  double end_value_;
+  bool is_all_ = false;
+  double probability_[2] = {0.0, 0.0};
+};
+
 }  // namespace
 
 std::span<const float> PatchBeamModel::belief(const ParticleSet& particles, std::size_t i) const {
@@ -97,12 +135,15 @@ double PatchBeamModel::mix_many(const ParticleSet& particles, std::size_t i,
   }
   const double end_value = std::exp(log_static);
   const std::span<const float> row = belief(particles, i);
+  const TwoEvents two(scratch.events, scratch.values, end_value, states_, row);
+  const auto log_mixed = [&](int s, int k) {
+    if (two.is_all()) return std::log(two.mixed(s, k));
+    return std::log(mix_events(scratch.events, scratch.values, end_value, states_, row, s, k));
+  };
   if (states_.memory() == PatchMemory::kNone) {
-    return std::log(mix_events(scratch.events, scratch.values, end_value, states_, row,
-                               particles.submap[i], particles.patch[i]));
+    return log_mixed(particles.submap[i], particles.patch[i]);
   }
-  const double mixed =
-      std::log(mix_events(scratch.events, scratch.values, end_value, states_, row));
+  const double mixed = log_mixed(-1, -1);
   for (std::size_t e = 0; e < scratch.events.size(); ++e) {
     const std::int32_t s = scratch.events[e].submap;
     bool is_first = true;
@@ -111,9 +152,7 @@ double PatchBeamModel::mix_many(const ParticleSet& particles, std::size_t i,
     touch(s, scratch);
     const std::size_t offset = states_.offset(to_place(s));
     for (int k = 0; k < states_.count(to_place(s)); ++k) {
-      const double known =
-          mix_events(scratch.events, scratch.values, end_value, states_, row, s, k);
-      scratch.log_ratio[offset + to_place(k)] += std::log(known) - mixed;
+      scratch.log_ratio[offset + to_place(k)] += log_mixed(s, k) - mixed;
     }
   }
   return mixed;

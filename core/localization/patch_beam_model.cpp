@@ -70,14 +70,16 @@ void PatchBeamModel::cast(const ScanScratch& scan, const ParticleSet& particles,
     caster_.cast_static(fan, scratch.static_m.data(), scratch.cells.data());
     scan.mixture.log_likelihoods(0, beams.size(), scratch.static_m.data(),
                                  scratch.logs.data() + (i - begin) * beams.size());
+    const int fixed = is_sampled ? particles.patch[i] : -1;
     scratch.boxes.clear();
     for (const RayBox& box : scratch.chunk_boxes) {
+      if (!caster_.may_end_beams(box, particles.submap[i], fixed)) continue;
       const double dx = std::max({box.min_x_m - laser.x, laser.x - box.max_x_m, 0.0});
       const double dy = std::max({box.min_y_m - laser.y, laser.y - box.max_y_m, 0.0});
       if (dx * dx + dy * dy < beams.r_max_m * beams.r_max_m) scratch.boxes.push_back(box);
     }
-    scratch.changing.add(fan, scratch.static_m.data(), scratch.boxes, particles.submap[i],
-                         is_sampled ? particles.patch[i] : -1);
+    scratch.changing.add(caster_, fan, scratch.static_m.data(), scratch.boxes, particles.submap[i],
+                         fixed);
   }
   scratch.changing.follow(caster_, scan.mixture);
 }

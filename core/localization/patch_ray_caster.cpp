@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -19,11 +20,11 @@ std::uint64_t occupied_mask(const patch::PatchMap& map, std::size_t s, const Cel
   return mask;
 }
 
-/// Cells of a rectangle as a box, with a cell to spare on each side.
+/// Cells of a rectangle as a box, with a quarter of a cell to spare on each side, so that a ray
+/// that enters it is in none of them yet.
 RayBox box_of(const CellRect& rect, double resolution_m) {
-  const CellRect wide = rect.inflated(1);
-  return {wide.min.x * resolution_m, wide.min.y * resolution_m, wide.max.x * resolution_m,
-          wide.max.y * resolution_m};
+  return {(rect.min.x - 0.25) * resolution_m, (rect.min.y - 0.25) * resolution_m,
+          (rect.max.x + 0.25) * resolution_m, (rect.max.y + 0.25) * resolution_m};
 }
 
 }  // namespace
@@ -45,6 +46,7 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
   const Grid<std::int32_t> marks = mark_cells(map, rect, fixed);
   static_ = RayWalker(fixed);
   std::vector<CellRect> changing(map.submaps.size());
+  std::vector<std::set<std::int32_t>> marks_in(map.submaps.size());
   CellRect whole;
   for (std::size_t i = 0; i < marks.size(); ++i) {
     if (marks.values()[i] == 0) continue;
@@ -56,9 +58,14 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
     CellRect& of = changing[static_cast<std::size_t>(owners_[n].submap)];
     of = of.united(one);
     whole = whole.united(one);
+    marks_in[static_cast<std::size_t>(owners_[n].submap)].insert(marks.values()[i]);
   }
-  for (const CellRect& of : changing) {
-    if (!of.empty()) boxes_.push_back(box_of(of, map.base.resolution_m()));
+  for (std::size_t s = 0; s < changing.size(); ++s) {
+    if (changing[s].empty()) continue;
+    RayBox box = box_of(changing[s], map.base.resolution_m());
+    box.number = boxes_.size();
+    boxes_.push_back(box);
+    contents_.push_back(contents_of(marks_in[s]));
   }
   // With a margin, so that every ray steps into a marked cell from one that is not.
   Grid<std::int32_t> near(map.base.resolution_m(), whole.inflated(2));
@@ -67,6 +74,43 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
     if (marks.contains(cell)) near.values()[i] = marks.at(cell);
   }
   changing_ = RayWalker(near);
+}
+
+/// Adds cells of a mark to what is in a box.
+void PatchRayCaster::BoxContent::add(std::int32_t submap, std::uint64_t mask) {
+  if (mask == 0) return;
+  const auto is_same = [&](const CellOwner& owner) { return owner.submap == submap; };
+  const auto found = std::find_if(owners.begin(), owners.end(), is_same);
+  if (found == owners.end()) {
+    owners.push_back({submap, mask});
+  } else {
+    found->mask |= mask;
+  }
+}
+
+/// What is in a box with cells of these marks: as seen from elsewhere, and from each sub-map that
+/// owns some of them.
+std::vector<PatchRayCaster::BoxContent> PatchRayCaster::contents_of(
+    const std::set<std::int32_t>& marks) const {
+  std::vector<BoxContent> contents(1);
+  for (const std::int32_t mark : marks) {
+    const auto place = static_cast<std::size_t>(mark);
+    for (std::size_t n = begins_[place]; n < begins_[place + 1]; ++n) {
+      const auto is_same = [&](const BoxContent& content) {
+        return content.current == owners_[n].submap;
+      };
+      if (std::none_of(contents.begin(), contents.end(), is_same)) {
+        contents.push_back({owners_[n].submap, {}});
+      }
+    }
+  }
+  for (BoxContent& content : contents) {
+    for (const std::int32_t mark : marks) {
+      const CellOwner cell = owner(mark, content.current);
+      content.add(cell.submap, cell.mask);
+    }
+  }
+  return contents;
 }
 
 /// The mark of each cell that is an obstacle in some configurations: cells with the same owners
@@ -118,6 +162,21 @@ CellOwner PatchRayCaster::owner(std::int32_t mark, int current) const {
     if (owners_[n].submap == current) return owners_[n];
   }
   return owners_[begins_[place]];
+}
+
+std::span<const CellOwner> PatchRayCaster::owners_in(const RayBox& box, int current) const {
+  const std::vector<BoxContent>& contents = contents_[box.number];
+  for (std::size_t n = 1; n < contents.size(); ++n) {
+    if (contents[n].current == current) return contents[n].owners;
+  }
+  return contents.front().owners;
+}
+
+bool PatchRayCaster::may_end_beams(const RayBox& box, int current, int fixed) const {
+  for (const CellOwner& cells : owners_in(box, current)) {
+    if ((cells.mask & counting(cells.submap, current, fixed)) != 0) return true;
+  }
+  return false;
 }
 
 void PatchRayCaster::events(double x_m, double y_m, double c, double s, double max_range_m,

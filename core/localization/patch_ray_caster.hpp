@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -52,6 +53,17 @@ class PatchRayCaster {
   }
   /// Where such cells are, at most one box a sub-map.
   [[nodiscard]] const std::vector<RayBox>& boxes() const { return boxes_; }
+  /// Which configurations there are cells of in one of boxes(), each sub-map once, seen by a
+  /// particle in `current`.
+  [[nodiscard]] std::span<const CellOwner> owners_in(const RayBox& box, int current) const;
+  /// Whether any of them counts, as below.
+  [[nodiscard]] bool may_end_beams(const RayBox& box, int current, int fixed) const;
+  /// The configurations of a sub-map that count when `current` is known to be in `fixed`; -1: it is
+  /// not known.
+  [[nodiscard]] static std::uint64_t counting(std::int32_t submap, int current, int fixed) {
+    if (submap != current || fixed < 0) return ~std::uint64_t{0};
+    return std::uint64_t{1} << fixed;
+  }
   /// Whose cells of this mark are, seen by a particle in `current`.
   [[nodiscard]] CellOwner owner(std::int32_t mark, int current) const;
   /// The mask of all configurations of a sub-map.
@@ -63,12 +75,22 @@ class PatchRayCaster {
   [[nodiscard]] Grid<std::int32_t> mark_cells(const patch::PatchMap& map, const CellRect& rect,
                                               Grid<std::uint8_t>& fixed);
 
+  /// Of which configurations there are cells in a box, each sub-map once, for particles in
+  /// `current`; -1: for those in none that owns some of them.
+  struct BoxContent {
+    std::int32_t current = -1;
+    std::vector<CellOwner> owners;
+    void add(std::int32_t submap, std::uint64_t mask);
+  };
+  [[nodiscard]] std::vector<BoxContent> contents_of(const std::set<std::int32_t>& marks) const;
+
   RayWalker static_;
   RayWalker changing_;
   std::vector<CellOwner> owners_;
   std::vector<std::size_t> begins_;  // of a mark's owners in owners_; one more at the end
   std::vector<std::uint64_t> all_;
   std::vector<RayBox> boxes_;
+  std::vector<std::vector<BoxContent>> contents_;  // of each box
 };
 
 /// p(z) of one beam when sub-map s is in configuration k with probability belief[offset(s) + k],

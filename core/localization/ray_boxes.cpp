@@ -45,6 +45,8 @@ std::size_t cross_boxes_lanes(const RayFan& fan, const double* end_m, const RayB
     const auto last = hn::Min(hn::LoadU(d, end), hn::Set(d, fan.max_range_m));
     auto from = hn::Set(d, fan.max_range_m);
     auto to = zero;
+    auto crossed = zero;
+    double power = 1.0;
     for (std::size_t b = 0; b < box_count; ++b) {
       const auto x0 = hn::Mul(hn::Sub(hn::Set(d, boxes[b].min_x_m), x), inverse_c);
       const auto x1 = hn::Mul(hn::Sub(hn::Set(d, boxes[b].max_x_m), x), inverse_c);
@@ -55,15 +57,19 @@ std::size_t cross_boxes_lanes(const RayFan& fan, const double* end_m, const RayB
       const auto crosses = hn::Lt(entry, exit);
       from = hn::IfThenElse(crosses, hn::Min(from, entry), from);
       to = hn::IfThenElse(crosses, hn::Max(to, exit), to);
+      crossed = hn::Add(crossed, hn::IfThenElseZero(crosses, hn::Set(d, power)));
+      power = b + 1 < RayCrossings::kNamed ? 2.0 * power : 0.0;
     }
     auto crosses = hn::Lt(from, to);
     const auto ray = hn::Iota(d, static_cast<double>(k));
     crosses = hn::And(crosses, hn::Lt(ray, hn::Set(d, static_cast<double>(fan.count))));
+    if (hn::AllFalse(d, crosses)) return;
     hn::CompressStore(ray, crosses, d, found.ray + count);
     hn::CompressStore(c, crosses, d, found.cosine + count);
     hn::CompressStore(s, crosses, d, found.sine + count);
     hn::CompressStore(from, crosses, d, found.from_m + count);
     hn::CompressStore(to, crosses, d, found.to_m + count);
+    hn::CompressStore(crossed, crosses, d, found.boxes + count);
     count += hn::CountTrue(d, crosses);
   };
   std::size_t k = 0;

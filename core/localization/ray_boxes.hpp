@@ -14,6 +14,7 @@ struct RayBox {
   double min_y_m = 0.0;
   double max_x_m = 0.0;
   double max_y_m = 0.0;
+  std::size_t number = 0;  ///< to tell it from others
 };
 
 /// Where rays of a fan cross boxes; columns with room for fan.count + kSlack entries.
@@ -24,6 +25,8 @@ struct RayCrossings {
   double* sine = nullptr;
   double* from_m = nullptr;  ///< first entry into any of the boxes
   double* to_m = nullptr;    ///< last exit from any of them, not beyond the ray's end
+  double* boxes = nullptr;   ///< which it crosses of the first kNamed: sum of 2^place
+  static constexpr std::size_t kNamed = 52;
 };
 
 /// Fills `found` with the rays of `fan` that cross at least one box before end_m[k] (or the fan's

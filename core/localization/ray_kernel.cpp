@@ -74,12 +74,14 @@ struct Rays {
   Lanes t, end, i, j;
   hn::Mask<Tag> is_active, is_hit;
 
-  /// from, to: in cells.
-  HWY_INLINE Rays(const Axis& x_axis, const Axis& y_axis, Lanes from, Lanes to)
+  /// from, to: in cells; cut to the table first unless they are inside.
+  HWY_INLINE Rays(const Axis& x_axis, const Axis& y_axis, Lanes from, Lanes to, bool is_inside)
       : x(x_axis), y(y_axis), t(from), end(to) {
     const Tag d;
-    x.clip(t, end);
-    y.clip(t, end);
+    if (!is_inside) {
+      x.clip(t, end);
+      y.clip(t, end);
+    }
     is_active = hn::Lt(t, end);
     is_hit = hn::Lt(t, hn::Zero(d));  // none yet
     i = x.first_cell(t);
@@ -165,7 +167,7 @@ HWY_INLINE Rays rays_at(const RayTable& table, const RayFan& fan, const double* 
   const auto x = hn::Set(d, fan.x_m / table.resolution_m - table.min_x);
   const auto y = hn::Set(d, fan.y_m / table.resolution_m - table.min_y);
   return Rays(Axis(x, c, table.width), Axis(y, s, table.height), hn::Zero(d),
-              hn::Set(d, fan.max_range_m / table.resolution_m));
+              hn::Set(d, fan.max_range_m / table.resolution_m), false);
 }
 
 /// kAbreast vectors of rays.
@@ -218,7 +220,7 @@ HWY_INLINE Rays rays_of(const RayTable& table, const RayBatch& batch, std::size_
   return Rays(Axis(x, hn::LoadU(d, batch.cosine + k), table.width),
               Axis(y, hn::LoadU(d, batch.sine + k), table.height),
               hn::Div(hn::LoadU(d, batch.from_m + k), resolution),
-              hn::Div(hn::LoadU(d, batch.to_m + k), resolution));
+              hn::Div(hn::LoadU(d, batch.to_m + k), resolution), true);
 }
 
 /// Two vectors abreast, from k on.

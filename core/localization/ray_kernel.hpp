@@ -51,7 +51,7 @@ struct RayBatch {
 };
 
 /// As cast_rays, with the mark of the cell met (RayWalker::mark) in place of its number; 0: none.
-/// Requires finite numbers.
+/// Requires finite numbers, and that the rays are inside the table from from_m to to_m.
 void cast_batch(const RayTable& table, const RayBatch& batch, double* range_m, std::int32_t* mark);
 
 }  // namespace strata::localization

@@ -269,9 +269,10 @@ TEST(RayBoxes, AreThoseThatStepsAlongTheRayFallInto) {
                      cosine.size(),
                      5.0};
     const std::size_t room = fan.count + RayCrossings::kSlack;
-    std::vector<double> ray(room), c(room), s(room), from(room), to(room);
-    const std::size_t found = cross_boxes(fan, end.data(), boxes.data(), boxes.size(),
-                                          {ray.data(), c.data(), s.data(), from.data(), to.data()});
+    std::vector<double> ray(room), c(room), s(room), from(room), to(room), which(room);
+    const std::size_t found =
+        cross_boxes(fan, end.data(), boxes.data(), boxes.size(),
+                    {ray.data(), c.data(), s.data(), from.data(), to.data(), which.data()});
     std::size_t place = 0;
     for (std::size_t k = 0; k < fan.count; ++k) {
       const bool is_found = place < found && ray[place] == static_cast<double>(k);
