@@ -33,16 +33,25 @@ std::size_t cross_boxes_lanes(const RayFan& fan, const double* end_m, const RayB
   const auto zero = hn::Zero(d);
   const auto hc = hn::Set(d, fan.heading_cosine);
   const auto hs = hn::Set(d, fan.heading_sine);
+  // No box is nearer than this.
+  double nearest_m = fan.max_range_m;
+  for (std::size_t b = 0; b < box_count; ++b) {
+    const double dx = std::max({boxes[b].min_x_m - fan.x_m, fan.x_m - boxes[b].max_x_m, 0.0});
+    const double dy = std::max({boxes[b].min_y_m - fan.y_m, fan.y_m - boxes[b].max_y_m, 0.0});
+    nearest_m = std::min(nearest_m, std::max(dx, dy));
+  }
+  const auto nearest = hn::Set(d, nearest_m);
   std::size_t count = 0;
   const auto cross = [&](std::size_t k, const double* cosine, const double* sine,
                          const double* end) {
+    const auto last = hn::Min(hn::LoadU(d, end), hn::Set(d, fan.max_range_m));
+    if (hn::AllFalse(d, hn::Gt(last, nearest))) return;
     const auto bc = hn::LoadU(d, cosine);
     const auto bs = hn::LoadU(d, sine);
     const auto c = hn::Sub(hn::Mul(hc, bc), hn::Mul(hs, bs));
     const auto s = hn::Add(hn::Mul(hs, bc), hn::Mul(hc, bs));
     const auto inverse_c = finite_inverse(c);
     const auto inverse_s = finite_inverse(s);
-    const auto last = hn::Min(hn::LoadU(d, end), hn::Set(d, fan.max_range_m));
     auto from = hn::Set(d, fan.max_range_m);
     auto to = zero;
     auto crossed = zero;
