@@ -52,7 +52,11 @@ void ChangingBeams::add(const PatchRayCaster& caster, const RayFan& fan, const d
     particle_.push_back(static_cast<std::uint32_t>(seen_.size()));
   }
   seen_.push_back({current, fixed, boxes_.size(), boxes.size() <= RayCrossings::kNamed});
-  for (const RayBox& box : boxes) boxes_.push_back(caster.owners_in(box, current));
+  for (const RayBox& box : boxes) {
+    const std::span<const CellOwner> owners = caster.owners_in(box, current);
+    boxes_.push_back(owners.size() == 1 ? owners.front() : CellOwner{});
+    boxes_.back().mask &= PatchRayCaster::counting(boxes_.back().submap, current, fixed);
+  }
   rays_ += found;
   begins_.push_back(rays_);
 }
@@ -68,15 +72,13 @@ std::uint64_t ChangingBeams::ended(const ChangingBeam& beam, std::int32_t submap
 /// Whether ray k may come to a cell, in one of the boxes that it crosses, of a configuration that
 /// counts and has not ended the beam yet.
 bool ChangingBeams::may_meet_more(std::size_t k) const {
-  const std::uint32_t of = way_.of[k];
-  const Seen& seen = seen_[particle_[of]];
+  const ChangingBeam& beam = beams_[way_.of[k]];
+  const Seen& seen = seen_[particle_[way_.of[k]]];
   if (!seen.is_named) return true;
   for (auto left = static_cast<std::uint64_t>(way_.boxes[k]); left != 0; left &= left - 1) {
     const auto box = static_cast<std::size_t>(std::countr_zero(left));
-    for (const CellOwner& cells : boxes_[seen.first_box + box]) {
-      const std::uint64_t counts = PatchRayCaster::counting(cells.submap, seen.current, seen.fixed);
-      if ((cells.mask & counts & ~ended(beams_[of], cells.submap)) != 0) return true;
-    }
+    const CellOwner& cells = boxes_[seen.first_box + box];
+    if (cells.submap < 0 || (cells.mask & ~ended(beam, cells.submap)) != 0) return true;
   }
   return false;
 }

@@ -80,7 +80,7 @@ class ChangingBeams {
   std::vector<std::uint32_t> particle_;  // of each beam
   std::vector<Seen> seen_;               // of each particle
   std::vector<std::size_t> begins_;
-  std::vector<std::span<const CellOwner>> boxes_;  // what is in those of each particle
+  std::vector<CellOwner> boxes_;  // what counts in those of each particle; -1: several sub-maps
   std::vector<Event> events_;
 };
 

@@ -239,6 +239,44 @@ INSTANTIATE_TEST_SUITE_P(EveryMemory, PatchBeams,
                          ::testing::Values(PatchMemory::kNone, PatchMemory::kShared,
                                            PatchMemory::kPerParticle));
 
+TEST(RayBoxes, HoldTheOwnersOfAllThatRaysMeetInThem) {
+  RandomStream random(34, StreamId::kTest);
+  int met = 0;
+  int without = 0;
+  for (int round = 0; round < 40; ++round) {
+    const auto map = random_map(random, round % 2 == 0, round % 3 == 0 ? 4 : 2);
+    const PatchRayCaster caster(*map);
+    std::vector<RayEvent> events;
+    for (int n = 0; n < 200; ++n) {
+      const int current = static_cast<int>(random.below(4)) - 1;
+      const double x = random.uniform(-0.5, 6.0);
+      const double y = random.uniform(-0.3, 2.4);
+      const double angle = random.uniform(-3.1, 3.1);
+      caster.events(x, y, std::cos(angle), std::sin(angle), 5.0, current, events);
+      for (const RayEvent& event : events) {
+        if (event.submap < 0) continue;
+        const double at_x = x + event.range_m * std::cos(angle);
+        const double at_y = y + event.range_m * std::sin(angle);
+        std::uint64_t held = 0;
+        for (const RayBox& box : caster.boxes()) {
+          if (at_x < box.min_x_m || at_x > box.max_x_m || at_y < box.min_y_m || at_y > box.max_y_m)
+            continue;
+          for (const CellOwner& owner : caster.owners_in(box, current)) {
+            if (owner.submap == event.submap) held |= owner.mask;
+          }
+        }
+        ASSERT_EQ(held & event.mask, event.mask) << round << ' ' << n;
+        ++met;
+      }
+    }
+    for (const RayBox& box : caster.boxes()) {
+      for (int s = 0; s < 3; ++s) without += caster.may_end_beams(box, s, 0) ? 0 : 1;
+    }
+  }
+  EXPECT_GT(met, 500);
+  EXPECT_GT(without, 10);  // there are boxes in which the known configuration has nothing
+}
+
 TEST(RayBoxes, AreThoseThatStepsAlongTheRayFallInto) {
   RandomStream random(33, StreamId::kTest);
   int crossed = 0;
@@ -279,12 +317,15 @@ TEST(RayBoxes, AreThoseThatStepsAlongTheRayFallInto) {
       const double limit = std::min(end[k], fan.max_range_m);
       double first = kNothing;
       double last = -1.0;
+      std::uint64_t inside = 0;  // boxes
       for (double t = 0.0; t < limit; t += 0.002) {
         const double x = fan.x_m + t * cosine[k];
         const double y = fan.y_m + t * sine[k];
-        for (const RayBox& box : boxes) {
+        for (std::size_t b = 0; b < boxes.size(); ++b) {
+          const RayBox& box = boxes[b];
           if (x <= box.min_x_m || x >= box.max_x_m || y <= box.min_y_m || y >= box.max_y_m)
             continue;
+          inside |= std::uint64_t{1} << b;
           first = std::min(first, t);
           last = t;
         }
@@ -293,6 +334,8 @@ TEST(RayBoxes, AreThoseThatStepsAlongTheRayFallInto) {
         ASSERT_TRUE(is_found);
         EXPECT_NEAR(from[place], first, 0.0021);
         EXPECT_NEAR(to[place], last, 0.0021);
+        EXPECT_EQ(static_cast<std::uint64_t>(which[place]) & inside, inside);
+        EXPECT_LT(which[place], 8.0);
         EXPECT_EQ(c[place], cosine[k]);
         EXPECT_EQ(s[place], sine[k]);
         ++crossed;
