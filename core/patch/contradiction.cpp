@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/patch/jitter.hpp"
+#include "core/patch/surface_spread.hpp"
 
 namespace strata::patch {
 namespace {
@@ -94,6 +95,32 @@ Grid<std::uint8_t> drop_lonely(const Grid<std::uint8_t>& mask, int least) {
   return result;
 }
 
+/// Whether some visit found the cell free and looked across the surface.
+bool was_seen_gone(const VisitTable& table, const Cell& cell, const ContradictionConfig& config,
+                   std::span<const Cell> around, const SurfaceSpread& surface) {
+  const auto visits = table.at(cell);
+  return std::any_of(visits.begin(), visits.end(), [&](const Visit& visit) {
+    return static_cast<double>(visit.hits) <= config.few_free_share * visit.total() &&
+           surface.misses_across(visit) >= config.min_across &&
+           !was_hit_nearby(table, cell, visit, around);
+  });
+}
+
+/// Clears the cells of each component that no visit saw free across it. Cells without company make
+/// no component, but stay: they are company to others.
+void drop_grazed(const VisitTable& table, const ContradictionConfig& config,
+                 std::span<const Cell> around, Grid<std::uint8_t>& mask) {
+  Grid<std::uint8_t> left = drop_lonely(mask, config.min_block_cells);
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (left.values()[i] == 0) continue;
+    const std::vector<Cell> component = take_component(left, left.cell(i));
+    const SurfaceSpread surface(component);
+    for (const Cell& cell : component) {
+      if (!was_seen_gone(table, cell, config, around, surface)) mask.at(cell) = 0;
+    }
+  }
+}
+
 void drop_small(int least, Grid<std::uint8_t>& mask) {
   Grid<std::uint8_t> left = mask;
   for (std::size_t i = 0; i < left.size(); ++i) {
@@ -145,6 +172,7 @@ Grid<std::uint8_t> test_many_visits(const VisitTable& table, const Contradiction
   for (const Cell& cell : table.cells()) {
     if (is_contradictory(table, cell, config, around, evidence)) mask.at(cell) = 1;
   }
+  drop_grazed(table, config, around, mask);
   return drop_lonely(mask, config.min_block_cells);
 }
 

@@ -22,6 +22,7 @@ namespace strata::patch {
 struct ContradictionConfig {
   double prior = 0.9;
   double tolerance_m = 0.15;
+  double min_across = 1.0;
   double displaced_reach_m = 0.25;
   double max_displaced_share = 0.7;
   int min_component_cells = 8;
@@ -52,6 +53,12 @@ struct ContradictionConfig {
              .unit = "m",
              .min = 0.0,
              .max = 1.0});
+    v.field(
+        "min_across", c.min_across,
+        {.doc = "a visit sees a cell free only when at least so much of what passed went across "
+                "the surface that other visits saw there, not along it",
+         .unit = "beams",
+         .min = 0.0});
     v.field("displaced_reach_m", c.displaced_reach_m,
             {.doc = "how far errors of pose may displace a surface",
              .unit = "m",

@@ -6,6 +6,7 @@
 
 #include "core/patch/contradiction.hpp"
 #include "core/patch/jitter.hpp"
+#include "core/patch/surface_spread.hpp"
 
 namespace strata::patch {
 namespace {
@@ -76,7 +77,8 @@ class FewVisitsTest {
   }
   /// The cells of a component that agree on when it was occupied and when it was free: for some
   /// pair of visits enough of them support the same pair. Cells of walls that jitter back and forth
-  /// make components whose cells disagree. O(cells^2 pairs^2) of the component.
+  /// make components whose cells disagree. What was occupied then is the surface that the beams of
+  /// the free visit must have gone across. O(cells^2 pairs^2) of the component.
   [[nodiscard]] std::vector<Cell> coherent_cells(const std::vector<Cell>& component) const {
     if (!is_large(component)) return {};
     std::vector<std::vector<VisitPair>> pairs(component.size());
@@ -94,6 +96,12 @@ class FewVisitsTest {
           cells.push_back(component[k]);
         }
         if (!is_large(cells)) continue;
+        const SurfaceSpread surface(cells);
+        const auto is_grazed = [&](std::size_t k) { return !is_crossed(pairs[k], pair, surface); };
+        support.erase(std::remove_if(support.begin(), support.end(), is_grazed), support.end());
+        cells.clear();
+        for (const std::size_t k : support) cells.push_back(component[k]);
+        if (!is_large(cells)) continue;
         for (const std::size_t k : support) kept[k] = 1;
       }
     }
@@ -106,6 +114,14 @@ class FewVisitsTest {
   [[nodiscard]] static bool supports(const std::vector<VisitPair>& pairs, const VisitPair& wanted) {
     return std::any_of(pairs.begin(), pairs.end(), [&](const VisitPair& pair) {
       return pair.first.overlaps(wanted.first) && pair.second.overlaps(wanted.second);
+    });
+  }
+  /// Whether a pair of a cell that supports the wanted one is free by beams across the surface.
+  [[nodiscard]] bool is_crossed(const std::vector<VisitPair>& pairs, const VisitPair& wanted,
+                                const SurfaceSpread& surface) const {
+    return std::any_of(pairs.begin(), pairs.end(), [&](const VisitPair& pair) {
+      return pair.first.overlaps(wanted.first) && pair.second.overlaps(wanted.second) &&
+             surface.misses_across(pair.second) >= config_.min_across;
     });
   }
 

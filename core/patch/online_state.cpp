@@ -12,7 +12,7 @@ namespace strata::patch {
 namespace {
 
 /// Changes with the fields below: bytes of another version are refused.
-constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0001;
+constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0002;
 
 // What follows is read and written in one order.
 template <class Info, class Archive>

@@ -54,7 +54,7 @@ Visit& VisitStore::current(const Cell& cell, std::uint32_t index) {
     } else {
       free_ = node(fresh).previous;
     }
-    node(fresh) = {Visit{index, index, 0.0F, 0.0F}, last};
+    node(fresh) = {Visit{index, index, 0.0F, 0.0F, {}}, last};
     last = fresh;
     forget_surplus(last);
   }
@@ -77,9 +77,8 @@ void VisitStore::add(const PosedScan& scan, std::uint32_t index) {
   touched_.grow({{tile_of(needed.min.x), tile_of(needed.min.y)},
                  {tile_of(needed.max.x) + 1, tile_of(needed.max.y) + 1}});
   for_each_evidence(scan, resolution, options_, config_.end_reach_m,
-                    [&](const Cell& cell, bool is_hit, float amount) {
-                      Visit& visit = current(cell, index);
-                      (is_hit ? visit.hits : visit.misses) += amount;
+                    [&](const Cell& cell, bool is_hit, float amount, const BeamAxis& axis) {
+                      current(cell, index).add(is_hit, amount, axis);
                       touched_.at({tile_of(cell.x), tile_of(cell.y)}) = index + 1;
                     });
 }

@@ -54,7 +54,7 @@ class VisitCollector {
   Visit& current(std::int32_t slot, std::uint32_t scan) {
     std::int32_t& last = last_[static_cast<std::size_t>(slot)];
     if (last < 0 || is_new_visit(links_[static_cast<std::size_t>(last)].visit.last_scan, scan)) {
-      links_.push_back({Visit{scan, scan, 0.0F, 0.0F}, last});
+      links_.push_back({Visit{scan, scan, 0.0F, 0.0F, {}}, last});
       last = static_cast<std::int32_t>(links_.size()) - 1;
     }
     Visit& visit = links_[static_cast<std::size_t>(last)].visit;
@@ -107,6 +107,14 @@ Eigen::Vector2d clear_end(const Ray& ray, double end_reach_m) {
   return ray.from_m + (1.0 - end_reach_m / length_m) * along;
 }
 
+BeamAxis axis_of(const Ray& ray) {
+  const Eigen::Vector2d along = ray.to_m - ray.from_m;
+  const double squared = along.squaredNorm();
+  if (squared <= 0.0) return {};
+  return {static_cast<float>((along.x() * along.x() - along.y() * along.y()) / squared),
+          static_cast<float>(2.0 * along.x() * along.y() / squared)};
+}
+
 VisitTable::VisitTable(Grid<std::int32_t> slots, std::vector<std::uint32_t> offsets,
                        std::vector<Visit> visits)
     : slots_(std::move(slots)), offsets_(std::move(offsets)), visits_(std::move(visits)) {}
@@ -126,7 +134,12 @@ void VisitTable::filter(double prior) {
     const double m = beam_filter::closed_form(
         {static_cast<double>(visit.hits), static_cast<double>(visit.misses)}, prior, 0.0);
     visit.hits = static_cast<float>(m * total);
-    visit.misses = static_cast<float>((1.0 - m) * total);
+    const auto misses = static_cast<float>((1.0 - m) * total);
+    if (visit.misses > 0.0F) {
+      const float scale = misses / visit.misses;
+      visit.passing = {scale * visit.passing.cos2, scale * visit.passing.sin2};
+    }
+    visit.misses = misses;
   }
 }
 
@@ -141,11 +154,9 @@ VisitTable find_visits(std::span<const PosedScan> scans, double resolution_m,
     if (t % kProgressStride == 0) report_progress(progress, "find visits", t, scans.size());
     const auto scan = static_cast<std::uint32_t>(t);
     for_each_evidence(scans[t], resolution_m, options, config.end_reach_m,
-                      [&](const Cell& cell, bool is_hit, float amount) {
+                      [&](const Cell& cell, bool is_hit, float amount, const BeamAxis& axis) {
                         const std::int32_t slot = slots.get(cell);
-                        if (slot < 0) return;
-                        Visit& visit = collector.current(slot, scan);
-                        (is_hit ? visit.hits : visit.misses) += amount;
+                        if (slot >= 0) collector.current(slot, scan).add(is_hit, amount, axis);
                       });
   }
   return std::move(collector).finish(std::move(slots));

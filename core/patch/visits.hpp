@@ -18,15 +18,32 @@
 
 namespace strata::patch {
 
+/// A beam's direction without its sense: the cosine and sine of twice its angle.
+struct BeamAxis {
+  float cos2 = 0.0F;
+  float sin2 = 0.0F;
+};
+
 /// One visit of one cell. Scans are named by their place in the sequence of all scans.
 struct Visit {
   std::uint32_t first_scan = 0;
   std::uint32_t last_scan = 0;
   float hits = 0.0F;    ///< beam ends
   float misses = 0.0F;  ///< length of passing beams in units of the resolution
+  BeamAxis passing;     ///< sum of (length of a passing beam in units of the resolution) x its axis
 
   [[nodiscard]] double total() const {
     return static_cast<double>(hits) + static_cast<double>(misses);
+  }
+  /// One more beam: of ends, amount 1; of passing beams, their length in units of the resolution.
+  void add(bool is_hit, float amount, const BeamAxis& axis) {
+    if (is_hit) {
+      hits += amount;
+      return;
+    }
+    misses += amount;
+    passing.cos2 += amount * axis.cos2;
+    passing.sin2 += amount * axis.sin2;
   }
   /// Whether the two visits, of neighbouring cells, share time.
   [[nodiscard]] bool overlaps(const Visit& other) const {
@@ -56,7 +73,8 @@ class VisitTable {
   [[nodiscard]] std::vector<Cell> cells() const;
 
   /// Runs the beam filter within each visit at fixed poses, by its closed form (SPEC A5): ends in
-  /// a cell that the visit's beams mostly cross (people walking by) become misses, totals stay.
+  /// a cell that the visit's beams mostly cross (people walking by) become misses, totals stay;
+  /// the directions of the misses stay those of the beams that passed.
   /// Requires prior in (0.5, 1]. O(visits).
   void filter(double prior);
 
@@ -95,20 +113,24 @@ struct VisitConfig {
 /// Where the part of a beam that says "free" ends.
 [[nodiscard]] Eigen::Vector2d clear_end(const Ray& ray, double end_reach_m);
 
-/// What one scan says of cells: calls visit(cell, is_hit, amount) for each cell that a beam crosses
-/// (amount: length in units of the resolution) and each that one ends in (1). options: of
-/// visit_options. O(beams x cells a beam crosses).
+/// The axis of a ray; zero for a ray without length.
+[[nodiscard]] BeamAxis axis_of(const Ray& ray);
+
+/// What one scan says of cells: calls visit(cell, is_hit, amount, axis of the beam) for each cell
+/// that a beam crosses (amount: length in units of the resolution) and each that one ends in (1).
+/// options: of visit_options. O(beams x cells a beam crosses).
 template <typename Visit>
 void for_each_evidence(const PosedScan& scan, double resolution_m, const CountingOptions& options,
                        double end_reach_m, Visit&& visit) {
   for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
     const Cell end = cell_at(ray.to_m, resolution_m);
     const Eigen::Vector2d clear = clear_end(ray, end_reach_m);
+    const BeamAxis axis = axis_of(ray);
     traverse_ray(ray.from_m, clear, resolution_m, [&](const Cell& cell, double length_m) {
       if (ray.is_hit && cell == end) return;
-      visit(cell, false, static_cast<float>(length_m / resolution_m));
+      visit(cell, false, static_cast<float>(length_m / resolution_m), axis);
     });
-    if (ray.is_hit) visit(end, true, 1.0F);
+    if (ray.is_hit) visit(end, true, 1.0F, axis);
   });
 }
 

@@ -26,8 +26,11 @@ class TableBuilder {
       slots.values()[i] = next++;
       for (std::size_t v = 0; v < visits_[i].size(); ++v) {
         const auto first = static_cast<std::uint32_t>(10 * v);
-        all.push_back({first, first + 5, static_cast<float>(visits_[i][v].hits),
-                       static_cast<float>(visits_[i][v].misses)});
+        all.push_back({first,
+                       first + 5,
+                       static_cast<float>(visits_[i][v].hits),
+                       static_cast<float>(visits_[i][v].misses),
+                       {}});
       }
       offsets.push_back(static_cast<std::uint32_t>(all.size()));
     }

@@ -54,6 +54,18 @@ TEST(Visits, TheLastPieceOfABeamSaysNothingAboutFreeSpace) {
   EXPECT_NEAR(find_visits(scans, 0.05, config, {}).at({20, 0})[0].misses, 2.0F, 1e-5F);
 }
 
+TEST(Visits, KnowTheDirectionsOfPassingBeamsAlsoOnceFiltered) {
+  const std::vector<PosedScan> scans{beam(1.0, 0.0), beam(2.0, 0.1), beam(2.0, 0.2)};
+  VisitTable table = find_visits(scans, 0.05, {}, {});
+  const Visit before = table.at({20, 0})[0];
+  EXPECT_NEAR(before.passing.cos2, before.misses, 1e-5F) << "all along x";
+  EXPECT_NEAR(before.passing.sin2, 0.0F, 1e-5F);
+  table.filter(0.6);
+  const Visit after = table.at({20, 0})[0];
+  EXPECT_GT(after.misses, before.misses + 0.5F) << "else nothing was filtered";
+  EXPECT_NEAR(after.passing.cos2, after.misses, 1e-5F);
+}
+
 TEST(Visits, EndAtTheRangeLimit) {
   VisitConfig config;
   config.max_range_m = 1.0;

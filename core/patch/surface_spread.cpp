@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/surface_spread.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strata::patch {
+
+SurfaceSpread::SurfaceSpread(std::span<const Cell> cells) {
+  const auto n = static_cast<double>(cells.size());
+  double x = 0.0;
+  double y = 0.0;
+  for (const Cell& cell : cells) {
+    x += cell.x / n;
+    y += cell.y / n;
+  }
+  constexpr double kOfASquare = 1.0 / 12.0;
+  double xx = kOfASquare;
+  double yy = kOfASquare;
+  double xy = 0.0;
+  for (const Cell& cell : cells) {
+    xx += (cell.x - x) * (cell.x - x) / n;
+    yy += (cell.y - y) * (cell.y - y) / n;
+    xy += (cell.x - x) * (cell.y - y) / n;
+  }
+  const double mean = 0.5 * (xx + yy);
+  const double greatest = mean + std::hypot(0.5 * (xx - yy), xy);
+  mean_ = mean / greatest;
+  cos2_ = 0.5 * (xx - yy) / greatest;
+  sin2_ = xy / greatest;
+}
+
+double SurfaceSpread::misses_across(const Visit& visit) const {
+  const double across = mean_ * static_cast<double>(visit.misses) -
+                        cos2_ * static_cast<double>(visit.passing.cos2) -
+                        sin2_ * static_cast<double>(visit.passing.sin2);
+  return std::clamp(across, 0.0, static_cast<double>(visit.misses));
+}
+
+}  // namespace strata::patch
