@@ -35,6 +35,12 @@ int spawn(pid_t& pid, const std::vector<char*>& argv, int descriptor) {
 
 }  // namespace
 
+std::string processes(const std::vector<std::string>& names) {
+  std::string text = (names.size() == 1 ? "process " : "processes ") + names.front();
+  for (std::size_t i = 1; i < names.size(); ++i) text += ", " + names[i];
+  return text;
+}
+
 ProcessGroup::~ProcessGroup() { (void)end_all(patience_); }
 
 void ProcessGroup::start(const std::string& name, const std::vector<std::string>& arguments) {
@@ -98,20 +104,24 @@ void ProcessGroup::close_pipe(const Child& child) noexcept {
 }
 
 void ProcessGroup::stop(const Patience& patience) {
-  const std::vector<std::string> failed = end_all(patience);
-  if (failed.empty()) return;
-  const bool is_hurried = patience.is_hurried && patience.is_hurried();
-  std::string names = failed.front();
-  for (std::size_t i = 1; i < failed.size(); ++i) names += ", " + failed[i];
-  const bool is_one = failed.size() == 1;
-  throw Error((is_one ? "process " : "processes ") + names,
-              std::string(is_hurried ? "ended in a hurry" : "did not end well in time") +
-                  "; what was not yet written may be lost",
-              is_one ? "see its message above" : "see their messages above");
+  const Losses losses = end_all(patience);
+  const char* may_be_lost = "; what was not yet written may be lost";
+  if (!losses.killed.empty()) {
+    const bool is_hurried = patience.is_hurried && patience.is_hurried();
+    std::string what = is_hurried ? "killed in a hurry" : "did not end in time, killed";
+    if (!losses.failed.empty()) what += " (and " + processes(losses.failed) + " failed)";
+    throw Error(processes(losses.killed), what + may_be_lost,
+                is_hurried ? "wait for the end next time"
+                           : "look for a slow disk or a component that hangs");
+  }
+  if (!losses.failed.empty()) {
+    throw Error(processes(losses.failed), std::string("did not end well") + may_be_lost,
+                "see above what each said");
+  }
 }
 
-std::vector<std::string> ProcessGroup::end_all(const Patience& patience) noexcept {
-  std::vector<std::string> failed;
+ProcessGroup::Losses ProcessGroup::end_all(const Patience& patience) noexcept {
+  Losses losses;
   (void)all_ready();  // what never worked has nothing to lose
   for (const Child& child : children_) kill(child.pid, SIGTERM);
   const auto deadline = std::chrono::steady_clock::now() + patience.longest;
@@ -125,11 +135,11 @@ std::vector<std::string> ProcessGroup::end_all(const Patience& patience) noexcep
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     close_pipe(child);
-    const bool ended_well = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-    if (child.is_ready && !ended_well) failed.push_back(child.name);
+    if (!child.is_ready || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) continue;
+    (WIFSIGNALED(status) ? losses.killed : losses.failed).push_back(child.name);
   }
   children_.clear();
-  return failed;
+  return losses;
 }
 
 void keep_ready_pipe(int ready_pipe) { fcntl(ready_pipe, F_SETFD, FD_CLOEXEC); }

@@ -17,6 +17,9 @@ namespace strata::tools {
 /// than TimeoutStopSec in packaging/strata.service.
 constexpr std::chrono::seconds kStopPatience{25};
 
+/// "process NAME", or "processes NAME, NAME". Requires a name.
+[[nodiscard]] std::string processes(const std::vector<std::string>& names);
+
 /// Starts this very program again with other arguments; ends what it started.
 class ProcessGroup {
  public:
@@ -61,8 +64,12 @@ class ProcessGroup {
     bool is_ready = false;
   };
   static void close_pipe(const Child& child) noexcept;
-  /// Those that had told that they work, and were killed or failed.
-  std::vector<std::string> end_all(const Patience& patience) noexcept;
+  /// Of those that had told that they work.
+  struct Losses {
+    std::vector<std::string> failed;  ///< by themselves
+    std::vector<std::string> killed;  ///< by us; they could not say anything
+  };
+  Losses end_all(const Patience& patience) noexcept;
 
   Patience patience_;
   std::vector<Child> children_;

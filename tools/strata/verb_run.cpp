@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata run COMPOSITION.yaml`: starts the components over DDS until SIGINT or SIGTERM.
 #include <chrono>
-#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -106,11 +105,12 @@ class Supervision {
     try {
       while (!context_.interrupt().wait_for(0.1) && tend()) {
       }
-    } catch (const std::exception& failure) {
+    } catch (const Error& failure) {
       // What could not even start is no service that stops.
       if (is_told_) tell_service_manager("STOPPING=1");
-      end_others(failure);
-      throw;
+      const std::string loss = end_others(failure);
+      if (loss.empty()) throw;
+      throw Error(failure.place(), failure.problem() + "; then " + loss, failure.remedy());
     }
     tell_service_manager("STOPPING=1");
     group_.stop();
@@ -122,19 +122,22 @@ class Supervision {
     restarts_.started(name, Restarts::Clock::now());
   }
 
-  /// Says at once why, since the others may take their time, and which of them lost something.
-  void end_others(const std::exception& failure) {
-    if (group_.size() == 0) return;
+  /// Says at once why, since the others may take their time; returns which of them lost something.
+  std::string end_others(const Error& failure) {
+    if (group_.size() == 0) return "";
     context_.note(std::string("error: ") + failure.what() + "; the other processes end now");
     try {
       group_.stop();
     } catch (const Error& loss) {
-      context_.note(std::string("warning: ") + loss.what());
+      return loss.place() + " " + loss.problem();
     }
+    return "";
   }
 
-  /// Throws Error when one has failed for good; false when one has ended well for good.
+  /// Throws Error when some have failed for good; false when one has ended well for good.
   bool tend() {
+    std::vector<std::string> failed;
+    bool has_ended = false;
     for (const ProcessGroup::Ended& ended : group_.take_ended()) {
       const auto delay = restarts_.plan(find_process(composition_, ended.name), ended.failed,
                                         Restarts::Clock::now());
@@ -142,19 +145,25 @@ class Supervision {
         context_.note("process " + ended.name + " has ended; it starts again in " +
                       std::to_string(delay->count()) + " s");
       } else if (ended.failed) {
-        throw Error("process " + ended.name, "ended early", "see its message above");
+        failed.push_back(ended.name);
       } else {
-        return false;
+        has_ended = true;
       }
     }
-    for (const runtime::ProcessEntry& process : composition_.processes) {
-      if (restarts_.is_due(process.name, Restarts::Clock::now())) start(process.name);
-    }
+    if (!failed.empty()) throw Error(processes(failed), "ended early", "see above what each said");
+    if (has_ended) return false;
+    start_again();
     if (!is_told_ && group_.size() == composition_.processes.size() && group_.all_ready()) {
       is_told_ = true;
       tell_that_it_works(options_);
     }
     return true;
+  }
+
+  void start_again() {
+    for (const runtime::ProcessEntry& process : composition_.processes) {
+      if (restarts_.is_due(process.name, Restarts::Clock::now())) start(process.name);
+    }
   }
 
   const RunOptions& options_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A disk that is full when a recording ends: what `strata record` writes last is lost, and it says
 /// so.
+#include <bit>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -25,6 +26,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr auto kPatience = std::chrono::seconds(60);
+constexpr int kRanges = 4'000;
+constexpr std::uintmax_t kScanBytes = kRanges * sizeof(float);
 
 std::uintmax_t bytes_in(const fs::path& folder) {
   std::uintmax_t sum = 0;
@@ -36,9 +39,9 @@ std::uintmax_t bytes_in(const fs::path& folder) {
 sensor_msgs::msg::LaserScan large_scan() {
   sensor_msgs::msg::LaserScan scan;
   std::uint32_t number = 1;
-  for (int i = 0; i < 4'000; ++i) {
+  for (int i = 0; i < kRanges; ++i) {
     number = number * 1'664'525U + 1'013'904'223U;
-    scan.ranges().push_back(static_cast<float>(number) * 1e-9F);
+    scan.ranges().push_back(std::bit_cast<float>(number));
   }
   return scan;
 }
@@ -72,7 +75,7 @@ TEST_P(RecordOnAFullDisk, FailsAlsoWhenOnlyItsEndCannotBeWritten) {
   const std::uintmax_t before = bytes_in(bag());
   scans.publish(large_scan());
   // From then on nothing waits to be written but what ends a bag.
-  ASSERT_TRUE(test::comes_true([&] { return bytes_in(bag()) > before + 4'000; }));
+  ASSERT_TRUE(test::comes_true([&] { return bytes_in(bag()) > before + kScanBytes; }));
   fill_disk(recorder);
   recorder.send(SIGINT);
   EXPECT_EQ(recorder.wait(), 1);

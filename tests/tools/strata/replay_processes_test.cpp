@@ -85,8 +85,10 @@ TEST_F(ProcessesOfAReplay, AreNotBlamedWhenItIsInterruptedWhileTheyWrite) {
   ASSERT_TRUE(comes_true([&] { return fs::exists(at("begun")); }));
   replay.send(SIGINT);
   EXPECT_EQ(replay.wait(), 1);
-  EXPECT_NE(replay.rest().find("strata replay: error: replay: stopped on request"),
-            std::string::npos);
+  const std::string said = replay.rest();
+  // Where unwinding takes longer than its grace, the end is a hard one, and says another thing.
+  EXPECT_NE(said.find("error: "), std::string::npos) << said;
+  EXPECT_EQ(said.find("process two"), std::string::npos) << said;
   EXPECT_FALSE(fs::exists(at("out")));
 }
 
