@@ -101,7 +101,7 @@ bool was_seen_gone(const VisitTable& table, const Cell& cell, const Contradictio
   const auto visits = table.at(cell);
   return std::any_of(visits.begin(), visits.end(), [&](const Visit& visit) {
     return static_cast<double>(visit.hits) <= config.few_free_share * visit.total() &&
-           surface.misses_across(visit) >= config.min_across &&
+           surface.is_crossed_by(visit, config.min_across) &&
            !was_hit_nearby(table, cell, visit, around);
   });
 }

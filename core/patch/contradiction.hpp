@@ -55,8 +55,9 @@ struct ContradictionConfig {
              .max = 1.0});
     v.field(
         "min_across", c.min_across,
-        {.doc = "a visit sees a cell free only when at least so much of what passed went across "
-                "the surface that other visits saw there, not along it",
+        {.doc =
+             "a visit sees a cell free only when at least so much of what passed (or half of it) "
+             "went across the surface that other visits saw there, not along it",
          .unit = "beams",
          .min = 0.0});
     v.field("displaced_reach_m", c.displaced_reach_m,

@@ -121,7 +121,7 @@ class FewVisitsTest {
                                 const SurfaceSpread& surface) const {
     return std::any_of(pairs.begin(), pairs.end(), [&](const VisitPair& pair) {
       return pair.first.overlaps(wanted.first) && pair.second.overlaps(wanted.second) &&
-             surface.misses_across(pair.second) >= config_.min_across;
+             surface.is_crossed_by(pair.second, config_.min_across);
     });
   }
 

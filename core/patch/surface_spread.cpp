@@ -5,6 +5,12 @@
 #include <cmath>
 
 namespace strata::patch {
+namespace {
+
+/// Of what passed: far above the few percent of visits that graze, met by beams at 45 degrees.
+constexpr double kMostly = 0.5;
+
+}  // namespace
 
 SurfaceSpread::SurfaceSpread(std::span<const Cell> cells) {
   const auto n = static_cast<double>(cells.size());
@@ -35,6 +41,10 @@ double SurfaceSpread::misses_across(const Visit& visit) const {
                         cos2_ * static_cast<double>(visit.passing.cos2) -
                         sin2_ * static_cast<double>(visit.passing.sin2);
   return std::clamp(across, 0.0, static_cast<double>(visit.misses));
+}
+
+bool SurfaceSpread::is_crossed_by(const Visit& visit, double min_across) const {
+  return misses_across(visit) >= std::min(min_across, kMostly * static_cast<double>(visit.misses));
 }
 
 }  // namespace strata::patch

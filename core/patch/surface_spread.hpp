@@ -28,6 +28,9 @@ class SurfaceSpread {
   /// C n for n normal to it. For a line at an angle a to the beam that is sin^2 a; a surface
   /// without a direction (a pillar, a corner) is crossed by every beam. At most the misses. O(1).
   [[nodiscard]] double misses_across(const Visit& visit) const;
+  /// Whether so many beams went across, or most of what passed: a single oblique beam does not
+  /// graze. O(1).
+  [[nodiscard]] bool is_crossed_by(const Visit& visit, double min_across) const;
 
  private:
   double mean_ = 0.0;  // of n' C n over all directions

@@ -89,6 +89,16 @@ TEST(GrazedSurface, AWallThatAVisitLookedThroughHas) {
   }
 }
 
+TEST(GrazedSurface, AWallThatManyVisitsLookedThroughOnceHas) {
+  // Less than one beam a visit across each cell, since it comes at an angle of 60 degrees.
+  const auto once = [](double stamp_s, std::vector<PosedScan>& scans) {
+    for (double x = kFrom_m + 0.025; x < kTo_m; x += 0.05) {
+      scans.push_back(beam({x - 0.5, kWall_m - 0.866}, {x + 0.5, kWall_m + 0.866}, stamp_s));
+    }
+  };
+  EXPECT_GE(cells_after(24, once), 14);
+}
+
 TEST(GrazedSurface, AWallLookedAlongAndThroughHasChanged) {
   const auto both = [](double stamp_s, std::vector<PosedScan>& scans) {
     look_along_the_wall(stamp_s, 0.004, scans);
