@@ -18,6 +18,13 @@ double position_stddev(const Pose2Gaussian& pose) {
   return std::sqrt(std::max(0.0, pose.covariance(0, 0) + pose.covariance(1, 1)));
 }
 
+/// Whether the particles agree on one place: also on the heading there, since in a room that looks
+/// the same when turned round both places may be close. most_m: of the position's spread.
+bool is_one_place(const Pose2Gaussian& pose, double most_m) {
+  constexpr double kMost_rad = 0.5;
+  return position_stddev(pose) <= most_m && pose.covariance(2, 2) <= kMost_rad * kMost_rad;
+}
+
 /// A square root of a covariance that may be singular.
 Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
@@ -251,7 +258,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   scans_since_weighed_ = 0;
   ++annealed_updates_;
   // One place is left: nothing has to be kept apart any more.
-  if (position_stddev(pose) <= config_.recovery.uncertain_stddev_m) {
+  if (is_one_place(pose, config_.recovery.uncertain_stddev_m)) {
     annealed_updates_ = std::max(annealed_updates_, config_.global_start.annealing_updates);
   }
   return pose;

@@ -102,5 +102,27 @@ TEST(GlobalStart, IsNoLongerFlatOnceOnePlaceIsLeft) {
   EXPECT_LT(localizer.particles().size(), particles / 2);
 }
 
+TEST(GlobalStart, StaysFlatWhileTwoHeadingsAreLeft) {
+  // The same when turned round, with the robot beside its middle.
+  const BoxWorld world{{0.0, 0.0, 6.0, 0.4}, {0.0, 3.6, 6.0, 4.0}, {0.0, 0.0, 0.4, 4.0},
+                       {5.6, 0.0, 6.0, 4.0}, {1.0, 0.4, 1.6, 1.3}, {4.4, 2.7, 5.0, 3.6}};
+  const ReflectionGrid map = test::rasterize(world, 0.05, {{0, 0}, {120, 80}});
+  LocalizerConfig config;
+  config.gating.every_scans = 1;
+  config.global_start.annealing_updates = 1000;
+  Localizer localizer(config, make_grid_beam_model(map), 4, 2);
+  localizer.initialize_global(map);
+  const std::size_t all = localizer.particles().size();
+  Drive drive({3.1, 2.0, 0.0}, 64);
+  LocalizationResult result;
+  for (int n = 0; n < 12; ++n) {
+    drive.step({0.01, 0.0, 0.0});
+    result = localizer.update(drive.look(world, 8.0, 60));
+  }
+  ASSERT_TRUE(result.converged) << "both places lie within half a metre";
+  ASSERT_GT(result.pose.covariance(2, 2), 1.0) << "and are both left";
+  EXPECT_GT(localizer.particles().size(), all * 9 / 10);
+}
+
 }  // namespace
 }  // namespace strata::localization
