@@ -283,6 +283,7 @@ int main(int argc, char** argv) {
   require(dds_waitset_attach(g_waitset, g_end, 1000), "attach");
   pthread_t thread;
   if (pthread_create(&thread, NULL, wait_for_end, NULL) != 0) return 1;
+  (void)pthread_detach(thread);
   if (strcmp(argv[2], "echo") == 0) echo();
   if (strcmp(argv[2], "best_effort") == 0) echo_best_effort();
   const bool is_long = argc >= 4 && strcmp(argv[3], "24") == 0;
