@@ -136,7 +136,8 @@ ProcessGroup::Losses ProcessGroup::end_all(const Patience& patience) noexcept {
     }
     close_pipe(child);
     if (!child.is_ready || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) continue;
-    (WIFSIGNALED(status) ? losses.killed : losses.failed).push_back(child.name);
+    const bool is_killed = WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+    (is_killed ? losses.killed : losses.failed).push_back(child.name);
   }
   children_.clear();
   return losses;

@@ -111,6 +111,9 @@ class Supervision {
       const std::string loss = end_others(failure);
       if (loss.empty()) throw;
       throw Error(failure.place(), failure.problem() + "; then " + loss, failure.remedy());
+    } catch (...) {
+      if (is_told_) tell_service_manager("STOPPING=1");
+      throw;
     }
     tell_service_manager("STOPPING=1");
     group_.stop();
