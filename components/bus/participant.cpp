@@ -2,6 +2,7 @@
 #include "components/bus/participant.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "components/bus/names.hpp"
 #include "components/bus/participant_state.hpp"
+#include "components/bus/process_participants.hpp"
 #include "components/bus/raw_type.hpp"
 #include "components/bus/security.hpp"
 #include "components/bus/shared_memory.hpp"
@@ -26,7 +28,7 @@ std::string user_data_value(const std::vector<rtps::octet>& user_data, const std
   return text.substr(first, text.find(';', first) - first);
 }
 
-Participant::Participant(const ParticipantOptions& options) : state_(std::make_unique<State>()) {
+Participant::Participant(const ParticipantOptions& options) : state_(std::make_shared<State>()) {
   if (options.domain < 0 || options.domain > 232) {
     throw ConfigError("domain", "is " + std::to_string(options.domain),
                       "choose a ROS_DOMAIN_ID from 0 to 232");
@@ -51,13 +53,17 @@ Participant::Participant(const ParticipantOptions& options) : state_(std::make_u
                             "keystore` if it is at fault"
                           : "check the network interfaces and free ports above 7400");
   }
+  ProcessParticipants::instance().add(state_);
 }
 
 Participant::~Participant() {
   if (state_->participant == nullptr) return;
+  const Guid removed = guid();
   state_->participant->set_listener(nullptr);
+  state_->leave();
   state_->participant->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(state_->participant);
+  ProcessParticipants::instance().remove(removed, state_);
 }
 
 const ParticipantOptions& Participant::options() const { return state_->options; }
@@ -129,6 +135,18 @@ dds::Topic* Participant::State::topic(const TopicName& name, const std::string& 
   return made;
 }
 
+void Participant::State::wait_until_forgotten(const Guid& guid) {
+  constexpr std::chrono::seconds kPatience(5);  // the end may have been lost on its way
+  std::unique_lock lock(mutex);
+  forgot.wait_for(lock, kPatience, [&] { return is_leaving || !participants.contains(guid); });
+}
+
+void Participant::State::leave() {
+  const std::lock_guard lock(mutex);
+  is_leaving = true;
+  forgot.notify_all();
+}
+
 void Participant::State::add_endpoint(const DiscoveredEndpoint& endpoint) {
   const std::lock_guard lock(mutex);
   endpoints[endpoint.guid] = endpoint;
@@ -146,6 +164,7 @@ void Participant::State::on_participant_discovery(dds::DomainParticipant* /*part
   const std::lock_guard lock(mutex);
   if (info.status == Info::REMOVED_PARTICIPANT || info.status == Info::DROPPED_PARTICIPANT) {
     participants.erase(guid);
+    forgot.notify_all();
     return;
   }
   const auto& addresses = info.info.default_locators.unicast;

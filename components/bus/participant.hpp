@@ -63,6 +63,7 @@ class Participant {
   /// transport without what it needs, InputError for an enclave that is not good, OutputError when
   /// the middleware refuses.
   explicit Participant(const ParticipantOptions& options);
+  /// Returns when the others of this process no longer see it, which takes the time of a datagram.
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
@@ -81,7 +82,7 @@ class Participant {
   [[nodiscard]] State& state() { return *state_; }
 
  private:
-  std::unique_ptr<State> state_;
+  std::shared_ptr<State> state_;
 };
 
 }  // namespace strata::bus

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -74,7 +75,14 @@ struct Participant::State : dds::DomainParticipantListener {
   void on_subscriber_discovery(dds::DomainParticipant* participant,
                                rtps::ReaderDiscoveryInfo&& info) override;
 
+  /// Returns when it no longer sees that participant, or has not heard of its end in 5 s.
+  void wait_until_forgotten(const Guid& guid);
+  /// It is ending: nobody need wait for it.
+  void leave();
+
   mutable std::mutex mutex;
+  std::condition_variable forgot;  // one of `participants`
+  bool is_leaving = false;
   std::map<std::string, dds::Topic*> topics;           // by wire name
   std::map<Guid, DiscoveredParticipant> participants;  // of others
   std::map<Guid, DiscoveredEndpoint> endpoints;        // own and others'

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <condition_variable>
+#include <future>
 #include <mutex>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "components/bus/endpoint.hpp"
+#include "components/bus/participant_state.hpp"
 #include "tests/components/bus/domain.hpp"
 
 namespace strata::bus {
@@ -173,6 +175,27 @@ TEST(Bus, TellsWhatAllWritersOfATopicOffer) {
     EXPECT_FALSE(here->published_topics().at("/s").reliable);
   }
   EXPECT_TRUE(here->published_topics().at("/s").reliable);
+}
+
+TEST(Bus, LetsAParticipantGoOnlyWhenTheOthersOfItsProcessKnowOfItsEnd) {
+  const auto stays = test::make_participant();
+  Inbox inbox;
+  Reader<LaserScan> reader(stays, "/scan", qos_profile("lossless"), inbox.callback());
+  auto ends = test::make_participant();
+  {
+    Writer<LaserScan> writer(ends, "/scan", qos_profile("lossless"));
+    ASSERT_TRUE(writer.raw().wait_for_readers(1, seconds(20)));
+  }
+  std::future<void> end;
+  {
+    const std::lock_guard hears_nothing(stays->state().mutex);
+    end = std::async(std::launch::async, [&] { ends.reset(); });
+    EXPECT_EQ(end.wait_for(seconds(1)), std::future_status::timeout);
+  }
+  end.get();
+  EXPECT_EQ(stays->view().participants.size(), 1U);
+  // Fast DDS tells of this one to all that `stays` still knows, by their addresses.
+  const Writer<LaserScan> writer(stays, "/other", qos_profile("lossless"));
 }
 
 TEST(Bus, ComplainsOfUnknownNames) {

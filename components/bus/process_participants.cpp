@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/bus/process_participants.hpp"
+
+namespace strata::bus {
+
+ProcessParticipants& ProcessParticipants::instance() {
+  static auto* participants = new ProcessParticipants;
+  return *participants;
+}
+
+void ProcessParticipants::add(const std::shared_ptr<Participant::State>& state) {
+  const std::lock_guard lock(mutex_);
+  states_.push_back(state);
+}
+
+void ProcessParticipants::remove(const Guid& guid,
+                                 const std::shared_ptr<Participant::State>& state) {
+  std::vector<std::shared_ptr<Participant::State>> others;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(states_, [&](const auto& one) { return one.expired() || one.lock() == state; });
+    for (const auto& one : states_) {
+      if (auto other = one.lock()) others.push_back(std::move(other));
+    }
+  }
+  for (const auto& other : others) other->wait_until_forgotten(guid);
+}
+
+}  // namespace strata::bus
