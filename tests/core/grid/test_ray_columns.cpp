@@ -10,7 +10,7 @@
 
 #include "core/grid/ray_traversal.hpp"
 #include "core/random/stream.hpp"
-#include "tests/core/localization/every_target.hpp"
+#include "tests/support/every_target.hpp"
 
 namespace strata {
 namespace {
@@ -62,7 +62,7 @@ Eigen::Vector2d random_point(RandomStream& random, const Grid<int>& grid) {
 TEST(RayColumns, GiveTheSameCellsAndBitsAsOneByOneOnEveryTarget) {
   for (const double resolution : {0.05, 0.1, 1.0, 0.03}) {
     const Grid<int> grid(resolution, {{-300, -170}, {350, 240}});
-    localization::test::for_every_target([&] {
+    test::for_every_target([&] {
       RandomStream random(1, StreamId::kTest);
       Visits at_once;
       Visits one_by_one;
@@ -98,7 +98,7 @@ TEST(RayColumns, GoOnOneByOneFromACornerFarAlongTheRay) {
 }
 
 TEST(RayColumns, AreListedManyAtATimeWhereThereIsSimd) {
-  localization::test::for_every_target([] {
+  test::for_every_target([] {
     // From (0.3, 0.4) 100 cells along x and 30 along y.
     detail::RayColumns ray;
     ray.lines = {0.3, 1.0, 1.0, 1e-2, 0.4, 1.0, 1.0, 1.0 / 30.0, 100, 30, 30.0, 104.4};

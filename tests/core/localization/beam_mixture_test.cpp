@@ -11,7 +11,7 @@
 #include "core/base/config.hpp"
 #include "core/localization/scan_mixture.hpp"
 #include "core/random/stream.hpp"
-#include "tests/core/localization/every_target.hpp"
+#include "tests/support/every_target.hpp"
 
 namespace strata::localization {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "core/localization/patch_beam_model.hpp"
 #include "core/random/stream.hpp"
-#include "tests/core/localization/every_target.hpp"
+#include "tests/support/every_target.hpp"
 
 namespace strata::localization {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/localization/likelihood_field_model.hpp"
 #include "core/random/stream.hpp"
 #include "core/scan/endpoints.hpp"
-#include "tests/core/localization/every_target.hpp"
+#include "tests/support/every_target.hpp"
 
 namespace strata::localization {
 namespace {

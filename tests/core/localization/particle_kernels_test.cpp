@@ -12,7 +12,7 @@
 #include "core/localization/motion_kernel.hpp"
 #include "core/localization/particle_set.hpp"
 #include "core/random/stream_key.hpp"
-#include "tests/core/localization/every_target.hpp"
+#include "tests/support/every_target.hpp"
 
 namespace strata::localization {
 namespace {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random/stream.hpp"
-#include "tests/core/localization/every_target.hpp"
+#include "tests/support/every_target.hpp"
 
 namespace strata::registration {
 namespace {
@@ -126,7 +126,7 @@ TEST(MatchKernel, GivesTheSameBitsOnEveryTargetWithAndWithoutDerivatives) {
   };
   const MatchSums here = sums(true);
   EXPECT_LT(here.log_mixture, 0.0);
-  localization::test::for_every_target([&] {
+  test::for_every_target([&] {
     const MatchSums there = sums(true);
     EXPECT_EQ(std::memcmp(&here, &there, sizeof(MatchSums)), 0);
     const MatchSums cost_alone = sums(false);

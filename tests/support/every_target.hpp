@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-namespace strata::localization::test {
+namespace strata::test {
 
 /// Calls body() with dispatch set to each target in turn; at least two.
 template <typename Body>
@@ -27,4 +27,4 @@ void for_every_target(Body&& body) {
   EXPECT_GE(targets, 2);
 }
 
-}  // namespace strata::localization::test
+}  // namespace strata::test
