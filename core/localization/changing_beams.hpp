@@ -37,7 +37,7 @@ class ChangingBeams {
   void begin();
   /// The next particle, in sub-map `current`; fixed: the one configuration that counts there, -1
   /// for all. static_m: where each beam of the fan ends for certain, +infinity for nowhere. boxes:
-  /// those of caster.boxes() that are near.
+  /// those of caster.boxes() that are near, relative to the laser.
   void add(const PatchRayCaster& caster, const RayFan& fan, const double* static_m,
            std::span<const RayBox> boxes, int current = -1, int fixed = -1);
   /// Follows all beams of all particles to where they end for certain.
@@ -54,7 +54,7 @@ class ChangingBeams {
  private:
   /// Rays on their way, in columns.
   struct Way {
-    std::vector<double> beam, x_m, y_m, cosine, sine, from_m, to_m, skip;
+    std::vector<double> beam, column, row, cosine, sine, from_m, to_m, skip;
     std::vector<double> boxes;      ///< which of the particle's it crosses, as RayCrossings
     std::vector<std::uint32_t> of;  ///< place in beams_
     void resize(std::size_t count);
@@ -67,7 +67,8 @@ class ChangingBeams {
     bool is_named = true;       ///< none of its boxes is without a number
   };
   void meet(const PatchRayCaster& caster, std::size_t k, std::size_t& on);
-  [[nodiscard]] bool may_meet_more(std::size_t k) const;
+  [[nodiscard]] bool may_meet_more(std::size_t k, const Seen& seen, std::int32_t last,
+                                   std::uint64_t last_ended) const;
   [[nodiscard]] std::uint64_t ended(const ChangingBeam& beam, std::int32_t submap) const;
 
   double max_range_m_ = 0.0;
@@ -75,13 +76,14 @@ class ChangingBeams {
   std::size_t rays_ = 0;
   std::vector<double> range_m_;
   std::vector<std::int32_t> mark_;
-  std::vector<double> event_beam_, event_range_m_, event_log_;  // of one round
+  std::vector<double> event_beam_, event_range_m_, event_log_;  // of each event
   std::vector<ChangingBeam> beams_;
   std::vector<std::uint32_t> particle_;  // of each beam
   std::vector<Seen> seen_;               // of each particle
   std::vector<std::size_t> begins_;
   std::vector<CellOwner> boxes_;  // what counts in those of each particle; -1: several sub-maps
-  std::vector<Event> events_;
+  std::vector<Event> events_;     // event_count_ of them, and room for more
+  std::size_t event_count_ = 0;
 };
 
 }  // namespace strata::localization

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
+#include "core/localization/column_math.hpp"
 #include "core/localization/patch_beam_model.hpp"
 
 namespace strata::localization {
@@ -25,8 +26,8 @@ bool is_pair(const ChangingBeam& beam, const ChangingBeams& changing) {
 /// bits.
 class TwoEvents {
  public:
-  TwoEvents(const std::vector<RayEvent>& events, const std::vector<double>& values,
-            double end_value, const PatchStates& states, std::span<const float> belief)
+  TwoEvents(std::span<const RayEvent> events, std::span<const double> values, double end_value,
+            const PatchStates& states, std::span<const float> belief)
       : events_(events), values_(values), end_value_(end_value) {
     is_all_ = events.size() == 2 && events[0].submap != events[1].submap;
     for (std::size_t e = 0; e < 2 && is_all_; ++e) {
@@ -52,8 +53,8 @@ class TwoEvents {
     return (events_[e].mask >> fixed_patch & 1U) != 0 ? 1.0 : 0.0;
   }
 
-  const std::vector<RayEvent>& events_;
-  const std::vector<double>& values_;
+  std::span<const RayEvent> events_;
+  std::span<const double> values_;
   double end_value_;
   bool is_all_ = false;
   double probability_[2] = {0.0, 0.0};
@@ -73,173 +74,207 @@ std::span<const float> PatchBeamModel::belief(const ParticleSet& particles, std:
   return particles.belief(i);
 }
 
-/// Mixes, for all particles at once, the beams that end at one of two places.
-void PatchBeamModel::mix_pairs(const ParticleSet& particles, std::size_t begin, std::size_t end,
-                               Scratch& scratch) const {
-  const std::size_t beams = scratch.static_m.size();
-  scratch.share.clear();
-  scratch.first.clear();
-  scratch.second.clear();
-  for (std::size_t i = begin; i < end; ++i) {
-    const std::span<const float> row = belief(particles, i);
+// inline below: called for each beam that met something, and short.
+
+/// Where the ratios of a sub-map's configurations begin that beams of the last particle of
+/// said_begins met.
+inline std::size_t PatchBeamModel::ratios(std::int32_t submap, Scratch& scratch) const {
+  std::vector<Said>& said = scratch.said;
+  for (std::size_t n = said.size(); n > scratch.said_begins.back(); --n) {
+    if (said[n - 1].submap == submap) return said[n - 1].ratios;
+  }
+  said.push_back({submap, scratch.ratio.size()});
+  scratch.ratio.resize(scratch.ratio.size() + to_place(states_.count(to_place(submap))), 0.0);
+  return said.back().ratios;
+}
+
+/// Lists the beams of all particles that met something.
+void PatchBeamModel::list_beams(const ParticleSet& particles, std::size_t begin, std::size_t end,
+                                Scratch& scratch) const {
+  for (auto* list : {&scratch.share, &scratch.first, &scratch.second, &scratch.ratio})
+    list->clear();
+  scratch.pairs.clear();
+  scratch.others.clear();
+  scratch.events.clear();
+  scratch.value.clear();
+  scratch.met.clear();
+  scratch.said.clear();
+  scratch.said_begins.clear();
+  std::size_t row = 0;
+  for (std::size_t i = begin; i < end; ++i, row += scratch.static_m.size()) {
+    const std::span<const float> believed = belief(particles, i);
+    scratch.said_begins.push_back(scratch.said.size());
     for (const ChangingBeam& beam : scratch.changing.beams(i - begin)) {
-      if (!is_pair(beam, scratch.changing)) continue;
-      const ChangingBeams::Event& last = scratch.changing.event(beam.last_event);
-      if (beam.events == 1 && beam.is_ended) {
-        scratch.share.push_back(1.0);
-        scratch.first.push_back(last.log_likelihood);
-        scratch.second.push_back(last.log_likelihood);
-        continue;
+      if (beam.events == 0) continue;
+      if (is_pair(beam, scratch.changing)) {
+        list_pair(beam, row + beam.beam, believed, scratch);
+      } else {
+        list_other(beam, row + beam.beam, i, scratch);
       }
-      const bool is_two = beam.events == 2;
-      const ChangingBeams::Event& near = is_two ? scratch.changing.event(last.previous) : last;
-      const float* const own = row.data() + states_.offset(to_place(near.ray.submap));
-      double share = 0.0;
-      for (std::uint64_t left = near.ray.mask; left != 0; left &= left - 1) {
-        share += static_cast<double>(own[std::countr_zero(left)]);
-      }
-      scratch.share.push_back(std::min(share, 1.0));
-      scratch.first.push_back(near.log_likelihood);
-      scratch.second.push_back(is_two ? last.log_likelihood
-                                      : scratch.logs[(i - begin) * beams + beam.beam]);
     }
   }
+  scratch.said_begins.push_back(scratch.said.size());
+}
+
+inline void PatchBeamModel::list_pair(const ChangingBeam& beam, std::size_t log,
+                                      std::span<const float> believed, Scratch& scratch) const {
+  const ChangingBeams::Event& last = scratch.changing.event(beam.last_event);
+  const bool is_two = beam.events == 2;
+  const ChangingBeams::Event& near = is_two ? scratch.changing.event(last.previous) : last;
+  const std::size_t submap = to_place(near.ray.submap);
+  const float* const own = believed.data() + states_.offset(submap);
+  double share = 0.0;
+  for (std::uint64_t left = near.ray.mask; left != 0; left &= left - 1) {
+    share += static_cast<double>(own[std::countr_zero(left)]);
+  }
+  const bool is_end = beam.is_ended && !is_two;
+  scratch.share.push_back(is_end ? 1.0 : std::min(share, 1.0));
+  scratch.first.push_back(near.log_likelihood);
+  scratch.second.push_back(beam.is_ended ? last.log_likelihood : scratch.logs[log]);
+  const bool has_memory = states_.memory() != PatchMemory::kNone;
+  scratch.pairs.push_back({log, near.ray.mask, has_memory ? ratios(near.ray.submap, scratch) : 0,
+                           has_memory ? states_.count(submap) : 0});
+}
+
+/// Mixes the beams that end at one of two places, into their places of scratch.logs; with memory
+/// what they say of a sub-map too.
+void PatchBeamModel::mix_pairs(Scratch& scratch) const {
   scratch.mixed.resize(scratch.share.size());
   mix_logs(scratch.share.data(), scratch.first.data(), scratch.second.data(), scratch.share.size(),
            scratch.mixed.data());
+  for (std::size_t n = 0; n < scratch.pairs.size(); ++n) {
+    const Pair& pair = scratch.pairs[n];
+    const double mixed = scratch.mixed[n];
+    scratch.logs[pair.log] = mixed;
+    const double near = scratch.first[n] - mixed;
+    const double far = scratch.second[n] - mixed;
+    double* const ratio = scratch.ratio.data() + pair.ratios;
+    for (int k = 0; k < pair.configurations; ++k)
+      ratio[k] += (pair.near >> k & 1U) != 0 ? near : far;
+  }
 }
 
-void PatchBeamModel::touch(std::int32_t submap, Scratch& scratch) const {
-  if (std::find(scratch.touched.begin(), scratch.touched.end(), submap) != scratch.touched.end()) {
-    return;
-  }
-  scratch.touched.push_back(submap);
-  const std::size_t offset = states_.offset(to_place(submap));
-  for (int k = 0; k < states_.count(to_place(submap)); ++k) {
-    scratch.log_ratio[offset + to_place(k)] = 0.0;
-  }
-}
-
-/// Any number of events, of any sub-maps: the recursion of SPEC C4 as it stands.
-double PatchBeamModel::mix_many(const ParticleSet& particles, std::size_t i,
-                                const ChangingBeam& beam, double log_static,
+void PatchBeamModel::list_other(const ChangingBeam& beam, std::size_t log, std::size_t particle,
                                 Scratch& scratch) const {
-  scratch.events.resize(to_place(beam.events));
-  scratch.values.resize(to_place(beam.events));
+  const OtherBeam other{log,
+                        particle,
+                        scratch.events.size(),
+                        scratch.value.size(),
+                        to_place(beam.events),
+                        scratch.met.size()};
+  scratch.others.push_back(other);
+  scratch.events.resize(other.event + other.events);
+  scratch.value.resize(other.value + other.events + 1);
+  scratch.value.back() = scratch.logs[log];
   std::int32_t place = beam.last_event;
-  for (std::size_t e = scratch.events.size(); e-- > 0;) {
+  for (std::size_t e = other.events; e-- > 0;) {
     const ChangingBeams::Event& event = scratch.changing.event(place);
-    scratch.events[e] = event.ray;
-    scratch.values[e] = std::exp(event.log_likelihood);
+    scratch.events[other.event + e] = event.ray;
+    scratch.value[other.value + e] = event.log_likelihood;
     place = event.previous;
   }
-  const double end_value = std::exp(log_static);
-  const std::span<const float> row = belief(particles, i);
-  const TwoEvents two(scratch.events, scratch.values, end_value, states_, row);
-  const auto log_mixed = [&](int s, int k) {
-    if (two.is_all()) return std::log(two.mixed(s, k));
-    return std::log(mix_events(scratch.events, scratch.values, end_value, states_, row, s, k));
+  if (states_.memory() == PatchMemory::kNone) return;
+  for (std::size_t e = other.event; e < scratch.events.size(); ++e) {
+    const std::int32_t submap = scratch.events[e].submap;
+    const auto is_same = [&](const Said& met) { return met.submap == submap; };
+    const auto first = scratch.met.begin() + static_cast<std::ptrdiff_t>(other.met);
+    if (std::any_of(first, scratch.met.end(), is_same)) continue;
+    scratch.met.push_back({submap, ratios(submap, scratch)});
+  }
+}
+
+/// The same for beams with any number of events, of any sub-maps: the recursion of SPEC C4 as it
+/// stands.
+void PatchBeamModel::mix_others(const ParticleSet& particles, Scratch& scratch) const {
+  const bool has_memory = states_.memory() != PatchMemory::kNone;
+  const auto met_by = [&](std::size_t n) {
+    const std::size_t end =
+        n + 1 < scratch.others.size() ? scratch.others[n + 1].met : scratch.met.size();
+    return std::span(scratch.met).subspan(scratch.others[n].met, end - scratch.others[n].met);
   };
-  if (states_.memory() == PatchMemory::kNone) {
-    return log_mixed(particles.submap[i], particles.patch[i]);
-  }
-  const double mixed = log_mixed(-1, -1);
-  for (std::size_t e = 0; e < scratch.events.size(); ++e) {
-    const std::int32_t s = scratch.events[e].submap;
-    bool is_first = true;
-    for (std::size_t f = 0; f < e; ++f) is_first = is_first && scratch.events[f].submap != s;
-    if (!is_first) continue;
-    touch(s, scratch);
-    const std::size_t offset = states_.offset(to_place(s));
-    for (int k = 0; k < states_.count(to_place(s)); ++k) {
-      scratch.log_ratio[offset + to_place(k)] += log_mixed(s, k) - mixed;
+  exp_column(scratch.value.data(), scratch.value.size());
+  scratch.mixed.clear();
+  for (std::size_t n = 0; n < scratch.others.size(); ++n) {
+    const OtherBeam& other = scratch.others[n];
+    const auto events = std::span(scratch.events).subspan(other.event, other.events);
+    const auto values = std::span(scratch.value).subspan(other.value, other.events);
+    const double end_value = scratch.value[other.value + other.events];
+    const std::span<const float> believed = belief(particles, other.particle);
+    const TwoEvents two(events, values, end_value, states_, believed);
+    const auto mix = [&](int s, int k) {
+      scratch.mixed.push_back(two.is_all()
+                                  ? two.mixed(s, k)
+                                  : mix_events(events, values, end_value, states_, believed, s, k));
+    };
+    mix(has_memory ? -1 : particles.submap[other.particle],
+        has_memory ? -1 : particles.patch[other.particle]);
+    for (const Said& met : met_by(n)) {
+      for (int k = 0; k < states_.count(to_place(met.submap)); ++k) mix(met.submap, k);
     }
   }
-  return mixed;
+  log_column(scratch.mixed.data(), scratch.mixed.size());
+  const double* next = scratch.mixed.data();
+  for (std::size_t n = 0; n < scratch.others.size(); ++n) {
+    const double mixed = *next++;
+    scratch.logs[scratch.others[n].log] = mixed;
+    for (const Said& met : met_by(n)) {
+      double* const ratio = scratch.ratio.data() + met.ratios;
+      for (int k = 0; k < states_.count(to_place(met.submap)); ++k) ratio[k] += *next++ - mixed;
+    }
+  }
 }
 
-/// The changing beams of particle i, the n-th of the chunk, into its row of logs; with memory
-/// log_ratio and touched too. pair: how many of mix_pairs are done.
-void PatchBeamModel::mix_beams(const ParticleSet& particles, std::size_t i, std::size_t n,
-                               double* logs, std::size_t& pair, Scratch& scratch) const {
-  scratch.touched.clear();
-  for (const ChangingBeam& beam : scratch.changing.beams(n)) {
-    if (beam.events == 0) continue;
-    if (!is_pair(beam, scratch.changing)) {
-      logs[beam.beam] = mix_many(particles, i, beam, logs[beam.beam], scratch);
-      continue;
-    }
-    const double mixed = scratch.mixed[pair];
-    logs[beam.beam] = mixed;
-    if (states_.memory() != PatchMemory::kNone) {
-      std::int32_t place = beam.last_event;
-      if (beam.events == 2) place = scratch.changing.event(place).previous;
-      const RayEvent& near = scratch.changing.event(place).ray;
-      touch(near.submap, scratch);
-      const std::size_t offset = states_.offset(to_place(near.submap));
-      for (int k = 0; k < states_.count(to_place(near.submap)); ++k) {
-        const bool is_there = (near.mask >> k & 1U) != 0;
-        scratch.log_ratio[offset + to_place(k)] +=
-            (is_there ? scratch.first[pair] : scratch.second[pair]) - mixed;
+/// What the scan says of the sub-maps that beams of the chunk met, into the rows of its particles;
+/// their log-likelihoods get what their own sub-maps add: the mixture over its configurations for
+/// the scan as a whole.
+void PatchBeamModel::remember(double tempering, ParticleSet& particles, std::size_t begin,
+                              std::size_t end, std::span<double> log_likelihood,
+                              Scratch& scratch) const {
+  const auto said_of = [&](std::size_t i) {
+    const std::size_t first = scratch.said_begins[i - begin];
+    return std::span(scratch.said).subspan(first, scratch.said_begins[i - begin + 1] - first);
+  };
+  const auto ratio_of = [&](const Said& said) {
+    return std::span(scratch.ratio)
+        .subspan(said.ratios, to_place(states_.count(to_place(said.submap))));
+  };
+  for (std::size_t i = begin; i < end; ++i) {
+    for (const Said& said : said_of(i)) {
+      const std::span<double> ratio = ratio_of(said);
+      for (double& r : ratio) r /= tempering;
+      double largest = 0.0;
+      if (said.submap == particles.submap[i]) {
+        largest = *std::max_element(ratio.begin(), ratio.end());
+        log_likelihood[i] += largest;
       }
+      for (double& r : ratio) r = std::min(80.0, r - largest);
     }
-    ++pair;
   }
-}
-
-/// Scan-level mixture over the configurations of the particle's own sub-map.
-double PatchBeamModel::own_mixture(std::span<const float> belief, int current,
-                                   const Scratch& scratch) const {
-  if (std::find(scratch.touched.begin(), scratch.touched.end(), current) == scratch.touched.end()) {
-    return 0.0;
-  }
-  const auto s = static_cast<std::size_t>(current);
-  const std::size_t offset = states_.offset(s);
-  const auto count = static_cast<std::size_t>(states_.count(s));
-  double largest = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < count; ++k) {
-    largest = std::max(largest, scratch.log_ratio[offset + k]);
-  }
-  double total = 0.0;
-  for (std::size_t k = 0; k < count; ++k) {
-    total +=
-        static_cast<double>(belief[offset + k]) * std::exp(scratch.log_ratio[offset + k] - largest);
-  }
-  return largest + std::log(total);
-}
-
-/// What the scan says of the sub-maps that it touched, into the particle's row; returns the
-/// logarithm of what its own sub-map adds to the weight.
-double PatchBeamModel::remember(double tempering, ParticleSet& particles, std::size_t i,
-                                Scratch& scratch) const {
+  exp_column(scratch.ratio.data(), scratch.ratio.size());
   const bool is_shared = states_.memory() == PatchMemory::kShared;
-  const int current = particles.submap[i];
-  for (const std::int32_t s : scratch.touched) {
-    const std::size_t offset = states_.offset(to_place(s));
-    for (int k = 0; k < states_.count(to_place(s)); ++k) {
-      scratch.log_ratio[offset + to_place(k)] /= tempering;
-    }
-  }
-  const double own = own_mixture(belief(particles, i), current, scratch);
-  const std::span<float> row = particles.belief(i);
-  if (is_shared) std::fill(row.begin(), row.end(), 1.0F);
-  for (const std::int32_t s : scratch.touched) {
-    const std::size_t offset = states_.offset(to_place(s));
-    const auto count = static_cast<std::size_t>(states_.count(to_place(s)));
-    for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::span<float> row = particles.belief(i);
+    if (is_shared) std::fill(row.begin(), row.end(), 1.0F);
+    for (const Said& said : said_of(i)) {
+      const std::span<const double> factor = ratio_of(said);
+      const std::size_t offset = states_.offset(to_place(said.submap));
+      double own = 1.0;
+      if (said.submap == particles.submap[i]) {
+        const float* const believed = belief(particles, i).data() + offset;
+        own = std::inner_product(factor.begin(), factor.end(), believed, 0.0);
+        log_likelihood[i] += std::log(own);
+      }
+      if (!is_shared) {
+        update_belief(row.subspan(offset, factor.size()), factor, states_.least_belief());
+        continue;
+      }
       // What absorb() sums: p(z | x_i, m_s = k) over the particle's own likelihood, in which the
       // mixture over its own sub-map counts once.
-      const double ratio = scratch.log_ratio[offset + k] - (s == current ? own : 0.0);
-      const double factor = std::exp(std::min(80.0, ratio));
-      if (is_shared) row[offset + k] = static_cast<float>(factor);
-      scratch.factor[k] = factor;
-    }
-    if (!is_shared) {
-      update_belief(row.subspan(offset, count), {scratch.factor.data(), count},
-                    states_.least_belief());
+      for (std::size_t k = 0; k < factor.size(); ++k) {
+        row[offset + k] = static_cast<float>(factor[k] / own);
+      }
     }
   }
-  return own;
 }
 
 }  // namespace strata::localization

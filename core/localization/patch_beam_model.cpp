@@ -74,9 +74,12 @@ void PatchBeamModel::cast(const ScanScratch& scan, const ParticleSet& particles,
     scratch.boxes.clear();
     for (const RayBox& box : scratch.chunk_boxes) {
       if (!caster_.may_end_beams(box, particles.submap[i], fixed)) continue;
-      const double dx = std::max({box.min_x_m - laser.x, laser.x - box.max_x_m, 0.0});
-      const double dy = std::max({box.min_y_m - laser.y, laser.y - box.max_y_m, 0.0});
-      if (dx * dx + dy * dy < beams.r_max_m * beams.r_max_m) scratch.boxes.push_back(box);
+      RayBox seen{box.min_x_m - laser.x, box.min_y_m - laser.y, box.max_x_m - laser.x,
+                  box.max_y_m - laser.y, box.number};
+      const double dx = std::max({seen.min_x_m, -seen.max_x_m, 0.0});
+      const double dy = std::max({seen.min_y_m, -seen.max_y_m, 0.0});
+      seen.near_m = std::max(dx, dy);
+      if (dx * dx + dy * dy < beams.r_max_m * beams.r_max_m) scratch.boxes.push_back(seen);
     }
     scratch.changing.add(caster_, fan, scratch.static_m.data(), scratch.boxes, particles.submap[i],
                          fixed);
@@ -95,17 +98,14 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, double tempering,
   const bool is_sampled = states_.memory() == PatchMemory::kNone;
   const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
     const auto scratch = scratch_.borrow();
-    scratch->log_ratio.resize(states_.columns());
-    scratch->factor.resize(64);
     cast(*said, particles, begin, end, *scratch);
-    mix_pairs(particles, begin, end, *scratch);
-    std::size_t pair = 0;
+    list_beams(particles, begin, end, *scratch);
+    mix_pairs(*scratch);
+    mix_others(particles, *scratch);
     for (std::size_t i = begin; i < end; ++i) {
-      double* const logs = scratch->logs.data() + (i - begin) * beams;
-      mix_beams(particles, i, i - begin, logs, pair, *scratch);
-      log_likelihood[i] = sum_of(logs, beams) / tempering;
-      if (!is_sampled) log_likelihood[i] += remember(tempering, particles, i, *scratch);
+      log_likelihood[i] = sum_of(scratch->logs.data() + (i - begin) * beams, beams) / tempering;
     }
+    if (!is_sampled) remember(tempering, particles, begin, end, log_likelihood, *scratch);
   };
   pool.for_chunks(particles.size(), kChunk, std::cref(weigh));
   return beams;
@@ -133,14 +133,14 @@ double PatchBeamModel::explained_share(const Scan& scan, const Pose2& map_from_r
     const double c = hc * beams.cosine[beam] - hs * beams.sine[beam];
     const double s = hs * beams.cosine[beam] + hc * beams.sine[beam];
     caster_.events(laser.x, laser.y, c, s, beams.r_max_m, current, scratch->events);
-    scratch->values.resize(scratch->events.size());
+    scratch->value.resize(scratch->events.size());
     const bool is_hit = beams.is_hit[beam] != 0;
     for (std::size_t e = 0; e < scratch->events.size(); ++e) {
-      scratch->values[e] =
+      scratch->value[e] =
           mixture.explains(is_hit, beams.range_m[beam], scratch->events[e].range_m) ? 1.0 : 0.0;
     }
     const double end = mixture.explains(is_hit, beams.range_m[beam], kNothing) ? 1.0 : 0.0;
-    explained += mix_events(scratch->events, scratch->values, end, states_, scratch->belief);
+    explained += mix_events(scratch->events, scratch->value, end, states_, scratch->belief);
   }
   return explained / static_cast<double>(beams.size());
 }

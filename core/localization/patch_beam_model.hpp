@@ -47,6 +47,27 @@ class PatchBeamModel final : public SensorModel {
     ScanBeams beams;
     ScanMixture mixture;
   };
+  /// A beam that ends at one of two places.
+  struct Pair {
+    std::size_t log = 0;     ///< place in Scratch::logs
+    std::uint64_t near = 0;  ///< configurations that end it at the nearer one
+    std::size_t ratios = 0;  ///< of its sub-map's configurations, first place in Scratch::ratio
+    int configurations = 0;  ///< how many; 0 without memory
+  };
+  /// A beam that may end at more.
+  struct OtherBeam {
+    std::size_t log = 0;
+    std::size_t particle = 0;
+    std::size_t event = 0;  ///< first of its places in Scratch::events
+    std::size_t value = 0;  ///< ... in Scratch::value
+    std::size_t events = 0;
+    std::size_t met = 0;  ///< first of its places in Scratch::met
+  };
+  /// A sub-map that beams met.
+  struct Said {
+    std::int32_t submap = -1;
+    std::size_t ratios = 0;
+  };
   /// Working memory of one chunk of particles.
   struct Scratch {
     std::vector<RayBox> chunk_boxes;  // near any particle
@@ -55,13 +76,16 @@ class PatchBeamModel final : public SensorModel {
     std::vector<std::int32_t> cells;
     std::vector<double> logs;  // rows of one entry a beam
     ChangingBeams changing;
-    // Per beam whose outcome hangs on one thing: the nearer obstacle is there or not.
+    // Of each pair: the nearer obstacle is there with probability share; what the beam then says.
+    std::vector<Pair> pairs;
     std::vector<double> share, first, second, mixed;
+    std::vector<OtherBeam> others;
     std::vector<RayEvent> events;
-    std::vector<double> values;
-    std::vector<double> log_ratio;      // per column: ln p(scan | m_s = k) - ln p(scan | beliefs)
-    std::vector<std::int32_t> touched;  // sub-maps of which log_ratio says something
-    std::vector<double> factor;
+    std::vector<double> value;  // of the events of a beam, then of its end
+    std::vector<Said> met;      // with memory: by each of the others
+    std::vector<Said> said;     // by each particle
+    std::vector<std::size_t> said_begins;
+    std::vector<double> ratio;  // ln p(scan | m_s = k) - ln p(scan | beliefs)
     std::vector<float> belief;
     std::vector<SubmapBelief> posterior;
   };
@@ -69,16 +93,17 @@ class PatchBeamModel final : public SensorModel {
                   std::size_t end, Scratch& scratch) const;
   void cast(const ScanScratch& scan, const ParticleSet& particles, std::size_t begin,
             std::size_t end, Scratch& scratch) const;
-  void mix_pairs(const ParticleSet& particles, std::size_t begin, std::size_t end,
+  void list_beams(const ParticleSet& particles, std::size_t begin, std::size_t end,
+                  Scratch& scratch) const;
+  void list_pair(const ChangingBeam& beam, std::size_t log, std::span<const float> believed,
                  Scratch& scratch) const;
-  void mix_beams(const ParticleSet& particles, std::size_t i, std::size_t n, double* logs,
-                 std::size_t& pair, Scratch& scratch) const;
-  double mix_many(const ParticleSet& particles, std::size_t i, const ChangingBeam& beam,
-                  double log_static, Scratch& scratch) const;
-  double remember(double tempering, ParticleSet& particles, std::size_t i, Scratch& scratch) const;
-  [[nodiscard]] double own_mixture(std::span<const float> belief, int current,
-                                   const Scratch& scratch) const;
-  void touch(std::int32_t submap, Scratch& scratch) const;
+  void list_other(const ChangingBeam& beam, std::size_t log, std::size_t particle,
+                  Scratch& scratch) const;
+  void mix_pairs(Scratch& scratch) const;
+  void mix_others(const ParticleSet& particles, Scratch& scratch) const;
+  void remember(double tempering, ParticleSet& particles, std::size_t begin, std::size_t end,
+                std::span<double> log_likelihood, Scratch& scratch) const;
+  [[nodiscard]] std::size_t ratios(std::int32_t submap, Scratch& scratch) const;
   /// What particle i believes of all sub-maps.
   [[nodiscard]] std::span<const float> belief(const ParticleSet& particles, std::size_t i) const;
 

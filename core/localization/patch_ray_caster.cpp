@@ -156,14 +156,6 @@ Grid<std::int32_t> PatchRayCaster::mark_cells(const patch::PatchMap& map, const 
   return marks;
 }
 
-CellOwner PatchRayCaster::owner(std::int32_t mark, int current) const {
-  const auto place = static_cast<std::size_t>(mark);
-  for (std::size_t n = begins_[place]; n < begins_[place + 1]; ++n) {
-    if (owners_[n].submap == current) return owners_[n];
-  }
-  return owners_[begins_[place]];
-}
-
 std::span<const CellOwner> PatchRayCaster::owners_in(const RayBox& box, int current) const {
   const std::vector<BoxContent>& contents = contents_[box.number];
   for (std::size_t n = 1; n < contents.size(); ++n) {
@@ -204,7 +196,7 @@ void PatchRayCaster::events(double x_m, double y_m, double c, double s, double m
   if (!is_ended && std::isfinite(static_m)) events.push_back({-1, 0, static_m});
 }
 
-double mix_events(const std::vector<RayEvent>& events, const std::vector<double>& values,
+double mix_events(std::span<const RayEvent> events, std::span<const double> values,
                   double end_value, const PatchStates& states, std::span<const float> belief,
                   int fixed_submap, int fixed_patch) {
   const auto probability = [&](const RayEvent& event) {

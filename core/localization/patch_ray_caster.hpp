@@ -51,6 +51,7 @@ class PatchRayCaster {
   void cast_changing(const RayBatch& batch, double* range_m, std::int32_t* mark) const {
     cast_batch(changing_.table(), batch, range_m, mark);
   }
+  [[nodiscard]] RayTable changing_table() const { return changing_.table(); }
   /// Where such cells are, at most one box a sub-map.
   [[nodiscard]] const std::vector<RayBox>& boxes() const { return boxes_; }
   /// Which configurations there are cells of in one of boxes(), each sub-map once, seen by a
@@ -65,7 +66,13 @@ class PatchRayCaster {
     return std::uint64_t{1} << fixed;
   }
   /// Whose cells of this mark are, seen by a particle in `current`.
-  [[nodiscard]] CellOwner owner(std::int32_t mark, int current) const;
+  [[nodiscard]] CellOwner owner(std::int32_t mark, int current) const {
+    const auto place = static_cast<std::size_t>(mark);
+    for (std::size_t n = begins_[place]; n < begins_[place + 1]; ++n) {
+      if (owners_[n].submap == current) return owners_[n];
+    }
+    return owners_[begins_[place]];
+  }
   /// The mask of all configurations of a sub-map.
   [[nodiscard]] std::uint64_t all(std::int32_t submap) const {
     return all_[static_cast<std::size_t>(submap)];
@@ -98,9 +105,9 @@ class PatchRayCaster {
 /// event counts with the probability that its configuration holds and no earlier event ended the
 /// beam. fixed_submap >= 0: that one is known to be in fixed_patch. end_value: the value of a beam
 /// that meets nothing. values[e] is what event e contributes. O(events^2).
-[[nodiscard]] double mix_events(const std::vector<RayEvent>& events,
-                                const std::vector<double>& values, double end_value,
-                                const PatchStates& states, std::span<const float> belief,
-                                int fixed_submap = -1, int fixed_patch = -1);
+[[nodiscard]] double mix_events(std::span<const RayEvent> events, std::span<const double> values,
+                                double end_value, const PatchStates& states,
+                                std::span<const float> belief, int fixed_submap = -1,
+                                int fixed_patch = -1);
 
 }  // namespace strata::localization

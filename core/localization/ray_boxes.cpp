@@ -28,24 +28,13 @@ std::size_t cross_boxes_lanes(const RayFan& fan, const double* end_m, const RayB
                               std::size_t box_count, const RayCrossings& found) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
-  const auto x = hn::Set(d, fan.x_m);
-  const auto y = hn::Set(d, fan.y_m);
   const auto zero = hn::Zero(d);
   const auto hc = hn::Set(d, fan.heading_cosine);
   const auto hs = hn::Set(d, fan.heading_sine);
-  // No box is nearer than this.
-  double nearest_m = fan.max_range_m;
-  for (std::size_t b = 0; b < box_count; ++b) {
-    const double dx = std::max({boxes[b].min_x_m - fan.x_m, fan.x_m - boxes[b].max_x_m, 0.0});
-    const double dy = std::max({boxes[b].min_y_m - fan.y_m, fan.y_m - boxes[b].max_y_m, 0.0});
-    nearest_m = std::min(nearest_m, std::max(dx, dy));
-  }
-  const auto nearest = hn::Set(d, nearest_m);
   std::size_t count = 0;
   const auto cross = [&](std::size_t k, const double* cosine, const double* sine,
                          const double* end) {
     const auto last = hn::Min(hn::LoadU(d, end), hn::Set(d, fan.max_range_m));
-    if (hn::AllFalse(d, hn::Gt(last, nearest))) return;
     const auto bc = hn::LoadU(d, cosine);
     const auto bs = hn::LoadU(d, sine);
     const auto c = hn::Sub(hn::Mul(hc, bc), hn::Mul(hs, bs));
@@ -56,18 +45,19 @@ std::size_t cross_boxes_lanes(const RayFan& fan, const double* end_m, const RayB
     auto to = zero;
     auto crossed = zero;
     double power = 1.0;
-    for (std::size_t b = 0; b < box_count; ++b) {
-      const auto x0 = hn::Mul(hn::Sub(hn::Set(d, boxes[b].min_x_m), x), inverse_c);
-      const auto x1 = hn::Mul(hn::Sub(hn::Set(d, boxes[b].max_x_m), x), inverse_c);
-      const auto y0 = hn::Mul(hn::Sub(hn::Set(d, boxes[b].min_y_m), y), inverse_s);
-      const auto y1 = hn::Mul(hn::Sub(hn::Set(d, boxes[b].max_y_m), y), inverse_s);
+    for (std::size_t b = 0; b < box_count; ++b, power *= 2.0) {
+      if (hn::AllFalse(d, hn::Gt(last, hn::Set(d, boxes[b].near_m)))) continue;
+      const auto x0 = hn::Mul(hn::Set(d, boxes[b].min_x_m), inverse_c);
+      const auto x1 = hn::Mul(hn::Set(d, boxes[b].max_x_m), inverse_c);
+      const auto y0 = hn::Mul(hn::Set(d, boxes[b].min_y_m), inverse_s);
+      const auto y1 = hn::Mul(hn::Set(d, boxes[b].max_y_m), inverse_s);
       const auto entry = hn::Max(hn::Max(hn::Min(x0, x1), hn::Min(y0, y1)), zero);
       const auto exit = hn::Min(hn::Min(hn::Max(x0, x1), hn::Max(y0, y1)), last);
       const auto crosses = hn::Lt(entry, exit);
       from = hn::IfThenElse(crosses, hn::Min(from, entry), from);
       to = hn::IfThenElse(crosses, hn::Max(to, exit), to);
-      crossed = hn::Add(crossed, hn::IfThenElseZero(crosses, hn::Set(d, power)));
-      power = b + 1 < RayCrossings::kNamed ? 2.0 * power : 0.0;
+      const bool is_named = b < RayCrossings::kNamed;
+      crossed = hn::Add(crossed, hn::IfThenElseZero(crosses, hn::Set(d, is_named ? power : 0.0)));
     }
     auto crosses = hn::Lt(from, to);
     const auto ray = hn::Iota(d, static_cast<double>(k));

@@ -8,13 +8,14 @@
 
 namespace strata::localization {
 
-/// A rectangle in the map.
+/// A rectangle in the map, or relative to where rays start.
 struct RayBox {
   double min_x_m = 0.0;
   double min_y_m = 0.0;
   double max_x_m = 0.0;
   double max_y_m = 0.0;
   std::size_t number = 0;  ///< to tell it from others
+  double near_m = 0.0;     ///< no ray comes to it before this
 };
 
 /// Where rays of a fan cross boxes; columns with room for fan.count + kSlack entries.
@@ -30,7 +31,7 @@ struct RayCrossings {
 };
 
 /// Fills `found` with the rays of `fan` that cross at least one box before end_m[k] (or the fan's
-/// limit), in their order, and returns how many.
+/// limit), in their order, and returns how many. The boxes are relative to (fan.x_m, fan.y_m).
 std::size_t cross_boxes(const RayFan& fan, const double* end_m, const RayBox* boxes,
                         std::size_t box_count, const RayCrossings& found);
 

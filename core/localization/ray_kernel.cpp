@@ -72,6 +72,7 @@ struct Axis {
 struct Rays {
   Axis x, y;
   Lanes t, end, i, j;
+  Lanes met;  ///< -mark of the cell that was hit, where some are skipped
   hn::Mask<Tag> is_active, is_hit;
 
   /// from, to: in cells; cut to the table first unless they are inside.
@@ -84,6 +85,7 @@ struct Rays {
     }
     is_active = hn::Lt(t, end);
     is_hit = hn::Lt(t, hn::Zero(d));  // none yet
+    met = hn::Zero(d);
     i = x.first_cell(t);
     j = y.first_cell(t);
   }
@@ -103,7 +105,9 @@ struct Rays {
   /// The same through cells that are marked by `skipped`, -mark.
   HWY_INLINE void step(const RayTable& table, Lanes skipped) {
     const auto leap = leaps(table);
-    advance(leap, hn::AndNot(hn::Eq(leap, skipped), hn::Lt(leap, hn::Zero(Tag()))));
+    const auto is_marked = hn::AndNot(hn::Eq(leap, skipped), hn::Lt(leap, hn::Zero(Tag())));
+    met = hn::IfThenElse(hn::And(is_active, is_marked), leap, met);
+    advance(leap, is_marked);
   }
 
   HWY_INLINE void advance(Lanes leap, hn::Mask<Tag> is_marked) {
@@ -164,8 +168,8 @@ HWY_INLINE Rays rays_at(const RayTable& table, const RayFan& fan, const double* 
   const Tag d;
   Lanes c, s;
   directions(fan, cosine, sine, c, s);
-  const auto x = hn::Set(d, fan.x_m / table.resolution_m - table.min_x);
-  const auto y = hn::Set(d, fan.y_m / table.resolution_m - table.min_y);
+  const auto x = hn::Set(d, table.column_at(fan.x_m));
+  const auto y = hn::Set(d, table.row_at(fan.y_m));
   return Rays(Axis(x, c, table.width), Axis(y, s, table.height), hn::Zero(d),
               hn::Set(d, fan.max_range_m / table.resolution_m), false);
 }
@@ -214,13 +218,11 @@ void cast_rays_lanes(const RayTable& table, const RayFan& fan, double* range_m,
 /// One vector of a batch, which must hold as many rays from k on.
 HWY_INLINE Rays rays_of(const RayTable& table, const RayBatch& batch, std::size_t k) {
   const Tag d;
-  const auto resolution = hn::Set(d, table.resolution_m);
-  const auto x = hn::Sub(hn::Div(hn::LoadU(d, batch.x_m + k), resolution), hn::Set(d, table.min_x));
-  const auto y = hn::Sub(hn::Div(hn::LoadU(d, batch.y_m + k), resolution), hn::Set(d, table.min_y));
-  return Rays(Axis(x, hn::LoadU(d, batch.cosine + k), table.width),
-              Axis(y, hn::LoadU(d, batch.sine + k), table.height),
-              hn::Div(hn::LoadU(d, batch.from_m + k), resolution),
-              hn::Div(hn::LoadU(d, batch.to_m + k), resolution), true);
+  const auto per_m = hn::Set(d, 1.0 / table.resolution_m);
+  return Rays(Axis(hn::LoadU(d, batch.column + k), hn::LoadU(d, batch.cosine + k), table.width),
+              Axis(hn::LoadU(d, batch.row + k), hn::LoadU(d, batch.sine + k), table.height),
+              hn::Mul(hn::LoadU(d, batch.from_m + k), per_m),
+              hn::Mul(hn::LoadU(d, batch.to_m + k), per_m), true);
 }
 
 /// Two vectors abreast, from k on.
@@ -239,8 +241,7 @@ HWY_INLINE void cast_pair(const RayTable& table, const RayBatch& batch, std::siz
   const auto limit = hn::Set(d, batch.max_range_m / table.resolution_m);
   const auto store = [&](const Rays& rays, std::size_t at) {
     hn::StoreU(rays.ranges(table.resolution_m, limit), d, range_m + at);
-    const auto found = hn::IfThenElseZero(rays.is_hit, hn::Neg(rays.leaps(table)));
-    hn::StoreU(hn::DemoteTo(Places(), found), Places(), mark + at);
+    hn::StoreU(hn::DemoteTo(Places(), hn::Neg(rays.met)), Places(), mark + at);
   };
   store(a, 0);
   store(b, lanes);
@@ -257,7 +258,7 @@ void cast_batch_lanes(const RayTable& table, const RayBatch& batch, double* rang
   // The last ones, filled up with copies of the first of them.
   constexpr std::size_t kMost = 2 * kMostLanes;
   double rest[7][kMost];
-  const double* const columns[7] = {batch.x_m,    batch.y_m,  batch.cosine, batch.sine,
+  const double* const columns[7] = {batch.column, batch.row,  batch.cosine, batch.sine,
                                     batch.from_m, batch.to_m, batch.skip};
   for (std::size_t c = 0; c < 7; ++c) {
     std::fill(rest[c], rest[c] + kMost, columns[c][k]);

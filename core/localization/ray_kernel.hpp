@@ -16,6 +16,10 @@ struct RayTable {
   double min_x = 0.0;  ///< lattice coordinates of the corner
   double min_y = 0.0;
   double resolution_m = 0.05;
+
+  /// A place in the map in cells, relative to the corner.
+  [[nodiscard]] double column_at(double x_m) const { return x_m / resolution_m - min_x; }
+  [[nodiscard]] double row_at(double y_m) const { return y_m / resolution_m - min_y; }
 };
 
 /// Rays from (x_m, y_m). Ray k points in the direction (cosine[k], sine[k]) of a laser that is
@@ -39,8 +43,8 @@ void cast_rays(const RayTable& table, const RayFan& fan, double* range_m, std::i
 /// Rays from anywhere, one entry each. Ray k is looked at from from_m[k] to to_m[k] along it, and
 /// goes through cells of mark skip[k] as if they were free.
 struct RayBatch {
-  const double* x_m = nullptr;
-  const double* y_m = nullptr;
+  const double* column = nullptr;  ///< where it starts: column_at, row_at of the table
+  const double* row = nullptr;
   const double* cosine = nullptr;
   const double* sine = nullptr;
   const double* from_m = nullptr;

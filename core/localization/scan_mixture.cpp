@@ -41,14 +41,14 @@ HWY_INLINE Lanes mass_below(const ScanMixture::Terms& terms, Lanes u) {
 }
 
 /// NaN for beams that are left to BeamMixture.
-HWY_INLINE Lanes log_row(const ScanMixture::Terms& terms, Lanes expected, Lanes range, Lanes is_hit,
+HWY_INLINE Lanes log_row(const ScanMixture::Terms& terms, Lanes expected, Lanes range,
                          Lanes short_m, Lanes log_none) {
   const Tag d;
   const auto zero = hn::Zero(d);
   const auto r_max = hn::Set(d, terms.r_max_m);
   const auto margin = hn::Set(d, terms.margin_m);
   const auto expects = hn::Lt(expected, r_max);
-  const auto hits = hn::Gt(is_hit, zero);
+  const auto hits = hn::Ge(short_m, zero);
   // Out of the way of infinity where nothing is expected.
   const auto e = hn::IfThenElse(expects, expected, r_max);
   const auto off = hn::Sub(range, e);
@@ -77,26 +77,25 @@ void log_lanes(const ScanMixture::Terms& terms, std::size_t count, const double*
                double* log_likelihood) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
-  const auto row = [&](const double* expected, const double* range, const double* is_hit,
-                       const double* short_m, const double* log_none, double* out) {
-    hn::StoreU(log_row(terms, hn::LoadU(d, expected), hn::LoadU(d, range), hn::LoadU(d, is_hit),
-                       hn::LoadU(d, short_m), hn::LoadU(d, log_none)),
+  const auto row = [&](const double* expected, const double* range, const double* short_m,
+                       const double* log_none, double* out) {
+    hn::StoreU(log_row(terms, hn::LoadU(d, expected), hn::LoadU(d, range), hn::LoadU(d, short_m),
+                       hn::LoadU(d, log_none)),
                d, out);
   };
   std::size_t k = 0;
   for (; k + lanes <= count; k += lanes) {
-    row(expected_m + k, terms.range_m + k, terms.is_hit + k, terms.short_m + k, terms.log_none + k,
+    row(expected_m + k, terms.range_m + k, terms.short_m + k, terms.log_none + k,
         log_likelihood + k);
   }
   if (k == count) return;
-  double rest[5][kParts] = {};
+  double rest[4][kParts] = {};
   std::copy(expected_m + k, expected_m + count, rest[0]);
   std::copy(terms.range_m + k, terms.range_m + count, rest[1]);
-  std::copy(terms.is_hit + k, terms.is_hit + count, rest[2]);
-  std::copy(terms.short_m + k, terms.short_m + count, rest[3]);
-  std::copy(terms.log_none + k, terms.log_none + count, rest[4]);
+  std::copy(terms.short_m + k, terms.short_m + count, rest[2]);
+  std::copy(terms.log_none + k, terms.log_none + count, rest[3]);
   double out[kParts];
-  row(rest[0], rest[1], rest[2], rest[3], rest[4], out);
+  row(rest[0], rest[1], rest[2], rest[3], out);
   std::copy(out, out + (count - k), log_likelihood + k);
 }
 
@@ -106,11 +105,12 @@ void log_lanes_of(const ScanMixture::Terms& terms, const double* beam, std::size
   const hn::Rebind<std::int32_t, Tag> di;
   const hn::RebindToSigned<Tag> dl;
   const std::size_t lanes = hn::Lanes(d);
+  // Where nothing is expected, left to BeamMixture: that is rare here.
+  const auto log_none = hn::Set(d, std::numeric_limits<double>::quiet_NaN());
   const auto row = [&](const double* beams, const double* expected, double* out) {
     const auto k = hn::PromoteTo(dl, hn::DemoteTo(di, hn::LoadU(d, beams)));
     hn::StoreU(log_row(terms, hn::LoadU(d, expected), hn::GatherIndex(d, terms.range_m, k),
-                       hn::GatherIndex(d, terms.is_hit, k), hn::GatherIndex(d, terms.short_m, k),
-                       hn::GatherIndex(d, terms.log_none, k)),
+                       hn::GatherIndex(d, terms.short_m, k), log_none),
                d, out);
   };
   std::size_t k = 0;
@@ -133,9 +133,11 @@ void mix_lanes(const double* share, const double* first, const double* second, s
     const auto a = hn::LoadU(d, a_log);
     const auto b = hn::LoadU(d, b_log);
     const auto top = hn::Max(a, b);
-    const auto rest = hn::Sub(hn::Set(d, 1.0), p_first);
-    const auto sum = hn::Add(hn::Mul(p_first, exp_of(d, hn::Sub(a, top))),
-                             hn::Mul(rest, exp_of(d, hn::Sub(b, top))));
+    const auto p_second = hn::Sub(hn::Set(d, 1.0), p_first);
+    const auto is_first = hn::Ge(a, b);
+    const auto below = exp_of(d, hn::Sub(hn::Min(a, b), top));
+    const auto sum = hn::Add(hn::IfThenElse(is_first, p_first, p_second),
+                             hn::Mul(hn::IfThenElse(is_first, p_second, p_first), below));
     hn::StoreU(hn::Add(top, log_of(d, hn::Max(sum, hn::Set(d, 1e-300)))), d, out);
   };
   std::size_t k = 0;
@@ -222,15 +224,14 @@ void ScanMixture::prepare(const BeamMixture& mixture, const ScanBeams& beams) {
   terms_.mass = mass_table().mass.data();
   terms_.slope = mass_table().slope.data();
   range_m_.resize(beams.size());
-  is_hit_.resize(beams.size());
   short_m_.resize(beams.size());
   log_none_.resize(beams.size());
   for (std::size_t k = 0; k < beams.size(); ++k) {
     const bool is_hit = beams.is_hit[k] != 0;
     range_m_[k] = beams.range_m[k];
-    is_hit_[k] = is_hit ? 1.0 : 0.0;
-    short_m_[k] = config.short_weight * config.short_rate_per_m *
-                  std::exp(-config.short_rate_per_m * beams.range_m[k]);
+    short_m_[k] = is_hit ? config.short_weight * config.short_rate_per_m *
+                               std::exp(-config.short_rate_per_m * beams.range_m[k])
+                         : -1.0;
     log_none_[k] = std::log(mixture.likelihood(is_hit, beams.range_m[k], kNothing));
   }
 }
@@ -239,14 +240,13 @@ void ScanMixture::log_likelihoods(std::size_t begin, std::size_t count, const do
                                   double* log_likelihood) const {
   Terms terms = terms_;
   terms.range_m = range_m_.data() + begin;
-  terms.is_hit = is_hit_.data() + begin;
   terms.short_m = short_m_.data() + begin;
   terms.log_none = log_none_.data() + begin;
   HWY_DYNAMIC_DISPATCH(log_lanes)(terms, count, expected_m, log_likelihood);
   for (std::size_t k = 0; k < count; ++k) {
     if (!std::isnan(log_likelihood[k])) continue;
     log_likelihood[k] = std::log(
-        mixture_->likelihood(is_hit_[begin + k] > 0.0, range_m_[begin + k], expected_m[k]));
+        mixture_->likelihood(short_m_[begin + k] >= 0.0, range_m_[begin + k], expected_m[k]));
   }
 }
 
@@ -254,15 +254,13 @@ void ScanMixture::log_likelihoods_of(const double* beam, std::size_t count,
                                      const double* expected_m, double* log_likelihood) const {
   Terms terms = terms_;
   terms.range_m = range_m_.data();
-  terms.is_hit = is_hit_.data();
   terms.short_m = short_m_.data();
-  terms.log_none = log_none_.data();
   HWY_DYNAMIC_DISPATCH(log_lanes_of)(terms, beam, count, expected_m, log_likelihood);
   for (std::size_t k = 0; k < count; ++k) {
     if (!std::isnan(log_likelihood[k])) continue;
     const auto b = static_cast<std::size_t>(beam[k]);
     log_likelihood[k] =
-        std::log(mixture_->likelihood(is_hit_[b] > 0.0, range_m_[b], expected_m[k]));
+        std::log(mixture_->likelihood(short_m_[b] >= 0.0, range_m_[b], expected_m[k]));
   }
 }
 

@@ -34,8 +34,7 @@ class ScanMixture {
   /// What the kernel reads: constants, and one entry a beam.
   struct Terms {
     const double* range_m = nullptr;
-    const double* is_hit = nullptr;    ///< 1 or 0
-    const double* short_m = nullptr;   ///< w_short l e^(-l z) [1/m]
+    const double* short_m = nullptr;   ///< w_short l e^(-l z) [1/m]; -1: nothing returned
     const double* log_none = nullptr;  ///< when nothing is expected
     double log_missed = 0.0;           ///< no return where an obstacle is expected
     double random = 0.0;
@@ -56,7 +55,6 @@ class ScanMixture {
   std::optional<BeamMixture> mixture_;
   Terms terms_;  // without the pointers
   std::vector<double> range_m_;
-  std::vector<double> is_hit_;
   std::vector<double> short_m_;
   std::vector<double> log_none_;
 };

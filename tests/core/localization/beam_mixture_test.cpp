@@ -54,7 +54,9 @@ TEST(ScanMixture, EveryTargetGivesTheLogarithmsOfTheMixture) {
     const BeamMixture mixture(constants, 8.0);
     ScanBeams beams;
     std::vector<double> expected;
+    std::vector<double> every_beam;
     for (int k = 0; k < 501; ++k) {
+      every_beam.push_back(k);
       const bool is_hit = k % 4 != 0;
       beams.range_m.push_back(is_hit ? random.uniform(0.0, 7.99) : 8.0);
       beams.is_hit.push_back(is_hit ? 1 : 0);
@@ -79,6 +81,9 @@ TEST(ScanMixture, EveryTargetGivesTheLogarithmsOfTheMixture) {
       }
       if (first.empty()) first = logs;
       EXPECT_EQ(logs, first);
+      std::vector<double> of_any(expected.size());
+      scan.log_likelihoods_of(every_beam.data(), 501, expected.data(), of_any.data());
+      EXPECT_EQ(of_any, first);
     });
   }
 }

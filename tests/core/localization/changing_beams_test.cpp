@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The patch beam model, which follows beams of many particles at once, against a reference that
 // follows one beam after the other with PatchRayCaster::events and mix_events.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -298,18 +299,20 @@ TEST(RayBoxes, AreThoseThatStepsAlongTheRayFallInto) {
     for (std::size_t k = 0; k < cosine.size(); ++k) {
       end.push_back(k % 3 == 0 ? kNothing : random.uniform(0.0, 6.0));
     }
-    const RayFan fan{random.uniform(-3.0, 3.0),
-                     random.uniform(-3.0, 3.0),
-                     1.0,
-                     0.0,
-                     cosine.data(),
-                     sine.data(),
-                     cosine.size(),
-                     5.0};
+    const double x0 = random.uniform(-3.0, 3.0);
+    const double y0 = random.uniform(-3.0, 3.0);
+    const RayFan fan{x0, y0, 1.0, 0.0, cosine.data(), sine.data(), cosine.size(), 5.0};
+    std::vector<RayBox> relative;
+    for (const RayBox& box : boxes) {
+      relative.push_back({box.min_x_m - x0, box.min_y_m - y0, box.max_x_m - x0, box.max_y_m - y0});
+      const double dx = std::max({relative.back().min_x_m, -relative.back().max_x_m, 0.0});
+      const double dy = std::max({relative.back().min_y_m, -relative.back().max_y_m, 0.0});
+      relative.back().near_m = std::hypot(dx, dy);
+    }
     const std::size_t room = fan.count + RayCrossings::kSlack;
     std::vector<double> ray(room), c(room), s(room), from(room), to(room), which(room);
     const std::size_t found =
-        cross_boxes(fan, end.data(), boxes.data(), boxes.size(),
+        cross_boxes(fan, end.data(), relative.data(), relative.size(),
                     {ray.data(), c.data(), s.data(), from.data(), to.data(), which.data()});
     std::size_t place = 0;
     for (std::size_t k = 0; k < fan.count; ++k) {
