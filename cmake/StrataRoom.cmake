@@ -1,3 +1,11 @@
+# Kernels for machines without SIMD too, which x86-64 never picks: the tests compare them with the
+# others (tests/support/every_target.hpp).
+function(strata_every_simd_target target)
+  if("hwy::hwy" IN_LIST ARGN)
+    target_compile_definitions(${target} PRIVATE HWY_COMPILE_ALL_ATTAINABLE)
+  endif()
+endfunction()
+
 # One room = one folder = one library target. A room links exactly what it may include.
 #
 #   strata_room(core_grid SOURCES a.cpp b.cpp LINKS core_base core_geometry PACKAGES Eigen3::Eigen
@@ -13,6 +21,7 @@ function(strata_room name)
     add_library(${target} STATIC ${ROOM_SOURCES})
     target_link_libraries(${target} PUBLIC strata_flags ${ROOM_LINKS} ${ROOM_PACKAGES}
       PRIVATE $<BUILD_INTERFACE:strata_warnings> ${ROOM_PRIVATE_PACKAGES})
+    strata_every_simd_target(${target} ${ROOM_PRIVATE_PACKAGES})
   else()
     add_library(${target} INTERFACE)
     target_link_libraries(${target} INTERFACE strata_flags ${ROOM_LINKS} ${ROOM_PACKAGES})
@@ -30,6 +39,7 @@ function(strata_tests name)
   list(TRANSFORM TESTS_LINKS PREPEND strata_)
   target_link_libraries(${target} PRIVATE ${TESTS_LINKS} ${TESTS_PACKAGES} strata_test_support
     strata_warnings GTest::gmock GTest::gtest_main)
+  strata_every_simd_target(${target} ${TESTS_PACKAGES})
   if(NOT TESTS_TIMEOUT)
     set(TESTS_TIMEOUT 300)
   endif()
