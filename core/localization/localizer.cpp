@@ -260,6 +260,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   // One place is left: nothing has to be kept apart any more.
   if (is_one_place(pose, config_.recovery.uncertain_stddev_m)) {
     annealed_updates_ = std::max(annealed_updates_, config_.global_start.annealing_updates);
+    monitor_.search_ends();
   }
   return pose;
 }

@@ -35,8 +35,14 @@ void HealthMonitor::add(double likelihood_per_beam, double explained_share,
   lost_in_a_row_ = h.state == HealthState::kLost ? lost_in_a_row_ + 1 : 0;
 }
 
+void HealthMonitor::search_ends() {
+  if (lost_in_a_row_ >= 0) return;
+  const auto memory = static_cast<int>(std::ceil(1.0 / std::max(config_.fast_rate, 0.01)));
+  lost_in_a_row_ = std::max(lost_in_a_row_, -memory);
+}
+
 double HealthMonitor::injection_share() const {
-  if (!config_.inject || config_.tolerated_drop >= 1.0) return 0.0;
+  if (!config_.inject || config_.tolerated_drop >= 1.0 || lost_in_a_row_ < 0) return 0.0;
   // A sure pose that explains most beams is not given up for people who pass: a random pose in a
   // place that looks alike would win by chance, and the filter would jump.
   if (health_.state == HealthState::kGood) return 0.0;

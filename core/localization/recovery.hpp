@@ -103,8 +103,11 @@ class HealthMonitor {
   [[nodiscard]] bool wants_restart() const {
     return config_.restart_after > 0 && lost_in_a_row_ >= config_.restart_after;
   }
-  /// A search has begun: the next one not before this many more values.
+  /// A search has begun, of this many values at most: no other one and no injection during it.
   void search_begins(int updates) { lost_in_a_row_ = -updates; }
+  /// The search has found a place before that. The short averages are given the values that they
+  /// take to forget what was before it, 1 / fast_rate.
+  void search_ends();
 
  private:
   RecoveryConfig config_;

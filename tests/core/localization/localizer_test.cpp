@@ -144,5 +144,50 @@ TEST(Localizer, RecoversFromKidnapping) {
   }
 }
 
+/// Whose every scan says that the robot is here, and that the map explains such a share of it.
+class SureModel final : public SensorModel {
+ public:
+  double explained = 0.95;
+
+  std::size_t log_likelihoods(const Scan& /*scan*/, double tempering, ParticleSet& particles,
+                              std::span<double> log_likelihood,
+                              WorkerPool& /*pool*/) const override {
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+      const Pose2 off = between({4.0, 1.2, 0.0}, particles.pose(i));
+      const double squared = off.x * off.x + off.y * off.y + off.theta * off.theta;
+      log_likelihood[i] = -squared / (0.01 * tempering);
+    }
+    return 1;
+  }
+  [[nodiscard]] double tempering() const override { return 1.0; }
+  [[nodiscard]] double explained_share(const Scan& /*scan*/, const Pose2& /*map_from_robot*/,
+                                       const ParticleSet& /*particles*/) const override {
+    return explained;
+  }
+};
+
+TEST(Localizer, SearchesAgainSoonAfterItHasFoundAWrongPlace) {
+  const ReflectionGrid map = room_map();
+  const auto model = std::make_shared<SureModel>();
+  LocalizerConfig config;
+  config.gating.every_scans = 1;
+  config.recovery = kidnapping_recovery();
+  Localizer localizer(config, model, 1);
+  localizer.set_free_space(map);
+  Drive drive({4.0, 1.2, 0.0}, 53);
+  localizer.initialize(near(drive.truth()));
+  std::vector<int> searches;
+  std::size_t before = localizer.particles().size();
+  for (int n = 0; n < 100; ++n) {
+    if (n == 20) model->explained = 0.1;
+    const std::size_t particles = localizer.update(drive.look(asymmetric_room())).particles;
+    if (particles > before + 5000) searches.push_back(n);
+    before = particles;
+  }
+  ASSERT_GE(searches.size(), 2U);
+  EXPECT_LT(searches[1] - searches[0], config.global_start.annealing_updates)
+      << "as long as the whole search";
+}
+
 }  // namespace
 }  // namespace strata::localization

@@ -31,5 +31,42 @@ TEST(HealthMonitor, NeverRecoversUnlessAsked) {
   EXPECT_FALSE(monitor.wants_restart());
 }
 
+/// Values in which nothing is explained, until a search is wanted.
+int lost_values_until_restart(HealthMonitor& monitor) {
+  int values = 0;
+  while (!monitor.wants_restart() && values < 1000) {
+    monitor.add(0.1, 0.2, 0.05);
+    ++values;
+  }
+  return values;
+}
+
+TEST(HealthMonitor, LetsASearchComeToItsEndBeforeTheNext) {
+  HealthMonitor monitor = after_a_drop(kidnapping_recovery(), 0.2);
+  ASSERT_TRUE(monitor.wants_restart());
+  monitor.search_begins(32);
+  EXPECT_EQ(monitor.injection_share(), 0.0);
+  EXPECT_EQ(lost_values_until_restart(monitor), 32 + 5);
+}
+
+TEST(HealthMonitor, SearchesAgainSoonAfterASearchThatEndedEarlyAtAWrongPlace) {
+  HealthMonitor monitor = after_a_drop(kidnapping_recovery(), 0.2);
+  monitor.search_begins(32);
+  monitor.add(0.1, 0.2, 0.05);
+  monitor.search_ends();
+  EXPECT_EQ(monitor.injection_share(), 0.0);
+  EXPECT_EQ(lost_values_until_restart(monitor), 10 + 5);
+}
+
+TEST(HealthMonitor, GivesARightPlaceTheTimeToShowBeforeItSearchesAgain) {
+  HealthMonitor monitor = after_a_drop(kidnapping_recovery(), 0.2);
+  monitor.search_begins(32);
+  monitor.search_ends();
+  for (int n = 0; n < 40; ++n) {
+    monitor.add(1.0, 0.95, 0.05);
+    EXPECT_FALSE(monitor.wants_restart());
+  }
+}
+
 }  // namespace
 }  // namespace strata::localization
