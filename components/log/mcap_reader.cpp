@@ -51,10 +51,9 @@ class McapReader : public BagReader {
     std::stable_sort(pieces_.begin(), pieces_.end(),
                      [](const Piece& a, const Piece& b) { return a.begin_ns < b.begin_ns; });
     prefetch();
-    if (topics_.empty()) {
-      throw InputError(file_.string(),
-                       damage_.count > 0 ? damage_.first : std::string("holds no topics"),
-                       "check that it was copied whole");
+    // A whole file without a topic is a recording of nothing, as a database without one is.
+    if (topics_.empty() && damage_.count > 0) {
+      throw InputError(file_.string(), damage_.first, "check that it was copied whole");
     }
   }
 

@@ -196,6 +196,17 @@ TEST_F(BagFilesTest, TypesKeepTheirHashesInSchemaFourAndMcap) {
   }
 }
 
+TEST_F(BagFilesTest, OneThatWasClosedBeforeAnythingCameIsEmptyAndNotDamaged) {
+  for (const auto storage : {BagStorage::kSqlite3, BagStorage::kMcap}) {
+    const fs::path bag = folder_.path() / (storage == BagStorage::kMcap ? "mcap" : "sqlite");
+    BagWriter(bag, BagOptions{.storage = storage}).close();
+    const Content content = read_all(bag);
+    EXPECT_TRUE(content.topics.empty());
+    EXPECT_TRUE(content.stamps.empty());
+    EXPECT_EQ(content.damage.count, 0U);
+  }
+}
+
 TEST_F(BagFilesTest, ABagOfManyFilesIsOneBag) {
   for (const auto storage : {BagStorage::kSqlite3, BagStorage::kMcap}) {
     const fs::path bag = write({.storage = storage, .split_bytes = 10'000}, 120);
