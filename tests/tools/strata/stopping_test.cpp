@@ -4,7 +4,10 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <signal.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "tests/tools/strata/managed_run.hpp"
 
@@ -131,6 +134,15 @@ TEST_F(Stopping, SaysWhichProcessFailedBeforeTheOthersHaveEnded) {
       << said;
 }
 
+/// Whether it is, also while nobody has asked for its exit code.
+bool wait_until_dead(pid_t process, std::chrono::milliseconds patience) {
+  const int descriptor = static_cast<int>(syscall(SYS_pidfd_open, process, 0));
+  pollfd end{descriptor, POLLIN, 0};
+  const bool is_dead = poll(&end, 1, static_cast<int>(patience.count())) == 1;
+  close(descriptor);
+  return is_dead;
+}
+
 TEST_F(Stopping, NamesEveryProcessThatFailed) {
   const auto process = run("  - name: one\n" + component("SlowStore", "", "gate_one") +
                            "  - name: two\n" + component("SlowStore", "", "gate_two") +
@@ -142,6 +154,7 @@ TEST_F(Stopping, NamesEveryProcessThatFailed) {
     ASSERT_NE(child, 0);
     kill(child, SIGKILL);
   }
+  for (const pid_t child : dying) ASSERT_TRUE(wait_until_dead(child, kPatience));
   process->send(SIGCONT);
   EXPECT_EQ(process->wait(), 1);
   const std::string said = process->rest();
