@@ -165,9 +165,14 @@ void run(const std::string& name, const Options& options) {
       });
     }
   } else if (name == "box_in_corridor") {
-    localize(name, options, [&](std::uint64_t seed) {
-      return box_in_corridor(options.file("corridor_box.yaml"), seed);
-    });
+    for (const int field_of_view_deg : {360, 180}) {
+      localize(name + ", " + std::to_string(field_of_view_deg) + " degrees,", options,
+               [&](std::uint64_t seed) {
+                 return box_in_corridor(
+                     options.file("corridor_box.yaml"), seed, field_of_view_deg,
+                     {"occupancy", "filtered", "patch_paper", "patch_shared", "patch", "own_day"});
+               });
+    }
   } else if (name == "global_start") {
     for (const bool is_open : {false, true}) {
       localize(name + (is_open ? ", door open," : ", door closed,"), options,

@@ -167,9 +167,12 @@ DayOutcome run_day(const DayTask& task, const Model& model, const LocalizerConfi
 
 }  // namespace
 
-Outcomes box_in_corridor(const std::string& scenario, std::uint64_t seed) {
-  const simulate::Simulation simulation =
-      simulate::simulate(simulate::load_scenario(scenario), seed);
+Outcomes box_in_corridor(const std::string& scenario, std::uint64_t seed, int field_of_view_deg,
+                         const std::vector<std::string>& models) {
+  simulate::ScenarioConfig config = simulate::load_scenario(scenario);
+  config.laser.field_of_view_deg = field_of_view_deg;
+  config.laser.beams = field_of_view_deg;
+  const simulate::Simulation simulation = simulate::simulate(config, seed);
   const int last = static_cast<int>(simulation.days.size());
   const std::vector<PosedScan> scans = noisy_scans(simulation, {}, seed, 1, last - 1);
   const StaticMaps maps = static_maps(scans);
@@ -177,11 +180,15 @@ Outcomes box_in_corridor(const std::string& scenario, std::uint64_t seed) {
   DayTask task{&simulation, last, patches.get(), {}, nullptr, 11.0, 25.0};
   task.truth = true_configurations(simulation, *patches, simulation, last);
   Outcomes outcomes;
-  for (const char* name : {"occupancy", "filtered", "patch_paper", "patch_shared", "patch"}) {
-    outcomes[name] = run_day(task, model_named(name, maps, patches), {}, seed);
+  for (const std::string& name : models) {
+    Model model;
+    if (name == "own_day") {
+      model = grid_model(static_maps(noisy_scans(simulation, {}, seed, last, last)).filtered);
+    } else {
+      model = model_named(name, maps, patches);
+    }
+    outcomes[name] = run_day(task, model, {}, seed);
   }
-  const StaticMaps today = static_maps(noisy_scans(simulation, {}, seed, last, last));
-  outcomes["own_day"] = run_day(task, grid_model(today.filtered), {}, seed);
   return outcomes;
 }
 

@@ -24,10 +24,14 @@ struct DayOutcome {
 using Outcomes = std::map<std::string, DayOutcome>;  ///< per model
 
 /// Figures 3 to 5: a plain corridor, range 4 m, a box at one of three places; learned on all days
-/// but the last, localized on the last with occupancy, filtered, patch_paper, patch_shared and
-/// patch, and with own_day, the filtered map of that last day itself: what no memory can beat.
-/// Changed: x in [11, 25] m. scenario: corridor_box.yaml.
-[[nodiscard]] Outcomes box_in_corridor(const std::string& scenario, std::uint64_t seed);
+/// but the last, localized on the last. Models: occupancy, filtered, patch_paper, patch_shared,
+/// patch; own_day is the filtered map of that last day itself, which no memory can beat.
+/// Changed: x in [11, 25] m. scenario: corridor_box.yaml, with a scanner of a beam a degree: one of
+/// 180 degrees does not see the box any more once the robot is beside it, and what is left of the
+/// plain walls is odometry's.
+[[nodiscard]] Outcomes box_in_corridor(const std::string& scenario, std::uint64_t seed,
+                                       int field_of_view_deg,
+                                       const std::vector<std::string>& models);
 
 /// Figures 6 and 7: a global start where a door decides between two places that look alike.
 /// Learned on one day with the door closed and one with it open; models `closed` and `open` know
