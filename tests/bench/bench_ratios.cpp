@@ -317,11 +317,9 @@ void beam_model(benchmark::State& state) {
 }
 BENCHMARK(beam_model);
 
-/// The beam model with a sub-map of 4 m x 4 m and two configurations at every third cloud, against
-/// the same without: what the patch state costs. Argument: PatchMemory.
-void patch_state(benchmark::State& state) {
+/// The scenario's map with a sub-map of 4 m x 4 m and two configurations at every 30th pose.
+std::shared_ptr<const patch::PatchMap> patched_map() {
   const auto& scenario = peers_scenario();
-  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
   auto map = std::make_shared<patch::PatchMap>();
   map->base = scenario.map;
   for (std::size_t n = 0; n < scenario.truth.size(); n += 30) {
@@ -343,9 +341,17 @@ void patch_state(benchmark::State& state) {
     }
     map->submaps.push_back(std::move(submap));
   }
+  return map;
+}
+
+/// The beam model in the patched map, against the same without: what the patch state costs.
+/// Argument: PatchMemory.
+void patch_state(benchmark::State& state) {
+  const auto& scenario = peers_scenario();
+  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
   localization::PatchBeamModelConfig config;
   config.states.memory = static_cast<localization::PatchMemory>(state.range(0));
-  const localization::PatchBeamModel model(map, config);
+  const localization::PatchBeamModel model(patched_map(), config);
   const auto grid = localization::make_grid_beam_model(scenario.map);
   auto sets = clouds();
   auto patched = sets;
@@ -359,6 +365,27 @@ void patch_state(benchmark::State& state) {
       state, pairs, [&] { weigh(model, patched); }, [&] { weigh(*grid, sets); });
 }
 BENCHMARK(patch_state)->ArgName("memory")->DenseRange(0, 2);
+
+/// The same for whole updates, 500 particles along the scenario.
+void patch_update(benchmark::State& state) {
+  const auto& scenario = peers_scenario();
+  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
+  localization::PatchBeamModelConfig config;
+  config.states.memory = static_cast<localization::PatchMemory>(state.range(0));
+  const auto drive = [&](std::shared_ptr<const localization::SensorModel> model) {
+    localization::Localizer localizer(bench::fixed_particles(500), std::move(model), 1);
+    localizer.initialize({scenario.truth[0], Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal()});
+    for (const Observation& observation : scenario.observations) {
+      benchmark::DoNotOptimize(localizer.update(observation));
+    }
+  };
+  const auto model = std::make_shared<localization::PatchBeamModel>(patched_map(), config);
+  const auto grid = localization::make_grid_beam_model(scenario.map);
+  compare(
+      state, 500.0 * 72.0 * static_cast<double>(scenario.observations.size()),
+      [&] { drive(model); }, [&] { drive(grid); });
+}
+BENCHMARK(patch_update)->ArgName("memory")->DenseRange(0, 2);
 
 }  // namespace
 }  // namespace strata
