@@ -74,8 +74,11 @@ void PatchBeamModel::cast(const ScanScratch& scan, const ParticleSet& particles,
     scratch.boxes.clear();
     for (const RayBox& box : scratch.chunk_boxes) {
       if (!caster_.may_end_beams(box, particles.submap[i], fixed)) continue;
-      RayBox seen{box.min_x_m - laser.x, box.min_y_m - laser.y, box.max_x_m - laser.x,
-                  box.max_y_m - laser.y, box.number};
+      RayBox seen = caster_.seen(box, particles.submap[i]);
+      seen.min_x_m -= laser.x;
+      seen.max_x_m -= laser.x;
+      seen.min_y_m -= laser.y;
+      seen.max_y_m -= laser.y;
       const double dx = std::max({seen.min_x_m, -seen.max_x_m, 0.0});
       const double dy = std::max({seen.min_y_m, -seen.max_y_m, 0.0});
       seen.near_m = std::max(dx, dy);

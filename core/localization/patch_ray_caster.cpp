@@ -66,6 +66,10 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
     box.number = boxes_.size();
     boxes_.push_back(box);
     contents_.push_back(contents_of(marks_in[s]));
+    for (BoxContent& content : contents_.back()) {
+      content.box = box_of(seen_by(content.current, changing[s], marks), map.base.resolution_m());
+      content.box.number = box.number;
+    }
   }
   // With a margin, so that every ray steps into a marked cell from one that is not.
   Grid<std::int32_t> near(map.base.resolution_m(), whole.inflated(2));
@@ -74,6 +78,21 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
     if (marks.contains(cell)) near.values()[i] = marks.at(cell);
   }
   changing_ = RayWalker(near);
+}
+
+/// The part of a rectangle where cells are an obstacle in some configurations for particles in
+/// `current`.
+CellRect PatchRayCaster::seen_by(int current, const CellRect& rect,
+                                 const Grid<std::int32_t>& marks) const {
+  CellRect seen;
+  for (int y = rect.min.y; y < rect.max.y; ++y) {
+    for (int x = rect.min.x; x < rect.max.x; ++x) {
+      const std::int32_t mark = marks.at({x, y});
+      if (mark == 0 || owner(mark, current).mask == 0) continue;
+      seen = seen.united({{x, y}, {x + 1, y + 1}});
+    }
+  }
+  return seen;
 }
 
 /// Adds cells of a mark to what is in a box.
@@ -100,7 +119,7 @@ std::vector<PatchRayCaster::BoxContent> PatchRayCaster::contents_of(
         return content.current == owners_[n].submap;
       };
       if (std::none_of(contents.begin(), contents.end(), is_same)) {
-        contents.push_back({owners_[n].submap, {}});
+        contents.emplace_back().current = owners_[n].submap;
       }
     }
   }
@@ -154,14 +173,6 @@ Grid<std::int32_t> PatchRayCaster::mark_cells(const patch::PatchMap& map, const 
     begins_.push_back(owners_.size());
   }
   return marks;
-}
-
-std::span<const CellOwner> PatchRayCaster::owners_in(const RayBox& box, int current) const {
-  const std::vector<BoxContent>& contents = contents_[box.number];
-  for (std::size_t n = 1; n < contents.size(); ++n) {
-    if (contents[n].current == current) return contents[n].owners;
-  }
-  return contents.front().owners;
 }
 
 bool PatchRayCaster::may_end_beams(const RayBox& box, int current, int fixed) const {

@@ -54,9 +54,16 @@ class PatchRayCaster {
   [[nodiscard]] RayTable changing_table() const { return changing_.table(); }
   /// Where such cells are, at most one box a sub-map.
   [[nodiscard]] const std::vector<RayBox>& boxes() const { return boxes_; }
+  /// The part of one of boxes() where cells are an obstacle in some configurations for a particle
+  /// in `current`: cells of other sub-maps that its own overlaps are its own's.
+  [[nodiscard]] const RayBox& seen(const RayBox& box, int current) const {
+    return content(box, current).box;
+  }
   /// Which configurations there are cells of in one of boxes(), each sub-map once, seen by a
   /// particle in `current`.
-  [[nodiscard]] std::span<const CellOwner> owners_in(const RayBox& box, int current) const;
+  [[nodiscard]] std::span<const CellOwner> owners_in(const RayBox& box, int current) const {
+    return content(box, current).owners;
+  }
   /// Whether any of them counts, as below.
   [[nodiscard]] bool may_end_beams(const RayBox& box, int current, int fixed) const;
   /// The configurations of a sub-map that count when `current` is known to be in `fixed`; -1: it is
@@ -87,8 +94,18 @@ class PatchRayCaster {
   struct BoxContent {
     std::int32_t current = -1;
     std::vector<CellOwner> owners;
+    RayBox box;
     void add(std::int32_t submap, std::uint64_t mask);
   };
+  [[nodiscard]] const BoxContent& content(const RayBox& box, int current) const {
+    const std::vector<BoxContent>& contents = contents_[box.number];
+    for (std::size_t n = 1; n < contents.size(); ++n) {
+      if (contents[n].current == current) return contents[n];
+    }
+    return contents.front();
+  }
+  [[nodiscard]] CellRect seen_by(int current, const CellRect& rect,
+                                 const Grid<std::int32_t>& marks) const;
   [[nodiscard]] std::vector<BoxContent> contents_of(const std::set<std::int32_t>& marks) const;
 
   RayWalker static_;

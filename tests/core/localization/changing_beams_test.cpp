@@ -259,7 +259,8 @@ TEST(RayBoxes, HoldTheOwnersOfAllThatRaysMeetInThem) {
         const double at_x = x + event.range_m * std::cos(angle);
         const double at_y = y + event.range_m * std::sin(angle);
         std::uint64_t held = 0;
-        for (const RayBox& box : caster.boxes()) {
+        for (const RayBox& whole : caster.boxes()) {
+          const RayBox& box = caster.seen(whole, current);
           if (at_x < box.min_x_m || at_x > box.max_x_m || at_y < box.min_y_m || at_y > box.max_y_m)
             continue;
           for (const CellOwner& owner : caster.owners_in(box, current)) {
