@@ -68,27 +68,31 @@ void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& rand
   }
 }
 
-void PatchStates::predict_beliefs(std::span<float> row, double dt_s) const {
+/// keep: e^(-rate dt) of each sub-map.
+void PatchStates::predict_beliefs(std::span<float> row, std::span<const double> keep) const {
   for (std::size_t s = 0; s + 1 < offsets_.size(); ++s) {
     const int configurations = count(s);
     if (configurations == 1) continue;
-    const double keep = std::exp(-rates_[s] * std::max(0.0, dt_s));
-    const double add = (1.0 - keep) / configurations;
-    // b a + (1 - b)(1 - a)/(K - 1) of SPEC C5, with a = 1/K + (1 - 1/K) keep.
+    const double add = (1.0 - keep[s]) / configurations;
+    // b a + (1 - b)(1 - a)/(K - 1) of SPEC C5, with a = 1/K + (1 - 1/K) keep[s].
     for (float& b : row.subspan(offsets_[s], static_cast<std::size_t>(configurations))) {
-      b = static_cast<float>(static_cast<double>(b) * keep + add);
+      b = static_cast<float>(static_cast<double>(b) * keep[s] + add);
     }
   }
 }
 
 void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
                           ParticleSet& particles, WorkerPool& pool) const {
-  if (config_.memory == PatchMemory::kShared) predict_beliefs(particles.shared_belief, dt_s);
+  const auto loan = factors_.borrow();
+  std::vector<double>& keep = *loan;
+  keep.clear();
+  for (const double rate : rates_) keep.push_back(std::exp(-rate * std::max(0.0, dt_s)));
+  if (config_.memory == PatchMemory::kShared) predict_beliefs(particles.shared_belief, keep);
   const auto move_one = [&](std::size_t i) {
     const std::int32_t before = particles.submap[i];
     const int now = patch::submap_at(*map_, particles.pose(i).translation(), before);
     particles.submap[i] = now;
-    if (config_.memory == PatchMemory::kPerParticle) predict_beliefs(particles.belief(i), dt_s);
+    if (config_.memory == PatchMemory::kPerParticle) predict_beliefs(particles.belief(i), keep);
     if (config_.memory != PatchMemory::kNone || now < 0) {
       particles.patch[i] = -1;
       return;

@@ -130,7 +130,7 @@ class PatchStates {
   void posterior(const ParticleSet& particles, std::vector<SubmapBelief>& beliefs) const;
 
  private:
-  void predict_beliefs(std::span<float> row, double dt_s) const;
+  void predict_beliefs(std::span<float> row, std::span<const double> keep) const;
   std::shared_ptr<const patch::PatchMap> map_;
   PatchStatesConfig config_;
   std::vector<std::size_t> offsets_;
