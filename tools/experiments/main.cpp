@@ -13,6 +13,7 @@
 #include "tools/experiments/patch_learning.hpp"
 #include "tools/experiments/patch_localization.hpp"
 #include "tools/experiments/real_scans_report.hpp"
+#include "tools/experiments/wean.hpp"
 #include "tools/experiments/year.hpp"
 #include "tools/experiments/year_report.hpp"
 
@@ -38,6 +39,7 @@ struct Options {
   std::vector<double> place_m;
   double radius_m = 1.0;
   std::vector<double> object_m;
+  std::string runs;
 
   [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
   [[nodiscard]] PoseNoise noise() const { return has_poor_poses ? kPoorPoses : kGoodPoses; }
@@ -149,6 +151,7 @@ void look_at_place(const Options& options) {
 void run(const std::string& name, const Options& options) {
   if (name == "year") return live_a_year(options);
   if (name == "place") return look_at_place(options);
+  if (name == "wean") return report_wean(options.runs, options.first, options.seeds);
   if (name == "decoders") return report_decoders(occasions(options));
   if (name == "three_doors") {
     learn(name, options, [&](std::uint64_t seed) {
@@ -200,7 +203,7 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
                              "box_in_corridor", "global_start", "offices", "year", "place",
-                             "decoders"}));
+                             "decoders", "wean"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::PositiveNumber);
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
@@ -213,6 +216,7 @@ int main(int argc, char** argv) {
   app.add_flag("--no-patches", options.no_patches, "the year without the robot with a patch map");
   app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
   app.add_option("--log", options.logs, "real logs of `place` (one or two) and `decoders`");
+  app.add_option("--runs", options.runs, "folder of the three runs of `wean`");
   app.add_option("--poses", options.poses, "a file of poses for each");
   app.add_option("--before", options.before_s, "seconds of the first log: the first state")
       ->delimiter(',')
