@@ -69,8 +69,8 @@ bool is_contradictory(const VisitTable& table, const Cell& cell, const Contradic
     total += e.hits + e.misses;
   }
   if (evidence.size() < 2) return false;
-  // Among fewer visits the tests for few and for all see what a single one saw.
-  if (evidence.size() > 2 * static_cast<std::size_t>(config.few_max_visits) &&
+  // Among fewer visits the test for few sees what a single one saw.
+  if (evidence.size() > static_cast<std::size_t>(config.few_max_visits) &&
       two_states_tail(evidence, config) < config.significance) {
     return true;
   }

@@ -33,7 +33,7 @@ struct ContradictionConfig {
   double min_share = 0.05;
   int min_block_cells = 3;
   // Few visits.
-  int few_max_visits = 5;
+  int few_max_visits = 10;
   double few_min_extent_m = 0.3;
   int few_min_cells = 8;
   double few_min_beams = 3.0;
@@ -65,13 +65,15 @@ struct ContradictionConfig {
              .unit = "m",
              .min = 0.0,
              .max = 1.0});
-    v.field("max_displaced_share", c.max_displaced_share,
-            {.doc = "a change is dropped when at least this share of where it was free lies within "
-                    "displaced_reach_m of what was hit then (the same surface, displaced), or of "
-                    "surfaces that no visit found free; above 1 nothing is dropped",
-             .unit = "1",
-             .min = 0.0,
-             .max = 1.1});
+    v.field(
+        "max_displaced_share", c.max_displaced_share,
+        {.doc = "a change is dropped when at least this share of where it was free lies within "
+                "displaced_reach_m of what was hit then (the same surface, displaced; visits that "
+                "hit within tolerance_m are not counted), or of surfaces that no visit found "
+                "free; above 1 nothing is dropped",
+         .unit = "1",
+         .min = 0.0,
+         .max = 1.1});
     v.field("min_component_cells", c.min_component_cells,
             {.doc = "a change of fewer connected cells is dropped", .unit = "cells", .min = 1});
     v.field("max_evidence", c.max_evidence,
@@ -128,9 +130,9 @@ struct VisitEvidence {
 /// freedom) of G of the two groups, times the ways to choose m of the visits, times the choices of
 /// m (Bonferroni); 1 when no m makes such groups. Ours: G over all visits spreads over as many
 /// degrees of freedom as there are visits, and so does not see a state that one or two of seventeen
-/// visits saw. Asked where a cell has more than 2 few_max_visits visits: with ten or fewer, one is
-/// share enough for the other tests, and walls seen through from one side alone would count as
-/// states. Sorts the visits. O(n log n).
+/// visits saw. Asked where a cell has more than few_max_visits visits: among fewer the test for few
+/// sees such a state, and asks that neighbours agree on the visits; by single cells, walls seen
+/// through from one side alone would count as states. Sorts the visits. O(n log n).
 [[nodiscard]] double two_states_tail(std::vector<VisitEvidence>& visits,
                                      const ContradictionConfig& config);
 

@@ -76,6 +76,7 @@ std::vector<Cell> take_component(Grid<std::uint8_t>& mask, const Cell& start) {
 void drop_displaced_surfaces(const VisitTable& table, const ContradictionConfig& config,
                              Grid<std::uint8_t>& mask) {
   const std::vector<Cell> around = disc_offsets(config.displaced_reach_m, table.resolution_m());
+  const std::vector<Cell> same = disc_offsets(config.tolerance_m, table.resolution_m());
   Grid<std::uint8_t> left = mask;
   for (std::size_t i = 0; i < left.size(); ++i) {
     if (left.values()[i] == 0) continue;
@@ -86,7 +87,8 @@ void drop_displaced_surfaces(const VisitTable& table, const ContradictionConfig&
     for (const Cell& cell : component) {
       if (is_permanent_nearby(table, cell, around, config)) ++beside;
       for (const Visit& visit : table.at(cell)) {
-        if (!is_free_in(visit, config)) continue;
+        // A hit within the tolerance made the visit no evidence for the change: nor is it against.
+        if (!is_free_in(visit, config) || was_hit_nearby(table, cell, visit, same)) continue;
         ++free;
         if (was_hit_nearby(table, cell, visit, around)) ++near;
       }

@@ -144,6 +144,32 @@ TEST(FewVisits, NeedsTheLeastNumberOfCellsAndTheLeastExtent) {
   EXPECT_EQ(count(test_few_visits(changing_line(2, 5).build(), config)), 0) << "25 cm";
 }
 
+TEST(FewVisits, AStateThatOneVisitSawIsFoundAmongAnyNumberOfVisits) {
+  for (std::size_t visits = 2; visits <= 20; ++visits) {
+    for (const bool is_rarely_free : {false, true}) {
+      const VisitEvidence usual = is_rarely_free ? VisitEvidence{6, 0} : VisitEvidence{0, 6};
+      std::vector<VisitEvidence> evidence(visits, usual);
+      evidence[1] = {usual.misses, usual.hits};
+      TableBuilder table({{0, 0}, {20, 9}});
+      for (int x = 0; x < 12; ++x) table.set({4 + x, 4}, evidence);
+      EXPECT_GE(count(find_contradictions(table.build(), {})), 10)
+          << visits << " visits, free in " << (is_rarely_free ? "one" : "all but one");
+    }
+  }
+}
+
+TEST(Contradictions, ASurfaceThatJittersIsGoneWhereOneVisitLookedThroughIt) {
+  TableBuilder table({{0, 0}, {20, 12}});
+  std::vector<VisitEvidence> here(9, VisitEvidence{0, 6});
+  std::vector<VisitEvidence> beside = here;
+  for (std::size_t v = 0; v < 8; ++v) (v % 2 == 0 ? here : beside)[v] = {6, 0};
+  for (int x = 0; x < 12; ++x) {
+    table.set({4 + x, 4}, here);
+    table.set({4 + x, 5}, beside);
+  }
+  EXPECT_EQ(count(find_contradictions(table.build(), {})), 24);
+}
+
 /// A wall of 12 cells that every visit sees, and a line beside it, `rows` away, that changes.
 int changes_beside_a_wall(int rows, int wall_visits) {
   TableBuilder table({{0, 0}, {20, 24}});
