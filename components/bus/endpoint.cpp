@@ -152,8 +152,9 @@ RawWriter::~RawWriter() {
   Participant::State& owner = state_->participant->state();
   owner.remove_endpoint(guid());
   state_->writer->set_listener(nullptr);
-  // Fast DDS before 2.10.3 gives back the changes that are left without a lock, and a heartbeat
-  // that comes just then runs for ever (https://github.com/eProsima/Fast-DDS/pull/4076).
+  // Fast DDS 2.9 gives back, without a lock, the changes that are left, and a heartbeat that comes
+  // just then runs for ever. Mended in 2.6.7, 2.10.3, 2.11.3, 2.12.2 and 2.13
+  // (https://github.com/eProsima/Fast-DDS/pull/4076).
   state_->writer->clear_history(nullptr);
   owner.publisher->delete_datawriter(state_->writer);
 }

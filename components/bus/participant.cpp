@@ -135,10 +135,10 @@ dds::Topic* Participant::State::topic(const TopicName& name, const std::string& 
   return made;
 }
 
-void Participant::State::wait_until_forgotten(const Guid& guid) {
-  constexpr std::chrono::seconds kPatience(5);  // the end may have been lost on its way
+void Participant::State::wait_until_forgotten(const Guid& guid,
+                                              std::chrono::steady_clock::time_point deadline) {
   std::unique_lock lock(mutex);
-  forgot.wait_for(lock, kPatience, [&] { return is_leaving || !participants.contains(guid); });
+  forgot.wait_until(lock, deadline, [&] { return is_leaving || !participants.contains(guid); });
 }
 
 void Participant::State::leave() {

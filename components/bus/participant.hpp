@@ -63,7 +63,8 @@ class Participant {
   /// transport without what it needs, InputError for an enclave that is not good, OutputError when
   /// the middleware refuses.
   explicit Participant(const ParticipantOptions& options);
-  /// Returns when the others of this process no longer see it, which takes the time of a datagram.
+  /// Returns when the others of this process no longer see it: a datagram's time, 5 s if it is
+  /// lost.
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;

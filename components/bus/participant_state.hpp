@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <map>
 #include <memory>
@@ -75,8 +76,8 @@ struct Participant::State : dds::DomainParticipantListener {
   void on_subscriber_discovery(dds::DomainParticipant* participant,
                                rtps::ReaderDiscoveryInfo&& info) override;
 
-  /// Returns when it no longer sees that participant, or has not heard of its end in 5 s.
-  void wait_until_forgotten(const Guid& guid);
+  /// Returns when it no longer sees that participant or is ending itself, or at the deadline.
+  void wait_until_forgotten(const Guid& guid, std::chrono::steady_clock::time_point deadline);
   /// It is ending: nobody need wait for it.
   void leave();
 

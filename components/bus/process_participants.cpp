@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/bus/process_participants.hpp"
 
+#include <chrono>
+
 namespace strata::bus {
 
 ProcessParticipants& ProcessParticipants::instance() {
@@ -23,7 +25,9 @@ void ProcessParticipants::remove(const Guid& guid,
       if (auto other = one.lock()) others.push_back(std::move(other));
     }
   }
-  for (const auto& other : others) other->wait_until_forgotten(guid);
+  constexpr std::chrono::seconds kPatience(5);  // the end may have been lost on its way
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  for (const auto& other : others) other->wait_until_forgotten(guid, deadline);
 }
 
 }  // namespace strata::bus

@@ -10,22 +10,22 @@
 
 namespace strata::bus {
 
-/// Lets a participant go only when the others of its process have heard of its end. Fast DDS before
-/// 2.14 calls readers of the same process by their address: whoever makes or removes an endpoint
-/// between a participant's end and the datagram that tells of it calls readers that are freed
-/// (https://github.com/eProsima/Fast-DDS/pull/5034). Another thread that does so just while the
-/// participant ends is not kept from it. Thread safe.
+/// Lets a participant go only when the others of its process have heard of its end. Fast DDS until
+/// 2.14.4 and 3.2 calls readers of the same process by their address: whoever makes or removes an
+/// endpoint between a participant's end and the datagram that tells of it calls readers that are
+/// freed (https://github.com/eProsima/Fast-DDS/pull/5034). Another thread that does so just while
+/// the participant ends is not kept from it. Thread safe.
 class ProcessParticipants {
  public:
   /// Never destroyed, since participants may outlive whatever is.
   [[nodiscard]] static ProcessParticipants& instance();
   void add(const std::shared_ptr<Participant::State>& state);
-  /// After Fast DDS has removed it. Waits until no other sees it, for 5 s each at most.
+  /// After Fast DDS has removed it. Waits until no other sees it, for 5 s at most.
   void remove(const Guid& guid, const std::shared_ptr<Participant::State>& state);
 
  private:
   std::mutex mutex_;
-  std::vector<std::weak_ptr<Participant::State>> states_;
+  std::vector<std::weak_ptr<Participant::State>> states_;  // under mutex_
 };
 
 }  // namespace strata::bus

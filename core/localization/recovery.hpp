@@ -103,10 +103,10 @@ class HealthMonitor {
   [[nodiscard]] bool wants_restart() const {
     return config_.restart_after > 0 && lost_in_a_row_ >= config_.restart_after;
   }
-  /// A search has begun, of this many values at most: no other one and no injection during it.
+  /// A search has begun, of this many values at most: no other one while they are all lost.
   void search_begins(int updates) { lost_in_a_row_ = -updates; }
-  /// The search has found a place before that. The short averages are given the values that they
-  /// take to forget what was before it, 1 / fast_rate.
+  /// The search has found a place before that. While the verdict is still lost, 1 / fast_rate
+  /// values go by without injection, in which the short averages forget most of what was before it.
   void search_ends();
 
  private:

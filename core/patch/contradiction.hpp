@@ -130,9 +130,9 @@ struct VisitEvidence {
 /// freedom) of G of the two groups, times the ways to choose m of the visits, times the choices of
 /// m (Bonferroni); 1 when no m makes such groups. Ours: G over all visits spreads over as many
 /// degrees of freedom as there are visits, and so does not see a state that one or two of seventeen
-/// visits saw. Asked where a cell has more than few_max_visits visits: among fewer the test for few
-/// sees such a state, and asks that neighbours agree on the visits; by single cells, walls seen
-/// through from one side alone would count as states. Sorts the visits. O(n log n).
+/// visits saw. Asked where a cell has more than few_max_visits visits that say it: among fewer the
+/// test for few sees such a state, and asks that neighbours agree on the visits; by single cells,
+/// walls seen through from one side alone would count as states. Sorts the visits. O(n log n).
 [[nodiscard]] double two_states_tail(std::vector<VisitEvidence>& visits,
                                      const ContradictionConfig& config);
 

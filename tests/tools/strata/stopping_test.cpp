@@ -137,6 +137,7 @@ TEST_F(Stopping, SaysWhichProcessFailedBeforeTheOthersHaveEnded) {
 /// Whether it is, also while nobody has asked for its exit code.
 bool wait_until_dead(pid_t process, std::chrono::milliseconds patience) {
   const int descriptor = static_cast<int>(syscall(SYS_pidfd_open, process, 0));
+  EXPECT_GE(descriptor, 0);
   pollfd end{descriptor, POLLIN, 0};
   const bool is_dead = poll(&end, 1, static_cast<int>(patience.count())) == 1;
   close(descriptor);
