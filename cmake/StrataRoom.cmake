@@ -1,7 +1,8 @@
-# Kernels for machines without SIMD too, which x86-64 never picks: the tests compare them with the
-# others (tests/support/every_target.hpp).
+# Kernels for machines without SIMD too, which newer Highways leave out on x86-64: the tests compare
+# them with the others (tests/support/every_target.hpp). Not for fuzzing: clang takes minutes for
+# each kernel on each of its targets with sanitizers in it.
 function(strata_every_simd_target target)
-  if("hwy::hwy" IN_LIST ARGN)
+  if("hwy::hwy" IN_LIST ARGN AND NOT STRATA_FUZZ)
     target_compile_definitions(${target} PRIVATE HWY_COMPILE_ALL_ATTAINABLE)
   endif()
 endfunction()
