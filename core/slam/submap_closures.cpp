@@ -19,6 +19,23 @@ constexpr std::size_t kCacheSize = 32;
 /// Neighbours in a run share scans: what they say of each other is in the chain already.
 constexpr std::size_t kSharedScans = 2;
 
+/// Those end points that lie in space which `seen` knows. Others match nothing that is there, but
+/// where the view of a wall ends, the few hits at its edge go on as a line of uncertain direction:
+/// on the way back along a corridor they drew the robot 0.1 m into what the way out had seen.
+Endpoints in_seen_space(const Endpoints& endpoints, const Pose2& seen_from_points,
+                        const StateGrid& seen) {
+  Endpoints result;
+  for (std::size_t i = 0; i < endpoints.size(); ++i) {
+    const Eigen::Vector2d at =
+        seen_from_points * Eigen::Vector2d(endpoints.x_m[i], endpoints.y_m[i]);
+    if (state_near(seen, at) == SurfaceState::kUnknown) continue;
+    result.x_m.push_back(endpoints.x_m[i]);
+    result.y_m.push_back(endpoints.y_m[i]);
+    result.beam.push_back(endpoints.beam[i]);
+  }
+  return result;
+}
+
 }  // namespace
 
 struct SubmapGraph::Searchable {
@@ -42,8 +59,9 @@ std::shared_ptr<const SubmapGraph::Searchable> SubmapGraph::searchable(std::size
 std::optional<SubmapGraph::Closure> SubmapGraph::refine(const registration::MatchField& field,
                                                         std::size_t a, std::size_t b,
                                                         const Pose2& guess) const {
+  const Endpoints comparable = in_seen_space(clouds_[b], guess, submaps_[a].states);
   const registration::MatchResult result =
-      registration::match(clouds_[b], {}, field, guess, nullptr, match_);
+      registration::match(comparable, {}, field, guess, nullptr, match_);
   if (!result.converged) return std::nullopt;
   const Agreement forth = agreement(a, b, result.pose);
   const Agreement back = agreement(b, a, inverse(result.pose));
