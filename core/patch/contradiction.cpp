@@ -70,7 +70,7 @@ bool is_contradictory(const VisitTable& table, const Cell& cell, const Contradic
   }
   if (evidence.size() < 2) return false;
   // Among fewer visits the test for few sees what a single one saw.
-  if (evidence.size() > static_cast<std::size_t>(config.few_max_visits) &&
+  if (visits.size() > static_cast<std::size_t>(config.few_max_visits) &&
       two_states_tail(evidence, config) < config.significance) {
     return true;
   }

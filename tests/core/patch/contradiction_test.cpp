@@ -159,15 +159,17 @@ TEST(FewVisits, AStateThatOneVisitSawIsFoundAmongAnyNumberOfVisits) {
 }
 
 TEST(Contradictions, ASurfaceThatJittersIsGoneWhereOneVisitLookedThroughIt) {
-  TableBuilder table({{0, 0}, {20, 12}});
-  std::vector<VisitEvidence> here(9, VisitEvidence{0, 6});
-  std::vector<VisitEvidence> beside = here;
-  for (std::size_t v = 0; v < 8; ++v) (v % 2 == 0 ? here : beside)[v] = {6, 0};
-  for (int x = 0; x < 12; ++x) {
-    table.set({4 + x, 4}, here);
-    table.set({4 + x, 5}, beside);
+  for (std::size_t visits = 5; visits <= 25; ++visits) {
+    TableBuilder table({{0, 0}, {20, 12}});
+    std::vector<VisitEvidence> here(visits, VisitEvidence{0, 6});
+    std::vector<VisitEvidence> beside = here;
+    for (std::size_t v = 0; v + 1 < visits; ++v) (v % 2 == 0 ? here : beside)[v] = {6, 0};
+    for (int x = 0; x < 12; ++x) {
+      table.set({4 + x, 4}, here);
+      table.set({4 + x, 5}, beside);
+    }
+    EXPECT_EQ(count(find_contradictions(table.build(), {})), 24) << visits << " visits";
   }
-  EXPECT_EQ(count(find_contradictions(table.build(), {})), 24);
 }
 
 /// A wall of 12 cells that every visit sees, and a line beside it, `rows` away, that changes.
