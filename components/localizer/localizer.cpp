@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/localizer/localizer.hpp"
 
-#include <cmath>
-
 #include "components/convert/geometry_messages.hpp"
-#include "components/convert/map_messages.hpp"
-#include "components/convert/scan_messages.hpp"
 #include "components/maps/maps_folder.hpp"
 
 namespace strata::localizer {
 namespace {
-
-using localization::HealthState;
-
-/// A sub-map counts as the current one when most particles are in it.
-constexpr double kCurrentMass = 0.5;
 
 Eigen::Matrix3d start_covariance(const StartConfig& start) {
   const double m2 = start.stddev_m * start.stddev_m;
@@ -133,24 +124,6 @@ void Localizer::on_observation(const Observation& observation) {
   if (localizer_) localize(observation);
 }
 
-void Localizer::advertise_topics() {
-  publish_pose_ = advertise<geometry_msgs::msg::PoseWithCovarianceStamped>(config_.pose_topic,
-                                                                           config_.pose_qos);
-  publish_tf_ = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
-  publish_states_ =
-      advertise<strata_msgs::msg::SubmapStates>(config_.states_topic, config_.state_qos);
-  publish_map_ =
-      advertise<nav_msgs::msg::OccupancyGrid>(config_.current_map_topic, config_.state_qos);
-  publish_health_ =
-      advertise<strata_msgs::msg::LocalizationHealth>(config_.health_topic, config_.state_qos);
-  if (!config_.located_topic.empty()) {
-    publish_located_ = advertise<strata_msgs::msg::LabeledScan>(config_.located_topic, "lossless");
-  }
-  particle_writer_ = advertise_raw(resolve(config_.particles_topic),
-                                   bus::MessageType<nav2_msgs::msg::ParticleCloud>::name,
-                                   bus::qos_profile(config_.sensor_qos));
-}
-
 void Localizer::offer_services() {
   offer<bus::srv::SetInitialPose>("set_initial_pose", [this](const auto& request) {
     restart(request.pose(), resolve("set_initial_pose"));
@@ -205,108 +178,18 @@ void Localizer::localize(const Observation& observation) {
   if (!result.submaps.empty()) publish_states(stamp, result.submaps);
   publish_current_map(stamp, result.submaps);
   publish_health(stamp, result, update_time);
-  if (store_ && result.converged && result.health.state != HealthState::kLost) {
+  if (store_ && result.converged && result.health.state != localization::HealthState::kLost) {
     store_->keep(observation, result.pose);
   }
 }
 
-void Localizer::publish_pose(const Observation& observation, const Pose2Gaussian& pose) {
-  const Stamp stamp = observation.scan.stamp;
-  geometry_msgs::msg::PoseWithCovarianceStamped message;
-  message.header(convert::make_header(stamp, config_.map_frame));
-  message.pose(convert::to_pose_with_covariance(pose));
-  publish_pose_(message);
-  if (!config_.publish_tf || !observation.has_odometry) return;
-  const Pose2 map_from_odom = pose.mean * inverse(observation.odom_from_robot);
-  tf2_msgs::msg::TFMessage tf;
-  tf.transforms().push_back(convert::to_transform_stamped(stamp, map_from_odom, config_.map_frame,
-                                                          config_.odometry_frame));
-  publish_tf_(tf);
-}
-
-void Localizer::publish_particles(Stamp stamp) {
-  if (particle_writer_->matched() == 0) return;
-  const localization::ParticleSet& particles = localizer_->particles();
-  nav2_msgs::msg::ParticleCloud cloud;
-  cloud.header(convert::make_header(stamp, config_.map_frame));
-  cloud.particles().resize(particles.size());
-  for (std::size_t i = 0; i < particles.size(); ++i) {
-    cloud.particles()[i].pose(convert::to_pose(particles.pose(i)));
-    cloud.particles()[i].weight(particles.weight[i]);
-  }
-  particle_writer_->publish(convert::to_cdr(cloud));
-}
-
-void Localizer::publish_located(const Observation& observation,
-                                const localization::LocalizationResult& result) {
-  const LocatedScansConfig& wanted = config_.located;
-  const Eigen::Matrix3d& covariance = result.pose.covariance;
-  if (!publish_located_ || !result.weighed || result.health.state == HealthState::kLost ||
-      !(std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= wanted.most_stddev_m) ||
-      !(std::sqrt(covariance(2, 2)) <= wanted.most_stddev_rad)) {
-    return;
-  }
-  publish_located_(
-      convert::to_message(PosedScan{observation.run, observation.scan, result.pose.mean, {}},
-                          config_.map_frame, "laser"));
-}
-
-void Localizer::publish_states(Stamp stamp,
-                               const std::vector<localization::SubmapBelief>& submaps) {
-  strata_msgs::msg::SubmapStates message;
-  message.header(convert::make_header(stamp, config_.map_frame));
-  message.current(-1);
-  for (const localization::SubmapBelief& belief : submaps) {
-    if (belief.mass > kCurrentMass) message.current(belief.submap);
-    strata_msgs::msg::SubmapState state;
-    state.submap(belief.submap);
-    state.probability(belief.probability);
-    message.states().push_back(state);
-  }
-  publish_states_(message);
-}
-
-void Localizer::publish_current_map(Stamp stamp,
-                                    const std::vector<localization::SubmapBelief>& submaps) {
-  if (const std::optional<ReflectionGrid> map = current_map_->news(submaps)) {
-    publish_map_(convert::to_occupancy(*map, stamp, config_.map_frame));
-  }
-}
-
-void Localizer::publish_health(Stamp stamp, const localization::LocalizationResult& result,
-                               std::chrono::duration<double> update_time) {
-  const localization::LocalizationHealth& health = result.health;
-  strata_msgs::msg::LocalizationHealth message;
-  message.header(convert::make_header(stamp, config_.map_frame));
-  message.model(config_.model);
-  message.localized(result.converged && health.state != HealthState::kLost);
-  message.lost(health.state == HealthState::kLost);
-  message.particles(static_cast<std::uint32_t>(result.particles));
-  message.effective_sample_size(result.effective_sample_size);
-  message.position_std(std::sqrt(result.pose.covariance.topLeftCorner<2, 2>().trace()));
-  message.heading_std(std::sqrt(result.pose.covariance(2, 2)));
-  message.log_likelihood_per_beam(std::log(health.likelihood_per_beam));
-  message.update_time(update_time.count());
-  publish_health_(message);
-  health_ = message;
-}
-
 void Localizer::on_diagnose(runtime::Health& health) const {
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
-  if (!health_) {
+  if (health_) {
+    describe(*health_, health);
+  } else {
     health.warn("no scan has come yet");
-    return;
   }
-  if (health_->lost()) {
-    health.fail("lost");
-  } else if (!health_->localized()) {
-    health.warn("not localized yet");
-  }
-  health.add("model", health_->model());
-  health.add("particles", std::uint64_t{health_->particles()});
-  health.add("position_std_m", health_->position_std());
-  health.add("heading_std_rad", health_->heading_std());
-  health.add("update_time_s", health_->update_time());
 }
 
 void Localizer::on_finish(const std::filesystem::path& out_dir) {

@@ -9,6 +9,7 @@
 
 #include "components/localizer/config.hpp"
 #include "components/localizer/current_map.hpp"
+#include "components/localizer/health_report.hpp"
 #include "components/localizer/live_maps.hpp"
 #include "components/localizer/place_store.hpp"
 #include "components/maps/localization_files.hpp"
@@ -77,8 +78,8 @@ class Localizer final : public runtime::SensorComponent {
   maps::MapModel model_;
   std::optional<CurrentMap> current_map_;
   std::unique_ptr<localization::Localizer> localizer_;
-  std::optional<strata_msgs::msg::LocalizationHealth> health_;  // as of the last scan
-  maps::LocalizationRecord record_;  // lockstep only: live it would grow without end
+  std::optional<HealthReport> health_;  // as of the last scan
+  maps::LocalizationRecord record_;     // lockstep only: live it would grow without end
   std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
   std::function<void(const tf2_msgs::msg::TFMessage&)> publish_tf_;
   std::function<void(const strata_msgs::msg::SubmapStates&)> publish_states_;

@@ -21,8 +21,8 @@ using localization::PatchMemory;
 using localization::RayCaster;
 
 constexpr const char* kTimescalePrefix = "timescale_";
-/// Of a ray caster, a cell: a distance. The map itself is not kept.
-constexpr std::size_t kCasterBytes = sizeof(float);
+/// Of a ray caster, a cell: a distance, and whether it is known. The map itself is not kept.
+constexpr std::size_t kCasterBytes = sizeof(float) + 1;
 
 template <typename Provider>
 RangeFunction ranges_of(std::shared_ptr<const Provider> provider) {
@@ -63,6 +63,9 @@ class MovedRanges {
       : caster_(map), given_from_map_(given_from_map) {}
   [[nodiscard]] double expected_range_m(const Pose2& map_from_laser, double bearing_rad) const {
     return caster_.expected_range_m(given_from_map_ * map_from_laser, bearing_rad);
+  }
+  [[nodiscard]] bool knows(const Eigen::Vector2d& point_m) const {
+    return caster_.knows(given_from_map_ * point_m);
   }
 
  private:

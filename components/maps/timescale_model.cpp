@@ -141,29 +141,37 @@ std::size_t TimescaleModel::log_likelihoods(const Scan& scan, double tempering,
   return scratch->beams.size();
 }
 
-double TimescaleModel::explained_share(const Scan& scan, const Pose2& map_from_robot,
-                                       const localization::ParticleSet& /*particles*/) const {
+localization::Explanation TimescaleModel::explain(
+    const Scan& scan, const Pose2& map_from_robot,
+    const localization::ParticleSet& /*particles*/) const {
   const auto scratch = scratch_.borrow();
   select_beams(scan, config_.beams, scratch->beams);
   const ScanBeams& beams = scratch->beams;
-  if (beams.size() == 0) return 1.0;
+  if (beams.size() == 0) return {};
   const BeamMixture mixture = beam_mixture_.limited_to(beams.r_max_m);
   const Pose2 laser = map_from_robot * beams.robot_from_laser;
   const BelievedLevels levels = believed();
   std::size_t explained = 0;
+  std::size_t judged = 0;
   for (std::size_t k = 0; k < beams.size(); ++k) {
     const double angle = laser.theta + beams.bearing_rad[k];
     const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-    explained += std::any_of(levels.begin(), levels.end(), [&](const Believed& level) {
+    bool is_seen = false;
+    const bool is_explained = std::any_of(levels.begin(), levels.end(), [&](const Believed& level) {
       const auto reach = map_->reach(map_->view(level.level, laser.translation()), direction);
+      if (reach.end == NodeOutline::Edge::kUnseen && reach.range_m < beams.r_max_m) return false;
+      is_seen = true;
       // What lies beyond a free way is unknown: a beam that goes as far is as expected.
       if (reach.end != NodeOutline::Edge::kSurface && reach.range_m < beams.r_max_m) {
-        return reach.end != NodeOutline::Edge::kUnseen && beams.range_m[k] >= reach.range_m;
+        return beams.range_m[k] >= reach.range_m;
       }
       return mixture.explains(beams.is_hit[k] != 0, beams.range_m[k], reach.range_m);
     });
+    explained += is_explained ? 1 : 0;
+    judged += is_seen ? 1 : 0;
   }
-  return static_cast<double>(explained) / static_cast<double>(beams.size());
+  const auto count = static_cast<double>(beams.size());
+  return {static_cast<double>(explained) / count, static_cast<double>(judged) / count};
 }
 
 std::unique_ptr<localization::SensorModel> TimescaleModel::for_one_run() const {

@@ -49,8 +49,9 @@ class TimescaleModel final : public localization::SensorModel {
                               localization::ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.tempering; }
-  [[nodiscard]] double explained_share(const Scan& scan, const Pose2& map_from_robot,
-                                       const localization::ParticleSet& particles) const override;
+  [[nodiscard]] localization::Explanation explain(
+      const Scan& scan, const Pose2& map_from_robot,
+      const localization::ParticleSet& particles) const override;
   [[nodiscard]] std::unique_ptr<SensorModel> for_one_run() const override;
   void learn(const Observation& observation, const Pose2Gaussian& map_from_robot) override;
   void adopt(const SensorModel& before) override;

@@ -68,7 +68,7 @@ double BeamMixture::likelihood_beyond(bool is_hit, double range_m, double free_m
 bool BeamMixture::explains(bool is_hit, double range_m, double expected_m) const {
   const bool expects_hit = expected_m < r_max_m_;
   if (!is_hit || !expects_hit) return is_hit == expects_hit;
-  return std::abs(range_m - expected_m) <= 3.0 * config_.hit_stddev_m;
+  return std::abs(range_m - expected_m) <= tolerance_m();
 }
 
 }  // namespace strata::localization

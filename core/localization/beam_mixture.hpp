@@ -75,7 +75,9 @@ class BeamMixture {
   [[nodiscard]] double likelihood(bool is_hit, double range_m, double expected_m) const {
     return is_hit ? density(range_m, expected_m) : no_return(expected_m);
   }
-  /// Whether an expected range explains the beam: within 3 s of it, or nothing where nothing is.
+  /// How far from what is expected a beam may end and still be explained: 3 s.
+  [[nodiscard]] double tolerance_m() const { return 3.0 * config_.hit_stddev_m; }
+  /// Whether an expected range explains the beam: within that of it, or nothing where nothing is.
   [[nodiscard]] bool explains(bool is_hit, double range_m, double expected_m) const;
 
  private:

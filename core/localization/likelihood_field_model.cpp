@@ -16,7 +16,7 @@ constexpr std::size_t kChunk = 256;
 
 LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
                                            const LikelihoodFieldModelConfig& config)
-    : config_(config), field_(map, config.field) {
+    : config_(config), field_(map, config.field), caster_(map) {
   require_valid(config, "likelihood_field_model");
   const Grid<float>& inner = field_.log_likelihood();
   table_.width = inner.width() + 2;
@@ -97,20 +97,30 @@ std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, double tempe
   return points->x.size();
 }
 
-double LikelihoodFieldModel::explained_share(const Scan& scan, const Pose2& map_from_robot,
-                                             const ParticleSet& /*particles*/) const {
+Explanation LikelihoodFieldModel::explain(const Scan& scan, const Pose2& map_from_robot,
+                                          const ParticleSet& /*particles*/) const {
   const auto points = points_.borrow();
   find_points(scan, *points);
   const std::size_t count = points->x.size();
-  if (count == 0) return 1.0;
+  if (count == 0) return {};
   const double resolution = field_.log_likelihood().resolution_m();
+  const Eigen::Vector2d laser = (map_from_robot * scan.robot_from_laser).translation();
   std::size_t explained = 0;
+  std::size_t judged = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    const Eigen::Vector2d point(static_cast<double>(points->x[k]) * resolution,
-                                static_cast<double>(points->y[k]) * resolution);
-    if (static_cast<float>(field_.at(map_from_robot * point)) >= explained_from_) ++explained;
+    const Eigen::Vector2d in_robot(static_cast<double>(points->x[k]) * resolution,
+                                   static_cast<double>(points->y[k]) * resolution);
+    const Eigen::Vector2d point = map_from_robot * in_robot;
+    if (static_cast<float>(field_.at(point)) >= explained_from_) {
+      ++explained;
+      ++judged;
+    } else if (caster_.is_blocked(laser, point) ||
+               knows_end(caster_, laser, point, 3.0 * config_.field.hit_stddev_m)) {
+      ++judged;
+    }
   }
-  return static_cast<double>(explained) / static_cast<double>(count);
+  return {static_cast<double>(explained) / static_cast<double>(count),
+          static_cast<double>(judged) / static_cast<double>(count)};
 }
 
 }  // namespace strata::localization

@@ -9,6 +9,7 @@
 #include "core/grid/reflection_grid.hpp"
 #include "core/localization/lender.hpp"
 #include "core/localization/likelihood_field_kernel.hpp"
+#include "core/localization/ray_caster.hpp"
 #include "core/localization/sensor_model.hpp"
 
 namespace strata::localization {
@@ -41,9 +42,10 @@ class LikelihoodFieldModel final : public SensorModel {
   std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.tempering; }
-  /// A hit is explained within 3 hit_stddev of an obstacle.
-  [[nodiscard]] double explained_share(const Scan& scan, const Pose2& map_from_robot,
-                                       const ParticleSet& particles) const override;
+  /// A hit is explained within 3 hit_stddev of an obstacle. Rays are cast only for hits where the
+  /// map knows nothing, since the field does not tell what lies before them.
+  [[nodiscard]] Explanation explain(const Scan& scan, const Pose2& map_from_robot,
+                                    const ParticleSet& particles) const override;
 
  private:
   /// End points in the robot frame, in cells.
@@ -56,6 +58,7 @@ class LikelihoodFieldModel final : public SensorModel {
 
   LikelihoodFieldModelConfig config_;
   LikelihoodField field_;
+  RayCaster caster_;
   std::vector<std::uint16_t> bordered_;  // -ln p in steps of quantum_
   FieldTable table_;
   double quantum_ = 1.0;         // nats

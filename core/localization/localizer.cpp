@@ -6,9 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
-
-#include "core/localization/roughening.hpp"
 #include "core/localization/scan_beams.hpp"
 
 namespace strata::localization {
@@ -23,12 +20,6 @@ double position_stddev(const Pose2Gaussian& pose) {
 bool is_one_place(const Pose2Gaussian& pose, double most_m) {
   constexpr double kMost_rad = 0.5;
   return position_stddev(pose) <= most_m && pose.covariance(2, 2) <= kMost_rad * kMost_rad;
-}
-
-/// A square root of a covariance that may be singular.
-Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 }  // namespace
@@ -85,74 +76,6 @@ void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
   resampled_ = particles_;
 }
 
-void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
-  start(static_cast<std::size_t>(config_.particles));
-  most_particles_ =
-      static_cast<std::size_t>(config_.adaptive ? config_.kld.max_particles : config_.particles);
-  annealed_updates_ = config_.global_start.annealing_updates;
-  const Eigen::Matrix3d root = square_root(map_from_robot.covariance);
-  const PatchStates* states = model_->patch_states();
-  for (std::size_t i = 0; i < particles_.size(); ++i) {
-    RandomStream random(seed_, StreamId::kInitialize, step_, static_cast<std::uint32_t>(i));
-    Eigen::Vector3d normal;
-    for (int axis = 0; axis < 3; ++axis) normal(axis) = random.normal();
-    const Eigen::Vector3d pose = map_from_robot.mean.vector() + root * normal;
-    particles_.set_pose(i, {pose.x(), pose.y(), pose.z()});
-    if (states != nullptr) states->draw(particles_, i, random);
-  }
-}
-
-void Localizer::initialize_global(const ReflectionGrid& map) {
-  free_space_ = FreeSpace(map);
-  initialize_global();
-}
-
-void Localizer::initialize_global() {
-  if (free_space_.empty()) {
-    throw InputError("map", "has no free cell to start from", "use a map that was learned");
-  }
-  most_particles_ = global_count();
-  start(most_particles_);
-  annealed_updates_ = 0;
-  fill(particles_, 0, StreamId::kInitialize);
-}
-
-std::size_t Localizer::global_count() const {
-  const auto wanted = static_cast<std::size_t>(
-      std::ceil(config_.global_start.particles_per_m2 * free_space_.area_m2()));
-  return std::max<std::size_t>(
-      static_cast<std::size_t>(config_.particles),
-      std::min(wanted, static_cast<std::size_t>(config_.global_start.most_particles)));
-}
-
-void Localizer::fill(ParticleSet& particles, std::size_t begin, StreamId stream) const {
-  const PatchStates* states = model_->patch_states();
-  for (std::size_t i = begin; i < particles.size(); ++i) {
-    RandomStream random(seed_, stream, step_, static_cast<std::uint32_t>(i));
-    particles.set_pose(i, free_space_.draw(random));
-    if (states != nullptr) states->draw(particles, i, random);
-  }
-}
-
-void Localizer::search_everywhere() {
-  const auto keep = static_cast<std::size_t>(config_.particles);
-  const std::size_t added = global_count();
-  const double offset = RandomStream(seed_, StreamId::kResample, step_).uniform();
-  draw_low_variance(particles_.weight, keep, offset, drawn_);
-  resampled_.belief_columns = particles_.belief_columns;
-  resampled_.resize(keep + added);
-  resampled_.shared_belief = particles_.shared_belief;
-  for (std::size_t j = 0; j < keep; ++j) resampled_.copy_from(particles_, drawn_[j], j);
-  fill(resampled_, keep, StreamId::kRecovery);
-  std::swap(particles_, resampled_);
-  for (std::size_t j = 0; j < particles_.size(); ++j) {
-    particles_.weight[j] = 0.5 / static_cast<double>(j < keep ? keep : added);
-  }
-  most_particles_ = particles_.size();
-  annealed_updates_ = 0;
-  monitor_.search_begins(config_.global_start.annealing_updates);
-}
-
 Pose2 Localizer::motion_since_last(const Observation& observation) {
   Pose2 motion;
   const bool has_odometry = observation.has_odometry && is_finite(observation.odom_from_robot);
@@ -197,32 +120,6 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
   return make_result(weigh(observation, moved_before), true);
 }
 
-double Localizer::annealing() const {
-  const int updates = config_.global_start.annealing_updates;
-  if (annealed_updates_ >= updates) return 1.0;
-  // Three steps: factor, its square root, 1 (tau 8, 4, 2 in SPEC C7).
-  const int step = 3 * annealed_updates_ / updates;
-  return std::pow(config_.global_start.annealing_factor, 0.5 * (2 - step));
-}
-
-void Localizer::roughen_start() {
-  // Longer than half of the way it would blur a pose that was found by one mark and then sees none.
-  const int updates = (config_.global_start.annealing_updates + 1) / 2;
-  if (annealed_updates_ >= updates || config_.global_start.roughening <= 0.0) return;
-  const double left = 1.0 - static_cast<double>(annealed_updates_) / updates;
-  const double spacing = pose_spacing(free_space_.area_m2(), most_particles_);
-  roughen(config_.global_start.roughening * spacing * left, seed_, step_, particles_, *pool_);
-}
-
-std::size_t Localizer::least_while_annealing() const {
-  // The bins of KLD sampling say how many particles describe the posterior as it is, but while it
-  // is still flattened the place that will win may hold few of them: go down evenly instead.
-  const int updates = config_.global_start.annealing_updates;
-  if (annealed_updates_ >= updates) return 0;
-  return most_particles_ * static_cast<std::size_t>(updates - annealed_updates_) /
-         static_cast<std::size_t>(updates);
-}
-
 Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
   ++step_;
   if (last_weighed_) {
@@ -249,8 +146,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   if (states != nullptr) states->absorb(pose, particles_);
   if (beams > 0 && std::isfinite(log_mean)) {
     monitor_.add(std::exp(log_mean * tempering / static_cast<double>(beams)),
-                 model_->explained_share(observation.scan, pose.mean, particles_),
-                 position_stddev(pose));
+                 model_->explain(observation.scan, pose.mean, particles_), position_stddev(pose));
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose);
   last_weighed_ = now;

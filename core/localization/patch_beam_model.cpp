@@ -114,12 +114,12 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, double tempering,
   return beams;
 }
 
-double PatchBeamModel::explained_share(const Scan& scan, const Pose2& map_from_robot,
-                                       const ParticleSet& particles) const {
+Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robot,
+                                    const ParticleSet& particles) const {
   const auto said = scan_scratch_.borrow();
   ScanBeams& beams = said->beams;
   select_beams(scan, config_.beam.beams, beams);
-  if (beams.size() == 0) return 1.0;
+  if (beams.size() == 0) return {};
   const BeamMixture mixture = mixture_.limited_to(beams.r_max_m);
   const Pose2 laser = map_from_robot * beams.robot_from_laser;
   const auto scratch = scratch_.borrow();
@@ -132,20 +132,33 @@ double PatchBeamModel::explained_share(const Scan& scan, const Pose2& map_from_r
   const double hc = std::cos(laser.theta);
   const double hs = std::sin(laser.theta);
   double explained = 0.0;
+  double judged = 0.0;
   for (std::size_t beam = 0; beam < beams.size(); ++beam) {
     const double c = hc * beams.cosine[beam] - hs * beams.sine[beam];
     const double s = hs * beams.cosine[beam] + hc * beams.sine[beam];
     caster_.events(laser.x, laser.y, c, s, beams.r_max_m, current, scratch->events);
-    scratch->value.resize(scratch->events.size());
     const bool is_hit = beams.is_hit[beam] != 0;
-    for (std::size_t e = 0; e < scratch->events.size(); ++e) {
-      scratch->value[e] =
-          mixture.explains(is_hit, beams.range_m[beam], scratch->events[e].range_m) ? 1.0 : 0.0;
-    }
-    const double end = mixture.explains(is_hit, beams.range_m[beam], kNothing) ? 1.0 : 0.0;
-    explained += mix_events(scratch->events, scratch->value, end, states_, scratch->belief);
+    const double range_m = beams.range_m[beam];
+    const auto share = [&](auto&& counts) {
+      scratch->value.clear();
+      for (const RayEvent& event : scratch->events) {
+        scratch->value.push_back(counts(event.range_m) ? 1.0 : 0.0);
+      }
+      const double end = counts(kNothing) ? 1.0 : 0.0;
+      return mix_events(scratch->events, scratch->value, end, states_, scratch->belief);
+    };
+    const auto explains = [&](double expected_m) {
+      return mixture.explains(is_hit, range_m, expected_m);
+    };
+    explained += share(explains);
+    const bool is_known =
+        knows_end(caster_, laser.translation(), beams.end_m(laser, beam), mixture.tolerance_m());
+    judged += is_known ? 1.0 : share([&](double expected_m) {
+      return explains(expected_m) || expected_m < range_m;
+    });
   }
-  return explained / static_cast<double>(beams.size());
+  const auto count = static_cast<double>(beams.size());
+  return {explained / count, judged / count};
 }
 
 }  // namespace strata::localization

@@ -37,8 +37,8 @@ class PatchBeamModel final : public SensorModel {
   std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.beam.tempering; }
-  [[nodiscard]] double explained_share(const Scan& scan, const Pose2& map_from_robot,
-                                       const ParticleSet& particles) const override;
+  [[nodiscard]] Explanation explain(const Scan& scan, const Pose2& map_from_robot,
+                                    const ParticleSet& particles) const override;
   [[nodiscard]] const PatchStates* patch_states() const override { return &states_; }
 
  private:

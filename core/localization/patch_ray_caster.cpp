@@ -27,6 +27,24 @@ RayBox box_of(const CellRect& rect, double resolution_m) {
           (rect.max.x + 0.25) * resolution_m, (rect.max.y + 0.25) * resolution_m};
 }
 
+/// 1 for cells that the base map or any configuration knows.
+Grid<std::uint8_t> known_cells(const patch::PatchMap& map, const CellRect& rect) {
+  Grid<std::uint8_t> known(map.base.resolution_m(), rect);
+  const auto add = [&](const ReflectionGrid& from) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const Cell cell = from.cell(i);
+      if (is_known(from.values()[i]) && known.contains(cell)) known.at(cell) = 1;
+    }
+  };
+  add(map.base);
+  for (const patch::Submap& submap : map.submaps) {
+    for (const patch::Configuration& configuration : submap.configurations) {
+      add(configuration.reflection);
+    }
+  }
+  return known;
+}
+
 }  // namespace
 
 PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
@@ -45,6 +63,7 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
   Grid<std::uint8_t> fixed(map.base.resolution_m(), rect);
   const Grid<std::int32_t> marks = mark_cells(map, rect, fixed);
   static_ = RayWalker(fixed);
+  known_ = known_cells(map, rect);
   std::vector<CellRect> changing(map.submaps.size());
   std::vector<std::set<std::int32_t>> marks_in(map.submaps.size());
   CellRect whole;

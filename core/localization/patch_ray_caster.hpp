@@ -43,6 +43,12 @@ class PatchRayCaster {
   void events(double x_m, double y_m, double c, double s, double max_range_m, int current,
               std::vector<RayEvent>& events) const;
 
+  /// Whether the base map, or a configuration of a sub-map there, says anything of the cell that a
+  /// point lies in.
+  [[nodiscard]] bool knows(const Eigen::Vector2d& point_m) const {
+    return known_.get(known_.cell_at(point_m)) != 0;
+  }
+
   /// Many rays at once to the first cell that ends every ray, as cast_rays.
   void cast_static(const RayFan& fan, double* range_m, std::int32_t* cell) const {
     cast_rays(static_.table(), fan, range_m, cell);
@@ -109,6 +115,7 @@ class PatchRayCaster {
   [[nodiscard]] std::vector<BoxContent> contents_of(const std::set<std::int32_t>& marks) const;
 
   RayWalker static_;
+  Grid<std::uint8_t> known_;
   RayWalker changing_;
   std::vector<CellOwner> owners_;
   std::vector<std::size_t> begins_;  // of a mark's owners in owners_; one more at the end

@@ -24,9 +24,9 @@
 namespace strata::localization {
 
 /// Whatever predicts ranges: metres along the beam from a laser at that pose, +infinity for no
-/// obstacle. Called from several threads at once.
+/// obstacle; and says where it knows anything. Called from several threads at once.
 template <typename T>
-concept RangeProvider = requires(const T& provider, const Pose2& map_from_laser) {
+concept RangeProvider = LimitedMap<T> && requires(const T& provider, const Pose2& map_from_laser) {
   { provider.expected_range_m(map_from_laser, 0.0) } -> std::convertible_to<double>;
 };
 
@@ -80,15 +80,16 @@ class RangeProviderModel final : public SensorModel {
 
   [[nodiscard]] double tempering() const override { return config_.tempering; }
 
-  [[nodiscard]] double explained_share(const Scan& scan, const Pose2& map_from_robot,
-                                       const ParticleSet& /*particles*/) const override {
+  [[nodiscard]] Explanation explain(const Scan& scan, const Pose2& map_from_robot,
+                                    const ParticleSet& /*particles*/) const override {
     const auto scratch = scratch_.borrow();
     select_beams(scan, config_.beams, scratch->beams);
     const ScanBeams& beams = scratch->beams;
-    if (beams.size() == 0) return 1.0;
+    if (beams.size() == 0) return {};
     const BeamMixture mixture = mixture_.limited_to(beams.r_max_m);
     const Pose2 laser = map_from_robot * beams.robot_from_laser;
     std::size_t explained = 0;
+    std::size_t judged = 0;
     std::array<double, kBlock> expected;
     for (std::size_t begin = 0; begin < beams.size(); begin += kBlock) {
       const std::size_t count = std::min(kBlock, beams.size() - begin);
@@ -97,10 +98,16 @@ class RangeProviderModel final : public SensorModel {
         const std::size_t beam = begin + k;
         if (mixture.explains(beams.is_hit[beam] != 0, beams.range_m[beam], expected[k])) {
           ++explained;
+          ++judged;
+        } else if (expected[k] < beams.range_m[beam] ||
+                   knows_end(*provider_, laser.translation(), beams.end_m(laser, beam),
+                             mixture.tolerance_m())) {
+          ++judged;
         }
       }
     }
-    return static_cast<double>(explained) / static_cast<double>(beams.size());
+    const auto count = static_cast<double>(beams.size());
+    return {static_cast<double>(explained) / count, static_cast<double>(judged) / count};
   }
 
  private:

@@ -31,10 +31,12 @@ RayWalker::RayWalker(const Grid<std::int32_t>& marks) {
   }
 }
 
-RayCaster::RayCaster(const ReflectionGrid& map, double max_range_m) : max_range_m_(max_range_m) {
+RayCaster::RayCaster(const ReflectionGrid& map, double max_range_m)
+    : known_(map.resolution_m(), map.rect()), max_range_m_(max_range_m) {
   Grid<std::uint8_t> occupied(map.resolution_m(), map.rect());
   for (std::size_t i = 0; i < map.size(); ++i) {
     occupied.values()[i] = is_occupied(map.values()[i]) ? 1 : 0;
+    known_.values()[i] = is_known(map.values()[i]) ? 1 : 0;
   }
   walker_ = RayWalker(occupied);
 }
@@ -43,6 +45,14 @@ double RayCaster::expected_range_m(const Pose2& map_from_laser, double bearing_r
   const double angle = map_from_laser.theta + bearing_rad;
   return range_m(map_from_laser.x, map_from_laser.y, std::cos(angle), std::sin(angle),
                  max_range_m_);
+}
+
+bool RayCaster::is_blocked(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) const {
+  const Eigen::Vector2d way = to_m - from_m;
+  const double length_m = way.norm();
+  if (!(length_m > 0.0)) return false;
+  return range_m(from_m.x(), from_m.y(), way.x() / length_m, way.y() / length_m, length_m) <
+         length_m;
 }
 
 }  // namespace strata::localization

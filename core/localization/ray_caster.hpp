@@ -149,9 +149,16 @@ class RayCaster {
                  });
     return range;
   }
+  /// Whether an obstacle lies between two points.
+  [[nodiscard]] bool is_blocked(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) const;
+  /// Whether the map says anything of the cell that a point lies in.
+  [[nodiscard]] bool knows(const Eigen::Vector2d& point_m) const {
+    return known_.get(known_.cell_at(point_m)) != 0;
+  }
 
  private:
   RayWalker walker_;
+  Grid<std::uint8_t> known_;
   double max_range_m_ = 0.0;
 };
 

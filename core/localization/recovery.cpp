@@ -7,7 +7,21 @@
 
 namespace strata::localization {
 
-void HealthMonitor::add(double likelihood_per_beam, double explained_share,
+namespace {
+
+/// Moves the average of each share by `rate` of the way to the new one.
+void follow(double rate, const Explanation& now, Explanation& average) {
+  average.explained += rate * (now.explained - average.explained);
+  average.judged += rate * (now.judged - average.judged);
+}
+
+double explained_of_judged(const Explanation& shares) {
+  return shares.judged > 0.0 ? shares.explained / shares.judged : 1.0;
+}
+
+}  // namespace
+
+void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanation,
                         double position_stddev_m) {
   ++count_;
   const double mean_rate = 1.0 / static_cast<double>(count_);
@@ -16,18 +30,22 @@ void HealthMonitor::add(double likelihood_per_beam, double explained_share,
   likelihood_fast_ += fast * (likelihood_per_beam - likelihood_fast_);
   likelihood_slow_ += slow * (likelihood_per_beam - likelihood_slow_);
   LocalizationHealth& h = health_;
-  if (count_ == 1) h.explained_share_fast = h.explained_share_slow = explained_share;
   h.likelihood_per_beam = likelihood_per_beam;
-  h.explained_share = explained_share;
-  h.explained_share_fast += fast * (explained_share - h.explained_share_fast);
-  h.explained_share_slow += slow * (explained_share - h.explained_share_slow);
+  follow(fast, explanation, fast_);
+  follow(slow, explanation, slow_);
+  h.explained_share = explained_of_judged(explanation);
+  h.explained_share_fast = explained_of_judged(fast_);
+  h.explained_share_slow = explained_of_judged(slow_);
+  h.judged_share_fast = fast_.judged;
   h.likelihood_ratio = likelihood_slow_ > 0.0 ? likelihood_fast_ / likelihood_slow_ : 1.0;
   h.position_stddev_m = position_stddev_m;
-  if (h.explained_share_fast < config_.lost_share * h.explained_share_slow) {
+  const bool is_known = h.judged_share_fast >= kLeastJudged;
+  if (is_known && h.explained_share_fast < config_.lost_share * h.explained_share_slow) {
     h.state = HealthState::kLost;
   } else if (position_stddev_m > config_.uncertain_stddev_m) {
     h.state = HealthState::kConverging;
-  } else if (h.explained_share_fast < config_.outdated_share * h.explained_share_slow) {
+  } else if (!is_known ||
+             h.explained_share_fast < config_.outdated_share * h.explained_share_slow) {
     h.state = HealthState::kMapOutdated;
   } else {
     h.state = HealthState::kGood;
@@ -43,6 +61,7 @@ void HealthMonitor::search_ends() {
 
 double HealthMonitor::injection_share() const {
   if (!config_.inject || config_.tolerated_drop >= 1.0 || lost_in_a_row_ < 0) return 0.0;
+  if (health_.judged_share_fast < kLeastJudged) return 0.0;
   // A sure pose that explains most beams is not given up for people who pass: a random pose in a
   // place that looks alike would win by chance, and the filter would jump.
   if (health_.state == HealthState::kGood) return 0.0;

@@ -10,6 +10,7 @@
 #include "core/base/config.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/grid/reflection_grid.hpp"
+#include "core/localization/explanation.hpp"
 #include "core/random/stream.hpp"
 
 namespace strata::localization {
@@ -73,19 +74,25 @@ struct RecoveryConfig {
 enum class HealthState {
   kGood,
   kConverging,   ///< the particles are spread widely
-  kMapOutdated,  ///< a sure pose, most beams explained, but fewer than usual
+  kMapOutdated,  ///< a sure pose, but fewer beams explained than usual, or few judged
   kLost,         ///< far fewer beams are explained than usual: most likely the pose is wrong
 };
 
+/// Shares of explained beams are of those that the map judges (Explanation).
 struct LocalizationHealth {
   HealthState state = HealthState::kConverging;
-  double explained_share = 1.0;       ///< of this scan, at the mean pose
-  double explained_share_fast = 1.0;  ///< short average
+  double explained_share = 1.0;       ///< of this scan, at the mean pose; 1 when none is judged
+  double explained_share_fast = 1.0;  ///< short average, each scan weighted by its judged beams
   double explained_share_slow = 1.0;  ///< long average
+  double judged_share_fast = 1.0;     ///< short average of the share of beams that the map judges
   double likelihood_per_beam = 0.0;   ///< of the last weighed scan; 0: none yet
   double likelihood_ratio = 1.0;      ///< short over long average of the likelihood per beam
   double position_stddev_m = 0.0;     ///< sqrt of the trace of the position's covariance
 };
+
+/// With fewer than half of the beams judged the map is too little known to call a pose lost in it,
+/// or to look for a better one.
+inline constexpr double kLeastJudged = 0.5;
 
 /// The averages of one run. A first value sets both; early on the long one is the plain mean, so
 /// that it does not keep the memory of the first scan for 1 / slow_rate scans.
@@ -95,7 +102,7 @@ class HealthMonitor {
 
   void reset() { *this = HealthMonitor(config_); }
   /// likelihood_per_beam: geometric mean over beams of the likelihood, averaged over the particles.
-  void add(double likelihood_per_beam, double explained_share, double position_stddev_m);
+  void add(double likelihood_per_beam, const Explanation& explanation, double position_stddev_m);
   [[nodiscard]] const LocalizationHealth& health() const { return health_; }
   /// Share of particles to replace: max(0, 1 - fast / ((1 - tolerated_drop) slow)).
   [[nodiscard]] double injection_share() const;
@@ -114,6 +121,8 @@ class HealthMonitor {
   LocalizationHealth health_;
   std::size_t count_ = 0;
   int lost_in_a_row_ = 0;
+  Explanation fast_;
+  Explanation slow_;
   double likelihood_fast_ = 0.0;
   double likelihood_slow_ = 0.0;
 };

@@ -37,6 +37,10 @@ struct ScanBeams {
   std::vector<unsigned char> is_hit;  ///< 1: range_m was measured
 
   [[nodiscard]] std::size_t size() const { return range_m.size(); }
+  /// Where a beam ends, for a laser at that pose.
+  [[nodiscard]] Eigen::Vector2d end_m(const Pose2& map_from_laser, std::size_t beam) const {
+    return map_from_laser * (range_m[beam] * Eigen::Vector2d(cosine[beam], sine[beam]));
+  }
 };
 
 /// Every n-th beam, n the least that keeps least_angle_rad. A scan without a usable limit

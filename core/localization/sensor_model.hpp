@@ -8,6 +8,7 @@
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
+#include "core/localization/explanation.hpp"
 #include "core/localization/particle_set.hpp"
 #include "core/scan/scan.hpp"
 
@@ -36,10 +37,10 @@ class SensorModel {
   /// beams, and neighbouring scans, are not independent (SPEC C3).
   [[nodiscard]] virtual double tempering() const = 0;
 
-  /// Share of the beams in use that the map explains from this pose, in [0, 1]; 1 when no beam
-  /// speaks. `particles` gives what the filter believes of the sub-maps.
-  [[nodiscard]] virtual double explained_share(const Scan& scan, const Pose2& map_from_robot,
-                                               const ParticleSet& particles) const = 0;
+  /// How many of the beams in use the map explains from this pose. `particles` gives what the
+  /// filter believes of the sub-maps.
+  [[nodiscard]] virtual Explanation explain(const Scan& scan, const Pose2& map_from_robot,
+                                            const ParticleSet& particles) const = 0;
 
   /// A copy of its own for each localizer, from a model that goes on learning while it localizes;
   /// null from one that may be shared.

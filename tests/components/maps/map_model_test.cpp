@@ -80,6 +80,23 @@ TEST(MapModels, OfEveryNameExpectTheWallWhereItIsAndPreferTheTruePose) {
   }
 }
 
+TEST(MapModels, OfEveryNameJudgeBeamsWhereTheyKnowTheRoomAndHardlyAnyFarOutside) {
+  const Maps maps = test_room::make_maps();
+  const Pose2 inside{-1.5, 0.2, 0.2};
+  const Scan scan = memory::test_world::observe(inside, 9000.0, true, 5).scan;
+  for (const std::string& name : model_names(maps)) {
+    SCOPED_TRACE(name);
+    const MapModel model = make_map_model(maps, name, {});
+    const ParticleSet particles = particles_at(model, {inside});
+    const localization::Explanation here = model.sensor->explain(scan, inside, particles);
+    EXPECT_GT(here.explained, 0.7);
+    EXPECT_GE(here.judged, here.explained);
+    const localization::Explanation away =
+        model.sensor->explain(scan, {60.0, 60.0, 0.0}, particles);
+    EXPECT_LT(away.judged, 0.05);
+  }
+}
+
 TEST(MapModels, OfSubmapsByPlacesHaveTheirOwnPatchMap) {
   Maps maps = test_room::make_maps();
   EXPECT_THAT(message_of<InputError>(maps, "patch_places"), HasSubstr("not in these maps"));

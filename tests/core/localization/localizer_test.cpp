@@ -160,9 +160,9 @@ class SureModel final : public SensorModel {
     return 1;
   }
   [[nodiscard]] double tempering() const override { return 1.0; }
-  [[nodiscard]] double explained_share(const Scan& /*scan*/, const Pose2& /*map_from_robot*/,
-                                       const ParticleSet& /*particles*/) const override {
-    return explained;
+  [[nodiscard]] Explanation explain(const Scan& /*scan*/, const Pose2& /*map_from_robot*/,
+                                    const ParticleSet& /*particles*/) const override {
+    return {explained, 1.0};
   }
 };
 

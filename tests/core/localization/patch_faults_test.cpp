@@ -163,9 +163,8 @@ class ImpossibleModel final : public SensorModel {
     return 1;
   }
   [[nodiscard]] double tempering() const override { return 1.0; }
-  [[nodiscard]] double explained_share(const Scan&, const Pose2&,
-                                       const ParticleSet&) const override {
-    return 0.0;
+  [[nodiscard]] Explanation explain(const Scan&, const Pose2&, const ParticleSet&) const override {
+    return {0.0, 1.0};
   }
 };
 

@@ -9,8 +9,8 @@ namespace {
 /// A monitor that has seen a good pose for a while, and then `explained_share` at a low likelihood.
 HealthMonitor after_a_drop(const RecoveryConfig& config, double explained_share) {
   HealthMonitor monitor(config);
-  for (int n = 0; n < 50; ++n) monitor.add(1.0, 0.95, 0.05);
-  for (int n = 0; n < 20; ++n) monitor.add(0.1, explained_share, 0.05);
+  for (int n = 0; n < 50; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
+  for (int n = 0; n < 20; ++n) monitor.add(0.1, {explained_share, 1.0}, 0.05);
   return monitor;
 }
 
@@ -31,11 +31,42 @@ TEST(HealthMonitor, NeverRecoversUnlessAsked) {
   EXPECT_FALSE(monitor.wants_restart());
 }
 
+/// A monitor that has seen a good pose for a while, and then scans of which the map judges little.
+HealthMonitor after_leaving_the_map(const Explanation& explanation) {
+  HealthMonitor monitor(kidnapping_recovery());
+  for (int n = 0; n < 50; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
+  for (int n = 0; n < 60; ++n) monitor.add(0.1, explanation, 0.05);
+  return monitor;
+}
+
+TEST(HealthMonitor, CountsOnlyBeamsThatTheMapJudges) {
+  EXPECT_EQ(after_leaving_the_map({0.56, 0.6}).health().state, HealthState::kGood);
+  EXPECT_EQ(after_leaving_the_map({0.47, 0.6}).health().state, HealthState::kMapOutdated);
+  EXPECT_EQ(after_leaving_the_map({0.2, 0.6}).health().state, HealthState::kLost);
+}
+
+TEST(HealthMonitor, CallsTheMapOutdatedAndLooksForNothingWhereItJudgesFewBeams) {
+  for (const double explained : {0.0, 0.2, 0.4}) {
+    const HealthMonitor monitor = after_leaving_the_map({explained, 0.4});
+    EXPECT_EQ(monitor.health().state, HealthState::kMapOutdated);
+    EXPECT_EQ(monitor.injection_share(), 0.0);
+    EXPECT_FALSE(monitor.wants_restart());
+  }
+  EXPECT_EQ(after_leaving_the_map({}).health().explained_share, 1.0);
+}
+
+TEST(HealthMonitor, WeighsScansByTheBeamsThatTheMapJudges) {
+  HealthMonitor monitor{RecoveryConfig{}};
+  monitor.add(1.0, {0.9, 0.9}, 0.05);
+  monitor.add(1.0, {0.0, 0.1}, 0.05);
+  EXPECT_NEAR(monitor.health().explained_share_fast, 0.9, 1e-12);
+}
+
 /// Values in which nothing is explained, until a search is wanted.
 int lost_values_until_restart(HealthMonitor& monitor) {
   int values = 0;
   while (!monitor.wants_restart() && values < 1000) {
-    monitor.add(0.1, 0.2, 0.05);
+    monitor.add(0.1, {0.2, 1.0}, 0.05);
     ++values;
   }
   return values;
@@ -52,7 +83,7 @@ TEST(HealthMonitor, LetsASearchComeToItsEndBeforeTheNext) {
 TEST(HealthMonitor, SearchesAgainSoonAfterASearchThatEndedEarlyAtAWrongPlace) {
   HealthMonitor monitor = after_a_drop(kidnapping_recovery(), 0.2);
   monitor.search_begins(32);
-  monitor.add(0.1, 0.2, 0.05);
+  monitor.add(0.1, {0.2, 1.0}, 0.05);
   monitor.search_ends();
   EXPECT_EQ(monitor.injection_share(), 0.0);
   EXPECT_EQ(lost_values_until_restart(monitor), 10 + 5);
@@ -63,7 +94,7 @@ TEST(HealthMonitor, GivesARightPlaceTheTimeToShowBeforeItSearchesAgain) {
   monitor.search_begins(32);
   monitor.search_ends();
   for (int n = 0; n < 40; ++n) {
-    monitor.add(1.0, 0.95, 0.05);
+    monitor.add(1.0, {0.95, 1.0}, 0.05);
     EXPECT_FALSE(monitor.wants_restart());
   }
 }

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/localizer/health_report.hpp"
+
+#include <cmath>
+
+#include "components/convert/geometry_messages.hpp"
+
+namespace strata::localizer {
+
+using localization::HealthState;
+
+HealthReport make_health_report(const std::string& model,
+                                const localization::LocalizationResult& result,
+                                std::chrono::duration<double> update_time) {
+  HealthReport report;
+  report.model = model;
+  report.health = result.health;
+  report.health.position_stddev_m = std::sqrt(result.pose.covariance.topLeftCorner<2, 2>().trace());
+  report.heading_stddev_rad = std::sqrt(result.pose.covariance(2, 2));
+  report.effective_sample_size = result.effective_sample_size;
+  report.particles = result.particles;
+  report.converged = result.converged;
+  report.update_time = update_time;
+  return report;
+}
+
+strata_msgs::msg::LocalizationHealth to_message(const HealthReport& report, Stamp stamp,
+                                                const std::string& frame) {
+  strata_msgs::msg::LocalizationHealth message;
+  message.header(convert::make_header(stamp, frame));
+  message.model(report.model);
+  message.localized(report.converged && !report.is_lost());
+  message.lost(report.is_lost());
+  message.particles(static_cast<std::uint32_t>(report.particles));
+  message.effective_sample_size(report.effective_sample_size);
+  message.position_std(report.health.position_stddev_m);
+  message.heading_std(report.heading_stddev_rad);
+  message.log_likelihood_per_beam(std::log(report.health.likelihood_per_beam));
+  message.update_time(report.update_time.count());
+  return message;
+}
+
+void describe(const HealthReport& report, runtime::Health& health) {
+  if (report.is_lost()) {
+    health.fail("lost");
+  } else if (!report.converged) {
+    health.warn("not localized yet");
+  } else if (report.health.state == HealthState::kMapOutdated) {
+    health.warn("the map is outdated here");
+  }
+  health.add("model", report.model);
+  health.add("particles", std::uint64_t{report.particles});
+  health.add("position_std_m", report.health.position_stddev_m);
+  health.add("heading_std_rad", report.heading_stddev_rad);
+  health.add("update_time_s", report.update_time.count());
+  health.add("verdict", enum_name(report.health.state));
+  health.add("explained_share", report.health.explained_share_fast);
+  health.add("judged_share", report.health.judged_share_fast);
+}
+
+}  // namespace strata::localizer

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the localizer says of itself: as a message after each scan, and in its diagnostics.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "components/bus/message_types.hpp"
+#include "components/runtime/diagnostics.hpp"
+#include "core/localization/localizer.hpp"
+
+namespace strata::localizer {
+
+/// One scan's outcome with what it was found in and how long that took.
+struct HealthReport {
+  std::string model;
+  localization::LocalizationHealth health;
+  double heading_stddev_rad = 0.0;
+  double effective_sample_size = 0.0;
+  std::size_t particles = 0;
+  bool converged = false;
+  std::chrono::duration<double> update_time{0.0};
+
+  [[nodiscard]] bool is_lost() const { return health.state == localization::HealthState::kLost; }
+};
+
+[[nodiscard]] HealthReport make_health_report(const std::string& model,
+                                              const localization::LocalizationResult& result,
+                                              std::chrono::duration<double> update_time);
+
+[[nodiscard]] strata_msgs::msg::LocalizationHealth to_message(const HealthReport& report,
+                                                              Stamp stamp,
+                                                              const std::string& frame);
+
+/// An error when lost; a warning while not localized, and where the map is outdated; and the
+/// figures.
+void describe(const HealthReport& report, runtime::Health& health);
+
+}  // namespace strata::localizer

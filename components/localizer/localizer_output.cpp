@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the localizer publishes after each scan.
+#include <cmath>
+
+#include "components/convert/geometry_messages.hpp"
+#include "components/convert/map_messages.hpp"
+#include "components/convert/scan_messages.hpp"
+#include "components/localizer/localizer.hpp"
+
+namespace strata::localizer {
+namespace {
+
+/// A sub-map counts as the current one when most particles are in it.
+constexpr double kCurrentMass = 0.5;
+
+}  // namespace
+
+void Localizer::advertise_topics() {
+  publish_pose_ = advertise<geometry_msgs::msg::PoseWithCovarianceStamped>(config_.pose_topic,
+                                                                           config_.pose_qos);
+  publish_tf_ = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
+  publish_states_ =
+      advertise<strata_msgs::msg::SubmapStates>(config_.states_topic, config_.state_qos);
+  publish_map_ =
+      advertise<nav_msgs::msg::OccupancyGrid>(config_.current_map_topic, config_.state_qos);
+  publish_health_ =
+      advertise<strata_msgs::msg::LocalizationHealth>(config_.health_topic, config_.state_qos);
+  if (!config_.located_topic.empty()) {
+    publish_located_ = advertise<strata_msgs::msg::LabeledScan>(config_.located_topic, "lossless");
+  }
+  particle_writer_ = advertise_raw(resolve(config_.particles_topic),
+                                   bus::MessageType<nav2_msgs::msg::ParticleCloud>::name,
+                                   bus::qos_profile(config_.sensor_qos));
+}
+
+void Localizer::publish_pose(const Observation& observation, const Pose2Gaussian& pose) {
+  const Stamp stamp = observation.scan.stamp;
+  geometry_msgs::msg::PoseWithCovarianceStamped message;
+  message.header(convert::make_header(stamp, config_.map_frame));
+  message.pose(convert::to_pose_with_covariance(pose));
+  publish_pose_(message);
+  if (!config_.publish_tf || !observation.has_odometry) return;
+  const Pose2 map_from_odom = pose.mean * inverse(observation.odom_from_robot);
+  tf2_msgs::msg::TFMessage tf;
+  tf.transforms().push_back(convert::to_transform_stamped(stamp, map_from_odom, config_.map_frame,
+                                                          config_.odometry_frame));
+  publish_tf_(tf);
+}
+
+void Localizer::publish_particles(Stamp stamp) {
+  if (particle_writer_->matched() == 0) return;
+  const localization::ParticleSet& particles = localizer_->particles();
+  nav2_msgs::msg::ParticleCloud cloud;
+  cloud.header(convert::make_header(stamp, config_.map_frame));
+  cloud.particles().resize(particles.size());
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    cloud.particles()[i].pose(convert::to_pose(particles.pose(i)));
+    cloud.particles()[i].weight(particles.weight[i]);
+  }
+  particle_writer_->publish(convert::to_cdr(cloud));
+}
+
+void Localizer::publish_located(const Observation& observation,
+                                const localization::LocalizationResult& result) {
+  const LocatedScansConfig& wanted = config_.located;
+  const Eigen::Matrix3d& covariance = result.pose.covariance;
+  if (!publish_located_ || !result.weighed ||
+      result.health.state == localization::HealthState::kLost ||
+      !(std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= wanted.most_stddev_m) ||
+      !(std::sqrt(covariance(2, 2)) <= wanted.most_stddev_rad)) {
+    return;
+  }
+  publish_located_(
+      convert::to_message(PosedScan{observation.run, observation.scan, result.pose.mean, {}},
+                          config_.map_frame, "laser"));
+}
+
+void Localizer::publish_states(Stamp stamp,
+                               const std::vector<localization::SubmapBelief>& submaps) {
+  strata_msgs::msg::SubmapStates message;
+  message.header(convert::make_header(stamp, config_.map_frame));
+  message.current(-1);
+  for (const localization::SubmapBelief& belief : submaps) {
+    if (belief.mass > kCurrentMass) message.current(belief.submap);
+    strata_msgs::msg::SubmapState state;
+    state.submap(belief.submap);
+    state.probability(belief.probability);
+    message.states().push_back(state);
+  }
+  publish_states_(message);
+}
+
+void Localizer::publish_current_map(Stamp stamp,
+                                    const std::vector<localization::SubmapBelief>& submaps) {
+  if (const std::optional<ReflectionGrid> map = current_map_->news(submaps)) {
+    publish_map_(convert::to_occupancy(*map, stamp, config_.map_frame));
+  }
+}
+
+void Localizer::publish_health(Stamp stamp, const localization::LocalizationResult& result,
+                               std::chrono::duration<double> update_time) {
+  health_ = make_health_report(config_.model, result, update_time);
+  publish_health_(to_message(*health_, stamp, config_.map_frame));
+}
+
+}  // namespace strata::localizer

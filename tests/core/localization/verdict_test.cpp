@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the localizer says of itself: that it is lost, that the map is outdated here, or neither.
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "core/localization/likelihood_field_model.hpp"
+#include "core/localization/localizer.hpp"
+#include "core/localization/patch_beam_model.hpp"
+#include "core/localization/range_provider_model.hpp"
+#include "tests/core/localization/box_world.hpp"
+
+namespace strata::localization {
+namespace {
+
+using test::BoxWorld;
+using test::Drive;
+
+/// 10 m x 4 m, with something at both ends to tell them apart.
+BoxWorld room() {
+  return {{0.0, 0.0, 10.0, 0.3}, {0.0, 3.7, 10.0, 4.0}, {0.0, 0.0, 0.3, 4.0},
+          {9.7, 0.0, 10.0, 4.0}, {2.0, 0.3, 2.6, 1.0},  {7.0, 3.2, 7.8, 3.7}};
+}
+
+/// The map of the room up to x = `known_m`.
+ReflectionGrid map_up_to(double known_m) {
+  return test::rasterize(room(), 0.05, {{0, 0}, {static_cast<int>(known_m / 0.05), 80}});
+}
+
+enum class Model { kGrid, kField, kPatch };
+
+std::shared_ptr<const SensorModel> make_model(Model model, const ReflectionGrid& map) {
+  if (model == Model::kGrid) return make_grid_beam_model(map);
+  if (model == Model::kField) return std::make_shared<LikelihoodFieldModel>(map);
+  // One sub-map at the near end, so that its configurations are asked as well.
+  auto patches = std::make_shared<patch::PatchMap>();
+  patches->base = map;
+  patch::Submap submap;
+  submap.rect = {{30, 0}, {62, 40}};
+  BoxWorld without = room();
+  without.erase(without.begin() + 4);
+  for (const BoxWorld& world : {room(), without}) {
+    patch::Configuration configuration;
+    configuration.reflection =
+        test::rasterize(world, 0.05, {{0, 0}, {200, 80}}).cropped(submap.rect);
+    configuration.prior = 0.5;
+    submap.configurations.push_back(configuration);
+  }
+  patches->submaps.push_back(submap);
+  PatchBeamModelConfig config;
+  config.states.memory = PatchMemory::kPerParticle;
+  return std::make_shared<PatchBeamModel>(patches, config);
+}
+
+class Verdict : public testing::TestWithParam<Model> {
+ protected:
+  /// Tracks from the true place on.
+  static Localizer started(const ReflectionGrid& map, const Drive& drive) {
+    LocalizerConfig config;
+    config.particles = 300;
+    config.adaptive = false;
+    config.gating.every_scans = 1;
+    Localizer localizer(config, make_model(GetParam(), map), 3, 1);
+    localizer.initialize({drive.truth(), Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal()});
+    return localizer;
+  }
+};
+
+double error_m(const LocalizationResult& result, const Drive& drive) {
+  return (result.pose.mean.translation() - drive.truth().translation()).norm();
+}
+
+/// What a model says of one beam from (3, 2.2).
+Explanation explain(const SensorModel& model, double bearing_rad, float range_m) {
+  Scan scan;
+  scan.angle_min_rad = static_cast<float>(bearing_rad);
+  scan.range_max_m = 10.0F;
+  scan.ranges_m = {range_m};
+  ParticleSet particles;
+  particles.resize(1);
+  set_uniform_weights(particles);
+  if (model.patch_states() != nullptr) model.patch_states()->prepare(particles);
+  return model.explain(scan, {3.0, 2.2, 0.0}, particles);
+}
+
+TEST_P(Verdict, JudgesNoBeamThatEndsInTheUnknownWithoutAnObstacleBefore) {
+  const std::shared_ptr<const SensorModel> model = make_model(GetParam(), map_up_to(5.0));
+  const double left = std::numbers::pi / 2.0;
+  const auto expect = [&](double bearing_rad, float range_m, double explained, double judged) {
+    const Explanation said = explain(*model, bearing_rad, range_m);
+    EXPECT_NEAR(said.explained, explained, 1e-6) << range_m;
+    EXPECT_NEAR(said.judged, judged, 1e-6) << range_m;
+  };
+  expect(0.0, 4.0F, 0.0, 0.0);   // beyond the map's end, with nothing before it
+  expect(0.0, 1.0F, 0.0, 1.0);   // in space that is known to be free
+  expect(left, 1.5F, 1.0, 1.0);  // at the wall
+  expect(left, 3.0F, 0.0, 1.0);  // beyond the wall
+}
+
+TEST_P(Verdict, IsNotLostWhereTheMapEnds) {
+  Drive drive({1.5, 2.2, 0.0}, 5);
+  Localizer localizer = started(map_up_to(5.0), drive);
+  for (int n = 0; n < 65; ++n) {
+    drive.step({0.1, 0.0, 0.0});
+    const LocalizationResult result = localizer.update(drive.look(room()));
+    ASSERT_NE(result.health.state, HealthState::kLost) << drive.truth().x;
+    ASSERT_LT(error_m(result, drive), 0.4) << drive.truth().x;
+  }
+  EXPECT_GT(drive.truth().x, 7.9);
+  EXPECT_LT(localizer.update(drive.look(room())).health.judged_share_fast, 0.8);
+}
+
+TEST_P(Verdict, IsLostAfterTheRobotWasCarriedAway) {
+  Drive drive({1.5, 2.2, 0.0}, 6);
+  Localizer localizer = started(map_up_to(10.0), drive);
+  for (int n = 0; n < 30; ++n) {
+    drive.step({0.05, 0.0, 0.0});
+    ASSERT_EQ(localizer.update(drive.look(room())).health.state, HealthState::kGood);
+  }
+  drive.kidnap({8.5, 1.2, 1.0});
+  LocalizationResult result;
+  for (int n = 0; n < 15; ++n) {
+    drive.step({0.0, 0.0, 0.0});
+    result = localizer.update(drive.look(room()));
+  }
+  EXPECT_GT(error_m(result, drive), 1.0);
+  EXPECT_EQ(result.health.state, HealthState::kLost);
+}
+
+TEST_P(Verdict, SaysThatTheMapIsOutdatedWhereThingsWerePutDown) {
+  Drive drive({1.5, 2.2, 0.0}, 7);
+  Localizer localizer = started(map_up_to(10.0), drive);
+  for (int n = 0; n < 100; ++n) {
+    drive.step({0.01, 0.0, 0.0});
+    ASSERT_EQ(localizer.update(drive.look(room())).health.state, HealthState::kGood);
+  }
+  BoxWorld changed = room();
+  changed.push_back({3.9, 1.6, 4.2, 2.8});
+  changed.push_back({2.2, 2.9, 2.5, 3.1});
+  LocalizationResult result;
+  for (int n = 0; n < 15; ++n) {
+    drive.step({0.02, 0.0, 0.0});
+    result = localizer.update(drive.look(changed));
+  }
+  EXPECT_LT(error_m(result, drive), 0.15);
+  EXPECT_EQ(result.health.state, HealthState::kMapOutdated) << result.health.explained_share_fast;
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, Verdict,
+                         testing::Values(Model::kGrid, Model::kField, Model::kPatch),
+                         [](const testing::TestParamInfo<Model>& tested) {
+                           return std::string(tested.param == Model::kGrid    ? "Grid"
+                                              : tested.param == Model::kField ? "Field"
+                                                                              : "Patch");
+                         });
+
+}  // namespace
+}  // namespace strata::localization
