@@ -62,7 +62,12 @@ bool is_contradictory(const VisitTable& table, const Cell& cell, const Contradic
   double total = 0.0;
   for (const Visit& visit : visits) {
     VisitEvidence e = capped(visit, config.max_evidence);
-    if (e.misses > 0.0 && was_hit_nearby(table, cell, visit, around)) e.misses = 0.0;
+    if (e.misses > 0.0 && was_hit_nearby(table, cell, visit, around)) {
+      // Ends beside the cell, on the same surface: no sign that it was free. Mostly free, it was
+      // not occupied either: somebody stood there for a while.
+      if (share_of(e) < config.few_occupied_share) continue;
+      e.misses = 0.0;
+    }
     if (e.hits + e.misses < config.min_evidence) continue;
     evidence.push_back(e);
     hits += e.hits;

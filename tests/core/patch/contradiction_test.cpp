@@ -172,6 +172,17 @@ TEST(Contradictions, ASurfaceThatJittersIsGoneWhereOneVisitLookedThroughIt) {
   }
 }
 
+TEST(Contradictions, SomebodyWhoStoodInAFewVisitsIsNoState) {
+  std::vector<VisitEvidence> evidence(20, VisitEvidence{0, 6});
+  evidence[3] = {3, 0};
+  for (const std::size_t v : {4U, 5U, 11U, 12U}) evidence[v] = {12, 20};
+  TableBuilder table({{0, 0}, {20, 12}});
+  for (int x = 0; x < 6; ++x) {
+    for (int y = 0; y < 4; ++y) table.set({4 + x, 4 + y}, evidence);
+  }
+  EXPECT_EQ(count(find_contradictions(table.build(), {})), 0);
+}
+
 /// A wall of 12 cells that every visit sees, and a line beside it, `rows` away, that changes.
 int changes_beside_a_wall(int rows, int wall_visits) {
   TableBuilder table({{0, 0}, {20, 24}});
