@@ -151,6 +151,10 @@ void look_at_place(const Options& options) {
 void run(const std::string& name, const Options& options) {
   if (name == "year") return live_a_year(options);
   if (name == "place") return look_at_place(options);
+  if (name == "wean" && options.runs.empty()) {
+    throw strata::InputError("--runs", "is missing",
+                             "name the folder with run1.clf.gz to run3.clf.gz");
+  }
   if (name == "wean") return report_wean(options.runs, options.first, options.seeds);
   if (name == "decoders") return report_decoders(occasions(options));
   if (name == "three_doors") {
@@ -162,7 +166,10 @@ void run(const std::string& name, const Options& options) {
       return local_maps(options.file("four_states.yaml"), seed, options.noise());
     });
   } else if (name == "few_visits" || name == "static_offices") {
-    for (int days = 2; days <= 5; ++days) {
+    std::vector<int> all_days{2, 3, 4, 5};
+    // With more the test for many visits decides.
+    if (name == "static_offices") all_days.insert(all_days.end(), {8, 12, 16});
+    for (const int days : all_days) {
       learn(name + ", " + std::to_string(days) + " days", options, [&](std::uint64_t seed) {
         return office_visits(seed, days, name == "few_visits", options.noise());
       });
