@@ -204,6 +204,10 @@ const MassTable& mass_table() {
   static const MassTable table;
   return table;
 }
+/// No less than ln 1e-300, as in the lanes: weights may be 0, and two impossible places of a beam
+/// must not cancel to NaN.
+double log_likelihood_of(double likelihood) { return std::log(std::max(likelihood, 1e-300)); }
+
 }  // namespace
 
 void ScanMixture::prepare(const BeamMixture& mixture, const ScanBeams& beams) {
@@ -211,7 +215,7 @@ void ScanMixture::prepare(const BeamMixture& mixture, const ScanBeams& beams) {
   mixture_ = mixture;
   const BeamMixtureConfig& config = mixture.config();
   const double stddev = config.hit_stddev_m;
-  terms_.log_missed = std::log(config.max_weight);
+  terms_.log_missed = log_likelihood_of(config.max_weight);
   terms_.random = config.random_weight / mixture.r_max_m();
   terms_.hit_peak = config.hit_weight / (stddev * std::sqrt(2.0 * std::numbers::pi));
   terms_.half_inverse = 0.5 / (stddev * stddev);
@@ -232,7 +236,7 @@ void ScanMixture::prepare(const BeamMixture& mixture, const ScanBeams& beams) {
     short_m_[k] = is_hit ? config.short_weight * config.short_rate_per_m *
                                std::exp(-config.short_rate_per_m * beams.range_m[k])
                          : -1.0;
-    log_none_[k] = std::log(mixture.likelihood(is_hit, beams.range_m[k], kNothing));
+    log_none_[k] = log_likelihood_of(mixture.likelihood(is_hit, beams.range_m[k], kNothing));
   }
 }
 
@@ -245,7 +249,7 @@ void ScanMixture::log_likelihoods(std::size_t begin, std::size_t count, const do
   HWY_DYNAMIC_DISPATCH(log_lanes)(terms, count, expected_m, log_likelihood);
   for (std::size_t k = 0; k < count; ++k) {
     if (!std::isnan(log_likelihood[k])) continue;
-    log_likelihood[k] = std::log(
+    log_likelihood[k] = log_likelihood_of(
         mixture_->likelihood(short_m_[begin + k] >= 0.0, range_m_[begin + k], expected_m[k]));
   }
 }
@@ -260,7 +264,7 @@ void ScanMixture::log_likelihoods_of(const double* beam, std::size_t count,
     if (!std::isnan(log_likelihood[k])) continue;
     const auto b = static_cast<std::size_t>(beam[k]);
     log_likelihood[k] =
-        std::log(mixture_->likelihood(short_m_[b] >= 0.0, range_m_[b], expected_m[k]));
+        log_likelihood_of(mixture_->likelihood(short_m_[b] >= 0.0, range_m_[b], expected_m[k]));
   }
 }
 

@@ -21,9 +21,10 @@ class ScanMixture {
   [[nodiscard]] const BeamMixture& mixture() const { return *mixture_; }
   [[nodiscard]] std::size_t size() const { return range_m_.size(); }
 
-  /// log_likelihood[k] = ln mixture.likelihood(beam begin + k, expected_m[k]) for k < count; any
-  /// expected range, +infinity for none. Every SIMD target gives the same bits, within 1e-7 of
-  /// those of BeamMixture. Requires begin + count <= size().
+  /// log_likelihood[k] = ln mixture.likelihood(beam begin + k, expected_m[k]) for k < count, and no
+  /// less than ln 1e-300, where weights of 0 make a beam impossible; any expected range, +infinity
+  /// for none. Every SIMD target gives the same bits, within 1e-7 of those of BeamMixture. Requires
+  /// begin + count <= size().
   void log_likelihoods(std::size_t begin, std::size_t count, const double* expected_m,
                        double* log_likelihood) const;
 

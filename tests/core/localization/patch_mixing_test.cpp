@@ -165,6 +165,45 @@ TEST(PatchMixing, BeamsMeetTheComposedMapWhereSubmapsOverlap) {
   EXPECT_GT(differ, 20);  // the overlaps decide some of the rays
 }
 
+TEST(PatchMixing, StaysFiniteWhereWeightsOfZeroMakeBeamsImpossible) {
+  RandomStream random(31, StreamId::kTest);
+  WorkerPool pool(1);
+  PatchBeamModelConfig config;
+  config.beam.mixture.hit_weight = 1.0;
+  config.beam.mixture.hit_stddev_m = 0.01;
+  for (double* weight : {&config.beam.mixture.short_weight, &config.beam.mixture.max_weight,
+                         &config.beam.mixture.random_weight}) {
+    *weight = 0.0;
+  }
+  for (const PatchMemory memory :
+       {PatchMemory::kNone, PatchMemory::kShared, PatchMemory::kPerParticle}) {
+    config.states.memory = memory;
+    for (int round = 0; round < 10; ++round) {
+      const PatchBeamModel model(random_map(random, round % 2 == 0), config);
+      Scan scan;
+      scan.angle_increment_rad = 0.1F;
+      scan.range_max_m = 6.0F;
+      for (int beam = 0; beam < 63; ++beam) {
+        const bool is_hit = random.bernoulli(0.7);
+        scan.ranges_m.push_back(is_hit ? static_cast<float>(random.uniform(0.1, 5.0))
+                                       : std::numeric_limits<float>::infinity());
+      }
+      ParticleSet particles;
+      particles.resize(20);
+      set_uniform_weights(particles);
+      model.patch_states()->prepare(particles);
+      for (std::size_t i = 0; i < particles.size(); ++i) {
+        particles.set_pose(i, {random.uniform(0.0, 6.0), random.uniform(0.0, 2.0), 0.3});
+        model.patch_states()->draw(particles, i, random);
+      }
+      std::vector<double> log_likelihood(particles.size());
+      model.log_likelihoods(scan, 1.0, particles, log_likelihood, pool);
+      for (const double log : log_likelihood) ASSERT_TRUE(std::isfinite(log)) << log;
+      for (const float p : particles.beliefs) ASSERT_TRUE(std::isfinite(p)) << p;
+    }
+  }
+}
+
 TEST(PatchStates, StayProbabilityIsTheRateForm) {
   EXPECT_DOUBLE_EQ(stay_probability(1, 0.1, 100.0), 1.0);
   EXPECT_DOUBLE_EQ(stay_probability(3, 0.1, 0.0), 1.0);
