@@ -10,50 +10,18 @@
 #include "core/localization/patch_beam_model.hpp"
 #include "core/localization/range_provider_model.hpp"
 #include "core/localization/ray_caster.hpp"
-#include "tests/core/localization/box_world.hpp"
+#include "tests/core/localization/box_map.hpp"
 
 namespace strata::localization {
 namespace {
 
+using test::box_map;
 using test::BoxWorld;
 using test::Drive;
-
-const CellRect kRect{{0, 0}, {200, 80}};  // 10 m x 4 m
-
-BoxWorld room() {
-  return {{0.0, 0.0, 10.0, 0.3}, {0.0, 3.7, 10.0, 4.0}, {0.0, 0.0, 0.3, 4.0},
-          {9.7, 0.0, 10.0, 4.0}, {2.0, 0.3, 2.6, 1.0},  {7.0, 3.2, 7.8, 3.7}};
-}
-BoxWorld room_with_box() {
-  BoxWorld world = room();
-  world.push_back({4.5, 0.3, 5.1, 0.9});
-  return world;
-}
-
-patch::Submap submap_of(int id, const CellRect& rect, std::initializer_list<BoxWorld> worlds) {
-  patch::Submap submap;
-  submap.id = id;
-  submap.rect = rect;
-  for (const BoxWorld& world : worlds) {
-    patch::Configuration configuration;
-    configuration.reflection = test::rasterize(world, 0.05, kRect).cropped(rect);
-    configuration.prior = 1.0 / static_cast<double>(worlds.size());
-    submap.configurations.push_back(configuration);
-  }
-  return submap;
-}
-
-std::shared_ptr<patch::PatchMap> empty_map() {
-  auto map = std::make_shared<patch::PatchMap>();
-  map->base = test::rasterize(room(), 0.05, kRect);
-  return map;
-}
-/// One sub-map in the middle: without and with a box.
-std::shared_ptr<patch::PatchMap> box_map() {
-  auto map = empty_map();
-  map->submaps.push_back(submap_of(0, {{80, 0}, {112, 40}}, {room(), room_with_box()}));
-  return map;
-}
+using test::empty_map;
+using test::room;
+using test::room_with_box;
+using test::submap_of;
 
 std::shared_ptr<const SensorModel> model_of(std::shared_ptr<patch::PatchMap> map,
                                             PatchMemory memory = PatchMemory::kPerParticle) {
@@ -289,62 +257,6 @@ TEST(PatchFaults, FromAndToAMapWithoutSubmapsMidRun) {
     EXPECT_EQ(result.submaps.size(), n >= 10 && n < 20 ? 0U : 1U);
   }
   EXPECT_LT(error_m(result, drive), 0.15);
-}
-
-/// A sub-map whose sequences follow a chain of the given rate, `count` of them, dt apart.
-patch::Submap chain(int configurations, double gamma_per_s, double dt_s, int count,
-                    std::uint64_t seed) {
-  RandomStream random(seed, StreamId::kTest);
-  patch::Submap submap;
-  submap.configurations.resize(static_cast<std::size_t>(configurations));
-  std::size_t state = 0;
-  for (int i = 0; i < count; ++i) {
-    if (!random.bernoulli(stay_probability(configurations, gamma_per_s, dt_s))) {
-      const auto others = static_cast<std::uint32_t>(configurations - 1);
-      state = (state + 1 + random.below(others)) % static_cast<std::size_t>(configurations);
-    }
-    patch::SequenceInfo sequence;
-    sequence.begin = Stamp::from_seconds(i * (dt_s + 10.0));
-    sequence.end = Stamp::from_seconds(i * (dt_s + 10.0) + 10.0);
-    sequence.membership.assign(static_cast<std::size_t>(configurations), 0.0);
-    sequence.membership[state] = 1.0;
-    submap.sequences.push_back(sequence);
-  }
-  return submap;
-}
-
-TEST(PatchRates, AreThoseOfTheChainThatMadeTheSequences) {
-  PatchStatesConfig config;
-  for (const int configurations : {2, 4}) {
-    for (const double gamma : {1.0 / 600.0, 1.0 / 7200.0}) {
-      const double learned =
-          learned_rate_per_s(chain(configurations, gamma, 0.5 / gamma, 600, 11), config);
-      EXPECT_NEAR(learned / gamma, 1.0, 0.2) << configurations << " " << gamma;
-    }
-  }
-}
-
-TEST(PatchRates, WithoutSequencesTheyAreThePrior) {
-  PatchStatesConfig config;
-  config.prior_changes = 2.0;
-  config.prior_hours = 1.0;
-  EXPECT_NEAR(learned_rate_per_s(chain(3, 0.1, 1.0, 0, 1), config), 2.0 / 3600.0, 1e-6);
-  // Runs whose stamps overlap say nothing of the time between.
-  patch::Submap overlapping = chain(2, 0.1, 1.0, 2, 1);
-  overlapping.sequences[1].begin = overlapping.sequences[0].begin;
-  EXPECT_NEAR(learned_rate_per_s(overlapping, config), 2.0 / 3600.0, 1e-6);
-}
-
-TEST(PatchRates, APlaceThatNeverChangesIsRememberedLonger) {
-  auto map = box_map();
-  map->submaps[0].sequences = chain(2, 1e-9, 3600.0, 50, 3).sequences;
-  PatchStatesConfig config;
-  config.rates = RateSource::kLearned;
-  const PatchStates steady(map, config);
-  map->submaps[0].sequences = chain(2, 1.0, 3600.0, 50, 3).sequences;
-  const PatchStates fickle(map, config);
-  EXPECT_LT(steady.rate_per_s(0), 0.1 / 3600.0);
-  EXPECT_GT(fickle.rate_per_s(0), 1.0 / 3600.0);
 }
 
 }  // namespace
