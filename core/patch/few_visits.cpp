@@ -70,10 +70,8 @@ class FewVisitsTest {
   }
   [[nodiscard]] bool is_large(const std::vector<Cell>& cells) const {
     if (cells.size() < static_cast<std::size_t>(config_.few_min_cells)) return false;
-    CellRect rect;
-    for (const Cell& cell : cells) rect = rect.united({cell, {cell.x + 1, cell.y + 1}});
-    const int extent = std::max(rect.width(), rect.height());
-    return extent * table_.resolution_m() >= config_.few_min_extent_m - 1e-9;
+    const double extent_m = SurfaceSpread(cells).extent(cells) * table_.resolution_m();
+    return extent_m >= config_.few_min_extent_m - 1e-9;
   }
   /// The cells of a component that agree on when it was occupied and when it was free: for some
   /// pair of visits enough of them support the same pair. Cells of walls that jitter back and forth

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 namespace strata::patch {
 namespace {
@@ -34,6 +36,23 @@ SurfaceSpread::SurfaceSpread(std::span<const Cell> cells) {
   mean_ = mean / greatest;
   cos2_ = 0.5 * (xx - yy) / greatest;
   sin2_ = xy / greatest;
+}
+
+double SurfaceSpread::extent(std::span<const Cell> cells) const {
+  const auto width_along = [&](double angle_rad) {
+    const double c = std::cos(angle_rad);
+    const double s = std::sin(angle_rad);
+    double least = std::numeric_limits<double>::infinity();
+    double most = -least;
+    for (const Cell& cell : cells) {
+      const double place = c * cell.x + s * cell.y;
+      least = std::min(least, place);
+      most = std::max(most, place);
+    }
+    return most - least + std::abs(c) + std::abs(s);  // a cell's own width
+  };
+  const double longest_rad = 0.5 * std::atan2(sin2_, cos2_);
+  return std::max({width_along(longest_rad), width_along(0.0), width_along(std::numbers::pi / 2)});
 }
 
 double SurfaceSpread::misses_across(const Visit& visit) const {

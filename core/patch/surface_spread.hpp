@@ -31,6 +31,10 @@ class SurfaceSpread {
   /// Whether so many beams went across, or most of what passed: a single oblique beam does not
   /// graze. O(1).
   [[nodiscard]] bool is_crossed_by(const Visit& visit, double min_across) const;
+  /// How far the cells reach along their longest direction, in cells, or along the rows or columns
+  /// where that is more: 8 for eight in a row, and no less when the row lies askew. Of the cells it
+  /// was made of. O(cells).
+  [[nodiscard]] double extent(std::span<const Cell> cells) const;
 
  private:
   double mean_ = 0.0;  // of n' C n over all directions

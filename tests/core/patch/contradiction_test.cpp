@@ -144,6 +144,16 @@ TEST(FewVisits, NeedsTheLeastNumberOfCellsAndTheLeastExtent) {
   EXPECT_EQ(count(test_few_visits(changing_line(2, 5).build(), config)), 0) << "25 cm";
 }
 
+TEST(FewVisits, FindALineThatLiesAskewAsOneThatDoesNot) {
+  TableBuilder table({{0, 0}, {20, 20}});
+  // 0.32 m from corner to corner, 0.25 m at most along rows and columns: a door leaf of Wean Hall.
+  for (const Cell& cell : std::initializer_list<Cell>{
+           {2, 3}, {3, 4}, {4, 4}, {4, 5}, {5, 5}, {4, 6}, {5, 6}, {5, 7}}) {
+    table.set(cell, {{6, 0}, {0, 6}});
+  }
+  EXPECT_EQ(count(test_few_visits(table.build(), {})), 8);
+}
+
 TEST(FewVisits, AStateThatOneVisitSawIsFoundAmongAnyNumberOfVisits) {
   for (std::size_t visits = 2; visits <= 20; ++visits) {
     for (const bool is_rarely_free : {false, true}) {

@@ -62,5 +62,25 @@ TEST(SurfaceSpread, CountsBeamsFromManySidesOneByOne) {
   EXPECT_EQ(surface.misses_across(Visit{}), 0.0);
 }
 
+TEST(SurfaceSpread, ReachesAsFarWhicheverWayTheSurfaceLies) {
+  const auto extent_of = [](double angle_rad) {
+    std::vector<Cell> cells;
+    for (double t = 0.0; t < 20.0; t += 0.1) {
+      const Cell cell{static_cast<int>(std::floor(t * std::cos(angle_rad))),
+                      static_cast<int>(std::floor(t * std::sin(angle_rad)))};
+      if (cells.empty() || !(cells.back() == cell)) cells.push_back(cell);
+    }
+    return SurfaceSpread(cells).extent(cells);
+  };
+  EXPECT_EQ(extent_of(0.0), 20.0);
+  for (double angle_rad = -3.1; angle_rad < 3.1; angle_rad += 0.1) {
+    // From the outer corner of the first cell to that of the last.
+    EXPECT_GE(extent_of(angle_rad), 20.0) << angle_rad;
+    EXPECT_LE(extent_of(angle_rad), 20.0 + 2.0 * std::numbers::sqrt2) << angle_rad;
+  }
+  const std::vector<Cell> one{{3, 4}};
+  EXPECT_EQ(SurfaceSpread(one).extent(one), 1.0);
+}
+
 }  // namespace
 }  // namespace strata::patch
