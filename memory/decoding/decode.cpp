@@ -50,8 +50,9 @@ DecodedScan decode(const NodeLevel& level, const DecodingConfig& config) {
   for (std::size_t row = 0; row < graph.rows(); ++row) {
     const int angle_bin = static_cast<int>(row);
     if (level.samples(angle_bin).empty()) continue;
-    const std::uint8_t range_bin =
-        path.found ? graph.states(row)[path.states[row]] : most_frequent(level, angle_bin);
+    std::uint8_t range_bin =
+        path.found ? graph.states(row)[path.states[row]] : LayeredGraph::kWildcard;
+    if (range_bin == LayeredGraph::kWildcard) range_bin = most_frequent(level, angle_bin);
     result.range_m[row] = median_in_range_bin(level, angle_bin, range_bin, scratch);
   }
   return result;

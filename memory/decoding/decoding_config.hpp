@@ -15,6 +15,7 @@ enum class EdgeWeight {
   kJoint,        ///< C_ij / sum of all C (caption of figure 5 of [kessler2010what])
   kConditional,  ///< C_ij / sum of row i (its equation (4))
   kTolerant,     ///< conditional, counts summed over neighbouring range bins and smoothed
+  kScene,        ///< free within a scene, dear between scenes; all bins vote (scene_graph.hpp)
 };
 
 /// What a path minimizes.
@@ -33,8 +34,11 @@ enum class SearchMethod {
 template <>
 struct strata::EnumNames<strata::memory::EdgeWeight> {
   using enum strata::memory::EdgeWeight;
-  static constexpr std::array<std::pair<strata::memory::EdgeWeight, const char*>, 3> values{
-      {{kJoint, "joint"}, {kConditional, "conditional"}, {kTolerant, "tolerant"}}};
+  static constexpr std::array<std::pair<strata::memory::EdgeWeight, const char*>, 4> values{
+      {{kJoint, "joint"},
+       {kConditional, "conditional"},
+       {kTolerant, "tolerant"},
+       {kScene, "scene"}}};
 };
 template <>
 struct strata::EnumNames<strata::memory::PathCost> {
@@ -55,30 +59,39 @@ namespace strata::memory {
 struct DecodingConfig {
   EdgeWeight edges = EdgeWeight::kTolerant;
   PathCost cost = PathCost::kNegLog;
-  double smoothing = 0.1;  ///< kappa of the tolerant weights
+  double smoothing = 0.1;  ///< kappa of the tolerant and scene weights
   SearchMethod search = SearchMethod::kLayered;
+  double evidence = 0.1;  ///< w of the scene weights
 
   friend bool operator==(const DecodingConfig&, const DecodingConfig&) = default;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("edges", c.edges, {.doc = "joint, conditional or tolerant pair statistics"});
+    v.field("edges", c.edges, {.doc = "joint, conditional or tolerant pair statistics, or scene"});
     v.field("cost", c.cost, {.doc = "reciprocal (the paper) or neglog (the most likely path)"});
     v.field("smoothing", c.smoothing,
-            {.doc = "pseudo-count of the tolerant weights", .min = 0.0, .max = 100.0});
+            {.doc = "pseudo-count of the tolerant and scene weights", .min = 0.0, .max = 100.0});
+    v.field("evidence", c.evidence,
+            {.doc = "power of a range bin's share of samples in the scene weights",
+             .min = 0.0,
+             .max = 1.0});
     v.field("search", c.search, {.doc = "layered or dijkstra; both find the same cost"});
   }
 };
 
 /// The most likely consistent scan. Ranges that straddle a bin edge do not halve its probability.
 [[nodiscard]] constexpr DecodingConfig exact_decoding() { return {}; }
+/// The most believable whole scene: told apart by what was never seen together, chosen by all bins.
+[[nodiscard]] constexpr DecodingConfig scene_decoding() {
+  return {EdgeWeight::kScene, PathCost::kNegLog, 0.1, SearchMethod::kLayered, 0.1};
+}
 /// As the paper's figures behave; goes with TimescaleConfig::coupled_eviction.
 [[nodiscard]] constexpr DecodingConfig paper_decoding() {
-  return {EdgeWeight::kJoint, PathCost::kReciprocal, 0.0, SearchMethod::kDijkstra};
+  return {EdgeWeight::kJoint, PathCost::kReciprocal, 0.0, SearchMethod::kDijkstra, 0.0};
 }
 /// As the paper's equation (4) reads, for study: it follows single outliers.
 [[nodiscard]] constexpr DecodingConfig literal_decoding() {
-  return {EdgeWeight::kConditional, PathCost::kReciprocal, 0.0, SearchMethod::kDijkstra};
+  return {EdgeWeight::kConditional, PathCost::kReciprocal, 0.0, SearchMethod::kDijkstra, 0.0};
 }
 
 }  // namespace strata::memory

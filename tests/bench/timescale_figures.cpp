@@ -42,7 +42,8 @@ std::vector<Decoder> decoders() {
   auto by = [](const DecodingConfig& config) {
     return [config](const NodeLevel& level) { return decode(level, layered(config)).range_m; };
   };
-  return {{"exact", false, by(exact_decoding())},
+  return {{"scene", false, by(scene_decoding())},
+          {"exact", false, by(exact_decoding())},
           {"paper", true, by(paper_decoding())},
           {"literal", true, by(literal_decoding())},
           {"median of each bin", false, decode_per_bin_median}};

@@ -41,7 +41,8 @@ std::vector<NamedDecoder> paper_decoders() {
   const auto by = [](DecodingConfig config) {
     return [config](const NodeLevel& level) { return memory::decode(level, config).range_m; };
   };
-  return {{"exact", false, by(memory::exact_decoding())},
+  return {{"scene", false, by(memory::scene_decoding())},
+          {"exact", false, by(memory::exact_decoding())},
           {"paper", true, by(memory::paper_decoding())},
           {"literal", true, by(memory::literal_decoding())},
           {"median of each bin", false, memory::decode_per_bin_median}};

@@ -19,7 +19,7 @@ struct NamedDecoder {
   bool coupled_eviction = false;
   std::function<std::vector<float>(const memory::NodeLevel&)> ranges;
 };
-/// exact, paper (Dijkstra), literal, median of each bin.
+/// scene, exact, paper (Dijkstra), literal, median of each bin.
 [[nodiscard]] std::vector<NamedDecoder> paper_decoders();
 
 /// A level of `samples` that takes in every view, drawn at random from those of a state.

@@ -157,6 +157,18 @@ TwoStates tell_apart(std::vector<VirtualScan> before, std::vector<VirtualScan> a
   return result;
 }
 
+void keep_bins_seen_as_often(TwoStates& states) {
+  const auto known = [](std::span<const VirtualScan> views, std::size_t bin) {
+    const auto count = std::count_if(views.begin(), views.end(), [bin](const VirtualScan& view) {
+      return !std::isnan(view[bin]);
+    });
+    return static_cast<double>(count) / static_cast<double>(views.size());
+  };
+  std::erase_if(states.bins, [&](std::size_t bin) {
+    return 3.0 * known(states.before, bin) < 2.0 * known(states.after, bin);
+  });
+}
+
 const VirtualScan& draw(std::span<const VirtualScan> views, RandomStream& random) {
   return views[random.below(static_cast<std::uint32_t>(views.size()))];
 }

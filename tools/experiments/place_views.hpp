@@ -65,6 +65,11 @@ struct TwoStates {
                                    const memory::PolarBins& bins, double least_difference_m,
                                    bool all_bins = false);
 
+/// Takes out bins that fewer than two thirds as many of the views before know as of those after. A
+/// bin that is mostly seen on the second occasion shows that one more often than its share of the
+/// views is.
+void keep_bins_seen_as_often(TwoStates& states);
+
 /// One of them at random. Requires some.
 [[nodiscard]] const memory::VirtualScan& draw(std::span<const memory::VirtualScan> views,
                                               RandomStream& random);

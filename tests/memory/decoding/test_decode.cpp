@@ -16,7 +16,8 @@ constexpr float kOpen = std::numeric_limits<float>::infinity();
 
 TEST(Decode, GivesNothingForALevelThatSawNothing) {
   const NodeLevel level({36, 20, 1.5}, 5, false);
-  for (const auto& config : {exact_decoding(), paper_decoding(), literal_decoding()}) {
+  for (const auto& config :
+       {scene_decoding(), exact_decoding(), paper_decoding(), literal_decoding()}) {
     const DecodedScan scan = decode(level, config);
     ASSERT_EQ(scan.range_m.size(), 36U);
     EXPECT_TRUE(std::all_of(scan.range_m.begin(), scan.range_m.end(),
@@ -95,7 +96,8 @@ TEST(Decode, FindsTheSameCostByBothSearches) {
       }
       level.insert(scan, random);
     }
-    for (DecodingConfig config : {exact_decoding(), paper_decoding(), literal_decoding()}) {
+    for (DecodingConfig config :
+         {scene_decoding(), exact_decoding(), paper_decoding(), literal_decoding()}) {
       config.search = SearchMethod::kLayered;
       const DecodedScan layered = decode(level, config);
       config.search = SearchMethod::kDijkstra;

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -69,17 +71,29 @@ TEST(PlaceFigures, SwitchAsAWholeAndCompleteTheHiddenHalf) {
   const TwoStates states =
       find_changed_place(turn(false), turn(true), 1.0, figures.bins, 0.5).states;
   const std::vector<NamedDecoder> decoders = paper_decoders();
-  const NamedDecoder& exact = decoders.front();
-  const SwitchResult whole = switch_states(states, exact, figures);
-  EXPECT_EQ(whole.never, 0);
-  EXPECT_EQ(whole.mixed, 0.0);
-  EXPECT_GT(whole.least_share, 0.35);
-  EXPECT_LT(whole.greatest_share, 0.65);
-  EXPECT_EQ(complete_half(states, exact, figures).complete, 5);
+  ASSERT_EQ(decoders[1].name, "exact");
+  for (const NamedDecoder& decoder : std::span(decoders).first(2)) {
+    const SwitchResult whole = switch_states(states, decoder, figures);
+    EXPECT_EQ(whole.never, 0) << decoder.name;
+    EXPECT_EQ(whole.mixed, 0.0) << decoder.name;
+    EXPECT_GT(whole.least_share, 0.35) << decoder.name;
+    EXPECT_LT(whole.greatest_share, 0.65) << decoder.name;
+    EXPECT_EQ(complete_half(states, decoder, figures).complete, 5) << decoder.name;
+    EXPECT_EQ(wrong_bins(states, decoder, 0.0, figures), 0.0) << decoder.name;
+    EXPECT_EQ(wrong_bins(states, decoder, 1.0, figures), 1.0) << decoder.name;
+  }
   EXPECT_EQ(complete_half(states, decoders.back(), figures).complete, 0);
   EXPECT_GT(switch_states(states, decoders.back(), figures).mixed, 1.0);
-  EXPECT_EQ(wrong_bins(states, exact, 0.0, figures), 0.0);
-  EXPECT_EQ(wrong_bins(states, exact, 1.0, figures), 1.0);
+}
+
+TEST(PlaceViews, KeepBinsThatBothOccasionsKnowAboutAsOften) {
+  constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+  TwoStates states;
+  states.before = {{1.0F, 1.0F, kNothing}, {1.0F, kNothing, kNothing}, {1.0F, 1.0F, 1.0F}};
+  states.after = {{2.0F, 2.0F, 2.0F}, {2.0F, 2.0F, 2.0F}, {kNothing, 2.0F, 2.0F}};
+  states.bins = {0, 1, 2};
+  keep_bins_seen_as_often(states);
+  EXPECT_EQ(states.bins, (std::vector<std::size_t>{0, 1}));
 }
 
 TEST(PutObject, EndsTheBeamsThatWouldPassItAndNoOthers) {
@@ -109,37 +123,68 @@ TEST(PutObject, EndsTheBeamsThatWouldPassItAndNoOthers) {
   }
 }
 
-// The paper's robot stood while an object was placed before it; so does this one, for 28 s.
-TEST(PlaceFigures, HoldOnRealScansOfARobotThatStands) {
-  STRATA_REQUIRE_DATA(log, "intel/intel.clf.gz");
-  STRATA_REQUIRE_DATA(poses, "intel/intel.ref.txt");
+/// Stretches of 8 s or more within 6 cm and 0.03 rad: all there are in the logs of Wean Hall,
+/// Freiburg 079 and Intel.
+struct Standing {
+  const char* name;
+  const char* log;
+  const char* poses;
+  double from_s, middle_s, to_s;
+  /// A board 1 m ahead stands behind what is there.
+  bool hides_the_board = false;
+};
+
+class RobotThatStands : public testing::TestWithParam<Standing> {};
+
+// The paper's robot stood while an object was placed before it; so does this one.
+TEST_P(RobotThatStands, MeetsFigures6To8OnRealScans) {
+  STRATA_REQUIRE_DATA(log, GetParam().log);
+  STRATA_REQUIRE_DATA(poses, GetParam().poses);
+  const auto [name, log_name, poses_name, from_s, middle_s, to_s, hides_the_board] = GetParam();
   const PlaceFigures figures;
-  const std::vector<PosedScan> before = posed_scans({log.string(), poses.string(), 0.0, 14.0});
-  const std::vector<PosedScan> after = posed_scans({log.string(), poses.string(), 14.0, 28.0});
+  const std::vector<PosedScan> before =
+      posed_scans({log.string(), poses.string(), from_s, middle_s});
+  const std::vector<PosedScan> after = posed_scans({log.string(), poses.string(), middle_s, to_s});
   const Eigen::Vector2d node_m = after.front().map_from_laser().translation();
   const auto seen = [&](const std::vector<PosedScan>& scans, const Pose2& error = {}) {
     return views_from(scans, node_m, 0.5, figures.bins, error);
   };
+  const std::vector<NamedDecoder> decoders = paper_decoders();
+  const NamedDecoder& scene = decoders.front();
+  ASSERT_EQ(scene.name, "scene");
   RandomStream random(1, StreamId::kTest);
   const TwoStates states = tell_apart(
       seen(before), seen(with_object(after, placed({1.0, 0.7}, after.front()), 0.01, random)),
       figures.bins, 0.5);
-  ASSERT_GT(states.bins.size(), 30U);
-  const std::vector<NamedDecoder> decoders = paper_decoders();
-  const SwitchResult whole = switch_states(states, decoders.front(), figures);
-  EXPECT_EQ(whole.never, 0);
-  EXPECT_EQ(whole.mixed, 0.0);
-  EXPECT_GT(whole.least_share, 0.35);
-  EXPECT_LT(whole.greatest_share, 0.65);
-  EXPECT_GE(complete_half(states, decoders.front(), figures).complete, 18);
-  EXPECT_GT(switch_states(states, decoders.back(), figures).mixed, 1.0);
+  EXPECT_EQ(states.bins.size() < 5U, hides_the_board);
+  if (!hides_the_board) {
+    const SwitchResult whole = switch_states(states, scene, figures);
+    EXPECT_EQ(whole.never, 0);
+    EXPECT_EQ(whole.mixed, 0.0);
+    EXPECT_GT(whole.least_share, 0.35);
+    EXPECT_LT(whole.greatest_share, 0.65);
+    EXPECT_GE(complete_half(states, scene, figures).complete, 18);
+    EXPECT_GT(switch_states(states, decoders.back(), figures).mixed, 1.0);
+  }
   const TwoStates aside =
       tell_apart(seen(after), seen(after, {-0.3, 0.2, 0.1}), figures.bins, 0.3, true);
   ASSERT_GT(aside.bins.size(), 60U);
   for (const double share : {0.1, 0.2, 0.3}) {
-    EXPECT_LE(wrong_bins(aside, decoders.front(), share, figures), 0.03) << share;
+    EXPECT_LE(wrong_bins(aside, scene, share, figures), 0.03) << share;
   }
 }
+
+constexpr const char* kIntel[] = {"intel/intel.clf.gz", "intel/intel.ref.txt"};
+constexpr const char* kFreiburg[] = {"fr079/fr079.clf.gz", "fr079/fr079.ref.txt"};
+INSTANTIATE_TEST_SUITE_P(
+    PlaceFigures, RobotThatStands,
+    testing::Values(
+        Standing{"Intel0s", kIntel[0], kIntel[1], 0.0, 14.0, 28.0},
+        Standing{"Intel941s", kIntel[0], kIntel[1], 941.0, 946.0, 950.5},
+        Standing{"Freiburg418s", kFreiburg[0], kFreiburg[1], 417.6, 423.0, 428.7},
+        Standing{"Freiburg1003s", kFreiburg[0], kFreiburg[1], 1002.56, 1006.61, 1010.66},
+        Standing{"Freiburg1049s", kFreiburg[0], kFreiburg[1], 1048.65, 1054.74, 1060.82, true}),
+    [](const auto& place) { return std::string(place.param.name); });
 
 TEST(DecoderTable, OnARealLogNoDecoderFindsALikelierPathThanTheExactOne) {
   STRATA_REQUIRE_DATA(log, "wean_hall/run1.clf.gz");

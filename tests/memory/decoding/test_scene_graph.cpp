@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/random/stream.hpp"
+#include "memory/decoding/decode.hpp"
+#include "memory/decoding/graph.hpp"
+
+namespace strata::memory {
+namespace {
+
+constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+
+double p(const NodeLevel& level, std::size_t row, std::size_t i, std::size_t j,
+         DecodingConfig config = scene_decoding()) {
+  return std::exp(-build_graph(level, config).edges_from(row, i)[j]);
+}
+
+/// Scene A (1 m) six times and scene B (3 m) fourteen times, where each bin knows it.
+NodeLevel two_scenes(const VirtualScan& a, const VirtualScan& b) {
+  NodeLevel level({static_cast<int>(a.size()), 40, 4.0}, 20, false);
+  RandomStream random(1, StreamId::kTest);
+  for (int i = 0; i < 6; ++i) level.insert(a, random);
+  for (int i = 0; i < 14; ++i) level.insert(b, random);
+  return level;
+}
+
+TEST(SceneGraph, ChargesStepsWithinASceneForTheirShareOfSamplesOnly) {
+  const NodeLevel level = two_scenes({1.05F, 1.05F, kNothing}, {3.05F, 3.05F, kNothing});
+  EXPECT_NEAR(p(level, 0, 0, 0), std::pow(0.3, 0.1), 1e-12);
+  EXPECT_NEAR(p(level, 0, 1, 1), std::pow(0.7, 0.1), 1e-12);
+  DecodingConfig no_evidence = scene_decoding();
+  no_evidence.evidence = 0.0;
+  EXPECT_NEAR(p(level, 0, 0, 0, no_evidence), 1.0, 1e-12);
+}
+
+TEST(SceneGraph, ChargesAContradictionByHowOftenItCouldHaveBeenSeen) {
+  const NodeLevel level = two_scenes({1.05F, 1.05F, kNothing}, {3.05F, 3.05F, kNothing});
+  // A goes on in A six times, and B comes from B fourteen times: the latter is the stronger.
+  EXPECT_NEAR(p(level, 0, 0, 1), 0.1 / 14.1 * std::pow(0.7, 0.1), 1e-12);
+  EXPECT_NEAR(p(level, 0, 1, 0), 0.1 / 14.1 * std::pow(0.3, 0.1), 1e-12);
+}
+
+TEST(SceneGraph, CountsTheRangeBinBesideByHalfAndAsAConditionByAFifth) {
+  // In bin 0 the scenes lie side by side, in range bins 10 and 11.
+  const NodeLevel level = two_scenes({1.05F, 1.05F, kNothing}, {1.15F, 3.05F, kNothing});
+  const double share = 0.3 + 0.5 * 0.7;
+  EXPECT_NEAR(p(level, 2, 0, 0), std::pow(share, 0.1), 1e-12);
+  // From 10 on to B's 30: 14 pairs a fifth each, beside 6 that lead to A's 10.
+  const double follows = (0.2 * 14.0 / 0.7 + 0.1) / (6.0 + 0.2 * 14.0 + 0.1);
+  const double precedes = (0.5 * 14.0 / share + 0.1) / (14.0 + 0.1);
+  ASSERT_LT(follows, precedes);
+  EXPECT_NEAR(p(level, 0, 0, 1), follows * std::pow(0.7, 0.1), 1e-12);
+}
+
+TEST(SceneGraph, HasAWildcardThatIsEnteredWhereASceneIsNotSeenOn) {
+  // B is not seen in bin 1, A is.
+  const NodeLevel level = two_scenes({1.05F, 1.05F, 1.05F}, {3.05F, kNothing, 3.05F});
+  const LayeredGraph graph = build_graph(level, scene_decoding());
+  ASSERT_EQ(graph.states(0).size(), 3U);
+  EXPECT_EQ(graph.states(0)[2], LayeredGraph::kWildcard);
+  const double unseen = std::pow(0.85, 0.1);
+  EXPECT_NEAR(p(level, 0, 1, 1), unseen / (1.0 + 9.0 * std::exp(-14.0)), 1e-12);
+  EXPECT_NEAR(p(level, 1, 1, 1), std::pow(0.7, 0.1) / (1.0 + 9.0 * std::exp(-14.0)), 1e-12);
+  // A is: whoever leaves it contradicts six pairs.
+  EXPECT_NEAR(p(level, 0, 0, 1), unseen * 0.1 / 6.1 / (1.0 + 9.0 * std::exp(-6.0)), 1e-12);
+}
+
+TEST(SceneGraph, KeepsItsBestPathThroughAnAngleBinThatOnlyAnotherSceneShows) {
+  const NodeLevel level =
+      two_scenes({1.05F, 1.05F, 1.05F, 1.05F, 1.05F}, {3.05F, 3.05F, kNothing, 3.05F, 3.05F});
+  const DecodedScan scan = decode(level, scene_decoding());
+  EXPECT_EQ(scan.range_m, (std::vector<float>{3.05F, 3.05F, 1.05F, 3.05F, 3.05F}));
+  EXPECT_FALSE(scan.inconsistent);
+}
+
+/// Scenes that look alike in the bins 0 to 3 and part from 4 on; of bin 4 the pairs that lead to A
+/// happen to be more, in all other bins B is.
+NodeLevel parted_by_chance() {
+  NodeLevel level({12, 40, 4.0}, 20, false);
+  RandomStream random(1, StreamId::kTest);
+  VirtualScan a(12, 2.05F);
+  VirtualScan b(12, 2.05F);
+  std::fill(a.begin() + 4, a.end(), 1.05F);
+  std::fill(b.begin() + 4, b.end(), 3.05F);
+  VirtualScan b_beyond = b;
+  b_beyond[3] = kNothing;
+  for (int i = 0; i < 5; ++i) level.insert(a, random);
+  for (int i = 0; i < 3; ++i) level.insert(b, random);
+  for (int i = 0; i < 12; ++i) level.insert(b_beyond, random);
+  return level;
+}
+
+TEST(SceneGraph, LetsAllBinsVoteWhereTheExactProductAsksOnePair) {
+  EXPECT_EQ(decode(parted_by_chance(), exact_decoding()).range_m[8], 1.05F);
+  EXPECT_EQ(decode(parted_by_chance(), scene_decoding()).range_m[8], 3.05F);
+}
+
+TEST(SceneGraph, GivesTheCheapestOfAllClosedPathsByBothSearches) {
+  RandomStream random(4, StreamId::kTest);
+  for (int trial = 0; trial < 40; ++trial) {
+    NodeLevel level({5, 6, 3.0}, 6, false);
+    VirtualScan scan(5);
+    for (int t = 0; t < 8; ++t) {
+      for (float& range : scan) {
+        range = random.bernoulli(0.2) ? kNothing : static_cast<float>(random.uniform(0.0, 3.4));
+      }
+      level.insert(scan, random);
+    }
+    const LayeredGraph graph = build_graph(level, scene_decoding());
+    double least = kNoEdge;
+    std::vector<std::size_t> path(5, 0);
+    for (std::size_t row = 0; row < 5;) {
+      double cost = 0.0;
+      for (std::size_t a = 0; a < 5; ++a) cost += graph.edges_from(a, path[a])[path[graph.next(a)]];
+      least = std::min(least, cost);
+      for (row = 0; row < 5 && ++path[row] == graph.states(row).size(); ++row) path[row] = 0;
+    }
+    EXPECT_NEAR(search_layered(graph).cost, least, 1e-12) << trial;
+    EXPECT_NEAR(search_dijkstra(graph).cost, least, 1e-12) << trial;
+  }
+}
+
+}  // namespace
+}  // namespace strata::memory
