@@ -43,7 +43,7 @@ void search_dense_layered(benchmark::State& state) {
   const LayeredGraph graph = dense_graph(static_cast<std::size_t>(state.range(0)));
   for (auto _ : state) benchmark::DoNotOptimize(search_layered(graph).cost);
 }
-BENCHMARK(search_dense_layered)->Arg(20)->Arg(51)->Unit(benchmark::kMicrosecond);
+BENCHMARK(search_dense_layered)->Arg(20)->Arg(21)->Arg(51)->Unit(benchmark::kMicrosecond);
 
 void search_dense_dijkstra(benchmark::State& state) {
   const LayeredGraph graph = dense_graph(static_cast<std::size_t>(state.range(0)));
@@ -89,9 +89,16 @@ TimescaleMemory standing(int scans) {
 void decode_level(benchmark::State& state) {
   const TimescaleMemory memory = standing(2000);
   const NodeLevel& level = memory.nodes()[0].levels[static_cast<std::size_t>(state.range(0))];
-  for (auto _ : state) benchmark::DoNotOptimize(decode(level, exact_decoding()).cost);
+  for (auto _ : state) benchmark::DoNotOptimize(decode(level, scene_decoding()).cost);
 }
 BENCHMARK(decode_level)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
+
+void decode_level_exactly(benchmark::State& state) {
+  const TimescaleMemory memory = standing(2000);
+  const NodeLevel& level = memory.nodes()[0].levels[static_cast<std::size_t>(state.range(0))];
+  for (auto _ : state) benchmark::DoNotOptimize(decode(level, exact_decoding()).cost);
+}
+BENCHMARK(decode_level_exactly)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
 
 void decode_level_as_the_paper(benchmark::State& state) {
   const TimescaleMemory memory = standing(2000);
