@@ -26,6 +26,7 @@ std::vector<Way> ways() {
     return [config](const NodeLevel& level) { return memory::decode(level, config); };
   };
   return {{"exact", by(memory::exact_decoding())},
+          {"scene", by(memory::scene_decoding())},
           {"paper (Dijkstra)", by(memory::paper_decoding())},
           {"literal", by(memory::literal_decoding())},
           {"median of each bin", [](const NodeLevel& level) {

@@ -28,9 +28,9 @@ struct DecoderRow {
   std::size_t inconsistent = 0;  ///< levels without a closed path
 };
 
-/// Rows for exact itself, the paper's costs by Dijkstra, its equation (4) as printed, and the
-/// median of each bin. The probability of a path is that of the exact decoder's graph: prior and
-/// tolerant pair statistics.
+/// Rows for exact itself, scene, the paper's costs by Dijkstra, its equation (4) as printed, and
+/// the median of each bin. The probability of a path is that of the exact decoder's graph: prior
+/// and tolerant pair statistics.
 [[nodiscard]] std::vector<DecoderRow> compare_decoders(const memory::TimescaleMemory& memory);
 
 /// Table 1: levels by the number of start bins of their first angle bin.

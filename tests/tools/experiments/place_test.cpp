@@ -192,7 +192,7 @@ TEST(DecoderTable, OnARealLogNoDecoderFindsALikelierPathThanTheExactOne) {
   memory::TimescaleMemory memory;
   for (const PosedScan& scan : posed_scans({log.string(), poses.string()})) memory.observe(scan);
   const std::vector<DecoderRow> rows = compare_decoders(memory);
-  ASSERT_EQ(rows.size(), 4U);
+  ASSERT_EQ(rows.size(), 5U);
   EXPECT_EQ(rows[0].different_levels, 0U);
   EXPECT_EQ(rows[0].inconsistent, 0U);
   for (std::size_t i = 1; i < rows.size(); ++i) {
