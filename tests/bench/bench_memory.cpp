@@ -165,8 +165,9 @@ class LargeStore {
     std::memcpy(head.data() + head.size() - sizeof kNodes, &kNodes, sizeof kNodes);
     std::vector<TimescaleMemory::NodeState> states(kNodes, one.node_state(0));
     for (std::size_t n = 0; n < kNodes; ++n) {
+      const std::size_t row = n / 100;
       const double place[2] = {20.0 * static_cast<double>(n % 100),
-                               20.0 * static_cast<double>(n / 100)};
+                               20.0 * static_cast<double>(row)};
       std::memcpy(states[n].head.data(), place, sizeof place);
     }
     Store(path_).save_timescale(TimescaleMemory::restore(head, states, "bench"));
