@@ -46,12 +46,19 @@ struct Moments {
   }
 };
 
+/// Beams farther apart than this look at different things.
+constexpr double kFineRad = 0.035;
+
 /// Hits within this distance of each other belong together whatever lies between.
 double near_m(double beam_spacing_rad, double range_m) {
   constexpr double kLeastGapM = 0.1;
   constexpr double kSpacings = 5.0;
-  return std::max(kLeastGapM, kSpacings * beam_spacing_rad * range_m);
+  return std::max(kLeastGapM, kSpacings * std::min(beam_spacing_rad, kFineRad) * range_m);
 }
+
+/// A hit by itself is a thing of its own where the beams beside it pass as near as this, or are
+/// fine; else it may be part of any surface.
+constexpr double kLoneGapM = 0.25;
 
 /// Whether points i and i + 1 come from beams next to each other.
 bool joined(const Endpoints& endpoints, std::size_t i) {
@@ -116,6 +123,15 @@ double gap_beside(const Endpoints& endpoints, std::size_t point, int side,
 
 }  // namespace
 
+NormalScatter normal_of(std::span<const Eigen::Vector2d> points_m) {
+  if (points_m.size() < 3) return {};
+  Moments moments;
+  for (const Eigen::Vector2d& point : points_m) {
+    moments.add(point.x() - points_m[0].x(), point.y() - points_m[0].y());
+  }
+  return moments.normal();
+}
+
 void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter) {
   const double xx = static_cast<double>(scatter.xx);
   const double xy = static_cast<double>(scatter.xy);
@@ -149,7 +165,11 @@ void surfaces_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
     }
     out[at].normal = moments.normal();
     if (moments.n < 3.0) {
-      if (const auto grazed = grazed_wall(endpoints, at)) out[at].normal = *grazed;
+      if (const auto grazed = grazed_wall(endpoints, at)) {
+        out[at].normal = *grazed;
+      } else if (beam_spacing_rad > kFineRad && beam_spacing_rad * std::hypot(x, y) > kLoneGapM) {
+        out[at].normal = {};
+      }
     }
     out[at].slack_m = static_cast<float>(
         std::max(gap_beside(endpoints, at, -1, out[at].normal, beam_spacing_rad),

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -122,7 +123,8 @@ struct NormalScatter {
 
 /// What its neighbours in the sweep say about one hit.
 struct SweepSurface {
-  NormalScatter normal;  ///< trace 1
+  /// Trace 1; empty for a hit by itself whose neighbours passed too far from it to say more.
+  NormalScatter normal;
   /// How far along the surface the nearest known thing lies, on the side where that is farther:
   /// the next hit on it, or its end. Infinite where the surface goes out of sight (no return,
   /// something in front, the edge of the sweep).
@@ -132,6 +134,10 @@ struct SweepSurface {
 /// Sets normal and tangential share of `point` from the scatter: the principal axis, and the ratio
 /// of the eigenvalues. An empty scatter gives tangential 1.
 void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter);
+
+/// The normal of the line that points lie on, blended with isotropy by how round they lie: trace 1.
+/// Empty for fewer than three.
+[[nodiscard]] NormalScatter normal_of(std::span<const Eigen::Vector2d> points_m);
 
 /// The surface at each point from its neighbours in the sweep: up to three on each side and not
 /// farther than a few beams' spacing, or, at grazing angles, the next ones on one line. The

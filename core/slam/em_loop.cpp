@@ -9,6 +9,7 @@
 #include "core/registration/scan_matcher.hpp"
 #include "core/slam/surface_map.hpp"
 #include "core/slam/tracker.hpp"
+#include "core/slam/tracker_parts.hpp"
 
 namespace strata::slam {
 namespace {
@@ -59,13 +60,15 @@ void match_again(std::span<PosedScan> scans, const std::vector<bool>& mapped,
     for (std::size_t i = begin; i < end; ++i) {
       if (!moves[i]) continue;
       PosedScan& scan = scans[i];
+      const Endpoints endpoints =
+          match_endpoints(scan.scan, tracking.max_range_m, tracking.max_beams);
+      if (endpoints.size() < kLeastHits) continue;
       Pose2Gaussian prior{scan.map_from_robot, Eigen::Matrix3d::Zero()};
       prior.covariance.diagonal() << config.prior_stddev_m * config.prior_stddev_m,
           config.prior_stddev_m * config.prior_stddev_m,
           config.prior_stddev_rad * config.prior_stddev_rad;
       const registration::MatchResult result = registration::match(
-          match_endpoints(scan.scan, tracking.max_range_m, tracking.max_beams),
-          scan.static_probability, map.field(), scan.map_from_robot, &prior, near);
+          endpoints, scan.static_probability, map.field(), scan.map_from_robot, &prior, near);
       if (result.converged) scan.map_from_robot = result.pose;
     }
   });

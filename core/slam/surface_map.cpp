@@ -9,12 +9,30 @@
 #include "core/grid/ray_traversal.hpp"
 
 namespace strata::slam {
-void SurfaceMap::set_point(registration::SurfacePoint& point, const Cell& cell,
-                           const CellData& data) const {
+Eigen::Vector2d SurfaceMap::mean_hit(const Cell& cell, const CellData& data) const {
   const double resolution = cells_.resolution_m();
-  point.x_m = cell.x * resolution + static_cast<double>(data.sum_x / data.hits);
-  point.y_m = cell.y * resolution + static_cast<double>(data.sum_y / data.hits);
-  registration::set_surface_direction(point, data.normals);
+  return {cell.x * resolution + static_cast<double>(data.sum_x / data.hits),
+          cell.y * resolution + static_cast<double>(data.sum_y / data.hits)};
+}
+
+registration::NormalScatter SurfaceMap::normal_among(const Cell& cell) const {
+  std::vector<Eigen::Vector2d> hits_m;
+  for (int y = cell.y - kAmong; y <= cell.y + kAmong; ++y) {
+    for (int x = cell.x - kAmong; x <= cell.x + kAmong; ++x) {
+      if (!cells_.contains({x, y})) continue;
+      const CellData& other = cells_.at({x, y});
+      if (is_surface(other)) hits_m.push_back(mean_hit({x, y}, other));
+    }
+  }
+  return registration::normal_of(hits_m);
+}
+
+void SurfaceMap::set_point(registration::SurfacePoint& point, const Cell& cell,
+                           const CellData& data, const registration::NormalScatter& normals) const {
+  const Eigen::Vector2d at = mean_hit(cell, data);
+  point.x_m = at.x();
+  point.y_m = at.y();
+  registration::set_surface_direction(point, normals);
   // Round things have no direction along which they could go on.
   point.slack_m =
       point.tangential < 1.0 ? (1.0 - point.tangential) * static_cast<double>(data.slack_m) : 0.0;
@@ -87,18 +105,23 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
 
 void SurfaceMap::refresh(const Cell& cell) {
   CellData& data = cells_.at(cell);
-  const bool surface = is_surface(data);
+  bool surface = is_surface(data);
+  registration::NormalScatter normals = data.normals;
+  if (surface && is_unresolved(data)) {
+    normals = normal_among(cell);
+    surface = normals.xx + normals.yy > 0.0F;
+  }
   if (data.point < 0) {
     if (!surface) return;
     registration::SurfacePoint point;
-    set_point(point, cell, data);
+    set_point(point, cell, data, normals);
     data.point = static_cast<std::int32_t>(field_.add(point));
     return;
   }
   const auto index = static_cast<std::size_t>(data.point);
   registration::SurfacePoint point = field_.points()[index];
   point.occupied = surface;
-  if (surface) set_point(point, cell, data);
+  if (surface) set_point(point, cell, data, normals);
   field_.set(index, point);
 }
 

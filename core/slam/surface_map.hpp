@@ -72,8 +72,18 @@ class SurfaceMap {
                             (data.hits + data.misses) &&
            data.hits > 0.0F;
   }
+  /// Whether no scan told which way the surface runs, as when the beams lie far apart.
+  [[nodiscard]] static bool is_unresolved(const CellData& data) {
+    return data.normals.xx + data.normals.yy < 0.5F * data.hits;
+  }
+  /// How far about a cell others tell which way its surface runs.
+  static constexpr int kAmong = 6;
+  [[nodiscard]] Eigen::Vector2d mean_hit(const Cell& cell, const CellData& data) const;
+  /// Which way the surface runs by the cells about it; empty where they are too few.
+  [[nodiscard]] registration::NormalScatter normal_among(const Cell& cell) const;
   void refresh(const Cell& cell);
-  void set_point(registration::SurfacePoint& point, const Cell& cell, const CellData& data) const;
+  void set_point(registration::SurfacePoint& point, const Cell& cell, const CellData& data,
+                 const registration::NormalScatter& normals) const;
 
   Grid<CellData> cells_;
   registration::MatchField field_;

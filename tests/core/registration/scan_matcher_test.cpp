@@ -107,6 +107,18 @@ TEST(Surface, NormalsOfASweepFollowTheWallAndAreRoundAtALonePoint) {
   EXPECT_DOUBLE_EQ(point.tangential, 1.0);
 }
 
+TEST(Surface, AHitByItselfIsAThingOfItsOwnOnlyWhereTheBeamsBesideItPassNear) {
+  Endpoints lone;
+  lone.x_m = {3.0};
+  lone.y_m = {0.0};
+  lone.beam = {7};
+  std::vector<SweepSurface> surfaces;
+  surfaces_in_sweep(lone, degrees_to_radians(1.0), surfaces);  // 5 cm beside it
+  EXPECT_FLOAT_EQ(surfaces[0].normal.xx + surfaces[0].normal.yy, 1.0F);
+  surfaces_in_sweep(lone, degrees_to_radians(10.0), surfaces);  // half a metre
+  EXPECT_EQ(surfaces[0].normal.xx + surfaces[0].normal.yy, 0.0F);
+}
+
 /// Hits of beams one degree apart, beginning at beam `first`; range 0: no return.
 Endpoints sweep_of(const std::vector<double>& ranges_m, double first_rad) {
   Endpoints hits;
