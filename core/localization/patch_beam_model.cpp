@@ -133,6 +133,7 @@ Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robo
   const double hs = std::sin(laser.theta);
   double explained = 0.0;
   double judged = 0.0;
+  const bool is_known_here = caster_.knows(laser.translation());
   for (std::size_t beam = 0; beam < beams.size(); ++beam) {
     const double c = hc * beams.cosine[beam] - hs * beams.sine[beam];
     const double s = hs * beams.cosine[beam] + hc * beams.sine[beam];
@@ -147,8 +148,9 @@ Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robo
       const double end = counts(kNothing) ? 1.0 : 0.0;
       return mix_events(scratch->events, scratch->value, end, states_, scratch->belief);
     };
+    // From where the map knows nothing, it would expect nothing of any beam.
     const auto explains = [&](double expected_m) {
-      return mixture.explains(is_hit, range_m, expected_m);
+      return (is_hit || is_known_here) && mixture.explains(is_hit, range_m, expected_m);
     };
     explained += share(explains);
     const bool is_known =

@@ -90,6 +90,7 @@ class RangeProviderModel final : public SensorModel {
     const Pose2 laser = map_from_robot * beams.robot_from_laser;
     std::size_t explained = 0;
     std::size_t judged = 0;
+    const bool is_known_here = provider_->knows(laser.translation());
     std::array<double, kBlock> expected;
     for (std::size_t begin = 0; begin < beams.size(); begin += kBlock) {
       const std::size_t count = std::min(kBlock, beams.size() - begin);
@@ -97,6 +98,8 @@ class RangeProviderModel final : public SensorModel {
       for (std::size_t k = 0; k < count; ++k) {
         const std::size_t beam = begin + k;
         if (mixture.explains(beams.is_hit[beam] != 0, beams.range_m[beam], expected[k])) {
+          // From where the map knows nothing, it would expect nothing of any beam.
+          if (beams.is_hit[beam] == 0 && !is_known_here) continue;
           ++explained;
           ++judged;
         } else if (expected[k] < beams.range_m[beam] ||

@@ -50,7 +50,11 @@ void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanati
   } else {
     h.state = HealthState::kGood;
   }
-  lost_in_a_row_ = h.state == HealthState::kLost ? lost_in_a_row_ + 1 : 0;
+  if (h.state == HealthState::kLost || (!is_known && lost_in_a_row_ < 0)) {
+    ++lost_in_a_row_;
+  } else {
+    lost_in_a_row_ = 0;
+  }
 }
 
 void HealthMonitor::search_ends() {

@@ -43,11 +43,16 @@ struct RecoveryConfig {
             {.doc = "greatest share of random poses", .min = 0.0, .max = 1.0});
     v.field(
         "lost_share", c.lost_share,
-        {.doc = "lost when the short average of explained beams is below this share of the long",
+        {.doc =
+             "lost when the short average of the share of explained beams, of those that the map "
+             "can judge, is below this share of the long one",
          .min = 0.0,
          .max = 1.0});
     v.field("outdated_share", c.outdated_share,
-            {.doc = "map outdated here when it is below this share", .min = 0.0, .max = 1.0});
+            {.doc = "map outdated here when it is below this share, or half of the beams cannot be "
+                    "judged",
+             .min = 0.0,
+             .max = 1.0});
     v.field(
         "restart_after", c.restart_after,
         {.doc = "weighed scans in a row that are lost until all free space is searched; 0: never",

@@ -102,8 +102,13 @@ struct ContradictionConfig {
             {.doc = "least number of cells of a pooled component", .unit = "cells", .min = 1});
     v.field("few_min_beams", c.few_min_beams,
             {.doc = "evidence a visit needs in a cell", .unit = "beams", .min = 0.5});
-    v.field("few_occupied_share", c.few_occupied_share,
-            {.doc = "occupied: at least this share of hits", .unit = "1", .min = 0.5, .max = 1.0});
+    v.field(
+        "few_occupied_share", c.few_occupied_share,
+        {.doc = "occupied: at least this share of hits; with many visits, one with fewer and hits "
+                "beside the cell says nothing",
+         .unit = "1",
+         .min = 0.5,
+         .max = 1.0});
     v.field("few_free_share", c.few_free_share,
             {.doc = "free: at most this share of hits", .unit = "1", .min = 0.0, .max = 0.5});
     v.require(c.prior > 0.5, "prior", "is 0.5, where every cell turns free",
@@ -130,14 +135,15 @@ struct VisitEvidence {
 /// freedom) of G of the two groups, times the ways to choose m of the visits, times the choices of
 /// m (Bonferroni); 1 when no m makes such groups. Ours: G over all visits spreads over as many
 /// degrees of freedom as there are visits, and so does not see a state that one or two of seventeen
-/// visits saw. Asked where a cell has more than few_max_visits visits that say it: among fewer the
+/// visits saw. Asked where a cell has more than few_max_visits visits of any kind: among fewer the
 /// test for few sees such a state, and asks that neighbours agree on the visits; by single cells,
 /// walls seen through from one side alone would count as states. Sorts the visits. O(n log n).
 [[nodiscard]] double two_states_tail(std::vector<VisitEvidence>& visits,
                                      const ContradictionConfig& config);
 
-/// The test for many visits: 1 where contradictory, on the table's rectangle. Expects visits after
-/// VisitTable::filter. O(visits).
+/// The test for many visits: 1 where contradictory, on the table's rectangle. Hits beside a cell
+/// that was hit itself are of one surface, so its misses do not count in that visit; a visit that
+/// mostly saw it free says nothing then. Expects visits after VisitTable::filter. O(visits).
 [[nodiscard]] Grid<std::uint8_t> test_many_visits(const VisitTable& table,
                                                   const ContradictionConfig& config);
 

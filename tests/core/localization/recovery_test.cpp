@@ -80,6 +80,14 @@ TEST(HealthMonitor, LetsASearchComeToItsEndBeforeTheNext) {
   EXPECT_EQ(lost_values_until_restart(monitor), 32 + 5);
 }
 
+TEST(HealthMonitor, ScansThatTheMapCannotJudgeEndNoSearch) {
+  HealthMonitor monitor = after_a_drop(kidnapping_recovery(), 0.2);
+  monitor.search_begins(32);
+  for (int n = 0; n < 10; ++n) monitor.add(0.1, {0.0, 0.0}, 3.0);
+  EXPECT_EQ(monitor.injection_share(), 0.0);
+  EXPECT_GE(lost_values_until_restart(monitor), 32 - 10 + 5);
+}
+
 TEST(HealthMonitor, SearchesAgainSoonAfterASearchThatEndedEarlyAtAWrongPlace) {
   HealthMonitor monitor = after_a_drop(kidnapping_recovery(), 0.2);
   monitor.search_begins(32);

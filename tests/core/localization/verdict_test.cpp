@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the localizer says of itself: that it is lost, that the map is outdated here, or neither.
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <string>
-#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -25,9 +25,13 @@ BoxWorld room() {
           {9.7, 0.0, 10.0, 4.0}, {2.0, 0.3, 2.6, 1.0},  {7.0, 3.2, 7.8, 3.7}};
 }
 
-/// The map of the room up to x = `known_m`.
+/// The map of the room, unknown from x = `known_m` on.
 ReflectionGrid map_up_to(double known_m) {
-  return test::rasterize(room(), 0.05, {{0, 0}, {static_cast<int>(known_m / 0.05), 80}});
+  ReflectionGrid map = test::rasterize(room(), 0.05, {{0, 0}, {200, 80}});
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (map.center(map.cell(i)).x() > known_m) map.values()[i] = kUnknownReflection;
+  }
+  return map;
 }
 
 enum class Model { kGrid, kField, kPatch };
@@ -73,8 +77,9 @@ double error_m(const LocalizationResult& result, const Drive& drive) {
   return (result.pose.mean.translation() - drive.truth().translation()).norm();
 }
 
-/// What a model says of one beam from (3, 2.2).
-Explanation explain(const SensorModel& model, double bearing_rad, float range_m) {
+/// What a model says of one beam.
+Explanation explain(const SensorModel& model, const Pose2& robot, double bearing_rad,
+                    float range_m) {
   Scan scan;
   scan.angle_min_rad = static_cast<float>(bearing_rad);
   scan.range_max_m = 10.0F;
@@ -83,21 +88,26 @@ Explanation explain(const SensorModel& model, double bearing_rad, float range_m)
   particles.resize(1);
   set_uniform_weights(particles);
   if (model.patch_states() != nullptr) model.patch_states()->prepare(particles);
-  return model.explain(scan, {3.0, 2.2, 0.0}, particles);
+  return model.explain(scan, robot, particles);
 }
 
 TEST_P(Verdict, JudgesNoBeamThatEndsInTheUnknownWithoutAnObstacleBefore) {
   const std::shared_ptr<const SensorModel> model = make_model(GetParam(), map_up_to(5.0));
   const double left = std::numbers::pi / 2.0;
   const auto expect = [&](double bearing_rad, float range_m, double explained, double judged) {
-    const Explanation said = explain(*model, bearing_rad, range_m);
+    const Explanation said = explain(*model, {3.0, 2.2, 0.0}, bearing_rad, range_m);
     EXPECT_NEAR(said.explained, explained, 1e-6) << range_m;
     EXPECT_NEAR(said.judged, judged, 1e-6) << range_m;
   };
-  expect(0.0, 4.0F, 0.0, 0.0);   // beyond the map's end, with nothing before it
-  expect(0.0, 1.0F, 0.0, 1.0);   // in space that is known to be free
-  expect(left, 1.5F, 1.0, 1.0);  // at the wall
-  expect(left, 3.0F, 0.0, 1.0);  // beyond the wall
+  expect(0.0, 4.0F, 0.0, 0.0);              // beyond the map's end, with nothing before it
+  expect(0.0, 1.0F, 0.0, 1.0);              // in space that is known to be free
+  expect(left, 1.5F, 1.0, 1.0);             // at the wall
+  expect(left, 3.0F, 0.0, 1.0);             // beyond the wall
+  if (GetParam() == Model::kField) return;  // which does not use what has no end
+  const float never = std::numeric_limits<float>::infinity();
+  expect(0.0, never, 1.0, 1.0);
+  expect(left, never, 0.0, 1.0);
+  EXPECT_EQ(explain(*model, {40.0, 2.2, 0.0}, 0.0, never).judged, 0.0);
 }
 
 TEST_P(Verdict, IsNotLostWhereTheMapEnds) {
