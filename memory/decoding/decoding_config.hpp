@@ -55,9 +55,9 @@ struct strata::EnumNames<strata::memory::SearchMethod> {
 
 namespace strata::memory {
 
-/// The default is the preset `scene_decoding`.
+/// The default is the preset `exact_decoding`.
 struct DecodingConfig {
-  EdgeWeight edges = EdgeWeight::kScene;
+  EdgeWeight edges = EdgeWeight::kTolerant;
   PathCost cost = PathCost::kNegLog;
   double smoothing = 0.1;  ///< kappa of the tolerant and scene weights
   SearchMethod search = SearchMethod::kLayered;
@@ -80,11 +80,11 @@ struct DecodingConfig {
 };
 
 /// The most likely consistent scan. Ranges that straddle a bin edge do not halve its probability.
-[[nodiscard]] constexpr DecodingConfig exact_decoding() {
-  return {EdgeWeight::kTolerant, PathCost::kNegLog, 0.1, SearchMethod::kLayered, 0.0};
-}
+[[nodiscard]] constexpr DecodingConfig exact_decoding() { return {}; }
 /// The most believable whole scene: told apart by what was never seen together, chosen by all bins.
-[[nodiscard]] constexpr DecodingConfig scene_decoding() { return {}; }
+[[nodiscard]] constexpr DecodingConfig scene_decoding() {
+  return {EdgeWeight::kScene, PathCost::kNegLog, 0.1, SearchMethod::kLayered, 0.1};
+}
 /// As the paper's figures behave; goes with TimescaleConfig::coupled_eviction.
 [[nodiscard]] constexpr DecodingConfig paper_decoding() {
   return {EdgeWeight::kJoint, PathCost::kReciprocal, 0.0, SearchMethod::kDijkstra, 0.0};

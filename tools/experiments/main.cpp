@@ -31,6 +31,7 @@ struct Options {
   std::string out = "experiment";
   std::string memory_model = "timescale";
   bool no_patches = false;
+  bool has_whole_scenes = false;
   std::vector<std::string> overrides;
   std::vector<std::string> logs;
   std::vector<std::string> poses;
@@ -108,6 +109,7 @@ void live_a_year(const Options& options) {
   year.particles = options.particles;
   year.memory_model = options.memory_model;
   year.with_patches = !options.no_patches;
+  if (options.has_whole_scenes) year.decoding = strata::memory::scene_decoding();
   year.overrides = options.overrides;
   year.out = options.out;
   std::filesystem::create_directories(year.out);
@@ -220,6 +222,7 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   app.add_option("--memory-model", options.memory_model,
                  "what the year's memory localizes by: timescale (all levels), timescale_LEVEL");
+  app.add_flag("--whole-scenes", options.has_whole_scenes, "decode the year's memory by scenes");
   app.add_flag("--no-patches", options.no_patches, "the year without the robot with a patch map");
   app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
   app.add_option("--log", options.logs, "real logs of `place` (one or two) and `decoders`");

@@ -131,7 +131,8 @@ class MemoryTrack final : public Track {
       : Track("memory", day_1, start, options),
         store_(options.out / "strata.db", {.check = false}),
         memory_(with_slow_levels(), options.seed),
-        model_(options.memory_model) {
+        model_(options.memory_model),
+        decoding_(options.decoding) {
     for (const PosedScan& scan : day) memory_.observe(scan);
     renew(0.0);
   }
@@ -156,7 +157,7 @@ class MemoryTrack final : public Track {
     store_.save_timescale_changes(memory_, saved_);
     memory_.let_sleep(kResidentNodes, store_.timescale_nodes());
     maps::Maps maps;
-    nodes_ = memory_.decode({}, nodes_.get(), unsettled_s);
+    nodes_ = memory_.decode(decoding_, nodes_.get(), unsettled_s);
     maps.nodes = nodes_;
     use(maps, model_);
   }
@@ -174,6 +175,7 @@ class MemoryTrack final : public Track {
   memory::SavedTimescale saved_;
   memory::TimescaleMemory memory_;
   std::string model_;
+  memory::DecodingConfig decoding_;
   std::shared_ptr<const memory::NodeMap> nodes_;
   std::optional<Stamp> last_renewed_;
 };

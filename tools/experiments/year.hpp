@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "memory/decoding/decoding_config.hpp"
+
 namespace strata::experiments {
 
 struct YearOptions {
@@ -18,6 +20,7 @@ struct YearOptions {
   int particles = 150;  ///< always
   /// timescale: all levels, mixed; timescale_LEVEL: one.
   std::string memory_model = "timescale";
+  memory::DecodingConfig decoding;     ///< of the memory's levels
   bool with_patches = true;            ///< false: without the robot with the patch map
   std::vector<std::string> overrides;  ///< key.path=value of the scenario
   std::filesystem::path out;           ///< strata.db of the memory is made there

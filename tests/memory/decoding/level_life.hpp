@@ -69,7 +69,7 @@ inline Life live(const Rates& rates, int seeds) {
       // A bin that holds an old sample after t observations forgets after t + 1 at the earliest.
       life.forgetting += static_cast<double>(holding) / (kBins * seeds);
       if (has_adapted) continue;
-      const std::vector<float> shown = decode(level, DecodingConfig{}).range_m;
+      const std::vector<float> shown = decode(level, exact_decoding()).range_m;
       has_adapted = std::count(shown.begin(), shown.end(), kNew_m) == kBins;
       if (has_adapted) life.adaptation += static_cast<double>(t) / seeds;
     }
