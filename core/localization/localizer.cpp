@@ -191,13 +191,7 @@ void Localizer::resample() {
     injected = static_cast<std::size_t>(share * static_cast<double>(keep));
     keep -= injected;
   }
-  draw_low_variance(particles_.weight, keep, offset, drawn_);
-  resampled_.belief_columns = particles_.belief_columns;
-  resampled_.resize(keep + injected);
-  resampled_.shared_belief = particles_.shared_belief;
-  for (std::size_t j = 0; j < keep; ++j) resampled_.copy_from(particles_, drawn_[j], j);
-  fill(resampled_, keep, StreamId::kRecovery);
-  std::swap(particles_, resampled_);
+  redraw(keep, injected, offset);
   set_uniform_weights(particles_);
 }
 

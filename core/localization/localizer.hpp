@@ -73,6 +73,8 @@ class Localizer {
  private:
   void start(std::size_t count);
   [[nodiscard]] std::size_t global_count() const;
+  /// Draws `keep` of the particles by their weights and adds random ones. Leaves the weights open.
+  void redraw(std::size_t keep, std::size_t added, double offset);
   void search_everywhere();
   void fill(ParticleSet& particles, std::size_t begin, StreamId stream) const;
   [[nodiscard]] bool is_due() const;

@@ -68,10 +68,7 @@ void Localizer::fill(ParticleSet& particles, std::size_t begin, StreamId stream)
   }
 }
 
-void Localizer::search_everywhere() {
-  const auto keep = static_cast<std::size_t>(config_.particles);
-  const std::size_t added = global_count();
-  const double offset = RandomStream(seed_, StreamId::kResample, step_).uniform();
+void Localizer::redraw(std::size_t keep, std::size_t added, double offset) {
   draw_low_variance(particles_.weight, keep, offset, drawn_);
   resampled_.belief_columns = particles_.belief_columns;
   resampled_.resize(keep + added);
@@ -79,6 +76,12 @@ void Localizer::search_everywhere() {
   for (std::size_t j = 0; j < keep; ++j) resampled_.copy_from(particles_, drawn_[j], j);
   fill(resampled_, keep, StreamId::kRecovery);
   std::swap(particles_, resampled_);
+}
+
+void Localizer::search_everywhere() {
+  const auto keep = static_cast<std::size_t>(config_.particles);
+  const std::size_t added = global_count();
+  redraw(keep, added, RandomStream(seed_, StreamId::kResample, step_).uniform());
   for (std::size_t j = 0; j < particles_.size(); ++j) {
     particles_.weight[j] = 0.5 / static_cast<double>(j < keep ? keep : added);
   }
