@@ -79,7 +79,7 @@ void TimescaleModel::weigh(const NodeMap::View& view, double heading_cosine, dou
       log_p[k] = scratch.log_within_free[begin + k];
       continue;
     }
-    log_p[k] = std::log(scratch.mixture.mixture().likelihood_beyond(
+    log_p[k] = localization::log_likelihood_of(scratch.mixture.mixture().likelihood_beyond(
         beams.is_hit[begin + k] != 0, beams.range_m[begin + k], reach[k].range_m));
   }
 }
@@ -118,8 +118,8 @@ void TimescaleModel::prepare(const Scan& scan, Scratch& scratch) const {
   scratch.log_within_free.resize(beams.size());
   for (std::size_t k = 0; k < beams.size(); ++k) {
     const double further_m = 0.5 * (beams.range_m[k] + beams.r_max_m);
-    scratch.log_within_free[k] =
-        std::log(mixture.likelihood_beyond(true, beams.range_m[k], further_m));
+    scratch.log_within_free[k] = localization::log_likelihood_of(
+        mixture.likelihood_beyond(true, beams.range_m[k], further_m));
   }
 }
 

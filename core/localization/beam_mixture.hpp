@@ -3,6 +3,9 @@
 /// that only the expected range differs between them (SPEC C3, F).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 namespace strata::localization {
 
 /// Weights sum to 1. Defaults are those of SPEC C3.
@@ -37,6 +40,12 @@ struct BeamMixtureConfig {
               "and the other weights do not sum to 1", "make the four weights sum to 1");
   }
 };
+
+/// ln of a likelihood, no less than ln 1e-300: weights may be 0, and two impossible places of a
+/// beam must not cancel to NaN.
+[[nodiscard]] inline double log_likelihood_of(double likelihood) {
+  return std::log(std::max(likelihood, 1e-300));
+}
 
 /// p(z | z*) on [0, r_max] after [thrun2005probabilistic, section 6.3.1], with every term
 /// normalized there: a density on [0, r_max) in 1/m, and a probability for "nothing returned".

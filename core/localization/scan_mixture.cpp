@@ -204,10 +204,6 @@ const MassTable& mass_table() {
   static const MassTable table;
   return table;
 }
-/// No less than ln 1e-300, as in the lanes: weights may be 0, and two impossible places of a beam
-/// must not cancel to NaN.
-double log_likelihood_of(double likelihood) { return std::log(std::max(likelihood, 1e-300)); }
-
 }  // namespace
 
 void ScanMixture::prepare(const BeamMixture& mixture, const ScanBeams& beams) {
