@@ -228,8 +228,8 @@ MapModel make_likelihood_field_model(const Maps& maps, const std::string& name,
                       "choose occupancy or filtered, or sensor_model=beam");
   }
   const ReflectionGrid& map = name == "occupancy" ? maps.occupancy : maps.filtered;
-  return grid_model(name, map, [&](const std::shared_ptr<const RayCaster>& /*caster*/) {
-    return std::make_shared<const localization::LikelihoodFieldModel>(map, config);
+  return grid_model(name, map, [&](const std::shared_ptr<const RayCaster>& caster) {
+    return std::make_shared<const localization::LikelihoodFieldModel>(map, config, caster);
   });
 }
 

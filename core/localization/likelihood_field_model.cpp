@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "core/base/config.hpp"
 #include "core/localization/particle_kernels.hpp"
@@ -15,8 +16,11 @@ constexpr std::size_t kChunk = 256;
 }  // namespace
 
 LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
-                                           const LikelihoodFieldModelConfig& config)
-    : config_(config), field_(map, config.field), caster_(map) {
+                                           const LikelihoodFieldModelConfig& config,
+                                           std::shared_ptr<const RayCaster> caster)
+    : config_(config),
+      field_(map, config.field),
+      caster_(caster != nullptr ? std::move(caster) : std::make_shared<const RayCaster>(map)) {
   require_valid(config, "likelihood_field_model");
   const Grid<float>& inner = field_.log_likelihood();
   table_.width = inner.width() + 2;
@@ -114,8 +118,8 @@ Explanation LikelihoodFieldModel::explain(const Scan& scan, const Pose2& map_fro
     if (static_cast<float>(field_.at(point)) >= explained_from_) {
       ++explained;
       ++judged;
-    } else if (caster_.is_blocked(laser, point) ||
-               knows_end(caster_, laser, point, 3.0 * config_.field.hit_stddev_m)) {
+    } else if (caster_->is_blocked(laser, point) ||
+               knows_end(*caster_, laser, point, 3.0 * config_.field.hit_stddev_m)) {
       ++judged;
     }
   }

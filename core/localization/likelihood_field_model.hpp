@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/grid/likelihood_field.hpp"
@@ -36,8 +37,10 @@ struct LikelihoodFieldModelConfig {
 /// 0.005 nats of the exact one.
 class LikelihoodFieldModel final : public SensorModel {
  public:
+  /// caster: of the same map, when there is one already; null: one is made.
   explicit LikelihoodFieldModel(const ReflectionGrid& map,
-                                const LikelihoodFieldModelConfig& config = {});
+                                const LikelihoodFieldModelConfig& config = {},
+                                std::shared_ptr<const RayCaster> caster = nullptr);
 
   std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
@@ -58,7 +61,7 @@ class LikelihoodFieldModel final : public SensorModel {
 
   LikelihoodFieldModelConfig config_;
   LikelihoodField field_;
-  RayCaster caster_;
+  std::shared_ptr<const RayCaster> caster_;
   std::vector<std::uint16_t> bordered_;  // -ln p in steps of quantum_
   FieldTable table_;
   double quantum_ = 1.0;         // nats
