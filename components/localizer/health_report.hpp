@@ -13,7 +13,7 @@ namespace strata::localizer {
 
 /// One scan's outcome with what it was found in and how long that took.
 struct HealthReport {
-  std::string model;
+  std::string model;  ///< name of the map model
   localization::LocalizationHealth health;
   double heading_stddev_rad = 0.0;
   double effective_sample_size = 0.0;
@@ -24,10 +24,12 @@ struct HealthReport {
   [[nodiscard]] bool is_lost() const { return health.state == localization::HealthState::kLost; }
 };
 
+/// update_time: by the wall clock, for this scan [s].
 [[nodiscard]] HealthReport make_health_report(const std::string& model,
                                               const localization::LocalizationResult& result,
                                               std::chrono::duration<double> update_time);
 
+/// The message at `stamp`, its header in `frame` (the map's); m, rad, nats, s.
 [[nodiscard]] strata_msgs::msg::LocalizationHealth to_message(const HealthReport& report,
                                                               Stamp stamp,
                                                               const std::string& frame);

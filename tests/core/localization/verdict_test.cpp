@@ -11,23 +11,18 @@
 #include "core/localization/localizer.hpp"
 #include "core/localization/patch_beam_model.hpp"
 #include "core/localization/range_provider_model.hpp"
-#include "tests/core/localization/box_world.hpp"
+#include "tests/core/localization/box_map.hpp"
 
 namespace strata::localization {
 namespace {
 
 using test::BoxWorld;
 using test::Drive;
-
-/// 10 m x 4 m, with something at both ends to tell them apart.
-BoxWorld room() {
-  return {{0.0, 0.0, 10.0, 0.3}, {0.0, 3.7, 10.0, 4.0}, {0.0, 0.0, 0.3, 4.0},
-          {9.7, 0.0, 10.0, 4.0}, {2.0, 0.3, 2.6, 1.0},  {7.0, 3.2, 7.8, 3.7}};
-}
+using test::room;
 
 /// The map of the room, unknown from x = `known_m` on.
 ReflectionGrid map_up_to(double known_m) {
-  ReflectionGrid map = test::rasterize(room(), 0.05, {{0, 0}, {200, 80}});
+  ReflectionGrid map = test::rasterize(room(), 0.05, test::kRect);
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (map.center(map.cell(i)).x() > known_m) map.values()[i] = kUnknownReflection;
   }
@@ -42,18 +37,9 @@ std::shared_ptr<const SensorModel> make_model(Model model, const ReflectionGrid&
   // One sub-map at the near end, so that its configurations are asked as well.
   auto patches = std::make_shared<patch::PatchMap>();
   patches->base = map;
-  patch::Submap submap;
-  submap.rect = {{30, 0}, {62, 40}};
   BoxWorld without = room();
   without.erase(without.begin() + 4);
-  for (const BoxWorld& world : {room(), without}) {
-    patch::Configuration configuration;
-    configuration.reflection =
-        test::rasterize(world, 0.05, {{0, 0}, {200, 80}}).cropped(submap.rect);
-    configuration.prior = 0.5;
-    submap.configurations.push_back(configuration);
-  }
-  patches->submaps.push_back(submap);
+  patches->submaps.push_back(test::submap_of(0, {{30, 0}, {62, 40}}, {room(), without}));
   PatchBeamModelConfig config;
   config.states.memory = PatchMemory::kPerParticle;
   return std::make_shared<PatchBeamModel>(patches, config);
