@@ -33,9 +33,28 @@ struct Row {
       weight.push_back(std::pow(share.back(), evidence));
       most = std::max(most, share.back());
     }
-    if (!counts.empty()) unseen = most * std::pow(kUnseen, evidence);
+    if (!counts.empty()) unseen = alike() * std::pow(kUnseen * most, evidence);
   }
   [[nodiscard]] std::size_t states() const { return counts.states.size(); }
+
+ private:
+  /// Probability that two of the samples lie on one surface: in range bins that touch, as those
+  /// of a wall seen askew, or in the same.
+  [[nodiscard]] double alike() const {
+    double pairs = 0.0;
+    double run = 0.0;
+    int beyond = -1;
+    for (const std::uint8_t state : counts.states) {
+      if (state != beyond) {
+        pairs += run * run;
+        run = 0.0;
+      }
+      run += counts.count[state];
+      beyond = state + 1;
+    }
+    pairs += run * run;
+    return pairs / static_cast<double>(counts.total * counts.total);
+  }
 };
 
 /// How a state of one row is known to go on in the other row.

@@ -70,6 +70,28 @@ TEST(SceneGraph, HasAWildcardThatIsEnteredWhereASceneIsNotSeenOn) {
   EXPECT_NEAR(p(level, 0, 0, 1), unseen * 0.1 / 6.1 / (1.0 + 9.0 * std::exp(-6.0)), 1e-12);
 }
 
+TEST(SceneGraph, ChargesAWildcardByHowManySurfacesItsSamplesShow) {
+  // Two surfaces in bin 0; one, askew, in bin 1.
+  const NodeLevel level = two_scenes({1.05F, 1.05F, kNothing}, {3.05F, 1.15F, kNothing});
+  const double two_alike = 0.3 * 0.3 + 0.7 * 0.7;
+  EXPECT_NEAR(p(level, 2, 0, 2), two_alike * std::pow(0.85 * 0.7, 0.1), 1e-12);
+  EXPECT_NEAR(p(level, 0, 2, 2), std::pow(0.85 * (0.7 + 0.5 * 0.3), 0.1), 1e-12);
+}
+
+// Otherwise a path that is unknown everywhere would be the cheapest.
+TEST(SceneGraph, PrefersAStateToTheWildcardWhereOneSurfaceScatters) {
+  NodeLevel level({3, 40, 4.0}, 20, false);
+  RandomStream random(1, StreamId::kTest);
+  for (int i = 0; i < 21; ++i) {
+    level.insert(VirtualScan(3, 1.05F + 0.1F * static_cast<float>(i % 3)), random);
+  }
+  const LayeredGraph graph = build_graph(level, scene_decoding());
+  const ClosedPath path = search_layered(graph);
+  for (std::size_t row = 0; row < 3; ++row) {
+    EXPECT_NE(graph.states(row)[path.states[row]], LayeredGraph::kWildcard);
+  }
+}
+
 TEST(SceneGraph, KeepsItsBestPathThroughAnAngleBinThatOnlyAnotherSceneShows) {
   const NodeLevel level =
       two_scenes({1.05F, 1.05F, 1.05F, 1.05F, 1.05F}, {3.05F, 3.05F, kNothing, 3.05F, 3.05F});
@@ -100,7 +122,24 @@ TEST(SceneGraph, LetsAllBinsVoteWhereTheExactProductAsksOnePair) {
   EXPECT_EQ(decode(parted_by_chance(), scene_decoding()).range_m[8], 3.05F);
 }
 
-TEST(SceneGraph, GivesTheCheapestOfAllClosedPathsByBothSearches) {
+/// By trying all of them; kNoEdge for none.
+double least_cost_of_all(LayeredGraph graph) {
+  double least = kNoEdge;
+  std::vector<std::size_t> path(graph.rows(), 0);
+  for (std::size_t row = 0; row < graph.rows();) {
+    double cost = 0.0;
+    for (std::size_t a = 0; a < graph.rows(); ++a) {
+      cost += graph.edges_from(a, path[a])[path[graph.next(a)]];
+    }
+    least = std::min(least, cost);
+    for (row = 0; row < path.size() && ++path[row] == graph.states(row).size(); ++row) {
+      path[row] = 0;
+    }
+  }
+  return least;
+}
+
+void expect_cheapest_paths(const DecodingConfig& config) {
   RandomStream random(4, StreamId::kTest);
   for (int trial = 0; trial < 40; ++trial) {
     NodeLevel level({5, 6, 3.0}, 6, false);
@@ -111,18 +150,32 @@ TEST(SceneGraph, GivesTheCheapestOfAllClosedPathsByBothSearches) {
       }
       level.insert(scan, random);
     }
-    const LayeredGraph graph = build_graph(level, scene_decoding());
-    double least = kNoEdge;
-    std::vector<std::size_t> path(5, 0);
-    for (std::size_t row = 0; row < 5;) {
-      double cost = 0.0;
-      for (std::size_t a = 0; a < 5; ++a) cost += graph.edges_from(a, path[a])[path[graph.next(a)]];
-      least = std::min(least, cost);
-      for (row = 0; row < 5 && ++path[row] == graph.states(row).size(); ++row) path[row] = 0;
+    const LayeredGraph graph = build_graph(level, config);
+    const double least = least_cost_of_all(graph);
+    for (const ClosedPath& path : {search_layered(graph), search_dijkstra(graph)}) {
+      ASSERT_EQ(path.found, least < kNoEdge) << trial;
+      if (path.found) {
+        EXPECT_NEAR(path.cost, least, 1e-12 * std::max(1.0, least)) << trial;
+      }
     }
-    EXPECT_NEAR(search_layered(graph).cost, least, 1e-12) << trial;
-    EXPECT_NEAR(search_dijkstra(graph).cost, least, 1e-12) << trial;
   }
+}
+
+TEST(SceneGraph, GivesTheCheapestOfAllClosedPathsByBothSearches) {
+  expect_cheapest_paths(scene_decoding());
+}
+
+TEST(SceneGraph, HasCheapestPathsAtTheEndsOfItsSettingsToo) {
+  DecodingConfig config = scene_decoding();
+  config.smoothing = 0.0;
+  expect_cheapest_paths(config);
+  config.evidence = 0.0;
+  expect_cheapest_paths(config);
+  config.cost = PathCost::kReciprocal;
+  expect_cheapest_paths(config);
+  config = scene_decoding();
+  config.evidence = 1.0;
+  expect_cheapest_paths(config);
 }
 
 }  // namespace

@@ -134,6 +134,9 @@ struct Standing {
   bool hides_the_board = false;
 };
 
+/// The decoder's constants were chosen on seeds 1 to 20.
+constexpr std::uint64_t kNotTunedOn = 1001;
+
 class RobotThatStands : public testing::TestWithParam<Standing> {};
 
 // The paper's robot stood while an object was placed before it; so does this one.
@@ -141,7 +144,9 @@ TEST_P(RobotThatStands, MeetsFigures6To8OnRealScans) {
   STRATA_REQUIRE_DATA(log, GetParam().log);
   STRATA_REQUIRE_DATA(poses, GetParam().poses);
   const auto [name, log_name, poses_name, from_s, middle_s, to_s, hides_the_board] = GetParam();
-  const PlaceFigures figures;
+  PlaceFigures figures;
+  figures.first_seed = kNotTunedOn;
+  figures.seeds = 50;
   const std::vector<PosedScan> before =
       posed_scans({log.string(), poses.string(), from_s, middle_s});
   const std::vector<PosedScan> after = posed_scans({log.string(), poses.string(), middle_s, to_s});
@@ -163,7 +168,7 @@ TEST_P(RobotThatStands, MeetsFigures6To8OnRealScans) {
     EXPECT_EQ(whole.mixed, 0.0);
     EXPECT_GT(whole.least_share, 0.35);
     EXPECT_LT(whole.greatest_share, 0.65);
-    EXPECT_GE(complete_half(states, scene, figures).complete, 18);
+    EXPECT_GE(10 * complete_half(states, scene, figures).complete, 9 * figures.seeds);
     EXPECT_GT(switch_states(states, decoders.back(), figures).mixed, 1.0);
   }
   const TwoStates aside =
