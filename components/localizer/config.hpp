@@ -10,6 +10,7 @@
 #include "components/runtime/sensor_input.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "core/localization/patch_beam_model.hpp"
+#include "memory/decoding/decoding_config.hpp"
 #include "memory/nodes/timescale_config.hpp"
 
 namespace strata::localizer {
@@ -86,6 +87,7 @@ struct LocalizerComponentConfig {
   maps::SensorModelKind sensor_model = maps::SensorModelKind::kBeam;
   localization::PatchBeamModelConfig sensor;
   localization::LikelihoodFieldModelConfig likelihood_field;
+  memory::DecodingConfig decoding;
   std::string initial_pose_topic = "initialpose";
   std::string pose_topic = "amcl_pose";
   std::string particles_topic = "particle_cloud";
@@ -118,6 +120,9 @@ struct LocalizerComponentConfig {
             {.doc = "trace each beam, or look up its end point: for occupancy and filtered only"});
     v.group("sensor", c.sensor, "what beams measure in a map");
     v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
+    v.group("decoding", c.decoding,
+            "how levels of the memory in the maps folder become expected scans; those from "
+            "map_topics.nodes are decoded where the memory is");
     v.field("initial_pose_topic", c.initial_pose_topic,
             {.doc = "geometry_msgs/PoseWithCovarianceStamped in: start again from there"});
     v.field("pose_topic", c.pose_topic,

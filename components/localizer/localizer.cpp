@@ -28,6 +28,7 @@ void Localizer::on_configure() {
   std::optional<maps::Maps> known;
   if (!config_.maps.empty()) {
     known = maps::read_maps(config_.maps);
+    known->decoding = config_.decoding;
     use_maps(*known, start_of(config_.start));
   }
   advertise_topics();

@@ -147,7 +147,7 @@ MapModel patch_model(const std::string& name, const Maps& maps, PatchBeamModelCo
 MapModel timescale_model(const std::string& name, const Maps& maps, PatchBeamModelConfig config) {
   if (!maps.timescale && !maps.nodes) fail_not_learned(name);
   const std::shared_ptr<const memory::NodeMap> nodes =
-      maps.nodes ? maps.nodes : maps.timescale->decode();
+      maps.nodes ? maps.nodes : maps.timescale->decode(maps.decoding);
   const std::size_t bytes = maps.timescale ? maps.timescale->bytes() : nodes->bytes();
   double& limit_m = config.beam.beams.max_range_m;
   const double reach_m = nodes->bins().max_range_m;

@@ -59,6 +59,8 @@ struct Maps {
   /// ... whose sub-maps follow the places of a topology; made by comparisons, in no folder.
   std::optional<patch::PatchMap> place_patches;
   std::shared_ptr<const memory::TimescaleMemory> timescale;
+  /// How `timescale` becomes what it expects; said by whoever localizes, in no folder.
+  memory::DecodingConfig decoding;
   /// What `timescale` expects, when a snapshot was made already, or where only that is known, as of
   /// maps that came over DDS; null: made when needed.
   std::shared_ptr<const memory::NodeMap> nodes;

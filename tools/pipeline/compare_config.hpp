@@ -9,6 +9,7 @@
 #include "core/localization/localizer_config.hpp"
 #include "core/localization/patch_beam_model.hpp"
 #include "core/topology/mapper_config.hpp"
+#include "memory/decoding/decoding_config.hpp"
 
 namespace strata::pipeline {
 
@@ -61,6 +62,7 @@ struct CompareProtocol {
 struct CompareConfig {
   CompareProtocol protocol;
   maps::LearnConfig learn = learn_at_given_poses();
+  memory::DecodingConfig decoding;
   localization::LocalizerConfig localizer;
   localization::PatchBeamModelConfig sensor;
   topology::TopologyMapperConfig topology;
@@ -68,6 +70,7 @@ struct CompareConfig {
   static void describe(Self& c, V& v) {
     v.group("protocol", c.protocol, "what is compared, and how");
     v.group("learn", c.learn, "how the maps are learned");
+    v.group("decoding", c.decoding, "how levels of the timescale memory become expected scans");
     v.group("localizer", c.localizer, "the particle filter, the same for every model");
     v.group("sensor", c.sensor, "the beam model, the same for every model");
     v.group("topology", c.topology,

@@ -88,7 +88,7 @@ void add_states(const Comparison& comparison, HtmlReport& page) {
 
 void add_timescale(const CompareOutcome& outcome, HtmlReport& page) {
   if (!outcome.learned.timescale || outcome.learned.timescale->nodes().empty()) return;
-  const auto nodes = outcome.learned.timescale->decode();
+  const auto nodes = outcome.learned.timescale->decode(outcome.maps.decoding);
   page.heading("Timescale memory: what is here lately, and usually");
   const int node = most_telling_node(*nodes);
   const Eigen::Vector2d& center_m = nodes->nodes()[static_cast<std::size_t>(node)].position_m;

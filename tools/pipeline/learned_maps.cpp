@@ -54,14 +54,15 @@ Poses joint_trajectory(const Runs& runs, const CompareConfig& config, int thread
   return poses_of(all.slam, runs.observations);
 }
 
-maps::Maps maps_of(const LearnResult& result) {
+maps::Maps maps_of(const LearnResult& result, const memory::DecodingConfig& decoding) {
   maps::Maps maps;
   maps.occupancy = result.slam.occupancy;
   maps.filtered = result.slam.filtered;
   maps.patches = result.patches;
   maps.place_patches = result.place_patches;
   maps.timescale = result.timescale;
-  if (maps.timescale) maps.nodes = maps.timescale->decode();
+  maps.decoding = decoding;
+  if (maps.timescale) maps.nodes = maps.timescale->decode(decoding);
   return maps;
 }
 
@@ -84,7 +85,7 @@ Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
                          job.threads, job.progress);
   add_place_patches(config, job, learned.result);
   learned.truths = poses;
-  learned.maps = maps_of(learned.result);
+  learned.maps = maps_of(learned.result, config.decoding);
   maps::Maps& maps = learned.maps;
   maps.given = job.given_map;
   if (any_known(runs.truths)) {

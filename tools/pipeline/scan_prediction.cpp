@@ -329,13 +329,14 @@ std::vector<std::vector<EventOutcome>> follow_timescale(
       memory::TimescaleMemory::restore(maps.timescale->head_state(), nodes, "timescale memory"));
   maps::Maps now;
   now.timescale = live;
+  now.decoding = maps.decoding;
   std::vector<EventFollower> followers(names.size(),
                                        EventFollower(test, sensor.beam.beams.max_range_m));
   for (std::size_t i = 0; i < test.observations.size() && !names.empty(); ++i) {
     if (!test.truths[i]) continue;
     const Observation& observation = test.observations[i];
     if (!followers.front().views_of(i).empty()) {
-      now.nodes = live->decode({}, now.nodes.get());
+      now.nodes = live->decode(now.decoding, now.nodes.get());
       for (std::size_t m = 0; m < names.size(); ++m) {
         const maps::MapModel model = maps::make_map_model(now, names[m], sensor);
         followers[m].see(i, model.best_prediction({}));

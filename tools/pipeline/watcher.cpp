@@ -77,6 +77,7 @@ class MemoryWatcher final : public Watcher {
         memory_(std::make_shared<memory::TimescaleMemory>(*maps.timescale)),
         resolution_m_(maps.filtered.resolution_m()) {
     now_.timescale = memory_;
+    now_.decoding = maps.decoding;
   }
   void go_to(const Pose2& /*map_from_robot*/, Stamp /*stamp*/) override {}
   maps::RangeFunction expected_range() override {
@@ -105,7 +106,7 @@ class MemoryWatcher final : public Watcher {
 
  private:
   void decode() {
-    if (!is_decoded_) now_.nodes = memory_->decode({}, now_.nodes.get());
+    if (!is_decoded_) now_.nodes = memory_->decode(now_.decoding, now_.nodes.get());
     is_decoded_ = true;
   }
 

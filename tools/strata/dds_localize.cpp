@@ -138,6 +138,7 @@ localizer::LocalizerComponentConfig config_of(const pipeline::LocalizeJob& job,
   config.start.stddev_rad = compared.protocol.start_stddev_rad;
   config.localizer = job.config;
   config.sensor = compared.sensor;
+  config.decoding = compared.decoding;
   return config;
 }
 

@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "components/maps/maps_folder.hpp"
+#include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
 #include "memory/store/store.hpp"
 #include "tools/pipeline/level_changes.hpp"
 #include "tools/report/image.hpp"
+#include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -23,6 +25,14 @@ struct Options {
   pipeline::LevelChangesTask task;
   std::vector<double> ends_m;
   bool json = false;
+};
+
+struct ChangesConfig {
+  memory::DecodingConfig decoding;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.group("decoding", c.decoding, "how levels become the scans that are compared");
+  }
 };
 
 std::filesystem::path store_of(const std::string& maps) {
@@ -59,6 +69,8 @@ void print_paths(const pipeline::LevelChanges& changes, const pipeline::LevelCha
 }
 
 void run(Options options, VerbContext& context) {
+  const auto config = settings::read_config<ChangesConfig>(load_config(context.options),
+                                                           config_place(context.options));
   for (std::size_t i = 0; i + 3 < options.ends_m.size(); i += 4) {
     const double* p = &options.ends_m[i];
     options.task.paths.push_back({{p[0], p[1]}, {p[2], p[3]}});
@@ -66,7 +78,7 @@ void run(Options options, VerbContext& context) {
   const memory::Store store(store_of(options.maps), {.read_only = true, .check = false});
   // Nodes are read one after the other: the memory may be larger than what fits in RAM.
   const memory::TimescaleMemory memory = store.open_timescale();
-  const auto map = memory.decode();
+  const auto map = memory.decode(config.decoding);
   const pipeline::LevelChanges changes = pipeline::level_changes(memory, *map, options.task);
   const auto json = to_json(changes, options.task);
   if (!options.out.empty()) {

@@ -37,6 +37,7 @@ struct LocalizeConfig {
   maps::SensorModelKind sensor_model = maps::SensorModelKind::kBeam;
   localization::PatchBeamModelConfig sensor;
   localization::LikelihoodFieldModelConfig likelihood_field;
+  memory::DecodingConfig decoding;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("localizer", c.localizer, "the particle filter");
@@ -45,6 +46,7 @@ struct LocalizeConfig {
                     "only"});
     v.group("sensor", c.sensor, "what beams measure in a map");
     v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
+    v.group("decoding", c.decoding, "how levels of the timescale memory become expected scans");
   }
 };
 
@@ -88,7 +90,8 @@ void run_localize(const Options& options, VerbContext& context) {
                                                             config_place(context.options));
   pipeline::RunsInput input = options.input;
   input.logs = {options.log};
-  const maps::Maps maps = maps::read_maps(options.maps);
+  maps::Maps maps = maps::read_maps(options.maps);
+  maps.decoding = config.decoding;
   const maps::MapModel model =
       config.sensor_model == maps::SensorModelKind::kBeam
           ? maps::make_map_model(maps, options.model, config.sensor)

@@ -59,6 +59,15 @@ TEST(MapModels, AreNamedAfterThePartsThatWereLearned) {
   EXPECT_THAT(model_names(maps), ElementsAre("occupancy", "filtered"));
 }
 
+TEST(MapModels, OfAMemoryShowItAsTheMapsSayThatItIsDecoded) {
+  Maps maps = test_room::make_maps();
+  maps.decoding = memory::scene_decoding();
+  const MapModel model = make_map_model(maps, "timescale", {});
+  const auto* sensor = dynamic_cast<const TimescaleModel*>(model.sensor.get());
+  ASSERT_NE(sensor, nullptr);
+  EXPECT_EQ(sensor->map().decoding(), memory::scene_decoding());
+}
+
 TEST(MapModels, OfEveryNameExpectTheWallWhereItIsAndPreferTheTruePose) {
   const Maps maps = test_room::make_maps();
   const Pose2 truth{-1.5, 0.2, 0.2};

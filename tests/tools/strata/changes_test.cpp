@@ -48,6 +48,22 @@ TEST_F(Changes, AreListedDrawnAndGivenAsJson) {
   EXPECT_TRUE(std::filesystem::exists(path("changes") / "path_2.png"));
 }
 
+TEST_F(Changes, AreOfTheLevelsAsTheDecoderToldShowsThem) {
+  const auto draw = [this](const std::string& out, const std::string& more) {
+    EXPECT_EQ(
+        run_strata("changes " + quoted(path("maps")) + " --out " + quoted(path(out)) + more).code,
+        0);
+    return bytes_of(path(out) / "level_short.png");
+  };
+  EXPECT_NE(draw("exact", ""), draw("literal",
+                                    " --set decoding.edges=conditional"
+                                    " --set decoding.cost=reciprocal"));
+  const Outcome unknown =
+      run_strata("changes " + quoted(path("maps")) + " --set decode.edges=scene 2>&1");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.out, testing::HasSubstr("decode"));
+}
+
 TEST_F(Changes, OfALevelOrStoreThatIsNotThereEndWithTwoAndOneLine) {
   const Outcome level = run_strata("changes " + quoted(path("maps")) + " --now yearly --out " +
                                    quoted(path("x")) + " 2>&1");

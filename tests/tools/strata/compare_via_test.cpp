@@ -35,6 +35,36 @@ TEST_F(CompareVia, DdsGivesEveryErrorOfTheDirectCall) {
   EXPECT_FALSE(std::filesystem::exists(at("dds_errors_place_maps")));
 }
 
+TEST_F(CompareVia, LocalizeDecodesTheMemoryAsToldToo) {
+  const auto localize = [this](const std::string& out, const std::string& more) {
+    return test::run_strata("localize " + quoted(log()) + " --quiet --model timescale_frozen" +
+                            " --initial-pose 0,0,0 --maps " + quoted(at("direct")) + " --out " +
+                            quoted(at(out)) + more + " 2>&1");
+  };
+  ASSERT_EQ(localize("exact", "").code, 0);
+  ASSERT_EQ(localize("paper", " --set decoding.edges=joint").code, 0);
+  EXPECT_NE(content(at("exact") / "trajectory.tum"), content(at("paper") / "trajectory.tum"));
+  const test::Outcome unknown = localize("unknown", " --set decoding.edges=guess");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.out, testing::HasSubstr("decoding.edges"));
+}
+
+TEST_F(CompareVia, DecodesTheMemoryAsToldInBothWays) {
+  const auto errors = [this](const std::string& out, const std::string& more) {
+    const test::Outcome outcome = test::run_strata(
+        "compare --train " + quoted(log()) + " --test " + quoted(log()) +
+        " --seeds 1 --models timescale_frozen --set protocol.memory_steps=0 --quiet --out " +
+        quoted(at(out)) + more + " 2>&1");
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    return content(at(out) / "errors.csv");
+  };
+  const std::string joint = " --set decoding.edges=joint";
+  const std::string direct = errors("direct_joint", joint);
+  EXPECT_EQ(direct, errors("dds_joint", joint + " --via dds"));
+  EXPECT_TRUE(direct != errors("exact", ""));
+  EXPECT_THAT(content(at("direct_joint") / "report.html"), testing::HasSubstr("edges: joint"));
+}
+
 TEST_F(CompareVia, DdsRefusesAMapThatNoComponentReads) {
   const test::Outcome outcome =
       compare("none", "--via dds --models map --map " + quoted(at("direct") / "occupancy.yaml"));
