@@ -67,6 +67,9 @@ class MovedRanges {
   [[nodiscard]] bool knows(const Eigen::Vector2d& point_m) const {
     return caster_.knows(given_from_map_ * point_m);
   }
+  [[nodiscard]] bool is_near_surface(const Eigen::Vector2d& point_m, double distance_m) const {
+    return caster_.is_near_surface(given_from_map_ * point_m, distance_m);
+  }
 
  private:
   RayCaster caster_;

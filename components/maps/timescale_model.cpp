@@ -151,27 +151,32 @@ localization::Explanation TimescaleModel::explain(
   const BeamMixture mixture = beam_mixture_.limited_to(beams.r_max_m);
   const Pose2 laser = map_from_robot * beams.robot_from_laser;
   const BelievedLevels levels = believed();
-  std::size_t explained = 0;
-  std::size_t judged = 0;
+  localization::Explanation said;
   for (std::size_t k = 0; k < beams.size(); ++k) {
     const double angle = laser.theta + beams.bearing_rad[k];
     const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
     bool is_seen = false;
+    bool is_stopped = beams.is_hit[k] != 0;
     const bool is_explained = std::any_of(levels.begin(), levels.end(), [&](const Believed& level) {
       const auto reach = map_->reach(map_->view(level.level, laser.translation()), direction);
       if (reach.end == NodeOutline::Edge::kUnseen && reach.range_m < beams.r_max_m) return false;
       is_seen = true;
+      is_stopped = is_stopped && beams.range_m[k] < reach.range_m;
       // What lies beyond a free way is unknown: a beam that goes as far is as expected.
       if (reach.end != NodeOutline::Edge::kSurface && reach.range_m < beams.r_max_m) {
         return beams.range_m[k] >= reach.range_m;
       }
       return mixture.explains(beams.is_hit[k] != 0, beams.range_m[k], reach.range_m);
     });
-    explained += is_explained ? 1 : 0;
-    judged += is_seen ? 1 : 0;
+    said.explained += is_explained ? 1.0 : 0.0;
+    said.judged += is_seen ? 1.0 : 0.0;
+    said.stopped += is_seen && !is_explained && is_stopped ? 1.0 : 0.0;
   }
-  const auto count = static_cast<double>(beams.size());
-  return {static_cast<double>(explained) / count, static_cast<double>(judged) / count};
+  // Levels say how far a beam goes, not what stands behind.
+  said.met = said.explained;
+  said.at_surface = said.explained;
+  said.divide_by(static_cast<double>(beams.size()));
+  return said;
 }
 
 std::unique_ptr<localization::SensorModel> TimescaleModel::for_one_run() const {

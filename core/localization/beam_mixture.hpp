@@ -86,6 +86,9 @@ class BeamMixture {
   }
   /// How far from what is expected a beam may end and still be explained: 3 s.
   [[nodiscard]] double tolerance_m() const { return 3.0 * config_.hit_stddev_m; }
+  /// How far from any surface of the map a beam may end and still be at it: 2 s, less than along
+  /// the beam, since surfaces lie on all sides.
+  [[nodiscard]] double surface_tolerance_m() const { return 2.0 * config_.hit_stddev_m; }
   /// Whether an expected range explains the beam: within that of it, or nothing where nothing is.
   [[nodiscard]] bool explains(bool is_hit, double range_m, double expected_m) const;
 

@@ -13,6 +13,7 @@
 namespace strata::localization {
 namespace {
 constexpr std::size_t kChunk = 256;
+constexpr double kLeastRange_m = 1e-9;
 }  // namespace
 
 LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
@@ -109,22 +110,29 @@ Explanation LikelihoodFieldModel::explain(const Scan& scan, const Pose2& map_fro
   if (count == 0) return {};
   const double resolution = field_.log_likelihood().resolution_m();
   const Eigen::Vector2d laser = (map_from_robot * scan.robot_from_laser).translation();
-  std::size_t explained = 0;
-  std::size_t judged = 0;
+  const double tolerance_m = 3.0 * config_.field.hit_stddev_m;
+  Explanation said;
   for (std::size_t k = 0; k < count; ++k) {
     const Eigen::Vector2d in_robot(static_cast<double>(points->x[k]) * resolution,
                                    static_cast<double>(points->y[k]) * resolution);
     const Eigen::Vector2d point = map_from_robot * in_robot;
-    if (static_cast<float>(field_.at(point)) >= explained_from_) {
-      ++explained;
-      ++judged;
-    } else if (caster_->is_blocked(laser, point) ||
-               knows_end(*caster_, laser, point, 3.0 * config_.field.hit_stddev_m)) {
-      ++judged;
+    const double range_m = (point - laser).norm();
+    const Eigen::Vector2d direction = (point - laser) / std::max(range_m, kLeastRange_m);
+    const double expected_m =
+        caster_->range_m(laser.x(), laser.y(), direction.x(), direction.y(), range_m + tolerance_m);
+    const bool is_near = static_cast<float>(field_.at(point)) >= explained_from_;
+    if (!is_near && !(expected_m < range_m) && !knows_end(*caster_, laser, point, tolerance_m)) {
+      continue;
     }
+    const bool is_met = std::abs(expected_m - range_m) <= tolerance_m;
+    said.judged += 1.0;
+    said.explained += is_near ? 1.0 : 0.0;
+    said.met += is_met ? 1.0 : 0.0;
+    said.at_surface += is_near || is_met ? 1.0 : 0.0;
+    said.stopped += !is_near && !is_met && range_m < expected_m ? 1.0 : 0.0;
   }
-  return {static_cast<double>(explained) / static_cast<double>(count),
-          static_cast<double>(judged) / static_cast<double>(count)};
+  said.divide_by(static_cast<double>(count));
+  return said;
 }
 
 }  // namespace strata::localization

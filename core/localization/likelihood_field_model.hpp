@@ -45,8 +45,8 @@ class LikelihoodFieldModel final : public SensorModel {
   std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.tempering; }
-  /// A hit is explained within 3 hit_stddev of an obstacle. Rays are cast only for hits where the
-  /// map knows nothing, since the field does not tell what lies before them.
+  /// A hit is explained within 3 hit_stddev of an obstacle, and met within as much along its ray:
+  /// the field does not tell what lies before it.
   [[nodiscard]] Explanation explain(const Scan& scan, const Pose2& map_from_robot,
                                     const ParticleSet& particles) const override;
 

@@ -116,8 +116,8 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, double tempering,
 
 Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robot,
                                     const ParticleSet& particles) const {
-  const auto said = scan_scratch_.borrow();
-  ScanBeams& beams = said->beams;
+  const auto scan_scratch = scan_scratch_.borrow();
+  ScanBeams& beams = scan_scratch->beams;
   select_beams(scan, config_.beam.beams, beams);
   if (beams.size() == 0) return {};
   const BeamMixture mixture = mixture_.limited_to(beams.r_max_m);
@@ -131,8 +131,7 @@ Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robo
   const int current = patch::submap_at(states_.map(), map_from_robot.translation());
   const double hc = std::cos(laser.theta);
   const double hs = std::sin(laser.theta);
-  double explained = 0.0;
-  double judged = 0.0;
+  Explanation said;
   const bool is_known_here = caster_.knows(laser.translation());
   for (std::size_t beam = 0; beam < beams.size(); ++beam) {
     const double c = hc * beams.cosine[beam] - hs * beams.sine[beam];
@@ -152,15 +151,21 @@ Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robo
     const auto explains = [&](double expected_m) {
       return (is_hit || is_known_here) && mixture.explains(is_hit, range_m, expected_m);
     };
-    explained += share(explains);
-    const bool is_known =
-        knows_end(caster_, laser.translation(), beams.end_m(laser, beam), mixture.tolerance_m());
-    judged += is_known ? 1.0 : share([&](double expected_m) {
-      return explains(expected_m) || expected_m < range_m;
-    });
+    const Eigen::Vector2d end_m = beams.end_m(laser, beam);
+    const double explained = share(explains);
+    const double explained_or_before =
+        share([&](double expected_m) { return explains(expected_m) || expected_m < range_m; });
+    const bool is_known = knows_end(caster_, laser.translation(), end_m, mixture.tolerance_m());
+    const double judged = is_known ? 1.0 : explained_or_before;
+    const bool is_near = is_hit && caster_.is_near_surface(end_m, mixture.surface_tolerance_m());
+    said.explained += explained;
+    said.judged += judged;
+    said.at_surface += is_near ? judged : explained;
+    said.stopped += is_hit && !is_near ? judged - explained_or_before : 0.0;
   }
-  const auto count = static_cast<double>(beams.size());
-  return {explained / count, judged / count};
+  said.met = said.explained;
+  said.divide_by(static_cast<double>(beams.size()));
+  return said;
 }
 
 }  // namespace strata::localization

@@ -48,6 +48,11 @@ class PatchRayCaster {
   [[nodiscard]] bool knows(const Eigen::Vector2d& point_m) const {
     return known_.get(known_.cell_at(point_m)) != 0;
   }
+  /// Whether an obstacle of the base map, or of any configuration, lies within `distance_m` of a
+  /// point; see RayWalker.
+  [[nodiscard]] bool is_near_surface(const Eigen::Vector2d& point_m, double distance_m) const {
+    return static_.is_near(point_m, distance_m) || changing_.is_near(point_m, distance_m);
+  }
 
   /// Many rays at once to the first cell that ends every ray, as cast_rays.
   void cast_static(const RayFan& fan, double* range_m, std::int32_t* cell) const {

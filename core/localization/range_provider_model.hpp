@@ -88,29 +88,23 @@ class RangeProviderModel final : public SensorModel {
     if (beams.size() == 0) return {};
     const BeamMixture mixture = mixture_.limited_to(beams.r_max_m);
     const Pose2 laser = map_from_robot * beams.robot_from_laser;
-    std::size_t explained = 0;
-    std::size_t judged = 0;
+    Explanation said;
     const bool is_known_here = provider_->knows(laser.translation());
     std::array<double, kBlock> expected;
     for (std::size_t begin = 0; begin < beams.size(); begin += kBlock) {
       const std::size_t count = std::min(kBlock, beams.size() - begin);
       expect(laser, beams, begin, count, expected.data());
       for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t beam = begin + k;
-        if (mixture.explains(beams.is_hit[beam] != 0, beams.range_m[beam], expected[k])) {
-          // From where the map knows nothing, it would expect nothing of any beam.
-          if (beams.is_hit[beam] == 0 && !is_known_here) continue;
-          ++explained;
-          ++judged;
-        } else if (expected[k] < beams.range_m[beam] ||
-                   knows_end(*provider_, laser.translation(), beams.end_m(laser, beam),
-                             mixture.tolerance_m())) {
-          ++judged;
+        // From where the map knows nothing, it would expect nothing of any beam.
+        if (beams.is_hit[begin + k] == 0 && !(expected[k] < beams.r_max_m) && !is_known_here) {
+          continue;
         }
+        explain_beam(laser, beams, begin + k, expected[k], mixture, said);
       }
     }
-    const auto count = static_cast<double>(beams.size());
-    return {static_cast<double>(explained) / count, static_cast<double>(judged) / count};
+    said.met = said.explained;
+    said.divide_by(static_cast<double>(beams.size()));
+    return said;
   }
 
  private:
@@ -119,6 +113,28 @@ class RangeProviderModel final : public SensorModel {
     ScanBeams beams;
     ScanMixture mixture;
   };
+
+  /// Adds one beam to the sums, but to `met`, which is `explained` here.
+  void explain_beam(const Pose2& laser, const ScanBeams& beams, std::size_t beam, double expected_m,
+                    const BeamMixture& mixture, Explanation& said) const {
+    const bool is_hit = beams.is_hit[beam] != 0;
+    const double range_m = beams.range_m[beam];
+    const Eigen::Vector2d end_m = beams.end_m(laser, beam);
+    const bool is_met = mixture.explains(is_hit, range_m, expected_m);
+    if (!is_met && !(expected_m < range_m) &&
+        !knows_end(*provider_, laser.translation(), end_m, mixture.tolerance_m())) {
+      return;
+    }
+    bool is_at_surface = is_met;
+    if constexpr (SurfaceMap<Provider>) {
+      is_at_surface =
+          is_met || (is_hit && provider_->is_near_surface(end_m, mixture.surface_tolerance_m()));
+    }
+    said.judged += 1.0;
+    said.explained += is_met ? 1.0 : 0.0;
+    said.at_surface += is_at_surface ? 1.0 : 0.0;
+    said.stopped += !is_at_surface && range_m < expected_m ? 1.0 : 0.0;
+  }
 
   void prepare(const Scan& scan, Scratch& scratch) const {
     select_beams(scan, config_.beams, scratch.beams);

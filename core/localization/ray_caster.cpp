@@ -47,12 +47,4 @@ double RayCaster::expected_range_m(const Pose2& map_from_laser, double bearing_r
                  max_range_m_);
 }
 
-bool RayCaster::is_blocked(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) const {
-  const Eigen::Vector2d way = to_m - from_m;
-  const double length_m = way.norm();
-  if (!(length_m > 0.0)) return false;
-  return range_m(from_m.x(), from_m.y(), way.x() / length_m, way.y() / length_m, length_m) <
-         length_m;
-}
-
 }  // namespace strata::localization

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 
 #include "core/geometry/pose2.hpp"
 #include "core/grid/distance_field.hpp"
@@ -34,6 +35,16 @@ class RayWalker {
   [[nodiscard]] std::int32_t mark(std::size_t index) const {
     const float leap = leap_.values()[index];
     return leap < 0.0F ? static_cast<std::int32_t>(-leap) : 0;
+  }
+
+  /// Whether the nearest marked cell's centre is within `distance_m` of the centre of the cell that
+  /// a point lies in; distances up to a cell's diagonal are as good as it. False outside rect().
+  [[nodiscard]] bool is_near(const Eigen::Vector2d& point_m, double distance_m) const {
+    const Cell cell = leap_.cell_at(point_m);
+    if (!leap_.contains(cell)) return false;
+    const double leap = static_cast<double>(leap_.at(cell));
+    return leap <= 0.0 ||
+           (leap + std::numbers::sqrt2) * leap_.resolution_m() <= distance_m + kRounding_m;
   }
 
   /// The same for kernels.
@@ -67,6 +78,7 @@ class RayWalker {
     t1 = std::min(t1, std::max(a, b));
   }
 
+  static constexpr double kRounding_m = 1e-4;
   Grid<float> leap_;  ///< cells that a ray may leap from anywhere in this cell; < 0: -mark
 };
 
@@ -149,11 +161,13 @@ class RayCaster {
                  });
     return range;
   }
-  /// Whether an obstacle lies between two points.
-  [[nodiscard]] bool is_blocked(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) const;
   /// Whether the map says anything of the cell that a point lies in.
   [[nodiscard]] bool knows(const Eigen::Vector2d& point_m) const {
     return known_.get(known_.cell_at(point_m)) != 0;
+  }
+  /// Whether an obstacle lies within `distance_m` of a point of the map; see RayWalker.
+  [[nodiscard]] bool is_near_surface(const Eigen::Vector2d& point_m, double distance_m) const {
+    return walker_.is_near(point_m, distance_m);
   }
 
  private:

@@ -9,10 +9,17 @@ namespace strata::localization {
 
 namespace {
 
+/// Beams that something new stops may be up to this share of those judged for the others to speak
+/// alone: where nearly all are stopped, few are left.
+constexpr double kMostStopped = 0.75;
+
 /// Moves the average of each share by `rate` of the way to the new one.
 void follow(double rate, const Explanation& now, Explanation& average) {
-  average.explained += rate * (now.explained - average.explained);
-  average.judged += rate * (now.judged - average.judged);
+  for (double Explanation::*share :
+       {&Explanation::explained, &Explanation::judged, &Explanation::met, &Explanation::at_surface,
+        &Explanation::stopped}) {
+    average.*share += rate * (now.*share - average.*share);
+  }
 }
 
 double explained_of_judged(const Explanation& shares) {
@@ -40,7 +47,10 @@ void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanati
   h.likelihood_ratio = likelihood_slow_ > 0.0 ? likelihood_fast_ / likelihood_slow_ : 1.0;
   h.position_stddev_m = position_stddev_m;
   const bool is_known = h.judged_share_fast >= kLeastJudged;
-  if (is_known && h.explained_share_fast < config_.lost_share * h.explained_share_slow) {
+  const bool is_lost = is_known && is_contradicted();
+  const bool is_doubtful =
+      is_lost || (is_known && h.explained_share_fast < config_.lost_share * h.explained_share_slow);
+  if (is_lost) {
     h.state = HealthState::kLost;
   } else if (position_stddev_m > config_.uncertain_stddev_m) {
     h.state = HealthState::kConverging;
@@ -50,21 +60,35 @@ void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanati
   } else {
     h.state = HealthState::kGood;
   }
-  if (h.state == HealthState::kLost || (!is_known && lost_in_a_row_ < 0)) {
-    ++lost_in_a_row_;
+  // Looking for a better place must not wait until the pose is surely wrong.
+  if (is_doubtful || (!is_known && doubtful_in_a_row_ < 0)) {
+    ++doubtful_in_a_row_;
   } else {
-    lost_in_a_row_ = 0;
+    doubtful_in_a_row_ = 0;
   }
 }
 
+/// Whether all readings of the map contradict the pose: rays, surfaces, and that of the beams which
+/// nothing new stopped. Where furniture stands otherwise one of them holds. Compares quotients
+/// without division, as there may be nothing below.
+bool HealthMonitor::is_contradicted() const {
+  if (fast_.met * slow_.judged >= config_.lost_share * slow_.met * fast_.judged) return false;
+  // What the map cannot judge counts as usual: where its end is near, few beams would decide.
+  const double unusual = config_.lost_surface_share - (1.0 - fast_.judged);
+  if (fast_.at_surface * slow_.judged >= unusual * slow_.at_surface) return false;
+  if (fast_.stopped > kMostStopped * fast_.judged) return true;
+  return fast_.at_surface * (slow_.judged - slow_.stopped) <
+         config_.lost_passing_share * slow_.at_surface * (fast_.judged - fast_.stopped);
+}
+
 void HealthMonitor::search_ends() {
-  if (lost_in_a_row_ >= 0) return;
+  if (doubtful_in_a_row_ >= 0) return;
   const auto memory = static_cast<int>(std::ceil(1.0 / std::max(config_.fast_rate, 0.01)));
-  lost_in_a_row_ = std::max(lost_in_a_row_, -memory);
+  doubtful_in_a_row_ = std::max(doubtful_in_a_row_, -memory);
 }
 
 double HealthMonitor::injection_share() const {
-  if (!config_.inject || config_.tolerated_drop >= 1.0 || lost_in_a_row_ < 0) return 0.0;
+  if (!config_.inject || config_.tolerated_drop >= 1.0 || doubtful_in_a_row_ < 0) return 0.0;
   if (health_.judged_share_fast < kLeastJudged) return 0.0;
   // A sure pose that explains most beams is not given up for people who pass: a random pose in a
   // place that looks alike would win by chance, and the filter would jump.

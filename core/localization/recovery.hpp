@@ -25,6 +25,8 @@ struct RecoveryConfig {
   double tolerated_drop = 0.2;
   double most_injected = 0.5;
   double lost_share = 0.75;
+  double lost_surface_share = 0.8;
+  double lost_passing_share = 0.95;
   double outdated_share = 0.9;
   int restart_after = 0;
   double uncertain_stddev_m = 0.5;
@@ -43,21 +45,31 @@ struct RecoveryConfig {
             {.doc = "greatest share of random poses", .min = 0.0, .max = 1.0});
     v.field(
         "lost_share", c.lost_share,
-        {.doc =
-             "lost when the short average of the share of explained beams, of those that the map "
-             "can judge, is below this share of the long one",
+        {.doc = "lost when the short average of the share of beams that end at the first obstacle "
+                "on their way, of those that the map can judge, is below this share of the long "
+                "one, and the next two hold; what recovers begins when so few are explained",
          .min = 0.0,
          .max = 1.0});
-    v.field("outdated_share", c.outdated_share,
-            {.doc = "map outdated here when it is below this share, or half of the beams cannot be "
-                    "judged",
+    v.field("lost_surface_share", c.lost_surface_share,
+            {.doc = "... that of beams that end at any surface, whatever lies before it, is below "
+                    "this, those that the map cannot judge counting as usual: not where things "
+                    "were taken away",
              .min = 0.0,
              .max = 1.0});
-    v.field(
-        "restart_after", c.restart_after,
-        {.doc = "weighed scans in a row that are lost until all free space is searched; 0: never",
-         .unit = "scans",
-         .min = 0});
+    v.field("lost_passing_share", c.lost_passing_share,
+            {.doc = "... and, among the beams that nothing new stops, below this: not where things "
+                    "were put down",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("outdated_share", c.outdated_share,
+            {.doc = "map outdated here when the share of explained beams is below this share of "
+                    "the long average, or half of the beams cannot be judged",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("restart_after", c.restart_after,
+            {.doc = "weighed scans in a row in doubt until all free space is searched; 0: never",
+             .unit = "scans",
+             .min = 0});
     v.field("uncertain_stddev_m", c.uncertain_stddev_m,
             {.doc = "above this spread the pose is not converged", .unit = "m", .min = 0.0});
     v.require(c.lost_share <= c.outdated_share, "lost_share", "is above outdated_share",
@@ -67,7 +79,7 @@ struct RecoveryConfig {
 };
 
 /// For robots that are carried about: random poses when the likelihood drops, and a search of all
-/// free space after five lost scans.
+/// free space after five scans in doubt.
 [[nodiscard]] inline RecoveryConfig kidnapping_recovery() {
   RecoveryConfig config;
   config.inject = true;
@@ -80,7 +92,7 @@ enum class HealthState {
   kGood,
   kConverging,   ///< the particles are spread widely
   kMapOutdated,  ///< a sure pose, but fewer beams explained than usual, or few judged
-  kLost,         ///< far fewer beams are explained than usual: most likely the pose is wrong
+  kLost,         ///< far fewer than usual, and no thing taken away or put down is why
 };
 
 /// Shares of explained beams are of those that the map judges (Explanation).
@@ -111,21 +123,25 @@ class HealthMonitor {
   [[nodiscard]] const LocalizationHealth& health() const { return health_; }
   /// Share of particles to replace: max(0, 1 - fast / ((1 - tolerated_drop) slow)).
   [[nodiscard]] double injection_share() const;
-  /// Whether the verdict has been kLost for restart_after values in a row.
+  /// Whether the pose has been in doubt for restart_after values in a row: fewer beams explained
+  /// than lost_share of the usual, or lost. That is sooner than the verdict, since looking for a
+  /// better place costs less than to call a right one wrong.
   [[nodiscard]] bool wants_restart() const {
-    return config_.restart_after > 0 && lost_in_a_row_ >= config_.restart_after;
+    return config_.restart_after > 0 && doubtful_in_a_row_ >= config_.restart_after;
   }
-  /// A search has begun, of this many values at most: no other one while they are all lost.
-  void search_begins(int updates) { lost_in_a_row_ = -updates; }
-  /// The search has found a place before that. While the verdict is still lost, 1 / fast_rate
-  /// values go by without injection, in which the short averages forget most of what was before it.
+  /// A search has begun, of this many values at most: no other one while they are all in doubt.
+  void search_begins(int updates) { doubtful_in_a_row_ = -updates; }
+  /// The search has found a place before that. While that is still in doubt, 1 / fast_rate values
+  /// go by without injection, in which the short averages forget most of what was before it.
   void search_ends();
 
  private:
+  [[nodiscard]] bool is_contradicted() const;
+
   RecoveryConfig config_;
   LocalizationHealth health_;
   std::size_t count_ = 0;
-  int lost_in_a_row_ = 0;
+  int doubtful_in_a_row_ = 0;
   Explanation fast_;
   Explanation slow_;
   double likelihood_fast_ = 0.0;

@@ -55,6 +55,20 @@ TEST(RayCaster, EqualsTheExactTraversal) {
   }
 }
 
+TEST(RayCaster, IsNearASurfaceWithinADistanceOfItsCells) {
+  ReflectionGrid map(0.05, {{0, 0}, {40, 40}}, 0.0F);
+  map.at({20, 20}) = 1.0F;
+  const RayCaster caster(map);
+  RandomStream random(18, StreamId::kTest);
+  for (int n = 0; n < 5000; ++n) {
+    const Cell cell{static_cast<int>(random.below(40)), static_cast<int>(random.below(40))};
+    const Eigen::Vector2d point = map.center(cell);
+    const double distance_m = (point - map.center({20, 20})).norm();
+    EXPECT_EQ(caster.is_near_surface(point, 0.3), distance_m <= 0.3 + 1e-6) << distance_m;
+  }
+  EXPECT_FALSE(caster.is_near_surface({2.5, 1.0}, 0.3));
+}
+
 TEST(RayKernel, EveryTargetGivesTheBitsOfTheScalarWalk) {
   RandomStream random(19, StreamId::kTest);
   for (const double density : {0.0, 0.002, 0.03, 0.3}) {

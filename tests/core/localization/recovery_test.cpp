@@ -45,6 +45,11 @@ TEST(HealthMonitor, CountsOnlyBeamsThatTheMapJudges) {
   EXPECT_EQ(after_leaving_the_map({0.2, 0.6}).health().state, HealthState::kLost);
 }
 
+TEST(HealthMonitor, CountsBeamsThatTheMapCannotJudgeAsUsualBeforeItIsLost) {
+  EXPECT_EQ(after_leaving_the_map({0.335, 0.6}).health().state, HealthState::kMapOutdated);
+  EXPECT_EQ(after_leaving_the_map({0.5, 1.0}).health().state, HealthState::kLost);
+}
+
 TEST(HealthMonitor, CallsTheMapOutdatedAndLooksForNothingWhereItJudgesFewBeams) {
   for (const double explained : {0.0, 0.2, 0.4}) {
     const HealthMonitor monitor = after_leaving_the_map({explained, 0.4});
@@ -60,6 +65,45 @@ TEST(HealthMonitor, WeighsScansByTheBeamsThatTheMapJudges) {
   monitor.add(1.0, {0.9, 0.9}, 0.05);
   monitor.add(1.0, {0.0, 0.1}, 0.05);
   EXPECT_NEAR(monitor.health().explained_share_fast, 0.9, 1e-12);
+}
+
+/// A monitor that has seen a good pose for a while, and then scans of which half is explained.
+HealthMonitor after_half(double at_surface, double stopped) {
+  HealthMonitor monitor(kidnapping_recovery());
+  for (int n = 0; n < 50; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
+  Explanation half(0.5, 1.0);
+  half.at_surface = at_surface;
+  half.stopped = stopped;
+  for (int n = 0; n < 60; ++n) monitor.add(0.1, half, 0.05);
+  return monitor;
+}
+
+TEST(HealthMonitor, IsLostWhenBeamsEndAnywhere) {
+  EXPECT_EQ(after_half(0.5, 0.0).health().state, HealthState::kLost);
+  EXPECT_EQ(after_half(0.5, 0.25).health().state, HealthState::kLost);
+}
+
+TEST(HealthMonitor, CallsTheMapOutdatedWhereBeamsGoOnToAnotherSurface) {
+  EXPECT_EQ(after_half(0.8, 0.0).health().state, HealthState::kMapOutdated);
+}
+
+TEST(HealthMonitor, CallsTheMapOutdatedWhereOnlyBeamsThatAreStoppedAreNotExplained) {
+  EXPECT_EQ(after_half(0.5, 0.48).health().state, HealthState::kMapOutdated);
+}
+
+TEST(HealthMonitor, IsLostWhereNearlyAllBeamsAreStopped) {
+  HealthMonitor monitor{RecoveryConfig{}};
+  for (int n = 0; n < 50; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
+  Explanation few(0.15, 1.0);
+  few.stopped = 0.85;
+  for (int n = 0; n < 60; ++n) monitor.add(0.1, few, 0.05);
+  EXPECT_EQ(monitor.health().state, HealthState::kLost);
+}
+
+TEST(HealthMonitor, LooksForABetterPlaceAlreadyWhereTheVerdictIsThatTheMapIsOutdated) {
+  const HealthMonitor monitor = after_half(0.8, 0.0);
+  EXPECT_TRUE(monitor.wants_restart());
+  EXPECT_GT(monitor.injection_share(), 0.0);
 }
 
 /// Values in which nothing is explained, until a search is wanted.

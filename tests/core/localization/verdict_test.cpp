@@ -4,6 +4,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -143,6 +144,100 @@ TEST_P(Verdict, SaysThatTheMapIsOutdatedWhereThingsWerePutDown) {
   }
   EXPECT_LT(error_m(result, drive), 0.15);
   EXPECT_EQ(result.health.state, HealthState::kMapOutdated) << result.health.explained_share_fast;
+}
+
+BoxWorld furnished(std::initializer_list<test::Box> furniture) {
+  BoxWorld world = room();
+  world.insert(world.end(), furniture);
+  return world;
+}
+BoxWorld furnished() {
+  return furnished({{3.4, 0.3, 4.4, 1.2},
+                    {5.2, 0.3, 6.6, 1.2},
+                    {3.2, 2.8, 3.9, 3.7},
+                    {4.6, 2.8, 6.2, 3.7},
+                    {8.2, 0.3, 9.2, 1.1},
+                    {8.6, 2.4, 9.7, 3.2}});
+}
+BoxWorld furnished_otherwise() {
+  return furnished({{4.5, 0.3, 5.1, 1.3},
+                    {6.8, 0.3, 7.8, 1.3},
+                    {4.0, 2.9, 4.5, 3.7},
+                    {6.3, 3.0, 6.9, 3.7},
+                    {9.1, 1.3, 9.7, 2.2},
+                    {7.9, 2.9, 8.5, 3.7}});
+}
+
+/// What is said after a drive through a room that has become `now` since it was mapped. Expects
+/// that the robot was never called lost.
+LocalizationHealth after_a_change(Localizer& localizer, Drive& drive, const BoxWorld& mapped,
+                                  const BoxWorld& now) {
+  for (int n = 0; n < 100; ++n) {
+    drive.step({0.005, 0.0, 0.0});
+    localizer.update(drive.look(mapped));
+  }
+  LocalizationResult result;
+  for (int n = 0; n < 30; ++n) {
+    drive.step({0.03, 0.0, 0.0});
+    result = localizer.update(drive.look(now));
+    EXPECT_NE(result.health.state, HealthState::kLost) << drive.truth().x;
+  }
+  EXPECT_LT(error_m(result, drive), 0.4);
+  return result.health;
+}
+
+TEST_P(Verdict, SaysThatTheMapIsOutdatedWhereTheFurnitureOfARoomStandsOtherwise) {
+  const std::pair<BoxWorld, BoxWorld> changes[] = {{furnished_otherwise(), furnished()},
+                                                   {room(), furnished()},
+                                                   {room(), furnished_otherwise()},
+                                                   {furnished(), room()}};
+  for (const auto& [mapped, now] : changes) {
+    Drive drive({2.9, 2.0, 0.0}, 8);
+    Localizer localizer = started(test::rasterize(mapped, 0.05, test::kRect), drive);
+    const LocalizationHealth said = after_a_change(localizer, drive, mapped, now);
+    // Whatever is taken away, there is a wall near where a beam ends.
+    if (GetParam() == Model::kField && now.size() == room().size()) continue;
+    EXPECT_EQ(said.state, HealthState::kMapOutdated);
+    EXPECT_LT(said.explained_share_fast, 0.8 * said.explained_share_slow);
+  }
+}
+
+TEST_P(Verdict, IsLostAfterTheRobotWasCarriedAwayWithinASmallRoom) {
+  const BoxWorld small{{0.0, 0.0, 4.2, 0.3}, {0.0, 3.2, 4.2, 3.5}, {0.0, 0.0, 0.3, 3.5},
+                       {3.9, 0.0, 4.2, 3.5}, {0.3, 0.3, 1.1, 0.9}, {2.6, 2.5, 3.9, 3.2}};
+  for (const Pose2& to : {Pose2{3.0, 1.0, 2.0}, Pose2{1.0, 2.5, 0.5}, Pose2{3.2, 1.8, -1.0},
+                          Pose2{0.8, 1.8, -1.5}, Pose2{3.0, 0.9, -2.0}}) {
+    Drive drive({1.0, 1.8, 0.0}, 9);
+    Localizer localizer = started(test::rasterize(small, 0.05, {{0, 0}, {84, 70}}), drive);
+    for (int n = 0; n < 60; ++n) {
+      drive.step({0.02, 0.0, 0.0});
+      ASSERT_EQ(localizer.update(drive.look(small)).health.state, HealthState::kGood);
+    }
+    drive.kidnap(to);
+    bool was_lost = false;
+    for (int n = 0; n < 10; ++n) {
+      drive.step({0.0, 0.0, 0.1});
+      was_lost |= localizer.update(drive.look(small)).health.state == HealthState::kLost;
+    }
+    EXPECT_TRUE(was_lost) << to.x;
+  }
+}
+
+TEST_P(Verdict, TellsBeamsThatGoOnAndBeamsThatAreStoppedFromOthers) {
+  // A box stands across the room.
+  const ReflectionGrid map = test::rasterize(furnished({{5.0, 1.5, 5.5, 3.0}}), 0.05, test::kRect);
+  const std::shared_ptr<const SensorModel> model = make_model(GetParam(), map);
+  const auto expect = [&](float range_m, double met, double at_surface, double stopped) {
+    const Explanation said = explain(*model, {4.0, 2.2, 0.0}, 0.0, range_m);
+    EXPECT_NEAR(said.met, met, 1e-6) << range_m;
+    EXPECT_NEAR(said.at_surface, at_surface, 1e-6) << range_m;
+    EXPECT_NEAR(said.stopped, stopped, 1e-6) << range_m;
+    EXPECT_NEAR(said.judged, 1.0, 1e-6) << range_m;
+  };
+  expect(1.0F, 1.0, 1.0, 0.0);  // at the box
+  expect(5.7F, 0.0, 1.0, 0.0);  // at the wall behind it
+  expect(3.5F, 0.0, 0.0, 0.0);  // behind it, where nothing is
+  expect(0.5F, 0.0, 0.0, 1.0);  // before it
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Verdict,
