@@ -13,6 +13,7 @@
 #include "tools/experiments/patch_learning.hpp"
 #include "tools/experiments/patch_localization.hpp"
 #include "tools/experiments/real_scans_report.hpp"
+#include "tools/experiments/verdicts.hpp"
 #include "tools/experiments/wean.hpp"
 #include "tools/experiments/year.hpp"
 #include "tools/experiments/year_report.hpp"
@@ -159,6 +160,10 @@ void run(const std::string& name, const Options& options) {
   }
   if (name == "wean") return report_wean(options.runs, options.first, options.seeds);
   if (name == "decoders") return report_decoders(occasions(options));
+  if (name == "verdicts") {
+    if (!options.logs.empty()) (void)occasions(options);  // as many poses as logs
+    return report_verdicts(options.runs, options.logs, options.poses, options.first);
+  }
   if (name == "three_doors") {
     learn(name, options, [&](std::uint64_t seed) {
       return three_doors(options.file("three_doors.yaml"), seed, options.noise());
@@ -212,7 +217,7 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
                              "box_in_corridor", "global_start", "offices", "year", "place",
-                             "decoders", "wean"}));
+                             "decoders", "wean", "verdicts"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::PositiveNumber);
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
@@ -225,8 +230,9 @@ int main(int argc, char** argv) {
   app.add_flag("--whole-scenes", options.has_whole_scenes, "decode the year's memory by scenes");
   app.add_flag("--no-patches", options.no_patches, "the year without the robot with a patch map");
   app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
-  app.add_option("--log", options.logs, "real logs of `place` (one or two) and `decoders`");
-  app.add_option("--runs", options.runs, "folder of the three runs of `wean`");
+  app.add_option("--log", options.logs,
+                 "real logs of `place` (one or two), `decoders` and `verdicts`");
+  app.add_option("--runs", options.runs, "folder of the three runs of `wean` and `verdicts`");
   app.add_option("--poses", options.poses, "a file of poses for each");
   app.add_option("--before", options.before_s, "seconds of the first log: the first state")
       ->delimiter(',')
