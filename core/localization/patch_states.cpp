@@ -152,6 +152,10 @@ void PatchStates::posterior(const ParticleSet& particles,
     beliefs[s].mass = 0.0;
     beliefs[s].probability.assign(static_cast<std::size_t>(count(s)), 0.0);
   }
+  const bool has_own = config_.memory == PatchMemory::kPerParticle;
+  const auto loan = factors_.borrow();
+  std::vector<double>& sums = *loan;
+  sums.assign(columns(), 0.0);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const std::int32_t s = particles.submap[i];
     if (s >= 0) {
@@ -161,17 +165,15 @@ void PatchStates::posterior(const ParticleSet& particles,
         inside.probability[static_cast<std::size_t>(particles.patch[i])] += particles.weight[i];
       }
     }
-    if (config_.memory != PatchMemory::kPerParticle) continue;
+    if (!has_own) continue;
     const std::span<const float> row = particles.belief(i);
-    for (std::size_t t = 0; t < beliefs.size(); ++t) {
-      for (std::size_t k = 0; k < beliefs[t].probability.size(); ++k) {
-        beliefs[t].probability[k] +=
-            particles.weight[i] * static_cast<double>(row[offsets_[t] + k]);
-      }
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      sums[c] += particles.weight[i] * static_cast<double>(row[c]);
     }
   }
   for (std::size_t s = 0; s < beliefs.size(); ++s) {
     std::vector<double>& p = beliefs[s].probability;
+    for (std::size_t k = 0; k < p.size() && has_own; ++k) p[k] = sums[offsets_[s] + k];
     if (config_.memory == PatchMemory::kShared) {
       for (std::size_t k = 0; k < p.size(); ++k) {
         p[k] = static_cast<double>(particles.shared_belief[offsets_[s] + k]);
