@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/localization/column_math.hpp"
+
 namespace strata::maps {
 namespace {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 
 #include "core/localization/column_math.hpp"
 #include "core/localization/patch_beam_model.hpp"
@@ -12,6 +11,15 @@ namespace strata::localization {
 namespace {
 
 std::size_t to_place(std::int32_t number) { return static_cast<std::size_t>(number); }
+
+/// The probability of a set of configurations.
+double probability_of(std::uint64_t mask, const float* belief) {
+  double sum = 0.0;
+  for (std::uint64_t left = mask; left != 0; left &= left - 1) {
+    sum += static_cast<double>(belief[std::countr_zero(left)]);
+  }
+  return sum;
+}
 
 /// Whether a beam that met something ends at one of two places: at an obstacle that is there in
 /// some configurations, or behind it.
@@ -32,9 +40,7 @@ class TwoEvents {
     is_all_ = events.size() == 2 && events[0].submap != events[1].submap;
     for (std::size_t e = 0; e < 2 && is_all_; ++e) {
       const float* const own = belief.data() + states.offset(to_place(events[e].submap));
-      for (std::uint64_t left = events[e].mask; left != 0; left &= left - 1) {
-        probability_[e] += static_cast<double>(own[std::countr_zero(left)]);
-      }
+      probability_[e] = probability_of(events[e].mask, own);
     }
   }
   /// Whether there are no others.
@@ -62,78 +68,96 @@ class TwoEvents {
 
 }  // namespace
 
-std::span<const float> PatchBeamModel::belief(const ParticleSet& particles, std::size_t i) const {
+PatchBeamModel::Beliefs PatchBeamModel::beliefs(const ParticleSet& particles,
+                                                std::size_t begin) const {
+  const std::size_t columns = states_.columns();
   switch (states_.memory()) {
     case PatchMemory::kNone:
-      return states_.uniform();
+      return {states_.uniform().data(), columns, 0};
     case PatchMemory::kShared:
-      return particles.shared_belief;
+      return {particles.shared_belief.data(), columns, 0};
     case PatchMemory::kPerParticle:
       break;
   }
-  return particles.belief(i);
+  return {particles.belief(begin).data(), columns, columns};
 }
 
-// inline below: called for each beam that met something, and short.
-
-/// Where the ratios of a sub-map's configurations begin that beams of the last particle of
-/// said_begins met.
-inline std::size_t PatchBeamModel::ratios(std::int32_t submap, Scratch& scratch) const {
-  std::vector<Said>& said = scratch.said;
-  for (std::size_t n = said.size(); n > scratch.said_begins.back(); --n) {
-    if (said[n - 1].submap == submap) return said[n - 1].ratios;
-  }
-  said.push_back({submap, scratch.ratio.size()});
-  scratch.ratio.resize(scratch.ratio.size() + to_place(states_.count(to_place(submap))), 0.0);
-  return said.back().ratios;
+/// Mixes the beams that ChangingBeams keeps apart.
+void PatchBeamModel::mix_single(const ScanMixture& mixture, const Beliefs& beliefs,
+                                const ChunkStates& states, Scratch& scratch) const {
+  const SeenBoxes& boxes = scratch.boxes;
+  SingleBeams& single = scratch.changing.single();
+  if (single.size() == 0) return;
+  const std::size_t row = boxes.lasers();
+  const auto for_all = [&](auto&& what) {
+    for (std::size_t box = 0; box < boxes.size(); ++box) {
+      if (!boxes.is_uniform(box)) continue;
+      for (std::size_t n = 0; n < scratch.lasers.count(); ++n) {
+        if (boxes.counts(box, n)) what(boxes.content(box, n), box * row + n, n);
+      }
+    }
+  };
+  scratch.box_share.assign(boxes.size() * row, 0.0);
+  for_all([&](const CellOwner& cells, std::size_t place, std::size_t n) {
+    const bool is_known = cells.submap == states.submap[n] && states.fixed(n) >= 0;
+    const bool is_there = is_known || cells.mask == caster_.all(cells.submap);
+    const float* const own = beliefs.of(n).data() + states_.offset(to_place(cells.submap));
+    scratch.box_share[place] = is_there ? 1.0 : std::min(1.0, probability_of(cells.mask, own));
+  });
+  single.mix(mixture, row, scratch.box_share, scratch.logs.data());
+  if (states_.memory() == PatchMemory::kNone) return;
+  const SingleBeams::Sums& sums = single.sums();
+  for_all([&](const CellOwner& cells, std::size_t place, std::size_t n) {
+    if (sums.beams[place] == 0.0) return;
+    const auto configurations = to_place(states_.count(to_place(cells.submap)));
+    const std::size_t first = scratch.said.meet(to_place(cells.submap), configurations, n);
+    for (std::size_t k = 0; k < configurations; ++k) {
+      scratch.said.at(first + k, n) +=
+          (cells.mask >> k & 1U) != 0 ? sums.near[place] : sums.far[place];
+    }
+  });
 }
 
 /// Lists the beams of all particles that met something.
-void PatchBeamModel::list_beams(const ParticleSet& particles, std::size_t begin, std::size_t end,
-                                Scratch& scratch) const {
-  for (auto* list : {&scratch.share, &scratch.first, &scratch.second, &scratch.ratio})
-    list->clear();
+void PatchBeamModel::list_beams(const Beliefs& beliefs, Scratch& scratch) const {
+  for (auto* list : {&scratch.share, &scratch.first, &scratch.second}) list->clear();
   scratch.pairs.clear();
   scratch.others.clear();
   scratch.events.clear();
   scratch.value.clear();
   scratch.met.clear();
-  scratch.said.clear();
-  scratch.said_begins.clear();
-  std::size_t row = 0;
-  for (std::size_t i = begin; i < end; ++i, row += scratch.static_m.size()) {
-    const std::span<const float> believed = belief(particles, i);
-    scratch.said_begins.push_back(scratch.said.size());
-    for (const ChangingBeam& beam : scratch.changing.beams(i - begin)) {
-      if (beam.events == 0) continue;
-      if (is_pair(beam, scratch.changing)) {
-        list_pair(beam, row + beam.beam, believed, scratch);
-      } else {
-        list_other(beam, row + beam.beam, i, scratch);
-      }
+  scratch.said.begin(states_.map().submaps.size(), scratch.lasers.padded());
+  for (const ChangingBeam& beam : scratch.changing.beams()) {
+    if (beam.events == 0) continue;
+    if (is_pair(beam, scratch.changing)) {
+      list_pair(beam, beliefs, scratch);
+    } else {
+      list_other(beam, scratch);
     }
   }
-  scratch.said_begins.push_back(scratch.said.size());
 }
 
-inline void PatchBeamModel::list_pair(const ChangingBeam& beam, std::size_t log,
-                                      std::span<const float> believed, Scratch& scratch) const {
+// inline: called for each beam that met something, and short.
+inline void PatchBeamModel::list_pair(const ChangingBeam& beam, const Beliefs& beliefs,
+                                      Scratch& scratch) const {
+  const std::size_t log = beam.beam * scratch.lasers.padded() + beam.particle;
   const ChangingBeams::Event& last = scratch.changing.event(beam.last_event);
   const bool is_two = beam.events == 2;
   const ChangingBeams::Event& near = is_two ? scratch.changing.event(last.previous) : last;
   const std::size_t submap = to_place(near.ray.submap);
-  const float* const own = believed.data() + states_.offset(submap);
-  double share = 0.0;
-  for (std::uint64_t left = near.ray.mask; left != 0; left &= left - 1) {
-    share += static_cast<double>(own[std::countr_zero(left)]);
-  }
+  const float* const own = beliefs.of(beam.particle).data() + states_.offset(submap);
+  const double share = probability_of(near.ray.mask, own);
   const bool is_end = beam.is_ended && !is_two;
   scratch.share.push_back(is_end ? 1.0 : std::min(share, 1.0));
   scratch.first.push_back(near.log_likelihood);
   scratch.second.push_back(beam.is_ended ? last.log_likelihood : scratch.logs[log]);
-  const bool has_memory = states_.memory() != PatchMemory::kNone;
-  scratch.pairs.push_back({log, near.ray.mask, has_memory ? ratios(near.ray.submap, scratch) : 0,
-                           has_memory ? states_.count(submap) : 0});
+  Pair& pair = scratch.pairs.emplace_back();
+  pair.log = log;
+  pair.particle = beam.particle;
+  if (states_.memory() == PatchMemory::kNone) return;
+  pair.near = near.ray.mask;
+  pair.configurations = static_cast<std::uint32_t>(states_.count(submap));
+  pair.row = scratch.said.meet(submap, pair.configurations, beam.particle);
 }
 
 /// Mixes the beams that end at one of two places, into their places of scratch.logs; with memory
@@ -148,16 +172,16 @@ void PatchBeamModel::mix_pairs(Scratch& scratch) const {
     scratch.logs[pair.log] = mixed;
     const double near = scratch.first[n] - mixed;
     const double far = scratch.second[n] - mixed;
-    double* const ratio = scratch.ratio.data() + pair.ratios;
-    for (int k = 0; k < pair.configurations; ++k)
-      ratio[k] += (pair.near >> k & 1U) != 0 ? near : far;
+    for (std::uint32_t k = 0; k < pair.configurations; ++k) {
+      scratch.said.at(pair.row + k, pair.particle) += (pair.near >> k & 1U) != 0 ? near : far;
+    }
   }
 }
 
-void PatchBeamModel::list_other(const ChangingBeam& beam, std::size_t log, std::size_t particle,
-                                Scratch& scratch) const {
+void PatchBeamModel::list_other(const ChangingBeam& beam, Scratch& scratch) const {
+  const std::size_t log = beam.beam * scratch.lasers.padded() + beam.particle;
   const OtherBeam other{log,
-                        particle,
+                        beam.particle,
                         scratch.events.size(),
                         scratch.value.size(),
                         to_place(beam.events),
@@ -176,16 +200,19 @@ void PatchBeamModel::list_other(const ChangingBeam& beam, std::size_t log, std::
   if (states_.memory() == PatchMemory::kNone) return;
   for (std::size_t e = other.event; e < scratch.events.size(); ++e) {
     const std::int32_t submap = scratch.events[e].submap;
-    const auto is_same = [&](const Said& met) { return met.submap == submap; };
+    const auto is_same = [&](const MetSubmap& met) { return met.submap == submap; };
     const auto first = scratch.met.begin() + static_cast<std::ptrdiff_t>(other.met);
     if (std::any_of(first, scratch.met.end(), is_same)) continue;
-    scratch.met.push_back({submap, ratios(submap, scratch)});
+    const auto configurations = to_place(states_.count(to_place(submap)));
+    scratch.met.push_back(
+        {submap, scratch.said.meet(to_place(submap), configurations, other.particle)});
   }
 }
 
 /// The same for beams with any number of events, of any sub-maps: the recursion of SPEC C4 as it
 /// stands.
-void PatchBeamModel::mix_others(const ParticleSet& particles, Scratch& scratch) const {
+void PatchBeamModel::mix_others(const Beliefs& beliefs, const ChunkStates& states,
+                                Scratch& scratch) const {
   const bool has_memory = states_.memory() != PatchMemory::kNone;
   const auto met_by = [&](std::size_t n) {
     const std::size_t end =
@@ -199,79 +226,29 @@ void PatchBeamModel::mix_others(const ParticleSet& particles, Scratch& scratch) 
     const auto events = std::span(scratch.events).subspan(other.event, other.events);
     const auto values = std::span(scratch.value).subspan(other.value, other.events);
     const double end_value = scratch.value[other.value + other.events];
-    const std::span<const float> believed = belief(particles, other.particle);
+    const std::span<const float> believed = beliefs.of(other.particle);
     const TwoEvents two(events, values, end_value, states_, believed);
     const auto mix = [&](int s, int k) {
       scratch.mixed.push_back(two.is_all()
                                   ? two.mixed(s, k)
                                   : mix_events(events, values, end_value, states_, believed, s, k));
     };
-    mix(has_memory ? -1 : particles.submap[other.particle],
-        has_memory ? -1 : particles.patch[other.particle]);
-    for (const Said& met : met_by(n)) {
+    mix(has_memory ? -1 : states.submap[other.particle],
+        has_memory ? -1 : states.fixed(other.particle));
+    for (const MetSubmap& met : met_by(n)) {
       for (int k = 0; k < states_.count(to_place(met.submap)); ++k) mix(met.submap, k);
     }
   }
   log_column(scratch.mixed.data(), scratch.mixed.size());
   const double* next = scratch.mixed.data();
   for (std::size_t n = 0; n < scratch.others.size(); ++n) {
+    const OtherBeam& other = scratch.others[n];
     const double mixed = *next++;
-    scratch.logs[scratch.others[n].log] = mixed;
-    for (const Said& met : met_by(n)) {
-      double* const ratio = scratch.ratio.data() + met.ratios;
-      for (int k = 0; k < states_.count(to_place(met.submap)); ++k) ratio[k] += *next++ - mixed;
-    }
-  }
-}
-
-/// What the scan says of the sub-maps that beams of the chunk met, into the rows of its particles;
-/// their log-likelihoods get what their own sub-maps add: the mixture over its configurations for
-/// the scan as a whole.
-void PatchBeamModel::remember(double tempering, ParticleSet& particles, std::size_t begin,
-                              std::size_t end, std::span<double> log_likelihood,
-                              Scratch& scratch) const {
-  const auto said_of = [&](std::size_t i) {
-    const std::size_t first = scratch.said_begins[i - begin];
-    return std::span(scratch.said).subspan(first, scratch.said_begins[i - begin + 1] - first);
-  };
-  const auto ratio_of = [&](const Said& said) {
-    return std::span(scratch.ratio)
-        .subspan(said.ratios, to_place(states_.count(to_place(said.submap))));
-  };
-  for (std::size_t i = begin; i < end; ++i) {
-    for (const Said& said : said_of(i)) {
-      const std::span<double> ratio = ratio_of(said);
-      for (double& r : ratio) r /= tempering;
-      double largest = 0.0;
-      if (said.submap == particles.submap[i]) {
-        largest = *std::max_element(ratio.begin(), ratio.end());
-        log_likelihood[i] += largest;
-      }
-      for (double& r : ratio) r = std::min(80.0, r - largest);
-    }
-  }
-  exp_column(scratch.ratio.data(), scratch.ratio.size());
-  const bool is_shared = states_.memory() == PatchMemory::kShared;
-  for (std::size_t i = begin; i < end; ++i) {
-    const std::span<float> row = particles.belief(i);
-    if (is_shared) std::fill(row.begin(), row.end(), 1.0F);
-    for (const Said& said : said_of(i)) {
-      const std::span<const double> factor = ratio_of(said);
-      const std::size_t offset = states_.offset(to_place(said.submap));
-      double own = 1.0;
-      if (said.submap == particles.submap[i]) {
-        const float* const believed = belief(particles, i).data() + offset;
-        own = std::inner_product(factor.begin(), factor.end(), believed, 0.0);
-        log_likelihood[i] += std::log(own);
-      }
-      if (!is_shared) {
-        update_belief(row.subspan(offset, factor.size()), factor, states_.least_belief());
-        continue;
-      }
-      // What absorb() sums: p(z | x_i, m_s = k) over the particle's own likelihood, in which the
-      // mixture over its own sub-map counts once.
-      for (std::size_t k = 0; k < factor.size(); ++k) {
-        row[offset + k] = static_cast<float>(factor[k] / own);
+    scratch.logs[other.log] = mixed;
+    for (const MetSubmap& met : met_by(n)) {
+      const auto configurations = to_place(states_.count(to_place(met.submap)));
+      for (std::size_t k = 0; k < configurations; ++k) {
+        scratch.said.at(met.row + k, other.particle) += *next++ - mixed;
       }
     }
   }

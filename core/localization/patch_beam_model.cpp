@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "core/localization/particle_kernels.hpp"
+#include "core/localization/column_math.hpp"
 
 namespace strata::localization {
 namespace {
@@ -25,69 +25,23 @@ PatchBeamModel::PatchBeamModel(std::shared_ptr<const patch::PatchMap> map,
   require_valid(config, "patch_beam_model");
 }
 
-/// Boxes within reach of any particle of the chunk.
-void PatchBeamModel::find_boxes(const ScanBeams& beams, const ParticleSet& particles,
-                                std::size_t begin, std::size_t end, Scratch& scratch) const {
-  scratch.chunk_boxes.clear();
-  if (caster_.boxes().empty()) return;
-  const auto from = static_cast<std::ptrdiff_t>(begin);
-  const auto to = static_cast<std::ptrdiff_t>(end);
-  const auto [low_x, high_x] =
-      std::minmax_element(particles.x_m.begin() + from, particles.x_m.begin() + to);
-  const auto [low_y, high_y] =
-      std::minmax_element(particles.y_m.begin() + from, particles.y_m.begin() + to);
-  const Pose2& mounting = beams.robot_from_laser;
-  const double reach = beams.r_max_m + std::hypot(mounting.x, mounting.y);
-  for (const RayBox& box : caster_.boxes()) {
-    if (box.min_x_m < *high_x + reach && box.max_x_m > *low_x - reach &&
-        box.min_y_m < *high_y + reach && box.max_y_m > *low_y - reach) {
-      scratch.chunk_boxes.push_back(box);
-    }
-  }
-}
-
-/// Casts the beams of all particles to where they end for certain, and finds those that may end
+/// Casts the beams of the lasers to where they end for certain, and finds those that may end
 /// before.
-void PatchBeamModel::cast(const ScanScratch& scan, const ParticleSet& particles, std::size_t begin,
-                          std::size_t end, Scratch& scratch) const {
+void PatchBeamModel::cast(const ScanScratch& scan, const ChunkStates& states,
+                          Scratch& scratch) const {
   const ScanBeams& beams = scan.beams;
-  const bool is_sampled = states_.memory() == PatchMemory::kNone;
-  scratch.static_m.resize(beams.size());
-  scratch.cells.resize(beams.size());
-  scratch.logs.resize(kChunk * beams.size());
-  scratch.changing.begin();
-  find_boxes(beams, particles, begin, end, scratch);
-  for (std::size_t i = begin; i < end; ++i) {
-    const Pose2 laser = particles.pose(i) * beams.robot_from_laser;
-    const RayFan fan{laser.x,
-                     laser.y,
-                     std::cos(laser.theta),
-                     std::sin(laser.theta),
-                     beams.cosine.data(),
-                     beams.sine.data(),
-                     beams.size(),
-                     beams.r_max_m};
-    caster_.cast_static(fan, scratch.static_m.data(), scratch.cells.data());
-    scan.mixture.log_likelihoods(0, beams.size(), scratch.static_m.data(),
-                                 scratch.logs.data() + (i - begin) * beams.size());
-    const int fixed = is_sampled ? particles.patch[i] : -1;
-    scratch.boxes.clear();
-    for (const RayBox& box : scratch.chunk_boxes) {
-      if (!caster_.may_end_beams(box, particles.submap[i], fixed)) continue;
-      RayBox seen = caster_.seen(box, particles.submap[i]);
-      seen.min_x_m -= laser.x;
-      seen.max_x_m -= laser.x;
-      seen.min_y_m -= laser.y;
-      seen.max_y_m -= laser.y;
-      const double dx = std::max({seen.min_x_m, -seen.max_x_m, 0.0});
-      const double dy = std::max({seen.min_y_m, -seen.max_y_m, 0.0});
-      seen.near_m = std::max(dx, dy);
-      if (dx * dx + dy * dy < beams.r_max_m * beams.r_max_m) scratch.boxes.push_back(seen);
-    }
-    scratch.changing.add(caster_, fan, scratch.static_m.data(), scratch.boxes, particles.submap[i],
-                         fixed);
-  }
-  scratch.changing.follow(caster_, scan.mixture);
+  LaserColumns& lasers = scratch.lasers;
+  const std::size_t places = beams.size() * lasers.padded();
+  scratch.static_m.resize(places);
+  scratch.logs.resize(places);
+  const RayTable still = caster_.static_table();
+  cast_fans(still, lasers.fans(still, beams, beams.r_max_m), scratch.static_m.data());
+  scan.mixture.log_likelihoods_of_fans(lasers.padded(), scratch.static_m.data(),
+                                       scratch.logs.data());
+  scratch.boxes.take(caster_, lasers, states, beams.r_max_m);
+  const RayFans fans = lasers.fans(caster_.changing_table(), beams, beams.r_max_m);
+  scratch.changing.find(fans, scratch.boxes, scratch.static_m.data());
+  scratch.changing.follow(caster_, fans, scratch.boxes, states, scan.mixture);
 }
 
 std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, double tempering,
@@ -101,18 +55,89 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, double tempering,
   const bool is_sampled = states_.memory() == PatchMemory::kNone;
   const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
     const auto scratch = scratch_.borrow();
-    cast(*said, particles, begin, end, *scratch);
-    list_beams(particles, begin, end, *scratch);
+    scratch->lasers.take(particles, begin, end, said->beams.robot_from_laser);
+    const std::size_t row = scratch->lasers.padded();
+    const ChunkStates states{
+        std::span<const std::int32_t>(particles.submap).subspan(begin, end - begin),
+        std::span<const std::int32_t>(particles.patch)
+            .subspan(begin, is_sampled ? end - begin : 0)};
+    cast(*said, states, *scratch);
+    const Beliefs believed = beliefs(particles, begin);
+    list_beams(believed, *scratch);
+    mix_single(said->mixture, believed, states, *scratch);
     mix_pairs(*scratch);
-    mix_others(particles, *scratch);
+    mix_others(believed, states, *scratch);
+    scratch->sums.resize(row);
+    sum_rows(scratch->logs.data(), beams, row, scratch->sums.data());
     for (std::size_t i = begin; i < end; ++i) {
-      log_likelihood[i] = sum_of(scratch->logs.data() + (i - begin) * beams, beams) / tempering;
+      log_likelihood[i] = scratch->sums[i - begin] / tempering;
     }
     if (!is_sampled) remember(tempering, particles, begin, end, log_likelihood, *scratch);
   };
   pool.for_chunks(particles.size(), kChunk, std::cref(weigh));
   return beams;
 }
+
+/// The beams from one laser, as cast() does those of particles.
+void PatchBeamModel::cast_one(const ScanScratch& scan, const Pose2& laser, int current,
+                              Scratch& scratch) const {
+  const ScanBeams& beams = scan.beams;
+  scratch.lasers.take(laser);
+  const std::size_t row = scratch.lasers.padded();
+  scratch.cells.resize(beams.size());
+  scratch.logs.resize(beams.size());
+  cast_rays(caster_.static_table(),
+            {laser.x, laser.y, std::cos(laser.theta), std::sin(laser.theta), beams.cosine.data(),
+             beams.sine.data(), beams.size(), beams.r_max_m},
+            scratch.logs.data(), scratch.cells.data());
+  scratch.static_m.resize(beams.size() * row);
+  for (std::size_t beam = 0; beam < beams.size(); ++beam) {
+    std::fill_n(scratch.static_m.begin() + static_cast<std::ptrdiff_t>(beam * row), row,
+                scratch.logs[beam]);
+  }
+  const std::int32_t submap = current;
+  const ChunkStates states{std::span(&submap, 1), {}};
+  scratch.boxes.take(caster_, scratch.lasers, states, beams.r_max_m);
+  const RayFans fans = scratch.lasers.fans(caster_.changing_table(), beams, beams.r_max_m);
+  scratch.changing.find(fans, scratch.boxes, scratch.static_m.data());
+  scratch.changing.follow(caster_, fans, scratch.boxes, states, scan.mixture);
+}
+
+/// What each beam of cast_one() may end at, the nearest first, into `events`; beams come in order.
+class PatchBeamModel::EventsInOrder {
+ public:
+  EventsInOrder(const PatchRayCaster& caster, const Scratch& scratch)
+      : caster_(caster), scratch_(scratch), single_(scratch.changing.single()) {}
+
+  void next(std::size_t beam, std::vector<RayEvent>& events) {
+    events.clear();
+    bool is_ended = false;
+    // One row a beam and box: only the first fan counts.
+    while (at_single_ < single_.size() && single_.row(at_single_).beam == beam) {
+      const CellOwner& cells = scratch_.boxes.content(single_.row(at_single_).box, 0);
+      const double range_m = *single_.range_m(at_single_++);
+      if (!std::isfinite(range_m)) continue;
+      events.push_back({cells.submap, cells.mask, range_m});
+      is_ended = cells.mask == caster_.all(cells.submap);
+    }
+    for (const ChangingBeam& other : scratch_.changing.beams()) {
+      if (other.beam != beam) continue;
+      for (std::int32_t e = other.last_event; e >= 0; e = scratch_.changing.event(e).previous) {
+        events.push_back(scratch_.changing.event(e).ray);
+      }
+      std::reverse(events.begin(), events.end());
+      is_ended = other.is_ended;
+    }
+    const double end_m = scratch_.static_m[beam * scratch_.lasers.padded()];
+    if (!is_ended && std::isfinite(end_m)) events.push_back({-1, 0, end_m});
+  }
+
+ private:
+  const PatchRayCaster& caster_;
+  const Scratch& scratch_;
+  const SingleBeams& single_;
+  std::size_t at_single_ = 0;
+};
 
 Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robot,
                                     const ParticleSet& particles) const {
@@ -121,6 +146,7 @@ Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robo
   select_beams(scan, config_.beam.beams, beams);
   if (beams.size() == 0) return {};
   const BeamMixture mixture = mixture_.limited_to(beams.r_max_m);
+  scan_scratch->mixture.prepare(mixture, beams);
   const Pose2 laser = map_from_robot * beams.robot_from_laser;
   const auto scratch = scratch_.borrow();
   states_.posterior(particles, scratch->posterior);
@@ -129,14 +155,12 @@ Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robo
     for (const double p : submap.probability) scratch->belief.push_back(static_cast<float>(p));
   }
   const int current = patch::submap_at(states_.map(), map_from_robot.translation());
-  const double hc = std::cos(laser.theta);
-  const double hs = std::sin(laser.theta);
+  cast_one(*scan_scratch, laser, current, *scratch);
+  EventsInOrder events(caster_, *scratch);
   Explanation said;
   const bool is_known_here = caster_.knows(laser.translation());
   for (std::size_t beam = 0; beam < beams.size(); ++beam) {
-    const double c = hc * beams.cosine[beam] - hs * beams.sine[beam];
-    const double s = hs * beams.cosine[beam] + hc * beams.sine[beam];
-    caster_.events(laser.x, laser.y, c, s, beams.r_max_m, current, scratch->events);
+    events.next(beam, scratch->events);
     const bool is_hit = beams.is_hit[beam] != 0;
     const double range_m = beams.range_m[beam];
     const auto share = [&](auto&& counts) {

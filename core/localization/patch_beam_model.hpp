@@ -8,10 +8,13 @@
 #include <vector>
 
 #include "core/localization/changing_beams.hpp"
+#include "core/localization/laser_columns.hpp"
 #include "core/localization/patch_ray_caster.hpp"
 #include "core/localization/patch_states.hpp"
 #include "core/localization/range_provider_model.hpp"
+#include "core/localization/seen_boxes.hpp"
 #include "core/localization/sensor_model.hpp"
+#include "core/localization/submap_ratios.hpp"
 
 namespace strata::localization {
 
@@ -51,8 +54,9 @@ class PatchBeamModel final : public SensorModel {
   struct Pair {
     std::size_t log = 0;     ///< place in Scratch::logs
     std::uint64_t near = 0;  ///< configurations that end it at the nearer one
-    std::size_t ratios = 0;  ///< of its sub-map's configurations, first place in Scratch::ratio
-    int configurations = 0;  ///< how many; 0 without memory
+    std::size_t row = 0;     ///< of its sub-map's configurations in Scratch::said
+    std::uint32_t particle = 0;
+    std::uint32_t configurations = 0;  ///< how many; 0 without memory
   };
   /// A beam that may end at more.
   struct OtherBeam {
@@ -63,49 +67,56 @@ class PatchBeamModel final : public SensorModel {
     std::size_t events = 0;
     std::size_t met = 0;  ///< first of its places in Scratch::met
   };
-  /// A sub-map that beams met.
-  struct Said {
+  /// A sub-map that such a beam met.
+  struct MetSubmap {
     std::int32_t submap = -1;
-    std::size_t ratios = 0;
+    std::size_t row = 0;  ///< of its configurations in Scratch::said
   };
-  /// Working memory of one chunk of particles.
+  /// Working memory of one chunk of particles. Particles count from its beginning.
   struct Scratch {
-    std::vector<RayBox> chunk_boxes;  // near any particle
-    std::vector<RayBox> boxes;        // near one
-    std::vector<double> static_m;     // per beam: where it ends for certain
-    std::vector<std::int32_t> cells;
-    std::vector<double> logs;  // rows of one entry a beam
+    LaserColumns lasers;
+    SeenBoxes boxes;
     ChangingBeams changing;
+    std::vector<double> box_share;  // probability that the cells of a box are there, as SeenBoxes
+    std::vector<double> static_m;  // where beams end for certain; a row a beam, an entry a particle
+    std::vector<std::int32_t> cells;
+    std::vector<double> logs;  // the same rows: what they say
+    std::vector<double> sums;  // of logs, of each particle
     // Of each pair: the nearer obstacle is there with probability share; what the beam then says.
     std::vector<Pair> pairs;
     std::vector<double> share, first, second, mixed;
     std::vector<OtherBeam> others;
     std::vector<RayEvent> events;
-    std::vector<double> value;  // of the events of a beam, then of its end
-    std::vector<Said> met;      // with memory: by each of the others
-    std::vector<Said> said;     // by each particle
-    std::vector<std::size_t> said_begins;
-    std::vector<double> ratio;  // ln p(scan | m_s = k) - ln p(scan | beliefs)
+    std::vector<double> value;   // of the events of a beam, then of its end
+    std::vector<MetSubmap> met;  // with memory: by each of the others
+    SubmapRatios said;           // ln p(scan | m_s = k) - ln p(scan | beliefs)
+    std::vector<double> factor;  // of the configurations of one sub-map
     std::vector<float> belief;
     std::vector<SubmapBelief> posterior;
   };
-  void find_boxes(const ScanBeams& beams, const ParticleSet& particles, std::size_t begin,
-                  std::size_t end, Scratch& scratch) const;
-  void cast(const ScanScratch& scan, const ParticleSet& particles, std::size_t begin,
-            std::size_t end, Scratch& scratch) const;
-  void list_beams(const ParticleSet& particles, std::size_t begin, std::size_t end,
-                  Scratch& scratch) const;
-  void list_pair(const ChangingBeam& beam, std::size_t log, std::span<const float> believed,
-                 Scratch& scratch) const;
-  void list_other(const ChangingBeam& beam, std::size_t log, std::size_t particle,
+  /// What particles believe of all sub-maps: a row for each, or one for all.
+  struct Beliefs {
+    const float* rows = nullptr;
+    std::size_t columns = 0;  ///< all
+    std::size_t stride = 0;   ///< from one particle to the next; 0: one row for all
+    [[nodiscard]] std::span<const float> of(std::size_t particle) const {
+      return {rows + particle * stride, columns};
+    }
+  };
+  void cast(const ScanScratch& scan, const ChunkStates& states, Scratch& scratch) const;
+  void cast_one(const ScanScratch& scan, const Pose2& laser, int current, Scratch& scratch) const;
+  class EventsInOrder;
+  void list_beams(const Beliefs& beliefs, Scratch& scratch) const;
+  void list_pair(const ChangingBeam& beam, const Beliefs& beliefs, Scratch& scratch) const;
+  void list_other(const ChangingBeam& beam, Scratch& scratch) const;
+  void mix_single(const ScanMixture& mixture, const Beliefs& beliefs, const ChunkStates& states,
                   Scratch& scratch) const;
   void mix_pairs(Scratch& scratch) const;
-  void mix_others(const ParticleSet& particles, Scratch& scratch) const;
+  void mix_others(const Beliefs& beliefs, const ChunkStates& states, Scratch& scratch) const;
   void remember(double tempering, ParticleSet& particles, std::size_t begin, std::size_t end,
                 std::span<double> log_likelihood, Scratch& scratch) const;
-  [[nodiscard]] std::size_t ratios(std::int32_t submap, Scratch& scratch) const;
-  /// What particle i believes of all sub-maps.
-  [[nodiscard]] std::span<const float> belief(const ParticleSet& particles, std::size_t i) const;
+  /// Those of particles from `begin` on.
+  [[nodiscard]] Beliefs beliefs(const ParticleSet& particles, std::size_t begin) const;
 
   PatchBeamModelConfig config_;
   PatchStates states_;

@@ -86,8 +86,10 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
     boxes_.push_back(box);
     contents_.push_back(contents_of(marks_in[s]));
     for (BoxContent& content : contents_.back()) {
-      content.box = box_of(seen_by(content.current, changing[s], marks), map.base.resolution_m());
+      const CellRect seen = seen_by(content.current, changing[s], marks);
+      content.box = box_of(seen, map.base.resolution_m());
       content.box.number = box.number;
+      find_uniform(seen.inflated(1), marks, content);
     }
   }
   // With a margin, so that every ray steps into a marked cell from one that is not.
@@ -112,6 +114,29 @@ CellRect PatchRayCaster::seen_by(int current, const CellRect& rect,
     }
   }
   return seen;
+}
+
+/// Whether rays through these cells meet those of one owner and mask only, be they of another box.
+void PatchRayCaster::find_uniform(const CellRect& rect, const Grid<std::int32_t>& marks,
+                                  BoxContent& content) const {
+  content.is_uniform = false;
+  if (content.owners.size() != 1) return;
+  const CellOwner& only = content.owners.front();
+  std::set<std::int32_t> seen;
+  std::set<std::int32_t> hidden;
+  for (int y = rect.min.y; y < rect.max.y; ++y) {
+    for (int x = rect.min.x; x < rect.max.x; ++x) {
+      const std::int32_t mark = marks.contains({x, y}) ? marks.at({x, y}) : 0;
+      if (mark == 0) continue;
+      const CellOwner cell = owner(mark, content.current);
+      const bool is_same = cell.submap == only.submap && cell.mask == only.mask;
+      if (!is_same && cell.mask != 0) return;
+      (is_same ? seen : hidden).insert(mark);
+    }
+  }
+  // One number tells a ray which cells to go through.
+  content.is_uniform = hidden.size() <= 1 || seen.size() == 1;
+  content.hidden = hidden.empty() ? 0 : (hidden.size() == 1 ? *hidden.begin() : -*seen.begin());
 }
 
 /// Adds cells of a mark to what is in a box.
@@ -229,6 +254,9 @@ void PatchRayCaster::events(double x_m, double y_m, double c, double s, double m
 double mix_events(std::span<const RayEvent> events, std::span<const double> values,
                   double end_value, const PatchStates& states, std::span<const float> belief,
                   int fixed_submap, int fixed_patch) {
+  // Most beams meet the static map only.
+  if (events.empty()) return end_value;
+  if (events.front().submap < 0) return values.front();
   const auto probability = [&](const RayEvent& event) {
     if (event.submap == fixed_submap) return (event.mask >> fixed_patch & 1U) != 0 ? 1.0 : 0.0;
     const auto s = static_cast<std::size_t>(event.submap);

@@ -54,11 +54,9 @@ class PatchRayCaster {
     return static_.is_near(point_m, distance_m) || changing_.is_near(point_m, distance_m);
   }
 
-  /// Many rays at once to the first cell that ends every ray, as cast_rays.
-  void cast_static(const RayFan& fan, double* range_m, std::int32_t* cell) const {
-    cast_rays(static_.table(), fan, range_m, cell);
-  }
-  /// ... and to the first cell that is an obstacle in some configurations, as cast_batch.
+  /// For kernels that cast rays to the first cell that ends every ray.
+  [[nodiscard]] RayTable static_table() const { return static_.table(); }
+  /// Many rays at once to the first cell that is an obstacle in some configurations, as cast_batch.
   void cast_changing(const RayBatch& batch, double* range_m, std::int32_t* mark) const {
     cast_batch(changing_.table(), batch, range_m, mark);
   }
@@ -74,6 +72,16 @@ class PatchRayCaster {
   /// particle in `current`.
   [[nodiscard]] std::span<const CellOwner> owners_in(const RayBox& box, int current) const {
     return content(box, current).owners;
+  }
+  /// Whether all cells in and at seen(box), those of other boxes too, are of one sub-map and in the
+  /// same configurations: then a ray that has met one of them learns nothing from the others. But
+  /// for cells of mark hidden_in(), or where that is below 0 of any mark but -hidden_in(): those
+  /// are none for such a particle.
+  [[nodiscard]] bool is_uniform(const RayBox& box, int current) const {
+    return content(box, current).is_uniform;
+  }
+  [[nodiscard]] std::int32_t hidden_in(const RayBox& box, int current) const {
+    return content(box, current).hidden;
   }
   /// Whether any of them counts, as below.
   [[nodiscard]] bool may_end_beams(const RayBox& box, int current, int fixed) const;
@@ -106,6 +114,8 @@ class PatchRayCaster {
     std::int32_t current = -1;
     std::vector<CellOwner> owners;
     RayBox box;
+    bool is_uniform = false;
+    std::int32_t hidden = 0;
     void add(std::int32_t submap, std::uint64_t mask);
   };
   [[nodiscard]] const BoxContent& content(const RayBox& box, int current) const {
@@ -115,6 +125,8 @@ class PatchRayCaster {
     }
     return contents.front();
   }
+  void find_uniform(const CellRect& rect, const Grid<std::int32_t>& marks,
+                    BoxContent& content) const;
   [[nodiscard]] CellRect seen_by(int current, const CellRect& rect,
                                  const Grid<std::int32_t>& marks) const;
   [[nodiscard]] std::vector<BoxContent> contents_of(const std::set<std::int32_t>& marks) const;

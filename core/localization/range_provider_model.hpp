@@ -11,11 +11,14 @@
 #include <functional>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "core/base/config.hpp"
 #include "core/localization/beam_mixture.hpp"
+#include "core/localization/column_math.hpp"
+#include "core/localization/fan_kernel.hpp"
+#include "core/localization/laser_columns.hpp"
 #include "core/localization/lender.hpp"
-#include "core/localization/particle_kernels.hpp"
 #include "core/localization/ray_caster.hpp"
 #include "core/localization/scan_beams.hpp"
 #include "core/localization/scan_mixture.hpp"
@@ -45,11 +48,13 @@ struct BeamModelConfig {
   }
 };
 
-/// A provider that predicts many beams at once.
+/// A provider that predicts many beams at once, from a table that kernels read.
 template <typename T>
 concept FanProvider = requires(const T& provider, const RayFan& fan, double* range_m,
                                std::int32_t* cell) {
   provider.expected_ranges_m(fan, range_m, cell);
+  { provider.table() } -> std::convertible_to<RayTable>;
+  { provider.max_range_m() } -> std::convertible_to<double>;
 };
 
 /// ln p(z | x) = 1/tau sum over beams ln p(z_n | expected range). Every map model that localizes
@@ -69,9 +74,10 @@ class RangeProviderModel final : public SensorModel {
     prepare(scan, *scratch);
     constexpr std::size_t kChunk = 64;
     const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+      const auto chunk = chunk_scratch_.borrow();
+      weigh_chunk(*scratch, particles, begin, end, *chunk);
       for (std::size_t i = begin; i < end; ++i) {
-        const Pose2 laser = particles.pose(i) * scratch->beams.robot_from_laser;
-        log_likelihood[i] = log_likelihood_at(laser, *scratch) / tempering;
+        log_likelihood[i] = chunk->sums[i - begin] / tempering;
       }
     };
     pool.for_chunks(particles.size(), kChunk, std::cref(weigh));
@@ -112,6 +118,13 @@ class RangeProviderModel final : public SensorModel {
   struct Scratch {
     ScanBeams beams;
     ScanMixture mixture;
+  };
+  /// Of a chunk of particles; rows of one entry a particle.
+  struct ChunkScratch {
+    LaserColumns lasers;
+    std::vector<double> expected_m;  // a row for each beam
+    std::vector<double> logs;        // the same
+    std::vector<double> sums;
   };
 
   /// Adds one beam to the sums, but to `met`, which is `explained` here.
@@ -157,23 +170,37 @@ class RangeProviderModel final : public SensorModel {
     }
   }
 
-  double log_likelihood_at(const Pose2& laser, const Scratch& scratch) const {
-    std::array<double, kBlock> expected;
-    std::array<double, kBlock> logs;
-    double sum = 0.0;
-    for (std::size_t begin = 0; begin < scratch.beams.size(); begin += kBlock) {
-      const std::size_t count = std::min(kBlock, scratch.beams.size() - begin);
-      expect(laser, scratch.beams, begin, count, expected.data());
-      scratch.mixture.log_likelihoods(begin, count, expected.data(), logs.data());
-      sum += sum_of(logs.data(), count);
+  /// Sums of ln p over all beams, for particles [begin, end).
+  void weigh_chunk(const Scratch& scratch, const ParticleSet& particles, std::size_t begin,
+                   std::size_t end, ChunkScratch& chunk) const {
+    const ScanBeams& beams = scratch.beams;
+    chunk.lasers.take(particles, begin, end, beams.robot_from_laser);
+    const std::size_t row = chunk.lasers.padded();
+    chunk.expected_m.resize(beams.size() * row);
+    if constexpr (FanProvider<Provider>) {
+      const double limit_m = std::min(beams.r_max_m, provider_->max_range_m());
+      const RayTable table = provider_->table();
+      cast_fans(table, chunk.lasers.fans(table, beams, limit_m), chunk.expected_m.data());
+    } else {
+      for (std::size_t n = 0; n < row; ++n) {
+        const Pose2 laser = particles.pose(std::min(begin + n, end - 1)) * beams.robot_from_laser;
+        for (std::size_t beam = 0; beam < beams.size(); ++beam) {
+          chunk.expected_m[beam * row + n] =
+              provider_->expected_range_m(laser, beams.bearing_rad[beam]);
+        }
+      }
     }
-    return sum;
+    chunk.logs.resize(beams.size() * row);
+    scratch.mixture.log_likelihoods_of_fans(row, chunk.expected_m.data(), chunk.logs.data());
+    chunk.sums.resize(row);
+    sum_rows(chunk.logs.data(), beams.size(), row, chunk.sums.data());
   }
 
   std::shared_ptr<const Provider> provider_;
   BeamModelConfig config_;
   BeamMixture mixture_;  // its limit is set for every scan
   Lender<Scratch> scratch_;
+  Lender<ChunkScratch> chunk_scratch_;
 };
 
 /// Ray casting in one map: occupied means is_occupied, unknown is transparent.

@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace strata::localization::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Tag = hn::CappedTag<double, RayCrossings::kSlack>;
+using Tag = hn::CappedTag<double, RayFans::kVector>;
 using Lanes = hn::Vec<Tag>;
 
 /// One over a direction, far away but finite where the ray runs along the other axis.
@@ -24,61 +24,151 @@ HWY_INLINE Lanes finite_inverse(Lanes along) {
   return hn::Div(hn::Set(d, 1.0), hn::IfThenElse(is_small, least, along));
 }
 
-std::size_t cross_boxes_lanes(const RayFan& fan, const double* end_m, const RayBox* boxes,
-                              std::size_t box_count, const RayCrossings& found) {
+/// Rays of one beam, RayFans::kVector of them, and where they cross boxes.
+struct Row {
+  HWY_ALIGN double last_m[RayFans::kVector];  // where they end
+  HWY_ALIGN double cosine[RayFans::kVector];
+  HWY_ALIGN double sine[RayFans::kVector];
+  HWY_ALIGN double inverse_cosine[RayFans::kVector];
+  HWY_ALIGN double inverse_sine[RayFans::kVector];
+  HWY_ALIGN double from_m[RayFans::kVector];
+  HWY_ALIGN double to_m[RayFans::kVector];  // not beyond from_m: nowhere
+  HWY_ALIGN double boxes[RayFans::kVector];
+  HWY_ALIGN double others[RayFans::kVector];  // boxes that are not uniform
+};
+
+/// The directions of the fans from n on.
+HWY_INLINE void begin_row(const RayFans& fans, std::size_t beam, std::size_t n, const double* end_m,
+                          Row& row) {
   const Tag d;
-  const std::size_t lanes = hn::Lanes(d);
-  const auto zero = hn::Zero(d);
-  const auto hc = hn::Set(d, fan.heading_cosine);
-  const auto hs = hn::Set(d, fan.heading_sine);
-  std::size_t count = 0;
-  const auto cross = [&](std::size_t k, const double* cosine, const double* sine,
-                         const double* end) {
-    const auto last = hn::Min(hn::LoadU(d, end), hn::Set(d, fan.max_range_m));
-    const auto bc = hn::LoadU(d, cosine);
-    const auto bs = hn::LoadU(d, sine);
+  const auto bc = hn::Set(d, fans.cosine[beam]);
+  const auto bs = hn::Set(d, fans.sine[beam]);
+  const auto limit = hn::Set(d, fans.max_range_m);
+  for (std::size_t j = 0; j < RayFans::kVector; j += hn::Lanes(d)) {
+    const auto hc = hn::LoadU(d, fans.heading_cosine + n + j);
+    const auto hs = hn::LoadU(d, fans.heading_sine + n + j);
     const auto c = hn::Sub(hn::Mul(hc, bc), hn::Mul(hs, bs));
     const auto s = hn::Add(hn::Mul(hs, bc), hn::Mul(hc, bs));
-    const auto inverse_c = finite_inverse(c);
-    const auto inverse_s = finite_inverse(s);
-    auto from = hn::Set(d, fan.max_range_m);
-    auto to = zero;
-    auto crossed = zero;
-    double power = 1.0;
-    for (std::size_t b = 0; b < box_count; ++b, power *= 2.0) {
-      if (hn::AllFalse(d, hn::Gt(last, hn::Set(d, boxes[b].near_m)))) continue;
-      const auto x0 = hn::Mul(hn::Set(d, boxes[b].min_x_m), inverse_c);
-      const auto x1 = hn::Mul(hn::Set(d, boxes[b].max_x_m), inverse_c);
-      const auto y0 = hn::Mul(hn::Set(d, boxes[b].min_y_m), inverse_s);
-      const auto y1 = hn::Mul(hn::Set(d, boxes[b].max_y_m), inverse_s);
-      const auto entry = hn::Max(hn::Max(hn::Min(x0, x1), hn::Min(y0, y1)), zero);
-      const auto exit = hn::Min(hn::Min(hn::Max(x0, x1), hn::Max(y0, y1)), last);
-      const auto crosses = hn::Lt(entry, exit);
-      from = hn::IfThenElse(crosses, hn::Min(from, entry), from);
-      to = hn::IfThenElse(crosses, hn::Max(to, exit), to);
-      const bool is_named = b < RayCrossings::kNamed;
-      crossed = hn::Add(crossed, hn::IfThenElseZero(crosses, hn::Set(d, is_named ? power : 0.0)));
+    hn::Store(hn::Min(hn::LoadU(d, end_m + n + j), limit), d, row.last_m + j);
+    hn::Store(c, d, row.cosine + j);
+    hn::Store(s, d, row.sine + j);
+    hn::Store(finite_inverse(c), d, row.inverse_cosine + j);
+    hn::Store(finite_inverse(s), d, row.inverse_sine + j);
+    hn::Store(limit, d, row.from_m + j);
+    for (double* const column : {row.to_m, row.boxes, row.others}) {
+      hn::Store(hn::Zero(d), d, column + j);
     }
-    auto crosses = hn::Lt(from, to);
-    const auto ray = hn::Iota(d, static_cast<double>(k));
-    crosses = hn::And(crosses, hn::Lt(ray, hn::Set(d, static_cast<double>(fan.count))));
-    if (hn::AllFalse(d, crosses)) return;
-    hn::CompressStore(ray, crosses, d, found.ray + count);
-    hn::CompressStore(c, crosses, d, found.cosine + count);
-    hn::CompressStore(s, crosses, d, found.sine + count);
-    hn::CompressStore(from, crosses, d, found.from_m + count);
-    hn::CompressStore(to, crosses, d, found.to_m + count);
-    hn::CompressStore(crossed, crosses, d, found.boxes + count);
-    count += hn::CountTrue(d, crosses);
-  };
-  std::size_t k = 0;
-  for (; k + lanes <= fan.count; k += lanes) cross(k, fan.cosine + k, fan.sine + k, end_m + k);
-  if (k == fan.count) return count;
-  double rest[3][RayCrossings::kSlack] = {};
-  std::copy(fan.cosine + k, fan.cosine + fan.count, rest[0]);
-  std::copy(fan.sine + k, fan.sine + fan.count, rest[1]);
-  std::copy(end_m + k, end_m + fan.count, rest[2]);
-  cross(k, rest[0], rest[1], rest[2]);
+  }
+}
+
+/// Whether any of the fans from n on goes as far as any box is away.
+HWY_INLINE bool comes_to_any(std::span<const BoxColumns> boxes, std::size_t n,
+                             const double* end_m) {
+  const Tag d;
+  for (const BoxColumns& box : boxes) {
+    for (std::size_t j = 0; j < RayFans::kVector; j += hn::Lanes(d)) {
+      const auto near = hn::LoadU(d, box.near_m + n + j);
+      if (!hn::AllFalse(d, hn::Gt(hn::LoadU(d, end_m + n + j), near))) return true;
+    }
+  }
+  return false;
+}
+
+/// Where they cross a box, for fans from n on, into the row and into from_m and to_m; whether any
+/// does.
+HWY_INLINE bool cross_box(const BoxColumns& box, std::size_t n, Row& row, double* from_m,
+                          double* to_m) {
+  const Tag d;
+  bool any = false;
+  const auto name = hn::Set(d, box.name);
+  const auto odd = hn::Set(d, box.is_uniform ? 0.0 : 1.0);
+  for (std::size_t j = 0; j < RayFans::kVector; j += hn::Lanes(d)) {
+    const auto last = hn::Load(d, row.last_m + j);
+    const auto inverse_c = hn::Load(d, row.inverse_cosine + j);
+    const auto inverse_s = hn::Load(d, row.inverse_sine + j);
+    const auto counts = hn::Gt(last, hn::LoadU(d, box.near_m + n + j));
+    const auto x0 = hn::Mul(hn::LoadU(d, box.min_x_m + n + j), inverse_c);
+    const auto x1 = hn::Mul(hn::LoadU(d, box.max_x_m + n + j), inverse_c);
+    const auto y0 = hn::Mul(hn::LoadU(d, box.min_y_m + n + j), inverse_s);
+    const auto y1 = hn::Mul(hn::LoadU(d, box.max_y_m + n + j), inverse_s);
+    const auto entry = hn::Max(hn::Max(hn::Min(x0, x1), hn::Min(y0, y1)), hn::Zero(d));
+    const auto exit = hn::Min(hn::Min(hn::Max(x0, x1), hn::Max(y0, y1)), last);
+    const auto crosses = hn::And(counts, hn::Lt(entry, exit));
+    hn::StoreU(hn::IfThenElseZero(crosses, entry), d, from_m + j);
+    hn::StoreU(hn::IfThenElseZero(crosses, exit), d, to_m + j);
+    if (hn::AllFalse(d, crosses)) continue;
+    any = true;
+    const auto from = hn::Load(d, row.from_m + j);
+    const auto to = hn::Load(d, row.to_m + j);
+    hn::Store(hn::IfThenElse(crosses, hn::Min(from, entry), from), d, row.from_m + j);
+    hn::Store(hn::IfThenElse(crosses, hn::Max(to, exit), to), d, row.to_m + j);
+    const auto add = [&](double* column, Lanes value) HWY_ATTR {
+      hn::Store(hn::Add(hn::Load(d, column + j), hn::IfThenElseZero(crosses, value)), d,
+                column + j);
+    };
+    add(row.boxes, name);
+    add(row.others, odd);
+  }
+  return any;
+}
+
+/// Rays of the row that cross uniform boxes alone are those of `single` from `first` on; the others
+/// are those of the row.
+HWY_INLINE void part(Row& row, const SingleRows& single, std::size_t first) {
+  const Tag d;
+  for (std::size_t j = 0; j < RayFans::kVector; j += hn::Lanes(d)) {
+    const auto has_others = hn::Gt(hn::Load(d, row.others + j), hn::Zero(d));
+    const auto to = hn::Load(d, row.to_m + j);
+    hn::Store(hn::IfThenElseZero(has_others, to), d, row.to_m + j);
+    if (hn::AllFalse(d, has_others)) continue;
+    for (std::size_t r = first; r < single.count; ++r) {
+      double* const to_m = single.to_m + r * RayFans::kVector + j;
+      hn::StoreU(hn::IfThenZeroElse(has_others, hn::LoadU(d, to_m)), d, to_m);
+    }
+  }
+}
+
+HWY_INLINE void keep(const double* values, hn::Mask<Tag> which, double* column) {
+  hn::CompressStore(hn::Load(Tag(), values), which, Tag(), column);
+}
+
+std::size_t cross_boxes_lanes(const RayFans& fans, std::size_t beam, const double* end_m,
+                              std::span<const BoxColumns> boxes, const RayCrossings& found,
+                              SingleRows& single) {
+  const Tag d;
+  std::size_t count = 0;
+  Row row;
+  HWY_ALIGN double unused[2][RayFans::kVector];
+  for (std::size_t n = 0; n < fans.count; n += RayFans::kVector) {
+    if (!comes_to_any(boxes, n, end_m)) continue;
+    begin_row(fans, beam, n, end_m, row);
+    const std::size_t first = single.count;
+    bool any_other = false;
+    for (const BoxColumns& box : boxes) {
+      if (!box.is_uniform) {
+        any_other = cross_box(box, n, row, unused[0], unused[1]) || any_other;
+        continue;
+      }
+      const std::size_t at = single.count * RayFans::kVector;
+      if (!cross_box(box, n, row, single.from_m + at, single.to_m + at)) continue;
+      std::copy(box.hidden + n, box.hidden + n + RayFans::kVector, single.hidden + at);
+      single.rows[single.count++] = {static_cast<std::uint32_t>(beam),
+                                     static_cast<std::uint32_t>(n), box.place};
+    }
+    if (!any_other) continue;
+    part(row, single, first);
+    for (std::size_t j = 0; j < RayFans::kVector; j += hn::Lanes(d)) {
+      const auto crosses = hn::Lt(hn::Load(d, row.from_m + j), hn::Load(d, row.to_m + j));
+      if (hn::AllFalse(d, crosses)) continue;
+      hn::CompressStore(hn::Iota(d, static_cast<double>(n + j)), crosses, d, found.fan + count);
+      keep(row.cosine + j, crosses, found.cosine + count);
+      keep(row.sine + j, crosses, found.sine + count);
+      keep(row.from_m + j, crosses, found.from_m + count);
+      keep(row.to_m + j, crosses, found.to_m + count);
+      keep(row.boxes + j, crosses, found.boxes + count);
+      count += hn::CountTrue(d, crosses);
+    }
+  }
   return count;
 }
 
@@ -90,9 +180,10 @@ namespace strata::localization {
 
 HWY_EXPORT(cross_boxes_lanes);
 
-std::size_t cross_boxes(const RayFan& fan, const double* end_m, const RayBox* boxes,
-                        std::size_t box_count, const RayCrossings& found) {
-  return HWY_DYNAMIC_DISPATCH(cross_boxes_lanes)(fan, end_m, boxes, box_count, found);
+std::size_t cross_boxes(const RayFans& fans, std::size_t beam, const double* end_m,
+                        std::span<const BoxColumns> boxes, const RayCrossings& found,
+                        SingleRows& single) {
+  return HWY_DYNAMIC_DISPATCH(cross_boxes_lanes)(fans, beam, end_m, boxes, found, single);
 }
 
 }  // namespace strata::localization

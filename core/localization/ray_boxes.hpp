@@ -1,38 +1,71 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which rays of a fan cross some boxes, with the widest SIMD that the machine has.
+/// Which rays of a beam cross some boxes, with the widest SIMD that the machine has.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
-#include "core/localization/ray_kernel.hpp"
+#include "core/localization/fan_kernel.hpp"
 
 namespace strata::localization {
 
-/// A rectangle in the map, or relative to where rays start.
+/// A rectangle in the map.
 struct RayBox {
   double min_x_m = 0.0;
   double min_y_m = 0.0;
   double max_x_m = 0.0;
   double max_y_m = 0.0;
   std::size_t number = 0;  ///< to tell it from others
-  double near_m = 0.0;     ///< no ray comes to it before this
 };
 
-/// Where rays of a fan cross boxes; columns with room for fan.count + kSlack entries.
+/// A box relative to where each of several fans starts, in columns of one entry a fan.
+struct BoxColumns {
+  const double* min_x_m = nullptr;
+  const double* min_y_m = nullptr;
+  const double* max_x_m = nullptr;
+  const double* max_y_m = nullptr;
+  const double* near_m = nullptr;  ///< no ray comes to it before this; +infinity: it does not count
+  /// Mark of cells there that rays go through; 0: none; below 0: of the only ones that end them.
+  const double* hidden = nullptr;
+  double name = 0.0;        ///< what is added to RayCrossings::boxes; 0: nothing
+  std::uint32_t place = 0;  ///< SingleRow::box
+  bool is_uniform = false;  ///< rays that cross such boxes alone go to SingleRow
+};
+
+/// Where rays cross boxes; columns with room for one entry a fan and kSlack more.
 struct RayCrossings {
-  static constexpr std::size_t kSlack = 8;
-  double* ray = nullptr;     ///< number in the fan
+  static constexpr std::size_t kSlack = RayFans::kVector;
+  double* fan = nullptr;     ///< number
   double* cosine = nullptr;  ///< direction in the map
   double* sine = nullptr;
   double* from_m = nullptr;  ///< first entry into any of the boxes
   double* to_m = nullptr;    ///< last exit from any of them, not beyond the ray's end
-  double* boxes = nullptr;   ///< which it crosses of the first kNamed: sum of 2^place
-  static constexpr std::size_t kNamed = 52;
+  double* boxes = nullptr;   ///< sum of the names of those that it crosses
+  static constexpr std::size_t kNamed = 52;  ///< names 2^place that a sum can hold
 };
 
-/// Fills `found` with the rays of `fan` that cross at least one box before end_m[k] (or the fan's
-/// limit), in their order, and returns how many. The boxes are relative to (fan.x_m, fan.y_m).
-std::size_t cross_boxes(const RayFan& fan, const double* end_m, const RayBox* boxes,
-                        std::size_t box_count, const RayCrossings& found);
+/// RayFans::kVector fans of which some cross a uniform box with a beam, and no box that is not.
+struct SingleRow {
+  std::uint32_t beam = 0;
+  std::uint32_t fan = 0;  ///< first
+  std::uint32_t box = 0;
+};
+/// Many of these; RayFans::kVector entries a row.
+struct SingleRows {
+  SingleRow* rows = nullptr;
+  double* from_m = nullptr;  ///< entry into the box
+  double* to_m = nullptr;    ///< exit; not beyond from_m: this fan does not cross it
+  double* hidden = nullptr;  ///< as BoxColumns
+  std::size_t count = 0;
+};
+
+/// Fills `found` with the fans of which ray `beam` crosses at least one box before end_m[n] (or the
+/// fans' limit), in their order, and returns how many; but those that cross uniform boxes alone
+/// are added to `single`, the rows of one beam and the same fans one after the other. end_m: one
+/// entry a fan. single: with room for boxes.size() rows more for each kVector fans.
+std::size_t cross_boxes(const RayFans& fans, std::size_t beam, const double* end_m,
+                        std::span<const BoxColumns> boxes, const RayCrossings& found,
+                        SingleRows& single);
 
 }  // namespace strata::localization

@@ -95,8 +95,10 @@ void RayWalker::walk(double x_m, double y_m, double c, double s, double max_rang
   const double y = y_m / resolution - rect.min.y;
   double t = 0.0;
   double end = max_range_m / resolution;
-  clip(x, c, 0.0, width, t, end);
-  clip(y, s, 0.0, height, t, end);
+  if (!(x >= 0.0 && x < width && y >= 0.0 && y < height)) {
+    clip(x, c, 0.0, width, t, end);
+    clip(y, s, 0.0, height, t, end);
+  }
   if (!(t < end)) return;
   const double inverse_c = c != 0.0 ? 1.0 / c : 0.0;
   const double inverse_s = s != 0.0 ? 1.0 / s : 0.0;
@@ -150,6 +152,9 @@ class RayCaster {
     limited.max_range_m = std::min(fan.max_range_m, max_range_m_);
     cast_rays(walker_.table(), limited, range_m, cell);
   }
+  /// For kernels that cast many beams from many places, no further than max_range_m.
+  [[nodiscard]] RayTable table() const { return walker_.table(); }
+  [[nodiscard]] double max_range_m() const { return max_range_m_; }
   /// The same for a direction given by its cosine and sine.
   [[nodiscard]] double range_m(double x_m, double y_m, double c, double s,
                                double max_range_m) const {

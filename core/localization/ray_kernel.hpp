@@ -40,9 +40,11 @@ struct RayFan {
 /// RayWalker::walk on every SIMD target. Requires finite numbers.
 void cast_rays(const RayTable& table, const RayFan& fan, double* range_m, std::int32_t* cell);
 
-/// Rays from anywhere, one entry each. Ray k is looked at from from_m[k] to to_m[k] along it, and
-/// goes through cells of mark skip[k] as if they were free.
+/// Rays from anywhere, one entry each, and room for kSlack more, of which nothing is said. Ray k is
+/// looked at from from_m[k] to to_m[k] along it, and goes through cells of mark skip[k] as if they
+/// were free.
 struct RayBatch {
+  static constexpr std::size_t kSlack = 8;
   const double* column = nullptr;  ///< where it starts: column_at, row_at of the table
   const double* row = nullptr;
   const double* cosine = nullptr;
@@ -55,7 +57,8 @@ struct RayBatch {
 };
 
 /// As cast_rays, with the mark of the cell met (RayWalker::mark) in place of its number; 0: none.
-/// Requires finite numbers, and that the rays are inside the table from from_m to to_m.
+/// Requires finite numbers, and that the rays are inside the table from from_m to to_m. range_m,
+/// mark: with the same room.
 void cast_batch(const RayTable& table, const RayBatch& batch, double* range_m, std::int32_t* mark);
 
 }  // namespace strata::localization

@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/localization/column_math.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/localization/scan_mixture.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
@@ -17,61 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace strata::localization::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 #include "core/base/lane_math.inc"
-
-/// Mass of a standard normal below u, 0 <= u <= 6: cubic between the entries of the table.
-HWY_INLINE Lanes mass_below(const ScanMixture::Terms& terms, Lanes u) {
-  const Tag d;
-  const hn::Rebind<std::int32_t, Tag> di;
-  const hn::RebindToSigned<Tag> dl;
-  const auto scaled =
-      hn::Min(hn::Mul(u, hn::Set(d, ScanMixture::Terms::kSteps)),
-              hn::Set(d, ScanMixture::Terms::kEntries - 1.5));  // the last interval at most
-  const auto low = hn::Floor(scaled);
-  const auto f = hn::Sub(scaled, low);
-  const auto k = hn::PromoteTo(dl, hn::DemoteTo(di, low));
-  const auto m0 = hn::GatherIndex(d, terms.mass, k);
-  const auto m1 = hn::GatherIndex(d, terms.mass + 1, k);
-  const auto s0 = hn::GatherIndex(d, terms.slope, k);
-  const auto s1 = hn::GatherIndex(d, terms.slope + 1, k);
-  const auto rise = hn::Sub(m1, m0);
-  // Hermite: m0 + f (s0 + f (3 rise - 2 s0 - s1 + f (s0 + s1 - 2 rise))).
-  const auto cubic = hn::Sub(hn::Add(s0, s1), hn::Add(rise, rise));
-  const auto square = hn::Sub(hn::Sub(rise, s0), cubic);
-  return hn::Add(m0, hn::Mul(f, hn::Add(s0, hn::Mul(f, hn::Add(square, hn::Mul(f, cubic))))));
-}
-
-/// NaN for beams that are left to BeamMixture.
-HWY_INLINE Lanes log_row(const ScanMixture::Terms& terms, Lanes expected, Lanes range,
-                         Lanes short_m, Lanes log_none) {
-  const Tag d;
-  const auto zero = hn::Zero(d);
-  const auto r_max = hn::Set(d, terms.r_max_m);
-  const auto margin = hn::Set(d, terms.margin_m);
-  const auto expects = hn::Lt(expected, r_max);
-  const auto hits = hn::Ge(short_m, zero);
-  // Out of the way of infinity where nothing is expected.
-  const auto e = hn::IfThenElse(expects, expected, r_max);
-  const auto off = hn::Sub(range, e);
-  auto gauss = exp_of(d, hn::Mul(hn::Mul(off, off), hn::Set(d, -terms.half_inverse)));
-  const auto is_near = hn::Lt(e, margin);
-  if (!hn::AllFalse(d, is_near)) {
-    const auto u = hn::Min(hn::Max(e, zero), margin);
-    const auto mass = mass_below(terms, hn::Mul(u, hn::Set(d, terms.per_stddev)));
-    gauss = hn::IfThenElse(is_near, hn::Div(gauss, mass), gauss);
-  }
-  const auto in_front =
-      hn::Sub(hn::Set(d, 1.0), exp_of(d, hn::Mul(e, hn::Set(d, -terms.rate_per_m))));
-  auto p = hn::Add(hn::Set(d, terms.random), hn::Mul(hn::Set(d, terms.hit_peak), gauss));
-  p = hn::Add(p, hn::IfThenElseZero(hn::Lt(range, e), hn::Div(short_m, in_front)));
-  // Left over: obstacles close to the far end or at the sensor, and likelihoods of nearly 0.
-  auto is_plain =
-      hn::And(hn::Gt(e, hn::Set(d, terms.nearest_m)), hn::Le(e, hn::Sub(r_max, margin)));
-  is_plain = hn::And(is_plain, hn::Gt(p, hn::Set(d, 1e-300)));
-  const auto left = hn::Set(d, std::numeric_limits<double>::quiet_NaN());
-  const auto hit_value = hn::IfThenElse(is_plain, log_of(d, hn::Max(p, hn::Set(d, 1e-300))), left);
-  const auto met = hn::IfThenElse(hits, hit_value, hn::Set(d, terms.log_missed));
-  return hn::IfThenElse(expects, met, log_none);
-}
+#include "core/localization/mixture_lanes.inc"
 
 void log_lanes(const ScanMixture::Terms& terms, std::size_t count, const double* expected_m,
                double* log_likelihood) {
@@ -99,6 +47,49 @@ void log_lanes(const ScanMixture::Terms& terms, std::size_t count, const double*
   std::copy(out, out + (count - k), log_likelihood + k);
 }
 
+/// Whether any was left over.
+bool log_fan_lanes(const ScanMixture::Terms& terms, std::size_t beams, std::size_t fans,
+                   const double* expected_m, double* log_likelihood) {
+  const Tag d;
+  auto left = hn::Zero(d);
+  for (std::size_t b = 0; b < beams; ++b) {
+    const auto range = hn::Set(d, terms.range_m[b]);
+    const auto short_m = hn::Set(d, terms.short_m[b]);
+    const auto log_none = hn::Set(d, terms.log_none[b]);
+    for (std::size_t at = b * fans; at < (b + 1) * fans; at += hn::Lanes(d)) {
+      const auto logs = log_row(terms, hn::LoadU(d, expected_m + at), range, short_m, log_none);
+      left = hn::Add(left, logs);  // NaN stays
+      hn::StoreU(logs, d, log_likelihood + at);
+    }
+  }
+  return !hn::AllFalse(d, hn::IsNaN(left));
+}
+
+/// Whether any was left over.
+bool log_row_lanes(const ScanMixture::Terms& terms, std::span<const SingleRow> rows,
+                   const double* expected_m, double* log_likelihood) {
+  const Tag d;
+  auto left = hn::Zero(d);
+  const double* expected = expected_m;
+  double* out = log_likelihood;
+  for (const SingleRow& row : rows) {
+    const auto range = hn::Set(d, terms.range_m[row.beam]);
+    const auto short_m = hn::Set(d, terms.short_m[row.beam]);
+    for (std::size_t j = 0; j < RayFans::kVector; j += hn::Lanes(d)) {
+      const auto e = hn::LoadU(d, expected + j);
+      // Out of the way where nothing is expected: as the nearest.
+      const auto some = hn::Min(e, hn::MinOfLanes(d, e));
+      const auto filled = hn::IfThenElse(hn::Lt(e, hn::Set(d, terms.r_max_m)), e, some);
+      const auto logs = log_row(terms, filled, range, short_m, hn::Zero(d));
+      left = hn::Add(left, logs);  // NaN stays
+      hn::StoreU(logs, d, out + j);
+    }
+    expected += RayFans::kVector;
+    out += RayFans::kVector;
+  }
+  return !hn::AllFalse(d, hn::IsNaN(left));
+}
+
 void log_lanes_of(const ScanMixture::Terms& terms, const double* beam, std::size_t count,
                   const double* expected_m, double* log_likelihood) {
   const Tag d;
@@ -124,55 +115,6 @@ void log_lanes_of(const ScanMixture::Terms& terms, const double* beam, std::size
   std::copy(out, out + (count - k), log_likelihood + k);
 }
 
-void mix_lanes(const double* share, const double* first, const double* second, std::size_t count,
-               double* mixed) {
-  const Tag d;
-  const std::size_t lanes = hn::Lanes(d);
-  const auto row = [&](const double* p, const double* a_log, const double* b_log, double* out) {
-    const auto p_first = hn::LoadU(d, p);
-    const auto a = hn::LoadU(d, a_log);
-    const auto b = hn::LoadU(d, b_log);
-    const auto top = hn::Max(a, b);
-    const auto p_second = hn::Sub(hn::Set(d, 1.0), p_first);
-    const auto is_first = hn::Ge(a, b);
-    const auto below = exp_of(d, hn::Sub(hn::Min(a, b), top));
-    const auto sum = hn::Add(hn::IfThenElse(is_first, p_first, p_second),
-                             hn::Mul(hn::IfThenElse(is_first, p_second, p_first), below));
-    hn::StoreU(hn::Add(top, log_of(d, hn::Max(sum, hn::Set(d, 1e-300)))), d, out);
-  };
-  std::size_t k = 0;
-  for (; k + lanes <= count; k += lanes) row(share + k, first + k, second + k, mixed + k);
-  if (k == count) return;
-  double rest[3][kParts] = {};
-  std::copy(share + k, share + count, rest[0]);
-  std::copy(first + k, first + count, rest[1]);
-  std::copy(second + k, second + count, rest[2]);
-  double out[kParts];
-  row(rest[0], rest[1], rest[2], out);
-  std::copy(out, out + (count - k), mixed + k);
-}
-
-/// One vector of columns.
-template <class D>
-HWY_INLINE void mix_columns(D d, std::span<const double> weight, const double* logs,
-                            std::size_t stride, double* mixed) {
-  auto sum = hn::Zero(d);
-  for (std::size_t r = 0; r < weight.size(); ++r) {
-    const auto p = exp_of(d, hn::LoadU(d, logs + r * stride));
-    sum = hn::Add(sum, hn::Mul(hn::Set(d, weight[r]), p));
-  }
-  hn::StoreU(log_of(d, hn::Max(sum, hn::Set(d, 1e-300))), d, mixed);
-}
-
-void mix_row_lanes(std::span<const double> weight, const double* logs, std::size_t stride,
-                   std::size_t count, double* mixed) {
-  const std::size_t lanes = hn::Lanes(Tag());
-  std::size_t k = 0;
-  for (; k + lanes <= count; k += lanes) mix_columns(Tag(), weight, logs + k, stride, mixed + k);
-  const hn::CappedTag<double, 1> one;
-  for (; k < count; ++k) mix_columns(one, weight, logs + k, stride, mixed + k);
-}
-
 }  // namespace strata::localization::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -181,8 +123,8 @@ namespace strata::localization {
 
 HWY_EXPORT(log_lanes);
 HWY_EXPORT(log_lanes_of);
-HWY_EXPORT(mix_lanes);
-HWY_EXPORT(mix_row_lanes);
+HWY_EXPORT(log_fan_lanes);
+HWY_EXPORT(log_row_lanes);
 
 namespace {
 /// The cumulated standard normal from 0 to 6 and its density, both a step of the table.
@@ -213,8 +155,12 @@ void ScanMixture::prepare(const BeamMixture& mixture, const ScanBeams& beams) {
   const double stddev = config.hit_stddev_m;
   terms_.log_missed = log_likelihood_of(config.max_weight);
   terms_.random = config.random_weight / mixture.r_max_m();
+  terms_.log_random = terms_.random;
+  log_column(&terms_.log_random, 1);
   terms_.hit_peak = config.hit_weight / (stddev * std::sqrt(2.0 * std::numbers::pi));
   terms_.half_inverse = 0.5 / (stddev * stddev);
+  terms_.most_steep =
+      terms_.random > 0.0 ? 34.0 + std::log1p(terms_.hit_peak / terms_.random) : 700.0;
   terms_.rate_per_m = config.short_rate_per_m;
   terms_.r_max_m = mixture.r_max_m();
   terms_.margin_m = 6.0 * stddev;
@@ -250,6 +196,35 @@ void ScanMixture::log_likelihoods(std::size_t begin, std::size_t count, const do
   }
 }
 
+void ScanMixture::log_likelihoods_of_fans(std::size_t fans, const double* expected_m,
+                                          double* log_likelihood) const {
+  Terms terms = terms_;
+  terms.range_m = range_m_.data();
+  terms.short_m = short_m_.data();
+  terms.log_none = log_none_.data();
+  if (!HWY_DYNAMIC_DISPATCH(log_fan_lanes)(terms, size(), fans, expected_m, log_likelihood)) return;
+  for (std::size_t k = 0; k < size() * fans; ++k) {
+    if (!std::isnan(log_likelihood[k])) continue;
+    const std::size_t b = k / fans;
+    log_likelihood[k] =
+        log_likelihood_of(mixture_->likelihood(short_m_[b] >= 0.0, range_m_[b], expected_m[k]));
+  }
+}
+
+void ScanMixture::log_likelihoods_of_rows(std::span<const SingleRow> rows, const double* expected_m,
+                                          double* log_likelihood) const {
+  Terms terms = terms_;
+  terms.range_m = range_m_.data();
+  terms.short_m = short_m_.data();
+  if (!HWY_DYNAMIC_DISPATCH(log_row_lanes)(terms, rows, expected_m, log_likelihood)) return;
+  for (std::size_t k = 0; k < rows.size() * RayFans::kVector; ++k) {
+    if (!std::isnan(log_likelihood[k])) continue;
+    const std::size_t b = rows[k / RayFans::kVector].beam;
+    log_likelihood[k] =
+        log_likelihood_of(mixture_->likelihood(short_m_[b] >= 0.0, range_m_[b], expected_m[k]));
+  }
+}
+
 void ScanMixture::log_likelihoods_of(const double* beam, std::size_t count,
                                      const double* expected_m, double* log_likelihood) const {
   Terms terms = terms_;
@@ -262,16 +237,6 @@ void ScanMixture::log_likelihoods_of(const double* beam, std::size_t count,
     log_likelihood[k] =
         log_likelihood_of(mixture_->likelihood(short_m_[b] >= 0.0, range_m_[b], expected_m[k]));
   }
-}
-
-void mix_logs(const double* share, const double* first, const double* second, std::size_t count,
-              double* mixed) {
-  HWY_DYNAMIC_DISPATCH(mix_lanes)(share, first, second, count, mixed);
-}
-
-void mix_rows(std::span<const double> weight, const double* logs, std::size_t stride,
-              std::size_t count, double* mixed) {
-  HWY_DYNAMIC_DISPATCH(mix_row_lanes)(weight, logs, stride, count, mixed);
 }
 
 }  // namespace strata::localization

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/localization/beam_mixture.hpp"
+#include "core/localization/ray_boxes.hpp"
 #include "core/localization/scan_beams.hpp"
 
 namespace strata::localization {
@@ -32,6 +33,16 @@ class ScanMixture {
   void log_likelihoods_of(const double* beam, std::size_t count, const double* expected_m,
                           double* log_likelihood) const;
 
+  /// All beams of several fans: log_likelihood[b fans + n] for beam b and expected_m[b fans + n].
+  /// Requires a multiple of RayFans::kVector fans.
+  void log_likelihoods_of_fans(std::size_t fans, const double* expected_m,
+                               double* log_likelihood) const;
+
+  /// One beam a row of RayFans::kVector fans: where anything is expected. Where nothing is, any
+  /// number.
+  void log_likelihoods_of_rows(std::span<const SingleRow> rows, const double* expected_m,
+                               double* log_likelihood) const;
+
   /// What the kernel reads: constants, and one entry a beam.
   struct Terms {
     const double* range_m = nullptr;
@@ -39,8 +50,10 @@ class ScanMixture {
     const double* log_none = nullptr;  ///< when nothing is expected
     double log_missed = 0.0;           ///< no return where an obstacle is expected
     double random = 0.0;
+    double log_random = 0.0;
     double hit_peak = 0.0;
     double half_inverse = 0.0;
+    double most_steep = 0.0;  ///< e^- this and less of the peak is nothing beside `random`
     double rate_per_m = 0.0;
     double r_max_m = 0.0;
     double margin_m = 0.0;   ///< nearer to either end the Gaussian is cut there
@@ -59,15 +72,5 @@ class ScanMixture {
   std::vector<double> short_m_;
   std::vector<double> log_none_;
 };
-
-/// mixed[k] = ln(share[k] e^first[k] + (1 - share[k]) e^second[k]), 0 <= share <= 1, one of the two
-/// finite. Every SIMD target gives the same bits.
-void mix_logs(const double* share, const double* first, const double* second, std::size_t count,
-              double* mixed);
-
-/// mixed[k] = ln sum_r weight[r] e^logs[r stride + k] for k < count, and no less than ln 1e-300;
-/// logs below 700. mixed may be the first row. Every SIMD target gives the same bits.
-void mix_rows(std::span<const double> weight, const double* logs, std::size_t stride,
-              std::size_t count, double* mixed);
 
 }  // namespace strata::localization

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/config.hpp"
+#include "core/localization/column_math.hpp"
 #include "core/localization/scan_mixture.hpp"
 #include "core/random/stream.hpp"
 #include "tests/support/every_target.hpp"
@@ -42,6 +43,36 @@ TEST(BeamMixture, PrefersTheExpectedRange) {
   // Something in the way is likelier than a beam through the wall.
   EXPECT_GT(mixture.density(1.0, 3.0), mixture.density(5.0, 3.0));
   EXPECT_GT(mixture.no_return(std::numeric_limits<double>::infinity()), mixture.no_return(3.0));
+}
+
+/// Every beam from eight fans at once, each with what another beam expects; and as rows.
+void check_rows(const ScanMixture& scan, const std::vector<double>& expected,
+                const std::vector<double>& logs) {
+  constexpr std::size_t kFans = RayFans::kVector;
+  const std::size_t beams = expected.size();
+  std::vector<double> expected_of_fans;
+  std::vector<SingleRow> rows;
+  for (std::size_t b = 0; b < beams; ++b) {
+    rows.push_back({static_cast<std::uint32_t>(b), 0, 0});
+    for (std::size_t n = 0; n < kFans; ++n) {
+      expected_of_fans.push_back(expected[(b + 37 * n) % beams]);
+    }
+  }
+  std::vector<double> one_by_one(beams * kFans);
+  for (std::size_t k = 0; k < one_by_one.size(); ++k) {
+    scan.log_likelihoods(k / kFans, 1, &expected_of_fans[k], &one_by_one[k]);
+  }
+  std::vector<double> of_fans(beams * kFans);
+  scan.log_likelihoods_of_fans(kFans, expected_of_fans.data(), of_fans.data());
+  EXPECT_EQ(of_fans, one_by_one);
+  for (std::size_t b = 0; b < beams; ++b) EXPECT_EQ(of_fans[b * kFans], logs[b]);
+  std::vector<double> of_rows(beams * kFans);
+  scan.log_likelihoods_of_rows(rows, expected_of_fans.data(), of_rows.data());
+  for (std::size_t k = 0; k < of_rows.size(); ++k) {
+    if (expected_of_fans[k] < scan.mixture().r_max_m()) {
+      EXPECT_EQ(of_rows[k], one_by_one[k]);
+    }
+  }
 }
 
 TEST(ScanMixture, EveryTargetGivesTheLogarithmsOfTheMixture) {
@@ -79,6 +110,7 @@ TEST(ScanMixture, EveryTargetGivesTheLogarithmsOfTheMixture) {
       std::vector<double> of_any(expected.size());
       scan.log_likelihoods_of(every_beam.data(), 501, expected.data(), of_any.data());
       EXPECT_EQ(of_any, first);
+      check_rows(scan, expected, first);
     });
   }
 }

@@ -59,5 +59,21 @@ TEST(ColumnMath, LogarithmsAreThoseOfTheLibraryWithTheSameBitsOnEveryTarget) {
   }
 }
 
+TEST(ColumnMath, EveryTargetSumsRowsInTheirOrder) {
+  RandomStream random(3, StreamId::kTest);
+  constexpr std::size_t kRows = 17;
+  for (const std::size_t columns : {std::size_t{64}, std::size_t{13}}) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < kRows * columns; ++k) values.push_back(random.normal());
+    std::vector<double> expected(columns, 0.0);
+    for (std::size_t k = 0; k < values.size(); ++k) expected[k % columns] += values[k];
+    test::for_every_target([&] {
+      std::vector<double> sums(columns);
+      sum_rows(values.data(), kRows, columns, sums.data());
+      EXPECT_EQ(sums, expected);
+    });
+  }
+}
+
 }  // namespace
 }  // namespace strata::localization

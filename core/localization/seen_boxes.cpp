@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/seen_boxes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace strata::localization {
+namespace {
+
+/// The cosine of the sum of two angles in [0, pi], -1 when that is beyond pi.
+double cosine_of_sum(double cosine_a, double cosine_b) {
+  if (cosine_a <= -cosine_b) return -1.0;
+  const double sine_a = std::sqrt(std::max(0.0, 1.0 - cosine_a * cosine_a));
+  const double sine_b = std::sqrt(std::max(0.0, 1.0 - cosine_b * cosine_b));
+  return cosine_a * cosine_b - sine_a * sine_b;
+}
+
+}  // namespace
+
+void SeenBoxes::take(const PatchRayCaster& caster, const LaserColumns& lasers,
+                     const ChunkStates& states, double max_range_m) {
+  lasers_ = lasers.padded();
+  columns_.clear();
+  contents_.clear();
+  ways_.clear();
+  if (caster.boxes().empty()) return;
+  const auto [low_x, high_x] = std::minmax_element(lasers.x_m().begin(), lasers.x_m().end());
+  const auto [low_y, high_y] = std::minmax_element(lasers.y_m().begin(), lasers.y_m().end());
+  middle_x_m_ = 0.5 * (*low_x + *high_x);
+  middle_y_m_ = 0.5 * (*low_y + *high_y);
+  radius_m_ = 0.5 * std::hypot(*high_x - *low_x, *high_y - *low_y);
+  heading_cosine_ = lasers.heading_cosine().front();
+  heading_sine_ = lasers.heading_sine().front();
+  spread_cosine_ = 1.0;
+  for (std::size_t n = 0; n < lasers_; ++n) {
+    spread_cosine_ = std::min(spread_cosine_, heading_cosine_ * lasers.heading_cosine()[n] +
+                                                  heading_sine_ * lasers.heading_sine()[n]);
+  }
+  for (const RayBox& box : caster.boxes()) {
+    if (box.min_x_m < *high_x + max_range_m && box.max_x_m > *low_x - max_range_m &&
+        box.min_y_m < *high_y + max_range_m && box.max_y_m > *low_y - max_range_m) {
+      take_box(caster, box, lasers, states, max_range_m);
+    }
+  }
+}
+
+void SeenBoxes::take_box(const PatchRayCaster& caster, const RayBox& box,
+                         const LaserColumns& lasers, const ChunkStates& states,
+                         double max_range_m) {
+  const std::size_t place = ways_.size();
+  columns_.resize((place + 1) * kColumns * lasers_);
+  contents_.resize((place + 1) * lasers_);
+  double* const column = columns_.data() + place * kColumns * lasers_;
+  double* const near_m = column + 4 * lasers_;
+  double* const hidden = column + 5 * lasers_;
+  std::fill(near_m, near_m + lasers_, std::numeric_limits<double>::infinity());
+  bool any = false;
+  bool all_uniform = true;
+  CellOwner cells;
+  bool is_uniform = false;
+  double hidden_mark = 0.0;
+  bool may_end = false;
+  RayBox seen;
+  for (std::size_t n = 0; n < lasers.count(); ++n) {
+    const int current = states.submap[n];
+    const int fixed = states.fixed(n);
+    if (n == 0 || current != states.submap[n - 1] || fixed != states.fixed(n - 1)) {
+      may_end = caster.may_end_beams(box, current, fixed);
+      seen = caster.seen(box, current);
+      const std::span<const CellOwner> owners = caster.owners_in(box, current);
+      cells = owners.size() == 1 ? owners.front() : CellOwner{};
+      cells.mask &= PatchRayCaster::counting(cells.submap, current, fixed);
+      is_uniform = caster.is_uniform(box, current);
+      hidden_mark = static_cast<double>(caster.hidden_in(box, current));
+    }
+    contents_[place * lasers_ + n] = {cells.submap, cells.mask};
+    column[n] = seen.min_x_m - lasers.x_m()[n];
+    column[lasers_ + n] = seen.min_y_m - lasers.y_m()[n];
+    column[2 * lasers_ + n] = seen.max_x_m - lasers.x_m()[n];
+    column[3 * lasers_ + n] = seen.max_y_m - lasers.y_m()[n];
+    const double dx = std::max({column[n], -column[2 * lasers_ + n], 0.0});
+    const double dy = std::max({column[lasers_ + n], -column[3 * lasers_ + n], 0.0});
+    if (!may_end || dx * dx + dy * dy >= max_range_m * max_range_m) continue;
+    near_m[n] = std::max(dx, dy);
+    hidden[n] = hidden_mark;
+    any = true;
+    all_uniform = all_uniform && is_uniform;
+  }
+  if (!any) {
+    columns_.resize(place * kColumns * lasers_);
+    contents_.resize(place * lasers_);
+    return;
+  }
+  // All of the box, and of the lasers, in circles.
+  const double x = 0.5 * (box.min_x_m + box.max_x_m) - middle_x_m_;
+  const double y = 0.5 * (box.min_y_m + box.max_y_m) - middle_y_m_;
+  const double away_m = std::hypot(x, y);
+  const double radius_m =
+      radius_m_ + 0.5 * std::hypot(box.max_x_m - box.min_x_m, box.max_y_m - box.min_y_m);
+  Way& way = ways_.emplace_back();
+  way.is_uniform = all_uniform;
+  if (away_m <= radius_m) return;
+  const double sine = radius_m / away_m;
+  constexpr double kRounding = 1e-9;
+  way.x = x / away_m;
+  way.y = y / away_m;
+  way.least_cosine =
+      cosine_of_sum(spread_cosine_, std::sqrt(std::max(0.0, 1.0 - sine * sine))) - kRounding;
+}
+
+std::span<const BoxColumns> SeenBoxes::near_beam(double cosine, double sine) {
+  near_.clear();
+  const double c = heading_cosine_ * cosine - heading_sine_ * sine;
+  const double s = heading_sine_ * cosine + heading_cosine_ * sine;
+  for (std::size_t box = 0; box < ways_.size(); ++box) {
+    if (c * ways_[box].x + s * ways_[box].y < ways_[box].least_cosine) continue;
+    const double* const column = columns_.data() + box * kColumns * lasers_;
+    near_.push_back({column, column + lasers_, column + 2 * lasers_, column + 3 * lasers_,
+                     column + 4 * lasers_, column + 5 * lasers_,
+                     box < RayCrossings::kNamed ? std::ldexp(1.0, static_cast<int>(box)) : 0.0,
+                     static_cast<std::uint32_t>(box), ways_[box].is_uniform});
+  }
+  return near_;
+}
+
+}  // namespace strata::localization

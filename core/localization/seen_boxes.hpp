@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The boxes with changing cells that are near a chunk of particles, as each of these sees them.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/localization/laser_columns.hpp"
+#include "core/localization/patch_ray_caster.hpp"
+#include "core/localization/ray_boxes.hpp"
+
+namespace strata::localization {
+
+/// What particles of a chunk know of where they are.
+struct ChunkStates {
+  std::span<const std::int32_t> submap;  ///< which they are in, -1: none
+  std::span<const std::int32_t> patch;   ///< its one configuration that counts; empty: all count
+  [[nodiscard]] std::int32_t fixed(std::size_t n) const { return patch.empty() ? -1 : patch[n]; }
+};
+
+/// Working memory: take(), then what was found. Allocates nothing once warm.
+class SeenBoxes {
+ public:
+  /// The boxes of `caster` within max_range_m of any laser. One entry of `states` a laser.
+  void take(const PatchRayCaster& caster, const LaserColumns& lasers, const ChunkStates& states,
+            double max_range_m);
+  [[nodiscard]] bool empty() const { return ways_.empty(); }
+
+  /// Those that a beam may cross, with this direction in its fan, from any of the lasers. Valid
+  /// until the next call.
+  [[nodiscard]] std::span<const BoxColumns> near_beam(double cosine, double sine);
+
+  /// Whether RayCrossings::boxes names all of them.
+  [[nodiscard]] bool are_named() const { return ways_.size() <= RayCrossings::kNamed; }
+  [[nodiscard]] std::size_t size() const { return ways_.size(); }
+  /// Entries of each, one a laser.
+  [[nodiscard]] std::size_t lasers() const { return lasers_; }
+  /// What counts in a box for a particle; submap -1: several sub-maps do.
+  [[nodiscard]] const CellOwner& content(std::size_t box, std::size_t n) const {
+    return contents_[box * lasers_ + n];
+  }
+  /// Whether all cells of a box are alike, as PatchRayCaster::is_uniform, for each particle that it
+  /// counts for.
+  [[nodiscard]] bool is_uniform(std::size_t box) const { return ways_[box].is_uniform; }
+  /// Whether a box counts for a particle.
+  [[nodiscard]] bool counts(std::size_t box, std::size_t n) const {
+    return std::isfinite(columns_[(box * kColumns + 4) * lasers_ + n]);
+  }
+
+ private:
+  /// Where a box lies from the middle of the lasers.
+  struct Way {
+    double x = 0.0;  ///< direction to its middle
+    double y = 0.0;
+    double least_cosine = -1.0;  ///< of the angle between that and a beam of the first fan
+    bool is_uniform = true;      ///< for all that it counts for
+  };
+  void take_box(const PatchRayCaster& caster, const RayBox& box, const LaserColumns& lasers,
+                const ChunkStates& states, double max_range_m);
+
+  std::size_t lasers_ = 0;
+  double middle_x_m_ = 0.0;
+  double middle_y_m_ = 0.0;
+  double radius_m_ = 0.0;  ///< about the middle, lasers lie within it
+  double heading_cosine_ = 1.0;
+  double heading_sine_ = 0.0;
+  double spread_cosine_ = 1.0;       ///< of the largest angle between the first heading and another
+  std::vector<double> columns_;      ///< kColumns rows a box, of one entry a laser
+  std::vector<CellOwner> contents_;  // as many entries a box
+  std::vector<Way> ways_;
+  std::vector<BoxColumns> near_;
+  static constexpr std::size_t kColumns = 6;
+};
+
+}  // namespace strata::localization
