@@ -7,6 +7,8 @@
 #include <functional>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "core/base/config.hpp"
 #include "core/localization/particle_kernels.hpp"
 
@@ -14,6 +16,8 @@ namespace strata::localization {
 namespace {
 constexpr std::size_t kChunk = 256;
 constexpr double kLeastRange_m = 1e-9;
+/// Hits that are asked for an explanation, at most: each costs a ray.
+constexpr std::size_t kExplained = 60;
 }  // namespace
 
 LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
@@ -47,7 +51,7 @@ LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
       std::log(config.field.hit_weight * std::exp(-4.5) + (1.0 - config.field.hit_weight)));
 }
 
-void LikelihoodFieldModel::find_points(const Scan& scan, Points& points) const {
+void LikelihoodFieldModel::find_points(const Scan& scan, std::size_t most, Points& points) const {
   points.beams.clear();
   points.x.clear();
   points.y.clear();
@@ -55,7 +59,6 @@ void LikelihoodFieldModel::find_points(const Scan& scan, Points& points) const {
     if (scan.kind(beam) == BeamKind::kHit) points.beams.push_back(static_cast<std::uint32_t>(beam));
   }
   const std::size_t hits = points.beams.size();
-  const auto most = static_cast<std::size_t>(config_.max_beams);
   const std::size_t count = most == 0 ? hits : std::min(most, hits);
   const double scale = 1.0 / field_.log_likelihood().resolution_m();
   for (std::size_t k = 0; k < count; ++k) {
@@ -75,7 +78,7 @@ std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, double tempe
                                                   std::span<double> log_likelihood,
                                                   WorkerPool& pool) const {
   const auto points = points_.borrow();
-  find_points(scan, *points);
+  find_points(scan, static_cast<std::size_t>(config_.max_beams), *points);
   const FieldPoints field_points{points->x.data(), points->y.data(), points->x.size()};
   const double scale = 1.0 / field_.log_likelihood().resolution_m();
   const Cell corner = field_.log_likelihood().rect().min;
@@ -105,17 +108,19 @@ std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, double tempe
 Explanation LikelihoodFieldModel::explain(const Scan& scan, const Pose2& map_from_robot,
                                           const ParticleSet& /*particles*/) const {
   const auto points = points_.borrow();
-  find_points(scan, *points);
+  const auto most = static_cast<std::size_t>(config_.max_beams);
+  find_points(scan, most == 0 ? kExplained : std::min(most, kExplained), *points);
   const std::size_t count = points->x.size();
   if (count == 0) return {};
   const double resolution = field_.log_likelihood().resolution_m();
   const Eigen::Vector2d laser = (map_from_robot * scan.robot_from_laser).translation();
   const double tolerance_m = 3.0 * config_.field.hit_stddev_m;
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(map_from_robot.theta).toRotationMatrix();
   Explanation said;
   for (std::size_t k = 0; k < count; ++k) {
     const Eigen::Vector2d in_robot(static_cast<double>(points->x[k]) * resolution,
                                    static_cast<double>(points->y[k]) * resolution);
-    const Eigen::Vector2d point = map_from_robot * in_robot;
+    const Eigen::Vector2d point = map_from_robot.translation() + turn * in_robot;
     const double range_m = (point - laser).norm();
     const Eigen::Vector2d direction = (point - laser) / std::max(range_m, kLeastRange_m);
     const double expected_m =

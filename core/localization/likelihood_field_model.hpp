@@ -46,7 +46,7 @@ class LikelihoodFieldModel final : public SensorModel {
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.tempering; }
   /// A hit is explained within 3 hit_stddev of an obstacle, and met within as much along its ray:
-  /// the field does not tell what lies before it.
+  /// the field does not tell what lies before it. Asks 60 hits at most.
   [[nodiscard]] Explanation explain(const Scan& scan, const Pose2& map_from_robot,
                                     const ParticleSet& particles) const override;
 
@@ -57,7 +57,8 @@ class LikelihoodFieldModel final : public SensorModel {
     std::vector<float> x;
     std::vector<float> y;
   };
-  void find_points(const Scan& scan, Points& points) const;
+  /// Of at most that many hits, spread evenly; 0: of all.
+  void find_points(const Scan& scan, std::size_t most, Points& points) const;
 
   LikelihoodFieldModelConfig config_;
   LikelihoodField field_;
