@@ -26,6 +26,7 @@ void LiveMaps::add(const strata_msgs::msg::PatchMap& message) {
 }
 
 void LiveMaps::add(const strata_msgs::msg::NodeMap& message) {
+  maps_.timescale.reset();  // that of the folder: who publishes knows more by now
   maps_.nodes = maps::from_message(message, {config_.own_place_m}, maps_.nodes.get());
   is_new_ = is_new_ || !message.nodes().empty();
 }

@@ -16,6 +16,7 @@
 #include "core/base/progress.hpp"
 #include "core/patch/patch_map.hpp"
 #include "core/slam/slam.hpp"
+#include "memory/decoding/decoding_config.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 #include "memory/store/store.hpp"
 

@@ -23,7 +23,7 @@ inline constexpr double kNoEdge = std::numeric_limits<double>::infinity();
 /// one stands for all. Edges lead from each row to the next and from the last to the first.
 class LayeredGraph {
  public:
-  /// State of a row without samples.
+  /// State of a row without samples; in scene graphs of every row with samples too.
   static constexpr std::uint8_t kWildcard = 255;
 
   /// Appends a row; its states are numbered from 0. Requires at least one state.

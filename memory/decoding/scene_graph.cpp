@@ -23,7 +23,7 @@ struct Row {
   RowCounts counts;
   std::vector<double> share;   ///< per state
   std::vector<double> weight;  ///< share^w
-  double unseen = 1.0;         ///< the same of the wildcard
+  double unseen = 1.0;         ///< what a step to the wildcard is worth
 
   void fill(const NodeLevel& level, int angle_bin, double evidence) {
     counts.fill(level, angle_bin);

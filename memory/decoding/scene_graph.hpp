@@ -22,8 +22,9 @@ namespace strata::memory::detail {
 /// added. Range bins beside count half, as a condition a fifth.
 ///
 /// Every row with samples has one more state, the wildcard: the scene was never seen in this angle
-/// bin, and all of its samples are of others. It costs ln of the probability that two of those show
-/// one surface, and is entered and left where a state has samples, but no pairs.
+/// bin, and all of its samples are of others. It costs -ln of the probability that two of those
+/// show one surface, besides the vote that the commonest state would have, and is entered and left
+/// where a state has samples, but no pairs.
 ///
 /// There is no prior of the first row. O(angle bins x (pairs + states^2)).
 [[nodiscard]] LayeredGraph build_scene_graph(const NodeLevel& level, const DecodingConfig& config);

@@ -212,7 +212,7 @@ VerdictWorld world_of_log(const std::string& log, const std::string& poses) {
                       {runs.poses.begin(), runs.poses.begin() + learned},
                       pipeline::learn_at_given_poses(), parts, 1, 2, nullptr);
   return {std::filesystem::path(log).filename().string(),
-          pipeline::maps_of(result),
+          pipeline::maps_of(result, {}),
           {runs.observations.begin() + learned, runs.observations.end()},
           {runs.poses.begin() + learned, runs.poses.end()}};
 }

@@ -92,7 +92,7 @@ WeanMaps learn_wean_maps(const WeanRuns& wean, const std::vector<int>& of, bool 
     source.push_back(*wean.common[places[i]]);
     target.push_back(*learned[i]);
   }
-  return {pipeline::maps_of(result), align(source, target)};
+  return {pipeline::maps_of(result, {}), align(source, target)};
 }
 
 WeanDoors judge_wean_doors(const patch::PatchMap& map, int run_a, int run_b) {

@@ -10,6 +10,7 @@
 #include "components/maps/maps_folder.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
+#include "memory/decoding/decoding_config.hpp"
 #include "memory/store/store.hpp"
 #include "tools/pipeline/level_changes.hpp"
 #include "tools/report/image.hpp"

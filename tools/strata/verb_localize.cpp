@@ -12,6 +12,7 @@
 #include "components/maps/map_model.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
+#include "memory/decoding/decoding_config.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/localize.hpp"
 #include "tools/pipeline/localize_output.hpp"

@@ -123,7 +123,7 @@ TEST(SceneGraph, LetsAllBinsVoteWhereTheExactProductAsksOnePair) {
 }
 
 /// By trying all of them; kNoEdge for none.
-double least_cost_of_all(LayeredGraph graph) {
+double least_cost_of_all(const LayeredGraph& graph) {
   double least = kNoEdge;
   std::vector<std::size_t> path(graph.rows(), 0);
   for (std::size_t row = 0; row < graph.rows();) {

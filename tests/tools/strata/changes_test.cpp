@@ -55,7 +55,7 @@ TEST_F(Changes, AreOfTheLevelsAsTheDecoderToldShowsThem) {
         0);
     return bytes_of(path(out) / "level_short.png");
   };
-  EXPECT_NE(draw("exact", ""), draw("literal",
+  EXPECT_NE(draw("exact", ""), draw("conditional",
                                     " --set decoding.edges=conditional"
                                     " --set decoding.cost=reciprocal"));
   const Outcome unknown =

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// `strata compare --via dds`: what the components say is what the library says.
+/// `strata compare --via dds`: what the components say is what the library says; the settings that
+/// it shares with `localize`.
 #include <filesystem>
 #include <string>
 
@@ -42,8 +43,8 @@ TEST_F(CompareVia, LocalizeDecodesTheMemoryAsToldToo) {
                             quoted(at(out)) + more + " 2>&1");
   };
   ASSERT_EQ(localize("exact", "").code, 0);
-  ASSERT_EQ(localize("paper", " --set decoding.edges=joint").code, 0);
-  EXPECT_NE(content(at("exact") / "trajectory.tum"), content(at("paper") / "trajectory.tum"));
+  ASSERT_EQ(localize("joint", " --set decoding.edges=joint").code, 0);
+  EXPECT_NE(content(at("exact") / "trajectory.tum"), content(at("joint") / "trajectory.tum"));
   const test::Outcome unknown = localize("unknown", " --set decoding.edges=guess");
   EXPECT_EQ(unknown.code, 2);
   EXPECT_THAT(unknown.out, testing::HasSubstr("decoding.edges"));
