@@ -179,7 +179,7 @@ void Localizer::localize(const Observation& observation) {
   if (!result.submaps.empty()) publish_states(stamp, result.submaps);
   publish_current_map(stamp, result.submaps);
   publish_health(stamp, result, update_time);
-  if (store_ && result.converged && result.health.state != localization::HealthState::kLost) {
+  if (store_ && result.converged && !result.health.is_in_doubt) {
     store_->keep(observation, result.pose);
   }
 }

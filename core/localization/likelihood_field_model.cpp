@@ -126,10 +126,11 @@ Explanation LikelihoodFieldModel::explain(const Scan& scan, const Pose2& map_fro
     const double expected_m =
         caster_->range_m(laser.x(), laser.y(), direction.x(), direction.y(), range_m + tolerance_m);
     const bool is_near = static_cast<float>(field_.at(point)) >= explained_from_;
-    if (!is_near && !(expected_m < range_m) && !knows_end(*caster_, laser, point, tolerance_m)) {
+    const bool is_met = std::abs(expected_m - range_m) <= tolerance_m;
+    if (!is_near && !is_met && !(expected_m < range_m) &&
+        !knows_end(*caster_, laser, point, tolerance_m)) {
       continue;
     }
-    const bool is_met = std::abs(expected_m - range_m) <= tolerance_m;
     said.judged += 1.0;
     said.explained += is_near ? 1.0 : 0.0;
     said.met += is_met ? 1.0 : 0.0;

@@ -38,13 +38,18 @@ class RayWalker {
   }
 
   /// Whether the nearest marked cell's centre is within `distance_m` of the centre of the cell that
-  /// a point lies in; distances up to a cell's diagonal are as good as it. False outside rect().
+  /// a point lies in; distances up to a cell's diagonal are as good as it. Outside rect() the way
+  /// to its edge is added, which is the distance at most.
   [[nodiscard]] bool is_near(const Eigen::Vector2d& point_m, double distance_m) const {
+    const CellRect& rect = leap_.rect();
+    if (rect.area() == 0) return false;
     const Cell cell = leap_.cell_at(point_m);
-    if (!leap_.contains(cell)) return false;
-    const double leap = static_cast<double>(leap_.at(cell));
-    return leap <= 0.0 ||
-           (leap + std::numbers::sqrt2) * leap_.resolution_m() <= distance_m + kRounding_m;
+    const Cell inside{std::clamp(cell.x, rect.min.x, rect.max.x - 1),
+                      std::clamp(cell.y, rect.min.y, rect.max.y - 1)};
+    const double leap = static_cast<double>(leap_.at(inside));
+    const double way = std::hypot(cell.x - inside.x, cell.y - inside.y);
+    const double away = leap <= 0.0 ? 0.0 : leap + std::numbers::sqrt2;
+    return (away + way) * leap_.resolution_m() <= distance_m + kRounding_m;
   }
 
   /// The same for kernels.

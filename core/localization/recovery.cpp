@@ -12,6 +12,9 @@ namespace {
 /// Beams that something new stops may be up to this share of those judged for the others to speak
 /// alone: where nearly all are stopped, few are left.
 constexpr double kMostStopped = 0.75;
+/// Of the pace at which the long averages follow otherwise: a pose that stays wrong must not become
+/// the usual one, and a building that was rebuilt must.
+constexpr double kPaceWhileLost = 0.1;
 
 /// Moves the average of each share by `rate` of the way to the new one.
 void follow(double rate, const Explanation& now, Explanation& average) {
@@ -39,7 +42,7 @@ void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanati
   LocalizationHealth& h = health_;
   h.likelihood_per_beam = likelihood_per_beam;
   follow(fast, explanation, fast_);
-  follow(slow, explanation, slow_);
+  follow(h.state == HealthState::kLost ? kPaceWhileLost * slow : slow, explanation, slow_);
   h.explained_share = explained_of_judged(explanation);
   h.explained_share_fast = explained_of_judged(fast_);
   h.explained_share_slow = explained_of_judged(slow_);
@@ -48,7 +51,7 @@ void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanati
   h.position_stddev_m = position_stddev_m;
   const bool is_known = h.judged_share_fast >= kLeastJudged;
   const bool is_lost = is_known && is_contradicted();
-  const bool is_doubtful =
+  h.is_in_doubt =
       is_lost || (is_known && h.explained_share_fast < config_.lost_share * h.explained_share_slow);
   if (is_lost) {
     h.state = HealthState::kLost;
@@ -61,7 +64,7 @@ void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanati
     h.state = HealthState::kGood;
   }
   // Looking for a better place must not wait until the pose is surely wrong.
-  if (is_doubtful || (!is_known && doubtful_in_a_row_ < 0)) {
+  if (h.is_in_doubt || (!is_known && doubtful_in_a_row_ < 0)) {
     ++doubtful_in_a_row_;
   } else {
     doubtful_in_a_row_ = 0;
@@ -69,8 +72,8 @@ void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanati
 }
 
 /// Whether all readings of the map contradict the pose: rays, surfaces, and that of the beams which
-/// nothing new stopped. Where furniture stands otherwise one of them holds. Compares quotients
-/// without division, as there may be nothing below.
+/// nothing new stopped. Where furniture stands otherwise one of them mostly holds. Compares
+/// quotients without division, as there may be nothing below.
 bool HealthMonitor::is_contradicted() const {
   if (fast_.met * slow_.judged >= config_.lost_share * slow_.met * fast_.judged) return false;
   // What the map cannot judge counts as usual: where its end is near, few beams would decide.

@@ -58,7 +58,7 @@ struct RecoveryConfig {
              .max = 1.0});
     v.field("lost_passing_share", c.lost_passing_share,
             {.doc = "... and, among the beams that nothing new stops, below this: not where things "
-                    "were put down",
+                    "were put down, unless they stop three quarters of all beams",
              .min = 0.0,
              .max = 1.0});
     v.field("outdated_share", c.outdated_share,
@@ -92,12 +92,14 @@ enum class HealthState {
   kGood,
   kConverging,   ///< the particles are spread widely
   kMapOutdated,  ///< a sure pose, but fewer beams explained than usual, or few judged
-  kLost,         ///< far fewer than usual, and no thing taken away or put down is why
+  kLost,         ///< far fewer than usual, and no thing taken away or put down explains it
 };
 
 /// Shares of explained beams are of those that the map judges (Explanation).
 struct LocalizationHealth {
   HealthState state = HealthState::kConverging;
+  /// Lost, or fewer beams explained than lost_share of the usual: nothing is learned from there.
+  bool is_in_doubt = false;
   double explained_share = 1.0;       ///< of this scan, at the mean pose; 1 when none is judged
   double explained_share_fast = 1.0;  ///< short average, each scan weighted by its judged beams
   double explained_share_slow = 1.0;  ///< long average

@@ -69,6 +69,12 @@ TEST(RayCaster, IsNearASurfaceWithinADistanceOfItsCells) {
     EXPECT_EQ(caster.is_near_surface(point, 0.3), distance_m <= 0.3 + 1e-6) << distance_m;
   }
   EXPECT_FALSE(caster.is_near_surface({2.5, 1.0}, 0.3));
+  EXPECT_FALSE(RayCaster().is_near_surface({0.0, 0.0}, 0.3));
+  ReflectionGrid edge(0.05, {{0, 0}, {40, 40}}, 0.0F);
+  edge.at({39, 20}) = 1.0F;
+  const RayCaster of_edge(edge);
+  EXPECT_TRUE(of_edge.is_near_surface({2.22, 1.02}, 0.3));   // five cells beyond
+  EXPECT_FALSE(of_edge.is_near_surface({2.32, 1.02}, 0.3));  // seven
 }
 
 TEST(RayKernel, EveryTargetGivesTheBitsOfTheScalarWalk) {

@@ -102,8 +102,31 @@ TEST(HealthMonitor, IsLostWhereNearlyAllBeamsAreStopped) {
 
 TEST(HealthMonitor, LooksForABetterPlaceAlreadyWhereTheVerdictIsThatTheMapIsOutdated) {
   const HealthMonitor monitor = after_half(0.8, 0.0);
+  EXPECT_NE(monitor.health().state, HealthState::kLost);
+  EXPECT_TRUE(monitor.health().is_in_doubt);
   EXPECT_TRUE(monitor.wants_restart());
   EXPECT_GT(monitor.injection_share(), 0.0);
+}
+
+/// How many of 100,000 values at a pose that went wrong pass until it counts as usual; -1 if never.
+int values_until_not_lost() {
+  HealthMonitor monitor{RecoveryConfig{}};
+  for (int n = 0; n < 1000; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
+  Explanation wrong(0.3, 1.0);
+  wrong.at_surface = 0.45;
+  wrong.stopped = 0.4;
+  bool was_lost = false;
+  for (int n = 0; n < 100'000; ++n) {
+    monitor.add(0.1, wrong, 0.05);
+    const bool is_lost = monitor.health().state == HealthState::kLost;
+    if (was_lost && !is_lost) return n;
+    was_lost = is_lost;
+  }
+  return -1;
+}
+
+TEST(HealthMonitor, StaysLostWhileNothingGetsBetterButNotForEver) {
+  EXPECT_GT(values_until_not_lost(), 2000);
 }
 
 /// Values in which nothing is explained, until a search is wanted.
