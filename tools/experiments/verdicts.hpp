@@ -36,7 +36,7 @@ struct VerdictCounts {
   VerdictCounts& operator+=(const VerdictCounts& other);
 };
 
-/// Tracks the whole drive, and carries the robot away `times` times: each time it tracks 120 to 200
+/// Tracks the whole drive, and carries the robot away `times` times: each time it tracks 150
 /// scans from the truth on and then sees, without odometry telling, what was seen elsewhere in the
 /// drive. No recovery. model: "patch", "filtered", or "field" for end points in the filtered map.
 [[nodiscard]] VerdictCounts count_verdicts(const VerdictWorld& world, const std::string& model,
