@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "components/maps/map_model.hpp"
+#include "core/base/error.hpp"
 #include "core/localization/localizer.hpp"
 #include "tools/experiments/random_office.hpp"
 #include "tools/experiments/simulated_maps.hpp"
@@ -29,14 +30,7 @@ constexpr double kJump_m = 1.5;
 constexpr double kScan_s = 0.1;
 constexpr std::uint64_t kOffices = 10;
 
-using localization::LocalizationHealth;
 using localization::Localizer;
-
-bool is_doubtful(const Localizer& localizer, const LocalizationHealth& health) {
-  return health.judged_share_fast >= localization::kLeastJudged &&
-         health.explained_share_fast <
-             localizer.config().recovery.lost_share * health.explained_share_slow;
-}
 
 std::shared_ptr<const localization::SensorModel> sensor_of(const VerdictWorld& world,
                                                            const std::string& model) {
@@ -102,11 +96,14 @@ void start(Splicer& splicer, const Pose2& truth) {
 
 void count_tracked(const VerdictWorld& world, Splicer splicer, VerdictCounts& counts) {
   const std::size_t begin = known_from(world, 0);
+  if (begin == world.truths.size()) {
+    throw InputError(world.name, "has no scan whose truth is known", "give poses of that time");
+  }
   start(splicer, *world.truths[begin]);
   splicer.drive(begin, world.observations.size(), [&](const auto& result, double error_m) {
     if (error_m >= kRight_m) return true;
     ++counts.scans;
-    counts.doubtful += is_doubtful(splicer.localizer(), result.health) ? 1 : 0;
+    counts.doubtful += result.health.is_in_doubt ? 1 : 0;
     counts.lost += result.health.state == localization::HealthState::kLost ? 1 : 0;
     return true;
   });
@@ -121,7 +118,7 @@ void count_carried(const VerdictWorld& world, Splicer splicer, std::size_t from,
   std::optional<int> lost;
   splicer.drive(to, to + kCarried, [&](const auto& result, double error_m) {
     if (error_m < kWrong_m) return false;
-    if (!doubtful && is_doubtful(splicer.localizer(), result.health)) doubtful = scans;
+    if (!doubtful && result.health.is_in_doubt) doubtful = scans;
     if (!lost && result.health.state == localization::HealthState::kLost) lost = scans;
     ++scans;
     return true;
