@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Hot loops against the bare form of the same loop on the same machine in the same run: each
-/// iteration runs both, and `ratio` is the median of the quotients of their CPU times.
+/// Hot loops against the bare form of the same loop on the same machine in the same run.
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <memory>
 #include <vector>
 
@@ -14,52 +12,21 @@
 #include "core/grid/ray_traversal.hpp"
 #include "core/localization/likelihood_field_model.hpp"
 #include "core/localization/localizer.hpp"
-#include "core/localization/patch_beam_model.hpp"
 #include "core/localization/range_provider_model.hpp"
 #include "core/random/stream.hpp"
 #include "core/scan/endpoints.hpp"
 #include "tests/bench/limits/limits.hpp"
 #include "tests/bench/peers_scenario.hpp"
+#include "tests/bench/ratios.hpp"
+#include "tests/bench/scenario_clouds.hpp"
 
 namespace strata {
 namespace {
 
+using bench::clouds;
+using bench::compare;
 using bench::peers_scenario;
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-template <typename Body>
-double seconds_of(Body&& body) {
-  const double begin = cpu_seconds();
-  body();
-  return cpu_seconds() - begin;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// items: what `ours` and `limit` do at a time; figures are nanoseconds for one.
-template <typename Ours, typename Limit>
-void compare(benchmark::State& state, double items, Ours&& ours, Limit&& limit) {
-  std::vector<double> a;
-  std::vector<double> b;
-  std::vector<double> ratios;
-  for (auto _ : state) {
-    a.push_back(seconds_of(ours));
-    b.push_back(seconds_of(limit));
-    ratios.push_back(a.back() / b.back());
-  }
-  state.counters["ours_ns"] = median(std::move(a)) / items * 1e9;
-  state.counters["limit_ns"] = median(std::move(b)) / items * 1e9;
-  state.counters["ratio"] = median(std::move(ratios));
-}
+using bench::weigh;
 
 /// End points of a scan in cells, at most `most`.
 struct CellPoints {
@@ -266,37 +233,6 @@ void ray_query(benchmark::State& state) {
 }
 BENCHMARK(ray_query);
 
-/// 500 particles about the true pose of each tenth scan.
-std::vector<localization::ParticleSet> clouds() {
-  RandomStream random(5, StreamId::kTest);
-  std::vector<localization::ParticleSet> sets;
-  for (std::size_t n = 0; n < peers_scenario().truth.size(); n += 10) {
-    localization::ParticleSet set;
-    set.resize(500);
-    const Pose2& truth = peers_scenario().truth[n];
-    for (std::size_t i = 0; i < set.size(); ++i) {
-      set.set_pose(i, {truth.x + 0.1 * random.normal(), truth.y + 0.1 * random.normal(),
-                       truth.theta + 0.03 * random.normal()});
-    }
-    localization::set_uniform_weights(set);
-    sets.push_back(std::move(set));
-  }
-  return sets;
-}
-
-/// Weighs all clouds; returns how many beams and particles that were.
-double weigh(const localization::SensorModel& model, std::vector<localization::ParticleSet>& sets) {
-  std::vector<double> log(500);
-  WorkerPool pool(1);
-  double pairs = 0.0;
-  for (std::size_t n = 0; n < sets.size(); ++n) {
-    const Scan& scan = peers_scenario().observations[10 * n].scan;
-    pairs += 500.0 * static_cast<double>(model.log_likelihoods(scan, 1.0, sets[n], log, pool));
-    benchmark::DoNotOptimize(log.data());
-  }
-  return pairs;
-}
-
 /// The beam model, one beam every 5 degrees, per beam and particle; the limit is its ray query.
 void beam_model(benchmark::State& state) {
   const auto& scenario = peers_scenario();
@@ -316,114 +252,6 @@ void beam_model(benchmark::State& state) {
       state, pairs, [&] { weigh(*model, sets); }, bare);
 }
 BENCHMARK(beam_model);
-
-/// The scenario's map with a sub-map of 4 m x 4 m and two configurations at every 30th pose.
-std::shared_ptr<const patch::PatchMap> patched_map() {
-  const auto& scenario = peers_scenario();
-  auto map = std::make_shared<patch::PatchMap>();
-  map->base = scenario.map;
-  for (std::size_t n = 0; n < scenario.truth.size(); n += 30) {
-    const Cell cell = scenario.map.cell_at(scenario.truth[n].translation());
-    patch::Submap submap;
-    submap.id = static_cast<int>(map->submaps.size());
-    submap.rect =
-        CellRect{cell, {cell.x + 1, cell.y + 1}}.inflated(40).intersected(scenario.map.rect());
-    for (int k = 0; k < 2; ++k) {
-      patch::Configuration configuration;
-      configuration.reflection = scenario.map.cropped(submap.rect);
-      configuration.prior = 0.5;
-      const CellRect box =
-          CellRect{{cell.x + 20, cell.y - 8}, {cell.x + 30, cell.y + 8}}.intersected(submap.rect);
-      for (int y = box.min.y; y < box.max.y && k == 1; ++y) {
-        for (int x = box.min.x; x < box.max.x; ++x) configuration.reflection.at({x, y}) = 1.0F;
-      }
-      submap.configurations.push_back(std::move(configuration));
-    }
-    map->submaps.push_back(std::move(submap));
-  }
-  return map;
-}
-
-/// The beam model in the patched map, against the same without: what the patch state costs.
-/// Argument: PatchMemory.
-void patch_state(benchmark::State& state) {
-  const auto& scenario = peers_scenario();
-  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
-  localization::PatchBeamModelConfig config;
-  config.states.memory = static_cast<localization::PatchMemory>(state.range(0));
-  const localization::PatchBeamModel model(patched_map(), config);
-  const auto grid = localization::make_grid_beam_model(scenario.map);
-  auto sets = clouds();
-  auto patched = sets;
-  RandomStream random(6, StreamId::kTest);
-  for (localization::ParticleSet& set : patched) {
-    model.patch_states()->prepare(set);
-    for (std::size_t i = 0; i < set.size(); ++i) model.patch_states()->draw(set, i, random);
-  }
-  const double pairs = weigh(*grid, sets);
-  compare(
-      state, pairs, [&] { weigh(model, patched); }, [&] { weigh(*grid, sets); });
-}
-BENCHMARK(patch_state)->ArgName("memory")->DenseRange(0, 2);
-
-/// Times of whole drives, made in turn with bare ones.
-class Drives {
- public:
-  void begin() {
-    ours_.push_back(0.0);
-    bare_.push_back(0.0);
-  }
-  template <typename Ours, typename Bare>
-  void add(Ours&& ours, Bare&& bare) {
-    ours_.back() += seconds_of(ours);
-    bare_.back() += seconds_of(bare);
-  }
-  void report(benchmark::State& state, double items) const {
-    std::vector<double> ratios;
-    for (std::size_t n = 0; n < ours_.size(); ++n) ratios.push_back(ours_[n] / bare_[n]);
-    state.counters["ours_ns"] = median(ours_) / items * 1e9;
-    state.counters["limit_ns"] = median(bare_) / items * 1e9;
-    state.counters["ratio"] = median(std::move(ratios));
-  }
-
- private:
-  std::vector<double> ours_, bare_;
-};
-
-/// The same for whole updates along the scenario. Arguments: PatchMemory, particles, beams.
-void patch_update(benchmark::State& state) {
-  const auto& scenario = peers_scenario();
-  if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
-  localization::PatchBeamModelConfig config;
-  config.states.memory = static_cast<localization::PatchMemory>(state.range(0));
-  const auto particles = static_cast<std::size_t>(state.range(1));
-  config.beam.beams.least_angle_rad = 6.283 / static_cast<double>(state.range(2));
-  const localization::LocalizerConfig fixed = bench::fixed_particles(static_cast<int>(particles));
-  localization::Localizer patched(
-      fixed, std::make_shared<localization::PatchBeamModel>(patched_map(), config), 1);
-  localization::Localizer plain(fixed,
-                                localization::make_grid_beam_model(scenario.map, config.beam), 1);
-  Drives drives;
-  for (auto _ : state) {
-    for (localization::Localizer* localizer : {&patched, &plain}) {
-      localizer->initialize({scenario.truth[0], Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal()});
-    }
-    drives.begin();
-    // In turn, scan by scan: what else the machine does hits both.
-    for (const Observation& observation : scenario.observations) {
-      drives.add([&] { benchmark::DoNotOptimize(patched.update(observation)); },
-                 [&] { benchmark::DoNotOptimize(plain.update(observation)); });
-    }
-  }
-  const auto beams = static_cast<double>(
-      localization::select_beams(scenario.observations[0].scan, config.beam.beams).size());
-  drives.report(state, static_cast<double>(particles) * beams *
-                           static_cast<double>(scenario.observations.size()));
-}
-BENCHMARK(patch_update)
-    ->ArgNames({"memory", "particles", "beams"})
-    ->ArgsProduct({{0, 1, 2}, {500, 2000, 10000}, {60, 72, 180, 360}})
-    ->ArgsProduct({{0, 1, 2}, {100000}, {72}});
 
 }  // namespace
 }  // namespace strata

@@ -12,7 +12,8 @@
 namespace strata::localization {
 namespace {
 
-/// Sub-maps of random content on a random base; two of the rectangles may overlap.
+/// Sub-maps of random content on a random base; two of the rectangles may overlap. The base begins
+/// at cell 0, unlike that of beam_reference.hpp: ranges in composed maps are then equal bit by bit.
 std::shared_ptr<patch::PatchMap> random_map(RandomStream& random, bool overlap) {
   auto map = std::make_shared<patch::PatchMap>();
   map->base = ReflectionGrid(0.1, {{0, 0}, {60, 20}}, 0.0F);
