@@ -17,13 +17,9 @@ namespace {
 
 using localization::ScanBeams;
 
-constexpr double kAdaptedShare = 0.9;
-constexpr std::size_t kAdaptedWindow = 5;
 constexpr std::size_t kRecallScans = 10;
 /// A configuration that agrees with fewer of the changed cells is another state.
 constexpr double kSameConfiguration = 0.8;
-/// Half old, half new: each at least this share of the beams.
-constexpr double kMixedShare = 0.25;
 
 /// Sums of a ScanPrediction.
 class Fit {
@@ -79,30 +75,6 @@ Scan without_chosen_beams(const Scan& scan, const localization::BeamSelectionCon
   return result;
 }
 
-/// Of the changed bins of a view: how many are expected as they are now, and as they were before.
-struct ViewCounts {
-  std::size_t as_now = 0;
-  std::size_t as_before = 0;
-};
-ViewCounts count_predicted(const Observation& observation, const Pose2& map_from_robot,
-                           const ChangeView& view, const maps::RangeFunction& expected_range,
-                           double limit_m) {
-  const Scan& scan = observation.scan;
-  const Pose2 laser = map_from_robot * scan.robot_from_laser;
-  ViewCounts counts;
-  for (std::size_t b = 0; b < view.beams.size(); ++b) {
-    const std::uint32_t beam = view.beams[b];
-    const bool is_hit = scan.kind(beam) == BeamKind::kHit;
-    const double measured_m =
-        is_hit ? std::min(static_cast<double>(scan.ranges_m[beam]), limit_m) : limit_m;
-    const double expected_m = std::min(expected_range(laser, scan.bearing_rad(beam)), limit_m);
-    counts.as_now += std::abs(expected_m - measured_m) <= kBinTolerance_m ? 1 : 0;
-    const auto before_m = static_cast<double>(view.before_m[b]);
-    counts.as_before += std::abs(expected_m - before_m) <= kBinTolerance_m ? 1 : 0;
-  }
-  return counts;
-}
-
 /// The configuration of a sub-map that shows the changed cells as they are, and its sub-map.
 std::optional<std::pair<std::size_t, std::size_t>> configuration_like(const ChangeEvent& event,
                                                                       const patch::PatchMap& map) {
@@ -128,90 +100,6 @@ std::optional<std::pair<std::size_t, std::size_t>> configuration_like(const Chan
   }
   return best;
 }
-
-/// Follows the events of the test part: which one a scan shows, and what came of it.
-class EventFollower {
- public:
-  EventFollower(const TestScans& test, double limit_m)
-      : test_(test), limit_m_(limit_m), outcomes_(test.changes ? test.changes->events.size() : 0) {
-    views_.resize(test.observations.size());
-    for (std::size_t e = 0; e < outcomes_.size(); ++e) {
-      const auto& views = test.changes->events[e].views;
-      predicted_.emplace_back(views.size());
-      for (std::size_t v = 0; v < views.size(); ++v) views_[views[v].scan].emplace_back(e, v);
-    }
-  }
-  /// (event, view) pairs of a scan.
-  [[nodiscard]] const std::vector<std::pair<std::size_t, std::size_t>>& views_of(
-      std::size_t scan) const {
-    return views_[scan];
-  }
-  /// Keeps how much of the change the prediction made before the scan has right.
-  void see(std::size_t scan, const maps::RangeFunction& expected_range) {
-    for (const auto& [e, v] : views_[scan]) {
-      const Observation& observation = test_.observations[scan];
-      predicted_[e][v] =
-          count_predicted(observation, *test_.truths[scan], test_.changes->events[e].views[v],
-                          expected_range, limit_of(observation.scan));
-    }
-  }
-  [[nodiscard]] EventOutcome& outcome(std::size_t event) { return outcomes_[event]; }
-  /// The outcomes, adaptation included.
-  [[nodiscard]] std::vector<EventOutcome> take() {
-    for (std::size_t e = 0; e < outcomes_.size(); ++e) {
-      judge_adaptation(e);
-      judge_consistency(e);
-    }
-    return std::move(outcomes_);
-  }
-
- private:
-  /// The first view from which on, over kAdaptedWindow views, 90% of the changed bins are
-  /// predicted: a single scan often shows three bins of a change, which chance can predict.
-  void judge_adaptation(std::size_t e) {
-    const std::vector<ChangeView>& views = test_.changes->events[e].views;
-    const std::size_t window = std::min(kAdaptedWindow, views.size());
-    for (std::size_t v = 0; v + window <= views.size(); ++v) {
-      std::size_t bins = 0;
-      std::size_t predicted = 0;
-      for (std::size_t w = v; w < v + window; ++w) {
-        bins += views[w].beams.size();
-        predicted += predicted_[e][w].as_now;
-      }
-      if (static_cast<double>(predicted) < kAdaptedShare * static_cast<double>(bins)) continue;
-      const auto stamp_of = [&](std::size_t view) {
-        return test_.observations[views[view].scan].scan.stamp;
-      };
-      outcomes_[e].adapted_after_scans = static_cast<double>(v);
-      outcomes_[e].adapted_after_s = (stamp_of(v) - stamp_of(0)).seconds();
-      return;
-    }
-  }
-  void judge_consistency(std::size_t e) {
-    const std::vector<ChangeView>& views = test_.changes->events[e].views;
-    std::size_t mixed = 0;
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      const double least = kMixedShare * static_cast<double>(views[v].beams.size());
-      const ViewCounts& counts = predicted_[e][v];
-      mixed += static_cast<double>(counts.as_now) >= least &&
-                       static_cast<double>(counts.as_before) >= least
-                   ? 1
-                   : 0;
-    }
-    outcomes_[e].mixed_share = static_cast<double>(mixed) / static_cast<double>(views.size());
-  }
-  [[nodiscard]] double limit_of(const Scan& scan) const {
-    const auto own_m = static_cast<double>(scan.range_max_m);
-    if (!std::isfinite(own_m) || own_m <= 0.0) return limit_m_ > 0.0 ? limit_m_ : 100.0;
-    return limit_m_ > 0.0 ? std::min(own_m, limit_m_) : own_m;
-  }
-
-  const TestScans& test_;
-  double limit_m_;
-  std::vector<EventOutcome> outcomes_;
-  std::vector<std::vector<std::pair<std::size_t, std::size_t>>> views_;
-  std::vector<std::vector<ViewCounts>> predicted_;  ///< per event and view
-};
 
 /// Fit per beam of a scan in the map as it was.
 double oracle_fit(const ChangeEvent& event, const Scan& scan, const Pose2& map_from_robot,
@@ -320,13 +208,8 @@ PredictionScore score_predictions(const TestScans& test, const maps::MapModel& m
 std::vector<std::vector<EventOutcome>> follow_timescale(
     const TestScans& test, const maps::Maps& maps, const std::vector<std::string>& names,
     const localization::PatchBeamModelConfig& sensor) {
-  // A memory of its own that goes on learning.
-  std::vector<memory::TimescaleMemory::NodeState> nodes;
-  for (std::size_t n = 0; n < maps.timescale->nodes().size(); ++n) {
-    nodes.push_back(maps.timescale->node_state(n));
-  }
-  auto live = std::make_shared<memory::TimescaleMemory>(
-      memory::TimescaleMemory::restore(maps.timescale->head_state(), nodes, "timescale memory"));
+  // A copy that goes on learning.
+  auto live = std::make_shared<memory::TimescaleMemory>(*maps.timescale);
   maps::Maps now;
   now.timescale = live;
   now.decoding = maps.decoding;

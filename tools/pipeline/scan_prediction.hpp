@@ -5,8 +5,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -14,7 +12,7 @@
 #include "components/maps/maps_folder.hpp"
 #include "core/localization/patch_beam_model.hpp"
 #include "core/scan/scan.hpp"
-#include "tools/pipeline/changes.hpp"
+#include "tools/pipeline/event_follower.hpp"
 
 namespace strata::pipeline {
 
@@ -23,24 +21,6 @@ struct ScanPrediction {
   double log_likelihood_per_beam = 0.0;  ///< nats, not tempered
   double median_abs_error_m = 0.0;       ///< of |z - expected| over the hits
   std::size_t beams = 0;
-};
-
-/// What became of one change.
-struct EventOutcome {
-  /// Scans that show the change before the first one from which on at least 90% of the changed bins
-  /// are predicted within kBinTolerance_m, over five such scans together; 0: from the first on.
-  /// Nothing: not in this visit.
-  std::optional<double> adapted_after_scans;
-  std::optional<double> adapted_after_s;
-  /// Held-out fit per beam over the first ten scans that show the change, less that of the map as
-  /// it was then; for old states only.
-  std::optional<double> recall;
-  /// Probability of the configuration that looks most like the place did, after those scans; for
-  /// patch models whose sub-maps cover the change and have such a configuration.
-  std::optional<double> true_state_probability;
-  /// Share of the scans that show the change in which what changed was expected half as before and
-  /// half as it is now: at least a quarter of the beams each.
-  double mixed_share = 0.0;
 };
 
 /// Fit of one scan, of those that count for the overall fit.
@@ -63,13 +43,6 @@ struct PredictionChoice {
   int every = 5;  ///< every so many scans count for the overall fit
   /// Only beams that no localizer with this beam selection looks at.
   bool unseen_beams = false;
-};
-
-/// Scans, poses and changes of the test part; equal lengths.
-struct TestScans {
-  std::span<const Observation> observations;
-  std::span<const std::optional<Pose2>> truths;  ///< map_from_robot; scans without are left out
-  const Changes* changes = nullptr;              ///< null: nothing is known of changes
 };
 
 /// Follows the test scans in order with what the model believes, so that each scan is predicted

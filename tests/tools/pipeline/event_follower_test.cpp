@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/pipeline/event_follower.hpp"
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/pipeline/changed_room.hpp"
+#include "tools/pipeline/watcher.hpp"
+
+namespace strata::pipeline {
+namespace {
+
+constexpr double kBefore_m = 3.0;
+constexpr double kNow_m = 2.0;
+constexpr std::size_t kBeams = 8;
+
+/// Eight scans, one a second, in which all eight beams measure kNow_m; the second to the last show
+/// a change.
+struct Drive {
+  std::vector<Observation> observations;
+  std::vector<std::optional<Pose2>> truths;
+  Changes changes;
+
+  Drive() {
+    changes.events.emplace_back();
+    for (std::size_t i = 0; i < 8; ++i) {
+      Observation observation;
+      observation.scan.angle_min_rad = -1.0F;
+      observation.scan.angle_increment_rad = 0.2F;
+      observation.scan.range_max_m = 8.0F;
+      observation.scan.ranges_m.assign(kBeams, static_cast<float>(kNow_m));
+      observation.scan.stamp = Stamp::from_seconds(1.0 + static_cast<double>(i));
+      observations.push_back(observation);
+      truths.emplace_back(Pose2{});
+      if (i == 0) continue;
+      ChangeView view;
+      view.scan = i;
+      for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
+        view.beams.push_back(beam);
+        view.before_m.push_back(static_cast<float>(kBefore_m));
+      }
+      changes.events.front().views.push_back(view);
+    }
+  }
+  [[nodiscard]] TestScans test() const { return {observations, truths, &changes}; }
+};
+
+/// A prediction that has the first `now` of the beams as they are now, and the rest as before.
+maps::RangeFunction half_way(std::size_t now) {
+  return [now](const Pose2& /*map_from_laser*/, double bearing_rad) {
+    const auto beam = static_cast<std::size_t>(std::lround((bearing_rad + 1.0) / 0.2));
+    return beam < now ? kNow_m : kBefore_m;
+  };
+}
+
+EventOutcome follow(const Drive& drive, const std::array<std::size_t, 7>& right_beams) {
+  const TestScans test = drive.test();
+  EventFollower follower(test, 0.0);
+  for (std::size_t v = 0; v < right_beams.size(); ++v) {
+    follower.see(v + 1, half_way(right_beams[v]));
+  }
+  return follower.take().front();
+}
+
+TEST(EventFollower, IsAdaptedFromTheFirstOfFiveScansThatTogetherAreNineTenthsRight) {
+  const Drive drive;
+  const EventOutcome outcome = follow(drive, {0, 0, 8, 8, 8, 8, 8});
+  ASSERT_TRUE(outcome.adapted_after_scans);
+  EXPECT_EQ(*outcome.adapted_after_scans, 2.0);
+  EXPECT_DOUBLE_EQ(outcome.adapted_after_s.value(), 2.0);
+  // 36 of 40 bins are nine tenths, 35 are not.
+  EXPECT_EQ(follow(drive, {4, 8, 8, 8, 8, 0, 0}).adapted_after_scans, 0.0);
+  EXPECT_FALSE(follow(drive, {3, 8, 8, 8, 8, 0, 0}).adapted_after_scans);
+}
+
+TEST(EventFollower, MixedIsAQuarterOfEachState) {
+  const Drive drive;
+  EXPECT_DOUBLE_EQ(follow(drive, {0, 0, 0, 8, 8, 8, 8}).mixed_share, 0.0);
+  EXPECT_DOUBLE_EQ(follow(drive, {0, 2, 4, 6, 8, 8, 8}).mixed_share, 3.0 / 7.0);
+  EXPECT_DOUBLE_EQ(follow(drive, {1, 1, 1, 7, 7, 7, 7}).mixed_share, 0.0);
+}
+
+TEST(EventFollower, LimitsWhatIsExpectedAndMeasuredAlike) {
+  Drive drive;
+  for (Observation& observation : drive.observations) {
+    observation.scan.ranges_m.assign(kBeams, 7.5F);
+  }
+  const TestScans test = drive.test();
+  EventFollower follower(test, 5.0);
+  for (std::size_t scan = 1; scan < 8; ++scan) {
+    follower.see(scan, [](const Pose2&, double) { return 6.0; });
+  }
+  EXPECT_EQ(follower.take().front().adapted_after_scans, 0.0);
+}
+
+TEST(MemoryWatcher, ExpectsWhatTheChosenDecoderDecodes) {
+  maps::Maps maps;
+  maps.timescale = std::make_shared<memory::TimescaleMemory>(test::changed_room());
+  maps.filtered = ReflectionGrid(0.05, {{-10, -10}, {10, 10}}, 0.0F);
+  std::vector<std::vector<double>> expected;
+  for (const memory::DecodingConfig& decoding :
+       {memory::scene_decoding(), memory::exact_decoding(), memory::literal_decoding()}) {
+    maps.decoding = decoding;
+    maps.nodes = nullptr;
+    maps::MapModel model;
+    model.name = "timescale";
+    const auto watcher = make_watcher(maps, model, {});
+    maps::Maps decoded = maps;
+    decoded.nodes = maps.timescale->decode(decoding);
+    const auto reference = maps::make_map_model(decoded, "timescale", {}).best_prediction({});
+    const auto range = watcher->expected_range();
+    expected.emplace_back();
+    for (double bearing_rad = -3.1; bearing_rad < 3.1; bearing_rad += 0.05) {
+      const Pose2 laser{0.5, 0.3, 0.2};
+      expected.back().push_back(range(laser, bearing_rad));
+      EXPECT_EQ(expected.back().back(), reference(laser, bearing_rad)) << bearing_rad;
+    }
+  }
+  // The room tells these decoders apart, so that the comparison above means something.
+  EXPECT_NE(expected[0], expected[1]);
+  EXPECT_NE(expected[1], expected[2]);
+}
+
+}  // namespace
+}  // namespace strata::pipeline
