@@ -154,7 +154,7 @@ Explanation PatchBeamModel::explain(const Scan& scan, const Pose2& map_from_robo
   for (const SubmapBelief& submap : scratch->posterior) {
     for (const double p : submap.probability) scratch->belief.push_back(static_cast<float>(p));
   }
-  const int current = patch::submap_at(states_.map(), map_from_robot.translation());
+  const int current = states_.submap_of(map_from_robot.translation());
   cast_one(*scan_scratch, laser, current, *scratch);
   EventsInOrder events(caster_, *scratch);
   Explanation said;

@@ -49,6 +49,12 @@ PatchStates::PatchStates(std::shared_ptr<const patch::PatchMap> map,
   }
 }
 
+int PatchStates::submap_of(const Eigen::Vector2d& point_m, int current) const {
+  return config_.memory == PatchMemory::kNone
+             ? patch::submap_in_reach(*map_, point_m, config_.reach_m, current)
+             : patch::submap_at(*map_, point_m, current);
+}
+
 void PatchStates::prepare(ParticleSet& particles) const {
   particles.belief_columns = config_.memory == PatchMemory::kNone ? 0 : columns();
   particles.beliefs.assign(particles.size() * particles.belief_columns, 0.0F);
@@ -57,7 +63,7 @@ void PatchStates::prepare(ParticleSet& particles) const {
 }
 
 void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& random) const {
-  particles.submap[i] = patch::submap_at(*map_, particles.pose(i).translation());
+  particles.submap[i] = submap_of(particles.pose(i).translation());
   particles.patch[i] = -1;
   if (config_.memory == PatchMemory::kPerParticle) {
     std::copy(uniform_.begin(), uniform_.end(), particles.belief(i).begin());
@@ -90,7 +96,7 @@ void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
   if (config_.memory == PatchMemory::kShared) predict_beliefs(particles.shared_belief, keep);
   const auto move_one = [&](std::size_t i) {
     const std::int32_t before = particles.submap[i];
-    const int now = patch::submap_at(*map_, particles.pose(i).translation(), before);
+    const int now = submap_of(particles.pose(i).translation(), before);
     particles.submap[i] = now;
     if (config_.memory == PatchMemory::kPerParticle) predict_beliefs(particles.belief(i), keep);
     if (config_.memory != PatchMemory::kNone || now < 0) {

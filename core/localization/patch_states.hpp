@@ -39,6 +39,7 @@ struct PatchStatesConfig {
   double prior_hours = 1.0;
   double least_belief = 1e-3;
   double shared_max_stddev_m = 0.3;
+  double reach_m = 1.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("memory", c.memory, {.doc = "what is kept of sub-maps the robot has left"});
@@ -55,6 +56,11 @@ struct PatchStatesConfig {
             {.doc = "learned: ... in this time", .unit = "h", .min = 1e-3});
     v.field("least_belief", c.least_belief,
             {.doc = "no configuration's probability falls below", .min = 0.0, .max = 0.1});
+    v.field("reach_m", c.reach_m,
+            {.doc = "memory none: a robot this far outside of a sub-map still is in it, as when "
+                    "the sub-map was learned",
+             .unit = "m",
+             .min = 0.0});
     v.field("shared_max_stddev_m", c.shared_max_stddev_m,
             {.doc = "shared beliefs learn only while the pose is at least this certain",
              .unit = "m",
@@ -100,6 +106,11 @@ class PatchStates {
   /// The belief of someone who knows nothing.
   [[nodiscard]] std::span<const float> uniform() const { return uniform_; }
 
+  /// The sub-map of a robot at a point, -1 for none: with memory the one it stands in (the rule for
+  /// overlaps); without, the one whose configuration a particle holds there, entered from reach_m
+  /// around it (SPEC B3: a door is seen from the corridor, whose middle its rectangle may not
+  /// hold).
+  [[nodiscard]] int submap_of(const Eigen::Vector2d& point_m, int current = -1) const;
   /// Gives the set the columns it needs and forgets everything.
   void prepare(ParticleSet& particles) const;
   /// Particle i knows nothing: its sub-map from its pose, its configuration (without memory) drawn

@@ -49,6 +49,30 @@ int submap_at(const PatchMap& map, const Eigen::Vector2d& point_m, int current) 
   return best;
 }
 
+int submap_in_reach(const PatchMap& map, const Eigen::Vector2d& point_m, double reach_m,
+                    int current) {
+  const int inside = submap_at(map, point_m, current);
+  if (inside >= 0) return inside;
+  const double resolution_m = map.base.resolution_m();
+  const auto distance_m = [&](const CellRect& rect) {
+    const Eigen::Vector2d least = resolution_m * Eigen::Vector2d(rect.min.x, rect.min.y);
+    const Eigen::Vector2d most = resolution_m * Eigen::Vector2d(rect.max.x, rect.max.y);
+    return (point_m - point_m.cwiseMax(least).cwiseMin(most)).norm();
+  };
+  if (current >= 0 && distance_m(map.submaps[static_cast<std::size_t>(current)].rect) <= reach_m) {
+    return current;
+  }
+  int best = -1;
+  double least_m = reach_m;
+  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+    const double away_m = distance_m(map.submaps[s].rect);
+    if (away_m > least_m || (best >= 0 && away_m == least_m)) continue;
+    least_m = away_m;
+    best = static_cast<int>(s);
+  }
+  return best;
+}
+
 float reflection_at(const PatchMap& map, std::size_t s, std::size_t k, const Cell& cell) {
   const float m = map.submaps[s].configurations[k].reflection.get(cell);
   return is_known(m) ? m : map.base.get(cell);

@@ -55,6 +55,12 @@ struct PatchMap {
 /// submaps_at its cell; -1 for none. O(sub-maps), no allocation.
 [[nodiscard]] int submap_at(const PatchMap& map, const Eigen::Vector2d& point_m, int current = -1);
 
+/// The same for sub-maps that are entered from `reach_m` around them: where submap_at() says none,
+/// `current` while its rectangle is within reach, else the nearest within reach, of equally near
+/// ones the lower id. O(sub-maps), no allocation.
+[[nodiscard]] int submap_in_reach(const PatchMap& map, const Eigen::Vector2d& point_m,
+                                  double reach_m, int current = -1);
+
 /// What configuration k of sub-map s says of a cell in its rectangle; where it knows nothing, what
 /// the base says. Requires valid places.
 [[nodiscard]] float reflection_at(const PatchMap& map, std::size_t s, std::size_t k,

@@ -104,7 +104,7 @@ class Reference {
     }
     const Pose2 laser = particles.pose(i) * beams_.robot_from_laser;
     ParticleSet one = particles;
-    one.submap[i] = patch::submap_at(states_.map(), particles.pose(i).translation());
+    one.submap[i] = states_.submap_of(particles.pose(i).translation());
     Explanation sum;
     for (std::size_t beam = 0; beam < beams_.size(); ++beam) {
       find(one, i, beam);

@@ -221,6 +221,7 @@ TEST(PatchStates, RedrawsAtTheRateAndUniformlyOnEntering) {
   map->submaps[0].configurations.resize(3, map->submaps[0].configurations[0]);
   PatchStatesConfig config;
   config.memory = PatchMemory::kNone;
+  config.reach_m = 0.0;
   config.forgetting_rate_per_s = 0.5;
   const PatchStates states(map, config);
   ParticleSet particles;
@@ -241,6 +242,34 @@ TEST(PatchStates, RedrawsAtTheRateAndUniformlyOnEntering) {
   states.predict(1.0, 9, 3, particles, pool);
   EXPECT_EQ(particles.submap[0], -1);
   EXPECT_EQ(particles.patch[0], -1);
+}
+
+TEST(PatchStates, WithoutMemoryAParticleHoldsAConfigurationFromWithinReach) {
+  RandomStream random(6, StreamId::kTest);
+  const auto map = random_map(random, false);
+  const CellRect& rect = map->submaps[0].rect;
+  const double edge_m = rect.min.x * map->base.resolution_m();
+  const double middle_m = 0.5 * (rect.min.y + rect.max.y) * map->base.resolution_m();
+  WorkerPool pool(1);
+  for (const PatchMemory memory : {PatchMemory::kNone, PatchMemory::kPerParticle}) {
+    PatchStatesConfig config;
+    config.memory = memory;
+    config.reach_m = 0.5;
+    const PatchStates states(map, config);
+    ParticleSet particles;
+    particles.resize(3);
+    for (std::size_t i = 0; i < 3; ++i) {
+      particles.set_pose(i, {edge_m + 0.1 - 0.36 * static_cast<double>(i), middle_m, 0.0});
+    }
+    states.prepare(particles);
+    states.predict(1.0, 9, 1, particles, pool);
+    const bool is_paper = memory == PatchMemory::kNone;
+    EXPECT_EQ(particles.submap[0], 0);
+    EXPECT_EQ(particles.submap[1], is_paper ? 0 : -1) << "0.26 m outside";
+    EXPECT_EQ(particles.patch[1] >= 0, is_paper);
+    EXPECT_EQ(particles.submap[2], -1) << "0.62 m outside";
+    EXPECT_EQ(particles.patch[2], -1);
+  }
 }
 
 }  // namespace

@@ -35,6 +35,34 @@ TEST(SubmapAt, PrefersTheCurrentOneThenTheNearestCentre) {
   EXPECT_EQ(submap_at(map, {39.0 * 0.05, 0.5}, 1), -1);
 }
 
+TEST(SubmapInReach, EntersFromAroundTheRectangleTheNearestFirst) {
+  PatchMap map;
+  map.base = ReflectionGrid(0.05, {{0, 0}, {80, 20}}, 0.25F);
+  map.submaps.push_back(submap_of(0, {{0, 0}, {20, 20}}, {0.0F}));   // x to 1 m
+  map.submaps.push_back(submap_of(1, {{40, 0}, {60, 20}}, {0.0F}));  // x from 2 m to 3 m
+  EXPECT_EQ(submap_in_reach(map, {1.39, 0.5}, 0.4), 0);
+  EXPECT_EQ(submap_in_reach(map, {1.41, 0.5}, 0.4), -1);
+  EXPECT_EQ(submap_in_reach(map, {1.41, 0.5}, 0.4, 0), -1);
+  // A corner is as far as its diagonal.
+  EXPECT_EQ(submap_in_reach(map, {1.3, 1.3}, 0.42), -1);
+  EXPECT_EQ(submap_in_reach(map, {1.3, 1.3}, 0.43), 0);
+  // Within reach of both: the nearer, but the current one stays until another holds the point.
+  EXPECT_EQ(submap_in_reach(map, {1.6, 0.5}, 1.0), 1);
+  EXPECT_EQ(submap_in_reach(map, {1.6, 0.5}, 1.0, 0), 0);
+  EXPECT_EQ(submap_in_reach(map, {2.01, 0.5}, 1.2, 0), 1);
+  EXPECT_EQ(submap_in_reach(map, {1.5, 0.5}, 1.0), 0) << "equally near";
+}
+
+TEST(SubmapInReach, WithoutReachIsTheSubmapAtThePoint) {
+  const PatchMap map = overlapping_map();
+  for (double x = -0.105; x < 2.2; x += 0.03) {
+    for (const int current : {-1, 0, 1}) {
+      const Eigen::Vector2d point(x, 0.51);
+      EXPECT_EQ(submap_in_reach(map, point, 0.0, current), submap_at(map, point, current)) << x;
+    }
+  }
+}
+
 TEST(Compose, PastesConfigurationsTheNearestCentreOnTop) {
   const PatchMap map = overlapping_map();
   const ReflectionGrid both = compose(map, {1, 0});
