@@ -8,11 +8,12 @@
 namespace strata::localization {
 
 void ChangingBeams::Way::resize(std::size_t count) {
+  if (of.size() >= count) return;  // all have at least as many
   for (std::vector<double>* numbers :
        {&fan, &column, &row, &cosine, &sine, &from_m, &to_m, &skip, &boxes}) {
     if (numbers->size() < count) numbers->resize(2 * count);
   }
-  if (of.size() < count) of.resize(2 * count);
+  of.resize(2 * count);
 }
 
 void ChangingBeams::Way::end(std::size_t count) {

@@ -37,7 +37,9 @@ struct Row {
   HWY_ALIGN double others[RayFans::kVector];  // boxes that are not uniform
 };
 
-/// The directions of the fans from n on.
+/// The directions of the fans from n on. kAlone: all boxes are uniform, so that none of these rays
+/// will be found in the row.
+template <bool kAlone>
 HWY_INLINE void begin_row(const RayFans& fans, std::size_t beam, std::size_t n, const double* end_m,
                           Row& row) {
   const Tag d;
@@ -50,10 +52,11 @@ HWY_INLINE void begin_row(const RayFans& fans, std::size_t beam, std::size_t n, 
     const auto c = hn::Sub(hn::Mul(hc, bc), hn::Mul(hs, bs));
     const auto s = hn::Add(hn::Mul(hs, bc), hn::Mul(hc, bs));
     hn::Store(hn::Min(hn::LoadU(d, end_m + n + j), limit), d, row.last_m + j);
-    hn::Store(c, d, row.cosine + j);
-    hn::Store(s, d, row.sine + j);
     hn::Store(finite_inverse(c), d, row.inverse_cosine + j);
     hn::Store(finite_inverse(s), d, row.inverse_sine + j);
+    if constexpr (kAlone) continue;
+    hn::Store(c, d, row.cosine + j);
+    hn::Store(s, d, row.sine + j);
     hn::Store(limit, d, row.from_m + j);
     for (double* const column : {row.to_m, row.boxes, row.others}) {
       hn::Store(hn::Zero(d), d, column + j);
@@ -76,6 +79,7 @@ HWY_INLINE bool comes_to_any(std::span<const BoxColumns> boxes, std::size_t n,
 
 /// Where they cross a box, for fans from n on, into the row and into from_m and to_m; whether any
 /// does.
+template <bool kAlone>
 HWY_INLINE bool cross_box(const BoxColumns& box, std::size_t n, Row& row, double* from_m,
                           double* to_m) {
   const Tag d;
@@ -98,6 +102,7 @@ HWY_INLINE bool cross_box(const BoxColumns& box, std::size_t n, Row& row, double
     hn::StoreU(hn::IfThenElseZero(crosses, exit), d, to_m + j);
     if (hn::AllFalse(d, crosses)) continue;
     any = true;
+    if constexpr (kAlone) continue;
     const auto from = hn::Load(d, row.from_m + j);
     const auto to = hn::Load(d, row.to_m + j);
     hn::Store(hn::IfThenElse(crosses, hn::Min(from, entry), from), d, row.from_m + j);
@@ -132,26 +137,55 @@ HWY_INLINE void keep(const double* values, hn::Mask<Tag> which, double* column) 
   hn::CompressStore(hn::Load(Tag(), values), which, Tag(), column);
 }
 
+HWY_INLINE void copy_row(const double* from, double* to) {
+  const Tag d;
+  for (std::size_t j = 0; j < RayFans::kVector; j += hn::Lanes(d)) {
+    hn::StoreU(hn::LoadU(d, from + j), d, to + j);
+  }
+}
+
+/// cross_boxes where all boxes are uniform, as most often: finds single rows only.
+HWY_INLINE void cross_uniform_boxes(const RayFans& fans, std::size_t beam, const double* end_m,
+                                    std::span<const BoxColumns> boxes, SingleRows& single) {
+  Row row;
+  for (std::size_t n = 0; n < fans.count; n += RayFans::kVector) {
+    if (!comes_to_any(boxes, n, end_m)) continue;
+    begin_row<true>(fans, beam, n, end_m, row);
+    for (const BoxColumns& box : boxes) {
+      const std::size_t at = single.count * RayFans::kVector;
+      if (!cross_box<true>(box, n, row, single.from_m + at, single.to_m + at)) continue;
+      copy_row(box.hidden + n, single.hidden + at);
+      single.rows[single.count++] = {static_cast<std::uint32_t>(beam),
+                                     static_cast<std::uint32_t>(n), box.place};
+    }
+  }
+}
+
 std::size_t cross_boxes_lanes(const RayFans& fans, std::size_t beam, const double* end_m,
                               std::span<const BoxColumns> boxes, const RayCrossings& found,
                               SingleRows& single) {
+  const auto is_uniform = [](const BoxColumns& box) { return box.is_uniform; };
+  if (std::all_of(boxes.begin(), boxes.end(), is_uniform)) {
+    cross_uniform_boxes(fans, beam, end_m, boxes, single);
+    return 0;
+  }
   const Tag d;
   std::size_t count = 0;
   Row row;
   HWY_ALIGN double unused[2][RayFans::kVector];
   for (std::size_t n = 0; n < fans.count; n += RayFans::kVector) {
     if (!comes_to_any(boxes, n, end_m)) continue;
-    begin_row(fans, beam, n, end_m, row);
+    begin_row<false>(fans, beam, n, end_m, row);
     const std::size_t first = single.count;
     bool any_other = false;
     for (const BoxColumns& box : boxes) {
       if (!box.is_uniform) {
-        any_other = cross_box(box, n, row, unused[0], unused[1]) || any_other;
+        any_other = cross_box<false>(box, n, row, unused[0], unused[1]) || any_other;
         continue;
       }
       const std::size_t at = single.count * RayFans::kVector;
-      if (!cross_box(box, n, row, single.from_m + at, single.to_m + at)) continue;
-      std::copy(box.hidden + n, box.hidden + n + RayFans::kVector, single.hidden + at);
+      if (!cross_box<false>(box, n, row, single.from_m + at, single.to_m + at)) continue;
+      copy_row(box.hidden + n, single.hidden + at);
       single.rows[single.count++] = {static_cast<std::uint32_t>(beam),
                                      static_cast<std::uint32_t>(n), box.place};
     }

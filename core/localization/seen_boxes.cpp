@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace strata::localization {
@@ -43,6 +44,35 @@ void SeenBoxes::take(const PatchRayCaster& caster, const LaserColumns& lasers,
       take_box(caster, box, lasers, states, max_range_m);
     }
   }
+  name_boxes();
+}
+
+/// Where a box lies from each of the lasers [begin, end), and how far away, into its columns;
+/// whether any of them is within max_range_m of it.
+bool SeenBoxes::place_box(const RayBox& seen, const LaserColumns& lasers, std::size_t begin,
+                          std::size_t end, double max_range_m, double* column) const {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  const double* const x_m = lasers.x_m().data();
+  const double* const y_m = lasers.y_m().data();
+  double* const near_m = column + 4 * lasers_;
+  const double max_squared = max_range_m * max_range_m;
+  double nearest_m = kFar;
+  for (std::size_t n = begin; n < end; ++n) {
+    const double min_x = seen.min_x_m - x_m[n];
+    const double min_y = seen.min_y_m - y_m[n];
+    const double max_x = seen.max_x_m - x_m[n];
+    const double max_y = seen.max_y_m - y_m[n];
+    const double dx = std::max(std::max(min_x, -max_x), 0.0);
+    const double dy = std::max(std::max(min_y, -max_y), 0.0);
+    const double away_m = dx * dx + dy * dy < max_squared ? std::max(dx, dy) : kFar;
+    column[n] = min_x;
+    column[lasers_ + n] = min_y;
+    column[2 * lasers_ + n] = max_x;
+    column[3 * lasers_ + n] = max_y;
+    near_m[n] = away_m;
+    nearest_m = std::min(nearest_m, away_m);
+  }
+  return nearest_m < kFar;
 }
 
 void SeenBoxes::take_box(const PatchRayCaster& caster, const RayBox& box,
@@ -57,35 +87,25 @@ void SeenBoxes::take_box(const PatchRayCaster& caster, const RayBox& box,
   std::fill(near_m, near_m + lasers_, std::numeric_limits<double>::infinity());
   bool any = false;
   bool all_uniform = true;
-  CellOwner cells;
-  bool is_uniform = false;
-  double hidden_mark = 0.0;
-  bool may_end = false;
-  RayBox seen;
-  for (std::size_t n = 0; n < lasers.count(); ++n) {
-    const int current = states.submap[n];
-    const int fixed = states.fixed(n);
-    if (n == 0 || current != states.submap[n - 1] || fixed != states.fixed(n - 1)) {
-      may_end = caster.may_end_beams(box, current, fixed);
-      seen = caster.seen(box, current);
-      const std::span<const CellOwner> owners = caster.owners_in(box, current);
-      cells = owners.size() == 1 ? owners.front() : CellOwner{};
-      cells.mask &= PatchRayCaster::counting(cells.submap, current, fixed);
-      is_uniform = caster.is_uniform(box, current);
-      hidden_mark = static_cast<double>(caster.hidden_in(box, current));
+  std::size_t end = 0;
+  for (std::size_t begin = 0; begin < lasers.count(); begin = end) {
+    const int current = states.submap[begin];
+    const int fixed = states.fixed(begin);
+    end = begin + 1;
+    while (end < lasers.count() && states.submap[end] == current && states.fixed(end) == fixed) {
+      ++end;
     }
-    contents_[place * lasers_ + n] = {cells.submap, cells.mask};
-    column[n] = seen.min_x_m - lasers.x_m()[n];
-    column[lasers_ + n] = seen.min_y_m - lasers.y_m()[n];
-    column[2 * lasers_ + n] = seen.max_x_m - lasers.x_m()[n];
-    column[3 * lasers_ + n] = seen.max_y_m - lasers.y_m()[n];
-    const double dx = std::max({column[n], -column[2 * lasers_ + n], 0.0});
-    const double dy = std::max({column[lasers_ + n], -column[3 * lasers_ + n], 0.0});
-    if (!may_end || dx * dx + dy * dy >= max_range_m * max_range_m) continue;
-    near_m[n] = std::max(dx, dy);
-    hidden[n] = hidden_mark;
+    const std::span<const CellOwner> owners = caster.owners_in(box, current);
+    CellOwner cells = owners.size() == 1 ? owners.front() : CellOwner{};
+    cells.mask &= PatchRayCaster::counting(cells.submap, current, fixed);
+    std::fill(contents_.begin() + static_cast<std::ptrdiff_t>(place * lasers_ + begin),
+              contents_.begin() + static_cast<std::ptrdiff_t>(place * lasers_ + end), cells);
+    if (!caster.may_end_beams(box, current, fixed)) continue;
+    const RayBox& seen = caster.seen(box, current);
+    if (!place_box(seen, lasers, begin, end, max_range_m, column)) continue;
+    std::fill(hidden + begin, hidden + end, static_cast<double>(caster.hidden_in(box, current)));
     any = true;
-    all_uniform = all_uniform && is_uniform;
+    all_uniform = all_uniform && caster.is_uniform(box, current);
   }
   if (!any) {
     columns_.resize(place * kColumns * lasers_);
@@ -109,17 +129,24 @@ void SeenBoxes::take_box(const PatchRayCaster& caster, const RayBox& box,
       cosine_of_sum(spread_cosine_, std::sqrt(std::max(0.0, 1.0 - sine * sine))) - kRounding;
 }
 
+void SeenBoxes::name_boxes() {
+  boxes_.clear();
+  for (std::size_t box = 0; box < ways_.size(); ++box) {
+    const double* const column = columns_.data() + box * kColumns * lasers_;
+    boxes_.push_back({column, column + lasers_, column + 2 * lasers_, column + 3 * lasers_,
+                      column + 4 * lasers_, column + 5 * lasers_,
+                      box < RayCrossings::kNamed ? std::ldexp(1.0, static_cast<int>(box)) : 0.0,
+                      static_cast<std::uint32_t>(box), ways_[box].is_uniform});
+  }
+}
+
 std::span<const BoxColumns> SeenBoxes::near_beam(double cosine, double sine) {
   near_.clear();
   const double c = heading_cosine_ * cosine - heading_sine_ * sine;
   const double s = heading_sine_ * cosine + heading_cosine_ * sine;
   for (std::size_t box = 0; box < ways_.size(); ++box) {
     if (c * ways_[box].x + s * ways_[box].y < ways_[box].least_cosine) continue;
-    const double* const column = columns_.data() + box * kColumns * lasers_;
-    near_.push_back({column, column + lasers_, column + 2 * lasers_, column + 3 * lasers_,
-                     column + 4 * lasers_, column + 5 * lasers_,
-                     box < RayCrossings::kNamed ? std::ldexp(1.0, static_cast<int>(box)) : 0.0,
-                     static_cast<std::uint32_t>(box), ways_[box].is_uniform});
+    near_.push_back(boxes_[box]);
   }
   return near_;
 }

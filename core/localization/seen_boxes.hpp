@@ -60,6 +60,9 @@ class SeenBoxes {
   };
   void take_box(const PatchRayCaster& caster, const RayBox& box, const LaserColumns& lasers,
                 const ChunkStates& states, double max_range_m);
+  void name_boxes();
+  bool place_box(const RayBox& seen, const LaserColumns& lasers, std::size_t begin, std::size_t end,
+                 double max_range_m, double* column) const;
 
   std::size_t lasers_ = 0;
   double middle_x_m_ = 0.0;
@@ -71,6 +74,7 @@ class SeenBoxes {
   std::vector<double> columns_;      ///< kColumns rows a box, of one entry a laser
   std::vector<CellOwner> contents_;  // as many entries a box
   std::vector<Way> ways_;
+  std::vector<BoxColumns> boxes_;  // one of each
   std::vector<BoxColumns> near_;
   static constexpr std::size_t kColumns = 6;
 };
