@@ -66,11 +66,18 @@ class PatchBeamModel final : public SensorModel {
     std::size_t value = 0;  ///< ... in Scratch::value
     std::size_t events = 0;
     std::size_t met = 0;  ///< first of its places in Scratch::met
+    std::size_t met_end = 0;
+    bool is_once_each = false;  ///< it met no sub-map twice
   };
   /// A sub-map that such a beam met.
   struct MetSubmap {
     std::int32_t submap = -1;
     std::size_t row = 0;  ///< of its configurations in Scratch::said
+  };
+  /// The beliefs of one sub-map on their way; one entry a particle, `product` in rows of these for
+  /// each configuration.
+  struct BeliefUpdate {
+    std::vector<double> product, sum, clamped;
   };
   /// Working memory of one chunk of particles. Particles count from its beginning.
   struct Scratch {
@@ -80,8 +87,9 @@ class PatchBeamModel final : public SensorModel {
     std::vector<double> box_share;  // probability that the cells of a box are there, as SeenBoxes
     std::vector<double> static_m;  // where beams end for certain; a row a beam, an entry a particle
     std::vector<std::int32_t> cells;
-    std::vector<double> logs;  // the same rows: what they say
-    std::vector<double> sums;  // of logs, of each particle
+    std::vector<double> logs;        // the same rows: what they say
+    std::vector<double> sums;        // of logs, of each particle
+    std::vector<double> single_log;  // the same of the beams that mix_single() takes out of them
     // Of each pair: the nearer obstacle is there with probability share; what the beam then says.
     std::vector<Pair> pairs;
     std::vector<double> share, first, second, mixed;
@@ -90,7 +98,7 @@ class PatchBeamModel final : public SensorModel {
     std::vector<double> value;   // of the events of a beam, then of its end
     std::vector<MetSubmap> met;  // with memory: by each of the others
     SubmapRatios said;           // ln p(scan | m_s = k) - ln p(scan | beliefs)
-    std::vector<double> factor;  // of the configurations of one sub-map
+    BeliefUpdate update;
     std::vector<float> belief;
     std::vector<SubmapBelief> posterior;
   };
@@ -109,12 +117,23 @@ class PatchBeamModel final : public SensorModel {
   void list_beams(const Beliefs& beliefs, Scratch& scratch) const;
   void list_pair(const ChangingBeam& beam, const Beliefs& beliefs, Scratch& scratch) const;
   void list_other(const ChangingBeam& beam, Scratch& scratch) const;
+  void share_boxes(const Beliefs& beliefs, const ChunkStates& states, Scratch& scratch) const;
   void mix_single(const ScanMixture& mixture, const Beliefs& beliefs, const ChunkStates& states,
                   Scratch& scratch) const;
   void mix_pairs(Scratch& scratch) const;
   void mix_others(const Beliefs& beliefs, const ChunkStates& states, Scratch& scratch) const;
+  void mix_once_each(const OtherBeam& other, std::span<const RayEvent> events,
+                     const Beliefs& beliefs, const ChunkStates& states, Scratch& scratch) const;
+  void mix_any(const OtherBeam& other, std::span<const RayEvent> events, const Beliefs& beliefs,
+               const ChunkStates& states, Scratch& scratch) const;
   void remember(double tempering, ParticleSet& particles, std::size_t begin, std::size_t end,
                 std::span<double> log_likelihood, Scratch& scratch) const;
+  static void scale_ratios(double tempering, std::span<const std::int32_t> current,
+                           std::span<double> log_likelihood, SubmapRatios& said);
+  void update_beliefs(std::size_t place, std::size_t begin, std::size_t count, SubmapRatios& said,
+                      ParticleSet& particles, BeliefUpdate& update) const;
+  void write_ratios(std::size_t place, std::span<const std::int32_t> current, std::size_t begin,
+                    SubmapRatios& said, ParticleSet& particles, BeliefUpdate& update) const;
   /// Those of particles from `begin` on.
   [[nodiscard]] Beliefs beliefs(const ParticleSet& particles, std::size_t begin) const;
 

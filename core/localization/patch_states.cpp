@@ -10,6 +10,14 @@ namespace strata::localization {
 namespace {
 constexpr std::size_t kChunk = 256;
 constexpr std::size_t kMostConfigurations = 64;
+
+/// One row of beliefs after what PatchStates::find_fading says.
+void fade(std::span<const double> keep, std::span<const double> add, std::span<float> row) {
+  for (std::size_t c = 0; c < row.size(); ++c) {
+    row[c] = static_cast<float>(static_cast<double>(row[c]) * keep[c] + add[c]);
+  }
+}
+
 }  // namespace
 
 double stay_probability(int configurations, double gamma_per_s, double dt_s) {
@@ -74,31 +82,33 @@ void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& rand
   }
 }
 
-/// keep: e^(-rate dt) of each sub-map.
-void PatchStates::predict_beliefs(std::span<float> row, std::span<const double> keep) const {
+/// The change of beliefs in dt_s as b keep[c] + add[c], for each column c.
+void PatchStates::find_fading(double dt_s, std::vector<double>& keep,
+                              std::vector<double>& add) const {
+  keep.assign(columns(), 1.0);
+  add.assign(columns(), 0.0);
   for (std::size_t s = 0; s + 1 < offsets_.size(); ++s) {
-    const int configurations = count(s);
-    if (configurations == 1) continue;
-    const double add = (1.0 - keep[s]) / configurations;
-    // b a + (1 - b)(1 - a)/(K - 1) of SPEC C5, with a = 1/K + (1 - 1/K) keep[s].
-    for (float& b : row.subspan(offsets_[s], static_cast<std::size_t>(configurations))) {
-      b = static_cast<float>(static_cast<double>(b) * keep[s] + add);
+    if (count(s) == 1) continue;
+    // b a + (1 - b)(1 - a)/(K - 1) of SPEC C5, with a = 1/K + (1 - 1/K) e^(-rate dt).
+    const double kept = std::exp(-rates_[s] * std::max(0.0, dt_s));
+    for (std::size_t c = offsets_[s]; c < offsets_[s + 1]; ++c) {
+      keep[c] = kept;
+      add[c] = (1.0 - kept) / count(s);
     }
   }
 }
 
 void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
                           ParticleSet& particles, WorkerPool& pool) const {
-  const auto loan = factors_.borrow();
-  std::vector<double>& keep = *loan;
-  keep.clear();
-  for (const double rate : rates_) keep.push_back(std::exp(-rate * std::max(0.0, dt_s)));
-  if (config_.memory == PatchMemory::kShared) predict_beliefs(particles.shared_belief, keep);
+  const auto keep = factors_.borrow();
+  const auto add = factors_.borrow();
+  if (config_.memory != PatchMemory::kNone) find_fading(dt_s, *keep, *add);
+  if (config_.memory == PatchMemory::kShared) fade(*keep, *add, particles.shared_belief);
   const auto move_one = [&](std::size_t i) {
     const std::int32_t before = particles.submap[i];
     const int now = submap_of(particles.pose(i).translation(), before);
     particles.submap[i] = now;
-    if (config_.memory == PatchMemory::kPerParticle) predict_beliefs(particles.belief(i), keep);
+    if (config_.memory == PatchMemory::kPerParticle) fade(*keep, *add, particles.belief(i));
     if (config_.memory != PatchMemory::kNone || now < 0) {
       particles.patch[i] = -1;
       return;

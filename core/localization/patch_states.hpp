@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -141,7 +142,7 @@ class PatchStates {
   void posterior(const ParticleSet& particles, std::vector<SubmapBelief>& beliefs) const;
 
  private:
-  void predict_beliefs(std::span<float> row, std::span<const double> keep) const;
+  void find_fading(double dt_s, std::vector<double>& keep, std::vector<double>& add) const;
   std::shared_ptr<const patch::PatchMap> map_;
   PatchStatesConfig config_;
   std::vector<std::size_t> offsets_;
@@ -149,6 +150,15 @@ class PatchStates {
   Lender<std::vector<double>> factors_;
   std::vector<double> rates_;  // gamma of each sub-map
 };
+
+/// The probability of a set of configurations. belief: of all of their sub-map.
+[[nodiscard]] inline double probability_of(std::uint64_t mask, const float* belief) {
+  double sum = 0.0;
+  for (std::uint64_t left = mask; left != 0; left &= left - 1) {
+    sum += static_cast<double>(belief[std::countr_zero(left)]);
+  }
+  return sum;
+}
 
 /// b(k) <- b(k) factor(k), normalized, never below `least`. Zero sums leave b as it is.
 void update_belief(std::span<float> belief, std::span<const double> factor, double least);

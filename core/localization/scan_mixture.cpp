@@ -66,12 +66,12 @@ bool log_fan_lanes(const ScanMixture::Terms& terms, std::size_t beams, std::size
 }
 
 /// Whether any was left over.
-bool log_row_lanes(const ScanMixture::Terms& terms, std::span<const SingleRow> rows,
-                   const double* expected_m, double* log_likelihood) {
+bool likelihood_row_lanes(const ScanMixture::Terms& terms, std::span<const SingleRow> rows,
+                          const double* expected_m, double* likelihood) {
   const Tag d;
   auto left = hn::Zero(d);
   const double* expected = expected_m;
-  double* out = log_likelihood;
+  double* out = likelihood;
   for (const SingleRow& row : rows) {
     const auto range = hn::Set(d, terms.range_m[row.beam]);
     const auto short_m = hn::Set(d, terms.short_m[row.beam]);
@@ -80,9 +80,9 @@ bool log_row_lanes(const ScanMixture::Terms& terms, std::span<const SingleRow> r
       // Out of the way where nothing is expected: as the nearest.
       const auto some = hn::Min(e, hn::MinOfLanes(d, e));
       const auto filled = hn::IfThenElse(hn::Lt(e, hn::Set(d, terms.r_max_m)), e, some);
-      const auto logs = log_row(terms, filled, range, short_m, hn::Zero(d));
-      left = hn::Add(left, logs);  // NaN stays
-      hn::StoreU(logs, d, out + j);
+      const auto p = likelihood_row(terms, filled, range, short_m);
+      left = hn::Add(left, p);  // NaN stays
+      hn::StoreU(p, d, out + j);
     }
     expected += RayFans::kVector;
     out += RayFans::kVector;
@@ -124,7 +124,7 @@ namespace strata::localization {
 HWY_EXPORT(log_lanes);
 HWY_EXPORT(log_lanes_of);
 HWY_EXPORT(log_fan_lanes);
-HWY_EXPORT(log_row_lanes);
+HWY_EXPORT(likelihood_row_lanes);
 
 namespace {
 /// The cumulated standard normal from 0 to 6 and its density, both a step of the table.
@@ -153,6 +153,7 @@ void ScanMixture::prepare(const BeamMixture& mixture, const ScanBeams& beams) {
   mixture_ = mixture;
   const BeamMixtureConfig& config = mixture.config();
   const double stddev = config.hit_stddev_m;
+  terms_.missed = std::max(config.max_weight, 1e-300);
   terms_.log_missed = log_likelihood_of(config.max_weight);
   terms_.random = config.random_weight / mixture.r_max_m();
   terms_.log_random = terms_.random;
@@ -211,17 +212,17 @@ void ScanMixture::log_likelihoods_of_fans(std::size_t fans, const double* expect
   }
 }
 
-void ScanMixture::log_likelihoods_of_rows(std::span<const SingleRow> rows, const double* expected_m,
-                                          double* log_likelihood) const {
+void ScanMixture::likelihoods_of_rows(std::span<const SingleRow> rows, const double* expected_m,
+                                      double* likelihood) const {
   Terms terms = terms_;
   terms.range_m = range_m_.data();
   terms.short_m = short_m_.data();
-  if (!HWY_DYNAMIC_DISPATCH(log_row_lanes)(terms, rows, expected_m, log_likelihood)) return;
+  if (!HWY_DYNAMIC_DISPATCH(likelihood_row_lanes)(terms, rows, expected_m, likelihood)) return;
   for (std::size_t k = 0; k < rows.size() * RayFans::kVector; ++k) {
-    if (!std::isnan(log_likelihood[k])) continue;
+    if (!std::isnan(likelihood[k])) continue;
     const std::size_t b = rows[k / RayFans::kVector].beam;
-    log_likelihood[k] =
-        log_likelihood_of(mixture_->likelihood(short_m_[b] >= 0.0, range_m_[b], expected_m[k]));
+    likelihood[k] =
+        std::max(1e-300, mixture_->likelihood(short_m_[b] >= 0.0, range_m_[b], expected_m[k]));
   }
 }
 

@@ -38,17 +38,18 @@ class ScanMixture {
   void log_likelihoods_of_fans(std::size_t fans, const double* expected_m,
                                double* log_likelihood) const;
 
-  /// One beam a row of RayFans::kVector fans: where anything is expected. Where nothing is, any
-  /// number.
-  void log_likelihoods_of_rows(std::span<const SingleRow> rows, const double* expected_m,
-                               double* log_likelihood) const;
+  /// One beam a row of RayFans::kVector fans: the likelihoods themselves, no less than 1e-300,
+  /// where anything is expected. Where nothing is, any number.
+  void likelihoods_of_rows(std::span<const SingleRow> rows, const double* expected_m,
+                           double* likelihood) const;
 
   /// What the kernel reads: constants, and one entry a beam.
   struct Terms {
     const double* range_m = nullptr;
     const double* short_m = nullptr;   ///< w_short l e^(-l z) [1/m]; -1: nothing returned
     const double* log_none = nullptr;  ///< when nothing is expected
-    double log_missed = 0.0;           ///< no return where an obstacle is expected
+    double missed = 0.0;               ///< no return where an obstacle is expected
+    double log_missed = 0.0;
     double random = 0.0;
     double log_random = 0.0;
     double hit_peak = 0.0;

@@ -35,17 +35,25 @@ class SingleBeams {
     return range_m_.data() + n * RayFans::kVector;
   }
 
-  /// Mixes all of them, into their places of logs[beam x fans + fan]: with probability
-  /// share[box x fans + fan] such a beam ends at the cell that it met, else where logs says.
+  /// A share of those that are not mixed.
+  static constexpr double kApart = -1.0;
+  /// Takes all of them out of logs[beam x fans + fan], which become 0, into sums: with probability
+  /// share[box x fans + fan] such a beam ends at the cell that it met, else where logs says; or
+  /// that is kept apart, with kApart. with_both: sums().near and far are wanted.
   void mix(const ScanMixture& mixture, std::size_t fans, std::span<const double> share,
-           double* logs);
+           bool with_both, double* logs);
 
   /// Sums over the beams of a fan that met a box: of ln p if the cells are there, and if they are
-  /// not, each less ln p of the mixture; and how many. Columns of share.size() entries.
+  /// not, each less `mixed`; of ln p of the mixture, or if the cells are not there where nothing is
+  /// mixed; and how many. Columns of share.size() entries.
   struct Sums {
     double* near = nullptr;
     double* far = nullptr;
+    double* mixed = nullptr;
     double* beams = nullptr;
+    double* near_power = nullptr;  ///< working memory: of 2, beside `near`
+    double* mixed_power = nullptr;
+    static constexpr std::size_t kColumns = 6;
   };
   [[nodiscard]] const Sums& sums() const { return sums_; }
 
@@ -53,7 +61,7 @@ class SingleBeams {
   std::vector<SingleRow> row_;
   std::vector<double> from_m_, to_m_, hidden_, range_m_;
   SingleRows rows_;
-  std::vector<double> near_log_;
+  std::vector<double> near_;  // likelihoods
   std::vector<double> sum_columns_;
   Sums sums_;
 };

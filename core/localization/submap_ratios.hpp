@@ -29,6 +29,16 @@ class SubmapRatios {
   }
   /// A beam of the particle met a sub-map: the first row of its configurations, all 0 at first.
   std::size_t meet(std::size_t submap, std::size_t configurations, std::size_t particle) {
+    const std::size_t place = place_of(submap, configurations);
+    is_met_[place * particles_ + particle] = 1;
+    return met_[place].row;
+  }
+  /// The same for a sub-map that has a place already.
+  void meet_again(std::size_t place, std::size_t particle) {
+    is_met_[place * particles_ + particle] = 1;
+  }
+  /// Number of a sub-map in met(), which it is added to.
+  std::size_t place_of(std::size_t submap, std::size_t configurations) {
     std::int32_t& place = place_of_[submap];
     if (place < 0) {
       place = static_cast<std::int32_t>(met_.size());
@@ -36,8 +46,7 @@ class SubmapRatios {
       values_.resize(values_.size() + configurations * particles_, 0.0);
       is_met_.resize(is_met_.size() + particles_, 0);
     }
-    is_met_[static_cast<std::size_t>(place) * particles_ + particle] = 1;
-    return met_[static_cast<std::size_t>(place)].row;
+    return static_cast<std::size_t>(place);
   }
   /// In the order in which beams met them.
   [[nodiscard]] const std::vector<Met>& met() const { return met_; }
