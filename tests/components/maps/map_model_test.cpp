@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -103,6 +104,56 @@ TEST(MapModels, OfEveryNameJudgeBeamsWhereTheyKnowTheRoomAndHardlyAnyFarOutside)
     const localization::Explanation away =
         model.sensor->explain(scan, {60.0, 60.0, 0.0}, particles);
     EXPECT_LT(away.judged, 0.05);
+  }
+}
+
+/// What a model says of one beam along x from a pose.
+localization::Explanation explain_beam(const MapModel& model, const Pose2& robot, float range_m) {
+  Scan scan;
+  scan.range_max_m = 30.0F;
+  scan.ranges_m = {range_m};
+  return model.sensor->explain(scan, robot, particles_at(model, {robot}));
+}
+
+TEST(MapModels, OfAGivenMapKnowItsSurfacesWhereItLies) {
+  Maps maps = test_room::make_maps();
+  // Free, with a plate at 1 m and a wall at 3 m of its own frame, which is turned and far away.
+  maps.given = ReflectionGrid(0.05, {{-20, -40}, {100, 40}}, 0.0F);
+  for (int y = -10; y < 10; ++y) maps.given.at({20, y}) = 0.9F;
+  for (int y = -40; y < 40; ++y) maps.given.at({60, y}) = 0.9F;
+  maps.given_from_map = Pose2{50.0, -7.0, 1.2};
+  const MapModel model = make_map_model(maps, "map", {});
+  const Pose2 robot = inverse(maps.given_from_map);
+  const auto expect = [&](float range_m, double met, double at_surface, double stopped) {
+    const localization::Explanation said = explain_beam(model, robot, range_m);
+    EXPECT_EQ(said.met, met) << range_m;
+    EXPECT_EQ(said.at_surface, at_surface) << range_m;
+    EXPECT_EQ(said.stopped, stopped) << range_m;
+  };
+  expect(1.0F, 1.0, 1.0, 0.0);  // at the plate
+  expect(3.0F, 0.0, 1.0, 0.0);  // at the wall behind it
+  expect(2.0F, 0.0, 0.0, 0.0);  // between both
+  expect(0.5F, 0.0, 0.0, 1.0);  // before the plate
+}
+
+TEST(MapModels, OfAMemoryTellBeamsThatAreStoppedBeforeEveryLevelsSurface) {
+  const Maps maps = test_room::make_maps();
+  for (const char* const name : {"timescale_short", "timescale_long", "timescale"}) {
+    SCOPED_TRACE(name);
+    const MapModel model = make_map_model(maps, name, {});
+    // Looks along y past the box's place, at the wall 2.8 m away.
+    const Pose2 robot{-1.5, 0.2, 0.5 * std::numbers::pi};
+    const auto expect = [&](float range_m, double met, double stopped) {
+      const localization::Explanation said = explain_beam(model, robot, range_m);
+      EXPECT_EQ(said.judged, 1.0) << range_m;
+      EXPECT_EQ(said.met, met) << range_m;
+      EXPECT_EQ(said.at_surface, met) << range_m;
+      EXPECT_EQ(said.stopped, stopped) << range_m;
+    };
+    expect(2.8F, 1.0, 0.0);
+    expect(1.2F, 0.0, 1.0);
+    expect(4.5F, 0.0, 0.0);  // through the wall
+    expect(std::numeric_limits<float>::infinity(), 0.0, 0.0);
   }
 }
 

@@ -104,6 +104,85 @@ TEST_P(PatchBeams, ExplainAsTheReferenceDoesBeamByBeam) {
   EXPECT_GT(explained, 10.0);
 }
 
+/// 64 sub-maps of one column each along x; every second one has obstacles in both of its
+/// configurations, the others are uniform.
+std::shared_ptr<const patch::PatchMap> striped_map(RandomStream& random) {
+  auto map = std::make_shared<patch::PatchMap>();
+  map->base = ReflectionGrid(0.1, {{-10, -5}, {75, 28}}, 0.0F);
+  for (int s = 0; s < 64; ++s) {
+    patch::Submap submap;
+    submap.id = s;
+    submap.rect = {{s, 0}, {s + 1, 20}};
+    for (int k = 0; k < 2; ++k) {
+      patch::Configuration configuration;
+      configuration.reflection = ReflectionGrid(0.1, submap.rect, 0.0F);
+      for (float& m : configuration.reflection.values()) {
+        m = (k == 1 || s % 2 == 0) && random.bernoulli(0.12) ? 0.9F : 0.0F;
+      }
+      submap.configurations.push_back(configuration);
+    }
+    map->submaps.push_back(submap);
+  }
+  return map;
+}
+
+/// How many events of the beams of a scan lie in boxes that RayCrossings cannot name, and how many
+/// beams met more than eight sub-maps.
+struct Crowd {
+  int unnamed = 0;
+  int in_many = 0;
+  Crowd(const patch::PatchMap& map, const ParticleSet& particles, const ScanBeams& beams) {
+    const PatchRayCaster caster(map);
+    std::vector<RayEvent> events;
+    for (std::size_t i = 0; i < particles.size(); ++i) {
+      const Pose2 laser = particles.pose(i) * beams.robot_from_laser;
+      for (const double bearing : beams.bearing_rad) {
+        caster.events(laser.x, laser.y, std::cos(laser.theta + bearing),
+                      std::sin(laser.theta + bearing), beams.r_max_m, particles.submap[i], events);
+        in_many += events.size() > 8 ? 1 : 0;
+        for (const RayEvent& event : events) {
+          const auto place = static_cast<std::size_t>(std::max(0, event.submap));
+          unnamed += place >= RayCrossings::kNamed + 4 ? 1 : 0;
+        }
+      }
+    }
+  }
+};
+
+TEST_P(PatchBeams, WeighAsTheReferenceDoesWhereABeamCrossesMoreBoxesThanCanBeNamed) {
+  RandomStream random(37, StreamId::kTest);
+  const auto map = striped_map(random);
+  PatchBeamModelConfig config;
+  config.states.memory = GetParam();
+  config.states.least_belief = 0.0;
+  const PatchBeamModel model(map, config);
+  Scan scan = random_scan(random);
+  scan.range_max_m = 9.0F;
+  ParticleSet particles = random_particles(*model.patch_states(), random, 90);
+  // Along the stripes as well.
+  for (std::size_t i = 0; i < particles.size(); i += 2) {
+    particles.set_pose(i, {random.uniform(-0.5, 0.0), random.uniform(0.5, 1.5), 0.0});
+    model.patch_states()->draw(particles, i, random);
+  }
+  const ParticleSet before = particles;
+  const Crowd crowd(*map, before, select_beams(scan, {}));
+  EXPECT_GT(crowd.unnamed, 100);
+  EXPECT_GT(crowd.in_many, 20);
+  std::vector<double> got(particles.size());
+  WorkerPool pool(1);
+  model.log_likelihoods(scan, kTempering, particles, got, pool);
+  const Reference reference(*map, *model.patch_states(), scan);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const Slow expected = reference.weigh(before, i);
+    ASSERT_NEAR(got[i], expected.log_likelihood, 1e-5) << i;
+    for (std::size_t c = 0; c < expected.row.size(); ++c) {
+      ASSERT_NEAR(static_cast<double>(particles.belief(i)[c]), expected.row[c],
+                  2e-6 + 1e-5 * expected.row[c])
+          << i << " " << c;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(EveryMemory, PatchBeams,
                          ::testing::Values(PatchMemory::kNone, PatchMemory::kShared,
                                            PatchMemory::kPerParticle));

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a patch map says of single beams where its sub-map has several configurations.
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "core/localization/patch_beam_model.hpp"
+
+namespace strata::localization {
+namespace {
+
+/// Puts a wall across y = 0 to 2 m, one cell thick.
+void add_wall(ReflectionGrid& grid, int x) {
+  for (int y = 0; y < 40; ++y) grid.at({x, y}) = 0.9F;
+}
+
+/// A free way with a wall at 4 m; a sub-map holds all of it but that, with a wall at 1 m, at 2 m,
+/// or none before.
+std::shared_ptr<const patch::PatchMap> three_walls() {
+  auto map = std::make_shared<patch::PatchMap>();
+  map->base = ReflectionGrid(0.05, {{-20, 0}, {140, 40}}, 0.0F);
+  add_wall(map->base, 100);
+  patch::Submap submap;
+  submap.rect = {{-20, 0}, {90, 40}};
+  for (const int wall : {40, 60, 0}) {
+    patch::Configuration configuration;
+    configuration.reflection = map->base.cropped(submap.rect);
+    if (wall > 0) add_wall(configuration.reflection, wall);
+    submap.configurations.push_back(configuration);
+  }
+  map->submaps.push_back(submap);
+  return map;
+}
+
+class PatchExplanation : public testing::TestWithParam<PatchMemory> {};
+
+TEST_P(PatchExplanation, SharesABeamAmongTheConfigurationsByTheirProbabilities) {
+  PatchBeamModelConfig config;
+  config.states.memory = GetParam();
+  const PatchBeamModel model(three_walls(), config);
+  const Pose2 robot{1.0, 1.0, 0.0};
+  // 0.5, 0.3 and 0.2: of each particle, of all, or as many particles.
+  ParticleSet particles;
+  particles.resize(10);
+  set_uniform_weights(particles);
+  model.patch_states()->prepare(particles);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    particles.set_pose(i, robot);
+    particles.submap[i] = 0;
+    if (GetParam() == PatchMemory::kNone) particles.patch[i] = i < 5 ? 0 : (i < 8 ? 1 : 2);
+    for (std::size_t k = 0; k < particles.belief(i).size(); ++k) {
+      particles.belief(i)[k] = k == 0 ? 0.5F : (k == 1 ? 0.3F : 0.2F);
+    }
+  }
+  if (GetParam() == PatchMemory::kShared) particles.shared_belief = {0.5F, 0.3F, 0.2F};
+  const auto expect = [&](float range_m, double explained, double at_surface, double stopped) {
+    Scan scan;
+    scan.range_max_m = 10.0F;
+    scan.ranges_m = {range_m};
+    const Explanation said = model.explain(scan, robot, particles);
+    EXPECT_NEAR(said.explained, explained, 1e-6) << range_m;
+    EXPECT_NEAR(said.met, explained, 1e-6) << range_m;
+    EXPECT_NEAR(said.judged, 1.0, 1e-6) << range_m;
+    EXPECT_NEAR(said.at_surface, at_surface, 1e-6) << range_m;
+    EXPECT_NEAR(said.stopped, stopped, 1e-6) << range_m;
+  };
+  expect(0.5F, 0.0, 0.0, 1.0);  // before all walls
+  expect(1.0F, 0.5, 1.0, 0.0);  // at the first, which is a surface whether it is there or not
+  expect(1.5F, 0.0, 0.0, 0.5);  // behind it: stopped if it is not there
+  expect(2.0F, 0.3, 1.0, 0.0);  // at the second
+  expect(3.0F, 0.0, 0.0, 0.2);  // behind both
+  expect(4.0F, 0.2, 1.0, 0.0);  // at the wall that is always there
+  expect(5.0F, 0.0, 0.0, 0.0);  // behind all
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryMemory, PatchExplanation,
+                         testing::Values(PatchMemory::kNone, PatchMemory::kShared,
+                                         PatchMemory::kPerParticle));
+
+}  // namespace
+}  // namespace strata::localization
