@@ -126,12 +126,19 @@ void drop_grazed(const VisitTable& table, const ContradictionConfig& config,
   }
 }
 
-void drop_small(int least, Grid<std::uint8_t>& mask) {
+/// Clears the components of too few cells. few: of test_few_visits, which asks for fewer where the
+/// evidence is strong.
+void drop_small(const Grid<std::uint8_t>& few, const ContradictionConfig& config,
+                Grid<std::uint8_t>& mask) {
   Grid<std::uint8_t> left = mask;
   for (std::size_t i = 0; i < left.size(); ++i) {
     if (left.values()[i] == 0) continue;
     const std::vector<Cell> component = take_component(left, left.cell(i));
-    if (component.size() >= static_cast<std::size_t>(least)) continue;
+    if (component.size() >= static_cast<std::size_t>(config.min_component_cells)) continue;
+    const auto strong = std::count_if(component.begin(), component.end(), [&](const Cell& cell) {
+      return few.at(cell) == kStronglyContradictory;
+    });
+    if (strong >= config.few_strong_cells) continue;
     for (const Cell& cell : component) mask.at(cell) = 0;
   }
 }
@@ -185,10 +192,10 @@ Grid<std::uint8_t> find_contradictions(const VisitTable& table, const Contradict
   Grid<std::uint8_t> mask = test_many_visits(table, config);
   const Grid<std::uint8_t> few = test_few_visits(table, config);
   for (std::size_t i = 0; i < mask.size(); ++i) {
-    mask.values()[i] = static_cast<std::uint8_t>(mask.values()[i] | few.values()[i]);
+    if (few.values()[i] != 0) mask.values()[i] = 1;
   }
   drop_displaced_surfaces(table, config, mask);
-  drop_small(config.min_component_cells, mask);
+  drop_small(few, config, mask);
   return mask;
 }
 

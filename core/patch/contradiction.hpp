@@ -6,7 +6,7 @@
 /// - many visits: a G-test of homogeneity per cell, with capped evidence and tolerance to jitter;
 /// - few visits: no single cell has enough evidence, so neighbouring cells are pooled: a connected
 ///   component that one visit saw occupied and another saw free, all over at least
-///   few_min_extent_m.
+///   few_min_extent_m, or a smaller one that both saw with many beams.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +39,9 @@ struct ContradictionConfig {
   double few_min_beams = 3.0;
   double few_occupied_share = 0.6;
   double few_free_share = 0.1;
+  int few_strong_cells = 6;
+  double few_strong_extent_m = 0.2;
+  double few_strong_beams = 15.0;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -111,6 +114,19 @@ struct ContradictionConfig {
          .max = 1.0});
     v.field("few_free_share", c.few_free_share,
             {.doc = "free: at most this share of hits", .unit = "1", .min = 0.0, .max = 0.5});
+    v.field("few_strong_cells", c.few_strong_cells,
+            {.doc = "least number of cells of a pooled component whose evidence is strong",
+             .unit = "cells",
+             .min = 1});
+    v.field("few_strong_extent_m", c.few_strong_extent_m,
+            {.doc = "least extent of a pooled component whose evidence is strong",
+             .unit = "m",
+             .min = 0.0});
+    v.field("few_strong_beams", c.few_strong_beams,
+            {.doc = "evidence is strong where at least so many beams a cell, in the mean over the "
+                    "component, ended there in one visit, and so many of another went across",
+             .unit = "beams",
+             .min = 0.5});
     v.require(c.prior > 0.5, "prior", "is 0.5, where every cell turns free",
               "choose a value above 0.5, such as 0.9");
   }
@@ -147,7 +163,15 @@ struct VisitEvidence {
 [[nodiscard]] Grid<std::uint8_t> test_many_visits(const VisitTable& table,
                                                   const ContradictionConfig& config);
 
-/// The test for few visits, likewise.
+/// What test_few_visits says of a cell; 0: nothing.
+inline constexpr std::uint8_t kContradictory = 1;
+inline constexpr std::uint8_t kStronglyContradictory = 2;
+
+/// The test for few visits: kContradictory in components of at least few_min_cells,
+/// kStronglyContradictory in those of few_strong_cells whose cells, in the mean, few_strong_beams
+/// hit in one visit and as many crossed in the other: where a visit only grazed a surface it passed
+/// with a beam or two, and people who walk by leave few hits in a cell. On the table's rectangle.
+/// Expects visits after VisitTable::filter. O(visits), and O(cells^2 pairs^2) a component.
 [[nodiscard]] Grid<std::uint8_t> test_few_visits(const VisitTable& table,
                                                  const ContradictionConfig& config);
 

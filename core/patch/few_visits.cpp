@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The contradiction test for few visits: pooling over space (SPEC B1, "Few visits").
 #include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,12 @@ namespace strata::patch {
 namespace {
 
 using VisitPair = std::pair<Visit, Visit>;  // occupied in the first, free in the second
+
+/// The evidence of a pair of visits, in beams.
+struct Strength {
+  double hits = 0.0;    ///< ends in the visit that found the cell occupied
+  double across = 0.0;  ///< of the other: what went across the surface
+};
 
 class FewVisitsTest {
  public:
@@ -28,8 +36,7 @@ class FewVisitsTest {
     }
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       if (candidates_.values()[i] == 0) continue;
-      const std::vector<Cell> component = take_component(candidates_, candidates_.cell(i));
-      for (const Cell& cell : coherent_cells(component)) mask.at(cell) = 1;
+      mark_coherent(take_component(candidates_, candidates_.cell(i)), mask);
     }
     return mask;
   }
@@ -69,58 +76,75 @@ class FewVisitsTest {
     return !pairs_.empty();
   }
   [[nodiscard]] bool is_large(const std::vector<Cell>& cells) const {
-    if (cells.size() < static_cast<std::size_t>(config_.few_min_cells)) return false;
-    const double extent_m = SurfaceSpread(cells).extent(cells) * table_.resolution_m();
-    return extent_m >= config_.few_min_extent_m - 1e-9;
+    return reaches(cells, config_.few_min_cells, config_.few_min_extent_m);
   }
-  /// The cells of a component that agree on when it was occupied and when it was free: for some
-  /// pair of visits enough of them support the same pair. Cells of walls that jitter back and forth
-  /// make components whose cells disagree. What was occupied then is the surface that the beams of
-  /// the free visit must have gone across. O(cells^2 pairs^2) of the component.
-  [[nodiscard]] std::vector<Cell> coherent_cells(const std::vector<Cell>& component) const {
-    if (!is_large(component)) return {};
+  [[nodiscard]] bool is_large_if_strong(const std::vector<Cell>& cells) const {
+    return reaches(cells, config_.few_strong_cells, config_.few_strong_extent_m);
+  }
+  [[nodiscard]] bool reaches(const std::vector<Cell>& cells, int least, double extent_m) const {
+    if (cells.size() < static_cast<std::size_t>(least)) return false;
+    return SurfaceSpread(cells).extent(cells) * table_.resolution_m() >= extent_m - 1e-9;
+  }
+  /// Marks the cells of a component that agree on when it was occupied and when it was free: for
+  /// some pair of visits enough of them support the same pair, or fewer by strong evidence.
+  /// Cells of walls that jitter back and forth make components whose cells disagree. What was
+  /// occupied then is the surface that the beams of the free visit must have gone across.
+  /// O(cells^2 pairs^2) of the component.
+  void mark_coherent(const std::vector<Cell>& component, Grid<std::uint8_t>& mask) const {
+    if (!is_large(component) && !is_large_if_strong(component)) return;
     std::vector<std::vector<VisitPair>> pairs(component.size());
     for (std::size_t i = 0; i < component.size(); ++i) find_pairs(component[i], pairs[i]);
-    std::vector<std::uint8_t> kept(component.size(), 0);
-    std::vector<std::size_t> support;
     std::vector<Cell> cells;
     for (const auto& candidates : pairs) {
-      for (const VisitPair& pair : candidates) {
-        support.clear();
+      for (const VisitPair& wanted : candidates) {
         cells.clear();
         for (std::size_t k = 0; k < component.size(); ++k) {
-          if (!supports(pairs[k], pair)) continue;
-          support.push_back(k);
-          cells.push_back(component[k]);
+          if (supports(pairs[k], wanted)) cells.push_back(component[k]);
         }
-        if (!is_large(cells)) continue;
+        if (!is_large(cells) && !is_large_if_strong(cells)) continue;
         const SurfaceSpread surface(cells);
-        const auto is_grazed = [&](std::size_t k) { return !is_crossed(pairs[k], pair, surface); };
-        support.erase(std::remove_if(support.begin(), support.end(), is_grazed), support.end());
+        Strength sum;
         cells.clear();
-        for (const std::size_t k : support) cells.push_back(component[k]);
-        if (!is_large(cells)) continue;
-        for (const std::size_t k : support) kept[k] = 1;
+        for (std::size_t k = 0; k < component.size(); ++k) {
+          const std::optional<Strength> strength = strength_of(pairs[k], wanted, surface);
+          if (!strength) continue;
+          cells.push_back(component[k]);
+          sum = {sum.hits + strength->hits, sum.across + strength->across};
+        }
+        const double strong = config_.few_strong_beams * static_cast<double>(cells.size());
+        const bool is_strong = std::min(sum.hits, sum.across) >= strong;
+        if (is_strong && is_large_if_strong(cells)) {
+          mark(cells, kStronglyContradictory, mask);
+        } else if (is_large(cells)) {
+          mark(cells, kContradictory, mask);
+        }
       }
     }
-    cells.clear();
-    for (std::size_t k = 0; k < component.size(); ++k) {
-      if (kept[k] != 0) cells.push_back(component[k]);
-    }
-    return cells;
+  }
+  static void mark(const std::vector<Cell>& cells, std::uint8_t value, Grid<std::uint8_t>& mask) {
+    for (const Cell& cell : cells) mask.at(cell) = std::max(mask.at(cell), value);
+  }
+  [[nodiscard]] static bool is_same(const VisitPair& pair, const VisitPair& wanted) {
+    return pair.first.overlaps(wanted.first) && pair.second.overlaps(wanted.second);
   }
   [[nodiscard]] static bool supports(const std::vector<VisitPair>& pairs, const VisitPair& wanted) {
-    return std::any_of(pairs.begin(), pairs.end(), [&](const VisitPair& pair) {
-      return pair.first.overlaps(wanted.first) && pair.second.overlaps(wanted.second);
-    });
+    return std::any_of(pairs.begin(), pairs.end(),
+                       [&](const VisitPair& pair) { return is_same(pair, wanted); });
   }
-  /// Whether a pair of a cell that supports the wanted one is free by beams across the surface.
-  [[nodiscard]] bool is_crossed(const std::vector<VisitPair>& pairs, const VisitPair& wanted,
-                                const SurfaceSpread& surface) const {
-    return std::any_of(pairs.begin(), pairs.end(), [&](const VisitPair& pair) {
-      return pair.first.overlaps(wanted.first) && pair.second.overlaps(wanted.second) &&
-             surface.is_crossed_by(pair.second, config_.min_across);
-    });
+  /// The most that a pair of a cell, which supports the wanted one and is free by beams across the
+  /// surface, has of each; nothing when there is no such pair.
+  [[nodiscard]] std::optional<Strength> strength_of(const std::vector<VisitPair>& pairs,
+                                                    const VisitPair& wanted,
+                                                    const SurfaceSpread& surface) const {
+    std::optional<Strength> most;
+    for (const VisitPair& pair : pairs) {
+      if (!is_same(pair, wanted)) continue;
+      if (!surface.is_crossed_by(pair.second, config_.min_across)) continue;
+      const Strength before = most.value_or(Strength{});
+      most = {std::max(before.hits, static_cast<double>(pair.first.hits)),
+              std::max(before.across, surface.misses_across(pair.second))};
+    }
+    return most;
   }
 
   const VisitTable& table_;

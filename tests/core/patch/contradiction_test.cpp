@@ -44,7 +44,7 @@ class TableBuilder {
 
 int count(const Grid<std::uint8_t>& mask) {
   int sum = 0;
-  for (const auto v : mask.values()) sum += v;
+  for (const auto v : mask.values()) sum += v != 0 ? 1 : 0;
   return sum;
 }
 
@@ -142,6 +142,55 @@ TEST(FewVisits, NeedsTheLeastNumberOfCellsAndTheLeastExtent) {
   config.few_min_cells = 1;
   EXPECT_EQ(count(test_few_visits(changing_line(2, 6).build(), config)), 6);
   EXPECT_EQ(count(test_few_visits(changing_line(2, 5).build(), config)), 0) << "25 cm";
+}
+
+/// Whether a line along x that one visit hit and the other saw through, by so many beams in each
+/// cell, is found. Of beams from everywhere 37/72 of the length goes across a line of six cells:
+/// its spread is 1/12 across and 3 along, in cells, and the mean over all directions is half the
+/// sum.
+bool is_found(int cells, double hits, double misses, int rows = 1) {
+  TableBuilder table({{0, 0}, {20, 9}});
+  for (int x = 0; x < cells; ++x) {
+    for (int y = 0; y < rows; ++y) table.set({4 + x, 4 + y}, {{hits, 0}, {0, misses}});
+  }
+  const int found = count(find_contradictions(table.build(), {}));
+  EXPECT_TRUE(found == 0 || found == cells * rows);
+  return found != 0;
+}
+
+TEST(FewVisits, SixCellsAreEnoughWhereBothVisitsHaveFifteenBeamsInEach) {
+  constexpr double kAcross = 37.0 / 72.0;
+  EXPECT_TRUE(is_found(6, 15.0, 15.01 / kAcross));
+  EXPECT_FALSE(is_found(6, 14.99, 15.01 / kAcross)) << "too few ended there";
+  EXPECT_FALSE(is_found(6, 15.0, 14.99 / kAcross)) << "too few went across";
+  EXPECT_FALSE(is_found(5, 1000.0, 1000.0)) << "too few cells";
+  EXPECT_FALSE(is_found(3, 1000.0, 1000.0, 2)) << "six cells, 15 cm";
+  EXPECT_TRUE(is_found(4, 1000.0, 1000.0, 2)) << "20 cm";
+}
+
+TEST(FewVisits, StrengthIsThatOfTheCellsTogether) {
+  // A cell at the border of a leaf is hit by few beams.
+  for (const double at_the_border : {1.0, 6.0}) {
+    TableBuilder table({{0, 0}, {20, 9}});
+    for (int x = 0; x < 6; ++x) table.set({4 + x, 4}, {{x == 0 ? 4.0 : 17.0, 0}, {0, 100}});
+    table.set({10, 4}, {{at_the_border, 0}, {0, 100}});
+    // 4 + 5 x 17 + 6 = 95 in seven cells, and 89 in six where one hit is no evidence at all.
+    EXPECT_EQ(count(find_contradictions(table.build(), {})), 0) << at_the_border;
+    table.set({5, 4}, {{33, 0}, {0, 100}});
+    EXPECT_GE(count(find_contradictions(table.build(), {})), 6) << at_the_border;
+  }
+}
+
+TEST(FewVisits, MoreEvidenceTakesNoChangeAway) {
+  for (int cells = 6; cells <= 10; ++cells) {
+    bool was_found = false;
+    for (double beams = 3.0; beams < 200.0; beams *= 1.5) {
+      const bool is_now = is_found(cells, beams, beams);
+      EXPECT_TRUE(is_now || !was_found) << cells << " cells, " << beams << " beams";
+      was_found = is_now;
+    }
+    EXPECT_TRUE(was_found);
+  }
 }
 
 TEST(FewVisits, FindALineThatLiesAskewAsOneThatDoesNot) {
