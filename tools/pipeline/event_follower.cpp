@@ -11,7 +11,45 @@ constexpr double kAdaptedShare = 0.9;
 constexpr std::size_t kAdaptedWindow = 5;
 /// Half old, half new: each at least this share of the beams.
 constexpr double kMixedShare = 0.25;
+/// A configuration that agrees with fewer of the changed cells is another state.
+constexpr double kSameConfiguration = 0.8;
+
+/// The share of the changed cells in the sub-map that the configuration shows as they are; nothing
+/// where the sub-map holds less than half of them.
+std::optional<double> agreement(const ChangeEvent& event, const patch::Submap& submap,
+                                const patch::Configuration& configuration) {
+  std::size_t inside = 0;
+  std::size_t same = 0;
+  for (std::size_t c = 0; c < event.changed.size(); ++c) {
+    if (!submap.rect.contains(event.changed[c])) continue;
+    ++inside;
+    const bool is_shown = is_occupied(configuration.reflection.get(event.changed[c]));
+    same += is_shown == (event.occupied[c] != 0) ? 1 : 0;
+  }
+  if (inside == 0 || 2 * inside < event.changed.size()) return std::nullopt;
+  return static_cast<double>(same) / static_cast<double>(inside);
+}
 }  // namespace
+
+std::optional<double> belief_in_state(const ChangeEvent& event, const patch::PatchMap& map,
+                                      std::span<const localization::SubmapBelief> beliefs) {
+  std::optional<double> belief;
+  double best_share = kSameConfiguration;
+  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+    double best_here = 0.0;
+    double sum = 0.0;
+    for (std::size_t k = 0; k < map.submaps[s].configurations.size(); ++k) {
+      const auto share = agreement(event, map.submaps[s], map.submaps[s].configurations[k]);
+      if (!share || *share < kSameConfiguration) continue;
+      sum += beliefs[s].probability[k];
+      best_here = std::max(best_here, *share);
+    }
+    if (best_here < best_share || (belief && best_here == best_share)) continue;
+    best_share = best_here;
+    belief = sum;
+  }
+  return belief;
+}
 
 EventFollower::EventFollower(const TestScans& test, double limit_m)
     : test_(test), limit_m_(limit_m), outcomes_(test.changes ? test.changes->events.size() : 0) {

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "components/maps/map_model.hpp"
+#include "core/localization/patch_states.hpp"
+#include "core/patch/patch_map.hpp"
 #include "core/scan/scan.hpp"
 #include "tools/pipeline/changes.hpp"
 
@@ -24,8 +26,7 @@ struct EventOutcome {
   /// Held-out fit per beam over the first ten scans that show the change, less that of the map as
   /// it was then; for old states only.
   std::optional<double> recall;
-  /// Probability of the configuration that looks most like the place did, after those scans; for
-  /// patch models whose sub-maps cover the change and have such a configuration.
+  /// belief_in_state() after those scans; for patch models whose sub-maps cover the change.
   std::optional<double> true_state_probability;
   /// Share of the scans that show the change in which what changed was expected half as before and
   /// half as it is now: at least a quarter of the beams each.
@@ -38,6 +39,14 @@ struct TestScans {
   std::span<const std::optional<Pose2>> truths;  ///< map_from_robot; scans without are left out
   const Changes* changes = nullptr;              ///< null: nothing is known of changes
 };
+
+/// The probability that a place is as the event found it: of the sub-map that shows it best, the
+/// configurations that agree with at least 80% of the changed cells, together (a box beside a door
+/// says nothing of the door). Nothing where no sub-map holds half of the changed cells and has such
+/// a configuration. beliefs: one a sub-map. O(changed cells x configurations).
+[[nodiscard]] std::optional<double> belief_in_state(
+    const ChangeEvent& event, const patch::PatchMap& map,
+    std::span<const localization::SubmapBelief> beliefs);
 
 /// Which change a scan shows, and what came of it. O(changed bins) a scan.
 class EventFollower {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/localization/scan_beams.hpp"
-#include "core/patch/patch_map.hpp"
 #include "tools/pipeline/onlooker.hpp"
 #include "tools/statistics/statistics.hpp"
 
@@ -18,8 +17,6 @@ namespace {
 using localization::ScanBeams;
 
 constexpr std::size_t kRecallScans = 10;
-/// A configuration that agrees with fewer of the changed cells is another state.
-constexpr double kSameConfiguration = 0.8;
 
 /// Sums of a ScanPrediction.
 class Fit {
@@ -75,32 +72,6 @@ Scan without_chosen_beams(const Scan& scan, const localization::BeamSelectionCon
   return result;
 }
 
-/// The configuration of a sub-map that shows the changed cells as they are, and its sub-map.
-std::optional<std::pair<std::size_t, std::size_t>> configuration_like(const ChangeEvent& event,
-                                                                      const patch::PatchMap& map) {
-  std::optional<std::pair<std::size_t, std::size_t>> best;
-  double best_share = kSameConfiguration;
-  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
-    const patch::Submap& submap = map.submaps[s];
-    for (std::size_t k = 0; k < submap.configurations.size(); ++k) {
-      const ReflectionGrid& shown = submap.configurations[k].reflection;
-      std::size_t inside = 0;
-      std::size_t same = 0;
-      for (std::size_t c = 0; c < event.changed.size(); ++c) {
-        if (!submap.rect.contains(event.changed[c])) continue;
-        ++inside;
-        same += is_occupied(shown.get(event.changed[c])) == (event.occupied[c] != 0) ? 1 : 0;
-      }
-      if (2 * inside < event.changed.size()) continue;
-      const double share = static_cast<double>(same) / static_cast<double>(inside);
-      if (share <= best_share) continue;
-      best_share = share;
-      best = {s, k};
-    }
-  }
-  return best;
-}
-
 /// Fit per beam of a scan in the map as it was.
 double oracle_fit(const ChangeEvent& event, const Scan& scan, const Pose2& map_from_robot,
                   const localization::BeamModelConfig& config) {
@@ -140,10 +111,8 @@ class Recall {
     for (const auto& [e, v] : follower.views_of(scan)) {
       const ChangeEvent& event = test_.changes->events[e];
       if (!event.is_old_state || v >= kRecallScans) continue;
-      const auto true_state = configuration_like(event, states->map());
-      if (!true_state) continue;
-      follower.outcome(e).true_state_probability =
-          onlooker.beliefs()[true_state->first].probability[true_state->second];
+      const auto belief = belief_in_state(event, states->map(), onlooker.beliefs());
+      if (belief) follower.outcome(e).true_state_probability = belief;
     }
   }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/event_follower.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -94,6 +97,53 @@ TEST(EventFollower, LimitsWhatIsExpectedAndMeasuredAlike) {
     follower.see(scan, [](const Pose2&, double) { return 6.0; });
   }
   EXPECT_EQ(follower.take().front().adapted_after_scans, 0.0);
+}
+
+/// A sub-map of 4 x 1 cells, whose configurations are rows of 0 and 1.
+patch::Submap row_submap(int from, const std::vector<std::vector<float>>& rows) {
+  patch::Submap submap;
+  submap.rect = {{from, 0}, {from + 4, 1}};
+  for (const std::vector<float>& row : rows) {
+    patch::Configuration configuration;
+    configuration.reflection = ReflectionGrid(0.1, submap.rect, 0.0F);
+    std::copy(row.begin(), row.end(), configuration.reflection.values().begin());
+    submap.configurations.push_back(configuration);
+  }
+  return submap;
+}
+
+TEST(BeliefInState, AddsTheConfigurationsThatShowWhatChangedAsItIs) {
+  patch::PatchMap map;
+  map.base = ReflectionGrid(0.1, {{0, 0}, {20, 1}}, 0.0F);
+  // Nothing, a box at the left, one at the right.
+  map.submaps = {row_submap(0, {{0, 0, 0, 0}, {1, 1, 0, 0}, {0, 0, 1, 1}})};
+  const std::vector<localization::SubmapBelief> beliefs{{0, 1.0, {0.1, 0.3, 0.6}}};
+  ChangeEvent event;
+  event.changed = {{0, 0}, {1, 0}};
+  event.occupied = {0, 0};
+  // Whether there is a box at the right does not matter for the left.
+  EXPECT_DOUBLE_EQ(belief_in_state(event, map, beliefs).value(), 0.7);
+  event.occupied = {1, 1};
+  EXPECT_DOUBLE_EQ(belief_in_state(event, map, beliefs).value(), 0.3);
+  event.occupied = {1, 0};
+  EXPECT_FALSE(belief_in_state(event, map, beliefs)) << "no configuration shows that";
+  event.changed = {{0, 0}, {5, 0}, {6, 0}};
+  event.occupied = {1, 0, 0};
+  EXPECT_FALSE(belief_in_state(event, map, beliefs)) << "two thirds lie outside";
+}
+
+TEST(BeliefInState, AsksTheSubmapThatShowsItBest) {
+  patch::PatchMap map;
+  map.base = ReflectionGrid(0.1, {{0, 0}, {20, 1}}, 0.0F);
+  map.submaps = {row_submap(0, {{1, 1, 1, 1}, {0, 0, 0, 0}}),
+                 row_submap(1, {{1, 1, 1, 0}, {0, 0, 0, 0}})};
+  const std::vector<localization::SubmapBelief> beliefs{{0, 1.0, {0.2, 0.8}}, {1, 1.0, {0.9, 0.1}}};
+  ChangeEvent event;
+  event.changed = {{1, 0}, {2, 0}, {3, 0}, {4, 0}};
+  event.occupied = {1, 1, 1, 0};
+  EXPECT_DOUBLE_EQ(belief_in_state(event, map, beliefs).value(), 0.2) << "equally good: the first";
+  event.occupied = {1, 1, 1, 1};
+  EXPECT_DOUBLE_EQ(belief_in_state(event, map, beliefs).value(), 0.2) << "the second has 3 of 4";
 }
 
 TEST(MemoryWatcher, ExpectsWhatTheChosenDecoderDecodes) {
