@@ -135,7 +135,7 @@ struct ClosureConfig {
 struct GivenPoseConfig {
   bool refine = true;
   bool refine_alone = false;
-  double stddev_m = 0.2;
+  double stddev_m = 0.1;
   double stddev_rad = 0.05;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
