@@ -9,23 +9,32 @@
 
 namespace strata::localization {
 
-/// Brings what the scan says of each sub-map that beams of the chunk met to the tempered scale, and
-/// for the particles in it what is largest there to their log-likelihoods, so that no exponential
-/// overflows.
+/// Brings what the scan says of each sub-map that beams of the chunk met to the tempered scale,
+/// less what is largest there, so that no exponential overflows: for the particles in it that goes
+/// to their log-likelihoods, and a belief of their own does not ask for the scale. Beliefs that
+/// they share weigh the particles by it; there a sub-map they are not in says at most e^80.
 void PatchBeamModel::scale_ratios(double tempering, std::span<const std::int32_t> current,
-                                  std::span<double> log_likelihood, SubmapRatios& said) {
+                                  std::span<double> log_likelihood, SubmapRatios& said,
+                                  std::vector<double>& largest) const {
   const double per_tempering = 1.0 / tempering;
+  const bool is_shared = states_.memory() == PatchMemory::kShared;
   for (double& ratio : said.values()) ratio *= per_tempering;
+  largest.resize(current.size());
   for (const SubmapRatios::Met& met : said.met()) {
     const auto submap = static_cast<std::int32_t>(met.submap);
-    for (std::size_t n = 0; n < current.size(); ++n) {
-      if (current[n] != submap) continue;
-      double largest = said.at(met.row, n);
-      for (std::size_t k = 1; k < met.configurations; ++k) {
-        largest = std::max(largest, said.at(met.row + k, n));
-      }
-      log_likelihood[n] += largest;
-      for (std::size_t k = 0; k < met.configurations; ++k) said.at(met.row + k, n) -= largest;
+    std::copy_n(&said.at(met.row, 0), largest.size(), largest.begin());
+    for (std::size_t k = 1; k < met.configurations; ++k) {
+      const double* const ratio = &said.at(met.row + k, 0);
+      for (std::size_t n = 0; n < largest.size(); ++n) largest[n] = std::max(largest[n], ratio[n]);
+    }
+    for (std::size_t n = 0; n < largest.size(); ++n) {
+      const bool is_own = current[n] == submap;
+      log_likelihood[n] += is_own ? largest[n] : 0.0;
+      largest[n] = is_own || !is_shared ? largest[n] : 0.0;
+    }
+    for (std::size_t k = 0; k < met.configurations; ++k) {
+      double* const ratio = &said.at(met.row + k, 0);
+      for (std::size_t n = 0; n < largest.size(); ++n) ratio[n] -= largest[n];
     }
   }
   for (double& ratio : said.values()) ratio = std::min(80.0, ratio);
@@ -103,7 +112,7 @@ void PatchBeamModel::remember(double tempering, ParticleSet& particles, std::siz
   const std::size_t count = end - begin;
   const auto current = std::span<const std::int32_t>(particles.submap).subspan(begin, count);
   const std::span<double> logs = log_likelihood.subspan(begin, count);
-  scale_ratios(tempering, current, logs, said);
+  scale_ratios(tempering, current, logs, said, scratch.update.sum);
   exp_column(said.values().data(), said.values().size());
   const bool is_shared = states_.memory() == PatchMemory::kShared;
   if (is_shared) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the beams that met changing cells say of the particle and of the sub-maps.
 #include <algorithm>
-#include <cmath>
 
 #include "core/localization/column_math.hpp"
 #include "core/localization/patch_beam_model.hpp"

@@ -97,7 +97,7 @@ class PatchBeamModel final : public SensorModel {
     std::vector<RayEvent> events;
     std::vector<double> value;   // of the events of a beam, then of its end
     std::vector<MetSubmap> met;  // with memory: by each of the others
-    SubmapRatios said;           // ln p(scan | m_s = k) - ln p(scan | beliefs)
+    SubmapRatios said;           // ln p(scan | m_s = k) less what the log-likelihood holds already
     BeliefUpdate update;
     std::vector<float> belief;
     std::vector<SubmapBelief> posterior;
@@ -128,8 +128,9 @@ class PatchBeamModel final : public SensorModel {
                const ChunkStates& states, Scratch& scratch) const;
   void remember(double tempering, ParticleSet& particles, std::size_t begin, std::size_t end,
                 std::span<double> log_likelihood, Scratch& scratch) const;
-  static void scale_ratios(double tempering, std::span<const std::int32_t> current,
-                           std::span<double> log_likelihood, SubmapRatios& said);
+  void scale_ratios(double tempering, std::span<const std::int32_t> current,
+                    std::span<double> log_likelihood, SubmapRatios& said,
+                    std::vector<double>& largest) const;
   void update_beliefs(std::size_t place, std::size_t begin, std::size_t count, SubmapRatios& said,
                       ParticleSet& particles, BeliefUpdate& update) const;
   void write_ratios(std::size_t place, std::span<const std::int32_t> current, std::size_t begin,

@@ -20,10 +20,12 @@ std::uint64_t occupied_mask(const patch::PatchMap& map, std::size_t s, const Cel
   return mask;
 }
 
-/// Cells of a rectangle as a box, with `spare` cells on each side.
-RayBox box_of(const CellRect& rect, double resolution_m, double spare) {
-  return {(rect.min.x - spare) * resolution_m, (rect.min.y - spare) * resolution_m,
-          (rect.max.x + spare) * resolution_m, (rect.max.y + spare) * resolution_m};
+/// Cells of a rectangle as a box, a rounding larger: whether a point on the edge of a cell is in it
+/// is for the walker to say.
+RayBox box_of(const CellRect& rect, double resolution_m) {
+  constexpr double kSpareCells = 1e-10;
+  return {(rect.min.x - kSpareCells) * resolution_m, (rect.min.y - kSpareCells) * resolution_m,
+          (rect.max.x + kSpareCells) * resolution_m, (rect.max.y + kSpareCells) * resolution_m};
 }
 
 /// 1 for cells that the base map or any configuration knows.
@@ -80,13 +82,13 @@ PatchRayCaster::PatchRayCaster(const patch::PatchMap& map) {
   }
   for (std::size_t s = 0; s < changing.size(); ++s) {
     if (changing[s].empty()) continue;
-    RayBox box = box_of(changing[s], map.base.resolution_m(), 0.25);
+    RayBox box = box_of(changing[s], map.base.resolution_m());
     box.number = boxes_.size();
     boxes_.push_back(box);
     contents_.push_back(contents_of(marks_in[s]));
     for (BoxContent& content : contents_.back()) {
       const CellRect seen = seen_by(content.current, changing[s], marks);
-      content.box = box_of(seen, map.base.resolution_m(), 0.0);
+      content.box = box_of(seen, map.base.resolution_m());
       content.box.number = box.number;
       find_uniform(seen.inflated(1), marks, content);
     }

@@ -16,10 +16,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, RayFans::kVector>;
 using Lanes = hn::Vec<Tag>;
 
-/// One over a direction, far away but finite where the ray runs along the other axis.
+/// A ray begins this far inside the cells of a box, whose edges lie a rounding outside of them.
+constexpr double kInside_m = 1e-10;
+
+/// One over a direction, far away but finite where the ray runs along the other axis: a rounding
+/// from the edge of a box is as far as any ray goes.
 HWY_INLINE Lanes finite_inverse(Lanes along) {
   const Tag d;
-  const auto least = hn::Set(d, 1e-12);
+  const auto least = hn::Set(d, 1e-15);
   const auto is_small = hn::Lt(hn::Abs(along), least);
   return hn::Div(hn::Set(d, 1.0), hn::IfThenElse(is_small, least, along));
 }
@@ -98,14 +102,15 @@ HWY_INLINE bool cross_box(const BoxColumns& box, std::size_t n, Row& row, double
     const auto entry = hn::Max(hn::Max(hn::Min(x0, x1), hn::Min(y0, y1)), hn::Zero(d));
     const auto exit = hn::Min(hn::Min(hn::Max(x0, x1), hn::Max(y0, y1)), last);
     const auto crosses = hn::And(counts, hn::Lt(entry, exit));
-    hn::StoreU(hn::IfThenElseZero(crosses, entry), d, from_m + j);
+    const auto begin = hn::Add(entry, hn::Set(d, kInside_m));
+    hn::StoreU(hn::IfThenElseZero(crosses, begin), d, from_m + j);
     hn::StoreU(hn::IfThenElseZero(crosses, exit), d, to_m + j);
     if (hn::AllFalse(d, crosses)) continue;
     any = true;
     if constexpr (kAlone) continue;
     const auto from = hn::Load(d, row.from_m + j);
     const auto to = hn::Load(d, row.to_m + j);
-    hn::Store(hn::IfThenElse(crosses, hn::Min(from, entry), from), d, row.from_m + j);
+    hn::Store(hn::IfThenElse(crosses, hn::Min(from, begin), from), d, row.from_m + j);
     hn::Store(hn::IfThenElse(crosses, hn::Max(to, exit), to), d, row.to_m + j);
     const auto add = [&](double* column, Lanes value) HWY_ATTR {
       hn::Store(hn::Add(hn::Load(d, column + j), hn::IfThenElseZero(crosses, value)), d,
