@@ -70,8 +70,9 @@ void PatchStates::prepare(ParticleSet& particles) const {
   if (config_.memory == PatchMemory::kShared) particles.shared_belief = uniform_;
 }
 
-void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& random) const {
-  particles.submap[i] = submap_of(particles.pose(i).translation());
+void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& random,
+                       int current) const {
+  particles.submap[i] = submap_of(particles.pose(i).translation(), current);
   particles.patch[i] = -1;
   if (config_.memory == PatchMemory::kPerParticle) {
     std::copy(uniform_.begin(), uniform_.end(), particles.belief(i).begin());

@@ -21,7 +21,7 @@ namespace strata::localization {
 
 /// What is kept of sub-maps that the robot is not in (SPEC C5).
 enum class PatchMemory {
-  kNone,         ///< the paper: a particle holds one configuration, of the sub-map it is in
+  kNone,         ///< the paper: a particle holds one configuration, of the sub-map within reach_m
   kShared,       ///< one belief per sub-map for all particles
   kPerParticle,  ///< a belief per particle and sub-map (factored posterior)
 };
@@ -58,8 +58,8 @@ struct PatchStatesConfig {
     v.field("least_belief", c.least_belief,
             {.doc = "no configuration's probability falls below", .min = 0.0, .max = 0.1});
     v.field("reach_m", c.reach_m,
-            {.doc = "memory none: a robot this far outside of a sub-map still is in it, as when "
-                    "the sub-map was learned",
+            {.doc = "memory none: a robot this far outside of a sub-map still is in it; the paper "
+                    "begins its sequences there (sequences.entry_margin_m of mode entered)",
              .unit = "m",
              .min = 0.0});
     v.field("shared_max_stddev_m", c.shared_max_stddev_m,
@@ -72,7 +72,7 @@ struct PatchStatesConfig {
 /// The posterior over the configurations of one sub-map.
 struct SubmapBelief {
   int submap = -1;
-  double mass = 0.0;                ///< weight of the particles inside
+  double mass = 0.0;                ///< weight of the particles whose sub-map it is (submap_of)
   std::vector<double> probability;  ///< per configuration, sums to 1
 };
 
@@ -116,7 +116,8 @@ class PatchStates {
   void prepare(ParticleSet& particles) const;
   /// Particle i knows nothing: its sub-map from its pose, its configuration (without memory) drawn
   /// uniformly, its belief uniform.
-  void draw(ParticleSet& particles, std::size_t i, RandomStream& random) const;
+  /// current: the sub-map it is believed to be in already, -1 for none.
+  void draw(ParticleSet& particles, std::size_t i, RandomStream& random, int current = -1) const;
   /// Takes particles over from a model with the states `before` (null: none). A sub-map descends
   /// from the old one that it has most cells in common with, if these are more than half of the
   /// smaller of both. What was believed of an old configuration goes to the new one that looks most

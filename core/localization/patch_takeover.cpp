@@ -120,6 +120,13 @@ void PatchStates::adopt(const PatchStates* before, std::uint64_t seed, std::uint
   for (std::size_t s = 0; s < descents.size(); ++s) {
     descents[s] = descent_of(*map_, s, *before->map_);
   }
+  // Where a particle goes that holds an old sub-map's configuration.
+  std::vector<int> successors(is_same_kind ? before->map_->submaps.size() : 0, -1);
+  for (std::size_t s = descents.size(); s-- > 0;) {
+    if (descents[s].before >= 0) {
+      successors[static_cast<std::size_t>(descents[s].before)] = static_cast<int>(s);
+    }
+  }
   const auto carry_row = [&](std::span<const float> from, std::span<float> to) {
     for (std::size_t s = 0; s < descents.size(); ++s) {
       if (descents[s].before < 0) continue;
@@ -134,7 +141,9 @@ void PatchStates::adopt(const PatchStates* before, std::uint64_t seed, std::uint
   }
   for (std::size_t i = 0; i < particles.size(); ++i) {
     RandomStream random(seed, StreamId::kPatchTransition, step, static_cast<std::uint32_t>(i));
-    draw(particles, i, random);
+    const bool had_submap = is_same_kind && old.submap[i] >= 0;
+    draw(particles, i, random,
+         had_submap ? successors[static_cast<std::size_t>(old.submap[i])] : -1);
     if (!is_same_kind) continue;
     if (memory() == PatchMemory::kPerParticle) {
       carry_row(old.belief(i), particles.belief(i));

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/patch/sequences.hpp"
+
 namespace strata::patch {
 namespace {
 
@@ -52,22 +54,17 @@ int submap_at(const PatchMap& map, const Eigen::Vector2d& point_m, int current) 
 int submap_in_reach(const PatchMap& map, const Eigen::Vector2d& point_m, double reach_m,
                     int current) {
   const int inside = submap_at(map, point_m, current);
-  if (inside >= 0) return inside;
-  const double resolution_m = map.base.resolution_m();
-  const auto distance_m = [&](const CellRect& rect) {
-    const Eigen::Vector2d least = resolution_m * Eigen::Vector2d(rect.min.x, rect.min.y);
-    const Eigen::Vector2d most = resolution_m * Eigen::Vector2d(rect.max.x, rect.max.y);
-    return (point_m - point_m.cwiseMax(least).cwiseMin(most)).norm();
+  if (inside >= 0 || !(reach_m > 0.0)) return inside;
+  const auto away_m = [&](std::size_t s) {
+    return distance_m(point_m, map.submaps[s].rect, map.base.resolution_m());
   };
-  if (current >= 0 && distance_m(map.submaps[static_cast<std::size_t>(current)].rect) <= reach_m) {
-    return current;
-  }
+  if (current >= 0 && away_m(static_cast<std::size_t>(current)) <= reach_m) return current;
   int best = -1;
   double least_m = reach_m;
   for (std::size_t s = 0; s < map.submaps.size(); ++s) {
-    const double away_m = distance_m(map.submaps[s].rect);
-    if (away_m > least_m || (best >= 0 && away_m == least_m)) continue;
-    least_m = away_m;
+    const double here_m = away_m(s);
+    if (here_m > least_m || (best >= 0 && here_m == least_m)) continue;
+    least_m = here_m;
     best = static_cast<int>(s);
   }
   return best;

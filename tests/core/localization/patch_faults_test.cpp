@@ -183,6 +183,28 @@ TEST(PatchFaults, ANewMapMidRunKeepsThePoseAndWhatIsBelieved) {
 
 // An online learner orders, merges and forgets configurations as it likes; what was believed goes
 // with what they look like, not with their place in the list.
+TEST(PatchFaults, ANewMapLeavesAParticleTheSubmapWhoseConfigurationItHolds) {
+  const auto map = empty_map();
+  map->submaps.push_back(submap_of(0, {{79, 0}, {113, 41}}, {room(), room_with_box()}));
+  map->submaps.push_back(submap_of(1, {{140, 0}, {160, 41}}, {room(), room()}));
+  PatchStatesConfig config;
+  config.memory = PatchMemory::kNone;
+  const PatchStates states(map, config);
+  ParticleSet particles;
+  particles.resize(20);
+  states.prepare(particles);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    particles.set_pose(i, {6.4, 1.0, 0.0});  // 0.75 m beside its own, 0.6 m beside the other
+    particles.submap[i] = 0;
+    particles.patch[i] = 1;
+  }
+  states.adopt(&states, 1, 5, particles);
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    EXPECT_EQ(particles.submap[i], 0) << i;
+    EXPECT_EQ(particles.patch[i], 1) << i;
+  }
+}
+
 TEST(PatchFaults, BeliefFollowsWhatConfigurationsLookLike) {
   BoxWorld third = room();
   third.push_back({4.5, 1.5, 5.1, 2.1});

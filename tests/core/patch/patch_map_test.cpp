@@ -55,7 +55,7 @@ TEST(SubmapInReach, EntersFromAroundTheRectangleTheNearestFirst) {
 
 TEST(SubmapInReach, WithoutReachIsTheSubmapAtThePoint) {
   const PatchMap map = overlapping_map();
-  for (double x = -0.105; x < 2.2; x += 0.03) {
+  for (double x = -0.105; x < 2.2; x += 0.005) {
     for (const int current : {-1, 0, 1}) {
       const Eigen::Vector2d point(x, 0.51);
       EXPECT_EQ(submap_in_reach(map, point, 0.0, current), submap_at(map, point, current)) << x;
