@@ -43,7 +43,7 @@ struct TestScans {
 /// The probability that a place is as the event found it: of the sub-map that shows it best, the
 /// configurations that agree with at least 80% of the changed cells, together (a box beside a door
 /// says nothing of the door). Nothing where no sub-map holds half of the changed cells and has such
-/// a configuration. beliefs: one a sub-map. O(changed cells x configurations).
+/// a configuration. beliefs must hold one a sub-map. O(changed cells x configurations).
 [[nodiscard]] std::optional<double> belief_in_state(
     const ChangeEvent& event, const patch::PatchMap& map,
     std::span<const localization::SubmapBelief> beliefs);

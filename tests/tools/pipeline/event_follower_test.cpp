@@ -4,14 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "tests/tools/pipeline/changed_room.hpp"
-#include "tools/pipeline/watcher.hpp"
 
 namespace strata::pipeline {
 namespace {
@@ -99,10 +95,10 @@ TEST(EventFollower, LimitsWhatIsExpectedAndMeasuredAlike) {
   EXPECT_EQ(follower.take().front().adapted_after_scans, 0.0);
 }
 
-/// A sub-map of 4 x 1 cells, whose configurations are rows of 0 and 1.
+/// A sub-map of one row of cells from `from` on, whose configurations are rows of 0 and 1.
 patch::Submap row_submap(int from, const std::vector<std::vector<float>>& rows) {
   patch::Submap submap;
-  submap.rect = {{from, 0}, {from + 4, 1}};
+  submap.rect = {{from, 0}, {from + static_cast<int>(rows.front().size()), 1}};
   for (const std::vector<float>& row : rows) {
     patch::Configuration configuration;
     configuration.reflection = ReflectionGrid(0.1, submap.rect, 0.0F);
@@ -110,6 +106,11 @@ patch::Submap row_submap(int from, const std::vector<std::vector<float>>& rows) 
     submap.configurations.push_back(configuration);
   }
   return submap;
+}
+
+/// One of five cells, with this configuration and an empty one.
+patch::Submap wide_submap(const std::vector<float>& row) {
+  return row_submap(0, {row, {0, 0, 0, 0, 0}});
 }
 
 TEST(BeliefInState, AddsTheConfigurationsThatShowWhatChangedAsItIs) {
@@ -142,36 +143,16 @@ TEST(BeliefInState, AsksTheSubmapThatShowsItBest) {
   event.changed = {{1, 0}, {2, 0}, {3, 0}, {4, 0}};
   event.occupied = {1, 1, 1, 0};
   EXPECT_DOUBLE_EQ(belief_in_state(event, map, beliefs).value(), 0.2) << "equally good: the first";
-  event.occupied = {1, 1, 1, 1};
-  EXPECT_DOUBLE_EQ(belief_in_state(event, map, beliefs).value(), 0.2) << "the second has 3 of 4";
-}
-
-TEST(MemoryWatcher, ExpectsWhatTheChosenDecoderDecodes) {
-  maps::Maps maps;
-  maps.timescale = std::make_shared<memory::TimescaleMemory>(test::changed_room());
-  maps.filtered = ReflectionGrid(0.05, {{-10, -10}, {10, 10}}, 0.0F);
-  std::vector<std::vector<double>> expected;
-  for (const memory::DecodingConfig& decoding :
-       {memory::scene_decoding(), memory::exact_decoding(), memory::literal_decoding()}) {
-    maps.decoding = decoding;
-    maps.nodes = nullptr;
-    maps::MapModel model;
-    model.name = "timescale";
-    const auto watcher = make_watcher(maps, model, {});
-    maps::Maps decoded = maps;
-    decoded.nodes = maps.timescale->decode(decoding);
-    const auto reference = maps::make_map_model(decoded, "timescale", {}).best_prediction({});
-    const auto range = watcher->expected_range();
-    expected.emplace_back();
-    for (double bearing_rad = -3.1; bearing_rad < 3.1; bearing_rad += 0.05) {
-      const Pose2 laser{0.5, 0.3, 0.2};
-      expected.back().push_back(range(laser, bearing_rad));
-      EXPECT_EQ(expected.back().back(), reference(laser, bearing_rad)) << bearing_rad;
-    }
-  }
-  // The room tells these decoders apart, so that the comparison above means something.
-  EXPECT_NE(expected[0], expected[1]);
-  EXPECT_NE(expected[1], expected[2]);
+  // Of five cells the first shows four as they are, as much as a configuration must, the second
+  // all.
+  map.submaps = {wide_submap({1, 1, 1, 1, 1}), wide_submap({1, 1, 1, 1, 0})};
+  event.changed = {{0, 0}, {1, 0}, {2, 0}, {3, 0}, {4, 0}};
+  event.occupied = {1, 1, 1, 1, 0};
+  EXPECT_DOUBLE_EQ(belief_in_state(event, map, beliefs).value(), 0.9);
+  map.submaps.pop_back();
+  EXPECT_DOUBLE_EQ(belief_in_state(event, map, beliefs).value(), 0.2) << "four fifths are enough";
+  event.occupied = {1, 1, 1, 0, 0};
+  EXPECT_FALSE(belief_in_state(event, map, beliefs)) << "three are not";
 }
 
 }  // namespace
