@@ -78,7 +78,10 @@ struct ContradictionConfig {
          .min = 0.0,
          .max = 1.1});
     v.field("min_component_cells", c.min_component_cells,
-            {.doc = "a change of fewer connected cells is dropped", .unit = "cells", .min = 1});
+            {.doc = "a change of fewer connected cells is dropped, unless its evidence is strong "
+                    "(few_strong_cells)",
+             .unit = "cells",
+             .min = 1});
     v.field("max_evidence", c.max_evidence,
             {.doc = "beams of one visit count at most this much: they are correlated",
              .unit = "beams",
@@ -100,9 +103,13 @@ struct ContradictionConfig {
              .unit = "visits",
              .min = 0});
     v.field("few_min_extent_m", c.few_min_extent_m,
-            {.doc = "least extent of a pooled component", .unit = "m", .min = 0.0});
+            {.doc = "least extent of a pooled component whose evidence is not strong",
+             .unit = "m",
+             .min = 0.0});
     v.field("few_min_cells", c.few_min_cells,
-            {.doc = "least number of cells of a pooled component", .unit = "cells", .min = 1});
+            {.doc = "least number of cells of a pooled component whose evidence is not strong",
+             .unit = "cells",
+             .min = 1});
     v.field("few_min_beams", c.few_min_beams,
             {.doc = "evidence a visit needs in a cell", .unit = "beams", .min = 0.5});
     v.field(
@@ -169,8 +176,8 @@ inline constexpr std::uint8_t kStronglyContradictory = 2;
 
 /// The test for few visits: kContradictory in components of at least few_min_cells,
 /// kStronglyContradictory in those of few_strong_cells whose cells, in the mean, few_strong_beams
-/// hit in one visit and as many crossed in the other: where a visit only grazed a surface it passed
-/// with a beam or two, and people who walk by leave few hits in a cell. On the table's rectangle.
+/// hit in one visit and as many crossed in the other. That leaves out a surface that a visit grazed
+/// with a beam or two, and people who walked by. On the table's rectangle.
 /// Expects visits after VisitTable::filter. O(visits), and O(cells^2 pairs^2) a component.
 [[nodiscard]] Grid<std::uint8_t> test_few_visits(const VisitTable& table,
                                                  const ContradictionConfig& config);

@@ -82,7 +82,7 @@ struct TopologyMapperConfig {
   double node_distance_m = 0.25;
   WayNoiseConfig way;
   pose_graph::PoseGraphConfig pose_graph;
-  slam::GivenPoseConfig tie{.refine_alone = true};
+  slam::GivenPoseConfig tie{.refine_alone = true, .stddev_m = 0.2};
   slam::ClosureConfig closure;
   slam::EmConfig refinement;
   template <class Self, class V>

@@ -169,7 +169,7 @@ TEST(BadInput, GivenPosesRuleAlongABareCorridor) {
     worst = std::max(worst,
                      translation_distance(result.scans[i].map_from_robot, path[i % path.size()]));
   }
-  EXPECT_LT(worst, 0.2);  // what given poses are believed to be off
+  EXPECT_LT(worst, SlamConfig{}.given_poses.stddev_m);
 }
 
 /// Out of a room into a hall whose walls nobody sees, and on.
