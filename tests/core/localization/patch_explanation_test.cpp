@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a patch map says of single beams where its sub-map has several configurations.
+// What beams say where a sub-map has several configurations.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <memory>
 
 #include <gtest/gtest.h>
@@ -14,15 +17,15 @@ void add_wall(ReflectionGrid& grid, int x) {
   for (int y = 0; y < 40; ++y) grid.at({x, y}) = 0.9F;
 }
 
-/// A free way with a wall at 4 m; a sub-map holds all of it but that, with a wall at 1 m, at 2 m,
-/// or none before.
-std::shared_ptr<const patch::PatchMap> three_walls() {
+/// A free way with a wall at x = 5 m; a sub-map holds all of it but that, with a wall in the first
+/// column, in the second, or none before.
+std::shared_ptr<const patch::PatchMap> two_walls_or_none(int first, int second) {
   auto map = std::make_shared<patch::PatchMap>();
   map->base = ReflectionGrid(0.05, {{-20, 0}, {140, 40}}, 0.0F);
   add_wall(map->base, 100);
   patch::Submap submap;
   submap.rect = {{-20, 0}, {90, 40}};
-  for (const int wall : {40, 60, 0}) {
+  for (const int wall : {first, second, 0}) {
     patch::Configuration configuration;
     configuration.reflection = map->base.cropped(submap.rect);
     if (wall > 0) add_wall(configuration.reflection, wall);
@@ -37,7 +40,7 @@ class PatchExplanation : public testing::TestWithParam<PatchMemory> {};
 TEST_P(PatchExplanation, SharesABeamAmongTheConfigurationsByTheirProbabilities) {
   PatchBeamModelConfig config;
   config.states.memory = GetParam();
-  const PatchBeamModel model(three_walls(), config);
+  const PatchBeamModel model(two_walls_or_none(40, 60), config);
   const Pose2 robot{1.0, 1.0, 0.0};
   // 0.5, 0.3 and 0.2: of each particle, of all, or as many particles.
   ParticleSet particles;
@@ -76,6 +79,32 @@ TEST_P(PatchExplanation, SharesABeamAmongTheConfigurationsByTheirProbabilities) 
 INSTANTIATE_TEST_SUITE_P(EveryMemory, PatchExplanation,
                          testing::Values(PatchMemory::kNone, PatchMemory::kShared,
                                          PatchMemory::kPerParticle));
+
+TEST(PatchBelief, ManyBeamsTellTwoUnlikelyConfigurationsApartFromAfar) {
+  PatchBeamModelConfig config;
+  config.beam.beams.least_angle_rad = 0.0;
+  const PatchBeamModel model(two_walls_or_none(40, 44), config);
+  Scan scan;  // what the wall at x = 2.2 m looks like from -0.5 m
+  scan.range_max_m = 10.0F;
+  scan.angle_min_rad = -0.15F;
+  scan.angle_increment_rad = 0.001F;
+  for (int i = 0; i < 300; ++i) {
+    scan.ranges_m.push_back(static_cast<float>(2.7 / std::cos(scan.bearing_rad(i))));
+  }
+  ParticleSet particles;
+  particles.resize(1);
+  model.patch_states()->prepare(particles);
+  particles.set_pose(0, {-0.5, 1.0, 0.0});
+  particles.submap[0] = -1;
+  const float before[] = {0.001F, 0.001F, 0.998F};
+  std::copy(std::begin(before), std::end(before), particles.belief(0).begin());
+  double log_likelihood = 0.0;
+  WorkerPool pool(1);
+  // So many that each of the first two is far more than e^80 times as likely as what was believed.
+  EXPECT_GT(model.log_likelihoods(scan, 1.0, particles, std::span(&log_likelihood, 1), pool), 100U);
+  EXPECT_GT(particles.belief(0)[1], 0.99F);
+  EXPECT_LT(particles.belief(0)[0], 0.01F);
+}
 
 }  // namespace
 }  // namespace strata::localization
