@@ -93,12 +93,16 @@ TEST_F(Killed, AProcessThatDiesIsStartedAgainAsItsPolicySays) {
          "    components: [{type: strata::BeamFilter, name: three}]\n";
   test::ChildProcess run({STRATA_PROGRAM, "run", "--quiet", at("restart.yaml").string(), "--set",
                           "domain=" + std::to_string(test::own_domain())});
-  // A process that has just begun has its parent's command line.
-  ASSERT_TRUE(comes_true([&] { return run.child_with("three") != 0; }));
-  const pid_t one = run.child_with("one");
-  const pid_t two = run.child_with("two");
-  const pid_t three = run.child_with("three");
-  ASSERT_TRUE(one != 0 && two != 0);
+  // A process that has just begun has its parent's command line; the last may be ready first.
+  pid_t one = 0;
+  pid_t two = 0;
+  pid_t three = 0;
+  ASSERT_TRUE(comes_true([&] {
+    one = run.child_with("one");
+    two = run.child_with("two");
+    three = run.child_with("three");
+    return one != 0 && two != 0 && three != 0;
+  }));
   const auto is_replaced = [&](pid_t gone) {
     return comes_true([&] {
       const std::set<pid_t> now = run.children();
