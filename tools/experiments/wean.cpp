@@ -67,18 +67,21 @@ WeanRuns read_wean_runs(const std::filesystem::path& folder, int threads) {
   WeanRuns wean;
   wean.runs = pipeline::read_runs(input, nullptr);
   const pipeline::LearnParts poses_only{.patch = false, .timescale = false};
-  pipeline::LearnResult all =
-      pipeline::learn(wean.runs.observations, wean.runs.poses, {}, poses_only, 1, threads, nullptr);
+  maps::LearnConfig config;
+  config.slam.given_poses.stddev_m = kWeanCoherentStddev_m;
+  pipeline::LearnResult all = pipeline::learn(wean.runs.observations, wean.runs.poses, config,
+                                              poses_only, 1, threads, nullptr);
   wean.common = pipeline::poses_of(all.slam, wean.runs.observations);
   wean.scans = std::move(all.slam.scans);
   return wean;
 }
 
 WeanMaps learn_wean_maps(const WeanRuns& wean, const std::vector<int>& of, bool refined,
-                         int threads) {
+                         int threads, double stddev_m) {
   const std::vector<std::size_t> places = places_of(wean, of);
   const std::vector<Observation> observations = pipeline::pick(wean.runs.observations, places);
   maps::LearnConfig config;
+  config.slam.given_poses.stddev_m = stddev_m;
   config.slam.given_poses.refine = refined;
   config.slam.given_poses.refine_alone = refined;
   const pipeline::LearnParts parts{.patch = true, .timescale = false};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/patch/patch_map.hpp"
+#include "core/slam/slam_config.hpp"
 #include "tools/pipeline/learned_maps.hpp"
 #include "tools/pipeline/runs_input.hpp"
 
@@ -22,6 +23,10 @@ struct WeanRuns {
   std::vector<PosedScan> scans;
   pipeline::Poses common;  ///< one an observation
 };
+/// How far references are believed [m] where walls that coincide matter, not the references, which
+/// jump: for the common poses.
+inline constexpr double kWeanCoherentStddev_m = 0.2;
+
 /// Throws InputError.
 [[nodiscard]] WeanRuns read_wean_runs(const std::filesystem::path& folder, int threads);
 
@@ -30,9 +35,11 @@ struct WeanMaps {
   Pose2 map_from_common;  ///< a rigid alignment over the scans that were learned
 };
 /// The maps of some of the runs. refined: the reference poses are moved until walls coincide, those
-/// of a single run too, as `strata learn --poses` moves those of several; else they stay.
+/// of a single run too, as `strata learn --poses` moves those of several; else they stay. stddev_m:
+/// how far they are believed.
 [[nodiscard]] WeanMaps learn_wean_maps(const WeanRuns& wean, const std::vector<int>& of,
-                                       bool refined, int threads);
+                                       bool refined, int threads,
+                                       double stddev_m = slam::GivenPoseConfig{}.stddev_m);
 
 /// What a patch map of two runs says of the doors, by their places in wean_doors().
 struct WeanDoors {
