@@ -185,6 +185,7 @@ void Localizer::localize(const Observation& observation) {
 }
 
 void Localizer::on_diagnose(runtime::Health& health) const {
+  diagnose_input(health);
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   if (health_) {
     describe(*health_, health);

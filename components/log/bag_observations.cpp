@@ -8,38 +8,15 @@
 #include <sstream>
 #include <utility>
 
-#include "strata_idl/nav_msgs.h"
-#include "strata_idl/sensor_msgs.h"
-#include "strata_idl/tf2_msgs.h"
-
-#include "components/convert/cdr.hpp"
-#include "components/convert/geometry_messages.hpp"
-#include "components/convert/scan_messages.hpp"
-#include "components/log/bag.hpp"
+#include "components/log/bag_streams.hpp"
+#include "components/log/joined_scan.hpp"
 #include "components/log/odometry_track.hpp"
 #include "components/log/set_back_clock.hpp"
-#include "components/log/transform_tree.hpp"
 #include "core/base/error.hpp"
 #include "core/registration/sweep_timing.hpp"
-#include "core/scan/undistort.hpp"
 
 namespace strata::log {
 namespace {
-
-struct ScanStream {
-  std::string frame;
-  std::vector<Scan> scans;
-};
-struct OdometryStream {
-  std::string frame;
-  std::string child;
-  std::vector<OdometrySample> samples;
-};
-
-bool is_finite(const Scan& scan) {
-  return std::isfinite(scan.angle_min_rad) && std::isfinite(scan.angle_increment_rad) &&
-         !std::isnan(scan.range_min_m) && !std::isnan(scan.range_max_m);
-}
 
 /// The topic to use of several with the same type.
 template <typename Streams>
@@ -66,133 +43,69 @@ class BagParser {
       : path_(path), options_(options), report_(report) {}
 
   LogContent read() {
-    read_messages();
-    const auto* scans = choose(scans_, options_.scan_topic, "/scan", "laser scans", report_);
-    if (scans == nullptr) {
-      throw InputError(report_.bad_lines > 0 ? report_.first_bad : path_.string(),
-                       options_.scan_topic.empty()
-                           ? "no sensor_msgs/msg/LaserScan can be read"
-                           : "holds no readable scan on " + options_.scan_topic,
-                       "see `strata info` for its topics");
-    }
-    report_.scan_topic = scans->first;
+    streams_ = read_bag_streams(path_, options_, report_);
+    const std::vector<std::string> topics = choose_scans();
     LogContent content;
-    content.scan_frame = scans->second.frame;
-    content.robot_frame = options_.robot_frame;
     content.odom_frame = options_.odom_frame;
-    OdometryTrack track(choose_odometry(content));
-    const Pose3 mounting = find_mounting(content);
-    add_observations(in_time(scans->second.scans), mounting, track, content);
+    const OdometryTrack track(choose_odometry(content));
+    content.robot_frame = streams_.frames.pose_frame(odometry_child_);
+    report_.mounting_source = "tf_static";
+    for (const std::string& topic : topics) {
+      report_.scan_topic += (report_.scan_topic.empty() ? "" : ", ") + topic;
+      add_scans(topic, topics.size() > 1 ? topic + ": " : "", track, content);
+    }
+    std::stable_sort(content.observations.begin(), content.observations.end(),
+                     [](const auto& a, const auto& b) { return a.scan.stamp < b.scan.stamp; });
     content.odometry = track.samples();
+    for (OdometrySample& sample : content.odometry) {
+      sample.odom_from_robot =
+          moved_by(sample.odom_from_robot, streams_.frames.robot_in(odometry_child_));
+    }
     return content;
   }
 
  private:
-  void bad(const std::string& what) {
-    if (report_.bad_lines++ == 0) report_.first_bad = what;
-  }
-
-  void read_messages() {
-    const auto reader = BagReader::open(path_);
-    BagMessage message;
-    std::size_t done = 0;
-    while (reader->next(message)) {
-      const BagTopic& topic = reader->topics()[message.topic];
-      ++report_.messages[topic.name];
-      report_.types[topic.name] = topic.type;
-      try {
-        if (topic.serialization_format == "cdr") take(topic, message);
-      } catch (const InputError& error) {
-        bad(error.what());
+  std::vector<std::string> choose_scans() {
+    std::vector<std::string> wanted = options_.scan_topics;
+    if (wanted.empty()) wanted.push_back(options_.scan_topic);
+    std::vector<std::string> topics;
+    for (const std::string& name : wanted) {
+      const auto* scans = choose(streams_.scans, name, "/scan", "laser scans", report_);
+      if (scans == nullptr) {
+        throw InputError(report_.bad_lines > 0 ? report_.first_bad : path_.string(),
+                         name.empty() ? "no sensor_msgs/msg/LaserScan can be read"
+                                      : "holds no readable scan on " + name,
+                         "see `strata info` for its topics");
       }
-      if (++done % 1000 == 0) report_progress(options_.progress, "read log", done, 0);
+      topics.push_back(scans->first);
     }
-    report_.storage = reader->description();
-    const BagDamage& damage = reader->damage();
-    if (damage.count > 0) {
-      if (report_.bad_lines == 0) report_.first_bad = damage.first;
-      report_.bad_lines += damage.count;
-      report_.warnings.push_back("the bag is damaged: " + damage.first);
-    }
+    return topics;
   }
 
-  void take(const BagTopic& topic, const BagMessage& message) {
-    const auto place = [&] {
-      return path_.string() + ": " + topic.name + " message " +
-             std::to_string(report_.messages[topic.name]);
-    };
-    if (topic.type == "sensor_msgs/msg/LaserScan") {
-      const auto scan = convert::from_cdr<sensor_msgs::msg::LaserScan>(message.data, place());
-      take_scan(topic.name, scan, place());
-    } else if (topic.type == "nav_msgs/msg/Odometry" && options_.use_odometry) {
-      const auto odometry = convert::from_cdr<nav_msgs::msg::Odometry>(message.data, place());
-      OdometryStream& stream = odometry_[topic.name];
-      stream.frame = frame_name(odometry.header().frame_id());
-      stream.child = frame_name(odometry.child_frame_id());
-      add_sample(stream, convert::from_message(odometry.header().stamp()),
-                 planar(convert::from_message(odometry.pose().pose())), place());
-    } else if (topic.type == "tf2_msgs/msg/TFMessage") {
-      const auto transforms = convert::from_cdr<tf2_msgs::msg::TFMessage>(message.data, place());
-      const bool is_static = topic.name.find("tf_static") != std::string::npos;
-      for (const auto& transform : transforms.transforms()) {
-        take_transform(transform, is_static, place());
-      }
-    }
-  }
-
-  void take_scan(const std::string& topic, const sensor_msgs::msg::LaserScan& message,
-                 const std::string& place) {
-    Scan scan = convert::from_message(message, Pose2{});
-    if (!is_finite(scan)) return bad(place + ": its angles or limits are not numbers");
-    ScanStream& stream = scans_[topic];
-    stream.frame = frame_name(message.header().frame_id());
-    const auto& ranges = scan.ranges_m;
-    if (std::all_of(ranges.begin(), ranges.end(), [](float r) { return std::isnan(r); })) {
-      ++report_.scans_without_beams;
-      return;
-    }
-    if (!stream.scans.empty() && scan.stamp < stream.scans.back().stamp) {
-      ++report_.scans_out_of_order;
-    }
-    stream.scans.push_back(std::move(scan));
-  }
-
-  void add_sample(OdometryStream& stream, Stamp stamp, const Pose2& pose,
-                  const std::string& place) {
-    if (!strata::is_finite(pose)) return bad(place + ": its pose is not finite");
-    stream.samples.push_back({stamp, pose});
-  }
-
-  void take_transform(const geometry_msgs::msg::TransformStamped& transform, bool is_static,
-                      const std::string& place) {
-    const std::string parent = frame_name(transform.header().frame_id());
-    const std::string child = frame_name(transform.child_frame_id());
-    const Pose3 pose = convert::from_message(transform.transform());
-    if (!strata::is_finite(planar(pose))) return bad(place + ": a transform is not finite");
-    if (is_static) {
-      fixed_.add(parent, child, pose);
-    } else if (parent == options_.odom_frame && options_.use_odometry) {
-      OdometryStream& stream = moving_[child];
-      stream.frame = parent;
-      stream.child = child;
-      add_sample(stream, convert::from_message(transform.header().stamp()), planar(pose), place);
-    }
-  }
-
-  std::vector<Scan> in_time(std::vector<Scan> scans) {
+  void mend_clock(ScanStream& scans, const std::string& where) {
     std::vector<Stamp> stamps;
-    for (const Scan& scan : scans) stamps.push_back(scan.stamp);
+    for (const FramedScan& framed : scans) stamps.push_back(framed.scan.stamp);
     const SetBackClock clock = mend_set_back_clock(stamps, [&](std::size_t i, std::size_t j) {
-      return scans[i].ranges_m == scans[j].ranges_m;
+      return scans[i].scan.ranges_m == scans[j].scan.ranges_m;
     });
-    if (clock.times == 0) return scans;
-    report_.warnings.push_back(clock.sentence());
-    for (std::size_t i = 0; i < scans.size(); ++i) scans[i].stamp = stamps[i];
-    return scans;
+    if (clock.times == 0) return;
+    report_.warnings.push_back(where + clock.sentence());
+    for (std::size_t i = 0; i < scans.size(); ++i) scans[i].scan.stamp = stamps[i];
+  }
+
+  /// The robot's own of the frames that move in the odometry frame.
+  const std::pair<const std::string, OdometryStream>* choose_moving() {
+    const auto own = streams_.moving.find(frame_name(options_.robot_frame));
+    if (own != streams_.moving.end()) return &*own;
+    for (const auto& stream : streams_.moving) {
+      if (streams_.frames.is_robots(stream.first)) return &stream;
+    }
+    return choose(streams_.moving, "", "", "moving frames in tf", report_);
   }
 
   std::vector<OdometrySample> choose_odometry(LogContent& content) {
-    const auto* chosen = choose(odometry_, options_.odom_topic, "/odom", "odometry", report_);
+    const auto* chosen =
+        choose(streams_.odometry, options_.odom_topic, "/odom", "odometry", report_);
     report_.odometry_source = "none";
     if (chosen == nullptr && !options_.odom_topic.empty()) {
       throw InputError(path_.string(), "holds no readable odometry on " + options_.odom_topic,
@@ -201,101 +114,98 @@ class BagParser {
     if (chosen != nullptr) {
       report_.odometry_source = chosen->first;
     } else {
-      chosen = choose(moving_, "", options_.robot_frame, "moving frames in tf", report_);
+      chosen = choose_moving();
       if (chosen == nullptr) return {};
       report_.odometry_source = "tf";
     }
     const OdometryStream& stream = chosen->second;
     if (!stream.frame.empty()) content.odom_frame = stream.frame;
-    if (!stream.child.empty()) content.robot_frame = stream.child;
+    odometry_child_ = stream.child;
     std::vector<OdometrySample> samples = stream.samples;
     mend_odometry_clock(samples);
     return samples;
   }
 
-  Pose3 find_mounting(const LogContent& content) {
-    report_.mounting_source = "tf_static";
-    if (const auto found = fixed_.find(content.robot_frame, content.scan_frame)) return *found;
+  Pose3 find_mounting(const std::string& frame) {
+    if (const auto found = streams_.frames.mounting(frame, odometry_child_)) return *found;
     report_.mounting_source = "assumed";
-    report_.warnings.push_back("tf_static does not tie " + content.scan_frame + " to " +
-                               content.robot_frame + "; the laser is taken to sit at its origin");
+    report_.warnings.push_back(
+        missing_mounting(frame, streams_.frames.pose_frame(odometry_child_)));
     return Pose3{};
   }
 
-  void add_observations(std::vector<Scan> scans, const Pose3& mounting, const OdometryTrack& track,
-                        LogContent& content) {
-    for (Scan& scan : scans) {
-      scan.robot_from_laser = planar(mounting);
-      if (is_upside_down(mounting)) turn_over(scan);
+  /// The scans of a topic, one frame after the other.
+  void add_scans(const std::string& topic, const std::string& where, const OdometryTrack& track,
+                 LogContent& content) {
+    ScanStream& stream = streams_.scans[topic];
+    mend_clock(stream, where);
+    std::vector<std::string> frames;
+    for (const FramedScan& framed : stream) {
+      if (std::find(frames.begin(), frames.end(), framed.frame) == frames.end()) {
+        frames.push_back(framed.frame);
+      }
     }
+    for (const std::string& frame : frames) {
+      std::vector<Scan> scans;
+      for (FramedScan& framed : stream) {
+        if (framed.frame == frame) scans.push_back(std::move(framed.scan));
+      }
+      if (scanners_ == 0) content.scan_frame = frame;
+      add_observations(std::move(scans), find_mounting(frame), where, track, content);
+      ++scanners_;
+    }
+  }
+
+  void add_observations(std::vector<Scan> scans, const Pose3& mounting, const std::string& where,
+                        const OdometryTrack& track, LogContent& content) {
+    for (Scan& scan : scans) mount(scan, mounting);
     std::stable_sort(scans.begin(), scans.end(),
                      [](const Scan& a, const Scan& b) { return a.stamp < b.stamp; });
+    const Pose2 child_from_robot = streams_.frames.robot_in(odometry_child_);
+    OdometryAt odometry;
+    if (!track.empty()) {
+      odometry = [&](Stamp stamp) -> std::optional<Pose2> {
+        const auto pose = track.at(stamp, options_.max_odometry_gap_s);
+        return pose ? std::optional(moved_by(*pose, child_from_robot)) : std::nullopt;
+      };
+    }
     // Turning a scan over turned the order of its beams.
-    report_.sweep = {.reversed = is_upside_down(mounting), .delay_s = 0.0};
-    if (options_.undistort && !track.empty()) find_sweep_timing(scans, track);
+    SweepTiming sweep{.reversed = is_upside_down(mounting), .delay_s = 0.0};
+    if (options_.undistort && odometry) sweep = find_sweep_timing(scans, odometry, sweep, where);
+    if (scanners_ == 0) report_.sweep = sweep;
     for (Scan& scan : scans) {
-      Observation observation;
-      observation.run = options_.run;
-      observation.scan = std::move(scan);
-      observation.has_odometry = !track.empty();
-      if (!track.empty()) {
-        const auto pose = odometry_at(track, observation.scan.stamp - delay());
-        if (!pose) {
-          ++report_.scans_without_odometry;
-          continue;
-        }
-        observation.odom_from_robot = *pose;
+      auto observation = join(std::move(scan), odometry, sweep, options_.undistort);
+      if (!observation) {
+        ++report_.scans_without_odometry;
+        continue;
       }
-      if (options_.undistort) undistort_scan(observation, track);
-      content.observations.push_back(std::move(observation));
+      observation->run = options_.run;
+      content.observations.push_back(std::move(*observation));
     }
   }
 
-  static void turn_over(Scan& scan) {
-    const double last = scan.size() == 0 ? 0.0 : scan.bearing_rad(scan.size() - 1);
-    std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
-    scan.angle_min_rad = static_cast<float>(-last);
-  }
-
-  [[nodiscard]] std::optional<Pose2> odometry_at(const OdometryTrack& track, Stamp stamp) const {
-    return track.at(stamp, options_.max_odometry_gap_s);
-  }
-  [[nodiscard]] Duration delay() const { return Duration::from_seconds(report_.sweep.delay_s); }
-
-  void find_sweep_timing(const std::vector<Scan>& scans, const OdometryTrack& track) {
-    const auto estimate = registration::estimate_sweep_timing(
-        scans, [&](Stamp stamp) { return odometry_at(track, stamp); }, report_.sweep);
-    if (!estimate.certain) return;
-    const bool turned = estimate.timing.reversed != report_.sweep.reversed;
-    report_.sweep = estimate.timing;
+  SweepTiming find_sweep_timing(const std::vector<Scan>& scans, const OdometryAt& odometry,
+                                const SweepTiming& stated, const std::string& where) {
+    const auto estimate = registration::estimate_sweep_timing(scans, odometry, stated);
+    if (!estimate.certain) return stated;
+    const SweepTiming& found = estimate.timing;
     std::ostringstream text;
-    text << std::fixed << std::setprecision(2) << "the scans contradict their time stamps: beams "
-         << (turned ? "are in the opposite order of time, " : "") << "begin "
-         << std::abs(report_.sweep.delay_s) << " s "
-         << (report_.sweep.delay_s >= 0.0 ? "before" : "after")
+    text << std::fixed << std::setprecision(2) << where
+         << "the scans contradict their time stamps: beams "
+         << (found.reversed != stated.reversed ? "are in the opposite order of time, " : "")
+         << "begin " << std::abs(found.delay_s) << " s "
+         << (found.delay_s >= 0.0 ? "before" : "after")
          << " the stamp by odometry's clock; corrected";
     report_.warnings.push_back(text.str());
-  }
-
-  void undistort_scan(Observation& observation, const OdometryTrack& track) {
-    Scan& scan = observation.scan;
-    const Duration sweep = sweep_duration(scan);
-    if (observation.has_odometry && sweep.ns != 0) {
-      const auto end = odometry_at(track, scan.stamp - delay() + sweep);
-      if (end) {
-        scan = undistort(scan, between(observation.odom_from_robot, *end), report_.sweep.reversed);
-      }
-    }
-    scan.time_increment_s = 0.0F;
+    return found;
   }
 
   std::filesystem::path path_;
   const ReadOptions& options_;
   ReadReport& report_;
-  std::map<std::string, ScanStream> scans_;
-  std::map<std::string, OdometryStream> odometry_;
-  std::map<std::string, OdometryStream> moving_;  ///< by child frame, from tf
-  TransformTree fixed_;
+  BagStreams streams_;
+  std::string odometry_child_;
+  int scanners_ = 0;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "components/log/odometry_track.hpp"
 #include "core/base/progress.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/undistort.hpp"
@@ -30,9 +31,14 @@ struct ReadOptions {
   bool undistort = true;  ///< scans with time_increment; the corrected scan has none
   /// Bags: empty takes the only topic of the type, or /scan and /odom among several.
   std::string scan_topic;
+  /// Bags: the topics of several scanners, each with a mounting of its own; scan_topic is then not
+  /// looked at. Their scans become observations in order of time.
+  std::vector<std::string> scan_topics;
   std::string odom_topic;
-  std::string odom_frame = "odom";        ///< when odometry comes from tf
-  std::string robot_frame = "base_link";  ///< when odometry does not name its child frame
+  std::string odom_frame = "odom";  ///< when odometry comes from tf
+  /// What poses are of. Odometry of another frame that tf ties to it is carried over; where tf
+  /// does not know this one, poses are of odometry's child frame.
+  std::string robot_frame = "base_link";
   /// A scan further than this from any odometry is skipped.
   double max_odometry_gap_s = 1.0;
   /// CARMEN's FLASER does not say its field of view; it is taken as centred on straight ahead.
@@ -51,17 +57,11 @@ struct ReadReport {
   std::size_t scans_without_beams = 0;          ///< skipped: no beams, or NaN in every one
   std::size_t scans_without_odometry = 0;       ///< skipped: odometry exists but not at that time
   std::size_t scans_out_of_order = 0;           ///< came later than a younger one; sorted
-  std::string scan_topic;                       ///< of a bag: the one that was used
+  std::string scan_topic;                       ///< of a bag: what was used, "/a, /b"
   std::string odometry_source;                  ///< "scan", a topic, "tf", or "none"
-  SweepTiming sweep;                            ///< how scans were undistorted
+  SweepTiming sweep;                            ///< how scans of the first scanner were undistorted
   std::string mounting_source;                  ///< "tf_static", "laser - odometry", "assumed"
   std::vector<std::string> warnings;
-};
-
-/// Odometry between scans; kept so that converting a log loses none.
-struct OdometrySample {
-  Stamp stamp;
-  Pose2 odom_from_robot;
 };
 
 /// A log with everything of it that Strata understands.

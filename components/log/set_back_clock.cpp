@@ -7,10 +7,11 @@
 #include <map>
 #include <sstream>
 
+#include "components/log/set_back_watch.hpp"
+
 namespace strata::log {
 namespace {
 
-constexpr double kLeastSetBackS = 1.0;
 constexpr double kLeastPeriods = 2.5;
 /// Neighbours nearer than this many periods have no message missing between them.
 constexpr double kNoHole = 1.5;

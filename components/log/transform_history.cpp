@@ -2,6 +2,7 @@
 #include "components/log/transform_history.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace strata::log {
 
@@ -15,12 +16,27 @@ void TransformHistory::add(const std::string& parent, const std::string& child, 
                            const Pose3& pose) {
   Link& link = links_[frame_name(child)];
   const std::string parent_name = frame_name(parent);
-  if (link.parent != parent_name) link = {parent_name, {}};
-  const auto place =
-      std::upper_bound(link.samples.begin(), link.samples.end(), stamp,
-                       [](Stamp s, const Sample& sample) { return s < sample.stamp; });
-  link.samples.insert(place, {stamp, pose});
-  if (keep_s_ <= 0.0) return;
+  if (link.parent != parent_name) link = {parent_name, {}, {}, {}};
+  if (keep_s_ <= 0.0) return insert(link, {stamp, pose});
+  const SetBackWatch::Verdict verdict = link.watch.add(stamp);
+  const std::optional<Sample> suspect = std::exchange(link.suspect, std::nullopt);
+  if (verdict == SetBackWatch::Verdict::kSetBack) link.samples.clear();
+  if (suspect) insert(link, *suspect);
+  if (verdict == SetBackWatch::Verdict::kSuspect) {
+    link.suspect = Sample{stamp, pose};
+  } else {
+    insert(link, {stamp, pose});
+  }
+  forget(link);
+}
+
+void TransformHistory::insert(Link& link, const Sample& sample) {
+  const auto place = std::upper_bound(link.samples.begin(), link.samples.end(), sample.stamp,
+                                      [](Stamp s, const Sample& other) { return s < other.stamp; });
+  link.samples.insert(place, sample);
+}
+
+void TransformHistory::forget(Link& link) const {
   const Stamp oldest = link.samples.back().stamp - Duration::from_seconds(keep_s_);
   // In pieces, so that forgetting costs little.
   if ((oldest - link.samples.front().stamp).seconds() < keep_s_) return;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "components/log/set_back_watch.hpp"
 #include "components/log/transform_tree.hpp"
 #include "core/base/time.hpp"
 #include "core/geometry/pose3.hpp"
@@ -15,9 +16,9 @@ namespace strata::log {
 
 class TransformHistory {
  public:
-  /// keep_s: transforms older than this behind the latest of their frame are forgotten; 0 keeps
-  /// all. max_gap_s: how far apart two transforms may be between which is interpolated, and how far
-  /// a single one reaches.
+  /// keep_s: transforms older than this behind the latest of their frame are forgotten, and all of
+  /// them when its clock is set back; 0 keeps all. max_gap_s: how far apart two transforms may be
+  /// between which is interpolated, and how far a single one reaches.
   explicit TransformHistory(double keep_s = 0.0, double max_gap_s = 1.0)
       : keep_s_(keep_s), max_gap_s_(max_gap_s) {}
 
@@ -41,7 +42,11 @@ class TransformHistory {
   struct Link {
     std::string parent;
     std::vector<Sample> samples;  ///< by stamp
+    SetBackWatch watch;           ///< unless all is kept
+    std::optional<Sample> suspect;
   };
+  static void insert(Link& link, const Sample& sample);
+  void forget(Link& link) const;
   [[nodiscard]] std::optional<Pose3> at(const Link& link, Stamp stamp) const;
   double keep_s_;
   double max_gap_s_;

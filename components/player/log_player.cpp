@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/player/log_player.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
@@ -14,6 +16,9 @@ constexpr const char* kRobot = "base_link";
 constexpr const char* kOdometry = "odom";
 constexpr const char* kLaser = "laser";
 constexpr const char* kMap = "map";
+
+/// More frames than a robot has scanners: then it is the mounting of one that changes.
+constexpr std::size_t kMostFrames = 16;
 
 tf2_msgs::msg::TFMessage single(const geometry_msgs::msg::TransformStamped& transform) {
   tf2_msgs::msg::TFMessage message;
@@ -29,17 +34,31 @@ LogPlayer::LogPlayer(std::vector<Observation> observations, Outputs outputs,
       outputs_(std::move(outputs)),
       given_poses_(std::move(given_poses)) {}
 
+std::string LogPlayer::frame_of(const Scan& scan) {
+  const auto place = std::find(mountings_.begin(), mountings_.end(), scan.robot_from_laser);
+  const auto number = static_cast<std::size_t>(place - mountings_.begin());
+  const auto name = [](std::size_t i) {
+    return i == 0 ? std::string(kLaser) : std::string(kLaser) + "_" + std::to_string(i);
+  };
+  if (place != mountings_.end()) return name(number);
+  if (mountings_.size() >= kMostFrames) mountings_.clear();
+  mountings_.push_back(scan.robot_from_laser);
+  tf2_msgs::msg::TFMessage all;
+  for (std::size_t i = 0; i < mountings_.size(); ++i) {
+    all.transforms().push_back(
+        convert::to_transform_stamped(scan.stamp, mountings_[i], kRobot, name(i)));
+  }
+  outputs_.tf_static(all);
+  return name(mountings_.size() - 1);
+}
+
 void LogPlayer::publish(std::size_t index) {
   const Observation& observation = observations_[index];
   const Scan& scan = observation.scan;
   rosgraph_msgs::msg::Clock clock;
   clock.clock(convert::to_message(scan.stamp));
   outputs_.clock(clock);
-  if (mounting_ != scan.robot_from_laser) {
-    mounting_ = scan.robot_from_laser;
-    outputs_.tf_static(
-        single(convert::to_transform_stamped(scan.stamp, *mounting_, kRobot, kLaser)));
-  }
+  const std::string frame = frame_of(scan);
   if (observation.has_odometry) {
     const Pose2& odom_from_robot = observation.odom_from_robot;
     outputs_.tf(
@@ -57,7 +76,7 @@ void LogPlayer::publish(std::size_t index) {
         convert::to_message(known ? *given_poses_[index] : Pose2{kUnknown, kUnknown, kUnknown}));
     outputs_.given_pose(given);
   }
-  outputs_.scan(convert::to_message(scan, kLaser));
+  outputs_.scan(convert::to_message(scan, frame));
 }
 
 }  // namespace strata::player

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "strata_idl/nav_msgs.h"
@@ -27,7 +28,8 @@ struct Outputs {
   std::function<void(const strata_msgs::msg::ScanPose&)> given_pose;
 };
 
-/// Publishes observations in the frames base_link, odom and laser. What a component puts together
+/// Publishes observations in the frames base_link, odom and laser; of several scanners the others
+/// have the frames laser_1, laser_2 and so on, a mounting each. What a component puts together
 /// from the messages is the observation with the same bits.
 class LogPlayer {
  public:
@@ -35,15 +37,17 @@ class LogPlayer {
   LogPlayer(std::vector<Observation> observations, Outputs outputs,
             std::vector<std::optional<Pose2>> given_poses = {});
   [[nodiscard]] const std::vector<Observation>& observations() const { return observations_; }
-  /// Clock, tf_static (first and when the mounting changes), tf, odometry and the given pose, then
-  /// the scan.
+  /// Clock, tf_static (first and when another mounting comes), tf, odometry and the given pose,
+  /// then the scan.
   void publish(std::size_t index);
 
  private:
+  /// The frame of the scan's laser, which tf_static knows by then.
+  std::string frame_of(const Scan& scan);
   std::vector<Observation> observations_;
   Outputs outputs_;
   std::vector<std::optional<Pose2>> given_poses_;
-  std::optional<Pose2> mounting_;
+  std::vector<Pose2> mountings_;  ///< of the frames so far
 };
 
 }  // namespace strata::player

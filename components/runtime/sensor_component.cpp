@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/sensor_component.hpp"
 
+#include <stdexcept>
+#include <vector>
+
 namespace strata::runtime {
 
 void SensorComponent::subscribe_sensors(const SensorInputConfig& config, const std::string& qos) {
@@ -20,14 +23,23 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& config, const s
     // In lockstep the scan comes after its odometry.
     if (!lockstep()) take_observations();
   });
-  subscribe<sensor_msgs::msg::LaserScan>(config.scan_topic, qos, [this](const auto& message) {
-    input_->add(message);
-    take_observations();
-  });
+  const std::vector<std::string> topics = config.all_scan_topics();
+  for (std::size_t topic = 0; topic < topics.size(); ++topic) {
+    subscribe<sensor_msgs::msg::LaserScan>(topics[topic], qos, [this, topic](const auto& message) {
+      input_->add(message, topic);
+      take_observations();
+    });
+  }
 }
 
 void SensorComponent::take_observations() {
-  for (const Observation& observation : input_->take()) on_observation(observation);
+  const std::vector<Observation> observations = input_->take();
+  for (const std::string& warning : input_->take_warnings()) tell(std::runtime_error(warning));
+  for (const Observation& observation : observations) on_observation(observation);
+}
+
+void SensorComponent::diagnose_input(Health& health) const {
+  if (input_) input_->diagnose(health);
 }
 
 }  // namespace strata::runtime

@@ -15,9 +15,11 @@ class SensorComponent : public Component {
   using Component::Component;
 
  protected:
-  /// Subscribes /tf_static, odometry, live also /tf, and scans; for on_configure. qos: profile of
-  /// the last two.
+  /// Subscribes /tf_static, odometry, live also /tf, and scans of every scanner; for on_configure.
+  /// qos: profile of odometry and scans. What the input complains of is told, once each.
   void subscribe_sensors(const SensorInputConfig& config, const std::string& qos);
+  /// For on_diagnose: what the input has to say.
+  void diagnose_input(Health& health) const;
   /// Each scan once, with its odometry and mounting, in order.
   virtual void on_observation(const Observation& observation) = 0;
 

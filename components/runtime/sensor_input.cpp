@@ -1,130 +1,190 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/sensor_input.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
-#include "components/convert/scan_messages.hpp"
-#include "core/base/error.hpp"
-#include "core/geometry/pose3.hpp"
-#include "core/scan/undistort.hpp"
+#include "components/log/joined_scan.hpp"
 
 namespace strata::runtime {
-namespace {
 
-constexpr Duration kOdometryKept{30'000'000'000};
-constexpr double kLongestSweep_s = 2.0;
-
-Duration sweep_of(const Scan& scan) {
-  const double beams = scan.size() > 0 ? static_cast<double>(scan.size() - 1) : 0.0;
-  const double sweep_s = static_cast<double>(scan.time_increment_s) * beams;
-  return std::abs(sweep_s) < kLongestSweep_s ? Duration::from_seconds(sweep_s) : Duration{};
+void SensorInput::warn(const std::string& sentence) {
+  if (told_.insert(sentence).second) warnings_.push_back(sentence);
 }
 
-}  // namespace
+std::vector<std::string> SensorInput::take_warnings() { return std::exchange(warnings_, {}); }
+
+void SensorInput::warn_not_finite(const std::string& topic,
+                                  const geometry_msgs::msg::TransformStamped& transform) {
+  ++bad_transforms_;
+  warn(topic + ": the transform of " + transform.child_frame_id() + " in " +
+       transform.header().frame_id() + " is not finite; it is passed over");
+}
 
 void SensorInput::add(const tf2_msgs::msg::TFMessage& transforms) {
   for (const auto& transform : transforms.transforms()) {
-    const Pose3 parent_from_child = convert::from_message(transform.transform());
-    for (log::TransformTree* tree : {&fixed_, &moving_}) {
-      tree->add(transform.header().frame_id(), transform.child_frame_id(), parent_from_child);
-    }
+    if (!frames_.add_fixed(transform)) warn_not_finite("/tf_static", transform);
   }
 }
 
 void SensorInput::add_moving(const tf2_msgs::msg::TFMessage& transforms) {
-  if (has_odometry_topic_ || config_.tf_odometry_frame.empty()) return;
+  if (config_.tf_odometry_frame.empty()) return;
   const std::string frame = log::frame_name(config_.tf_odometry_frame);
   for (const auto& transform : transforms.transforms()) {
-    moving_.add(transform.header().frame_id(), transform.child_frame_id(),
-                convert::from_message(transform.transform()));
-    // What moves is the child of odom; what hangs on it is fixed.
-    if (log::frame_name(transform.header().frame_id()) != frame) continue;
-    const auto odom_from_robot = moving_.find(frame, config_.robot_frame);
-    if (!odom_from_robot) continue;
-    add_odometry(convert::from_message(transform.header().stamp()), planar(*odom_from_robot));
+    if (log::frame_name(transform.header().frame_id()) != frame) {
+      if (!frames_.add_moving(transform)) warn_not_finite("/tf", transform);
+      continue;
+    }
+    if (has_odometry_topic_) continue;
+    const Pose3 pose = convert::from_message(transform.transform());
+    if (!log::is_sound(pose)) {
+      warn_not_finite("/tf", transform);
+      continue;
+    }
+    add_odometry(moving_[log::frame_name(transform.child_frame_id())],
+                 convert::from_message(transform.header().stamp()), planar(pose));
   }
 }
 
 void SensorInput::add(const nav_msgs::msg::Odometry& odometry) {
-  if (!has_odometry_topic_) odometry_.clear();  // what tf said
+  moving_.clear();
   has_odometry_topic_ = true;
-  add_odometry(convert::from_message(odometry.header().stamp()),
+  topic_child_ = log::frame_name(odometry.child_frame_id());
+  add_odometry(topic_odometry_, convert::from_message(odometry.header().stamp()),
                planar(convert::from_message(odometry.pose().pose())));
 }
 
-void SensorInput::add_odometry(Stamp stamp, const Pose2& odom_from_robot) {
-  if (!is_finite(odom_from_robot)) return;  // the scans about it find their neighbours
-  if (!odometry_.empty() && stamp < odometry_.back().stamp) odometry_.clear();  // a new run
-  odometry_.push_back({stamp, odom_from_robot});
-  while (odometry_.front().stamp < stamp - kOdometryKept) odometry_.pop_front();
+void SensorInput::add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2& odom_from_child) {
+  if (!is_finite(odom_from_child)) {  // the scans about it find their neighbours
+    ++bad_odometry_;
+    warn(config_.odometry_topic + ": a pose is not finite; it is passed over");
+    return;
+  }
+  // What waits by the old clock goes on with what was known then.
+  const auto set_back = [&](Stamp first) {
+    if (!waits_ || source().odometry != &odometry) return;
+    const Stamp latest = first + Duration::from_seconds(log::kLeastSetBackS);
+    if (queue_.size() == 0 || queue_.front().scan.stamp <= latest) return;
+    while (queue_.size() > 0) release();
+  };
+  odometry.add({stamp, odom_from_child}, !waits_, set_back);
 }
 
-void SensorInput::add(const sensor_msgs::msg::LaserScan& scan) {
-  if (!std::isfinite(scan.angle_min()) || !std::isfinite(scan.angle_increment()) ||
-      !std::isfinite(scan.range_min()) || !std::isfinite(scan.time_increment()) ||
-      std::isnan(scan.range_max())) {
-    throw InputError(config_.scan_topic, "a scan's angles or limits are not numbers",
-                     "see what publishes it");
+void SensorInput::add(const sensor_msgs::msg::LaserScan& scan, std::size_t topic) {
+  Scan value = log::scan_of(scan, config_.all_scan_topics()[topic]);
+  queue_.add(topic, log::frame_name(scan.header().frame_id()), std::move(value),
+             [this](Stamp first) {
+               while (queue_.size() > 0) release();
+               // Odometry by the old clock would answer for moments of long ago.
+               const Stamp old = first + Duration::from_seconds(log::kLeastSetBackS);
+               if (topic_odometry_.reaches(old)) topic_odometry_.begin_anew();
+               for (auto& [child, odometry] : moving_) {
+                 if (odometry.reaches(old)) odometry.begin_anew();
+               }
+             });
+}
+
+SensorInput::Source SensorInput::source() const {
+  if (has_odometry_topic_) return {&topic_odometry_, topic_child_};
+  const auto own = moving_.find(log::frame_name(config_.robot_frame));
+  if (own != moving_.end()) return {&own->second, own->first};
+  for (const auto& [child, odometry] : moving_) {
+    if (frames_.is_robots(child)) return {&odometry, child};
   }
-  scans_.push_back(scan);
+  return {};
+}
+
+bool SensorInput::has_odometry_for(const WaitingScan& waiting, const Source& source) const {
+  if (!config_.use_odometry) return true;
+  if (source.odometry == nullptr || source.odometry->track().empty()) return is_without_odometry_;
+  return source.odometry->reaches(waiting.end);
+}
+
+bool SensorInput::has_mounting(const WaitingScan& waiting, const Source& source) const {
+  const std::string& frame = queue_.scanners()[waiting.scanner].frame;
+  return assumed_.count(frame) != 0 || frames_.mounting(frame, source.child).has_value();
+}
+
+bool SensorInput::is_complete(const WaitingScan& waiting, const Source& source) const {
+  return has_mounting(waiting, source) && has_odometry_for(waiting, source);
+}
+
+/// Too many wait for the oldest: what nobody has published is not waited for again.
+void SensorInput::give_up(const WaitingScan& waiting) {
+  const Source from = source();
+  if (!has_mounting(waiting, from)) assumed_.insert(queue_.scanners()[waiting.scanner].frame);
+  const bool is_silent = from.odometry == nullptr || from.odometry->track().empty();
+  if (config_.use_odometry && is_silent && !is_without_odometry_) {
+    is_without_odometry_ = true;
+    warn("no odometry comes on " + config_.odometry_topic +
+         (config_.tf_odometry_frame.empty() ? "" : " or /tf") + "; scans go on without it");
+  }
 }
 
 std::vector<Observation> SensorInput::take() {
-  std::vector<Observation> result;
-  while (!scans_.empty()) {
-    const bool crowded = scans_.size() > static_cast<std::size_t>(config_.most_waiting_scans);
-    if (waits_ && !crowded && !is_complete(scans_.front())) break;
-    result.push_back(make(scans_.front()));
-    scans_.pop_front();
-  }
-  return result;
-}
-
-std::optional<Pose2> SensorInput::find_mounting(const std::string& frame) const {
-  const auto robot_from_laser = fixed_.find(config_.robot_frame, frame);
-  return robot_from_laser ? std::optional(planar(*robot_from_laser)) : std::nullopt;
-}
-
-bool SensorInput::find_odometry(Stamp stamp, Pose2& pose) const {
-  const auto after = std::lower_bound(odometry_.begin(), odometry_.end(), stamp,
-                                      [](const TimedPose& a, Stamp b) { return a.stamp < b; });
-  if (after == odometry_.end()) return false;
-  if (after->stamp == stamp) {
-    pose = after->pose;
-    return true;
-  }
-  if (after == odometry_.begin()) return false;
-  const TimedPose& before = *(after - 1);
-  pose = interpolate(before.pose, after->pose,
-                     (stamp - before.stamp).seconds() / (after->stamp - before.stamp).seconds());
-  return true;
-}
-
-bool SensorInput::is_complete(const sensor_msgs::msg::LaserScan& message) const {
-  if (!find_mounting(message.header().frame_id())) return false;
-  if (!config_.use_odometry) return true;
-  const Scan scan = convert::from_message(message, Pose2());
-  return !odometry_.empty() && odometry_.back().stamp >= scan.stamp + sweep_of(scan);
-}
-
-Observation SensorInput::make(const sensor_msgs::msg::LaserScan& message) const {
-  const Pose2 robot_from_laser = find_mounting(message.header().frame_id()).value_or(Pose2());
-  Observation observation;
-  observation.scan = convert::from_message(message, robot_from_laser);
-  Scan& scan = observation.scan;
-  observation.has_odometry =
-      config_.use_odometry && find_odometry(scan.stamp, observation.odom_from_robot);
-  if (scan.time_increment_s != 0.0F) {
-    Pose2 end;
-    if (observation.has_odometry && find_odometry(scan.stamp + sweep_of(scan), end)) {
-      scan = undistort(scan, between(observation.odom_from_robot, end));
+  while (queue_.size() > 0) {
+    if (waits_) {
+      const std::size_t most =
+          static_cast<std::size_t>(config_.most_waiting_scans) * queue_.scanners().size();
+      const bool is_crowded = queue_.size() > most;
+      if (is_crowded) give_up(queue_.front());
+      if (!is_crowded && !(is_complete(queue_.front(), source()) && queue_.is_next())) break;
     }
-    scan.time_increment_s = 0.0F;
+    release();
   }
-  return observation;
+  return std::exchange(ready_, {});
+}
+
+void SensorInput::release() {
+  const Source from = source();
+  const bool is_in_time = has_odometry_for(queue_.front(), from);
+  WaitingScan waiting = queue_.pop();
+  const std::string& frame = queue_.scanners()[waiting.scanner].frame;
+  const std::optional<Pose3> found = frames_.mounting(frame, from.child);
+  if (!found) warn(log::missing_mounting(frame, frames_.pose_frame(from.child)));
+  const Pose3 mounting = found.value_or(Pose3{});
+  log::mount(waiting.scan, mounting);
+  log::OdometryAt odometry;
+  if (config_.use_odometry && from.odometry != nullptr && !from.odometry->track().empty()) {
+    const log::OdometryTrack& track = from.odometry->track();
+    const Pose2 child_from_robot = frames_.robot_in(from.child);
+    // The nearest sample is as good as it gets only where no nearer one can come any more.
+    odometry = [&track, child_from_robot, nearest = waits_ && is_in_time,
+                gap_s = config_.max_odometry_gap_s](Stamp stamp) -> std::optional<Pose2> {
+      const auto pose = nearest ? track.at(stamp, gap_s) : track.between_samples(stamp, gap_s);
+      return pose ? std::optional(log::moved_by(*pose, child_from_robot)) : std::nullopt;
+    };
+    if (!odometry(waiting.scan.stamp)) {
+      if (waits_ && is_in_time) {
+        ++passed_over_;
+        return;
+      }
+      odometry = nullptr;
+    }
+  }
+  auto observation =
+      log::join(std::move(waiting.scan), odometry, {.reversed = is_upside_down(mounting)}, true);
+  ready_.push_back(std::move(*observation));
+}
+
+void SensorInput::diagnose(Health& health) const {
+  const Source from = source();
+  for (const Scanner& scanner : queue_.scanners()) {
+    if (assumed_.count(scanner.frame) != 0 && !frames_.mounting(scanner.frame, from.child)) {
+      health.warn(log::missing_mounting(scanner.frame, frames_.pose_frame(from.child)));
+    }
+    if (scanner.is_silent) {
+      health.warn(config_.all_scan_topics()[scanner.topic] + " is silent; the others go on");
+    }
+  }
+  if (is_without_odometry_ && (from.odometry == nullptr || from.odometry->track().empty())) {
+    health.warn("no odometry comes; scans go on without it");
+  }
+  health.add("scans without odometry near them", passed_over_);
+  health.add("scans that came too late", std::uint64_t{queue_.late()});
+  health.add("transforms that are not finite", bad_transforms_);
+  health.add("odometry that is not finite", bad_odometry_);
 }
 
 }  // namespace strata::runtime

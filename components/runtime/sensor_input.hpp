@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Joins what a robot publishes apart: scans, odometry and the laser's mounting.
+/// Joins what a robot publishes apart: scans, odometry and the mountings of its scanners.
 #pragma once
 
 #include <cstddef>
-#include <deque>
-#include <optional>
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,72 +13,74 @@
 #include "strata_idl/sensor_msgs.h"
 #include "strata_idl/tf2_msgs.h"
 
-#include "components/log/transform_tree.hpp"
-#include "core/base/config.hpp"
+#include "components/log/robot_frames.hpp"
+#include "components/runtime/diagnostics.hpp"
+#include "components/runtime/live_odometry.hpp"
+#include "components/runtime/scan_queue.hpp"
+#include "components/runtime/sensor_input_config.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata::runtime {
 
-struct SensorInputConfig {
-  std::string scan_topic = "scan";
-  std::string odometry_topic = "odom";
-  std::string tf_odometry_frame = "odom";
-  std::string robot_frame = "base_link";
-  bool use_odometry = true;
-  int most_waiting_scans = 20;
-  template <class Self, class V>
-  static void describe(Self& c, V& v) {
-    v.field("scan_topic", c.scan_topic, {.doc = "sensor_msgs/LaserScan in"});
-    v.field("odometry_topic", c.odometry_topic, {.doc = "nav_msgs/Odometry in"});
-    v.field("tf_odometry_frame", c.tf_odometry_frame,
-            {.doc = "live, while nobody publishes odometry_topic: odometry is this frame to "
-                    "robot_frame on /tf; empty: never"});
-    v.field("robot_frame", c.robot_frame, {.doc = "frame that poses are of"});
-    v.field("use_odometry", c.use_odometry, {.doc = "false: scans only"});
-    v.field("most_waiting_scans", c.most_waiting_scans,
-            {.doc = "a scan waits for odometry and mounting until so many have come after it",
-             .unit = "scans",
-             .min = 0.0});
-  }
-};
-
-/// Odometry of a scan's very stamp is taken as it is, else it is interpolated. A scan waits until
-/// odometry has reached its stamp and its mounting is known; when too many wait, the oldest goes
-/// on without. Scans with time_increment are undistorted as the log readers do it (in lockstep the
-/// player has).
+/// What a log reader does with a log (log::read_bag), message by message, to the same bits: a scan
+/// upside down is turned round, odometry is interpolated within max_odometry_gap_s, sweeps are
+/// undistorted (in lockstep the player has), scanners' scans are put in order of time. A scan waits
+/// until odometry has reached the end of its sweep, its mounting is known, and no other scanner is
+/// expected to send an older one; when too many wait, the oldest goes on without. A mounting, or
+/// odometry, that nobody has published by then is told once and waited for no more.
 class SensorInput {
  public:
   /// waits: false in lockstep, where everything that belongs to a scan came before it.
-  SensorInput(SensorInputConfig config, bool waits) : config_(std::move(config)), waits_(waits) {}
+  SensorInput(SensorInputConfig config, bool waits)
+      : config_(std::move(config)), waits_(waits), frames_(config_.robot_frame), queue_(waits) {}
 
-  /// /tf_static.
+  /// /tf_static. Transforms that are not finite are told and passed over.
   void add(const tf2_msgs::msg::TFMessage& transforms);
   /// /tf, for robots that give odometry there only. The first nav_msgs/Odometry ends that.
   void add_moving(const tf2_msgs::msg::TFMessage& transforms);
   void add(const nav_msgs::msg::Odometry& odometry);
-  /// Throws InputError, and forgets the scan, when its angles or limits are not numbers.
-  void add(const sensor_msgs::msg::LaserScan& scan);
-  /// The scans that are complete now, in order.
+  /// topic: its place in SensorInputConfig::all_scan_topics. Throws InputError, and forgets the
+  /// scan, when its angles or limits are not numbers.
+  void add(const sensor_msgs::msg::LaserScan& scan, std::size_t topic = 0);
+  /// The scans that are complete now, in order of time.
   [[nodiscard]] std::vector<Observation> take();
 
+  /// What was met since the last call, each kind once.
+  [[nodiscard]] std::vector<std::string> take_warnings();
+  void diagnose(Health& health) const;
+
  private:
-  struct TimedPose {
-    Stamp stamp;
-    Pose2 pose;
+  struct Source {
+    const LiveOdometry* odometry = nullptr;
+    std::string child;
   };
-  void add_odometry(Stamp stamp, const Pose2& odom_from_robot);
-  [[nodiscard]] std::optional<Pose2> find_mounting(const std::string& frame) const;
-  [[nodiscard]] bool find_odometry(Stamp stamp, Pose2& pose) const;
-  [[nodiscard]] bool is_complete(const sensor_msgs::msg::LaserScan& scan) const;
-  [[nodiscard]] Observation make(const sensor_msgs::msg::LaserScan& scan) const;
+  void add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2& odom_from_child);
+  void warn_not_finite(const std::string& topic,
+                       const geometry_msgs::msg::TransformStamped& transform);
+  void warn(const std::string& sentence);
+  [[nodiscard]] Source source() const;
+  [[nodiscard]] bool has_odometry_for(const WaitingScan& waiting, const Source& source) const;
+  [[nodiscard]] bool has_mounting(const WaitingScan& waiting, const Source& source) const;
+  [[nodiscard]] bool is_complete(const WaitingScan& waiting, const Source& source) const;
+  void give_up(const WaitingScan& waiting);
+  void release();
 
   SensorInputConfig config_;
   bool waits_;
-  log::TransformTree fixed_;
-  log::TransformTree moving_;  // the fixed ones and those of /tf
+  log::RobotFrames frames_;
+  ScanQueue queue_;
   bool has_odometry_topic_ = false;
-  std::deque<TimedPose> odometry_;
-  std::deque<sensor_msgs::msg::LaserScan> scans_;
+  std::string topic_child_;
+  LiveOdometry topic_odometry_;
+  std::map<std::string, LiveOdometry> moving_;  ///< from /tf, by child of the odometry frame
+  bool is_without_odometry_ = false;            ///< nobody published any when it was due
+  std::set<std::string> assumed_;               ///< frames without a mounting when it was due
+  std::vector<Observation> ready_;
+  std::set<std::string> told_;
+  std::vector<std::string> warnings_;
+  std::uint64_t passed_over_ = 0;
+  std::uint64_t bad_transforms_ = 0;
+  std::uint64_t bad_odometry_ = 0;
 };
 
 }  // namespace strata::runtime

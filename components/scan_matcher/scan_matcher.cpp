@@ -127,6 +127,7 @@ void ScanMatcher::publish_result(const slam::SlamResult& result) {
 }
 
 void ScanMatcher::on_diagnose(runtime::Health& health) const {
+  diagnose_input(health);
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   health.add("scans kept", static_cast<std::uint64_t>(slam_->kept_scans()));
   health.add("sub-maps kept", static_cast<std::uint64_t>(slam_->kept_submaps()));

@@ -144,6 +144,7 @@ void TopologyMapper::write(const std::filesystem::path& folder, Progress* progre
 }
 
 void TopologyMapper::on_diagnose(runtime::Health& health) const {
+  diagnose_input(health);
   if (!mapper_) return;
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   if (mapper_->is_full()) {

@@ -68,6 +68,7 @@ Runs read_runs(const RunsInput& input, Progress* progress, int first_run) {
     options.from_s = input.from_s;
     options.to_s = input.to_s;
     options.use_odometry = input.use_odometry;
+    options.scan_topics = input.scan_topics;
     options.progress = progress;
     log::ReadReport report;
     std::vector<Observation> run = log::read_observations(input.logs[i], options, &report);

@@ -24,6 +24,8 @@ struct RunsInput {
   double to_s = std::numeric_limits<double>::infinity();
   double truth_offset_s = 0.0;
   bool use_odometry = true;
+  /// Topics of the robot's scanners in bags; empty: the only one, or /scan.
+  std::vector<std::string> scan_topics;
 };
 
 /// Observations of all runs one after the other; poses and truths have one entry an observation.

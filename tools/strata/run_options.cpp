@@ -11,6 +11,9 @@ void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
   verb.add_option("--truth-offset", input.truth_offset_s, "seconds to add to the truth's stamps");
   verb.add_option("--from", input.from_s, "seconds from the start of each log");
   verb.add_option("--to", input.to_s, "seconds from the start of each log");
+  verb.add_option("--scan-topic", input.scan_topics,
+                  "of a bag: the topic to use, once for each scanner; else the only one, or /scan")
+      ->allow_extra_args(false);
   verb.add_flag("!--no-odometry", input.use_odometry, "leave the odometry out");
 }
 

@@ -52,6 +52,17 @@ TEST(TransformHistory, DoesNotBridgeGapsAndForgetsWhatIsOld) {
   EXPECT_TRUE(history.find("map", "base", s(40.5)));
 }
 
+TEST(TransformHistory, GoesOnAfterAClockWasSetBackAndKeepsWhatComesLate) {
+  TransformHistory history(5.0, 1.0);
+  for (int i = 0; i < 100; ++i) history.add("map", "base", s(1000.0 + 0.1 * i), at_x(i));
+  history.add("map", "base", s(1001.0), at_x(-1.0));
+  history.add("map", "base", s(1010.0), at_x(100.0));
+  EXPECT_TRUE(history.find("map", "base", s(1009.55))) << "one came late";
+  for (int i = 0; i < 100; ++i) history.add("map", "base", s(10.0 + 0.1 * i), at_x(i));
+  EXPECT_NEAR(history.find("map", "base", s(19.85)).value().translation.x(), 98.5, 1e-9);
+  EXPECT_FALSE(history.find("map", "base", s(1009.5)));
+}
+
 void write_bag(const std::filesystem::path& folder, BagStorage storage) {
   BagWriter writer(folder, storage);
   const auto tf = writer.add_topic({"/tf", "tf2_msgs/msg/TFMessage"});

@@ -4,31 +4,25 @@
 #include <cmath>
 #include <limits>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "components/convert/geometry_messages.hpp"
 #include "core/base/error.hpp"
+#include "tests/components/sensor_input/recorded_robot.hpp"
 
 namespace strata::runtime {
 namespace {
 
+using test::at;
+using test::link;
+using test::odometry;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
 const double kPi = std::acos(-1.0);
-
-Stamp at(double seconds) { return Stamp{} + Duration::from_seconds(seconds); }
-
-tf2_msgs::msg::TFMessage link(double seconds, const std::string& parent, const std::string& child,
-                              const Pose2& pose) {
-  tf2_msgs::msg::TFMessage message;
-  message.transforms().push_back(convert::to_transform_stamped(at(seconds), pose, parent, child));
-  return message;
-}
-
-nav_msgs::msg::Odometry odometry(double seconds, const Pose2& pose) {
-  nav_msgs::msg::Odometry message;
-  message.header(convert::make_header(at(seconds), "odom"));
-  message.pose().pose(convert::to_pose(pose));
-  return message;
-}
 
 sensor_msgs::msg::LaserScan scan(double seconds, const std::string& frame = "laser") {
   sensor_msgs::msg::LaserScan message;
@@ -146,11 +140,150 @@ TEST(SensorInput, WhenTooManyScansWaitTheOldestGoesWithoutOdometry) {
   config.most_waiting_scans = 2;
   SensorInput input(config, true);
   input.add(link(0.0, "base_link", "laser", {}));
+  input.add(odometry(0.5, {}));
   for (int i = 0; i < 3; ++i) input.add(scan(1.0 + i));
   const auto taken = input.take();
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0].scan.stamp, at(1.0));
   EXPECT_FALSE(taken[0].has_odometry);
+  EXPECT_THAT(input.take_warnings(), IsEmpty());
+}
+
+TEST(SensorInput, OdometryThatNeverCameIsToldOnceAndWaitedForAgainWhenItComes) {
+  SensorInputConfig config;
+  config.most_waiting_scans = 2;
+  SensorInput input(config, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  input.add(scan(1.0));
+  input.add(scan(2.0));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(scan(3.0));
+  EXPECT_THAT(input.take(), SizeIs(3));
+  EXPECT_THAT(input.take_warnings(), ElementsAre(HasSubstr("no odometry comes on odom or /tf")));
+  input.add(scan(4.0));
+  EXPECT_THAT(input.take(), SizeIs(1));
+  EXPECT_THAT(input.take_warnings(), IsEmpty());
+  input.add(odometry(4.5, {1.0, 0.0, 0.0}));
+  input.add(scan(5.0));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(odometry(5.0, {2.0, 0.0, 0.0}));
+  const auto taken = input.take();
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0].odom_from_robot.x, 2.0);
+}
+
+TEST(SensorInput, AMissingMountingIsWaitedForOnceAndTakenWhenItComes) {
+  SensorInputConfig config;
+  config.most_waiting_scans = 2;
+  SensorInput input(config, true);
+  for (int i = 0; i < 50; ++i) input.add(odometry(0.1 * i, {}));
+  input.add(scan(1.0));
+  input.add(scan(2.0));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(scan(3.0));
+  EXPECT_THAT(input.take(), SizeIs(3));
+  EXPECT_THAT(input.take_warnings(),
+              ElementsAre("tf_static does not tie laser to base_link; the laser is taken to sit "
+                          "at its origin"));
+  Health health;
+  input.diagnose(health);
+  EXPECT_EQ(health.level(), HealthLevel::kWarn);
+  EXPECT_THAT(health.message(), HasSubstr("tf_static does not tie laser to base_link"));
+  input.add(scan(4.0));
+  EXPECT_THAT(input.take(), SizeIs(1)) << "at once";
+  input.add(link(0.0, "base_link", "laser", {0.3, 0.0, 0.0}));
+  input.add(scan(4.5));
+  const auto taken = input.take();
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0].scan.robot_from_laser, (Pose2{0.3, 0.0, 0.0}));
+  EXPECT_THAT(input.take_warnings(), IsEmpty());
+  Health mended;
+  input.diagnose(mended);
+  EXPECT_EQ(mended.level(), HealthLevel::kOk) << mended.message();
+}
+
+TEST(SensorInput, ASampleThatComesLateForgetsNoOdometry) {
+  for (const bool by_topic : {false, true}) {
+    SensorInput input({}, true);
+    input.add(link(0.0, "base_link", "laser", {}));
+    const auto say = [&](double seconds) {
+      if (by_topic) {
+        input.add(odometry(seconds, {seconds, 0.0, 0.0}));
+      } else {
+        input.add_moving(link(seconds, "odom", "base_link", {seconds, 0.0, 0.0}));
+      }
+    };
+    for (int i = 0; i <= 100; ++i) say(0.1 * i);
+    say(9.35);
+    say(2.0);
+    say(10.1);
+    say(3.0);
+    input.add(scan(5.25));
+    input.add(scan(9.5));
+    const auto taken = input.take();
+    ASSERT_EQ(taken.size(), 2U);
+    EXPECT_NEAR(taken[0].odom_from_robot.x, 5.25, 1e-9);
+    EXPECT_NEAR(taken[1].odom_from_robot.x, 9.5, 1e-9);
+  }
+}
+
+TEST(SensorInput, AClockThatIsSetBackBeginsOdometryAnewAndWhatWaitsGoesOn) {
+  SensorInput input({}, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  for (int i = 0; i <= 10; ++i) input.add(odometry(100.0 + 0.1 * i, {50.0, 0.0, 0.0}));
+  input.add(scan(101.05));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(odometry(95.0, {60.0, 0.0, 0.0}));
+  EXPECT_THAT(input.take(), IsEmpty()) << "one old sample may just be late";
+  input.add(odometry(95.1, {61.0, 0.0, 0.0}));
+  auto taken = input.take();
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0].scan.stamp, at(101.05));
+  input.add(odometry(95.2, {62.0, 0.0, 0.0}));
+  input.add(scan(95.05));
+  input.add(scan(95.15));
+  taken = input.take();
+  ASSERT_EQ(taken.size(), 2U);
+  EXPECT_NEAR(taken[0].odom_from_robot.x, 60.5, 1e-9);
+  EXPECT_NEAR(taken[1].odom_from_robot.x, 61.5, 1e-9);
+}
+
+TEST(SensorInput, OdometryAcrossAHoleIsNotMadeUp) {
+  SensorInput input({}, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  for (const double t : {0.0, 0.5, 6.0, 6.5}) input.add(odometry(t, {t, 0.0, 0.0}));
+  for (const double t : {0.25, 1.25, 3.0, 5.5, 6.25}) input.add(scan(t));
+  const auto taken = input.take();
+  ASSERT_EQ(taken.size(), 4U);
+  EXPECT_NEAR(taken[0].odom_from_robot.x, 0.25, 1e-9);
+  EXPECT_NEAR(taken[1].odom_from_robot.x, 0.5, 1e-9) << "the nearest one";
+  EXPECT_NEAR(taken[2].odom_from_robot.x, 6.0, 1e-9);
+  EXPECT_NEAR(taken[3].odom_from_robot.x, 6.25, 1e-9);
+}
+
+TEST(SensorInput, AScannerThatFallsSilentIsWaitedForOnce) {
+  SensorInputConfig config;
+  config.scan_topics = {"front", "back"};
+  SensorInput input(config, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  for (int i = 0; i < 100; ++i) input.add(odometry(0.1 * i, {}));
+  for (int i = 0; i < 10; ++i) {
+    input.add(scan(1.0 + 0.1 * i), 0);
+    input.add(scan(1.0 + 0.1 * i), 1);
+  }
+  EXPECT_THAT(input.take(), SizeIs(20));
+  input.add(scan(2.0), 0);
+  EXPECT_THAT(input.take(), IsEmpty()) << "the other one is due";
+  for (int i = 1; i < 4; ++i) input.add(scan(2.0 + 0.1 * i), 0);
+  EXPECT_THAT(input.take(), SizeIs(4));
+  Health health;
+  input.diagnose(health);
+  EXPECT_THAT(health.message(), HasSubstr("back is silent"));
+  input.add(scan(2.4), 0);
+  EXPECT_THAT(input.take(), SizeIs(1));
+  input.add(scan(2.5), 1);
+  input.add(scan(2.5), 0);
+  EXPECT_THAT(input.take(), SizeIs(2));
 }
 
 TEST(SensorInput, TimeThatRunsBackwardsBeginsOdometryAnew) {

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/log/bag_streams.hpp"
+
+#include <utility>
+
+#include "strata_idl/nav_msgs.h"
+#include "strata_idl/sensor_msgs.h"
+#include "strata_idl/tf2_msgs.h"
+
+#include "components/convert/cdr.hpp"
+#include "components/convert/geometry_messages.hpp"
+#include "components/log/bag.hpp"
+#include "components/log/joined_scan.hpp"
+#include "core/base/error.hpp"
+
+namespace strata::log {
+namespace {
+
+class StreamReader {
+ public:
+  StreamReader(const std::filesystem::path& path, const ReadOptions& options, ReadReport& report)
+      : path_(path),
+        options_(options),
+        report_(report),
+        streams_{{}, {}, {}, RobotFrames(options.robot_frame)} {}
+
+  BagStreams read() {
+    const auto reader = BagReader::open(path_);
+    BagMessage message;
+    std::size_t done = 0;
+    while (reader->next(message)) {
+      const BagTopic& topic = reader->topics()[message.topic];
+      ++report_.messages[topic.name];
+      report_.types[topic.name] = topic.type;
+      try {
+        if (topic.serialization_format == "cdr") take(topic, message);
+      } catch (const InputError& error) {
+        bad(error.what());
+      }
+      if (++done % 1000 == 0) report_progress(options_.progress, "read log", done, 0);
+    }
+    report_.storage = reader->description();
+    const BagDamage& damage = reader->damage();
+    if (damage.count > 0) {
+      if (report_.bad_lines == 0) report_.first_bad = damage.first;
+      report_.bad_lines += damage.count;
+      report_.warnings.push_back("the bag is damaged: " + damage.first);
+    }
+    return std::move(streams_);
+  }
+
+ private:
+  void bad(const std::string& what) {
+    if (report_.bad_lines++ == 0) report_.first_bad = what;
+  }
+
+  void take(const BagTopic& topic, const BagMessage& message) {
+    const auto place = [&] {
+      return path_.string() + ": " + topic.name + " message " +
+             std::to_string(report_.messages[topic.name]);
+    };
+    if (topic.type == "sensor_msgs/msg/LaserScan") {
+      const auto scan = convert::from_cdr<sensor_msgs::msg::LaserScan>(message.data, place());
+      take_scan(topic.name, scan, place());
+    } else if (topic.type == "nav_msgs/msg/Odometry" && options_.use_odometry) {
+      const auto odometry = convert::from_cdr<nav_msgs::msg::Odometry>(message.data, place());
+      OdometryStream& stream = streams_.odometry[topic.name];
+      stream.frame = frame_name(odometry.header().frame_id());
+      stream.child = frame_name(odometry.child_frame_id());
+      add_sample(stream, convert::from_message(odometry.header().stamp()),
+                 planar(convert::from_message(odometry.pose().pose())), place());
+    } else if (topic.type == "tf2_msgs/msg/TFMessage") {
+      const auto transforms = convert::from_cdr<tf2_msgs::msg::TFMessage>(message.data, place());
+      const bool is_static = topic.name.find("tf_static") != std::string::npos;
+      for (const auto& transform : transforms.transforms()) {
+        take_transform(transform, is_static, place());
+      }
+    }
+  }
+
+  void take_scan(const std::string& topic, const sensor_msgs::msg::LaserScan& message,
+                 const std::string& place) {
+    FramedScan framed{frame_name(message.header().frame_id()), scan_of(message, place)};
+    ScanStream& stream = streams_.scans[topic];
+    if (is_blank(framed.scan)) {
+      ++report_.scans_without_beams;
+      return;
+    }
+    if (!stream.empty() && framed.scan.stamp < stream.back().scan.stamp) {
+      ++report_.scans_out_of_order;
+    }
+    stream.push_back(std::move(framed));
+  }
+
+  void add_sample(OdometryStream& stream, Stamp stamp, const Pose2& pose,
+                  const std::string& place) {
+    if (!strata::is_finite(pose)) return bad(place + ": its pose is not finite");
+    stream.samples.push_back({stamp, pose});
+  }
+
+  void take_transform(const geometry_msgs::msg::TransformStamped& transform, bool is_static,
+                      const std::string& place) {
+    const std::string parent = frame_name(transform.header().frame_id());
+    const std::string child = frame_name(transform.child_frame_id());
+    const auto not_finite = [&] {
+      bad(place + ": the transform of " + child + " in " + parent + " is not finite");
+    };
+    if (is_static) {
+      if (!streams_.frames.add_fixed(transform)) not_finite();
+    } else if (parent != frame_name(options_.odom_frame)) {
+      if (!streams_.frames.add_moving(transform)) not_finite();
+    } else if (options_.use_odometry) {
+      const Pose3 pose = convert::from_message(transform.transform());
+      if (!is_sound(pose)) return not_finite();
+      OdometryStream& stream = streams_.moving[child];
+      stream.frame = parent;
+      stream.child = child;
+      stream.samples.push_back({convert::from_message(transform.header().stamp()), planar(pose)});
+    }
+  }
+
+  std::filesystem::path path_;
+  const ReadOptions& options_;
+  ReadReport& report_;
+  BagStreams streams_;
+};
+
+}  // namespace
+
+BagStreams read_bag_streams(const std::filesystem::path& path, const ReadOptions& options,
+                            ReadReport& report) {
+  return StreamReader(path, options, report).read();
+}
+
+}  // namespace strata::log

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Where a robot's sensors sit, and which of its frames odometry is of: for logs and live robots.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "strata_idl/geometry_msgs.h"
+
+#include "components/log/transform_tree.hpp"
+#include "core/geometry/pose2.hpp"
+#include "core/geometry/pose3.hpp"
+
+namespace strata::log {
+
+class RobotFrames {
+ public:
+  explicit RobotFrames(const std::string& robot_frame = "base_link")
+      : robot_(frame_name(robot_frame)) {}
+
+  /// Of /tf_static; false when it is not finite, and then it is passed over. O(log frames).
+  bool add_fixed(const geometry_msgs::msg::TransformStamped& transform);
+  /// Of /tf, without what hangs on the odometry frame: taken to hold until the next one.
+  bool add_moving(const geometry_msgs::msg::TransformStamped& transform);
+
+  /// Whether tf ties the frame to the robot's. True for the robot's own and for no name at all.
+  [[nodiscard]] bool is_robots(const std::string& frame) const;
+  /// child_from_robot in the plane, for odometry of another frame of the robot, such as its
+  /// footprint. A frame that is not tied to the robot's is taken for it.
+  [[nodiscard]] Pose2 robot_in(const std::string& child) const;
+  /// The frame that poses are of: the robot's, or that of its odometry where tf does not know the
+  /// robot's.
+  [[nodiscard]] std::string pose_frame(const std::string& odometry_child) const;
+  /// robot_from_sensor by /tf_static; nothing when they are not tied. O(frames).
+  [[nodiscard]] std::optional<Pose3> mounting(const std::string& sensor_frame,
+                                              const std::string& odometry_child) const;
+
+ private:
+  std::string robot_;
+  TransformTree fixed_;
+  TransformTree all_;  ///< the fixed ones and those of /tf
+};
+
+/// odom_from_robot of odom_from_child; to the bit where the two frames are one.
+[[nodiscard]] Pose2 moved_by(const Pose2& odom_from_child, const Pose2& child_from_robot);
+
+/// For people: the mounting that is missing, and what is done about it.
+[[nodiscard]] std::string missing_mounting(const std::string& sensor_frame,
+                                           const std::string& robot_frame);
+
+/// Whether all numbers are, and the rotation is one.
+[[nodiscard]] bool is_sound(const Pose3& pose);
+
+}  // namespace strata::log

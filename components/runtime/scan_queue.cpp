@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/runtime/scan_queue.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "components/log/joined_scan.hpp"
+
+namespace strata::runtime {
+namespace {
+
+/// Scanners do not turn evenly: the next scan may come after so much of a period.
+constexpr double kEarliest = 0.8;
+constexpr double kMostPeriodsWaited = 2.0;
+/// A longer step is a hole, no period.
+constexpr double kHole = 3.0;
+
+Duration times(Duration period, double factor) {
+  return Duration::from_seconds(factor * period.seconds());
+}
+
+void learn_period(Scanner& scanner, Duration step) {
+  if (step.ns <= 0) return;
+  if (!scanner.period || step.ns < scanner.period->ns) {
+    scanner.period = step;
+  } else if (step.seconds() < kHole * scanner.period->seconds()) {
+    scanner.period = Duration{(7 * scanner.period->ns + step.ns) / 8};
+  }
+}
+
+}  // namespace
+
+std::size_t ScanQueue::scanner_of(std::size_t topic, const std::string& frame) {
+  const auto found = std::find_if(scanners_.begin(), scanners_.end(), [&](const Scanner& scanner) {
+    return scanner.topic == topic && scanner.frame == frame;
+  });
+  if (found == scanners_.end()) {
+    scanners_.push_back({.topic = topic, .frame = frame});
+    return scanners_.size() - 1;
+  }
+  return static_cast<std::size_t>(found - scanners_.begin());
+}
+
+void ScanQueue::put(WaitingScan waiting) {
+  const double late_s = newest_gone_ ? (*newest_gone_ - waiting.scan.stamp).seconds() : 0.0;
+  // What went on before a clock was set back says nothing of what is late now.
+  if (late_s > 0.0 && late_s <= log::kLeastSetBackS) {
+    ++late_;
+    return;
+  }
+  const auto key = [this](const WaitingScan& w) {
+    return std::tuple(w.scan.stamp, scanners_[w.scanner].topic);
+  };
+  const auto place =
+      std::upper_bound(waiting_.begin(), waiting_.end(), waiting,
+                       [&](const WaitingScan& a, const WaitingScan& b) { return key(a) < key(b); });
+  waiting_.insert(place, std::move(waiting));
+}
+
+void ScanQueue::add(std::size_t topic, const std::string& frame, Scan scan,
+                    const std::function<void(Stamp)>& set_back) {
+  using Verdict = log::SetBackWatch::Verdict;
+  const std::size_t index = scanner_of(topic, frame);
+  WaitingScan waiting{index, std::move(scan), {}};
+  waiting.end = log::end_of_sweep(waiting.scan);
+  if (!orders_) {
+    waiting_.push_back(std::move(waiting));
+    return;
+  }
+  Scanner& scanner = scanners_[index];
+  const Stamp stamp = waiting.scan.stamp;
+  const std::optional<Stamp> before = scanner.watch.newest();
+  const Verdict verdict = scanner.watch.add(stamp);
+  std::optional<WaitingScan> suspect = std::exchange(scanner.suspect, std::nullopt);
+  scanner.is_silent = false;
+  if (verdict == Verdict::kSuspect) {
+    if (suspect) ++late_;
+    scanner.suspect = std::move(waiting);
+    return;
+  }
+  if (verdict == Verdict::kSetBack) {
+    set_back(suspect->scan.stamp);
+    newest_gone_.reset();
+    put(std::move(*suspect));
+  } else {
+    if (suspect) ++late_;
+    if (before && verdict == Verdict::kOn) learn_period(scanner, stamp - *before);
+  }
+  put(std::move(waiting));
+}
+
+WaitingScan ScanQueue::pop() {
+  WaitingScan oldest = std::move(waiting_.front());
+  waiting_.pop_front();
+  newest_gone_ = oldest.scan.stamp;
+  return oldest;
+}
+
+bool ScanQueue::is_next() {
+  const WaitingScan& oldest = waiting_.front();
+  Stamp newest = oldest.scan.stamp;
+  for (const WaitingScan& waiting : waiting_) newest = std::max(newest, waiting.scan.stamp);
+  const std::optional<Duration>& own = scanners_[oldest.scanner].period;
+  for (std::size_t i = 0; i < scanners_.size(); ++i) {
+    Scanner& other = scanners_[i];
+    if (i == oldest.scanner || other.is_silent || !other.period) continue;
+    const Stamp expected = *other.watch.newest() + times(*other.period, kEarliest);
+    if (expected > oldest.scan.stamp) continue;
+    const Duration longer = own ? std::max(*own, *other.period) : *other.period;
+    if (newest - expected <= times(longer, kMostPeriodsWaited)) return false;
+    other.is_silent = true;
+  }
+  return true;
+}
+
+}  // namespace strata::runtime

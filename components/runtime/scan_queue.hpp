@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The scans of a robot's scanners, in order of time.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/log/set_back_watch.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::runtime {
+
+/// A scan that waits to be joined, without its mounting.
+struct WaitingScan {
+  std::size_t scanner = 0;  ///< in ScanQueue::scanners()
+  Scan scan;
+  Stamp end;  ///< of its sweep
+};
+
+/// One frame on one topic.
+struct Scanner {
+  std::size_t topic = 0;
+  std::string frame;
+  bool is_silent = false;  ///< it was waited for in vain, and has said nothing since
+
+  log::SetBackWatch watch = {};
+  std::optional<Duration> period = {};
+  std::optional<WaitingScan> suspect = {};  ///< by its stamp far too old
+};
+
+class ScanQueue {
+ public:
+  /// orders: false in lockstep, where scans come in order.
+  explicit ScanQueue(bool orders) : orders_(orders) {}
+
+  /// set_back: called when the clock was set back, with the first stamp by the new clock, while the
+  /// scans by the old one are still here. O(waiting).
+  void add(std::size_t topic, const std::string& frame, Scan scan,
+           const std::function<void(Stamp)>& set_back);
+
+  [[nodiscard]] std::size_t size() const { return waiting_.size(); }
+  /// The oldest; requires one.
+  [[nodiscard]] const WaitingScan& front() const { return waiting_.front(); }
+  WaitingScan pop();
+  /// Whether no scanner is expected to send an older scan than the front. One that is waited for
+  /// longer than two periods becomes silent, and is waited for no more. O(scanners).
+  [[nodiscard]] bool is_next();
+
+  [[nodiscard]] const std::vector<Scanner>& scanners() const { return scanners_; }
+  /// Scans that came after younger ones had gone on; they were dropped.
+  [[nodiscard]] std::size_t late() const { return late_; }
+
+ private:
+  [[nodiscard]] std::size_t scanner_of(std::size_t topic, const std::string& frame);
+  void put(WaitingScan waiting);
+
+  bool orders_;
+  std::vector<Scanner> scanners_;
+  std::deque<WaitingScan> waiting_;  ///< by stamp, then topic
+  std::optional<Stamp> newest_gone_;
+  std::size_t late_ = 0;
+};
+
+}  // namespace strata::runtime

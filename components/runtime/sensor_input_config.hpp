@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Where a component's scans and odometry come from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/config.hpp"
+
+namespace strata::runtime {
+
+struct SensorInputConfig {
+  std::string scan_topic = "scan";
+  std::vector<std::string> scan_topics;
+  std::string odometry_topic = "odom";
+  std::string tf_odometry_frame = "odom";
+  std::string robot_frame = "base_link";
+  bool use_odometry = true;
+  double max_odometry_gap_s = 1.0;
+  int most_waiting_scans = 20;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("scan_topic", c.scan_topic, {.doc = "sensor_msgs/LaserScan in"});
+    v.field("scan_topics", c.scan_topics,
+            {.doc = "several scanners, each with its frame, rate and mounting, in place of "
+                    "scan_topic"});
+    v.field("odometry_topic", c.odometry_topic, {.doc = "nav_msgs/Odometry in"});
+    v.field("tf_odometry_frame", c.tf_odometry_frame,
+            {.doc = "live, while nobody publishes odometry_topic: odometry is this frame to "
+                    "robot_frame on /tf; empty: never"});
+    v.field("robot_frame", c.robot_frame,
+            {.doc = "frame that poses are of; odometry of another frame that tf ties to it is "
+                    "carried over"});
+    v.field("use_odometry", c.use_odometry, {.doc = "false: scans only"});
+    v.field("max_odometry_gap_s", c.max_odometry_gap_s,
+            {.doc = "a scan further than this from any odometry is passed over, as the log "
+                    "readers do it",
+             .unit = "s",
+             .min = 0.0});
+    v.field("most_waiting_scans", c.most_waiting_scans,
+            {.doc = "a scan waits for odometry, mounting and older scans of other scanners until "
+                    "so many of each scanner have come after it",
+             .unit = "scans",
+             .min = 0.0});
+  }
+
+  [[nodiscard]] std::vector<std::string> all_scan_topics() const {
+    return scan_topics.empty() ? std::vector{scan_topic} : scan_topics;
+  }
+};
+
+}  // namespace strata::runtime
