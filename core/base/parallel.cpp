@@ -33,25 +33,31 @@ WorkerPool::WorkerPool(int threads)
     : threads_(threads > 0 ? threads
                            : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
       state_(std::make_unique<State>()) {
-  for (int i = 1; i < threads_; ++i) {
-    state_->workers.emplace_back([this] {
-      State& s = *state_;
-      std::size_t seen = 0;
-      std::unique_lock lock(s.mutex);
-      while (true) {
-        s.work_ready.wait(lock, [&] { return s.stop || s.generation != seen; });
-        if (s.stop) return;
-        seen = s.generation;
-        lock.unlock();
-        run_chunks();
-        lock.lock();
-        if (--s.busy == 0) s.work_done.notify_one();
-      }
-    });
+  const auto work = [this] {
+    State& s = *state_;
+    std::size_t seen = 0;
+    std::unique_lock lock(s.mutex);
+    while (true) {
+      s.work_ready.wait(lock, [&] { return s.stop || s.generation != seen; });
+      if (s.stop) return;
+      seen = s.generation;
+      lock.unlock();
+      run_chunks();
+      lock.lock();
+      if (--s.busy == 0) s.work_done.notify_one();
+    }
+  };
+  try {
+    for (int i = 1; i < threads_; ++i) state_->workers.emplace_back(work);
+  } catch (...) {
+    join();  // threads that nobody joins would end the process
+    throw;
   }
 }
 
-WorkerPool::~WorkerPool() {
+WorkerPool::~WorkerPool() { join(); }
+
+void WorkerPool::join() {
   {
     const std::scoped_lock lock(state_->mutex);
     state_->stop = true;

@@ -31,6 +31,7 @@ class WorkerPool {
  private:
   struct State;
   void run_chunks();
+  void join();
   int threads_;
   std::unique_ptr<State> state_;
 };

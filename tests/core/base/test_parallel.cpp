@@ -3,9 +3,12 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "core/base/parallel.hpp"
 
@@ -44,6 +47,23 @@ TEST(WorkerPool, GivesTheSameSumForAnyNumberOfThreads) {
   EXPECT_EQ(sum_with(2), expected);
   EXPECT_EQ(sum_with(8), expected);
 }
+
+// A thread sanitizer needs room of its own, and ends the process when it gets none.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(WorkerPool, ThatGetsNoMoreThreadsSaysSoAndJoinsThoseItGot) {
+  const auto make_too_many = [] {
+    rlimit limit{256U << 20U, 256U << 20U};  // 1000 threads have stacks of 8 MB
+    setrlimit(RLIMIT_AS, &limit);
+    try {
+      const WorkerPool pool(1000);
+    } catch (const std::system_error&) {
+      _exit(0);
+    }
+    _exit(1);
+  };
+  EXPECT_EXIT(make_too_many(), testing::ExitedWithCode(0), "");
+}
+#endif
 
 TEST(WorkerPool, RethrowsTheFirstErrorInChunkOrderAndStaysUsable) {
   for (const int threads : {1, 4}) {
