@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <thread>
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
@@ -104,10 +105,16 @@ rtps::SampleIdentity to_wire(const SampleIdentity& identity) {
 
 struct RawWriter::State : dds::DataWriterListener {
   explicit State(std::function<void()> on_match) : matches(std::move(on_match)) {}
+  // Here and not in RawWriter: a constructor that throws must not leave the middleware our address.
+  ~State() override;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
   void on_publication_matched(dds::DataWriter* /*writer*/,
                               const dds::PublicationMatchedStatus& status) override {
-    matches.set(status.current_count, guid_of(status.last_subscription_handle),
-                status.current_count_change > 0);
+    participant->state().caught.run([&] {
+      matches.set(status.current_count, guid_of(status.last_subscription_handle),
+                  status.current_count_change > 0);
+    });
   }
   std::shared_ptr<Participant> participant;
   std::string topic;
@@ -146,23 +153,31 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
                       qos.transient_local, 0.0, type_hash});
 }
 
-RawWriter::~RawWriter() {
-  if (state_->writer == nullptr) return;
-  state_->matches.stop_notifying();
-  Participant::State& owner = state_->participant->state();
-  owner.remove_endpoint(guid());
-  state_->writer->set_listener(nullptr);
+RawWriter::~RawWriter() = default;
+
+RawWriter::State::~State() {
+  if (writer == nullptr) return;
+  matches.stop_notifying();
+  Participant::State& owner = participant->state();
+  owner.remove_endpoint(to_guid(writer->guid()));
+  writer->set_listener(nullptr);
   // Fast DDS 2.9 gives back, without a lock, the changes that are left, and a heartbeat that comes
   // just then runs for ever. Mended in 2.6.7, 2.10.3, 2.11.3, 2.12.2 and 2.13
   // (https://github.com/eProsima/Fast-DDS/pull/4076).
-  state_->writer->clear_history(nullptr);
-  owner.publisher->delete_datawriter(state_->writer);
+  writer->clear_history(nullptr);
+  owner.publisher->delete_datawriter(writer);
 }
 
 const std::string& RawWriter::topic() const { return state_->topic; }
 
 std::int64_t RawWriter::publish(const std::vector<std::uint8_t>& cdr,
                                 const SampleIdentity& related) {
+  if (cdr.size() < 4) {
+    throw InputError(state_->topic,
+                     "a message of " + std::to_string(cdr.size()) +
+                         " bytes is shorter than the header of every message",
+                     "leave it out");
+  }
   // The sample type only reads, but the interface takes a mutable pointer.
   auto* sample = const_cast<std::vector<std::uint8_t>*>(&cdr);
   const auto deadline = std::chrono::steady_clock::now() + kPublishTimeout;
@@ -171,7 +186,9 @@ std::int64_t RawWriter::publish(const std::vector<std::uint8_t>& cdr,
   if (related.sequence_number != 0 || related.writer != Guid{}) {
     parameters.related_sample_identity(to_wire(related));
   }
-  while (!state_->writer->write(sample, parameters)) {
+  for (int tries = 1; !state_->writer->write(sample, parameters); ++tries) {
+    // Who fails again and again may fail at once each time: no core is to be spent on it.
+    if (tries > 1) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     if (std::chrono::steady_clock::now() > deadline) {
       throw OutputError(state_->topic, "a message cannot be delivered",
                         "see whether a reader of the topic hangs");
@@ -199,25 +216,34 @@ QosProfile RawWriter::granted_qos() const {
 struct RawReader::State : dds::DataReaderListener {
   State(Callback message_callback, std::function<void()> on_match)
       : callback(std::move(message_callback)), matches(std::move(on_match)) {}
+  ~State() override;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
 
   void on_data_available(dds::DataReader* from) override {
-    const std::lock_guard lock(mutex);
-    dds::SampleInfo info;
-    RawMessage message;
-    while (callback && from->take_next_sample(&message.cdr, &info) ==
-                           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
-      if (!info.valid_data) continue;
-      message.identity = from_wire(info.sample_identity);
-      message.related = from_wire(info.related_sample_identity);
-      message.source_stamp_ns = info.source_timestamp.to_ns();
-      callback(std::move(message));
-      message = RawMessage();
-    }
+    Caught& caught = participant->state().caught;
+    caught.run([&] {
+      const std::lock_guard lock(mutex);
+      dds::SampleInfo info;
+      RawMessage message;
+      while (callback && from->take_next_sample(&message.cdr, &info) ==
+                             eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+        if (!info.valid_data) continue;
+        message.identity = from_wire(info.sample_identity);
+        message.related = from_wire(info.related_sample_identity);
+        message.source_stamp_ns = info.source_timestamp.to_ns();
+        // Each by itself: one bad message must not hold up those behind it.
+        caught.run([&] { callback(std::move(message)); });
+        message = RawMessage();
+      }
+    });
   }
   void on_subscription_matched(dds::DataReader* /*from*/,
                                const dds::SubscriptionMatchedStatus& status) override {
-    matches.set(status.current_count, guid_of(status.last_publication_handle),
-                status.current_count_change > 0);
+    participant->state().caught.run([&] {
+      matches.set(status.current_count, guid_of(status.last_publication_handle),
+                  status.current_count_change > 0);
+    });
   }
 
   std::shared_ptr<Participant> participant;
@@ -254,16 +280,19 @@ RawReader::RawReader(std::shared_ptr<Participant> participant, TopicName topic,
                       qos.transient_local, 0.0, type_hash});
 }
 
-RawReader::~RawReader() {
-  if (state_->reader == nullptr) return;
-  state_->participant->state().remove_endpoint(guid());
-  state_->matches.stop_notifying();
+RawReader::~RawReader() = default;
+
+RawReader::State::~State() {
+  if (reader == nullptr) return;
+  Participant::State& owner = participant->state();
+  owner.remove_endpoint(to_guid(reader->guid()));
+  matches.stop_notifying();
   {
-    const std::lock_guard lock(state_->mutex);
-    state_->callback = nullptr;
+    const std::lock_guard lock(mutex);
+    callback = nullptr;
   }
-  state_->reader->set_listener(nullptr);
-  state_->participant->state().subscriber->delete_datareader(state_->reader);
+  reader->set_listener(nullptr);
+  owner.subscriber->delete_datareader(reader);
 }
 
 const std::string& RawReader::topic() const { return state_->topic; }

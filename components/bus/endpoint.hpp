@@ -4,6 +4,7 @@
 /// layer above.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -48,7 +49,7 @@ class RawWriter {
 
   [[nodiscard]] const std::string& topic() const;
   /// Throws OutputError when the message cannot be handed over within 10 s (a reliable reader that
-  /// does not keep up).
+  /// does not keep up), InputError at once when it is shorter than the 4 bytes of its header.
   void publish(const std::vector<std::uint8_t>& cdr) { (void)publish(cdr, {}); }
   /// The same, saying to which message it belongs. Returns the message's own number.
   std::int64_t publish(const std::vector<std::uint8_t>& cdr, const SampleIdentity& related);
@@ -75,7 +76,8 @@ class RawReader {
  public:
   using Callback = std::function<void(RawMessage)>;
   /// callback: called on a thread of the middleware or, for a writer of the same process, on the
-  /// thread that writes; never twice at a time. It must return soon and not publish.
+  /// thread that writes; never twice at a time. It must return soon and not publish; what it throws
+  /// is counted (Participant::caught), and the next message is handed over.
   RawReader(std::shared_ptr<Participant> participant, TopicName topic, const std::string& type,
             const QosProfile& qos, Callback callback, std::function<void()> on_match = nullptr);
   /// After this no callback runs.
@@ -133,7 +135,7 @@ class Reader {
   [[nodiscard]] std::uint64_t undecodable() const { return undecodable_; }
 
  private:
-  std::uint64_t undecodable_ = 0;  // written under the reader's callback lock
+  std::atomic<std::uint64_t> undecodable_{0};
   RawReader raw_;
 };
 

@@ -33,10 +33,12 @@ class GraphWriter {
     nodes_[node] = info;
     send();
   }
-  void remove(const Node* node) {
-    const std::lock_guard lock(mutex_);
-    nodes_.erase(node);
-    send();
+  void remove(const Node* node) noexcept {
+    (void)caught_.run([&] {
+      const std::lock_guard lock(mutex_);
+      nodes_.erase(node);
+      send();
+    });
   }
 
  private:
@@ -50,6 +52,7 @@ class GraphWriter {
   std::size_t gid_bytes_;
   std::mutex mutex_;
   std::map<const Node*, NodeInfo> nodes_;
+  Caught caught_;  // at the end of a node, where nobody can be told
   RawWriter writer_;
 };
 
@@ -72,16 +75,21 @@ Node::Node(const std::shared_ptr<Participant>& participant, std::string node_nam
            std::string name)
     : graph_(graph_of(participant)),
       info_{node_namespace.empty() ? "/" : std::move(node_namespace), std::move(name), {}, {}} {
-  graph_->put(this, info_);
+  try {
+    graph_->put(this, info_);
+  } catch (...) {
+    graph_->remove(this);
+    throw;
+  }
 }
 
 Node::~Node() { graph_->remove(this); }
 
 void Node::announce(std::vector<Guid> readers, std::vector<Guid> writers) {
   if (readers == info_.readers && writers == info_.writers) return;
-  info_.readers = std::move(readers);
-  info_.writers = std::move(writers);
-  graph_->put(this, info_);
+  NodeInfo news{info_.node_namespace, info_.name, std::move(readers), std::move(writers)};
+  graph_->put(this, news);
+  info_ = std::move(news);  // now: what could not be sent is sent again
 }
 
 GraphReader::GraphReader(std::shared_ptr<Participant> participant) {

@@ -40,6 +40,7 @@ Participant::Participant(const ParticipantOptions& options) : state_(std::make_s
   dds::DomainParticipantQos qos = participant_qos(options);
   state_->is_secured = options.transport != Transport::kAlone && secure(options, qos);
   auto* factory = dds::DomainParticipantFactory::get_instance();
+  ProcessParticipants::instance().add(state_);  // first: it may lack memory
   state_->participant = factory->create_participant(static_cast<dds::DomainId_t>(options.domain),
                                                     qos, state_.get(), dds::StatusMask::none());
   if (state_->participant != nullptr) {
@@ -47,23 +48,29 @@ Participant::Participant(const ParticipantOptions& options) : state_(std::make_s
     state_->subscriber = state_->participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
   }
   if (state_->publisher == nullptr || state_->subscriber == nullptr) {
+    delete_entities();
     throw OutputError("domain " + std::to_string(options.domain), "no DDS participant can be made",
                       state_->is_secured
                           ? "see what Fast DDS says above; make the enclave again with `strata "
                             "keystore` if it is at fault"
                           : "check the network interfaces and free ports above 7400");
   }
-  ProcessParticipants::instance().add(state_);
 }
 
 Participant::~Participant() {
   if (state_->participant == nullptr) return;
   const Guid removed = guid();
-  state_->participant->set_listener(nullptr);
   state_->leave();
+  delete_entities();
+  ProcessParticipants::instance().remove(removed, state_);
+}
+
+void Participant::delete_entities() {
+  if (state_->participant == nullptr) return;
+  state_->participant->set_listener(nullptr);
   state_->participant->delete_contained_entities();
   dds::DomainParticipantFactory::get_instance()->delete_participant(state_->participant);
-  ProcessParticipants::instance().remove(removed, state_);
+  state_->participant = nullptr;
 }
 
 const ParticipantOptions& Participant::options() const { return state_->options; }
@@ -111,9 +118,17 @@ bool Participant::State::uses_shared_memory() const {
          });
 }
 
+const Caught& Participant::caught() const { return state_->caught; }
+
+void Participant::set_before_endpoint(std::function<void(const std::string&)> check) {
+  const std::lock_guard lock(state_->mutex);
+  state_->before_endpoint = std::move(check);
+}
+
 dds::Topic* Participant::State::topic(const TopicName& name, const std::string& type) {
   const std::lock_guard lock(mutex);
   const std::string wire_name = wire_topic(name);
+  if (before_endpoint) before_endpoint(wire_name);
   if (const auto found = topics.find(wire_name); found != topics.end()) {
     if (found->second->get_type_name() != wire_type(type)) {
       throw ConfigError(name.full,
@@ -127,12 +142,13 @@ dds::Topic* Participant::State::topic(const TopicName& name, const std::string& 
   if (participant->find_type(type_name).empty()) {
     participant->register_type(dds::TypeSupport(new RawType(type_name)));
   }
-  dds::Topic* made = participant->create_topic(wire_name, type_name, dds::TOPIC_QOS_DEFAULT);
-  if (made == nullptr) {
+  const auto entry = topics.emplace(wire_name, nullptr).first;  // before what it is to keep is made
+  entry->second = participant->create_topic(wire_name, type_name, dds::TOPIC_QOS_DEFAULT);
+  if (entry->second == nullptr) {
+    topics.erase(entry);
     throw OutputError(name.full, "the topic cannot be made", "check its name and type " + type);
   }
-  topics[wire_name] = made;
-  return made;
+  return entry->second;
 }
 
 void Participant::State::wait_until_forgotten(const Guid& guid,
@@ -159,6 +175,10 @@ void Participant::State::remove_endpoint(const Guid& guid) {
 
 void Participant::State::on_participant_discovery(dds::DomainParticipant* /*participant*/,
                                                   rtps::ParticipantDiscoveryInfo&& info) {
+  caught.run([&] { take_participant(info); });
+}
+
+void Participant::State::take_participant(const rtps::ParticipantDiscoveryInfo& info) {
   using Info = rtps::ParticipantDiscoveryInfo;
   const Guid guid = to_guid(info.info.m_guid);
   const std::lock_guard lock(mutex);
@@ -184,20 +204,24 @@ void Participant::State::on_participant_discovery(dds::DomainParticipant* /*part
 
 void Participant::State::on_publisher_discovery(dds::DomainParticipant* /*participant*/,
                                                 rtps::WriterDiscoveryInfo&& info) {
-  if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
-    remove_endpoint(to_guid(info.info.guid()));
-  } else {
-    add_endpoint(describe_endpoint(info.info, true));
-  }
+  caught.run([&] {
+    if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
+      remove_endpoint(to_guid(info.info.guid()));
+    } else {
+      add_endpoint(describe_endpoint(info.info, true));
+    }
+  });
 }
 
 void Participant::State::on_subscriber_discovery(dds::DomainParticipant* /*participant*/,
                                                  rtps::ReaderDiscoveryInfo&& info) {
-  if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
-    remove_endpoint(to_guid(info.info.guid()));
-  } else {
-    add_endpoint(describe_endpoint(info.info, false));
-  }
+  caught.run([&] {
+    if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
+      remove_endpoint(to_guid(info.info.guid()));
+    } else {
+      add_endpoint(describe_endpoint(info.info, false));
+    }
+  });
 }
 
 }  // namespace strata::bus

@@ -2,12 +2,14 @@
 /// A process's place on a DDS domain. One a process: each has threads and sockets of its own.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "components/bus/caught.hpp"
 #include "components/bus/domain_view.hpp"
 
 namespace strata::bus {
@@ -78,11 +80,18 @@ class Participant {
   /// Everything that discovery knows now, this participant and its endpoints included.
   [[nodiscard]] DomainView view() const;
 
+  /// What callbacks of this participant's endpoints threw, and was stopped.
+  [[nodiscard]] const Caught& caught() const;
+  /// For tests: called with the topic's name on the wire before each writer or reader is made; what
+  /// it throws, the endpoint's constructor throws.
+  void set_before_endpoint(std::function<void(const std::string&)> check);
+
   struct State;
   /// For endpoints.
   [[nodiscard]] State& state() { return *state_; }
 
  private:
+  void delete_entities();
   std::shared_ptr<State> state_;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -17,6 +18,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 
+#include "components/bus/caught.hpp"
 #include "components/bus/names.hpp"
 #include "components/bus/participant.hpp"
 
@@ -75,18 +77,22 @@ struct Participant::State : dds::DomainParticipantListener {
                               rtps::WriterDiscoveryInfo&& info) override;
   void on_subscriber_discovery(dds::DomainParticipant* participant,
                                rtps::ReaderDiscoveryInfo&& info) override;
+  void take_participant(const rtps::ParticipantDiscoveryInfo& info);
 
   /// Returns when it no longer sees that participant or is ending itself, or at the deadline.
   void wait_until_forgotten(const Guid& guid, std::chrono::steady_clock::time_point deadline);
   /// It is ending: nobody need wait for it.
   void leave();
 
+  Caught caught;  // by callbacks of the middleware
+
   mutable std::mutex mutex;
   std::condition_variable forgot;  // one of `participants`
   bool is_leaving = false;
-  std::map<std::string, dds::Topic*> topics;           // by wire name
-  std::map<Guid, DiscoveredParticipant> participants;  // of others
-  std::map<Guid, DiscoveredEndpoint> endpoints;        // own and others'
+  std::function<void(const std::string&)> before_endpoint;  // see Participant
+  std::map<std::string, dds::Topic*> topics;                // by wire name
+  std::map<Guid, DiscoveredParticipant> participants;       // of others
+  std::map<Guid, DiscoveredEndpoint> endpoints;             // own and others'
 
   std::mutex graph_mutex;
   std::weak_ptr<GraphWriter> graph;  // lives with the nodes it announces

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,11 @@ class RawType : public eprosima::fastdds::dds::TopicDataType {
     return true;
   }
   bool deserialize(Payload* payload, void* data) override {
-    static_cast<Bytes*>(data)->assign(payload->data, payload->data + payload->length);
+    try {
+      static_cast<Bytes*>(data)->assign(payload->data, payload->data + payload->length);
+    } catch (const std::bad_alloc&) {  // the middleware is not made for exceptions
+      return false;
+    }
     return true;
   }
   std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {

@@ -13,6 +13,8 @@ constexpr std::size_t kPrefixBytes = 16;
 constexpr auto kReplyWaits = std::chrono::seconds(2);
 /// How long Cyclone may take from saying that a reader is matched until it hears the writer.
 constexpr auto kSettling = std::chrono::milliseconds(150);
+/// Clients that ask and never listen must not fill the memory, nor the time of the others.
+constexpr std::size_t kMostWaiting = 256;
 constexpr auto kSettlingStep = std::chrono::milliseconds(10);
 
 RawWriter make_writer(const std::shared_ptr<Participant>& participant, const std::string& name,
@@ -90,6 +92,7 @@ void ServiceServer::reply(const ServiceRequest& request, const std::vector<std::
   const bool is_for_cyclone = request.prefix.has_value();
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
+  if (waiting_.size() >= kMostWaiting) waiting_.pop_front();
   waiting_.push_back({service_reply_bytes(request, cdr), request.client, request.reply_to,
                       is_for_cyclone, is_for_cyclone ? settled(request.client) : now,
                       now + kReplyWaits});
@@ -116,7 +119,8 @@ void ServiceServer::send_what_can_be_sent() {
     // for the past. Fast DDS sends one when it matches, maybe before the reader listens, and the
     // next one behind the reply, which would then be lost.
     if (waiting.is_for_cyclone) writer_.send_heartbeat();
-    writer_.publish(waiting.bytes, waiting.related);
+    // One client that does not take its reply is no matter of the others.
+    (void)unsent_.run([&] { writer_.publish(waiting.bytes, waiting.related); });
     return true;
   });
 }
@@ -126,11 +130,7 @@ void ServiceServer::send_later(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     if (!changed_.wait(lock, stop, [&] { return !waiting_.empty(); })) return;
     changed_.wait_for(lock, stop, kSettlingStep, [] { return false; });
-    try {
-      send_what_can_be_sent();
-    } catch (const OutputError&) {  // a client that does not take it: nobody here can be told
-      waiting_.clear();
-    }
+    if (!unsent_.run([&] { send_what_can_be_sent(); })) waiting_.clear();
   }
 }
 

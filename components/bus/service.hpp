@@ -55,7 +55,8 @@ class ServiceServer {
                 const std::string& type, const QosProfile& qos,
                 std::function<void(ServiceRequest)> on_request, std::function<void()> on_match);
 
-  /// Sends a reply, at once or when the client's reader has been discovered.
+  /// Sends a reply, at once or when the client's reader has been discovered. What cannot be sent,
+  /// or waits behind 256 others, is dropped.
   void reply(const ServiceRequest& request, const std::vector<std::uint8_t>& cdr);
   /// Sends the replies that can be sent now and drops those that waited for longer than 2 s.
   void flush();
@@ -78,6 +79,7 @@ class ServiceServer {
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
+  Caught unsent_;                                                  // replies
   std::deque<Waiting> waiting_;                                    // under mutex_
   std::map<Guid, std::chrono::steady_clock::time_point> settled_;  // Cyclone's clients; the same
   RawWriter writer_;

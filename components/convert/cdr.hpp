@@ -17,6 +17,12 @@
 
 namespace strata::convert {
 
+/// Bytes that are not a message of their type.
+class Undecodable : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// Little-endian CDR of a generated message.
 template <typename Message>
 [[nodiscard]] std::vector<std::uint8_t> to_cdr(const Message& message) {
@@ -30,12 +36,12 @@ template <typename Message>
   return bytes;
 }
 
-/// The message. Throws InputError(place, ...) when the bytes are not one; sequences longer than the
-/// bytes are refused before memory is taken for them.
+/// The message. Throws Undecodable(place, ...) when the bytes are not one; sequences longer than
+/// the bytes are refused before memory is taken for them.
 template <typename Message>
 [[nodiscard]] Message from_cdr(std::span<const std::uint8_t> bytes, const std::string& place) {
   const auto damaged = [&](const std::string& why) {
-    return InputError(place, "is not a valid message: " + why, "record it again or leave it out");
+    return Undecodable(place, "is not a valid message: " + why, "record it again or leave it out");
   };
   if (bytes.size() < 4) throw damaged("shorter than its header");
   if (bytes[0] != 0 || bytes[1] > 1) throw damaged("is not plain CDR");

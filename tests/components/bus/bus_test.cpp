@@ -2,6 +2,8 @@
 #include <condition_variable>
 #include <future>
 #include <mutex>
+#include <new>
+#include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -96,6 +98,64 @@ TEST_P(BusTransports, DeliverEveryMessageBetweenParticipants) {
 
 INSTANTIATE_TEST_SUITE_P(All, BusTransports,
                          testing::Values(Transport::kLoopback, Transport::kSharedMemory));
+
+TEST(Bus, RefusesAMessageShorterThanItsHeaderAtOnce) {
+  const auto participant = test::make_participant();
+  RawWriter writer(participant, TopicName("/scan"), "sensor_msgs/msg/LaserScan",
+                   qos_profile("default"));
+  for (std::size_t bytes = 0; bytes < 4; ++bytes) {
+    try {
+      writer.publish(std::vector<std::uint8_t>(bytes));
+      FAIL() << "published " << bytes << " bytes";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.place(), "/scan");
+      EXPECT_THAT(error.what(), testing::HasSubstr("shorter than the header"));
+    }
+  }
+  EXPECT_EQ(writer.count(), 0U);
+}
+
+TEST(Bus, HandsOverTheNextMessageAfterACallbackThatThrows) {
+  const auto participant = test::make_participant();
+  Inbox inbox;
+  const auto keep = inbox.callback();
+  Reader<LaserScan> reader(participant, "/scan", qos_profile("lossless"), [&](const auto& scan) {
+    if (scan.header().stamp().sec() == 1) throw std::length_error("too long");
+    if (scan.header().stamp().sec() == 2) throw std::bad_alloc();
+    keep(scan);
+  });
+  Writer<LaserScan> writer(participant, "/scan", qos_profile("lossless"));
+  ASSERT_TRUE(writer.raw().wait_for_readers(1, seconds(20)));
+  for (int i = 0; i < 4; ++i) writer.publish(example(i));
+  EXPECT_THAT(inbox.wait_for(2), testing::ElementsAre(example(0), example(3)));
+  EXPECT_EQ(participant->caught().count(), 2U);
+  EXPECT_EQ(participant->caught().last(), "std::bad_alloc");
+}
+
+TEST(Bus, GoesOnWhenWhoIsToldOfAMatchThrows) {
+  const auto participant = test::make_participant();
+  Inbox inbox;
+  Reader<LaserScan> reader(participant, "/scan", qos_profile("lossless"), inbox.callback(),
+                           [] { throw std::runtime_error("not now"); });
+  Writer<LaserScan> writer(participant, "/scan", qos_profile("lossless"),
+                           [] { throw std::runtime_error("nor now"); });
+  ASSERT_TRUE(writer.raw().wait_for_readers(1, seconds(20)));
+  ASSERT_TRUE(reader.raw().wait_for_writers(1, seconds(20)));
+  writer.publish(example(1));
+  EXPECT_THAT(inbox.wait_for(1), testing::ElementsAre(example(1)));
+  EXPECT_EQ(participant->caught().count(), 2U);
+}
+
+TEST(Bus, LeavesNothingBehindOfAnEndpointThatCouldNotBeMade) {
+  const auto participant = test::make_participant();
+  const std::size_t before = participant->view().endpoints.size();
+  participant->set_before_endpoint([](const std::string&) { throw std::bad_alloc(); });
+  Inbox inbox;
+  EXPECT_THROW(Reader<LaserScan>(participant, "/scan", qos_profile("default"), inbox.callback()),
+               std::bad_alloc);
+  EXPECT_THROW(Writer<LaserScan>(participant, "/scan", qos_profile("default")), std::bad_alloc);
+  EXPECT_EQ(participant->view().endpoints.size(), before);
+}
 
 TEST(Bus, GivesALateJoinerTheLatchedMessage) {
   const auto here = test::make_participant();
