@@ -5,6 +5,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -28,6 +29,8 @@ class Bond {
 
   /// Whether a manager is heard.
   [[nodiscard]] bool is_formed() const;
+  /// Messages on the bond's topic that were none.
+  [[nodiscard]] std::uint64_t undecodable() const { return reader_.undecodable(); }
   [[nodiscard]] bus::Guid reader_guid() { return reader_.raw().guid(); }
   [[nodiscard]] bus::Guid writer_guid() { return writer_.raw().guid(); }
 

@@ -8,7 +8,6 @@
 namespace strata::runtime {
 
 void NodeClock::use_sim_time(bool on) {
-  sim_time_ = on;
   if (!on) {
     reader_.reset();
   } else if (!reader_ && !stands_still_) {
@@ -19,6 +18,7 @@ void NodeClock::use_sim_time(bool on) {
           last_ns_ = convert::from_message(message.clock()).ns;
         });
   }
+  sim_time_ = on;  // now: without a reader time would stand still
 }
 
 Stamp NodeClock::now() const {

@@ -18,9 +18,11 @@ class NodeClock {
   NodeClock(std::shared_ptr<bus::Participant> participant, bool stands_still)
       : participant_(std::move(participant)), stands_still_(stands_still) {}
 
-  /// Begins or ends to listen to /clock.
+  /// Begins or ends to listen to /clock. When it throws, all is as before.
   void use_sim_time(bool on);
   [[nodiscard]] bool uses_sim_time() const { return sim_time_; }
+  /// Messages on /clock that were none.
+  [[nodiscard]] std::uint64_t undecodable() const { return reader_ ? reader_->undecodable() : 0; }
   /// With use_sim_time 0 until the first /clock, as in ROS 2.
   [[nodiscard]] Stamp now() const;
 

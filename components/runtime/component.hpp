@@ -31,6 +31,7 @@
 #include "components/runtime/lifecycle.hpp"
 #include "components/runtime/parameters.hpp"
 #include "components/runtime/service_hub.hpp"
+#include "components/runtime/told_errors.hpp"
 #include "components/settings/config_reader.hpp"
 #include "core/base/progress.hpp"
 
@@ -73,6 +74,16 @@ struct TopicUse {
   bool writes = false;
 };
 
+/// Every message is counted once: what is received and nowhere else yet, waits.
+struct MessageCounts {
+  std::uint64_t received = 0;
+  std::uint64_t processed = 0;
+  std::uint64_t skipped = 0;  ///< were no messages, or the callback threw
+  std::uint64_t dropped = 0;  ///< came faster than they were worked on
+  std::uint64_t ignored = 0;  ///< came while the component was not active
+  [[nodiscard]] std::uint64_t done() const { return processed + skipped + dropped + ignored; }
+};
+
 class Component {
  public:
   explicit Component(ComponentContext context);
@@ -81,8 +92,9 @@ class Component {
   Component& operator=(const Component&) = delete;
 
   /// Called by the host from outside the mailbox; each waits until it is done and passes errors on.
-  /// They do nothing when the state is not the one they start from.
-  /// configure() joins first, unless the component has.
+  /// They do nothing when the state is not the one they start from. All or nothing: when one
+  /// throws, the component is as it was before, and may be asked again. configure() joins first,
+  /// unless the component has.
   void configure();
   void activate();
   void deactivate();
@@ -90,7 +102,8 @@ class Component {
   /// Onto the domain, unconfigured: others may lead it through its life and set its parameters.
   /// Throws ConfigError when the parameters are not valid.
   void join();
-  /// From any state to the last one, and off the domain: no service answers any more.
+  /// From any state to the last one, and off the domain: no service answers any more. What goes
+  /// wrong on that way is told and does not stop it.
   void shutdown();
   /// Several times a second while the process lives; returns at once.
   void tick();
@@ -102,6 +115,8 @@ class Component {
   [[nodiscard]] const std::vector<TopicUse>& topics() const { return topics_; }
   /// Live: messages that came faster than they were worked on and were dropped.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+  /// What became of the messages that came, of all topics since the beginning; thread safe.
+  [[nodiscard]] MessageCounts counts() const;
 
  protected:
   /// declare_parameters with the config struct, so that others see them before the first configure.
@@ -134,12 +149,13 @@ class Component {
                     callback(convert::from_cdr<T>(message.cdr, full));
                   });
   }
-  /// topic: resolved. Callbacks of a topic see its messages in the order they were written.
+  /// topic: resolved. Callbacks of a topic see its messages in the order they were written. All or
+  /// nothing: when it throws, nothing is subscribed.
   void subscribe_raw(const std::string& full_topic, const std::string& type,
                      const bus::QosProfile& qos,
                      std::function<void(const bus::RawMessage&)> callback);
 
-  /// What is returned publishes until cleanup, and does nothing afterwards.
+  /// What is returned publishes until cleanup, and does nothing afterwards. All or nothing.
   template <typename T>
   [[nodiscard]] std::function<void(const T&)> advertise(const std::string& topic,
                                                         const std::string& qos) {
@@ -173,7 +189,7 @@ class Component {
   void offer_later(const std::string& name, ServiceHub::LateHandler<S> handler) {
     if (lockstep()) return;
     if (!own_services_) {
-      own_services_ = std::make_unique<ServiceHub>(context_.participant, context_.mailbox);
+      own_services_ = make_service_hub();
     }
     own_services_->serve_later<S>(
         resolve(name), "default",
@@ -223,9 +239,10 @@ class Component {
   /// others in the same way. Live, on the component's own thread.
   [[nodiscard]] ParameterChange set_parameters(
       const std::vector<rcl_interfaces::msg::Parameter>& changes);
-  /// What went wrong while the component goes on: counted, on /diagnostics, and told the host.
+  /// What went wrong while the component goes on: counted, on /diagnostics, and told the host, in
+  /// words at its first time and then by numbers (ToldErrors). Never throws. On the mailbox.
   void tell(const std::exception& error);
-  /// Runs `body`; what it throws is told.
+  /// Runs `body`; what it throws, of whatever type, is told.
   void guarded(const std::function<void()>& body);
   /// For stamps of what has no scan; 0 in lockstep.
   [[nodiscard]] Stamp now() const { return clock_.now(); }
@@ -241,6 +258,7 @@ class Component {
     std::function<void(const bus::RawMessage&)> callback;
     std::mutex mutex;
     std::deque<bus::RawMessage> waiting;  // under mutex
+    std::size_t waiting_bytes = 0;        // under mutex
     std::uint64_t received = 0;           // under mutex
     std::unique_ptr<bus::RawReader> reader;
   };
@@ -259,7 +277,11 @@ class Component {
   void adopt_common_parameters(const std::vector<std::string>& keys);
   /// Works on the message that waits longest; false when none does.
   bool take_live(Subscription& subscription);
+  /// Puts a message where it waits; whether it needs a task of its own, no other's will take it.
+  [[nodiscard]] bool keep(Subscription& subscription, bus::RawMessage message);
   void diagnose();
+  void tell_what_repeats();
+  [[nodiscard]] std::unique_ptr<ServiceHub> make_service_hub();
   /// Tells ROS 2's graph which endpoints are ours now.
   void announce();
   void join_domain();
@@ -290,8 +312,15 @@ class Component {
   bool finished_ = false;  ///< as learns() says
   std::atomic<bool> tick_waits_{false};
   std::atomic<std::uint64_t> dropped_{0};
-  std::uint64_t processed_ = 0;
-  std::uint64_t failed_ = 0;
+  std::atomic<std::uint64_t> received_{0};
+  std::atomic<std::uint64_t> processed_{0};
+  std::atomic<std::uint64_t> skipped_{0};
+  std::uint64_t failed_ = 0;       // messages and all else
+  std::uint64_t undecodable_ = 0;  // of those that failed
+  std::atomic<std::uint64_t> ignored_{0};
+  ToldErrors told_errors_;
+  bool is_changing_state_ = false;
+  bus::Caught untold_;
   std::string last_error_;
   std::uint64_t told_dropped_ = 0;  // as of the last status
   std::uint64_t told_failed_ = 0;
@@ -309,7 +338,7 @@ class Component {
   std::vector<std::shared_ptr<bus::RawWriter>> writers_;
   std::optional<strata_msgs::msg::Step> step_;
   std::unique_ptr<bus::RawWriter> ack_writer_;
-  std::unique_ptr<bus::RawReader> step_reader_;
+  std::unique_ptr<bus::Reader<strata_msgs::msg::Step>> step_reader_;
 };
 
 }  // namespace strata::runtime

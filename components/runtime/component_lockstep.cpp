@@ -24,16 +24,16 @@ void Component::join_lockstep() {
   const bus::QosProfile qos = bus::qos_profile("lossless");
   ack_writer_ = std::make_unique<bus::RawWriter>(context_.participant, kAckTopic,
                                                  bus::MessageType<Ack>::name, qos);
-  step_reader_ = std::make_unique<bus::RawReader>(
-      context_.participant, kStepTopic, bus::MessageType<Step>::name, qos,
-      [this](const bus::RawMessage& message) {
-        Step step = convert::from_cdr<Step>(message.cdr, kStepTopic);
-        if (step.target() != full_name_) return;
-        context_.mailbox->post([this, step = std::move(step)] {
-          step_ = step;
-          try_step();
-        });
-      });
+  step_reader_ = std::make_unique<bus::Reader<Step>>(context_.participant, kStepTopic, qos,
+                                                     [this](const Step& step) {
+                                                       if (step.target() != full_name_) return;
+                                                       context_.mailbox->post([this, step] {
+                                                         guarded([&] {
+                                                           step_ = step;
+                                                           try_step();
+                                                         });
+                                                       });
+                                                     });
 }
 
 void Component::try_step() {
@@ -46,6 +46,8 @@ void Component::try_step() {
   } catch (const std::exception& caught) {
     error = caught.what();
     if (error.empty()) error = "unknown error";
+  } catch (...) {
+    error = "an exception of unknown type";
   }
   if (!error.empty()) {
     ++failed_;
@@ -103,6 +105,7 @@ void Component::work_off() {
     {
       const std::lock_guard lock(subscription->mutex);
       batch.swap(subscription->waiting);
+      subscription->waiting_bytes = 0;
     }
     if (finished_) continue;
     for (const bus::RawMessage& message : batch) {

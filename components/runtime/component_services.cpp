@@ -57,7 +57,7 @@ SetParametersResult to_message(const ParameterChange& change) {
 }  // namespace
 
 void Component::serve() {
-  services_ = std::make_unique<ServiceHub>(context_.participant, context_.mailbox);
+  services_ = make_service_hub();
   transition_events_ = std::make_unique<bus::Writer<lifecycle_msgs::msg::TransitionEvent>>(
       context_.participant, full_name_ + "/transition_event", bus::qos_profile("default"));
   parameter_events_ = std::make_unique<bus::Writer<rcl_interfaces::msg::ParameterEvent>>(
@@ -211,11 +211,12 @@ ParameterChange Component::set_parameters(const std::vector<Parameter>& changes)
   if (!own.empty()) outcome = change_parameters(parameter_model_, own, context_.parameters);
   if (!outcome.ok) return outcome;
   if (use_sim_time) clock_.use_sim_time(*use_sim_time);
+  if (!parameter_events_) return outcome;
   rcl_interfaces::msg::ParameterEvent event;
   event.stamp(convert::to_message(now()));
   event.node(full_name_);
   event.changed_parameters(changes);
-  parameter_events_->publish(event);
+  guarded([&] { parameter_events_->publish(event); });  // it is set, whoever hears of it
   return outcome;
 }
 

@@ -35,15 +35,14 @@ Conductor::Conductor(std::shared_ptr<bus::Participant> participant,
   const bus::QosProfile qos = bus::qos_profile("lossless");
   step_writer_ =
       std::make_unique<bus::RawWriter>(participant_, kStepTopic, bus::MessageType<Step>::name, qos);
+  // Typed: what is no message is dropped and counted there.
   ack_reader_ =
-      std::make_unique<bus::RawReader>(participant_, kAckTopic, bus::MessageType<Ack>::name, qos,
-                                       [this](const bus::RawMessage& message) {
-                                         Ack ack = convert::from_cdr<Ack>(message.cdr, kAckTopic);
-                                         const std::lock_guard lock(mutex_);
-                                         if (ack.sequence_number() != sequence_) return;
-                                         ack_ = std::move(ack);
-                                         changed_.notify_all();
-                                       });
+      std::make_unique<bus::Reader<Ack>>(participant_, kAckTopic, qos, [this](const Ack& ack) {
+        const std::lock_guard lock(mutex_);
+        if (ack.sequence_number() != sequence_) return;
+        ack_ = ack;
+        changed_.notify_all();
+      });
 }
 
 std::shared_ptr<bus::RawWriter> Conductor::advertise(const std::string& full_topic,
@@ -74,7 +73,7 @@ void Conductor::wait(const std::function<bool()>& condition, const std::string& 
 
 void Conductor::connect() {
   const auto count = static_cast<int>(components_.size());
-  wait([&] { return step_writer_->matched() >= count && ack_reader_->matched() >= count; },
+  wait([&] { return step_writer_->matched() >= count && ack_reader_->raw().matched() >= count; },
        "the components");
   Counts readers = other_readers_;
   Counts writers;

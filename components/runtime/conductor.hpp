@@ -74,7 +74,7 @@ class Conductor {
   std::map<std::string, Counts> published_;             // by component, then topic
   std::map<std::string, std::set<std::string>> reads_;  // by component
   std::unique_ptr<bus::RawWriter> step_writer_;
-  std::unique_ptr<bus::RawReader> ack_reader_;
+  std::unique_ptr<bus::Reader<strata_msgs::msg::Ack>> ack_reader_;
 };
 
 }  // namespace strata::runtime

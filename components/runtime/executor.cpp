@@ -54,7 +54,7 @@ void Mailbox::work() {
       task = std::move(tasks_.front());
       tasks_.pop_front();
     }
-    task();
+    (void)caught_.run(task);
   }
 }
 

@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "components/bus/caught.hpp"
+
 namespace strata::runtime {
 
 /// Tasks for one thread, done in the order of posting.
@@ -22,15 +24,17 @@ class Mailbox {
   Mailbox(const Mailbox&) = delete;
   Mailbox& operator=(const Mailbox&) = delete;
 
-  /// Thread safe; tasks must not throw.
+  /// Thread safe. What a task throws ends there and is counted: the next one has its turn.
   void post(std::function<void()> task);
   /// Posts, waits until the task is done and rethrows what it threw. Not from the mailbox's thread.
   void call(const std::function<void()>& task);
   /// As the destructor; later posts are ignored.
   void stop();
+  [[nodiscard]] const bus::Caught& caught() const { return caught_; }
 
  private:
   void work();
+  bus::Caught caught_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> tasks_;

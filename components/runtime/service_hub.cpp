@@ -1,30 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/service_hub.hpp"
 
-#include "core/base/error.hpp"
-
 namespace strata::runtime {
+namespace {
+
+constexpr std::size_t kMostWaiting = 1000;  // requests of one service
+
+}  // namespace
 
 void ServiceHub::serve_raw(const std::string& name, const std::string& type,
                            const bus::QosProfile& qos, RawHandler handler) {
   const auto entry = std::make_shared<Entry>();
   entry->handler = std::move(handler);
   const std::weak_ptr<Entry> weak = entry;
-  const auto on_request = [mailbox = mailbox_, weak](bus::ServiceRequest request) {
-    mailbox->post([weak, request = std::move(request)] {
-      const auto held = weak.lock();
-      if (!held || !held->server) return;
-      try {
-        held->handler(request.cdr, [weak, request](const Bytes& response) {
-          const auto still = weak.lock();
-          if (!still) return;
-          try {
-            still->server->reply(request, response);
-          } catch (const OutputError&) {  // NOLINT(bugprone-empty-catch): the client is gone
-          }
-        });
-      } catch (const InputError&) {  // NOLINT(bugprone-empty-catch): no request, no answer
-      }
+  const auto on_request = [this, mailbox = mailbox_, weak,
+                           counts = counts_](bus::ServiceRequest request) {
+    const auto held = weak.lock();
+    if (!held) return;
+    if (held->waiting >= kMostWaiting) {
+      ++counts->dropped;
+      return;
+    }
+    ++held->waiting;
+    mailbox->post([this, weak, request = std::move(request)] {
+      const auto still = weak.lock();
+      if (!still) return;
+      --still->waiting;
+      take(*still, weak, request);
     });
   };
   const auto on_match = [mailbox = mailbox_, weak] {
@@ -33,9 +35,23 @@ void ServiceHub::serve_raw(const std::string& name, const std::string& type,
       if (held && held->server) held->server->flush();
     });
   };
-  entries_.push_back(entry);
   entry->server =
       std::make_unique<bus::ServiceServer>(participant_, name, type, qos, on_request, on_match);
+  entries_.push_back(entry);  // now: everything in the list is whole
+}
+
+void ServiceHub::take(Entry& entry, const std::weak_ptr<Entry>& weak,
+                      const bus::ServiceRequest& request) {
+  ++counts_->taken;
+  const auto reply = [weak, request](const Bytes& response) {
+    const auto still = weak.lock();
+    if (!still) return;
+    try {
+      still->server->reply(request, response);
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the client is gone
+    }
+  };
+  guarded(tell_, [&] { entry.handler(request.cdr, reply); });
 }
 
 std::vector<bus::Guid> ServiceHub::readers() const {

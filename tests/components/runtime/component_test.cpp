@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <new>
+#include <stdexcept>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -13,6 +15,7 @@
 #include "core/base/error.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/components/runtime/status_watch.hpp"
+#include "tests/support/comes_true.hpp"
 
 namespace strata::runtime {
 namespace {
@@ -95,6 +98,87 @@ TEST(Component, TellsItsStateItsCountsAndWhatItAddsOnDiagnostics) {
   EXPECT_EQ(value_of(status, "skipped"), "0");
   EXPECT_EQ(value_of(status, "published /out"), "1");
   EXPECT_EQ(value_of(status, "colour"), "green");
+}
+
+/// Throws what its scan's frame says.
+class Throwing final : public Component {
+ public:
+  using Component::Component;
+
+ private:
+  void on_configure() override {
+    subscribe<LaserScan>("in", "latched", [](const LaserScan& scan) {
+      const std::string& what = scan.header().frame_id();
+      if (what == "bad_alloc") throw std::bad_alloc();
+      if (what == "out_of_range") throw std::out_of_range("beyond");
+      if (what == "yaml") throw YAML::Exception(YAML::Mark(), "no yaml");
+      if (what == "int") throw 7;  // NOLINT: whatever others throw
+    });
+  }
+};
+
+TEST(Component, GoesOnWhateverACallbackThrows) {
+  Bench bench;
+  Registry registry;
+  registry.add<Throwing>("test::Throwing");
+  bench.host =
+      test::make_host("{type: test::Throwing, name: throwing}", registry, bench.participant);
+  bench.host->activate();
+  const Component& component = *bench.host->components().front();
+  std::uint64_t sent = 0;
+  for (const char* what : {"bad_alloc", "out_of_range", "yaml", "int", "none"}) {
+    bench.writer.publish(scan_of(what));
+    ++sent;
+    ASSERT_TRUE(test::comes_true([&] { return component.counts().done() == sent; })) << what;
+  }
+  EXPECT_EQ(component.counts().skipped, 4U);
+  EXPECT_EQ(component.counts().processed, 1U);
+  EXPECT_THAT(bench.host->take_errors(),
+              testing::ElementsAre(HasSubstr("bad_alloc"), HasSubstr("beyond"),
+                                   HasSubstr("no yaml"), HasSubstr("unknown type")));
+}
+
+TEST(Component, CountsBytesThatAreNoMessage) {
+  Bench bench;
+  bench.host->activate();
+  const Component& component = *bench.host->components().front();
+  bench.writer.raw().publish({0, 1, 0, 0, 9});
+  ASSERT_TRUE(test::comes_true([&] { return component.counts().skipped == 1; }));
+  bench.writer.raw().publish({0, 3, 0, 0});  // a parameter list
+  ASSERT_TRUE(test::comes_true([&] { return component.counts().skipped == 2; }));
+  const DiagnosticStatus status = bench.watch.wait_for(
+      *bench.host, [](const auto& s) { return value_of(s, "undecodable") == "2"; });
+  EXPECT_EQ(value_of(status, "skipped"), "2");
+  EXPECT_EQ(value_of(status, "received /in"), "2");
+}
+
+TEST(Component, TellsAFloodOfBadMessagesOnce) {
+  Bench bench;
+  bench.host->activate();
+  const Component& component = *bench.host->components().front();
+  for (std::uint64_t sent = 1; sent <= 1000; ++sent) {
+    bench.writer.publish(scan_of("bad"));
+    ASSERT_TRUE(test::comes_true([&] { return component.counts().done() == sent; }));
+  }
+  EXPECT_EQ(component.counts().skipped, 1000U);
+  EXPECT_EQ(bench.host->take_errors().size(), 1U);
+}
+
+TEST(Component, SaysWhyItCannotBeConfiguredAndLives) {
+  const auto participant = test::make_participant();
+  // The middleware allows one type a topic.
+  const bus::Writer<rosgraph_msgs::msg::Clock> other(participant, "/in",
+                                                     bus::qos_profile("latched"));
+  try {
+    (void)test::make_host("{type: strata::Echo, name: echo}", echo_registry(), participant);
+    FAIL() << "subscribed to a topic of another type";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/in: carries rosgraph_msgs/msg/Clock"));
+  }
+  const auto host = test::make_host("{type: strata::Echo, name: echo, remappings: {in: other}}",
+                                    echo_registry(), participant);
+  host->activate();
+  EXPECT_EQ(host->components().front()->state(), LifecycleState::kActive);
 }
 
 TEST(Component, ReportsAnErrorAtOnceAndRecovers) {

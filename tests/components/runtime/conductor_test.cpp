@@ -60,6 +60,20 @@ TEST(Conductor, GreetsAgainAComponentWhoseFirstAnswerWasLost) {
   EXPECT_EQ(component.cycles(), 2) << "work is asked for once";
 }
 
+TEST(Conductor, LeavesOutWhatIsNoAnswer) {
+  const auto participant = test::make_participant();
+  const Forgetful component(participant, 0);
+  Conductor conductor(participant, {"/forgetful"}, [](const std::string&, double) { return true; });
+  bus::RawWriter broken(participant, kAckTopic, "strata_msgs/msg/Ack",
+                        bus::qos_profile("lossless"));
+  ASSERT_TRUE(broken.wait_for_readers(1, std::chrono::seconds(20)));
+  conductor.connect();
+  broken.publish({0, 1, 0, 0, 1});
+  broken.publish({0, 7, 0, 0});
+  conductor.cycle();
+  EXPECT_EQ(component.cycles(), 1);
+}
+
 TEST(Conductor, NamesWhoDoesNotAnswerAndEndsAWaitWhenItIsToldTo) {
   const auto participant = test::make_participant();
   const Forgetful component(participant, 1'000'000);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <future>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -118,6 +119,17 @@ TEST_F(ExecutorOf, OneThreadServesOneComponentAfterTheOther) {
   host_->stop();
   EXPECT_TRUE(meeting_.second_found_it_over);
   EXPECT_EQ(meeting_.first_thread, meeting_.second_thread);
+}
+
+TEST(Mailbox, GoesOnAfterATaskThatThrowsAndCountsIt) {
+  Mailbox mailbox;
+  mailbox.post([] { throw std::length_error("too long"); });
+  mailbox.post([] { throw 7; });  // NOLINT: whatever others throw
+  bool is_done = false;
+  mailbox.call([&] { is_done = true; });
+  EXPECT_TRUE(is_done);
+  EXPECT_EQ(mailbox.caught().count(), 2U);
+  EXPECT_EQ(mailbox.caught().last(), "an exception of unknown type");
 }
 
 TEST(Mailbox, DoesItsTasksOneByOneInTheOrderOfPosting) {

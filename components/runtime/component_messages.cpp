@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The part of a component that takes messages from others and gives them to the callbacks.
+#include <utility>
+
+#include "components/runtime/component.hpp"
+
+namespace strata::runtime {
+namespace {
+
+/// Live: as many bytes of one topic may wait for a component that does not keep up.
+constexpr std::size_t kMostWaitingBytes = 256U << 20U;
+
+/// For one more element, so that adding it cannot fail.
+template <typename T>
+void make_room(std::vector<T>& list) {
+  if (list.size() == list.capacity()) list.reserve(2 * list.size() + 4);
+}
+
+}  // namespace
+
+void Component::subscribe_raw(const std::string& full_topic, const std::string& type,
+                              const bus::QosProfile& qos,
+                              std::function<void(const bus::RawMessage&)> callback) {
+  const auto subscription = std::make_shared<Subscription>();
+  subscription->topic = full_topic;
+  TopicUse use{full_topic, type, qos, false};
+  subscription->callback = std::move(callback);
+  const bus::QosProfile used = lockstep() ? qos.lossless() : qos;
+  subscription->depth = static_cast<std::size_t>(used.depth);
+  subscription->latched = used.transient_local;
+  // The reader is the subscription's, so its callback holds it weakly.
+  const std::weak_ptr<Subscription> weak = subscription;
+  const auto on_message = [this, weak](bus::RawMessage message) {
+    const auto held = weak.lock();
+    if (!held || !keep(*held, std::move(message))) return;
+    if (lockstep()) {
+      context_.mailbox->post([this] { guarded([&] { try_step(); }); });
+    } else {
+      context_.mailbox->post([this, held] { take_live(*held); });
+    }
+  };
+  const auto on_match = [this] {
+    context_.mailbox->post([this] { guarded([&] { try_step(); }); });
+  };
+  make_room(topics_);
+  make_room(subscriptions_);
+  subscription->reader = std::make_unique<bus::RawReader>(context_.participant, full_topic, type,
+                                                          used, on_message, on_match);
+  topics_.push_back(std::move(use));
+  subscriptions_.push_back(subscription);
+}
+
+bool Component::keep(Subscription& subscription, bus::RawMessage message) {
+  const std::lock_guard lock(subscription.mutex);
+  ++subscription.received;
+  ++received_;
+  subscription.waiting_bytes += message.cdr.size();
+  subscription.waiting.push_back(std::move(message));
+  if (lockstep()) return true;
+  const auto is_too_much = [&] {
+    const std::size_t count = subscription.waiting.size();
+    return (subscription.depth > 0 && count > subscription.depth) ||
+           (count > 1 && subscription.waiting_bytes > kMostWaitingBytes);
+  };
+  bool has_dropped = false;
+  while (is_too_much()) {
+    subscription.waiting_bytes -= subscription.waiting.front().cdr.size();
+    subscription.waiting.pop_front();
+    ++dropped_;
+    has_dropped = true;
+  }
+  return !has_dropped;  // the task of the dropped one takes this one
+}
+
+std::shared_ptr<bus::RawWriter> Component::advertise_raw(const std::string& full_topic,
+                                                         const std::string& type,
+                                                         const bus::QosProfile& qos) {
+  TopicUse use{full_topic, type, qos, true};
+  const auto on_match = [this] {
+    context_.mailbox->post([this] { guarded([&] { try_step(); }); });
+  };
+  make_room(topics_);
+  make_room(writers_);
+  auto writer = std::make_shared<bus::RawWriter>(context_.participant, full_topic, type,
+                                                 lockstep() ? qos.lossless() : qos, on_match);
+  topics_.push_back(std::move(use));
+  writers_.push_back(writer);
+  return writer;
+}
+
+bool Component::take_live(Subscription& subscription) {
+  // Who publishes a latched message does it once: it must not be lost before we are active.
+  if (!is_active() && subscription.latched) return false;
+  bus::RawMessage message;
+  {
+    const std::lock_guard lock(subscription.mutex);
+    if (subscription.waiting.empty()) return false;
+    message = std::move(subscription.waiting.front());
+    subscription.waiting.pop_front();
+    subscription.waiting_bytes -= message.cdr.size();
+  }
+  if (!is_active()) {
+    ++ignored_;
+    return true;
+  }
+  const std::uint64_t failed_before = failed_;
+  guarded([&] { subscription.callback(message); });
+  ++(failed_ == failed_before ? processed_ : skipped_);
+  return true;
+}
+
+MessageCounts Component::counts() const {
+  MessageCounts counts;
+  // In this order: what is received meanwhile is not yet done.
+  counts.processed = processed_;
+  counts.skipped = skipped_;
+  counts.dropped = dropped_;
+  counts.ignored = ignored_;
+  counts.received = received_;
+  return counts;
+}
+
+}  // namespace strata::runtime
