@@ -5,6 +5,9 @@ if(STRATA_COMPONENTS)
     COMPONENT program FILES_MATCHING PATTERN "*.yaml")
   install(DIRECTORY tools/simulate/scenarios/ DESTINATION ${CMAKE_INSTALL_DATADIR}/strata/scenarios
     COMPONENT program FILES_MATCHING PATTERN "*.yaml")
+  # Our messages, as `strata messages` writes them.
+  install(DIRECTORY ${CMAKE_BINARY_DIR}/strata_msgs DESTINATION ${CMAKE_INSTALL_DATADIR}/strata
+    COMPONENT program)
   install(FILES README.md CHANGELOG.md packaging/strata.service packaging/udp_only.xml
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strata COMPONENT program)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strata RENAME copyright

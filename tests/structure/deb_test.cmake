@@ -19,7 +19,8 @@ expect("${output}" "Inst strata-dev ")
 run(dpkg-deb --extract ${program} ${deb}/root)
 run(dpkg-deb --extract ${development} ${deb}/root-dev)
 
-foreach(file bin/strata share/strata/compositions/mapping.yaml share/doc/strata/strata.service
+foreach(file bin/strata share/strata/compositions/mapping.yaml share/strata/strata_msgs/package.xml
+    share/strata/strata_msgs/msg/LocalizationHealth.msg share/doc/strata/strata.service
     share/doc/strata/udp_only.xml share/doc/strata/copyright)
   if(NOT EXISTS ${deb}/root/usr/${file})
     message(FATAL_ERROR "the package strata lacks ${file}")

@@ -12,6 +12,8 @@ run(${CMAKE_COMMAND} --build ${work}/build)
 run(${work}/build/consumer)
 if(WITH_COMPONENTS)
   run(${work}/build/component_consumer)
+  run(${work}/prefix/bin/strata messages ${work}/strata_msgs --quiet)
+  run(diff -r ${work}/strata_msgs ${work}/prefix/share/strata/strata_msgs)
 
   # A component library, loaded by the installed program.
   run(${CMAKE_COMMAND} -E copy_directory ${EXAMPLES_DIR}/obstacle_alarm ${work}/obstacle_alarm)

@@ -22,6 +22,7 @@ void add_info(CLI::App& app, VerbContext& context);
 void add_keystore(CLI::App& app, VerbContext& context);
 void add_learn(CLI::App& app, VerbContext& context);
 void add_localize(CLI::App& app, VerbContext& context);
+void add_messages(CLI::App& app, VerbContext& context);
 void add_record(CLI::App& app, VerbContext& context);
 void add_replay(CLI::App& app, VerbContext& context);
 void add_run(CLI::App& app, VerbContext& context);
@@ -46,6 +47,7 @@ inline constexpr AddVerb kVerbs[] = {
     add_record,    //
     add_doctor,    //
     add_keystore,  //
+    add_messages,  //
 };
 
 /// The command line of one process of a composition (verb_run.cpp).

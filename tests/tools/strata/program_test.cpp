@@ -68,6 +68,24 @@ TEST(Program, HelpHasAnExampleForEveryVerb) {
   }
 }
 
+TEST(Program, MessagesWritesAPackageAndReplacesAnOlderOne) {
+  const strata::test::TemporaryDirectory folder;
+  const fs::path package = folder.path() / "src" / "strata_msgs";
+  fs::create_directories(package / "msg");
+  std::ofstream(package / "msg" / "Gone.msg") << "int32 x\n";
+  std::ofstream(package / "COLCON_IGNORE") << "";
+  const Outcome outcome = run("messages " + quoted(package) + " 2>&1");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, ::testing::HasSubstr(": the package strata_msgs, "));
+  EXPECT_THAT(test::bytes_of(package / "package.xml"),
+              ::testing::HasSubstr("<version>" STRATA_VERSION "</version>"));
+  EXPECT_THAT(test::bytes_of(package / "msg" / "LocalizationHealth.msg"),
+              ::testing::HasSubstr("\nbool lost\n"));
+  EXPECT_FALSE(fs::exists(package / "msg" / "Gone.msg"));
+  EXPECT_TRUE(fs::exists(package / "COLCON_IGNORE")) << "what is not ours stays";
+  EXPECT_EQ(run("messages --config a.yaml " + quoted(package) + " 2>/dev/null").code, 2);
+}
+
 TEST(Program, BadInputEndsWithTwoAndSaysWhere) {
   const Outcome outcome = run("info /no/such/log 2>&1");
   EXPECT_EQ(outcome.code, 2);
