@@ -78,9 +78,20 @@ struct BagOptions {
   Duration split_after{0};
 };
 
+/// What a bag lacks because its disk was full.
+struct BagGap {
+  std::size_t lost = 0;  ///< messages, since the bag was begun
+  bool lasts = false;    ///< nothing can be written now
+};
+
 /// Writes a bag folder as it goes: what was written more than a second or a megabyte ago survives
 /// a crash. `close` completes it (summary, metadata.yaml); the destructor does, ignoring errors.
 /// What is written after `close` goes to another file of the same bag, until the next `close`.
+///
+/// A file that cannot be written to its end, as on a full disk, keeps what is in it. What is not,
+/// and what comes then, waits in memory, a megabyte and a message at most; more is lost and
+/// counted. With every `flush` and `close`, and twice a second with a `write`, another file of the
+/// bag is tried, which begins with what waits.
 class BagWriter {
  public:
   /// Throws OutputError when the folder exists and is not empty, or cannot be made.
@@ -92,14 +103,18 @@ class BagWriter {
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
 
-  /// Adding a name again gives its place again.
+  /// Adding a name again gives its place again. A file that cannot take it fails: the next `write`
+  /// says so.
   std::size_t add_topic(const BagTopic& topic);
-  /// Throws OutputError (full disk, ...). Any order of stamps.
+  /// Throws OutputError when the file fails (full disk, ...), and when the message is lost because
+  /// no other can be begun. Any order of stamps.
   void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr);
   /// Brings everything written so far to the file, for whoever waits longer than a second between
-  /// two messages.
+  /// two messages. Throws OutputError as long as that cannot be done.
   void flush();
+  /// Throws OutputError when the bag is not complete; it may be tried again.
   void close();
+  [[nodiscard]] BagGap gap() const;
 
   /// One storage file; implemented for SQLite and MCAP.
   class File {
@@ -111,6 +126,10 @@ class BagWriter {
     virtual void add_topic(const BagTopic& topic) = 0;
     virtual void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) = 0;
     virtual void flush() = 0;
+    /// Messages, from the first, that it keeps whatever fails from now on.
+    [[nodiscard]] virtual std::size_t saved() const = 0;
+    /// After a failure: forgets what is not saved, so that `close` may be called.
+    virtual void give_up() = 0;
     /// metadata: what metadata.yaml would say of the bag now.
     virtual void close(const std::string& metadata) = 0;
   };

@@ -7,6 +7,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "components/convert/message_definitions.hpp"
+#include "components/convert/type_hash.hpp"
 #include "components/log/bag_storage.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
@@ -120,6 +122,15 @@ BagFolderFiles bag_files(const fs::path& folder) {
                      "name a folder with metadata.yaml, .db3 or .mcap files");
   }
   return found;
+}
+
+TypeDefinition definition_of(const BagTopic& topic) {
+  if (!topic.definition.empty()) return {topic.definition_encoding, topic.definition};
+  return {"ros2msg", convert::message_definition(topic.type)};
+}
+
+std::string type_hash_of(const BagTopic& topic) {
+  return topic.type_hash.empty() ? convert::type_hash(topic.type) : topic.type_hash;
 }
 
 namespace {

@@ -96,23 +96,20 @@ class McapFile : public BagWriter::File {
   }
 
   void write(std::size_t topic, Stamp stamp, View cdr) override {
-    if (stamp.ns < 0) {
-      throw OutputError(file_.string(), "MCAP has no stamps before 1970",
-                        "write SQLite or shift the stamps");
-    }
     const auto ns = static_cast<std::uint64_t>(stamp.ns);
     if (messages_in_chunk_ == 0) {
       chunk_.clear();
       chunk_.raw(definitions_.bytes());
-      defined_bytes_ = definitions_.bytes().size();
+      chunk_defined_bytes_ = definitions_.bytes().size();
       chunk_begin_ = std::numeric_limits<std::uint64_t>::max();
       chunk_end_ = 0;
       chunk_started_ = Clock::now();
     }
     index_[static_cast<std::uint16_t>(topic)].emplace_back(ns, chunk_.bytes().size());
     const auto channel = static_cast<std::uint16_t>(topic);
+    const std::uint64_t number = counts_.at(topic) + index_[channel].size() - 1;
     chunk_.number(kMessage).number(static_cast<std::uint64_t>(22 + cdr.size()));
-    chunk_.number(channel).number(static_cast<std::uint32_t>(counts_.at(topic)++));
+    chunk_.number(channel).number(static_cast<std::uint32_t>(number));
     chunk_.number(ns).number(ns).raw(cdr);
     ++messages_in_chunk_;
     chunk_begin_ = std::min(chunk_begin_, ns);
@@ -132,8 +129,7 @@ class McapFile : public BagWriter::File {
     end.record(kMetadata, rosbag2_metadata(metadata));
     const std::uint64_t metadata_bytes = position_ + end.bytes().size() - metadata_at;
     end.record(kDataEnd, Record().number(std::uint32_t{0}));
-    put(end);
-    const std::uint64_t summary = position_;
+    const std::uint64_t summary = position_ + end.bytes().size();
     Record tail;
     tail.raw(schema_records_.bytes());
     const std::uint64_t channels_at = summary + tail.bytes().size();
@@ -162,12 +158,14 @@ class McapFile : public BagWriter::File {
         crc32(0, tail.bytes().data(), static_cast<unsigned>(tail.bytes().size())));
     tail.number(crc);
     tail.raw(View(reinterpret_cast<const std::uint8_t*>(kMcapMagic.data()), kMcapMagic.size()));
-    put(tail);
+    put(end.raw(tail.bytes()));
     out_.close();
     if (!out_) fail();
   }
 
   void flush() override { end_chunk(); }
+  [[nodiscard]] std::size_t saved() const override { return saved_; }
+  void give_up() override { drop_chunk(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -176,11 +174,20 @@ class McapFile : public BagWriter::File {
     throw OutputError(file_.string(), "cannot be written",
                       "free some space or choose another place");
   }
+  /// All of it or nothing.
   void put(const Record& record) {
     out_.write(reinterpret_cast<const char*>(record.bytes().data()),
                static_cast<std::streamsize>(record.bytes().size()));
-    position_ += record.bytes().size();
-    if (!out_.flush()) fail();
+    if (out_.flush()) {
+      position_ += record.bytes().size();
+      return;
+    }
+    out_.close();
+    std::error_code ignored;
+    fs::resize_file(file_, position_, ignored);
+    out_.clear();
+    out_.open(file_, std::ios::binary | std::ios::app);
+    fail();
   }
 
   void end_chunk() {
@@ -216,12 +223,18 @@ class McapFile : public BagWriter::File {
     entry.number(static_cast<std::uint32_t>(offsets.bytes().size())).raw(offsets.bytes());
     entry.number(std::uint64_t{indexes.bytes().size()}).text(name);
     entry.number(std::uint64_t{packed.size()}).number(std::uint64_t{plain.size()});
-    chunk_indexes_.record(kChunkIndex, entry);
-    put(chunk);
-    put(indexes);
+    put(chunk.raw(indexes.bytes()));
     begin_ = chunks_ == 0 ? chunk_begin_ : std::min(begin_, chunk_begin_);
     end_ = std::max(end_, chunk_end_);
     ++chunks_;
+    saved_ += messages_in_chunk_;
+    for (const auto& [channel, entries] : index_) counts_[channel] += entries.size();
+    defined_bytes_ = chunk_defined_bytes_;
+    chunk_indexes_.record(kChunkIndex, entry);
+    drop_chunk();
+  }
+
+  void drop_chunk() {
     index_.clear();
     messages_in_chunk_ = 0;
   }
@@ -258,11 +271,13 @@ class McapFile : public BagWriter::File {
   std::uint64_t position_ = 0;
   std::map<std::string, std::uint16_t> schemas_;
   std::uint16_t channels_ = 0;
-  std::vector<std::uint64_t> counts_;
+  std::vector<std::uint64_t> counts_;  ///< by channel, of what is saved
+  std::size_t saved_ = 0;
   Record definitions_;     ///< schemas and channels as they came, for the data section
   Record schema_records_;  ///< the same apart, for the summary, which groups its records
   Record channel_records_;
-  std::size_t defined_bytes_ = 0;  ///< of definitions_ as the last chunk has them
+  std::size_t defined_bytes_ = 0;  ///< of definitions_ as the last saved chunk has them
+  std::size_t chunk_defined_bytes_ = 0;
   Record chunk_;
   std::size_t messages_in_chunk_ = 0;
   std::uint64_t chunk_begin_ = 0;

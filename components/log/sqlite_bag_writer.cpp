@@ -80,11 +80,28 @@ class SqliteBagFile : public BagWriter::File {
     const int code = sqlite3_step(statement);
     sqlite3_reset(statement);
     if (code != SQLITE_DONE) fail();
+    ++written_;
     pending_bytes_ += cdr.size();
     if (pending_bytes_ > (1U << 20) || Clock::now() - begun_ > std::chrono::seconds(1)) commit();
   }
 
   void flush() override { commit(); }
+  [[nodiscard]] std::size_t saved() const override { return saved_; }
+
+  void give_up() override {
+    sqlite3_reset(add_topic_.get());
+    sqlite3_reset(add_message_.get());
+    // SQLite may have rolled back by itself, and where it told a failure it may have done its work.
+    if (sqlite3_get_autocommit(database_.get()) == 0) {
+      sqlite3_exec(database_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
+    }
+    in_transaction_ = false;
+    const Statement last = prepare_statement(database_.get(), "SELECT max(id) FROM messages");
+    if (last && sqlite3_step(last.get()) == SQLITE_ROW) {
+      saved_ = static_cast<std::size_t>(sqlite3_column_int64(last.get(), 0));
+    }
+  }
+
   void close(const std::string& /*metadata*/) override {
     commit();
     // Back to a single file, which any reader on a read-only disk can open. Everything is in the
@@ -144,6 +161,7 @@ class SqliteBagFile : public BagWriter::File {
     sqlite3_reset(add_topic_.get());
     run("COMMIT");
     in_transaction_ = false;
+    saved_ = written_;
   }
 
   fs::path file_;
@@ -153,6 +171,8 @@ class SqliteBagFile : public BagWriter::File {
   Statement add_topic_;
   Statement add_message_;
   std::int64_t topics_ = 0;
+  std::size_t written_ = 0;
+  std::size_t saved_ = 0;
   bool in_transaction_ = false;
   std::size_t pending_bytes_ = 0;
   Clock::time_point begun_;

@@ -2,6 +2,7 @@
 #include "components/recorder/recorder.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "components/bus/bag_service_types.hpp"
@@ -141,8 +142,27 @@ void Recorder::on_tick() {
   record_what_is_published();
   const auto now = std::chrono::steady_clock::now();
   if (!bag_ || now - flushed_ < kFlushPeriod) return;
-  bag_->flush();
   flushed_ = now;
+  write_bag([this] { bag_->flush(); });
+}
+
+void Recorder::write_bag(const std::function<void()>& write) {
+  std::optional<OutputError> problem;
+  try {
+    write();
+  } catch (const OutputError& error) {
+    problem = error;
+  }
+  const log::BagGap gap = bag_->gap();
+  const bool was_stuck = std::exchange(is_stuck_, gap.lasts);
+  if (was_stuck && !gap.lasts) {
+    const std::size_t lost = gap.lost - std::exchange(told_lost_, gap.lost);
+    tell(OutputError(config_.out,
+                     "is written again, in another file of the bag; " + std::to_string(lost) +
+                         " messages were lost",
+                     "keep room on the disk"));
+  }
+  if (problem && !(was_stuck && gap.lasts)) throw *problem;
 }
 
 void Recorder::record_what_is_published() {
@@ -223,17 +243,28 @@ void Recorder::write(const std::string& topic, const bus::RawMessage& message, S
     const auto found = published.find(topic);
     place_of(topic, found == published.end() ? nullptr : &found->second);
   }
-  bag_->write(*recorded.place, stamp, message.cdr);
+  write_bag([&] { bag_->write(*recorded.place, stamp, message.cdr); });
 }
 
 void Recorder::on_deactivate() {
-  if (bag_) bag_->close();
+  if (!bag_) return;
+  bag_->close();
+  write_bag([] {});  // tells what was lost before
+}
+
+void Recorder::on_diagnose(runtime::Health& health) const {
+  if (!bag_) return;
+  const log::BagGap gap = bag_->gap();
+  if (gap.lasts) health.fail(config_.out + ": cannot be written; free some space");
+  health.add("lost on a full disk", static_cast<std::uint64_t>(gap.lost));
 }
 
 void Recorder::on_cleanup() {
   bag_.reset();
   recorded_.clear();
   held_.clear();
+  is_stuck_ = false;
+  told_lost_ = 0;
 }
 
 }  // namespace strata::recorder

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -22,7 +23,8 @@ namespace strata::recorder {
 /// log's time from /clock. Latched ones that came during a pause are written after it, as if they
 /// had come then. Deactivating completes the bag; activating again goes on in another file
 /// of it, configuring again in another folder beside it. What came more than a second ago survives
-/// the end of the process by whatever cause. Controlled as rosbag2's recorder, by services ~/pause,
+/// the end of the process by whatever cause. When the disk is full, it goes on in another file of
+/// the bag as soon as there is room again. Controlled as rosbag2's recorder, by services ~/pause,
 /// ~/resume, ~/is_paused and ~/split_bagfile, and by the parameter `paused`.
 class Recorder final : public runtime::Component {
  public:
@@ -48,6 +50,7 @@ class Recorder final : public runtime::Component {
   void on_tick() override;
   void on_deactivate() override;
   void on_cleanup() override;
+  void on_diagnose(runtime::Health& health) const override;
   /// Offers the services.
   void serve();
   void take_paused(bool paused);
@@ -60,6 +63,9 @@ class Recorder final : public runtime::Component {
   void hold(const std::string& topic, const bus::RawMessage& message);
   void write_held();
   void write(const std::string& topic, const bus::RawMessage& message, Stamp stamp);
+  /// Runs what writes into the bag. A disk that is full is told when that begins and when it is
+  /// over, not with every message that is lost meanwhile.
+  void write_bag(const std::function<void()>& write);
   /// offered: by the writers; nothing when nobody has published the topic yet.
   std::size_t place_of(const std::string& topic, const bus::PublishedTopic* offered);
 
@@ -70,6 +76,8 @@ class Recorder final : public runtime::Component {
   std::list<Held> held_;                      ///< latched, while paused; in the order they came
   std::optional<Stamp> log_time_;             ///< lockstep
   std::chrono::steady_clock::time_point flushed_;
+  bool is_stuck_ = false;  ///< as told
+  std::size_t told_lost_ = 0;
 };
 
 }  // namespace strata::recorder

@@ -10,12 +10,13 @@ namespace strata::test {
 
 class FullDisk {
  public:
-  FullDisk() {
+  /// No file may be written to beyond so many bytes; 0: not even over what is there.
+  explicit FullDisk(rlim_t largest_file_bytes = 0) {
     (void)std::signal(SIGXFSZ, SIG_IGN);
     getrlimit(RLIMIT_FSIZE, &before_);
-    rlimit none = before_;
-    none.rlim_cur = 0;  // no file may be written to, not even over what is there
-    setrlimit(RLIMIT_FSIZE, &none);
+    rlimit limit = before_;
+    limit.rlim_cur = largest_file_bytes;
+    setrlimit(RLIMIT_FSIZE, &limit);
   }
   ~FullDisk() { setrlimit(RLIMIT_FSIZE, &before_); }
   FullDisk(const FullDisk&) = delete;

@@ -75,17 +75,22 @@ void record(const RecordOptions& options, VerbContext& context) {
   host.activate();
   context.interrupt().set_grace(std::chrono::duration<double>(kStopPatience).count());
   context.note("recording into " + options.out + "; Ctrl-C ends it");
-  const auto check = [&] {
-    if (const auto errors = host.take_errors(); !errors.empty()) {
-      throw OutputError(options.out, errors.front(), "free some space and record again");
+  std::string first_error;
+  const auto tell_errors = [&] {
+    for (const std::string& error : host.take_errors()) {
+      context.note("warning: " + error);
+      if (first_error.empty()) first_error = error;
     }
   };
   while (!context.interrupt().wait_for(0.1)) {
     host.tick();
-    check();
+    tell_errors();  // and goes on: there may be room again
   }
   host.stop();
-  check();  // the bag's last chunk and its index are written at the end
+  tell_errors();  // the bag's last chunk and its index are written at the end
+  if (!first_error.empty()) {
+    throw OutputError(options.out, first_error, "free some space and record again");
+  }
 }
 
 }  // namespace
