@@ -209,6 +209,10 @@ void Localizer::on_finish(const std::filesystem::path& out_dir) {
                                                             config_.localizer.particles));
 }
 
+void Localizer::on_deactivate() {
+  if (store_) store_->flush();
+}
+
 void Localizer::on_cleanup() {
   localizer_.reset();
   current_map_.reset();

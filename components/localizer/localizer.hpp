@@ -35,6 +35,7 @@ class Localizer final : public runtime::SensorComponent {
  private:
   void on_declare() override { declare_parameters<LocalizerComponentConfig>(); }
   void on_configure() override;
+  void on_deactivate() override;
   void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;
   void on_finish(const std::filesystem::path& out_dir) override;

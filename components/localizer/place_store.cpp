@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "components/log/whole_file.hpp"
 #include "components/settings/config_reader.hpp"
 #include "components/settings/config_writer.hpp"
 #include "core/base/error.hpp"
@@ -41,7 +40,9 @@ void PlaceStore::Kept::describe(Self& c, V& v) {
 }
 
 PlaceStore::PlaceStore(PlaceStoreConfig config, Eigen::Matrix3d added)
-    : config_(std::move(config)), added_(std::move(added)) {}
+    : config_(std::move(config)),
+      added_(std::move(added)),
+      file_(config_.file, log::write_whole_file) {}
 
 void PlaceStore::load() {
   std::error_code error;
@@ -88,9 +89,9 @@ void PlaceStore::keep(const Observation& observation, const Pose2Gaussian& map_f
   kept.covariance.assign(rows.data(), rows.data() + rows.size());
   if (observation.has_odometry) kept.odom_from_robot = values_of(observation.odom_from_robot);
   kept.stamp_ns = now.ns;
-  log::WholeFile file(config_.file);
-  file.stream() << settings::write_yaml(kept);
-  file.commit();
+  const std::string text = settings::write_yaml(kept);
+  file_.write(log::Bytes(text.begin(), text.end()));
+  file_.check();
 }
 
 }  // namespace strata::localizer

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "components/log/background_file.hpp"
 #include "components/runtime/resume.hpp"
 #include "core/base/config.hpp"
 #include "core/base/time.hpp"
@@ -44,8 +45,11 @@ class PlaceStore {
   [[nodiscard]] bool waits_for_odometry(const Observation& first, bool use_odometry) const;
   /// Where the robot is at its first observation: once, and only when a place was kept.
   [[nodiscard]] std::optional<Pose2Gaussian> resume(const Observation& first);
-  /// Writes the pose, no more often than the config says; all of it or nothing. Throws OutputError.
+  /// Has the pose written, no more often than the config says; all of it or nothing. Returns at
+  /// once. Throws OutputError when an earlier one could not be written.
   void keep(const Observation& observation, const Pose2Gaussian& map_from_robot);
+  /// Waits until what was kept is written; throws as keep.
+  void flush() { file_.flush(); }
 
  private:
   /// What the file says.
@@ -63,6 +67,7 @@ class PlaceStore {
   Eigen::Matrix3d added_;
   std::optional<Kept> kept_;
   std::optional<Stamp> written_;
+  log::BackgroundFile file_;
 };
 
 }  // namespace strata::localizer

@@ -2,21 +2,22 @@
 /// Saved states (core/base/state_archive.hpp) in files: zstd with a checksum, whole or not at all.
 #pragma once
 
-#include <condition_variable>
 #include <filesystem>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
+#include <utility>
 
+#include "components/log/background_file.hpp"
 #include "components/log/compression.hpp"
+#include "components/log/disk.hpp"
 #include "core/base/config.hpp"
 #include "core/base/time.hpp"
 
 namespace strata::log {
 
 /// Throws OutputError, and leaves the file of before.
-void write_state_file(const std::filesystem::path& file, View state);
+void write_state_file(const std::filesystem::path& file, View state,
+                      const Disk& disk = real_disk());
 
 /// Throws InputError for a file that cannot be read or is damaged.
 [[nodiscard]] Bytes read_state_file(const std::filesystem::path& file);
@@ -43,37 +44,25 @@ struct StateStoreConfig {
 class StateStore {
  public:
   /// config.file: not empty.
-  explicit StateStore(StateStoreConfig config);
-  /// Writes what waits.
-  ~StateStore();
-  StateStore(const StateStore&) = delete;
-  StateStore& operator=(const StateStore&) = delete;
+  explicit StateStore(const StateStoreConfig& config);
 
-  [[nodiscard]] const std::string& file() const { return config_.file; }
-  /// Nothing when there is no file yet. Throws InputError for a damaged one.
+  [[nodiscard]] std::string file() const { return file_.path().string(); }
+  /// Nothing when there is no file yet. Throws InputError for one that is damaged or no state.
   [[nodiscard]] std::optional<Bytes> load() const;
   /// Whether a period of scans has passed since it was last true, or it is the first time. A clock
   /// that was set back is a reason to write, too.
   [[nodiscard]] bool is_due(Stamp now);
   /// Returns at once. A state that waits to be written gives way to a newer one.
-  void write(Bytes state);
+  void write(Bytes state) { file_.write(std::move(state)); }
   /// Throws OutputError when a state could not be written: once for each.
-  void check();
+  void check() { file_.check(); }
   /// Waits until what was handed over is written; throws as check.
-  void flush();
+  void flush() { file_.flush(); }
 
  private:
-  void work();
-
-  StateStoreConfig config_;
+  double period_s_;
   std::optional<Stamp> last_due_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::optional<Bytes> waiting_;      // under mutex_
-  bool writes_ = false;               // under mutex_
-  bool ends_ = false;                 // under mutex_
-  std::optional<std::string> error_;  // under mutex_
-  std::thread thread_;                // last: it uses the others
+  BackgroundFile file_;
 };
 
 }  // namespace strata::log

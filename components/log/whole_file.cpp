@@ -5,16 +5,14 @@
 #include <system_error>
 #include <utility>
 
-#include <unistd.h>
-
 #include "core/base/error.hpp"
 
 namespace strata::log {
 
-WholeFile::WholeFile(std::filesystem::path path)
-    : path_(std::move(path)),
-      aside_(path_.parent_path() /
-             ("." + path_.filename().string() + ".partial-" + std::to_string(getpid()))),
+WholeFile::WholeFile(std::filesystem::path path, const Disk& disk)
+    : disk_(disk),
+      path_(std::move(path)),
+      aside_(staged_name(path_)),
       stream_(aside_, std::ios::binary | std::ios::trunc) {
   if (!stream_) {
     throw OutputError(path_.string(), "cannot be written",
@@ -31,12 +29,21 @@ WholeFile::~WholeFile() {
 
 void WholeFile::commit() {
   stream_.close();
-  std::error_code error;
-  if (stream_) std::filesystem::rename(aside_, path_, error);
-  if (!stream_ || error) {
-    throw OutputError(path_.string(), "cannot be written to its end", "free some space");
+  if (!stream_) throw_not_written();
+  try {
+    if (is_staged(path_)) {
+      disk_.rename(aside_, path_);
+    } else {
+      put_in_place(disk_, aside_, path_);
+    }
+  } catch (const OutputError&) {
+    throw_not_written();
   }
   committed_ = true;
+}
+
+void WholeFile::throw_not_written() const {
+  throw OutputError(path_.string(), "cannot be written to its end", "free some space");
 }
 
 }  // namespace strata::log

@@ -5,13 +5,16 @@
 #include <filesystem>
 #include <fstream>
 
+#include "components/log/disk.hpp"
+
 namespace strata::log {
 
-/// Write to `stream()`, then `commit()`: the file is written aside and renamed into place. Without
-/// commit nothing is left. Throws OutputError.
+/// Write to `stream()`, then `commit()`: the file is written aside, synced and renamed into place,
+/// so that a power cut, too, leaves the old content or the new one. Without commit nothing is left.
+/// In a folder that is itself written aside the folder's commit syncs. Throws OutputError.
 class WholeFile {
  public:
-  explicit WholeFile(std::filesystem::path path);
+  explicit WholeFile(std::filesystem::path path, const Disk& disk = real_disk());
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
@@ -20,6 +23,8 @@ class WholeFile {
   void commit();
 
  private:
+  [[noreturn]] void throw_not_written() const;
+  const Disk& disk_;
   std::filesystem::path path_;
   std::filesystem::path aside_;
   std::ofstream stream_;

@@ -4,23 +4,20 @@
 #include <string>
 #include <system_error>
 
-#include <unistd.h>
-
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
 
 namespace strata::log {
 
-WholeFolder::WholeFolder(const fs::path& folder)
-    : folder_(fs::weakly_canonical(fs::absolute(folder))) {
+WholeFolder::WholeFolder(const fs::path& folder, const Disk& disk)
+    : disk_(disk), folder_(fs::weakly_canonical(fs::absolute(folder))) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   std::error_code error;
   if (fs::exists(folder_, error) && (!fs::is_directory(folder_) || !fs::is_empty(folder_))) {
     throw OutputError(folder.string(), "exists already", "choose another name or remove it");
   }
-  aside_ = folder_.parent_path() /
-           ("." + folder_.filename().string() + ".partial-" + std::to_string(getpid()));
+  aside_ = staged_name(folder_);
   fs::remove_all(aside_, error);
 }
 
@@ -32,11 +29,7 @@ WholeFolder::~WholeFolder() {
 void WholeFolder::commit() {
   std::error_code error;
   fs::remove(folder_, error);  // an empty folder of that name
-  fs::rename(aside_, folder_, error);
-  if (error) {
-    throw OutputError(folder_.string(), "cannot be written: " + error.message(),
-                      "choose another place");
-  }
+  put_in_place(disk_, aside_, folder_);
   committed_ = true;
 }
 

@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 namespace strata::patch_learner {
 
-LearnerStore::LearnerStore(fs::path folder, double state_period_s)
-    : folder_(std::move(folder)), state_period_s_(state_period_s) {
+LearnerStore::LearnerStore(fs::path folder, double state_period_s, const log::Disk& disk)
+    : disk_(disk), folder_(std::move(folder)), state_period_s_(state_period_s) {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) {
@@ -85,12 +85,13 @@ void LearnerStore::write_state(const patch::OnlinePatchLearner& learner) {
   // a gap before them would fit no state, and kept here they would grow without end.
   waiting_.clear();
   scans_.reset();
-  log::write_state_file(state_file(), state);
-  // From here on the state holds what the old scans file has.
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder_, error)) {
-    if (entry.path().filename().string().starts_with("scans_")) fs::remove(entry.path(), error);
+  log::write_state_file(state_file(), state, disk_);
+  // From here on, after a power cut too, the state holds what the old scans file has.
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    if (entry.path().filename().string().starts_with("scans_")) old.push_back(entry.path());
   }
+  for (const fs::path& file : old) disk_.remove(file);  // with what SQLite keeps beside it
   scans_.emplace(scans);
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "components/log/disk.hpp"
 #include "core/base/time.hpp"
 #include "core/patch/online_learner.hpp"
 #include "memory/store/store.hpp"
@@ -15,11 +16,13 @@ namespace strata::patch_learner {
 /// The learner's state, written now and then, and the scans since then, written as they come: after
 /// a crash the two together are the learner as of the last flush. A state is numbered by
 /// the scans it has seen, and the scans after it are in scans_NUMBER.db, so that a crash between
-/// two writes leaves one pair that fits. Not thread-safe.
+/// two writes leaves one pair that fits; so does a power cut, since scans go only when the state
+/// that holds them is on the disk. Not thread-safe.
 class LearnerStore {
  public:
   /// Makes the folder. Throws OutputError.
-  LearnerStore(std::filesystem::path folder, double state_period_s);
+  LearnerStore(std::filesystem::path folder, double state_period_s,
+               const log::Disk& disk = log::real_disk());
 
   /// Whether something is stored.
   [[nodiscard]] bool has_state() const;
@@ -41,6 +44,7 @@ class LearnerStore {
   [[nodiscard]] std::filesystem::path scans_file(std::size_t number) const;
   void write_state(const patch::OnlinePatchLearner& learner);
 
+  const log::Disk& disk_;
   std::filesystem::path folder_;
   double state_period_s_;
   std::optional<memory::Store> scans_;

@@ -104,6 +104,7 @@ TEST_F(PlaceStoreTest, WritesOnceAPeriodAlsoWhenTheClockIsSetBack) {
   PlaceStore kept = store(1.0);
   const auto keep = [&](double time_s, double x) {
     kept.keep(observation_at(time_s, {}), {Pose2{x, 0.0, 0.0}, Eigen::Matrix3d::Identity()});
+    kept.flush();
     return resumed(observation_at(1e6, {}))->mean.x;
   };
   EXPECT_EQ(keep(100.0, 1.0), 1.0);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -16,6 +17,7 @@
 #include "tests/core/patch/toy_world.hpp"
 #include "tests/support/same_bits.hpp"
 #include "tests/support/test_data.hpp"
+#include "tests/support/watched_disk.hpp"
 
 namespace fs = std::filesystem;
 
@@ -165,6 +167,18 @@ TEST_F(LearnerStoreTest, AStateThatCannotBeWrittenLeavesTheOneBeforeAndItsScans)
   patch::OnlinePatchLearner after = fresh();
   EXPECT_EQ(LearnerStore(folder(), 5.0).restore(after), scans_[40].run);
   EXPECT_EQ(after.status().scans_seen, 41U) << "what was written before";
+}
+
+TEST_F(LearnerStoreTest, KeepsTheScansUntilTheStateThatHoldsThemIsOnTheDisk) {
+  live(0, 40, 1e6);
+  const strata::test::WatchedDisk disk;
+  patch::OnlinePatchLearner learner = fresh();
+  LearnerStore store(folder(), 1e6, disk);
+  store.restore(learner);
+  store.begin(learner);
+  EXPECT_THAT(disk.steps(), ::testing::ElementsAre("sync .learner.state.partial",
+                                                   "rename .learner.state.partial to learner.state",
+                                                   "sync learned", "remove scans_0.db"));
 }
 
 TEST_F(LearnerStoreTest, AFolderThatCannotBeMadeIsToldAtOnce) {

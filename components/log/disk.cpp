@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/log/disk.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::log {
+namespace {
+
+constexpr const char* kMark = ".partial-";
+
+[[noreturn]] void fail(const fs::path& path, int error) {
+  throw OutputError(path.string(), "cannot be written: " + std::generic_category().message(error),
+                    "check the folder's permissions and free space");
+}
+
+/// Of a name without folder: the current one.
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
+void Disk::sync(const fs::path& path) const {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) fail(path, errno);
+  const int error = fsync(file) == 0 ? 0 : errno;
+  close(file);
+  // Some file systems have nothing to sync, above all for folders.
+  if (error != 0 && error != EINVAL && error != ENOTSUP && error != EROFS) fail(path, error);
+}
+
+void Disk::rename(const fs::path& from, const fs::path& to) const {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) fail(to, error.value());
+}
+
+bool Disk::exchange(const fs::path& a, const fs::path& b) const {
+  if (renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return true;
+  if (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP) return false;
+  fail(b, errno);
+}
+
+void Disk::remove(const fs::path& path) const {
+  std::error_code error;
+  fs::remove_all(path, error);
+  if (error) fail(path, error.value());
+}
+
+const Disk& real_disk() {
+  static const Disk disk;
+  return disk;
+}
+
+void sync_tree(const Disk& disk, const fs::path& folder) {
+  // Sorted: the same order everywhere.
+  std::vector<fs::path> paths;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_symlink()) paths.push_back(entry.path());
+  }
+  std::sort(paths.begin(), paths.end());
+  for (const fs::path& path : paths) disk.sync(path);
+  disk.sync(folder);
+}
+
+void put_in_place(const Disk& disk, const fs::path& from, const fs::path& to) {
+  if (fs::is_directory(from)) {
+    sync_tree(disk, from);
+  } else {
+    disk.sync(from);
+  }
+  disk.rename(from, to);
+  disk.sync(folder_of(to));
+}
+
+fs::path staged_name(const fs::path& path) {
+  return path.parent_path() / ("." + path.filename().string() + kMark + std::to_string(getpid()));
+}
+
+bool is_staged(const fs::path& path) {
+  const fs::path folder = path.parent_path();
+  return std::any_of(folder.begin(), folder.end(), [](const fs::path& part) {
+    const std::string name = part.string();
+    return name.starts_with('.') && name.find(kMark) != std::string::npos;
+  });
+}
+
+}  // namespace strata::log

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The steps by which something new takes the place of something old on a disk that may lose its
+/// power at any moment.
+#pragma once
+
+#include <filesystem>
+
+namespace strata::log {
+
+/// Virtual, so that a test sees the order of the steps and can stop between two. Thread-safe.
+class Disk {
+ public:
+  Disk() = default;
+  Disk(const Disk&) = delete;
+  Disk& operator=(const Disk&) = delete;
+  virtual ~Disk() = default;
+
+  /// Afterwards the file's content, or the names in the folder, outlast a power cut. Throws
+  /// OutputError.
+  virtual void sync(const std::filesystem::path& path) const;
+  /// Replaces `to`. Throws OutputError.
+  virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to) const;
+  /// Lets two names change places, at once. False, and nothing is done, where the file system
+  /// cannot. Throws OutputError.
+  [[nodiscard]] virtual bool exchange(const std::filesystem::path& a,
+                                      const std::filesystem::path& b) const;
+  /// A file, or a folder with what is in it. Throws OutputError.
+  virtual void remove(const std::filesystem::path& path) const;
+};
+
+[[nodiscard]] const Disk& real_disk();
+
+/// Syncs every file and folder below, and the folder itself. O(files).
+void sync_tree(const Disk& disk, const std::filesystem::path& folder);
+
+/// Syncs what lies at `from`, gives it the name `to`, and syncs the folder of that.
+void put_in_place(const Disk& disk, const std::filesystem::path& from,
+                  const std::filesystem::path& to);
+
+/// The name under which something is written until it is whole: beside `path`, ".NAME.partial-PID".
+[[nodiscard]] std::filesystem::path staged_name(const std::filesystem::path& path);
+/// Whether the path lies in a folder that is still under such a name: that is synced as a whole.
+[[nodiscard]] bool is_staged(const std::filesystem::path& path);
+
+}  // namespace strata::log

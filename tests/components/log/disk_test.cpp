@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+/// In which order what is written reaches the disk.
+#include "components/log/disk.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/log/state_store.hpp"
+#include "components/log/whole_file.hpp"
+#include "components/log/whole_folder.hpp"
+#include "core/base/error.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/support/watched_disk.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::log {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class WhatIsWritten : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::string folder_name() const { return folder_.path().filename().string(); }
+  const test::TemporaryDirectory folder_;
+  test::WatchedDisk disk_;
+};
+
+TEST_F(WhatIsWritten, InAFileIsOnTheDiskBeforeItsNameAndThatBeforeTheEnd) {
+  WholeFile file(folder_.path() / "map.yaml", disk_);
+  file.stream() << "new";
+  EXPECT_THAT(disk_.steps(), IsEmpty());
+  file.commit();
+  EXPECT_THAT(disk_.steps(),
+              ElementsAre("sync .map.yaml.partial", "rename .map.yaml.partial to map.yaml",
+                          "sync " + folder_name()));
+  EXPECT_EQ(fs::file_size(folder_.path() / "map.yaml"), 3U);
+}
+
+TEST_F(WhatIsWritten, InAStateFileIsSyncedToo) {
+  write_state_file(folder_.path() / "a.state", Bytes(100, 1), disk_);
+  EXPECT_THAT(disk_.steps(),
+              ElementsAre("sync .a.state.partial", "rename .a.state.partial to a.state",
+                          "sync " + folder_name()));
+}
+
+TEST_F(WhatIsWritten, InAFolderIsOnTheDiskBeforeItsName) {
+  WholeFolder whole(folder_.path() / "bag", disk_);
+  fs::create_directories(whole.aside() / "inner");
+  std::ofstream(whole.aside() / "b") << "1";
+  std::ofstream(whole.aside() / "inner" / "c") << "2";
+  WholeFile(whole.aside() / "a", disk_).commit();
+  EXPECT_THAT(disk_.steps(), ElementsAre("rename .a.partial to a")) << "synced with the folder";
+  whole.commit();
+  EXPECT_THAT(disk_.steps(), ElementsAre("rename .a.partial to a", "sync a", "sync b", "sync inner",
+                                         "sync c", "sync .bag.partial",
+                                         "rename .bag.partial to bag", "sync " + folder_name()));
+}
+
+TEST_F(WhatIsWritten, LeavesTheOldContentWhenItCannotBeSynced) {
+  const fs::path path = folder_.path() / "map.yaml";
+  std::ofstream(path) << "old content";
+  disk_.before_step = [&](std::size_t) { throw OutputError(path.string(), "no disk", "mend it"); };
+  {
+    WholeFile file(path, disk_);
+    file.stream() << "new";
+    EXPECT_THROW(file.commit(), OutputError);
+  }
+  EXPECT_EQ(fs::file_size(path), 11U);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 1);
+}
+
+TEST_F(WhatIsWritten, CanTakeAnothersPlaceAndGiveItsOwn) {
+  const fs::path a = folder_.path() / "a";
+  const fs::path b = folder_.path() / "b";
+  fs::create_directory(a);
+  std::ofstream(b) << "file";
+  ASSERT_TRUE(disk_.exchange(a, b)) << "needs a file system that can exchange two names";
+  EXPECT_TRUE(fs::is_regular_file(a));
+  EXPECT_TRUE(fs::is_directory(b));
+  EXPECT_THROW((void)disk_.exchange(a, folder_.path() / "missing"), OutputError);
+}
+
+}  // namespace
+}  // namespace strata::log
