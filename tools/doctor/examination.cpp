@@ -52,6 +52,10 @@ class Examiner {
       topics[endpoint.wire_topic].push_back(endpoint);
     }
     for (const auto& [wire_name, endpoints] : topics) add_topic(wire_name, endpoints);
+    for (const auto& [topic, why] : observed_.refused) {
+      find(false, topic, "was not listened to: " + why,
+           "give this doctor an enclave that may read it, if it matters");
+    }
     compare_clocks();
     const auto name_of = [this](const Guid& guid) { return owner_of(guid); };
     for (const auto& find_more : {find_losses, find_users_apart}) {

@@ -30,8 +30,9 @@ struct Observed {
   bus::DomainView view;
   bus::Guid self{};  ///< our own participant, which is left out
   std::map<bus::Guid, std::vector<bus::NodeInfo>> nodes;
-  std::map<bus::Guid, Heard> heard;        ///< by writer
-  std::map<bus::Guid, std::string> users;  ///< who runs it, by participant of this host
+  std::map<bus::Guid, Heard> heard;            ///< by writer
+  std::map<bus::Guid, std::string> users;      ///< who runs it, by participant of this host
+  std::map<std::string, std::string> refused;  ///< topics that could not be read, and why
   double listened_s = 0.0;
 };
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "components/bus/endpoint.hpp"
@@ -45,6 +46,8 @@ class Ear {
                 heard_[message.identity.writer].has_latched = true;
               });
   }
+  /// Topics that could not be read, and why.
+  [[nodiscard]] const std::map<std::string, std::string>& refused() const { return refused_; }
   [[nodiscard]] std::map<bus::Guid, Heard> heard() const {
     const std::lock_guard lock(mutex_);
     std::map<bus::Guid, Heard> heard = heard_;
@@ -66,6 +69,8 @@ class Ear {
       reader =
           std::make_unique<bus::RawReader>(participant_, topic, type, qos, std::move(callback));
     } catch (const ConfigError&) {  // NOLINT(bugprone-empty-catch): a second type is a finding
+    } catch (const OutputError& error) {  // as of what a secured domain does not let us read
+      refused_.emplace(topic, error.problem());
     }
   }
   void count(const bus::RawMessage& message) {
@@ -83,6 +88,7 @@ class Ear {
   mutable std::mutex mutex_;
   std::map<bus::Guid, Heard> heard_;
   std::map<bus::Guid, Clock::time_point> known_since_;
+  std::map<std::string, std::string> refused_;
   Readers readers_;  // last: they use the others
   Readers latched_;
 };
@@ -108,8 +114,14 @@ std::map<bus::Guid, std::string> users_of(const bus::DomainView& view, const bus
 Observed listen(const std::shared_ptr<bus::Participant>& participant,
                 const std::function<bool(double)>& wait) {
   const auto begin = std::chrono::steady_clock::now();
-  const bus::GraphReader graph(participant);
   Ear ear(participant);
+  std::map<std::string, std::string> refused;
+  std::optional<bus::GraphReader> graph;
+  try {
+    graph.emplace(participant);
+  } catch (const OutputError& error) {
+    refused.emplace("ros_discovery_info", error.problem());
+  }
   do {
     for (const bus::DiscoveredEndpoint& endpoint : participant->view().endpoints) {
       if (endpoint.writes && !bus::same_participant(endpoint.guid, participant->guid())) {
@@ -120,8 +132,10 @@ Observed listen(const std::shared_ptr<bus::Participant>& participant,
   Observed observed;
   observed.view = participant->view();
   observed.self = participant->guid();
-  observed.nodes = graph.nodes();
+  if (graph) observed.nodes = graph->nodes();
   observed.heard = ear.heard();
+  refused.insert(ear.refused().begin(), ear.refused().end());
+  observed.refused = std::move(refused);
   observed.users = users_of(observed.view, observed.self);
   observed.listened_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
