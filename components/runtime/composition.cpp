@@ -113,9 +113,9 @@ Start read_start(const Section& section, Start usual) {
 
 ComponentEntry read_component(const YAML::Node& node, const std::string& place,
                               const std::string& path, const Inherited& inherited) {
-  const Section section(
-      node, place, path,
-      {"type", "name", "namespace", "start", "remappings", "parameters", kCommonParameters});
+  const Section section(node, place, path,
+                        {"type", "name", "namespace", "start", "remappings", "parameters",
+                         kCommonParameters, kStandInParameters});
   ComponentEntry entry;
   entry.place = settings::place_of(node, place, path);
   entry.type = section.require("type", "strata::Localizer");
@@ -129,6 +129,10 @@ ComponentEntry read_component(const YAML::Node& node, const std::string& place,
   entry.common_parameters = YAML::Node(YAML::NodeType::Map);
   if (const YAML::Node common = section.find(kCommonParameters); common.IsDefined()) {
     entry.common_parameters = common;
+  }
+  entry.stand_in_parameters = YAML::Node(YAML::NodeType::Map);
+  if (const YAML::Node given = section.find(kStandInParameters); given.IsDefined()) {
+    entry.stand_in_parameters = given;
   }
   const YAML::Node parameters = section.find("parameters");
   // A node that does not exist cannot be assigned to, so it must not get into the entry.
@@ -279,15 +283,34 @@ Composition read_composition(const YAML::Node& document, const std::string& plac
   return composition;
 }
 
+void translate_stand_ins(Composition& composition, const StandIns& stand_ins,
+                         const std::string& place) {
+  for (ProcessEntry& process : composition.processes) {
+    for (ComponentEntry& entry : process.components) {
+      const StandIn* stand_in = find_stand_in(stand_ins, entry.type);
+      if (stand_in == nullptr || entry.stand_in_parameters.size() == 0) continue;
+      entry.translated = translate(*stand_in, entry.stand_in_parameters, entry.parameters);
+      const std::string name = bus::expand_name(entry.name, entry.node_namespace, entry.name);
+      for (std::string& note : notes_of(entry.translated, *stand_in, name, place)) {
+        composition.notes.push_back(std::move(note));
+      }
+    }
+  }
+}
+
 Composition load_composition(const std::filesystem::path& file,
                              const std::vector<std::string>& overrides,
-                             const std::filesystem::path& settings_file) {
+                             const std::filesystem::path& settings_file,
+                             const StandIns& stand_ins) {
   YAML::Node document = settings::load_document(file);
   std::vector<std::string> notes;
-  if (!settings_file.empty()) notes = apply_composition_settings(document, settings_file);
+  if (!settings_file.empty()) {
+    notes = apply_composition_settings(document, settings_file, stand_ins);
+  }
   for (const std::string& option : overrides) apply_composition_override(document, option);
   Composition composition = read_composition(document, file.string());
   composition.notes.insert(composition.notes.begin(), notes.begin(), notes.end());
+  translate_stand_ins(composition, stand_ins, settings_file.string());
   return composition;
 }
 

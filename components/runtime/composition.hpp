@@ -11,6 +11,7 @@
 #include "components/bus/names.hpp"
 #include "components/bus/participant.hpp"
 #include "components/runtime/executor.hpp"
+#include "components/runtime/stand_in.hpp"
 
 namespace strata::runtime {
 
@@ -25,8 +26,11 @@ struct ComponentEntry {
   bus::Remappings remappings;
   YAML::Node parameters;
   YAML::Node common_parameters;  ///< for all components: each takes those that it knows
-  std::string place;             ///< "file:line"
-  Start start = Start::kActive;  ///< else the process's, else the composition's
+  /// Of the node that the component stands in for, in that node's names; none: none are given.
+  YAML::Node stand_in_parameters;
+  std::vector<TranslatedParameter> translated;  ///< what became of them
+  std::string place;                            ///< "file:line"
+  Start start = Start::kActive;                 ///< else the process's, else the composition's
 };
 
 /// A shared library with components; see component_library.hpp.
@@ -67,10 +71,17 @@ struct Composition {
 /// the environment does, as ROS 2 reads it (bus/environment.hpp). overrides:
 /// "COMPONENT.parameter=value" sets a parameter of the components of that name (as
 /// "localizer.maps=MAPS"), "domain=7" a key of the composition. settings_file: see
-/// apply_composition_settings; overrides win over it.
+/// apply_composition_settings; overrides win over it. stand_ins: what is for another project's node
+/// there, and a component stands in for that node, becomes the component's parameters, where the
+/// composition, the overrides and what is in our names leave them open.
 [[nodiscard]] Composition load_composition(const std::filesystem::path& file,
                                            const std::vector<std::string>& overrides = {},
-                                           const std::filesystem::path& settings_file = {});
+                                           const std::filesystem::path& settings_file = {},
+                                           const StandIns& stand_ins = {});
+/// Does that last step for a composition that was read; place: of the parameter file. Throws
+/// ConfigError.
+void translate_stand_ins(Composition& composition, const StandIns& stand_ins,
+                         const std::string& place);
 /// The same from a document without its version line.
 [[nodiscard]] Composition read_composition(const YAML::Node& document, const std::string& place);
 

@@ -2,8 +2,11 @@
 #include "tools/strata/all_components.hpp"
 
 #include "components/beam_filter/register.hpp"
+#include "components/localizer/amcl_parameters.hpp"
 #include "components/localizer/register.hpp"
+#include "components/map_saver/nav2_parameters.hpp"
 #include "components/map_saver/register.hpp"
+#include "components/map_server/nav2_parameters.hpp"
 #include "components/map_server/register.hpp"
 #include "components/patch_learner/register.hpp"
 #include "components/player/register.hpp"
@@ -36,6 +39,10 @@ runtime::Registry all_components(const runtime::Composition& composition) {
   runtime::Registry registry = all_components();
   runtime::load_component_libraries(composition, registry);
   return registry;
+}
+
+runtime::StandIns all_stand_ins() {
+  return {localizer::amcl_stand_in(), map_server::nav2_stand_in(), map_saver::nav2_stand_in()};
 }
 
 }  // namespace strata::tools

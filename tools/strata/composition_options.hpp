@@ -7,6 +7,7 @@
 
 #include "components/runtime/composition.hpp"
 #include "components/runtime/host.hpp"
+#include "tools/strata/all_components.hpp"
 #include "tools/strata/verb_context.hpp"
 
 namespace strata::tools {
@@ -16,12 +17,12 @@ inline constexpr const char* kCompositionSetHelp =
     "COMPONENT.parameter=value, as localizer.maps=MAPS, or a key of the composition, as domain=7; "
     "may be repeated";
 inline constexpr const char* kCompositionConfigHelp =
-    "parameters as YAML: component names (version: 1), or a ROS 2 parameter file";
+    "parameters as YAML: component names (version: 1), or a ROS 2 parameter file, nav2's too";
 
 /// The file with --config and then --set applied.
 [[nodiscard]] inline runtime::Composition load_composition(const std::string& file,
                                                            const CommonOptions& options) {
-  return runtime::load_composition(file, options.overrides, options.config_file);
+  return runtime::load_composition(file, options.overrides, options.config_file, all_stand_ins());
 }
 
 /// As above; tells the user what --config says that no component takes.

@@ -80,6 +80,22 @@ void print_component(const runtime::ComponentEntry& entry, const runtime::Compon
   }
 }
 
+/// What became of the parameters of the node that the component stands in for.
+void print_translated(const runtime::ComponentEntry& entry) {
+  using Fate = runtime::TranslatedParameter::Fate;
+  for (const runtime::TranslatedParameter& one : entry.translated) {
+    std::cout << "    " << one.place << ": " << one.name << "  ";
+    if (one.fate == Fate::kMapped) {
+      std::cout << "is " << one.path << ": " << one.text;
+    } else if (one.fate == Fate::kOverruled) {
+      std::cout << "would be " << one.path << ": " << one.text << ", which is given otherwise";
+    } else {
+      std::cout << (one.fate == Fate::kUnknown ? "is unknown: " : "is left out: ") << one.text;
+    }
+    std::cout << '\n';
+  }
+}
+
 /// What would keep two ends of a topic apart.
 void print_warnings(const Topics& topics) {
   for (const auto& [topic, users] : topics) {
@@ -133,6 +149,7 @@ void explain(const runtime::Composition& composition) {
               << (single ? "one thread for all" : "a thread for each") << ")\n";
     for (std::size_t j = 0; j < process.components.size(); ++j) {
       print_component(process.components[j], *hosts[i]->components()[j], topics);
+      print_translated(process.components[j]);
     }
   }
   print_warnings(topics);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "components/runtime/composition.hpp"
+#include "components/runtime/stand_in.hpp"
 #include "core/base/error.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -44,7 +45,7 @@ class CompositionSettings : public testing::Test {
     return parameters[key].IsDefined() ? parameters[key].as<std::string>() : "absent";
   }
 
- private:
+ protected:
   strata::test::TemporaryDirectory folder_;
 };
 
@@ -102,6 +103,70 @@ TEST_F(CompositionSettings, RosParametersOfOtherNodesAreNotedAndLeftOut) {
                                               "/robot3/localizer, /robot9/*"));
   EXPECT_THAT(with("matcher:\n  ros__parameters: {model: a}\n").notes, testing::IsEmpty());
   EXPECT_THAT(with("bt_navigator:\n  ros__parameters: {a: 1}\n").notes, testing::SizeIs(1));
+}
+
+/// Somebody's node `other`, whose `speed` is our input.a.
+StandIns other_stand_ins() {
+  return {{"other", "t", {"speed", "kind.of"}, [](Translator& translator) {
+             translator.map_as_it_is<double>("speed", "input.a");
+             translator.ignore("kind.of", "there is one kind");
+           }}};
+}
+
+TEST_F(CompositionSettings, AComponentTakesWhatIsForTheNodeThatItStandsInFor) {
+  const auto input_of = [](const Composition& composition, std::size_t component) {
+    const YAML::Node parameters = composition.processes[0].components[component].parameters;
+    return parameters["input"].IsDefined() ? parameters["input"]["a"].as<std::string>() : "absent";
+  };
+  const auto standing_in = [this](const std::string& text) {
+    std::ofstream(folder_.path() / "s.yaml") << text;
+    return load_composition(folder_.path() / "c.yaml", {}, folder_.path() / "s.yaml",
+                            other_stand_ins());
+  };
+  // In /robot2 there is one of the type, in /robot1 there are two.
+  const Composition composition = standing_in(
+      "other:\n  ros__parameters: {speed: 2.5, kind: {of: 1}}\n"
+      "bt_navigator:\n  ros__parameters: {a: 1}\n");
+  EXPECT_EQ(input_of(composition, 1), "2.5");
+  EXPECT_EQ(input_of(composition, 0), "1");
+  EXPECT_EQ(input_of(composition, 2), "absent");
+  ASSERT_EQ(composition.notes.size(), 3U);
+  EXPECT_THAT(composition.notes[0],
+              HasSubstr("s.yaml: for no component of the composition: bt_navigator"));
+  EXPECT_THAT(composition.notes[1], HasSubstr("s.yaml:1: other is for none of several that could "
+                                              "be /robot1/other; name one of them other"));
+  EXPECT_THAT(composition.notes[2],
+              HasSubstr("what is for other is for /robot2/localizer: 1 parameters mapped, 0 given "
+                        "otherwise, 1 without meaning"));
+  // By its full name it is for that namespace; a pattern for all nodes is for none in particular.
+  EXPECT_EQ(input_of(standing_in("/robot2/other:\n  ros__parameters: {speed: 3}\n"), 1), "3");
+  EXPECT_EQ(input_of(standing_in("/robot9/other:\n  ros__parameters: {speed: 3}\n"), 1), "absent");
+  EXPECT_EQ(input_of(standing_in("/robot2/*:\n  ros__parameters: {speed: 3}\n"), 1), "absent");
+  // The more specific entry wins.
+  EXPECT_EQ(input_of(standing_in("/robot2/other:\n  ros__parameters: {speed: 4}\n"
+                                 "other:\n  ros__parameters: {speed: 5}\n"),
+                     1),
+            "4");
+}
+
+TEST_F(CompositionSettings, WithoutStandInsWhatIsForOtherNodesIsLeftOut) {
+  const Composition composition = with("other:\n  ros__parameters: {speed: 2.5}\n");
+  EXPECT_EQ(parameter(composition, 1, "input"), "absent");
+  EXPECT_THAT(composition.notes, testing::SizeIs(1));
+}
+
+TEST_F(CompositionSettings, RosParameterFilesSpellTrueAndFalseAsRos2Does) {
+  const Composition composition = with(
+      "localizer:\n  ros__parameters: {a: True, b: 'True', c: off, d: [yes, No], e: {f: FALSE}}\n");
+  const YAML::Node parameters = composition.processes[0].components[1].parameters;
+  EXPECT_EQ(parameters["a"].as<std::string>(), "true");
+  EXPECT_EQ(parameters["b"].as<std::string>(), "True") << "a text";
+  EXPECT_EQ(parameters["c"].as<std::string>(), "false");
+  EXPECT_EQ(parameters["d"][0].as<std::string>(), "true");
+  EXPECT_EQ(parameters["d"][1].as<std::string>(), "false");
+  EXPECT_EQ(parameters["e"]["f"].as<std::string>(), "false");
+  EXPECT_EQ(parameter(with("version: 1\nmatcher: {a: True}\n"), 2, "a"), "True")
+      << "in our own form as it was";
 }
 
 TEST_F(CompositionSettings, RosWildcardsStandForOneSegmentOrForAnyNumber) {

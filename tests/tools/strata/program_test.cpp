@@ -86,6 +86,38 @@ TEST(Program, MessagesWritesAPackageAndReplacesAnOlderOne) {
   EXPECT_EQ(run("messages --config a.yaml " + quoted(package) + " 2>/dev/null").code, 2);
 }
 
+TEST(Program, RunCheckListsWhatBecameOfNav2sParameters) {
+  const strata::test::TemporaryDirectory folder;
+  const fs::path file = folder.path() / "nav2_params.yaml";
+  std::ofstream(file) << "amcl:\n  ros__parameters:\n    update_min_d: 0.3\n    sigma_hit: 0.2\n"
+                         "    sigma_hitt: 0.2\n    laser_model_type: beam\n"
+                         "map_server:\n  ros__parameters:\n    use_sim_time: True\n"
+                         "    yaml_filename: \"\"\n    frame_id: floor\n"
+                         "bt_navigator:\n  ros__parameters: {odom_topic: /odom}\n";
+  std::ofstream(folder.path() / "room.pgm") << "P5\n2 2\n255\n" << std::string(4, '\xfe');
+  std::ofstream(folder.path() / "room.yaml")
+      << "image: room.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
+         "occupied_thresh: 0.65\nfree_thresh: 0.25\n";
+  const Outcome outcome =
+      run("run --check '" STRATA_SOURCE_DIR "/components/config/nav2.yaml' --config " +
+          quoted(file) + " --set map_server.map=" + quoted(folder.path() / "room.yaml") +
+          " --set localizer.maps= --set localizer.model=occupancy" +
+          " --set localizer.sensor.beam.mixture.hit_stddev_m=0.1 2>&1");
+  EXPECT_EQ(outcome.code, 0) << outcome.out;
+  const std::string place = file.string();
+  using testing::HasSubstr;
+  EXPECT_THAT(outcome.out, HasSubstr(place + ":3: update_min_d  is localizer.gating.translation_m: "
+                                             "0.3\n"));
+  EXPECT_THAT(outcome.out, HasSubstr(place + ":4: sigma_hit  would be "
+                                             "sensor.beam.mixture.hit_stddev_m: 0.2, which is "
+                                             "given otherwise\n"));
+  EXPECT_THAT(outcome.out, HasSubstr(place + ":5: sigma_hitt  is unknown: did you mean"));
+  EXPECT_THAT(outcome.out, HasSubstr("note: " + place + ":5: amcl has no parameter 'sigma_hitt'"));
+  EXPECT_THAT(outcome.out, HasSubstr(place + ":10: yaml_filename  is left out: it is empty\n"));
+  EXPECT_THAT(outcome.out, HasSubstr(place + ":11: frame_id  is map_frame: floor\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("for no component of the composition: bt_navigator\n"));
+}
+
 TEST(Program, BadInputEndsWithTwoAndSaysWhere) {
   const Outcome outcome = run("info /no/such/log 2>&1");
   EXPECT_EQ(outcome.code, 2);
