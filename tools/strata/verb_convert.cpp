@@ -165,8 +165,22 @@ void translate(const Options& options, const std::string& format, VerbContext& c
                std::to_string(content.odometry.size()) + " odometry samples");
 }
 
+/// Writing would end what is being read: OUT is IN, or a file of the bag that IN is.
+void refuse_to_write_over_the_input(const Options& options) {
+  std::error_code error;
+  const fs::path out = fs::absolute(options.out);
+  const bool is_input = fs::equivalent(options.in, out, error);
+  const bool is_part = fs::is_directory(options.in, error) && fs::is_regular_file(out, error) &&
+                       fs::equivalent(options.in, out.parent_path(), error);
+  if (!is_input && !is_part) return;
+  throw OutputError(options.out,
+                    is_input ? "is the log to convert" : "is a part of the log to convert",
+                    "give OUT another name");
+}
+
 void run(Options& options, VerbContext& context) {
   sort_out_to(options);
+  refuse_to_write_over_the_input(options);
   const std::string format = target_format(options);
   if (options.compression_mode != "none" && format == "carmen") {
     throw InputError("--compression-mode", "is for bags, and CARMEN logs are text",

@@ -154,6 +154,26 @@ TEST(Program, ConvertGoesThroughEveryFormatAndBack) {
   EXPECT_EQ(info["scans"]["no_returns"], 3);
 }
 
+TEST(Program, ConvertDoesNotWriteOverWhatItReads) {
+  const strata::test::TemporaryDirectory folder;
+  write_log(folder.path() / "a.clf", 5);
+  const auto at = [&](const char* name) { return quoted(folder.path() / name); };
+  const std::string before = strata::test::bytes_of(folder.path() / "a.clf");
+  ASSERT_EQ(run("convert --quiet " + at("a.clf") + " " + at("bag") + " --to mcap").code, 0);
+  fs::create_symlink("a.clf", folder.path() / "link.clf");
+  for (const std::string& arguments :
+       {at("a.clf") + " " + at("a.clf"), at("a.clf") + " " + at("link.clf"),
+        at("bag") + " " + at("bag/bag_0.mcap"),
+        at("bag/bag_0.mcap") + " " + at("bag/bag_0.mcap")}) {
+    const Outcome outcome = run("convert --quiet " + arguments + " 2>&1");
+    EXPECT_EQ(outcome.code, 1) << arguments;
+    EXPECT_NE(outcome.out.find("the log to convert; give OUT another name"), std::string::npos)
+        << outcome.out;
+  }
+  EXPECT_EQ(strata::test::bytes_of(folder.path() / "a.clf"), before);
+  EXPECT_EQ(run("info --quiet " + at("bag")).code, 0);
+}
+
 TEST(Program, AFailedConvertLeavesNothingBehind) {
   const strata::test::TemporaryDirectory folder;
   write_log(folder.path() / "a.clf", 5);
