@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/strata/output_directory.hpp"
 
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
-
-#include <unistd.h>
 
 #include "core/base/error.hpp"
 
@@ -36,17 +36,75 @@ void StagedPaths::remove_all() noexcept {
   paths_.clear();
 }
 
-OutputDirectory::OutputDirectory(fs::path target, StagedPaths& staged)
-    : target_(std::move(target)), staged_(staged) {
+namespace {
+
+/// More in a folder that is not ours is not carried into another.
+constexpr std::size_t kMostCarried = 1000;
+
+fs::path without_links(const fs::path& target) {
+  fs::path whole = fs::weakly_canonical(fs::absolute(target));
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
+fs::path before_name(const fs::path& whole) {
+  return whole.parent_path() / ("." + whole.filename().string() + ".before");
+}
+
+/// Whether this program, and so the one that called it, works in the folder or below.
+bool stands_in(const fs::path& folder) {
+  std::error_code error;
+  const fs::path here = fs::weakly_canonical(fs::current_path(error), error);
+  return !error && std::mismatch(folder.begin(), folder.end(), here.begin(), here.end()).first ==
+                       folder.end();
+}
+
+/// How much of `old` the new folder does not bring; nothing when there is what cannot be carried.
+std::optional<std::size_t> count_others(const fs::path& old, const fs::path& fresh) {
+  std::size_t count = 0;
+  for (const auto& entry : fs::directory_iterator(old)) {
+    if (fs::exists(fresh / entry.path().filename())) continue;
+    if (!entry.is_symlink() && !entry.is_directory() && !entry.is_regular_file()) {
+      return std::nullopt;
+    }
+    ++count;
+    if (entry.is_symlink() || !entry.is_directory()) continue;
+    for (const auto& below : fs::recursive_directory_iterator(entry.path())) {
+      const bool is_plain = below.is_symlink() || below.is_directory() || below.is_regular_file();
+      if (!is_plain || ++count > kMostCarried) return std::nullopt;
+    }
+  }
+  return count <= kMostCarried ? std::optional(count) : std::nullopt;
+}
+
+/// The same files under another name; where they cannot have two names, copies.
+void link_or_copy(const fs::path& from, const fs::path& to) {
+  if (fs::is_symlink(from)) {
+    fs::copy_symlink(from, to);
+  } else if (fs::is_directory(from)) {
+    fs::create_directory(to, from);
+    for (const auto& entry : fs::directory_iterator(from)) {
+      link_or_copy(entry.path(), to / entry.path().filename());
+    }
+  } else {
+    std::error_code error;
+    fs::create_hard_link(from, to, error);
+    if (error) fs::copy_file(from, to);
+  }
+}
+
+}  // namespace
+
+OutputDirectory::OutputDirectory(fs::path target, StagedPaths& staged, const log::Disk& disk)
+    : disk_(disk), target_(std::move(target)), staged_(staged) {
   if (target_.empty()) throw OutputError("--out", "is empty", "name a folder");
   if (!target_.has_filename()) target_ = target_.parent_path();
+  put_back(target_, disk_);
   if (fs::exists(target_) && !fs::is_directory(target_)) {
     throw OutputError(target_.string(), "exists and is not a folder", "choose another --out");
   }
   // "." and ".." have no usable name of their own to stand beside.
-  const fs::path whole = fs::weakly_canonical(fs::absolute(target_));
-  path_ = whole.parent_path() /
-          ("." + whole.filename().string() + ".partial-" + std::to_string(getpid()));
+  whole_ = without_links(target_);
+  path_ = log::staged_name(whole_);
   staged_.add(path_);
   std::error_code error;
   fs::remove_all(path_, error);
@@ -70,23 +128,61 @@ void OutputDirectory::commit() {
   committed_ = true;
 }
 
-void OutputDirectory::put_in_place() const {
-  std::error_code error;
-  if (!fs::exists(target_)) {
-    fs::rename(path_, target_, error);
+void OutputDirectory::put_back(const fs::path& target, const log::Disk& disk) {
+  const fs::path whole = without_links(target);
+  const fs::path before = before_name(whole);
+  std::error_code ignored;
+  if (!fs::is_directory(before, ignored)) return;
+  if (fs::exists(whole, ignored)) {
+    disk.remove(before);  // the new one has the name already
   } else {
-    for (const auto& entry : fs::directory_iterator(path_)) {
-      const fs::path to = target_ / entry.path().filename();
-      if (fs::is_directory(to)) fs::remove_all(to, error);
-      if (!error) fs::rename(entry.path(), to, error);
-      if (error) break;
-    }
-    if (!error) fs::remove_all(path_, error);
+    disk.rename(before, whole);
   }
-  if (error) {
-    throw OutputError(target_.string(), "cannot be put in place: " + error.message(),
+}
+
+void OutputDirectory::put_in_place() const {
+  try {
+    if (!fs::exists(whole_)) {
+      log::put_in_place(disk_, path_, whole_);
+    } else if (stands_in(whole_) || !count_others(whole_, path_)) {
+      replace_entries();
+    } else {
+      replace_folder();
+    }
+  } catch (const fs::filesystem_error& error) {
+    throw OutputError(target_.string(), "cannot be put in place: " + error.code().message(),
                       "choose another --out or mend its permissions");
   }
+}
+
+void OutputDirectory::replace_entries() const {
+  log::sync_tree(disk_, path_);
+  for (const auto& entry : fs::directory_iterator(path_)) {
+    const fs::path to = whole_ / entry.path().filename();
+    if (fs::is_directory(to)) disk_.remove(to);
+    disk_.rename(entry.path(), to);
+  }
+  disk_.sync(whole_);
+  disk_.remove(path_);
+}
+
+void OutputDirectory::replace_folder() const {
+  for (const auto& entry : fs::directory_iterator(whole_)) {
+    const fs::path to = path_ / entry.path().filename();
+    if (!fs::exists(to)) link_or_copy(entry.path(), to);
+  }
+  fs::permissions(path_, fs::status(whole_).permissions());
+  log::sync_tree(disk_, path_);
+  if (disk_.exchange(path_, whole_)) {
+    disk_.sync(whole_.parent_path());
+    disk_.remove(path_);
+    return;
+  }
+  const fs::path before = before_name(whole_);
+  disk_.rename(whole_, before);
+  disk_.rename(path_, whole_);
+  disk_.sync(whole_.parent_path());
+  disk_.remove(before);
 }
 
 }  // namespace strata::tools

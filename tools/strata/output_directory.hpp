@@ -7,6 +7,8 @@
 #include <mutex>
 #include <set>
 
+#include "components/log/disk.hpp"
+
 namespace strata::tools {
 
 /// Folders and files under way, so that a hard end of the program can remove them.
@@ -26,12 +28,18 @@ class StagedPaths {
 };
 
 /// Write into `path()`, then `commit()`. The folder lies beside the target and is renamed to it;
-/// when the target exists already, its entries of the same names are replaced one by one and others
-/// are left alone (`--out .` must not wipe a home directory). Without commit it is removed.
+/// when the target exists already, its entries of the same names are replaced and others stay. Both
+/// change places at once, after what stays was linked into the new one, so that a kill or a power
+/// cut leaves the old folder or the new one. Where the file system cannot exchange two names, the
+/// old one is called ".NAME.before" for a moment; the next OutputDirectory, or `put_back`, gives it
+/// its name again. A folder that programs stand in (`--out .`), or with much that is not ours
+/// (`--out ~`), is kept, and its entries are replaced one by one. Without commit the new folder is
+/// removed.
 class OutputDirectory {
  public:
   /// Throws OutputError when the folder cannot be made or the target is not a folder.
-  OutputDirectory(std::filesystem::path target, StagedPaths& staged);
+  OutputDirectory(std::filesystem::path target, StagedPaths& staged,
+                  const log::Disk& disk = log::real_disk());
   ~OutputDirectory();
   OutputDirectory(const OutputDirectory&) = delete;
   OutputDirectory& operator=(const OutputDirectory&) = delete;
@@ -40,10 +48,17 @@ class OutputDirectory {
   [[nodiscard]] const std::filesystem::path& target() const { return target_; }
   /// Throws OutputError.
   void commit();
+  /// Mends what a kill left of a folder's name, as said above. Throws OutputError.
+  static void put_back(const std::filesystem::path& target,
+                       const log::Disk& disk = log::real_disk());
 
  private:
   void put_in_place() const;
+  void replace_entries() const;
+  void replace_folder() const;
+  const log::Disk& disk_;
   std::filesystem::path target_;
+  std::filesystem::path whole_;  ///< the target without links
   std::filesystem::path path_;
   StagedPaths& staged_;
   bool committed_ = false;

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata learn LOG... --out MAPS`: every map from one or several runs in one building.
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "components/maps/earlier_runs.hpp"
@@ -14,6 +18,7 @@
 #include "tools/pipeline/learn.hpp"
 #include "tools/pipeline/learn_pictures.hpp"
 #include "tools/pipeline/truth_frame.hpp"
+#include "tools/strata/folder_lock.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -50,6 +55,23 @@ std::vector<pipeline::LearnedPose> poses_of(const slam::SlamResult& result) {
   return poses;
 }
 
+bool updates_in_place(const Options& options) {
+  std::error_code error;
+  return !options.update.empty() && std::filesystem::equivalent(options.update, options.out, error);
+}
+
+/// Else of two that go on from one folder at once, what the first learned would be lost.
+void wait_for_others(const std::string& folder, VerbContext& context,
+                     std::optional<FolderLock>& lock) {
+  bool is_told = false;
+  lock.emplace(folder, [&](const std::string& holder) {
+    if (!std::exchange(is_told, true)) {
+      context.note("waits for " + holder + ", which updates " + folder);
+    }
+    return !context.interrupt().wait_for(0.1);
+  });
+}
+
 std::string joined(const std::vector<std::string>& texts) {
   std::string all;
   for (const std::string& text : texts) all += (all.empty() ? "" : " ") + text;
@@ -62,6 +84,9 @@ void run_learn(const Options& options, VerbContext& context) {
                                                                config_place(context.options));
   const pipeline::LearnParts parts = parts_of(options.only);
   std::optional<maps::EarlierRuns> earlier;
+  std::optional<FolderLock> lock;
+  if (!options.update.empty()) OutputDirectory::put_back(options.update);
+  if (updates_in_place(options)) wait_for_others(options.out, context, lock);
   if (!options.update.empty()) earlier = maps::read_earlier_runs(options.update);
   const int first_run = earlier ? earlier->next_run : 0;
   const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress(), first_run);
