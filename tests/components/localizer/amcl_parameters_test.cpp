@@ -24,7 +24,6 @@ namespace {
 using runtime::TranslatedParameter;
 using testing::Contains;
 using testing::HasSubstr;
-using testing::Not;
 using Fate = TranslatedParameter::Fate;
 
 /// Every parameter that nav2 Jazzy's amcl declares, with its default, in the words of nobody's
