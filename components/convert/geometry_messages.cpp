@@ -55,7 +55,10 @@ Pose3 make_pose3(const Vector& t, const Quaternion& q) {
   pose.translation = {t.x(), t.y(), t.z()};
   pose.rotation = Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z());
   // All zero is what an unset rotation looks like.
-  if (pose.rotation.norm() == 0.0) pose.rotation.setIdentity();
+  const double norm = pose.rotation.norm();
+  if (norm == 0.0) pose.rotation.setIdentity();
+  // One that is unit but for rounding keeps its bits; what is not one would stretch what it turns.
+  if (std::isfinite(norm) && norm > 0.0 && std::abs(norm - 1.0) > 1e-3) pose.rotation.normalize();
   return pose;
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "components/convert/geometry_messages.hpp"
 #include "core/base/error.hpp"
@@ -12,6 +14,13 @@ namespace {
 
 // So far out, and no farther, the sides of a rectangle are ints too.
 constexpr int kFarthestCell = (1 << 30) - 1;
+constexpr float kMostProbability = 1.0F + 1e-5F;  // sums of shares may round up
+
+/// Cells from a hair to a house.
+void require_resolution(double resolution_m, const char* place) {
+  if (resolution_m >= 1e-5 && resolution_m <= 1e2) return;
+  throw InputError(place, "its resolution is not one", "publish metres a cell, such as 0.05");
+}
 
 /// Throws InputError for a coordinate that only a damaged message has.
 int require_cell(double coordinate) {
@@ -27,6 +36,15 @@ void require_size(std::size_t values, const CellRect& rect, double resolution_m)
     throw InputError("grid message", "its values do not fill its rectangle",
                      "check the sender's version");
   }
+  require_resolution(resolution_m, "grid message");
+}
+
+/// each: whether a value is sound.
+template <typename T, typename Each>
+void require_each(const std::vector<T>& values, const char* what, const Each& each) {
+  if (std::all_of(values.begin(), values.end(), each)) return;
+  throw InputError("grid message", std::string("a value is no ") + what,
+                   "check the sender's version");
 }
 
 }  // namespace
@@ -58,8 +76,9 @@ ReflectionGrid from_message(const nav_msgs::msg::OccupancyGrid& message) {
   if (!(resolution_m > 0.0)) {
     throw InputError("OccupancyGrid", "its resolution is not positive", "check the map server");
   }
+  require_resolution(resolution_m, "OccupancyGrid");
   const Pose2 origin = planar(from_message(message.info().origin()));
-  if (std::abs(origin.theta) > 1e-6) {
+  if (!(std::abs(origin.theta) <= 1e-6)) {  // nor NaN
     throw InputError("OccupancyGrid", "its origin is turned", "publish it with yaw 0");
   }
   CellRect rect;
@@ -101,6 +120,9 @@ strata_msgs::msg::ReflectionGrid to_message(const ReflectionGrid& grid) {
 ReflectionGrid from_message(const strata_msgs::msg::ReflectionGrid& message) {
   const CellRect rect = from_message(message.rect());
   require_size(message.reflection().size(), rect, message.resolution());
+  require_each(message.reflection(), "probability", [](float value) {
+    return !is_known(value) || (value >= 0.0F && value <= kMostProbability);
+  });
   ReflectionGrid grid = make_reflection_grid(message.resolution(), rect);
   grid.values() = message.reflection();
   return grid;
@@ -123,6 +145,10 @@ Grid<CellCounts> from_message(const strata_msgs::msg::CountGrid& message) {
   const CellRect rect = from_message(message.rect());
   require_size(message.hits().size(), rect, message.resolution());
   require_size(message.misses().size(), rect, message.resolution());
+  for (const auto* counts : {&message.hits(), &message.misses()}) {
+    require_each(*counts, "count",
+                 [](double value) { return std::isfinite(value) && value >= 0.0; });
+  }
   Grid<CellCounts> grid(message.resolution(), rect);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     grid.values()[i] = {message.hits()[i], message.misses()[i]};

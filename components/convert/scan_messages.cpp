@@ -1,9 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/convert/scan_messages.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "components/convert/geometry_messages.hpp"
+#include "core/base/error.hpp"
 
 namespace strata::convert {
+namespace {
+
+/// No scanner has as many; what follows a scan takes time by the beam.
+constexpr std::size_t kMostBeams = 100'000;
+/// A map that held what lies further away would take all memory.
+constexpr double kFarthest_m = 1e5;
+
+bool is_near(const Pose2& pose) {
+  return std::abs(pose.x) <= kFarthest_m && std::abs(pose.y) <= kFarthest_m &&
+         std::isfinite(pose.theta);  // nor NaN
+}
+
+/// Whether each is a probability, or NaN where it was not estimated.
+bool are_probabilities(const std::vector<float>& values) {
+  return std::none_of(values.begin(), values.end(),
+                      [](float value) { return value < -1e-5F || value > 1.0F + 1e-5F; });
+}
+
+void require(bool is_sound, const char* problem) {
+  if (!is_sound) throw InputError("LabeledScan", problem, "check what publishes it");
+}
+
+}  // namespace
 
 sensor_msgs::msg::LaserScan to_message(const Scan& scan, const std::string& frame) {
   sensor_msgs::msg::LaserScan message;
@@ -21,6 +48,10 @@ sensor_msgs::msg::LaserScan to_message(const Scan& scan, const std::string& fram
 }
 
 Scan from_message(const sensor_msgs::msg::LaserScan& message, const Pose2& robot_from_laser) {
+  if (message.ranges().size() > kMostBeams) {
+    throw InputError("LaserScan", "has " + std::to_string(message.ranges().size()) + " beams",
+                     "check what publishes it");
+  }
   Scan scan;
   scan.stamp = from_message(message.header().stamp());
   scan.angle_min_rad = message.angle_min();
@@ -48,6 +79,17 @@ strata_msgs::msg::LabeledScan to_message(const PosedScan& scan, const std::strin
 }
 
 PosedScan from_message(const strata_msgs::msg::LabeledScan& message) {
+  const std::vector<float>& labels = message.static_probability();
+  require(labels.empty() || labels.size() == message.scan().ranges().size(),
+          "its labels are not one a beam");
+  require(are_probabilities(labels), "its labels are not probabilities");
+  require(is_near(from_message(message.pose().map_from_robot().mean())) &&
+              is_near(from_message(message.robot_from_laser())),
+          "its pose or mounting is not a number, or further away than 100 km");
+  require(std::isfinite(message.scan().angle_min()) &&
+              std::isfinite(message.scan().angle_increment()) &&
+              std::isfinite(message.scan().range_min()) && !std::isnan(message.scan().range_max()),
+          "its angles or limits are not numbers");
   PosedScan value;
   value.run = message.pose().run();
   value.scan = from_message(message.scan(), from_message(message.robot_from_laser()));

@@ -101,6 +101,11 @@ void Localizer::subscribe_maps() {
   subscribe<strata_msgs::msg::ScanPose>(
       config_.start.pose_topic, "default", [this](const auto& message) {
         if (localizer_) return;  // it knows better by now
+        if (!is_finite(convert::from_message(message.map_from_robot().mean())) ||
+            !is_finite(convert::from_message(message.odom_from_robot()))) {
+          throw InputError(resolve(config_.start.pose_topic), "a pose is not finite",
+                           "see what publishes it");
+        }
         place_ = Place{{convert::from_message(message.map_from_robot().mean()),
                         start_covariance(config_.start)},
                        convert::from_message(message.odom_from_robot()),

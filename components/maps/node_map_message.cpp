@@ -91,6 +91,9 @@ std::shared_ptr<const memory::NodeMap> from_message(const strata_msgs::msg::Node
     for (const auto& level : entry.levels()) {
       const std::vector<float>& ranges = level.ranges();
       if (static_cast<int>(ranges.size()) != bins.angle_bins || ranges.empty()) refuse();
+      if (std::any_of(ranges.begin(), ranges.end(), [](float range) { return range < 0.0F; })) {
+        throw InputError("NodeMap", "a range is negative", "check the sender's version");
+      }
       // A level that nothing was put into expects nothing anywhere.
       const bool is_known =
           std::any_of(ranges.begin(), ranges.end(), [](float range) { return !std::isnan(range); });
