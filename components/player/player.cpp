@@ -73,6 +73,12 @@ void Player::on_cleanup() {
   source_.reset();  // and with it the writers
 }
 
+void Player::on_diagnose(runtime::Health& health) const {
+  const std::uint64_t left_out = source_ ? source_->left_out() : 0;
+  if (left_out > 0) health.warn("the log holds messages that are none");
+  health.add("messages left out", left_out);
+}
+
 void Player::end() {
   {
     const std::lock_guard lock(mutex_);

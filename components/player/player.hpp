@@ -43,6 +43,7 @@ class Player final : public runtime::Component {
   void on_activate() override;
   void on_deactivate() override;
   void on_cleanup() override;
+  void on_diagnose(runtime::Health& health) const override;
   [[nodiscard]] std::unique_ptr<Source> make_source();
   /// Ends the playing thread, whatever it reads.
   void end();

@@ -11,6 +11,11 @@
 #include "core/base/error.hpp"
 
 namespace strata::player {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 4;  // of every message
+
+}  // namespace
 
 Duration since(Stamp begin, Stamp stamp) {
   Duration result;
@@ -88,7 +93,11 @@ void BagSource::step() {
   rosgraph_msgs::msg::Clock clock;
   clock.clock(convert::to_message(message_.stamp));
   publish_clock_(clock);
-  writers_.at(reader_->topics()[message_.topic].name)->publish(message_.data);
+  if (message_.data.size() < kHeaderBytes) {
+    ++left_out_;
+  } else {
+    writers_.at(reader_->topics()[message_.topic].name)->publish(message_.data);
+  }
   fetched_ = false;
 }
 

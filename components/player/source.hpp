@@ -2,7 +2,9 @@
 /// Something to play, one step after the other.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -33,6 +35,8 @@ class Source {
   [[nodiscard]] virtual bool seek(Duration since_begin) = 0;
   /// The stamp of the first step; nothing when there is no step. May read for long.
   [[nodiscard]] virtual std::optional<Stamp> begin() = 0;
+  /// How many messages of the log were none and were not published; thread safe.
+  [[nodiscard]] virtual std::uint64_t left_out() const { return 0; }
 };
 
 /// Scan by scan.
@@ -62,6 +66,7 @@ class BagSource final : public Source {
   void step() override;
   bool seek(Duration since_begin) override;
   std::optional<Stamp> begin() override;
+  std::uint64_t left_out() const override { return left_out_; }
 
  private:
   [[nodiscard]] bool fetch();
@@ -74,6 +79,7 @@ class BagSource final : public Source {
   std::function<void(const rosgraph_msgs::msg::Clock&)> publish_clock_;
   std::unique_ptr<log::BagReader> reader_;
   log::BagMessage message_;
+  std::atomic<std::uint64_t> left_out_{0};
   bool fetched_ = false;
   std::optional<Stamp> begin_;  ///< once something was fetched
 };

@@ -13,6 +13,7 @@
 #include "core/base/error.hpp"
 #include "tests/components/player/drive.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
+#include "tests/components/runtime/status_watch.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::player {
@@ -186,6 +187,43 @@ TEST(Player, TakesItsWritersAwayAtCleanupAndPlaysAgainWhenConfiguredAgain) {
     host->stop();
     EXPECT_TRUE(host->take_errors().empty());
   }
+}
+
+TEST(Player, LeavesOutMessagesWithoutAHeaderAndCountsThem) {
+  const test::TemporaryDirectory folder;
+  const std::vector<std::uint8_t> message = {0, 1, 0, 0, 42, 0, 0, 0};
+  {
+    log::BagWriter bag(folder.path() / "bag", log::BagStorage::kMcap);
+    const std::size_t topic = bag.add_topic({"/strange", "strange_msgs/msg/Thing", "cdr", ""});
+    for (int i = 0; i < 6; ++i) {
+      const auto bytes = static_cast<std::ptrdiff_t>(i % 2 == 0 ? i : 8);
+      bag.write(topic, Stamp{1'000'000'000LL + i * 1'000'000LL},
+                std::vector<std::uint8_t>(message.begin(), message.begin() + bytes));
+    }
+  }
+  const auto participant = test::make_participant();
+  std::mutex mutex;
+  std::condition_variable changed;
+  int got = 0;
+  const bus::RawReader reader(participant, bus::TopicName("/strange"), "strange_msgs/msg/Thing",
+                              bus::qos_profile("default"), [&](const bus::RawMessage& came) {
+                                const std::lock_guard lock(mutex);
+                                EXPECT_GE(came.cdr.size(), 4U);
+                                ++got;
+                                changed.notify_all();
+                              });
+  test::StatusWatch watch(participant);
+  const auto host = test::play(folder.path() / "bag", ", mode: messages", participant);
+  host->activate();
+  {
+    std::unique_lock lock(mutex);
+    // Behind those of 0 and 2 bytes come 8, 8, 4 and 8.
+    EXPECT_TRUE(changed.wait_for(lock, std::chrono::seconds(20), [&] { return got == 4; })) << got;
+  }
+  const auto status = watch.wait_for(
+      *host, [](const auto& s) { return test::value_of(s, "messages left out") == "2"; });
+  EXPECT_EQ(test::value_of(status, "messages left out"), "2");
+  EXPECT_TRUE(host->take_errors().empty());
 }
 
 TEST(Player, PlaysMessagesOfAnyTypeAsTheyWereRecorded) {
