@@ -9,7 +9,10 @@ SetBackWatch::Verdict SetBackWatch::add(Stamp stamp) {
     suspect_.reset();
     return Verdict::kOn;
   }
-  if ((*newest_ - stamp).seconds() <= kLeastSetBackS) return Verdict::kLate;
+  if ((*newest_ - stamp).seconds() <= kLeastSetBackS) {
+    suspect_.reset();  // the clock is not set back: this one goes by it
+    return Verdict::kLate;
+  }
   if (!suspect_ || stamp < *suspect_) {
     suspect_ = stamp;
     return Verdict::kSuspect;

@@ -79,7 +79,7 @@ void ScanQueue::add(std::size_t topic, const std::string& frame, Scan scan,
     scanner.suspect = std::move(waiting);
     return;
   }
-  if (verdict == Verdict::kSetBack) {
+  if (verdict == Verdict::kSetBack && suspect) {
     set_back(suspect->scan.stamp);
     newest_gone_.reset();
     put(std::move(*suspect));

@@ -4,10 +4,13 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/base/error.hpp"
+
 namespace strata::runtime {
 
 void SensorComponent::subscribe_sensors(const SensorInputConfig& config, const std::string& qos) {
   input_.emplace(config, !lockstep());
+  stamps_ = {};
   subscribe<tf2_msgs::msg::TFMessage>("/tf_static", "tf_static", [this](const auto& message) {
     input_->add(message);
     take_observations();
@@ -35,7 +38,14 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& config, const s
 void SensorComponent::take_observations() {
   const std::vector<Observation> observations = input_->take();
   for (const std::string& warning : input_->take_warnings()) tell(std::runtime_error(warning));
-  for (const Observation& observation : observations) on_observation(observation);
+  for (const Observation& observation : observations) {
+    if (lockstep() || stamps_.believes(observation.scan.stamp)) {
+      on_observation(observation);
+    } else {
+      tell(InputError("scan", "a stamp lies further than a minute ahead of the one before",
+                      "see what publishes it; after a gap the next scan is taken"));
+    }
+  }
 }
 
 void SensorComponent::diagnose_input(Health& health) const {

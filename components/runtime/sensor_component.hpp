@@ -7,6 +7,7 @@
 
 #include "components/runtime/component.hpp"
 #include "components/runtime/sensor_input.hpp"
+#include "components/runtime/stamp_watch.hpp"
 
 namespace strata::runtime {
 
@@ -26,6 +27,7 @@ class SensorComponent : public Component {
  private:
   void take_observations();
   std::optional<SensorInput> input_;
+  StampWatch stamps_;
 };
 
 }  // namespace strata::runtime
