@@ -51,6 +51,7 @@ void BeamFilter::on_deactivate() {
 }
 
 void BeamFilter::on_scan(PosedScan scan) {
+  if (!lockstep()) poses_.require(scan.map_from_robot, resolve("posed_scan"));
   scan.static_probability = online_->add(scan);
   publish_classes(scan);
   publish_labeled_(convert::to_message(scan, config_.map_frame, "laser"));
@@ -86,6 +87,7 @@ void BeamFilter::on_diagnose(runtime::Health& health) const {
 void BeamFilter::on_cleanup() {
   store_.reset();
   online_.reset();
+  poses_ = {};
   scans_ = 0;
 }
 

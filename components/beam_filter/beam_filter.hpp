@@ -10,6 +10,7 @@
 #include "components/beam_filter/config.hpp"
 #include "components/log/state_store.hpp"
 #include "components/runtime/component.hpp"
+#include "components/runtime/pose_watch.hpp"
 #include "core/grid/counting_map.hpp"
 
 namespace strata::beam_filter {
@@ -39,6 +40,7 @@ class BeamFilter final : public runtime::Component {
   BeamFilterComponentConfig config_;
   std::optional<OnlineFilter> online_;
   std::optional<log::StateStore> store_;
+  runtime::PoseWatch poses_;
   std::uint64_t scans_ = 0;
   std::function<void(const sensor_msgs::msg::LaserScan&)> publish_static_;
   std::function<void(const sensor_msgs::msg::LaserScan&)> publish_dynamic_;

@@ -85,6 +85,7 @@ bool PatchLearner::restore(const ReflectionGrid& base) {
 
 void PatchLearner::on_scan(const strata_msgs::msg::LabeledScan& message) {
   PosedScan scan = convert::from_message(message);
+  if (!lockstep()) poses_.require(scan.map_from_robot, resolve("labeled_scan"));
   if (config_.online.enabled) {
     learn_online(std::move(scan));
     return;
@@ -170,6 +171,7 @@ void PatchLearner::on_cleanup() {
   learner_.reset();
   filtered_.reset();
   online_.reset();
+  poses_ = {};
   published_.reset();
   has_news_ = false;
   scans_without_map_ = 0;

@@ -10,6 +10,7 @@
 #include "components/patch_learner/config.hpp"
 #include "components/patch_learner/learner_store.hpp"
 #include "components/runtime/component.hpp"
+#include "components/runtime/pose_watch.hpp"
 #include "core/patch/online_learner.hpp"
 #include "core/patch/patch_learner.hpp"
 
@@ -45,6 +46,7 @@ class PatchLearner final : public runtime::Component {
   std::optional<patch::OnlinePatchLearner> online_;
   std::optional<LearnerStore> store_;
   std::chrono::steady_clock::time_point flushed_;
+  runtime::PoseWatch poses_;
   int first_run_ = 0;                    // online: of the scans that come, after those of `maps`
   std::uint64_t scans_without_map_ = 0;  // online: came before there was a map to learn on
   bool has_news_ = false;                // online: changed and not published yet

@@ -99,6 +99,7 @@ bool TimescaleMemory::is_time_to_publish(Stamp stamp) {
 
 void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message, int robot) {
   PosedScan scan = convert::from_message(message);
+  if (!lockstep()) poses_[robot].require(scan.map_from_robot, resolve("labeled_scan"));
   // Robots that share a memory count their runs each for itself: only the clock is common.
   if (!config_.robots.empty()) scan.run = 0;
   memory_->observe(scan, nullptr, robot);
@@ -160,6 +161,7 @@ void TimescaleMemory::on_finish(const std::filesystem::path& out_dir) {
 void TimescaleMemory::on_cleanup() {
   memory_.reset();
   decoded_.reset();
+  poses_.clear();
   last_published_.reset();
   last_changes_.reset();
   rest_until_ = {};

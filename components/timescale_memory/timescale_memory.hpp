@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 
 #include "components/bus/text_message.hpp"
 #include "components/runtime/component.hpp"
+#include "components/runtime/pose_watch.hpp"
 #include "components/timescale_memory/config.hpp"
 #include "components/timescale_memory/memory_file.hpp"
 #include "memory/nodes/timescale_memory.hpp"
@@ -47,6 +49,7 @@ class TimescaleMemory final : public runtime::Component {
   TimescaleMemoryConfig config_;
   std::optional<memory::TimescaleMemory> memory_;
   std::optional<MemoryFile> file_;
+  std::map<int, runtime::PoseWatch> poses_;  // by robot
   std::shared_ptr<const memory::NodeMap> decoded_;
   std::optional<Stamp> last_published_;
   std::optional<Stamp> last_changes_;
