@@ -43,10 +43,10 @@ void select_beams(const Scan& scan, const BeamSelectionConfig& config, ScanBeams
   beams.r_max_m = limit_of(scan, config);
   const double increment = std::abs(static_cast<double>(scan.angle_increment_rad));
   // A hair less than the angle, so that 5 degrees of 1 degree beams are every fifth.
-  const std::size_t stride = increment > 0.0
-                                 ? static_cast<std::size_t>(std::max(
-                                       1.0, std::ceil(config.least_angle_rad / increment - 0.01)))
-                                 : 1;
+  const double every = increment > 0.0 ? std::ceil(config.least_angle_rad / increment - 0.01) : 1.0;
+  // No more than there are: what does not fit into an integer would be a stride of 0.
+  const auto stride = static_cast<std::size_t>(
+      std::clamp(every, 1.0, std::max(1.0, static_cast<double>(scan.size()))));
   for (std::size_t i = 0; i < scan.size(); i += stride) {
     const BeamKind kind = scan.kind(i);
     if (kind == BeamKind::kInvalid || kind == BeamKind::kTooClose) continue;

@@ -50,7 +50,7 @@ Scan undistort(const Scan& scan, const Pose2& start_from_end, bool reversed) {
     // Unwrap next to the original bearing, so that a full turn does not fold onto itself.
     const double moved = bearing + angle_difference(std::atan2(point.y(), point.x()), bearing);
     const double index = std::round((moved - static_cast<double>(scan.angle_min_rad)) / increment);
-    if (index < 0.0 || index > last) continue;
+    if (!(index >= 0.0 && index <= last)) continue;  // nor NaN
     float& slot = corrected.ranges_m[static_cast<std::size_t>(index)];
     const auto range = static_cast<float>(point.norm());
     if (!(slot <= range)) slot = range;
