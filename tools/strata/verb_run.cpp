@@ -79,6 +79,8 @@ void run_here(const RunOptions& options, VerbContext& context,
     for (const std::string& error : host.take_errors()) context.note("warning: " + error);
   }
   if (!options.is_child()) tell_service_manager("STOPPING=1");
+  // What others sent until now is no loss of the end.
+  for (const std::string& error : host.take_errors()) context.note("warning: " + error);
   host.stop();
   // What could not be written at the end is lost: no clean end, whoever started this.
   if (const auto errors = host.take_errors(); !errors.empty()) {
