@@ -19,6 +19,18 @@
 #include "core/base/error.hpp"
 
 namespace strata::bus {
+namespace {
+
+bool shares_memory(const dds::TransportConfigQos& transport) {
+  using Memory = eprosima::fastdds::rtps::SharedMemTransportDescriptor;
+  const auto& own = transport.user_transports;
+  return transport.use_builtin_transports ||
+         std::any_of(own.begin(), own.end(), [](const auto& descriptor) {
+           return dynamic_cast<const Memory*>(descriptor.get()) != nullptr;
+         });
+}
+
+}  // namespace
 
 std::string user_data_value(const std::vector<rtps::octet>& user_data, const std::string& key) {
   const std::string text(user_data.begin(), user_data.end());
@@ -34,10 +46,11 @@ Participant::Participant(const ParticipantOptions& options) : state_(std::make_s
                       "choose a ROS_DOMAIN_ID from 0 to 232");
   }
   state_->options = options;
-  if (options.transport != Transport::kLoopback && options.transport != Transport::kAlone) {
-    remove_orphaned_segments();
-  }
   dds::DomainParticipantQos qos = participant_qos(options);
+  if (shares_memory(qos.transport())) remove_orphaned_segments();
+  if (options.transport == Transport::kSharedMemory) {
+    state_->shared_ports = std::make_unique<SharedPortClaim>(options.domain);
+  }
   state_->is_secured = options.transport != Transport::kAlone && secure(options, qos);
   auto* factory = dds::DomainParticipantFactory::get_instance();
   ProcessParticipants::instance().add(state_);  // first: it may lack memory
@@ -77,6 +90,22 @@ const ParticipantOptions& Participant::options() const { return state_->options;
 
 bool Participant::is_secured() const { return state_->is_secured; }
 
+std::vector<std::string> Participant::warnings() const {
+  std::vector<std::string> warnings;
+  const ParticipantOptions& options = state_->options;
+  if (options.security.enabled && !is_secured() && options.transport != Transport::kAlone) {
+    warnings.push_back("runs without security: enclave " + options.enclave +
+                       " is not in the keystore and ROS_SECURITY_STRATEGY is not Enforce");
+  }
+  if (options.transport != Transport::kSharedMemory && state_->uses_shared_memory()) {
+    warnings.emplace_back(
+        "a Fast DDS profile of yours shares memory: a process of another release of Fast DDS, or "
+        "any user of this host, can end this one; take shared memory out of the profile, as in "
+        "packaging/udp_only.xml");
+  }
+  return warnings;
+}
+
 Guid Participant::guid() const { return to_guid(state_->participant->guid()); }
 
 std::map<std::string, PublishedTopic> Participant::published_topics() const {
@@ -109,13 +138,7 @@ DomainView Participant::view() const {
 }
 
 bool Participant::State::uses_shared_memory() const {
-  using Memory = eprosima::fastdds::rtps::SharedMemTransportDescriptor;
-  const auto& transport = participant->get_qos().transport();
-  const auto& own = transport.user_transports;
-  return transport.use_builtin_transports ||
-         std::any_of(own.begin(), own.end(), [](const auto& descriptor) {
-           return dynamic_cast<const Memory*>(descriptor.get()) != nullptr;
-         });
+  return shares_memory(participant->get_qos().transport());
 }
 
 const Caught& Participant::caught() const { return state_->caught; }

@@ -15,10 +15,10 @@
 namespace strata::bus {
 
 enum class Transport {
-  kDefault,          ///< what ROS 2 uses: UDP with multicast discovery, shared memory on one host
+  kDefault,          ///< UDP with multicast discovery, as ROS 2 uses between hosts
   kLocalhost,        ///< finds this host's processes and static peers only, without multicast
   kLoopback,         ///< UDP on 127.0.0.1 only, no multicast
-  kSharedMemory,     ///< shared memory only: processes of one host
+  kSharedMemory,     ///< shared memory only: our own processes of one user on one host
   kWifi,             ///< as default, each datagram one frame: where frames are lost
   kDiscoveryServer,  ///< as default, with the servers that an option or ROS_DISCOVERY_SERVER names
   kAlone,            ///< finds nobody and is found by nobody: to look at a composition
@@ -75,6 +75,8 @@ class Participant {
   [[nodiscard]] Guid guid() const;
   /// Whether it has shown its enclave; false where a permissive one was not there.
   [[nodiscard]] bool is_secured() const;
+  /// What its user is to know: no security though it was asked for, memory shared by a profile.
+  [[nodiscard]] std::vector<std::string> warnings() const;
   /// Every ROS 2 topic that some writer of the domain, here or elsewhere, publishes now.
   [[nodiscard]] std::map<std::string, PublishedTopic> published_topics() const;
   /// Everything that discovery knows now, this participant and its endpoints included.

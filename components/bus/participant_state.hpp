@@ -21,6 +21,7 @@
 #include "components/bus/caught.hpp"
 #include "components/bus/names.hpp"
 #include "components/bus/participant.hpp"
+#include "components/bus/shared_ports.hpp"
 
 namespace strata::bus {
 
@@ -61,6 +62,8 @@ template <typename ProxyData>
 struct Participant::State : dds::DomainParticipantListener {
   ParticipantOptions options;
   bool is_secured = false;
+  /// Where memory is shared; given up after the participant.
+  std::unique_ptr<SharedPortClaim> shared_ports;
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;

@@ -14,6 +14,7 @@
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 
+#include "components/bus/shared_ports.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::bus {
@@ -40,17 +41,32 @@ rtps::Locator_t ipv4_locator(const std::string& address) {
   return locator;
 }
 
-/// UDP that asks enough processes of a host without a multicast group, and shared memory as usual.
-/// Not where a profile of the user's says which transports to use: as in rmw_fastrtps (its
-/// participant.cpp) those stay as they are.
-void ask_more_processes(dds::TransportConfigQos& transport) {
-  if (!transport.use_builtin_transports || !transport.user_transports.empty()) return;
+/// UDP for 4 MB maps; asks enough processes of a host whose multicast group is not used. Buffer
+/// sizes that a profile of the user's names are kept.
+std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> make_udp(
+    const dds::TransportConfigQos& given) {
+  const auto size = [](std::uint32_t named) { return named > 0 ? named : kSocketBufferBytes; };
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->sendBufferSize = size(given.send_socket_buffer_size);
+  udp->receiveBufferSize = size(given.listen_socket_buffer_size);
   udp->maxInitialPeersRange = kProcessesOfAPeer;
+  return udp;
+}
+
+void use_only(const std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface>& one,
+              dds::TransportConfigQos& transport) {
   transport.use_builtin_transports = false;
-  transport.user_transports.push_back(
-      std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>());
-  transport.user_transports.push_back(udp);
+  transport.user_transports = {one};
+}
+
+/// No shared memory: Fast DDS trusts what it finds there, so a process of another release, or a
+/// file that any user of the host puts into /dev/shm, ends ours (docs/networks.md). Where a profile
+/// of the user's says which transports to use, those stay as they are, as in rmw_fastrtps (its
+/// participant.cpp).
+void use_udp(dds::DomainParticipantQos& qos) {
+  auto& transport = qos.transport();
+  if (!transport.use_builtin_transports || !transport.user_transports.empty()) return;
+  use_only(make_udp(transport), transport);
 }
 
 /// As rmw_fastrtps since Iron: every interface, so that static peers are reached and nodes of the
@@ -61,17 +77,13 @@ void use_localhost(dds::DomainParticipantQos& qos) {
   // An empty unicast locator keeps the default multicast one away.
   builtin.metatrafficUnicastLocatorList.push_back(rtps::Locator_t());
   builtin.initialPeersList.push_back(ipv4_locator("127.0.0.1"));
-  ask_more_processes(qos.transport());
+  use_udp(qos);
 }
 
 void use_loopback(dds::DomainParticipantQos& qos) {
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  auto udp = make_udp(qos.transport());
   udp->interfaceWhiteList.emplace_back("127.0.0.1");
-  udp->sendBufferSize = kSocketBufferBytes;
-  udp->receiveBufferSize = kSocketBufferBytes;
-  udp->maxInitialPeersRange = kProcessesOfAPeer;
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports = {udp};
+  use_only(udp, qos.transport());
   auto& builtin = qos.wire_protocol().builtin;
   // An empty unicast locator keeps the default multicast one away; peers are asked one by one.
   builtin.metatrafficUnicastLocatorList.push_back(rtps::Locator_t());
@@ -85,21 +97,22 @@ constexpr std::uint32_t kFrameBytes = 1472;
 /// them: where one frame in ten is lost, 99 of 100 datagrams are, and a map never arrives. So DDS
 /// cuts, and asks again for the pieces it misses.
 void use_small_datagrams(dds::DomainParticipantQos& qos) {
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  auto udp = make_udp(qos.transport());
   udp->maxMessageSize = kFrameBytes;
-  udp->maxInitialPeersRange = kProcessesOfAPeer;
-  udp->sendBufferSize = kSocketBufferBytes;
-  udp->receiveBufferSize = kSocketBufferBytes;
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports = {
-      udp, std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>()};
+  use_only(udp, qos.transport());
 }
 
 void use_shared_memory(dds::DomainParticipantQos& qos) {
   auto shared = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
   shared->segment_size(kSharedSegmentBytes);
-  qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports = {shared};
+  use_only(shared, qos.transport());
+  auto& port = qos.wire_protocol().port;
+  port.portBase = kSharedPorts.base;
+  port.participantIDGain = 1;
+  port.offsetd1 = kSharedPorts.discovery;
+  port.offsetd3 = kSharedPorts.user;
+  port.offsetd0 = kSharedPorts.all_discovery;
+  port.offsetd2 = kSharedPorts.all_user;
 }
 
 /// Asks these hosts too, each at the first IPv4 address of its name, as ROS 2 does.
@@ -122,10 +135,10 @@ void add_peers_and_group(const std::vector<std::string>& peers, dds::DomainParti
   if (peers.empty()) return;
   add_peers(peers, qos);
   qos.wire_protocol().builtin.initialPeersList.push_back(ipv4_locator("239.255.0.1"));
-  ask_more_processes(qos.transport());
 }
 
 void use_discovery_server(const std::string& servers, dds::DomainParticipantQos& qos) {
+  use_udp(qos);
   if (servers.empty()) {
     // Fast DDS itself reads the variable; without it we would silently multicast.
     if (std::getenv("ROS_DISCOVERY_SERVER") != nullptr) return;
@@ -168,6 +181,7 @@ void use_transport(const ParticipantOptions& options, dds::DomainParticipantQos&
       add_peers_and_group(options.static_peers, qos);
       break;
     case Transport::kDefault:
+      use_udp(qos);
       add_peers_and_group(options.static_peers, qos);
       break;
     case Transport::kDiscoveryServer:
@@ -194,6 +208,11 @@ dds::DomainParticipantQos participant_qos(const ParticipantOptions& options) {
   discovery.leaseDuration_announcementperiod = eprosima::fastrtps::Duration_t(0, 100'000'000);
   discovery.initial_announcements.count = 5;
   discovery.initial_announcements.period = eprosima::fastrtps::Duration_t(0, 50'000'000);
+  // Of readers that share a multicast group Fast DDS 2.9 selects the group only, and sends each new
+  // one its first heartbeat to an address of its own that it never registered; an assertion ends
+  // the process. Two ROS 2 nodes on Cyclone DDS are enough. Mended in 2.10.7, 2.14.5 and 3.1.3
+  // (https://github.com/eProsima/Fast-DDS/pull/5704). So nobody's multicast addresses are kept.
+  qos.allocation().locators.max_multicast_locators = 0;
   use_transport(options, qos);
   if (options.is_alone) {
     discovery.ignoreParticipantFlags = static_cast<rtps::ParticipantFilteringFlags_t>(

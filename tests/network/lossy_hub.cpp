@@ -29,6 +29,11 @@ void LossyHub::set_multicast(bool passes) {
   passes_multicast_ = passes;
 }
 
+std::uint64_t LossyHub::carried_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return carried_bytes_;
+}
+
 std::size_t LossyHub::lost() const {
   const std::lock_guard lock(mutex_);
   return lost_;
@@ -66,6 +71,7 @@ void LossyHub::take(std::size_t tap) {
       ++lost_;
       continue;
     }
+    carried_bytes_ += static_cast<std::uint64_t>(got);
     under_way_.push(
         {Clock::now() + quality_.delay, frames_++, tap, {buffer.data(), buffer.data() + got}});
   }

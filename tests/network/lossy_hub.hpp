@@ -32,6 +32,8 @@ class LossyHub {
   /// Whether it passes frames to groups on; those to everybody (ARP) it does in any case.
   void set_multicast(bool passes);
   [[nodiscard]] std::size_t lost() const;
+  /// Of all frames that were not lost, once each.
+  [[nodiscard]] std::uint64_t carried_bytes() const;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -49,10 +51,11 @@ class LossyHub {
   void deliver();
 
   std::vector<int> taps_;
-  mutable std::mutex mutex_;  // of the next three
+  mutable std::mutex mutex_;  // of the next four
   LinkQuality quality_;
   bool passes_multicast_ = true;
   std::size_t lost_ = 0;
+  std::uint64_t carried_bytes_ = 0;
   std::mt19937 random_{7};  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same losses every time
   std::uint64_t frames_ = 0;
   std::priority_queue<Frame, std::vector<Frame>, std::greater<>> under_way_;

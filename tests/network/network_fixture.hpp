@@ -19,9 +19,9 @@ class Network : public testing::Test {
   static constexpr auto kPatience = std::chrono::seconds(60);
 
   /// Skips the test where hosts cannot be made.
-  void make(std::size_t hosts) {
+  void make(std::size_t hosts, std::size_t networks = 1) {
     try {
-      network_ = std::make_unique<VirtualNetwork>(hosts);
+      network_ = std::make_unique<VirtualNetwork>(hosts, networks);
     } catch (const OutputError& error) {
       GTEST_SKIP() << error.what();
     }
@@ -43,8 +43,8 @@ class Network : public testing::Test {
   std::unique_ptr<VirtualNetwork> network_;
 };
 
-#define STRATA_MAKE_HOSTS(hosts) \
-  make(hosts);                   \
+#define STRATA_MAKE_HOSTS(...) \
+  make(__VA_ARGS__);           \
   if (IsSkipped()) return
 
 }  // namespace strata::test

@@ -19,11 +19,12 @@
 namespace strata::test {
 namespace {
 
-constexpr const char* kDevice = "eth0";
+std::string device(std::size_t network) { return "eth" + std::to_string(network); }
+
 constexpr const char* kRemedy = "run as root where namespaces and TAP devices are allowed";
 
 /// A TAP device inside the network of that process; -1 when that is not allowed.
-int make_tap(pid_t process) {
+int make_tap(pid_t process, const std::string& device_name) {
   int tap = -1;
   // setns is for one thread only, so it is this one's whole life.
   std::thread([&] {
@@ -34,7 +35,7 @@ int make_tap(pid_t process) {
     tap = open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC);
     ifreq request{};
     request.ifr_flags = IFF_TAP | IFF_NO_PI;
-    std::strncpy(request.ifr_name, kDevice, IFNAMSIZ - 1);
+    std::strncpy(request.ifr_name, device_name.c_str(), IFNAMSIZ - 1);
     if (tap >= 0 && ioctl(tap, TUNSETIFF, &request) != 0) {
       close(tap);
       tap = -1;
@@ -52,12 +53,12 @@ std::vector<std::string> on_host(pid_t process, const std::vector<std::string>& 
 
 }  // namespace
 
-std::string VirtualNetwork::address(std::size_t host) {
-  return "10.77.0." + std::to_string(host + 1);
+std::string VirtualNetwork::address(std::size_t host, std::size_t network) {
+  return "10.77." + std::to_string(network) + "." + std::to_string(host + 1);
 }
 
-VirtualNetwork::VirtualNetwork(std::size_t hosts) {
-  std::vector<int> taps;
+VirtualNetwork::VirtualNetwork(std::size_t hosts, std::size_t networks) {
+  std::vector<std::vector<int>> taps(networks);
   for (std::size_t i = 0; i < hosts; ++i) {
     // `cat` ends when we do. Hosts do not share memory, so each has its own /dev/shm.
     holders_.push_back(std::make_unique<ChildProcess>(
@@ -66,16 +67,23 @@ VirtualNetwork::VirtualNetwork(std::size_t hosts) {
     if (holders_.back()->wait_for_line("ready").empty()) {
       throw OutputError("namespaces", "are not allowed here", kRemedy);
     }
-    const pid_t process = holders_.back()->pid();
-    taps.push_back(make_tap(process));
-    if (taps.back() < 0) throw OutputError("/dev/net/tun", "is not allowed here", kRemedy);
-    const std::string setup = "ip link set lo up && ip address add " + address(i) + "/24 dev " +
-                              kDevice + " && ip link set " + kDevice +
-                              " txqueuelen 10000 up && ip route add default dev " + kDevice;
-    ChildProcess ip(on_host(process, {"sh", "-c", setup}));
-    if (ip.wait() != 0) throw OutputError("ip", "does not set a network up", "install iproute2");
+    set_up(i, "ip link set lo up");
+    for (std::size_t n = 0; n < networks; ++n) {
+      taps[n].push_back(make_tap(holders_.back()->pid(), device(n)));
+      if (taps[n].back() < 0) throw OutputError("/dev/net/tun", "is not allowed here", kRemedy);
+      set_up(i, "ip address add " + address(i, n) + "/24 dev " + device(n) + " && ip link set " +
+                    device(n) + " txqueuelen 10000 up");
+    }
+    if (networks > 0) set_up(i, "ip route add default dev " + device(0));
   }
-  hub_ = std::make_unique<LossyHub>(std::move(taps));
+  for (std::vector<int>& network : taps) {
+    hubs_.push_back(std::make_unique<LossyHub>(std::move(network)));
+  }
+}
+
+void VirtualNetwork::set_up(std::size_t host, const std::string& words) const {
+  ChildProcess shell(on_host(holders_[host]->pid(), {"sh", "-c", words}));
+  if (shell.wait() != 0) throw OutputError(words, "fails", "install iproute2");
 }
 
 std::unique_ptr<ChildProcess> VirtualNetwork::run(std::size_t host,

@@ -127,16 +127,17 @@ std::vector<Finding> find_users_apart(const Observed& observed, const NameOf& na
                               name_of(second->second) +
                               ") that nothing of the other's reaches: Fast DDS shares memory "
                               "between processes of one user only",
-                          "run all as one user, or all with `transport: loopback`, which shares "
-                          "no memory (docs/networks.md)"});
+                          "run all as one user, or one of the two without shared memory "
+                          "(docs/networks.md)"});
     }
   }
   for (const auto& [user, guid] : sharers) {
     if (own_user.empty() || user == own_user || heard.count(user) > 0) continue;
-    findings.push_back({false, "user " + user,
-                        "runs " + name_of(guid) + " here, this doctor runs as " + own_user +
-                            ": it shares memory, so nothing of it is heard",
-                        "run `strata doctor` as " + user});
+    findings.push_back(
+        {false, "user " + user,
+         "runs " + name_of(guid) + " here, this doctor runs as " + own_user +
+             ": it shares memory, so nothing of it is heard",
+         "run `strata doctor` as " + user + ", or without the profile that shares memory"});
   }
   return findings;
 }

@@ -33,14 +33,11 @@ inline constexpr const char* kCompositionConfigHelp =
   return composition;
 }
 
-/// Its participant; tells the user where it runs without the security that was asked for.
+/// Its participant; tells the user what is to be known of it.
 [[nodiscard]] inline std::shared_ptr<bus::Participant> join(const runtime::Composition& composition,
                                                             VerbContext& context) {
   auto participant = runtime::make_participant(composition);
-  if (composition.network.security.enabled && !participant->is_secured()) {
-    context.note("warning: runs without security: enclave " + composition.network.enclave +
-                 " is not in the keystore and ROS_SECURITY_STRATEGY is not Enforce");
-  }
+  for (const std::string& warning : participant->warnings()) context.note("warning: " + warning);
   return participant;
 }
 

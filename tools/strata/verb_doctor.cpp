@@ -30,14 +30,15 @@ void examine(const DoctorOptions& options, VerbContext& context) {
     participant.transport = bus::transport_from_name(options.transport);
     participant.is_alone = false;  // as in a composition that names a transport
   }
+  const auto listener = std::make_shared<bus::Participant>(participant);
+  for (const std::string& warning : listener->warnings()) context.note("warning: " + warning);
   context.note("listening on domain " + std::to_string(participant.domain));
   const auto end = std::chrono::steady_clock::now() +
                    std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                        std::chrono::duration<double>(options.seconds));
-  const doctor::Observed observed =
-      doctor::listen(std::make_shared<bus::Participant>(participant), [&](double seconds) {
-        return !context.interrupt().wait_for(seconds) && std::chrono::steady_clock::now() < end;
-      });
+  const doctor::Observed observed = doctor::listen(listener, [&](double seconds) {
+    return !context.interrupt().wait_for(seconds) && std::chrono::steady_clock::now() < end;
+  });
   const doctor::Report report = doctor::examine(observed);
   std::cout << (options.json ? doctor::to_json(report) : doctor::to_text(report));
 }

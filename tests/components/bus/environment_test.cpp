@@ -186,7 +186,7 @@ TEST_F(Environment, OfLocalhostKeepsEveryInterfaceAndLeavesTheMulticastGroup) {
   EXPECT_THAT(qos.wire_protocol().builtin.metatrafficMulticastLocatorList, SizeIs(0));
   EXPECT_THAT(qos.wire_protocol().builtin.metatrafficUnicastLocatorList, SizeIs(1));
   EXPECT_FALSE(qos.transport().use_builtin_transports);
-  ASSERT_THAT(qos.transport().user_transports, SizeIs(2));
+  ASSERT_THAT(qos.transport().user_transports, SizeIs(1));
   const auto* udp = dynamic_cast<const eprosima::fastdds::rtps::UDPv4TransportDescriptor*>(
       qos.transport().user_transports.back().get());
   ASSERT_NE(udp, nullptr);

@@ -9,6 +9,11 @@
  *                                            GID: the bytes of a Gid, 24 or 16
  *   cyclone_peer DOMAIN announce GID NAMESPACE NAME
  *                                            announces a node with one reader and two writers
+ *   cyclone_peer DOMAIN ros_node NAMESPACE NAME
+ *                                            has what every ROS 2 process of Cyclone has; prints as
+ *                                            `nodes`
+ *   cyclone_peer DOMAIN scans COUNT HZ       waits for a reader, publishes numbered scans, "done"
+ *   cyclone_peer DOMAIN hear COUNT           "heard N of M, K in order" after scan M = COUNT - 1
  *   cyclone_peer DOMAIN SERVICE NODE ...     calls it and prints what it answers; cyclone_services.c
  *
  * Says "ready" once everything is made; ends when its standard input does. */
@@ -119,13 +124,19 @@ dds_entity_t make_reader(dds_entity_t topic, bool latched, int depth) {
   return reader;
 }
 
-dds_entity_t make_writer(dds_entity_t topic, bool latched) {
-  dds_qos_t* qos = make_qos(latched, latched ? 1 : 10);
+static dds_entity_t make_writer_with(dds_entity_t topic, bool latched, int depth) {
+  dds_qos_t* qos = make_qos(latched, depth);
   const dds_entity_t writer = dds_create_writer(g_participant, topic, qos, NULL);
   dds_delete_qos(qos);
   require(writer, "writer");
   return writer;
 }
+
+dds_entity_t make_writer(dds_entity_t topic, bool latched) {
+  return make_writer_with(topic, latched, latched ? 1 : 10);
+}
+
+dds_entity_t make_keep_all_writer(dds_entity_t topic) { return make_writer_with(topic, false, 0); }
 
 void attach(dds_entity_t reader, dds_attach_t tag) {
   const dds_entity_t condition = dds_create_readcondition(reader, DDS_ANY_STATE);
@@ -247,8 +258,7 @@ static dds_entity_t make_graph_topic(bool is_long) {
                     "ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
 }
 
-static void nodes(bool is_long) {
-  const dds_entity_t reader = make_reader(make_graph_topic(is_long), true, 0);
+static void print_nodes(dds_entity_t reader, bool is_long) {
   attach(reader, 0);
   say("ready");
   for (;;) {
@@ -266,12 +276,24 @@ static void nodes(bool is_long) {
   }
 }
 
+static void nodes(bool is_long) {
+  print_nodes(make_reader(make_graph_topic(is_long), true, 0), is_long);
+}
+
 static void announce(bool is_long, char* scope, char* name) {
   const dds_entity_t writer = make_writer(make_graph_topic(is_long), true);
   (is_long ? announce_in_rmw_dds_common_24 : announce_in_rmw_dds_common)(writer, scope, name);
   say("ready");
-  dds_attach_t tag;
-  (void)dds_waitset_wait(g_waitset, &tag, 1, DDS_INFINITY);
+  wait_for_input_to_end();
+}
+
+static void be_ros_node(char* scope, char* name) {
+  const dds_entity_t topic = make_graph_topic(false);
+  const dds_entity_t reader = make_reader(topic, true, 0);
+  const dds_entity_t writer = make_writer(topic, true);
+  make_ros_endpoints();
+  announce_in_rmw_dds_common(writer, scope, name);
+  print_nodes(reader, false);
 }
 
 int main(int argc, char** argv) {
@@ -289,6 +311,9 @@ int main(int argc, char** argv) {
   const bool is_long = argc >= 4 && strcmp(argv[3], "24") == 0;
   if (strcmp(argv[2], "nodes") == 0) nodes(is_long);
   if (strcmp(argv[2], "announce") == 0 && argc >= 6) announce(is_long, argv[4], argv[5]);
+  if (strcmp(argv[2], "ros_node") == 0 && argc >= 5) be_ros_node(argv[3], argv[4]);
+  if (strcmp(argv[2], "scans") == 0 && argc >= 5) publish_scans(atoi(argv[3]), atof(argv[4]));
+  if (strcmp(argv[2], "hear") == 0 && argc >= 4) hear_scans(atoi(argv[3]));
   if (argc >= 4) call_service(argv[2], argv[3], argv + 4);
   dds_delete(g_participant);
   fflush(stdout);

@@ -17,9 +17,17 @@ dds_entity_t make_topic(const dds_topic_descriptor_t* descriptor, const char* to
                         const char* wire_type);
 dds_entity_t make_reader(dds_entity_t topic, bool latched, int depth);
 dds_entity_t make_writer(dds_entity_t topic, bool latched);
+/* Reliable; loses nothing. */
+dds_entity_t make_keep_all_writer(dds_entity_t topic);
 void attach(dds_entity_t reader, dds_attach_t tag);
 /* The next message, lent; false when none is there. */
 bool take(dds_entity_t reader, void** sample);
+
+/* What every ROS 2 process makes besides ros_discovery_info, and a topic of scans; cyclone_ros.c. */
+void make_ros_endpoints(void);
+void publish_scans(int count, double hertz);
+void hear_scans(int count);
+void wait_for_input_to_end(void);
 
 /* The ends of a service that a client has. */
 struct Client {

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Processes as ROS 2 has them with rmw_cyclonedds: what every one of them makes at its start, and
+ * the ends of a topic of scans that network_peer has too. */
+#include "cyclone_peer.h"
+#include "rcl_interfaces.h"
+#include "sensor_msgs.h"
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { kBeams = 1080 };
+
+void wait_for_input_to_end(void) {
+  dds_attach_t tag;
+  (void)dds_waitset_wait(g_waitset, &tag, 1, DDS_INFINITY);
+}
+
+void make_ros_endpoints(void) {
+  const dds_entity_t events =
+      make_topic(&rcl_interfaces_msg_ParameterEvent_desc, "rt/parameter_events",
+                 "rcl_interfaces::msg::dds_::ParameterEvent_");
+  (void)make_reader(events, false, 1000);
+  (void)make_writer(events, false);
+}
+
+static dds_entity_t make_scan_topic(void) {
+  return make_topic(&sensor_msgs_msg_LaserScan_desc, "rt/scan",
+                    "sensor_msgs::msg::dds_::LaserScan_");
+}
+
+static void wait_for_match(dds_entity_t writer) {
+  dds_publication_matched_status_t status;
+  do {
+    require(dds_get_publication_matched_status(writer, &status), "matched");
+    if (status.current_count == 0) dds_sleepfor(DDS_MSECS(10));
+  } while (status.current_count == 0);
+}
+
+void publish_scans(int count, double hertz) {
+  const dds_entity_t writer = make_keep_all_writer(make_scan_topic());
+  say("ready");
+  wait_for_match(writer);
+  sensor_msgs_msg_LaserScan scan = {0};
+  static float ranges[kBeams];
+  for (int i = 0; i < kBeams; ++i) ranges[i] = 1.0F;
+  scan.header.frame_id = "";
+  scan.ranges._length = scan.ranges._maximum = kBeams;
+  scan.ranges._buffer = ranges;
+  for (int i = 0; i < count; ++i) {
+    scan.header.stamp.sec = i;
+    require(dds_write(writer, &scan), "scan");
+    dds_sleepfor((dds_duration_t)(1e9 / hertz));
+  }
+  say("done");
+  wait_for_input_to_end();
+}
+
+void hear_scans(int count) {
+  const dds_entity_t reader = make_reader(make_scan_topic(), false, 0);
+  attach(reader, 0);
+  say("ready");
+  int heard = 0;
+  int in_order = 0;
+  for (;;) {
+    dds_attach_t tags[2];
+    const int woken = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
+    for (int i = 0; i < woken; ++i) {
+      if (tags[i] != 0) return;
+    }
+    void* sample = NULL;
+    while (take(reader, &sample)) {
+      const sensor_msgs_msg_LaserScan* scan = sample;
+      const int number = scan->header.stamp.sec;
+      if (number == heard && scan->ranges._length == kBeams) ++in_order;
+      ++heard;
+      dds_return_loan(reader, &sample, 1);
+      if (number != count - 1) continue;
+      printf("heard %d of %d, %d in order\n", heard, count, in_order);
+      fflush(stdout);
+    }
+  }
+}

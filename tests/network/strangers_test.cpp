@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Nothing that others do on the domain ends a robot: ROS 2's Cyclone processes come and go.
+#include "tests/network/strangers.hpp"
+
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/test_data.hpp"
+
+namespace strata::test {
+namespace {
+
+/// Where the robot and the others are, and how it talks.
+struct Place {
+  std::string name;
+  CycloneNetwork where;
+  std::size_t networks;
+  std::string transport;
+};
+
+void PrintTo(const Place& place, std::ostream* out) { *out << place.name; }
+
+int rounds() {
+  const char* given = std::getenv("STRATA_STRANGER_ROUNDS");
+  return given != nullptr ? std::atoi(given) : 17;
+}
+
+class Company : public Strangers, public testing::WithParamInterface<Place> {
+ protected:
+  void make_place() {
+    make(1, GetParam().networks);
+    if (!IsSkipped() && GetParam().where == CycloneNetwork::kLoopback) {
+      network_->set_up(0, "ip link set lo multicast on");
+      if (GetParam().networks == 0) network_->set_up(0, "ip route add default dev lo");
+    }
+  }
+};
+
+// Two readers of one topic that share a multicast group aborted Fast DDS; a third node sees that
+// the robot is still one of the domain.
+TEST_P(Company, OfRos2NodesThatComeAndGoDoesNotEndARobot) {
+  make_place();
+  if (IsSkipped()) return;
+  const auto robot = this->robot(0, GetParam().transport);
+  for (int round = 0; round < rounds(); ++round) {
+    const auto first = ros_node(0, "first", "scan_matcher", GetParam().where);
+    const auto second = ros_node(0, "second", "scan_matcher", GetParam().where);
+    const auto third = ros_node(0, "third", "scan_matcher", GetParam().where);
+    if (round % 2 == 1) second->kill_hard();  // no goodbye
+    ASSERT_TRUE(robot->runs()) << "ended in round " << round << ": " << robot->rest();
+  }
+  expect_good_end(*robot);
+}
+
+const auto kNameOf = [](const testing::TestParamInfo<Place>& info) { return info.param.name; };
+
+INSTANTIATE_TEST_SUITE_P(
+    InEveryPlace, Company,
+    testing::Values(Place{"OnLoopbackThatMulticasts", CycloneNetwork::kLoopback, 0, "default"},
+                    Place{"OnOneNetwork", CycloneNetwork::kDevices, 1, "default"},
+                    Place{"OnOneNetworkThatLosesFrames", CycloneNetwork::kDevices, 1, "wifi"},
+                    Place{"OnTwoNetworks", CycloneNetwork::kDevices, 2, "default"},
+                    Place{"OfALocalhost", CycloneNetwork::kUnicast, 1, "localhost"}),
+    kNameOf);
+
+// The figures in docs/networks.md: each reader gets a copy of its own.
+TEST_F(Strangers, DISABLED_ShowsWhatSeveralReadersCost) {
+  for (const std::size_t readers : {1U, 2U, 3U, 4U}) {
+    STRATA_MAKE_HOSTS(2);
+    std::vector<std::unique_ptr<ChildProcess>> listeners;
+    for (std::size_t i = 0; i < readers; ++i) {
+      listeners.push_back(cyclone(1, {"hear", "200"}));
+    }
+    const std::uint64_t before = network_->hub().carried_bytes();
+    const auto talker = peer(0, {"scans", "200", "20", "lossless"});
+    for (const auto& listener : listeners) EXPECT_NE(listener->wait_for_line("heard"), "");
+    std::cout << readers << " readers on another host: "
+              << static_cast<double>(network_->hub().carried_bytes() - before) / 200.0
+              << " bytes a scan of 1,080 beams\n";
+  }
+}
+
+TEST_F(Strangers, OfCycloneDoNotEndARobotThatStartsLast) {
+  STRATA_MAKE_HOSTS(1);
+  const auto first = cyclone(0, {"ros_node", "/", "first"});
+  const auto second = cyclone(0, {"ros_node", "/", "second"});
+  for (int round = 0; round < rounds(); ++round) {
+    const auto robot = this->robot(0, "default");
+    ASSERT_NE(second->wait_for_line("node / scan_matcher", kPatience), "");
+    expect_good_end(*robot);
+  }
+}
+
+TEST_F(Strangers, OfCycloneDoNotEndARobotAtADiscoveryServer) {
+  STRATA_MAKE_HOSTS(1);
+  const auto server = network_->run(
+      0, {"fastdds", "discovery", "-i", "0", "-l", VirtualNetwork::address(0), "-p", "11811"});
+  ASSERT_NE(server->wait_for_line("### Server is running ###"), "");
+  const auto robot = this->robot(0, "discovery_server",
+                                 {"ROS_DISCOVERY_SERVER=" + VirtualNetwork::address(0) + ":11811"});
+  // Nobody is told of them, but their announcements reach every socket of the domain.
+  for (int round = 0; round < rounds(); ++round) {
+    const auto first = cyclone(0, {"ros_node", "/", "first"});
+    const auto second = cyclone(0, {"ros_node", "/", "second"});
+    ASSERT_NE(second->wait_for_line("node / first", kPatience), "");
+    ASSERT_TRUE(robot->runs()) << robot->rest();
+  }
+  expect_good_end(*robot);
+}
+
+TEST_F(Strangers, OfCycloneDoNotEndARobotWithDdsSecurity) {
+  STRATA_MAKE_HOSTS(1);
+  const TemporaryDirectory folder;
+  const std::string keystore = (folder.path() / "keystore").string();
+  network_->set_up(0, std::string(STRATA_PROGRAM) + " keystore create " + keystore + " && " +
+                          STRATA_PROGRAM + " keystore add " + keystore + " /robot");
+  const auto robot =
+      this->robot(0, "default",
+                  {"ROS_SECURITY_ENABLE=true", "ROS_SECURITY_STRATEGY=Enforce",
+                   "ROS_SECURITY_KEYSTORE=" + keystore, "ROS_SECURITY_ENCLAVE_OVERRIDE=/robot"});
+  for (int round = 0; round < rounds(); ++round) {
+    const auto first = cyclone(0, {"ros_node", "/", "first"});
+    const auto second = cyclone(0, {"ros_node", "/", "second"});
+    ASSERT_NE(second->wait_for_line("node / first", kPatience), "");
+    ASSERT_TRUE(robot->runs()) << robot->rest();
+  }
+  expect_good_end(*robot);
+}
+
+}  // namespace
+}  // namespace strata::test
