@@ -93,13 +93,18 @@ void use_loopback(dds::DomainParticipantQos& qos) {
 // What an Ethernet frame carries (1500), less IP's and UDP's headers.
 constexpr std::uint32_t kFrameBytes = 1472;
 
-/// Datagrams that fit one frame. A datagram of 64 KB travels as 45 frames and is lost with any of
-/// them: where one frame in ten is lost, 99 of 100 datagrams are, and a map never arrives. So DDS
-/// cuts, and asks again for the pieces it misses.
+/// Sends datagrams that fit one frame, and takes those of any size: what a transport receives goes
+/// by its own maxMessageSize, what a participant sends by what its descriptor says here.
+struct FrameDescriptor : eprosima::fastdds::rtps::UDPv4TransportDescriptor {
+  explicit FrameDescriptor(const UDPv4TransportDescriptor& udp) : UDPv4TransportDescriptor(udp) {}
+  [[nodiscard]] std::uint32_t max_message_size() const override { return kFrameBytes; }
+};
+
+/// A datagram of 64 KB travels as 45 frames and is lost with any of them: where one frame in ten is
+/// lost, 99 of 100 datagrams are, and a map never arrives. So DDS cuts, and asks again for the
+/// pieces it misses.
 void use_small_datagrams(dds::DomainParticipantQos& qos) {
-  auto udp = make_udp(qos.transport());
-  udp->maxMessageSize = kFrameBytes;
-  use_only(udp, qos.transport());
+  use_only(std::make_shared<FrameDescriptor>(*make_udp(qos.transport())), qos.transport());
 }
 
 void use_shared_memory(dds::DomainParticipantQos& qos) {

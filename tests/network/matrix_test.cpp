@@ -104,7 +104,10 @@ class Matrix : public Strangers, public testing::WithParamInterface<Cell> {
         GetParam().meets() ? reader.wait_for_line("heard", kPatience) : std::string();
     for (ChildProcess* process : {&writer, &reader}) {
       EXPECT_TRUE(process->runs());
-      if (!GetParam().meets()) continue;  // the writer still waits for a reader
+      if (!GetParam().meets()) {
+        process->kill_hard();  // the writer still waits for a reader
+        continue;
+      }
       process->close_input();
       EXPECT_EQ(process->wait(), 0);
     }
