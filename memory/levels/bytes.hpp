@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 
 namespace strata::memory {
 
@@ -44,7 +44,7 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads them in the same order. Throws InputError{place} when the bytes end early.
+/// Reads them in the same order. Throws DamageError{place} when the bytes end early.
 class ByteReader {
  public:
   ByteReader(std::span<const std::byte> bytes, std::string place)
@@ -69,12 +69,14 @@ class ByteReader {
     std::memcpy(text.data(), data, size);
     return text;
   }
+  [[nodiscard]] bool is_at_end() const { return bytes_.empty(); }
   /// Throws unless everything was read.
   void finish() const {
     if (!bytes_.empty()) fail("has bytes to spare");
   }
+  /// The bytes are damaged. Throws DamageError.
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(place_, what, "take it from a backup, or learn it again");
+    throw DamageError(place_, what, "take it from a backup, or learn it again");
   }
 
  private:

@@ -121,6 +121,8 @@ class TimescaleMemory {
   };
   [[nodiscard]] std::vector<std::byte> head_state() const;
   [[nodiscard]] NodeState node_state(std::size_t node) const;
+  /// A node asleep as it would be awake. Throws InputError when it cannot be read.
+  [[nodiscard]] MemoryNode awakened(std::size_t node) const;
   /// Throws InputError{place} when the parts do not fit together.
   [[nodiscard]] static TimescaleMemory restore(std::span<const std::byte> head,
                                                std::span<const NodeState> nodes,
@@ -142,7 +144,6 @@ class TimescaleMemory {
   void read_levels(MemoryNode& node, std::span<const std::vector<std::byte>> levels,
                    const std::string& place) const;
   void wake(int index);
-  [[nodiscard]] MemoryNode awakened(std::size_t index) const;
   /// Which nodes asleep `decode` may read: nearest to the last scan's node first.
   [[nodiscard]] std::vector<bool> to_read(const NodeMap* previous, std::size_t most) const;
   struct DecodeRules {

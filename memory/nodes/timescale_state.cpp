@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// How a timescale memory becomes bytes and comes back.
+#include <algorithm>
+
 #include "memory/nodes/config_bytes.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
@@ -7,7 +9,9 @@ namespace strata::memory {
 namespace {
 
 /// 2: a node may gather a day. Memories of version 1 have no level that learns by days.
-constexpr std::uint32_t kStateVersion = 2;
+/// 3: what was seen last, and when each node was needed last. A node that has slept since an older
+/// version wrote it does without.
+constexpr std::uint32_t kStateVersion = 3;
 
 /// Run and robot share a number: files of before several robots could feed a memory have robot 0.
 std::int64_t run_and_robot(const MemoryNode& node) {
@@ -20,18 +24,28 @@ struct Head {
   TimescaleConfig config;
   std::uint64_t seed = 0;
   std::uint64_t observations = 0;
+  int newest_run = 0;
+  Stamp newest_stamp;
+  std::uint64_t newest_node = 0;
 };
 
 /// nodes: how many there must be.
 Head read_head(std::span<const std::byte> bytes, std::size_t nodes, const std::string& place) {
   ByteReader in(bytes, place);
-  if (const auto version = in.read<std::uint32_t>(); version > kStateVersion) {
-    in.fail("was written by a newer Strata");
+  const auto version = in.read<std::uint32_t>();
+  if (version > kStateVersion) {
+    throw InputError(place, "was written by a newer Strata", "update Strata, or learn it again");
   }
   Head head;
   head.config = read_config(in);
   head.seed = in.read<std::uint64_t>();
   head.observations = in.read<std::uint64_t>();
+  if (version >= 3) {
+    head.newest_run = in.read<std::int32_t>();
+    head.newest_stamp.ns = in.read<std::int64_t>();
+    head.newest_node = in.read<std::uint64_t>();
+    if (head.newest_node >= std::max<std::size_t>(nodes, 1)) in.fail("has lost its newest node");
+  }
   if (in.read<std::uint64_t>() != nodes) in.fail("lacks nodes");
   in.finish();
   return head;
@@ -49,6 +63,7 @@ void read_node_head(MemoryNode& node, std::span<const std::byte> bytes, const st
   node.last_pose.x = in.read<double>();
   node.last_pose.y = in.read<double>();
   node.last_pose.theta = in.read<double>();
+  if (!in.is_at_end()) node.last_used = in.read<std::uint64_t>();
   in.finish();
 }
 
@@ -60,6 +75,9 @@ std::vector<std::byte> TimescaleMemory::head_state() const {
   write_config(config_, out);
   out.write(seed_);
   out.write(observations_);
+  out.write(std::int32_t{newest_run_});
+  out.write(newest_stamp_.ns);
+  out.write(std::uint64_t{newest_node_});
   out.write(static_cast<std::uint64_t>(nodes_.size()));
   return std::move(out).take();
 }
@@ -75,6 +93,7 @@ TimescaleMemory::NodeState TimescaleMemory::node_state(std::size_t index) const 
   head.write(node.last_pose.x);
   head.write(node.last_pose.y);
   head.write(node.last_pose.theta);
+  head.write(node.last_used);
   NodeState state{std::move(head).take(), {}};
   if (node.is_asleep()) {
     state.levels = source_->levels_of(index);
@@ -108,7 +127,7 @@ std::vector<std::byte> TimescaleMemory::state() const {
 
 std::size_t TimescaleMemory::bytes() const {
   // A node's head and, per level, insertions and two counts an angle bin.
-  constexpr std::size_t kHeadBytes = 64;
+  constexpr std::size_t kHeadBytes = 72;
   std::size_t total = head_state().size();
   for (const MemoryNode& node : nodes_) {
     total += kHeadBytes;
@@ -143,6 +162,9 @@ TimescaleMemory TimescaleMemory::restore(std::span<const std::byte> head,
   Head read = read_head(head, nodes.size(), place);
   TimescaleMemory memory(std::move(read.config), read.seed);
   memory.observations_ = read.observations;
+  memory.newest_run_ = read.newest_run;
+  memory.newest_stamp_ = read.newest_stamp;
+  memory.newest_node_ = read.newest_node;
   for (const NodeState& state : nodes) {
     MemoryNode& node = memory.nodes_[static_cast<std::size_t>(memory.add_node({0.0, 0.0}))];
     read_node_head(node, state.head, place);
@@ -158,6 +180,9 @@ TimescaleMemory TimescaleMemory::restore_asleep(std::span<const std::byte> head,
   Head read = read_head(head, node_heads.size(), place);
   TimescaleMemory memory(std::move(read.config), read.seed);
   memory.observations_ = read.observations;
+  memory.newest_run_ = read.newest_run;
+  memory.newest_stamp_ = read.newest_stamp;
+  memory.newest_node_ = read.newest_node;
   memory.source_ = std::move(source);
   memory.nodes_.resize(node_heads.size());
   for (std::size_t n = 0; n < node_heads.size(); ++n) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/store/store.hpp"
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 #include "memory/store/detail/schema.hpp"
 #include "memory/store/detail/store_impl.hpp"
 
@@ -17,8 +17,8 @@ namespace {
 void check_for_damage(Database& database) {
   const std::string verdict = database.query_text("PRAGMA quick_check(1)");
   if (verdict == "ok") return;
-  throw InputError(database.place(), "is damaged (" + verdict + ")",
-                   "take it from a backup, or learn the maps again into a new folder");
+  throw DamageError(database.place(), "is damaged (" + verdict + ")",
+                    "take it from a backup, or learn the maps again into a new folder");
 }
 
 }  // namespace
@@ -44,20 +44,22 @@ void Store::require_writable() const {
 void Store::transaction(const std::function<void()>& body) {
   require_writable();
   detail::Database& database = impl_->database;
-  if (impl_->transaction_depth > 0) {
-    body();
-    return;
+  const bool is_inner = impl_->transaction_depth > 0;
+  if (is_inner && database.is_between_transactions()) {
+    // SQLite gave the outer one up at an error that its body did not pass on.
+    throw OutputError(path_.string(), "a transaction was given up", "free some space, try again");
   }
   // IMMEDIATE takes the write lock now: waiting for it inside a transaction could not be retried.
-  database.execute("BEGIN IMMEDIATE");
+  database.execute(is_inner ? "SAVEPOINT inner_transaction" : "BEGIN IMMEDIATE");
   ++impl_->transaction_depth;
   try {
     body();
-    database.execute("COMMIT");
+    database.execute(is_inner ? "RELEASE inner_transaction" : "COMMIT");
   } catch (...) {
     --impl_->transaction_depth;
     try {
-      database.execute("ROLLBACK");
+      database.execute(is_inner ? "ROLLBACK TO inner_transaction; RELEASE inner_transaction"
+                                : "ROLLBACK");
     } catch (const Error&) {
       // SQLite has rolled back by itself already; the first error says why.
     }

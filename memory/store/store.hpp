@@ -64,7 +64,8 @@ class Store {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// Runs `body` as one transaction: all of its saves or, when it throws, none.
+  /// Runs `body` as one transaction: all of its saves or, when it throws, none. One inside another
+  /// is undone alone when it throws; what it saved is in the file when the outer one ends.
   void transaction(const std::function<void()>& body);
 
   /// Texts by key, e.g. "summary/em" or "config/learn". Keys are the caller's.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdint>
+#include <optional>
 
 #include "memory/store/detail/blob.hpp"
 #include "memory/store/detail/store_impl.hpp"
@@ -36,7 +37,8 @@ void write_level(Database& database, const std::string& map, std::size_t node, s
   Statement(database,
             "INSERT INTO timescale_level (map, node, level, name, half_life_s, samples, pairs, "
             "data) VALUES (?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (map, node, level) DO UPDATE SET "
-            "samples = excluded.samples, pairs = excluded.pairs, data = excluded.data")
+            "name = excluded.name, half_life_s = excluded.half_life_s, samples = excluded.samples, "
+            "pairs = excluded.pairs, data = excluded.data")
       .bind(map)
       .bind(static_cast<std::int64_t>(node))
       .bind(static_cast<std::int64_t>(place))
@@ -48,10 +50,11 @@ void write_level(Database& database, const std::string& map, std::size_t node, s
       .run();
 }
 
-/// Writes what differs from the revisions; empty: everything. Returns whether anything did.
+/// Writes what differs from the revisions; empty: everything. node: that of the index, awake.
+/// Returns whether anything did.
 bool write_node(Database& database, const std::string& map, const TimescaleMemory& memory,
-                std::size_t index, const std::vector<std::uint64_t>& saved) {
-  const MemoryNode& node = memory.nodes()[index];
+                const MemoryNode& node, std::size_t index,
+                const std::vector<std::uint64_t>& saved) {
   const std::vector<std::uint64_t> revisions = node.revisions();
   if (revisions == saved) return false;
   const bool is_new = saved.size() != revisions.size();
@@ -59,7 +62,8 @@ bool write_node(Database& database, const std::string& map, const TimescaleMemor
   Statement(database,
             "INSERT INTO timescale_node (map, node, x_m, y_m, observations, data) "
             "VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (map, node) DO UPDATE SET "
-            "observations = excluded.observations, data = excluded.data")
+            "x_m = excluded.x_m, y_m = excluded.y_m, observations = excluded.observations, "
+            "data = excluded.data")
       .bind(map)
       .bind(static_cast<std::int64_t>(index))
       .bind(node.position_m.x())
@@ -85,11 +89,25 @@ bool write_node(Database& database, const std::string& map, const TimescaleMemor
 void Store::save_timescale(const TimescaleMemory& memory, const std::string& name) {
   transaction([&] {
     Database& database = impl_->database;
-    Statement(database, "DELETE FROM timescale WHERE name = ?").bind(name).run();
     write_head(database, name, memory);
+    // Over what is there, which may be where nodes asleep are read from; what is too much goes
+    // last.
+    Statement surplus(database,
+                      "DELETE FROM timescale_level WHERE map = ? AND node = ? AND level >= ?");
     for (std::size_t n = 0; n < memory.nodes().size(); ++n) {
-      write_node(database, name, memory, n, {});
+      std::optional<MemoryNode> woken;
+      if (memory.nodes()[n].is_asleep()) woken = memory.awakened(n);
+      const MemoryNode& node = woken ? *woken : memory.nodes()[n];
+      write_node(database, name, memory, node, n, {});
+      surplus.bind(name)
+          .bind(static_cast<std::int64_t>(n))
+          .bind(static_cast<std::int64_t>(node.levels.size() + (node.today ? 1 : 0)))
+          .run();
     }
+    Statement(database, "DELETE FROM timescale_node WHERE map = ? AND node >= ?")
+        .bind(name)
+        .bind(static_cast<std::int64_t>(memory.nodes().size()))
+        .run();
   });
 }
 
@@ -123,7 +141,7 @@ std::size_t Store::save_timescale_changes(const TimescaleMemory& memory, SavedTi
       if (n < saved.nodes.size()) {
         there = saved.nodes[n].empty() ? node.stored_revisions : saved.nodes[n];
       }
-      written += write_node(database, name, memory, n, there) ? 1 : 0;
+      written += write_node(database, name, memory, node, n, there) ? 1 : 0;
     }
   });
   saved = all_saved(memory);

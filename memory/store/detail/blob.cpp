@@ -5,7 +5,7 @@
 
 #include <zstd.h>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 
 namespace strata::memory::detail {
 namespace {
@@ -14,8 +14,8 @@ namespace {
 constexpr unsigned long long kMostBytes = 1ULL << 36U;
 
 [[noreturn]] void throw_damaged(const std::string& place) {
-  throw InputError(place, "its content is damaged",
-                   "take the store from a backup, or learn the maps again into a new folder");
+  throw DamageError(place, "its content is damaged",
+                    "take the store from a backup, or learn the maps again into a new folder");
 }
 
 struct FreeContext {

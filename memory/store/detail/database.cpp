@@ -1,15 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/store/detail/database.hpp"
 
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include <sqlite3.h>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
+#include "memory/store/detail/schema.hpp"
 
 namespace strata::memory::detail {
 namespace {
+
+/// Of a file that SQLite cannot read: whether it was a store once.
+bool was_ours(const std::string& path) {
+  // "SQLite format 3", and at byte 68 the application id.
+  constexpr std::size_t kIdAt = 68;
+  std::array<char, kIdAt + 4> head{};
+  std::ifstream in(path, std::ios::binary);
+  in.read(head.data(), head.size());
+  const auto size = static_cast<std::size_t>(in.gcount());
+  const std::string_view bytes(head.data(), size);
+  if (!may_have_begun_with(bytes, std::string_view("SQLite format 3\0", 16))) return false;
+  std::uint32_t id = 0;
+  for (std::size_t i = kIdAt; i < size; ++i) {
+    id = id << 8U | static_cast<std::uint8_t>(head.at(i));
+  }
+  const bool is_blank = size == 0 || head.front() == '\0';
+  return size < head.size() || is_blank || id == kApplicationId;
+}
 
 [[noreturn]] void throw_error(const std::string& place, int code, const std::string& message,
                               bool writing) {
@@ -22,9 +43,9 @@ namespace {
       break;
     case SQLITE_NOTADB:
     case SQLITE_CORRUPT:
-      what = "is damaged or is not a Strata store (" + message + ")";
       remedy = "take it from a backup, or learn the maps again into a new folder";
-      break;
+      if (was_ours(place)) throw DamageError(place, "is damaged (" + message + ")", remedy);
+      throw InputError(place, "is not a Strata store (" + message + ")", remedy);
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       what = "another program is writing to it and did not finish in time";
@@ -117,6 +138,8 @@ Database::Database(const std::filesystem::path& path, bool read_only, int busy_t
     fail("read");
   }
 }
+
+bool Database::is_between_transactions() const { return sqlite3_get_autocommit(handle()) != 0; }
 
 void Database::execute(const char* sql) {
   if (sqlite3_exec(handle(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) {

@@ -25,6 +25,8 @@ class Database {
   [[nodiscard]] const std::string& place() const { return place_; }
   [[nodiscard]] bool read_only() const { return read_only_; }
 
+  /// Whether no transaction is under way.
+  [[nodiscard]] bool is_between_transactions() const;
   /// Runs statements that return nothing of interest.
   void execute(const char* sql);
   /// The same for a statement that SQLite answers with "busy" without waiting (changing the journal

@@ -59,6 +59,38 @@ TimescaleMemory fall_asleep(const TimescaleMemory& memory) {
   return TimescaleMemory::restore_asleep(memory.head_state(), source->heads(), source);
 }
 
+std::vector<bool> sleepers(const TimescaleMemory& memory) {
+  std::vector<bool> asleep;
+  for (const MemoryNode& node : memory.nodes()) asleep.push_back(node.is_asleep());
+  return asleep;
+}
+
+TEST(SleepingNodes, OfAMemoryThatWasRestoredAreThoseThatWereNeededLongestAgo) {
+  TimescaleMemory memory = after(150);
+  ASSERT_GT(memory.nodes().size(), 3U);
+  std::vector<TimescaleMemory::NodeState> nodes;
+  for (std::size_t n = 0; n < memory.nodes().size(); ++n) nodes.push_back(memory.node_state(n));
+  TimescaleMemory restored = TimescaleMemory::restore(memory.head_state(), nodes, "test");
+  const auto source = std::make_shared<const Snapshot>(memory);
+  for (std::size_t awake = memory.nodes().size() - 1; awake > 0; --awake) {
+    memory.let_sleep(awake, source);
+    restored.let_sleep(awake, source);
+    EXPECT_EQ(sleepers(restored), sleepers(memory)) << awake;
+  }
+}
+
+TEST(SleepingNodes, AreReadFirstWhereTheRobotWasLastThoughTheMemoryWasRestored) {
+  const TimescaleMemory memory = after(150);
+  const TimescaleMemory restored = fall_asleep(memory);
+  TimescaleMemory slept = memory;
+  slept.let_sleep(0, std::make_shared<const Snapshot>(memory));
+  const auto of_restored = restored.decode({}, nullptr, 0.0, 1);
+  const auto of_slept = slept.decode({}, nullptr, 0.0, 1);
+  for (std::size_t n = 0; n < memory.nodes().size(); ++n) {
+    EXPECT_EQ(of_restored->nodes()[n].is_pending, of_slept->nodes()[n].is_pending) << n;
+  }
+}
+
 void expect_same(const NodeMap& map, const NodeMap& truth) {
   ASSERT_EQ(map.nodes().size(), truth.nodes().size());
   for (std::size_t n = 0; n < truth.nodes().size(); ++n) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fstream>
 #include <functional>
+#include <string>
+#include <typeinfo>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 #include "memory/store/store.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -72,6 +74,38 @@ TEST_F(StoreFile, ThatIsAnotherKindOfDatabaseIsRefused) {
   run_sql("PRAGMA application_id = 1");
   EXPECT_THAT(error_of<InputError>([&] { const Store store(path()); }),
               HasSubstr("not a Strata store"));
+}
+
+template <typename E>
+bool throws_exactly(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return typeid(error) == typeid(E);
+  }
+  return false;
+}
+
+TEST_F(StoreFile, OfOursThatIsDamagedIsToldFromOneOfSomebodyElse) {
+  const std::string whole = read_file();
+  const auto open = [this] { const Store store(path()); };
+  std::string broken = whole;
+  broken[21] = 1;  // in the header, where 64 must be
+  for (const std::string& ours :
+       {whole.substr(0, whole.size() / 2), std::string(8192, '\0'), whole.substr(0, 50), broken}) {
+    write_file(ours);
+    EXPECT_TRUE(throws_exactly<DamageError>(open)) << ours.size();
+  }
+  write_file(
+      "P5 10 10 255 this is a picture and no database at all, is it, and so large that it "
+      "has the bytes of a header and some more");
+  EXPECT_TRUE(throws_exactly<InputError>(open));
+  write_file(whole);
+  run_sql("PRAGMA application_id = 1");
+  EXPECT_TRUE(throws_exactly<InputError>(open));
+  run_sql(("PRAGMA application_id = " + std::to_string(0x53747261)).c_str());
+  run_sql("PRAGMA user_version = 99");
+  EXPECT_TRUE(throws_exactly<InputError>(open));
 }
 
 TEST_F(StoreFile, ThatIsNoDatabaseIsRefused) {

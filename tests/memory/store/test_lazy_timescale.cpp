@@ -131,6 +131,22 @@ TEST_F(LargeBuilding, OutlivesTheStoreItWasOpenedFrom) {
   EXPECT_EQ(opened->awake(), 1U);
 }
 
+TEST_F(LargeBuilding, IsSavedAsAWholeThoughItsNodesAreAsleepInTheSameStore) {
+  Store store(copy("whole.db"), {.check = false});
+  TimescaleMemory opened = store.open_timescale();
+  opened.observe(scan_at(7, 100));
+  const std::vector<std::byte> before = opened.state();
+  store.save_timescale(opened);
+  EXPECT_EQ(store.load_timescale().state(), before);
+  store.save_timescale(opened, "a copy");
+  EXPECT_EQ(store.load_timescale("a copy").state(), before);
+  // Of what was larger nothing is left.
+  TimescaleMemory small(tiny_config());
+  for (int k = 0; k < 30; ++k) small.observe(scan_at(0, k));
+  store.save_timescale(small);
+  EXPECT_EQ(store.load_timescale().state(), small.state());
+}
+
 TEST_F(LargeBuilding, WithOneDamagedNodeWorksEverywhereElseAndSaysWhatIsWrong) {
   const auto file = copy("damaged.db");
   sqlite3* handle = nullptr;

@@ -216,6 +216,22 @@ TEST(Store, SavesAllOfATransactionOrNothing) {
   EXPECT_EQ(store.find_text("a"), "2");
 }
 
+TEST(Store, UndoesAnInnerTransactionAlone) {
+  const TemporaryDirectory directory;
+  Store store(directory.path() / "strata.db");
+  store.transaction([&] {
+    store.save_text("outer", "1");
+    EXPECT_THROW(store.transaction([&] {
+      store.save_text("inner", "1");
+      store.transaction([&] { store.save_text("innermost", "1"); });
+      throw std::runtime_error("stop");
+    }),
+                 std::runtime_error);
+    store.transaction([&] { store.save_text("another", "1"); });
+  });
+  EXPECT_THAT(store.text_keys(), testing::ElementsAre("another", "outer"));
+}
+
 TEST(Store, TakesTurnsWithAnotherWriter) {
   const TemporaryDirectory directory;
   const auto path = directory.path() / "strata.db";
