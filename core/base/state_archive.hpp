@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 
 namespace strata {
 
@@ -80,7 +80,7 @@ class StateWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Reads them in the same order. Throws InputError where the bytes end too early; no length that
+/// Reads them in the same order. Throws DamageError where the bytes end too early; no length that
 /// they claim takes more memory than there are bytes.
 class StateReader {
  public:
@@ -92,6 +92,7 @@ class StateReader {
   void operator()(T& value) {
     if constexpr (std::is_trivially_copyable_v<T>) {
       copy(&value, sizeof value);
+      check_enum(value);
     } else {
       state_of(value, *this);
     }
@@ -108,6 +109,7 @@ class StateReader {
     values.resize(length(std::is_trivially_copyable_v<T> ? sizeof(T) : 1));
     if constexpr (std::is_trivially_copyable_v<T>) {
       copy(values.data(), values.size() * sizeof(T));
+      for (const T& value : values) check_enum(value);
     } else {
       for (T& value : values) (*this)(value);
     }
@@ -134,6 +136,12 @@ class StateReader {
     value.reset();
     if (has_value) (*this)(value.emplace());
   }
+  /// For a bool in a plain struct, which was copied as the byte that it was.
+  void check_bool(const bool& value) const {
+    std::uint8_t byte = 0;
+    std::memcpy(&byte, &value, sizeof byte);
+    if (byte > 1) fail("is damaged");
+  }
   /// How many items follow, each of at least so many bytes.
   [[nodiscard]] std::size_t length(std::size_t item_bytes) {
     std::uint64_t count = 0;
@@ -141,16 +149,32 @@ class StateReader {
     if (count > bytes_.size() / item_bytes) fail("claims more than it holds");
     return static_cast<std::size_t>(count);
   }
-  /// Throws InputError unless everything was read.
+  /// Throws DamageError unless everything was read.
   void expect_end() const {
     if (!bytes_.empty()) fail("goes on behind its end");
   }
+  /// The bytes are damaged. Throws DamageError.
   [[noreturn]] void fail(const std::string& what) const {
+    throw DamageError(place_, "the saved state " + what,
+                      "remove it to begin anew, or take it from a backup");
+  }
+  /// They may be whole, but not for us. Throws InputError.
+  [[noreturn]] void refuse(const std::string& what) const {
     throw InputError(place_, "the saved state " + what,
                      "remove it to begin anew, or take it from a backup");
   }
 
  private:
+  /// An enum needs a function last_enumerator(T) beside it.
+  template <typename T>
+  void check_enum(const T& value) const {
+    if constexpr (std::is_enum_v<T>) {
+      using Number = std::make_unsigned_t<std::underlying_type_t<T>>;
+      if (static_cast<Number>(value) > static_cast<Number>(last_enumerator(value))) {
+        fail("is damaged");
+      }
+    }
+  }
   void copy(void* data, std::size_t size) {
     if (size > bytes_.size()) fail("ends too early");
     if (size == 0) return;

@@ -73,9 +73,9 @@ void OnlineFilter::restore_state(std::span<const std::uint8_t> bytes, const std:
   StateReader reader(bytes, place);
   std::uint64_t version = 0;
   reader(version);
-  if (version != kVersion) reader.fail("is of another version");
+  if (version != kVersion) reader.refuse("is of another version");
   reader(counts_.cells());
-  if (counts_.resolution_m() != filter_.resolution_m) reader.fail("is of another resolution");
+  if (counts_.resolution_m() != filter_.resolution_m) reader.refuse("is of another resolution");
   reader(window_);
   reader(last_key_);
   reader.expect_end();

@@ -80,6 +80,7 @@ void OnlinePatchLearner::state(Self& self, Archive& archive) {
   archive(self.last_check_);
   archive(self.last_run_);
   archive(self.status_);
+  if constexpr (!std::is_const_v<Self>) archive.check_bool(self.status_.is_over_budget);
 }
 
 std::vector<std::uint8_t> OnlinePatchLearner::save_state() const {
@@ -96,10 +97,10 @@ void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
   StateReader reader(bytes, place);
   std::uint64_t version = 0;
   reader(version);
-  if (version != kVersion) reader.fail("is of another version");
+  if (version != kVersion) reader.refuse("is of another version");
   const double resolution_m = base_.resolution_m();
   state(*this, reader);
-  if (base_.resolution_m() != resolution_m) reader.fail("is of another resolution");
+  if (base_.resolution_m() != resolution_m) reader.refuse("is of another resolution");
   if (reach_m_.size() != scans_.size()) reader.fail("has scans without their reach");
   tracks_.clear();
   for (std::size_t left = reader.length(1); left > 0; --left) {

@@ -214,6 +214,13 @@ void MatchField::reserve(const Eigen::Vector2d& least_m, const Eigen::Vector2d& 
   squared_m2_ = squared_m2_.cropped(rect);
 }
 
+bool MatchField::is_sound() const {
+  const auto count = static_cast<std::int64_t>(points_.size());
+  return nearest_.rect() == squared_m2_.rect() &&
+         std::all_of(nearest_.values().begin(), nearest_.values().end(),
+                     [count](std::int32_t index) { return index >= -1 && index < count; });
+}
+
 int MatchField::reach_cells() const {
   return static_cast<int>(std::ceil(config_.radius_m / resolution_m()));
 }

@@ -103,9 +103,15 @@ class MatchField {
     archive(self.points_);
     archive(self.nearest_);
     archive(self.squared_m2_);
+    if constexpr (!std::is_const_v<Self>) {
+      for (const SurfacePoint& point : self.points_) archive.check_bool(point.occupied);
+      if (!self.is_sound()) archive.fail("has a damaged field");
+    }
   }
 
  private:
+  /// Whether every cell names a point that is there, or none.
+  [[nodiscard]] bool is_sound() const;
   [[nodiscard]] int reach_cells() const;
   MatchFieldConfig config_;
   std::vector<SurfacePoint> points_;

@@ -30,11 +30,11 @@ void Slam::restore_state(std::span<const std::uint8_t> bytes, const std::string&
   StateReader reader(bytes, place);
   std::uint64_t version = 0;
   reader(version);
-  if (version != kVersion) reader.fail("is of another version");
+  if (version != kVersion) reader.refuse("is of another version");
   const double resolution_m = state_->config.beam_filter.resolution_m;
   double saved_resolution_m = 0.0;
   reader(saved_resolution_m);
-  if (saved_resolution_m != resolution_m) reader.fail("is of another resolution");
+  if (saved_resolution_m != resolution_m) reader.refuse("is of another resolution");
   State& state = *state_;
   State::state(state, reader);
   bool has_tracker = false;

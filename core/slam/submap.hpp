@@ -37,6 +37,9 @@ struct Submap {
     archive(self.points);
     archive(self.states);
     archive(self.center_m);
+    if constexpr (!std::is_const_v<Self>) {
+      for (const auto& point : self.points) archive.check_bool(point.occupied);
+    }
   }
 };
 

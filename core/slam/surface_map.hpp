@@ -19,6 +19,9 @@ namespace strata::slam {
 
 /// What a cell of a surface map says about a point.
 enum class SurfaceState : std::uint8_t { kUnknown, kFree, kOccupied };
+[[nodiscard]] constexpr SurfaceState last_enumerator(SurfaceState /*of*/) {
+  return SurfaceState::kOccupied;
+}
 
 /// Counts as in CountingMap (length-weighted misses), in floats: it is made and thrown away often.
 class SurfaceMap {
@@ -55,6 +58,12 @@ class SurfaceMap {
     archive(self.cells_);
     archive(self.field_);
     archive(self.touched_);
+    if constexpr (!std::is_const_v<Self>) {
+      const auto count = static_cast<std::int64_t>(self.field_.points().size());
+      for (const CellData& data : self.cells_.values()) {
+        if (data.point < -1 || data.point >= count) archive.fail("has a damaged map");
+      }
+    }
   }
 
  private:

@@ -27,5 +27,48 @@ TEST(StateArchive, TakesNothingButZeroAndOneForABool) {
   EXPECT_THROW(StateReader(std::span(bytes).subspan(1), "state")(number), InputError);
 }
 
+enum class Door : std::uint8_t { kOpen, kClosed };
+constexpr Door last_enumerator(Door /*of*/) { return Door::kClosed; }
+
+TEST(StateArchive, TakesNothingForAnEnumThatItDoesNotHave) {
+  StateWriter writer;
+  writer(Door::kClosed);
+  writer(std::vector<Door>{Door::kOpen, Door::kClosed});
+  std::vector<std::uint8_t> bytes = writer.take();
+  const auto read = [&] {
+    StateReader reader(bytes, "state");
+    Door door = Door::kOpen;
+    std::vector<Door> doors;
+    reader(door);
+    reader(doors);
+    return doors;
+  };
+  EXPECT_EQ(read().back(), Door::kClosed);
+  bytes.back() = 2;
+  EXPECT_THROW((void)read(), DamageError);
+  bytes.back() = 1;
+  bytes.front() = 255;
+  EXPECT_THROW((void)read(), DamageError);
+}
+
+TEST(StateArchive, FindsAByteThatIsNoBoolInAPlainStruct) {
+  struct Plain {
+    double number = 0.5;
+    bool flag = true;
+  };
+  StateWriter writer;
+  writer(Plain{});
+  std::vector<std::uint8_t> bytes = writer.take();
+  const auto read = [&] {
+    StateReader reader(bytes, "state");
+    Plain plain;
+    reader(plain);
+    reader.check_bool(plain.flag);
+  };
+  EXPECT_NO_THROW(read());
+  bytes[sizeof(double)] = 77;
+  EXPECT_THROW(read(), DamageError);
+}
+
 }  // namespace
 }  // namespace strata
