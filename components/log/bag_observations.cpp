@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iomanip>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -51,6 +52,7 @@ class BagParser {
     content.robot_frame = streams_.frames.pose_frame(odometry_child_);
     report_.mounting_source = "tf_static";
     for (const std::string& topic : topics) {
+      if (report_.types[topic] == kCloudType) read_clouds(topic);
       report_.scan_topic += (report_.scan_topic.empty() ? "" : ", ") + topic;
       add_scans(topic, topics.size() > 1 ? topic + ": " : "", track, content);
     }
@@ -70,21 +72,40 @@ class BagParser {
     if (wanted.empty()) wanted.push_back(options_.scan_topic);
     std::vector<std::string> topics;
     for (const std::string& name : wanted) {
-      const auto* scans = choose(streams_.scans, name, "/scan", "laser scans", report_);
-      if (scans == nullptr) {
-        throw InputError(report_.bad_lines > 0 ? report_.first_bad : path_.string(),
-                         name.empty() ? "no sensor_msgs/msg/LaserScan can be read"
-                                      : "holds no readable scan on " + name,
-                         "see `strata info` for its topics");
+      const auto type = report_.types.find(name);
+      if (type != report_.types.end() && type->second == kCloudType) {
+        topics.push_back(name);
+        continue;
       }
+      const auto* scans = choose(streams_.scans, name, "/scan", "laser scans", report_);
+      if (scans == nullptr) throw_no_scan(name);
       topics.push_back(scans->first);
     }
     return topics;
   }
 
+  [[noreturn]] void throw_no_scan(const std::string& topic) const {
+    const bool has_clouds =
+        std::any_of(report_.types.begin(), report_.types.end(),
+                    [](const auto& entry) { return entry.second == kCloudType; });
+    throw InputError(report_.bad_lines > 0 ? report_.first_bad : path_.string(),
+                     topic.empty() ? "no sensor_msgs/msg/LaserScan can be read"
+                                   : "holds no readable scan on " + topic,
+                     has_clouds ? "name the topic of its clouds, --scan-topic, to have slices of "
+                                  "them taken for scans"
+                                : "see `strata info` for its topics");
+  }
+
+  void read_clouds(const std::string& topic) {
+    streams_.scans[topic] = read_bag_clouds_as_scans(
+        path_, topic,
+        [this](SensedScan& cloud) { mount(cloud, find_mounting(cloud.frame), options_.cloud); },
+        report_);
+  }
+
   void mend_clock(ScanStream& scans, const std::string& where) {
     std::vector<Stamp> stamps;
-    for (const FramedScan& framed : scans) stamps.push_back(framed.scan.stamp);
+    for (const SensedScan& framed : scans) stamps.push_back(framed.scan.stamp);
     const SetBackClock clock = mend_set_back_clock(stamps, [&](std::size_t i, std::size_t j) {
       return scans[i].scan.ranges_m == scans[j].scan.ranges_m;
     });
@@ -128,6 +149,7 @@ class BagParser {
 
   Pose3 find_mounting(const std::string& frame) {
     if (const auto found = streams_.frames.mounting(frame, odometry_child_)) return *found;
+    if (!assumed_.insert(frame).second) return Pose3{};
     report_.mounting_source = "assumed";
     report_.warnings.push_back(
         missing_mounting(frame, streams_.frames.pose_frame(odometry_child_)));
@@ -140,15 +162,15 @@ class BagParser {
     ScanStream& stream = streams_.scans[topic];
     mend_clock(stream, where);
     std::vector<std::string> frames;
-    for (const FramedScan& framed : stream) {
+    for (const SensedScan& framed : stream) {
       if (std::find(frames.begin(), frames.end(), framed.frame) == frames.end()) {
         frames.push_back(framed.frame);
       }
     }
     for (const std::string& frame : frames) {
-      std::vector<Scan> scans;
-      for (FramedScan& framed : stream) {
-        if (framed.frame == frame) scans.push_back(std::move(framed.scan));
+      ScanStream scans;
+      for (SensedScan& framed : stream) {
+        if (framed.frame == frame) scans.push_back(std::move(framed));
       }
       if (scanners_ == 0) content.scan_frame = frame;
       add_observations(std::move(scans), find_mounting(frame), where, track, content);
@@ -156,11 +178,13 @@ class BagParser {
     }
   }
 
-  void add_observations(std::vector<Scan> scans, const Pose3& mounting, const std::string& where,
+  void add_observations(ScanStream scans, const Pose3& mounting, const std::string& where,
                         const OdometryTrack& track, LogContent& content) {
-    for (Scan& scan : scans) mount(scan, mounting);
+    for (SensedScan& framed : scans) {
+      if (!framed.is_cloud) mount(framed, mounting, options_.cloud);
+    }
     std::stable_sort(scans.begin(), scans.end(),
-                     [](const Scan& a, const Scan& b) { return a.stamp < b.stamp; });
+                     [](const auto& a, const auto& b) { return a.scan.stamp < b.scan.stamp; });
     const Pose2 child_from_robot = streams_.frames.robot_in(odometry_child_);
     OdometryAt odometry;
     if (!track.empty()) {
@@ -171,10 +195,12 @@ class BagParser {
     }
     // Turning a scan over turned the order of its beams.
     SweepTiming sweep{.reversed = is_upside_down(mounting), .delay_s = 0.0};
-    if (options_.undistort && odometry) sweep = find_sweep_timing(scans, odometry, sweep, where);
+    if (options_.undistort && odometry && !scans.front().is_cloud) {
+      sweep = find_sweep_timing(scans, odometry, sweep, where);
+    }
     if (scanners_ == 0) report_.sweep = sweep;
-    for (Scan& scan : scans) {
-      auto observation = join(std::move(scan), odometry, sweep, options_.undistort);
+    for (SensedScan& framed : scans) {
+      auto observation = join(std::move(framed), odometry, sweep, options_.undistort);
       if (!observation) {
         ++report_.scans_without_odometry;
         continue;
@@ -184,9 +210,12 @@ class BagParser {
     }
   }
 
-  SweepTiming find_sweep_timing(const std::vector<Scan>& scans, const OdometryAt& odometry,
+  SweepTiming find_sweep_timing(ScanStream& stream, const OdometryAt& odometry,
                                 const SweepTiming& stated, const std::string& where) {
+    std::vector<Scan> scans;
+    for (SensedScan& framed : stream) scans.push_back(std::move(framed.scan));
     const auto estimate = registration::estimate_sweep_timing(scans, odometry, stated);
+    for (std::size_t i = 0; i < scans.size(); ++i) stream[i].scan = std::move(scans[i]);
     if (!estimate.certain) return stated;
     const SweepTiming& found = estimate.timing;
     std::ostringstream text;
@@ -205,6 +234,7 @@ class BagParser {
   ReadReport& report_;
   BagStreams streams_;
   std::string odometry_child_;
+  std::set<std::string> assumed_;  ///< frames without a mounting
   int scanners_ = 0;
 };
 

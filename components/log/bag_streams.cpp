@@ -10,7 +10,6 @@
 #include "components/convert/cdr.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/log/bag.hpp"
-#include "components/log/joined_scan.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::log {
@@ -80,7 +79,7 @@ class StreamReader {
 
   void take_scan(const std::string& topic, const sensor_msgs::msg::LaserScan& message,
                  const std::string& place) {
-    FramedScan framed{frame_name(message.header().frame_id()), scan_of(message, place)};
+    SensedScan framed = sensed(message, place);
     ScanStream& stream = streams_.scans[topic];
     if (is_blank(framed.scan)) {
       ++report_.scans_without_beams;
@@ -130,6 +129,34 @@ class StreamReader {
 BagStreams read_bag_streams(const std::filesystem::path& path, const ReadOptions& options,
                             ReadReport& report) {
   return StreamReader(path, options, report).read();
+}
+
+ScanStream read_bag_clouds_as_scans(const std::filesystem::path& path, const std::string& topic,
+                                    const MountCloud& mount_cloud, ReadReport& report) {
+  ScanStream stream;
+  const auto reader = BagReader::open(path);
+  BagMessage message;
+  std::size_t count = 0;
+  while (reader->next(message)) {
+    if (reader->topics()[message.topic].name != topic) continue;
+    const std::string place = path.string() + ": " + topic + " message " + std::to_string(++count);
+    try {
+      SensedScan cloud =
+          sensed(convert::from_cdr<sensor_msgs::msg::PointCloud2>(message.data, place));
+      mount_cloud(cloud);
+      if (is_blank(cloud.scan)) {
+        ++report.scans_without_beams;
+        continue;
+      }
+      if (!stream.empty() && cloud.scan.stamp < stream.back().scan.stamp) {
+        ++report.scans_out_of_order;
+      }
+      stream.push_back(std::move(cloud));
+    } catch (const InputError& error) {
+      if (report.bad_lines++ == 0) report.first_bad = place + ": " + error.what();
+    }
+  }
+  return stream;
 }
 
 }  // namespace strata::log

@@ -3,23 +3,20 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "components/log/joined_scan.hpp"
 #include "components/log/log_reader.hpp"
 #include "components/log/odometry_track.hpp"
 #include "components/log/robot_frames.hpp"
-#include "core/scan/scan.hpp"
 
 namespace strata::log {
 
-/// A scan as it was recorded.
-struct FramedScan {
-  std::string frame;
-  Scan scan;
-};
-using ScanStream = std::vector<FramedScan>;
+/// In the order of recording.
+using ScanStream = std::vector<SensedScan>;
 /// In the order of recording.
 struct OdometryStream {
   std::string frame;
@@ -34,8 +31,20 @@ struct BagStreams {
   RobotFrames frames;
 };
 
-/// Reads the whole bag. What cannot be used is counted in the report, and the first of it named.
+/// Reads the whole bag but for its clouds. What cannot be used is counted in the report, and the
+/// first of it named.
 [[nodiscard]] BagStreams read_bag_streams(const std::filesystem::path& path,
                                           const ReadOptions& options, ReadReport& report);
+
+/// Mounts a cloud, so that only its slice has to be kept.
+using MountCloud = std::function<void(SensedScan&)>;
+/// The clouds of a topic, mounted. Reads the whole bag again. Blank ones are counted as scans
+/// without beams.
+[[nodiscard]] ScanStream read_bag_clouds_as_scans(const std::filesystem::path& path,
+                                                  const std::string& topic,
+                                                  const MountCloud& mount_cloud,
+                                                  ReadReport& report);
+
+inline constexpr const char* kCloudType = "sensor_msgs/msg/PointCloud2";
 
 }  // namespace strata::log

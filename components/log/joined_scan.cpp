@@ -5,19 +5,65 @@
 #include <cmath>
 #include <utility>
 
+#include "components/convert/cloud_messages.hpp"
+#include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/log/transform_tree.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::log {
 
-Scan scan_of(const sensor_msgs::msg::LaserScan& message, const std::string& place) {
-  Scan scan = convert::from_message(message, Pose2{});
+namespace {
+
+/// The moment furthest from the stamp, that of one end of the sweep; 0 where no times are told.
+double furthest_offset_s(const std::vector<float>& offset_s) {
+  double furthest = 0.0;
+  for (const float offset : offset_s) {
+    const auto value = static_cast<double>(offset);
+    const bool is_sound = std::abs(value) < kLongestSweepS;  // false for NaN
+    if (is_sound && std::abs(value) > std::abs(furthest)) furthest = value;
+  }
+  return furthest;
+}
+
+Scan undistorted(const SensedScan& sensed, const OdometryAt& odometry, const Pose2& at_stamp,
+                 Stamp begin, const SweepTiming& timing) {
+  const Scan& scan = sensed.scan;
+  const double offset_s = furthest_offset_s(sensed.offset_s);
+  const Duration sweep = sensed.is_cloud ? Duration::from_seconds(offset_s) : sweep_duration(scan);
+  const auto end = odometry && sweep.ns != 0 ? odometry(begin + sweep) : std::nullopt;
+  if (!end) return scan;
+  const Pose2 start_from_end = between(at_stamp, *end);
+  if (sensed.is_cloud) return undistort(scan, sensed.offset_s, start_from_end, offset_s);
+  return undistort(scan, start_from_end, timing.reversed);
+}
+
+}  // namespace
+
+SensedScan sensed(const sensor_msgs::msg::LaserScan& message, const std::string& place) {
+  SensedScan result;
+  result.frame = frame_name(message.header().frame_id());
+  result.scan = convert::from_message(message, Pose2{});
+  Scan& scan = result.scan;
   if (!std::isfinite(scan.angle_min_rad) || !std::isfinite(scan.angle_increment_rad) ||
       !std::isfinite(scan.range_min_m) || std::isnan(scan.range_max_m)) {
     throw InputError(place, "a scan's angles or limits are not numbers", "see what publishes it");
   }
   if (!std::isfinite(scan.time_increment_s)) scan.time_increment_s = 0.0F;
-  return scan;
+  return result;
+}
+
+SensedScan sensed(const sensor_msgs::msg::PointCloud2& message) {
+  SensedScan result;
+  result.is_cloud = true;
+  result.frame = frame_name(message.header().frame_id());
+  result.scan.stamp = convert::from_message(message.header().stamp());
+  result.points_m = convert::from_message(message);
+  result.offset_s = convert::columns_of(message).offset_s;
+  for (float& offset : result.offset_s) {
+    if (!(std::abs(static_cast<double>(offset)) < kLongestSweepS)) offset = 0.0F;
+  }
+  return result;
 }
 
 bool is_blank(const Scan& scan) {
@@ -25,38 +71,47 @@ bool is_blank(const Scan& scan) {
                      [](float range) { return std::isnan(range); });
 }
 
-void mount(Scan& scan, const Pose3& robot_from_laser) {
-  scan.robot_from_laser = planar(robot_from_laser);
-  if (!is_upside_down(robot_from_laser)) return;
+void mount(SensedScan& sensed, const Pose3& robot_from_sensor, const CloudSliceConfig& slice) {
+  Scan& scan = sensed.scan;
+  if (sensed.is_cloud) {
+    CloudSlice cut =
+        slice_cloud(sensed.points_m, sensed.offset_s, scan.stamp, robot_from_sensor, slice);
+    scan = std::move(cut.scan);
+    sensed.offset_s = std::move(cut.offset_s);
+    sensed.points_m = {};
+    return;
+  }
+  scan.robot_from_laser = planar(robot_from_sensor);
+  if (!is_upside_down(robot_from_sensor)) return;
   const double last = scan.size() == 0 ? 0.0 : scan.bearing_rad(scan.size() - 1);
   std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
   scan.angle_min_rad = static_cast<float>(-last);
 }
 
-std::optional<Observation> join(Scan scan, const OdometryAt& odometry, const SweepTiming& timing,
-                                bool undistort) {
+std::optional<Observation> join(SensedScan sensed, const OdometryAt& odometry,
+                                const SweepTiming& timing, bool undistort) {
   Observation observation;
   observation.has_odometry = odometry != nullptr;
-  const Stamp begin = scan.stamp - Duration::from_seconds(timing.delay_s);
+  const Stamp begin = sensed.scan.stamp - Duration::from_seconds(timing.delay_s);
   if (odometry) {
     const auto pose = odometry(begin);
     if (!pose) return std::nullopt;
     observation.odom_from_robot = *pose;
   }
   if (undistort) {
-    const Duration sweep = sweep_duration(scan);
-    const auto end = odometry && sweep.ns != 0 ? odometry(begin + sweep) : std::nullopt;
-    if (end) {
-      scan = strata::undistort(scan, between(observation.odom_from_robot, *end), timing.reversed);
-    }
-    scan.time_increment_s = 0.0F;
+    sensed.scan = undistorted(sensed, odometry, observation.odom_from_robot, begin, timing);
+    sensed.scan.time_increment_s = 0.0F;
   }
-  observation.scan = std::move(scan);
+  observation.scan = std::move(sensed.scan);
   return observation;
 }
 
-Stamp end_of_sweep(const Scan& scan) {
-  return std::max(scan.stamp, scan.stamp + sweep_duration(scan));
+Stamp end_of_sweep(const SensedScan& sensed) {
+  const Stamp stamp = sensed.scan.stamp;
+  const Duration sweep = sensed.is_cloud
+                             ? Duration::from_seconds(furthest_offset_s(sensed.offset_s))
+                             : sweep_duration(sensed.scan);
+  return std::max(stamp, stamp + sweep);
 }
 
 }  // namespace strata::log

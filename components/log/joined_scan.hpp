@@ -5,10 +5,13 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "strata_idl/sensor_msgs.h"
+#include <Eigen/Core>
 
 #include "core/geometry/pose3.hpp"
+#include "core/scan/cloud_slice.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/undistort.hpp"
 
@@ -17,24 +20,40 @@ namespace strata::log {
 /// odom_from_robot at a moment; nothing where odometry says nothing of it.
 using OdometryAt = std::function<std::optional<Pose2>(Stamp)>;
 
-/// The scan without a mounting. Throws InputError (place) when its angles or limits are not
-/// numbers. A time_increment that is none becomes 0. O(beams).
-[[nodiscard]] Scan scan_of(const sensor_msgs::msg::LaserScan& message, const std::string& place);
+/// What a scanner said at once.
+struct SensedScan {
+  std::string frame;
+  /// Of a cloud only the stamp, until it is mounted.
+  Scan scan;
+  /// Of a cloud that tells times, in seconds after the stamp: of each point; of each beam once it
+  /// is mounted.
+  std::vector<float> offset_s;
+  std::vector<Eigen::Vector3f> points_m;  ///< of a cloud that is not mounted yet
+  bool is_cloud = false;
+};
+
+/// Without a mounting. Throws InputError (place) when the scan's angles or limits are not numbers.
+/// A time_increment that is none becomes 0. O(beams).
+[[nodiscard]] SensedScan sensed(const sensor_msgs::msg::LaserScan& message,
+                                const std::string& place);
+/// Throws InputError for a cloud without sound x, y and z (convert::from_message). O(points).
+[[nodiscard]] SensedScan sensed(const sensor_msgs::msg::PointCloud2& message);
 
 /// Whether no beam has a reading: none at all, or NaN in every one.
 [[nodiscard]] bool is_blank(const Scan& scan);
 
-/// Puts the scan where its laser sits; that of a laser upside down is turned round, so that its
-/// beams run counter-clockwise again. O(beams).
-void mount(Scan& scan, const Pose3& robot_from_laser);
+/// Puts the scan where its sensor sits; that of a laser upside down is turned round, so that its
+/// beams run counter-clockwise again. Of a cloud the slice is cut. O(beams + points).
+void mount(SensedScan& sensed, const Pose3& robot_from_sensor, const CloudSliceConfig& slice);
 
 /// The observation of a mounted scan, run 0. odometry: empty for none; else it has to know the
-/// scan's moment, or there is no observation. undistort: a scan with time_increment is corrected by
-/// odometry, where it reaches the sweep's end, and has none afterwards. O(beams).
-[[nodiscard]] std::optional<Observation> join(Scan scan, const OdometryAt& odometry,
+/// scan's moment, or there is no observation. undistort: a scan whose beams were taken one after
+/// the other is corrected by odometry, where it reaches the sweep's end, and has no time_increment
+/// afterwards. O(beams).
+[[nodiscard]] std::optional<Observation> join(SensedScan sensed, const OdometryAt& odometry,
                                               const SweepTiming& timing, bool undistort);
 
-/// When odometry has said all that `join` asks for.
-[[nodiscard]] Stamp end_of_sweep(const Scan& scan);
+/// When odometry has said all that `join` asks for. O(points of a cloud).
+[[nodiscard]] Stamp end_of_sweep(const SensedScan& sensed);
 
 }  // namespace strata::log

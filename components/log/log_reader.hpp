@@ -11,6 +11,7 @@
 
 #include "components/log/odometry_track.hpp"
 #include "core/base/progress.hpp"
+#include "core/scan/cloud_slice.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/undistort.hpp"
 
@@ -32,8 +33,10 @@ struct ReadOptions {
   /// Bags: empty takes the only topic of the type, or /scan and /odom among several.
   std::string scan_topic;
   /// Bags: the topics of several scanners, each with a mounting of its own; scan_topic is then not
-  /// looked at. Their scans become observations in order of time.
+  /// looked at. Their scans become observations in order of time. Of a topic with PointCloud2 the
+  /// slice `cloud` is taken for a scan.
   std::vector<std::string> scan_topics;
+  CloudSliceConfig cloud;
   std::string odom_topic;
   std::string odom_frame = "odom";  ///< when odometry comes from tf
   /// What poses are of. Odometry of another frame that tf ties to it is carried over; where tf

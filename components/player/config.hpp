@@ -32,6 +32,7 @@ struct PlayerConfig {
   std::string log;
   PlayMode mode = PlayMode::kRobot;
   std::vector<std::string> topics;
+  std::vector<std::string> scan_topics;
   double rate = 1.0;
   double start_s = 0.0;
   bool loop = false;
@@ -45,6 +46,9 @@ struct PlayerConfig {
         {.doc = "robot: scans with odometry, tf and clock; messages: all of a bag, of any type, "
                 "with the QoS it was recorded with, and a clock"});
     v.field("topics", c.topics, {.doc = "mode messages: only these; empty: all"});
+    v.field("scan_topics", c.scan_topics,
+            {.doc = "mode robot: topics of the bag's scanners; all go out on `scan`, each in a "
+                    "frame of its own; empty: the only one, or /scan"});
     v.field("rate", c.rate,
             {.doc = "1: as fast as recorded; 2: twice; may be changed while it plays",
              .unit = "1",

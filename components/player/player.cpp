@@ -59,8 +59,10 @@ std::unique_ptr<Source> Player::make_source() {
   outputs.tf = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
   outputs.odometry = advertise<nav_msgs::msg::Odometry>("odom", "default");
   outputs.scan = advertise<sensor_msgs::msg::LaserScan>("scan", "default");
+  log::ReadOptions reading;
+  reading.scan_topics = config_.scan_topics;
   return std::make_unique<ScanSource>(
-      LogPlayer(log::read_observations(config_.log), std::move(outputs)));
+      LogPlayer(log::read_observations(config_.log, reading), std::move(outputs)));
 }
 
 void Player::on_activate() { set_stopped(false); }

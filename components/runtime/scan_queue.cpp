@@ -5,8 +5,6 @@
 #include <tuple>
 #include <utility>
 
-#include "components/log/joined_scan.hpp"
-
 namespace strata::runtime {
 namespace {
 
@@ -43,14 +41,14 @@ std::size_t ScanQueue::scanner_of(std::size_t topic, const std::string& frame) {
 }
 
 void ScanQueue::put(WaitingScan waiting) {
-  const double late_s = newest_gone_ ? (*newest_gone_ - waiting.scan.stamp).seconds() : 0.0;
+  const double late_s = newest_gone_ ? (*newest_gone_ - waiting.stamp()).seconds() : 0.0;
   // What went on before a clock was set back says nothing of what is late now.
   if (late_s > 0.0 && late_s <= log::kLeastSetBackS) {
     ++late_;
     return;
   }
   const auto key = [this](const WaitingScan& w) {
-    return std::tuple(w.scan.stamp, scanners_[w.scanner].topic);
+    return std::tuple(w.stamp(), scanners_[w.scanner].topic);
   };
   const auto place =
       std::upper_bound(waiting_.begin(), waiting_.end(), waiting,
@@ -58,18 +56,18 @@ void ScanQueue::put(WaitingScan waiting) {
   waiting_.insert(place, std::move(waiting));
 }
 
-void ScanQueue::add(std::size_t topic, const std::string& frame, Scan scan,
+void ScanQueue::add(std::size_t topic, log::SensedScan sensed,
                     const std::function<void(Stamp)>& set_back) {
   using Verdict = log::SetBackWatch::Verdict;
-  const std::size_t index = scanner_of(topic, frame);
-  WaitingScan waiting{index, std::move(scan), {}};
-  waiting.end = log::end_of_sweep(waiting.scan);
+  const std::size_t index = scanner_of(topic, sensed.frame);
+  WaitingScan waiting{index, std::move(sensed), {}};
+  waiting.end = log::end_of_sweep(waiting.sensed);
   if (!orders_) {
     waiting_.push_back(std::move(waiting));
     return;
   }
   Scanner& scanner = scanners_[index];
-  const Stamp stamp = waiting.scan.stamp;
+  const Stamp stamp = waiting.stamp();
   const std::optional<Stamp> before = scanner.watch.newest();
   const Verdict verdict = scanner.watch.add(stamp);
   std::optional<WaitingScan> suspect = std::exchange(scanner.suspect, std::nullopt);
@@ -80,7 +78,7 @@ void ScanQueue::add(std::size_t topic, const std::string& frame, Scan scan,
     return;
   }
   if (verdict == Verdict::kSetBack && suspect) {
-    set_back(suspect->scan.stamp);
+    set_back(suspect->stamp());
     newest_gone_.reset();
     put(std::move(*suspect));
   } else {
@@ -93,21 +91,23 @@ void ScanQueue::add(std::size_t topic, const std::string& frame, Scan scan,
 WaitingScan ScanQueue::pop() {
   WaitingScan oldest = std::move(waiting_.front());
   waiting_.pop_front();
-  newest_gone_ = oldest.scan.stamp;
+  newest_gone_ = oldest.stamp();
   return oldest;
 }
 
 bool ScanQueue::is_next() {
   const WaitingScan& oldest = waiting_.front();
-  Stamp newest = oldest.scan.stamp;
-  for (const WaitingScan& waiting : waiting_) newest = std::max(newest, waiting.scan.stamp);
+  Stamp newest = oldest.stamp();
+  for (const WaitingScan& waiting : waiting_) newest = std::max(newest, waiting.stamp());
   const std::optional<Duration>& own = scanners_[oldest.scanner].period;
   for (std::size_t i = 0; i < scanners_.size(); ++i) {
     Scanner& other = scanners_[i];
-    if (i == oldest.scanner || other.is_silent || !other.period) continue;
-    const Stamp expected = *other.watch.newest() + times(*other.period, kEarliest);
-    if (expected > oldest.scan.stamp) continue;
-    const Duration longer = own ? std::max(*own, *other.period) : *other.period;
+    // One that has sent a single scan may be as fast as this one.
+    const std::optional<Duration>& period = other.period ? other.period : own;
+    if (i == oldest.scanner || other.is_silent || !other.watch.newest() || !period) continue;
+    const Stamp expected = *other.watch.newest() + times(*period, kEarliest);
+    if (expected > oldest.stamp()) continue;
+    const Duration longer = own ? std::max(*own, *period) : *period;
     if (newest - expected <= times(longer, kMostPeriodsWaited)) return false;
     other.is_silent = true;
   }

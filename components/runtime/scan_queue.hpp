@@ -9,16 +9,18 @@
 #include <string>
 #include <vector>
 
+#include "components/log/joined_scan.hpp"
 #include "components/log/set_back_watch.hpp"
-#include "core/scan/scan.hpp"
 
 namespace strata::runtime {
 
 /// A scan that waits to be joined, without its mounting.
 struct WaitingScan {
   std::size_t scanner = 0;  ///< in ScanQueue::scanners()
-  Scan scan;
+  log::SensedScan sensed;
   Stamp end;  ///< of its sweep
+
+  [[nodiscard]] Stamp stamp() const { return sensed.scan.stamp; }
 };
 
 /// One frame on one topic.
@@ -39,8 +41,7 @@ class ScanQueue {
 
   /// set_back: called when the clock was set back, with the first stamp by the new clock, while the
   /// scans by the old one are still here. O(waiting).
-  void add(std::size_t topic, const std::string& frame, Scan scan,
-           const std::function<void(Stamp)>& set_back);
+  void add(std::size_t topic, log::SensedScan sensed, const std::function<void(Stamp)>& set_back);
 
   [[nodiscard]] std::size_t size() const { return waiting_.size(); }
   /// The oldest; requires one.

@@ -27,11 +27,17 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& config, const s
     if (!lockstep()) take_observations();
   });
   const std::vector<std::string> topics = config.all_scan_topics();
+  const std::size_t lasers = config.laser_topics().size();
   for (std::size_t topic = 0; topic < topics.size(); ++topic) {
-    subscribe<sensor_msgs::msg::LaserScan>(topics[topic], qos, [this, topic](const auto& message) {
+    const auto add = [this, topic](const auto& message) {
       input_->add(message, topic);
       take_observations();
-    });
+    };
+    if (topic < lasers) {
+      subscribe<sensor_msgs::msg::LaserScan>(topics[topic], qos, add);
+    } else {
+      subscribe<sensor_msgs::msg::PointCloud2>(topics[topic], qos, add);
+    }
   }
 }
 

@@ -65,24 +65,30 @@ void SensorInput::add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2&
   const auto set_back = [&](Stamp first) {
     if (!waits_ || source().odometry != &odometry) return;
     const Stamp latest = first + Duration::from_seconds(log::kLeastSetBackS);
-    if (queue_.size() == 0 || queue_.front().scan.stamp <= latest) return;
+    if (queue_.size() == 0 || queue_.front().stamp() <= latest) return;
     while (queue_.size() > 0) release();
   };
   odometry.add({stamp, odom_from_child}, !waits_, set_back);
 }
 
 void SensorInput::add(const sensor_msgs::msg::LaserScan& scan, std::size_t topic) {
-  Scan value = log::scan_of(scan, config_.all_scan_topics()[topic]);
-  queue_.add(topic, log::frame_name(scan.header().frame_id()), std::move(value),
-             [this](Stamp first) {
-               while (queue_.size() > 0) release();
-               // Odometry by the old clock would answer for moments of long ago.
-               const Stamp old = first + Duration::from_seconds(log::kLeastSetBackS);
-               if (topic_odometry_.reaches(old)) topic_odometry_.begin_anew();
-               for (auto& [child, odometry] : moving_) {
-                 if (odometry.reaches(old)) odometry.begin_anew();
-               }
-             });
+  add_sensed(log::sensed(scan, config_.all_scan_topics()[topic]), topic);
+}
+
+void SensorInput::add(const sensor_msgs::msg::PointCloud2& cloud, std::size_t topic) {
+  add_sensed(log::sensed(cloud), topic);
+}
+
+void SensorInput::add_sensed(log::SensedScan sensed, std::size_t topic) {
+  queue_.add(topic, std::move(sensed), [this](Stamp first) {
+    while (queue_.size() > 0) release();
+    // Odometry by the old clock would answer for moments of long ago.
+    const Stamp old = first + Duration::from_seconds(log::kLeastSetBackS);
+    if (topic_odometry_.reaches(old)) topic_odometry_.begin_anew();
+    for (auto& [child, odometry] : moving_) {
+      if (odometry.reaches(old)) odometry.begin_anew();
+    }
+  });
 }
 
 SensorInput::Source SensorInput::source() const {
@@ -144,7 +150,7 @@ void SensorInput::release() {
   const std::optional<Pose3> found = frames_.mounting(frame, from.child);
   if (!found) warn(log::missing_mounting(frame, frames_.pose_frame(from.child)));
   const Pose3 mounting = found.value_or(Pose3{});
-  log::mount(waiting.scan, mounting);
+  log::mount(waiting.sensed, mounting, config_.cloud);
   log::OdometryAt odometry;
   if (config_.use_odometry && from.odometry != nullptr && !from.odometry->track().empty()) {
     const log::OdometryTrack& track = from.odometry->track();
@@ -155,7 +161,7 @@ void SensorInput::release() {
       const auto pose = nearest ? track.at(stamp, gap_s) : track.between_samples(stamp, gap_s);
       return pose ? std::optional(log::moved_by(*pose, child_from_robot)) : std::nullopt;
     };
-    if (!odometry(waiting.scan.stamp)) {
+    if (!odometry(waiting.stamp())) {
       if (waits_ && is_in_time) {
         ++passed_over_;
         return;
@@ -164,7 +170,7 @@ void SensorInput::release() {
     }
   }
   auto observation =
-      log::join(std::move(waiting.scan), odometry, {.reversed = is_upside_down(mounting)}, true);
+      log::join(std::move(waiting.sensed), odometry, {.reversed = is_upside_down(mounting)}, true);
   ready_.push_back(std::move(*observation));
 }
 

@@ -42,6 +42,9 @@ class SensorInput {
   /// topic: its place in SensorInputConfig::all_scan_topics. Throws InputError, and forgets the
   /// scan, when its angles or limits are not numbers.
   void add(const sensor_msgs::msg::LaserScan& scan, std::size_t topic = 0);
+  /// topic: as above; those with clouds come after the others. Throws InputError for clouds
+  /// that cannot be read.
+  void add(const sensor_msgs::msg::PointCloud2& cloud, std::size_t topic);
   /// The scans that are complete now, in order of time.
   [[nodiscard]] std::vector<Observation> take();
 
@@ -54,6 +57,7 @@ class SensorInput {
     const LiveOdometry* odometry = nullptr;
     std::string child;
   };
+  void add_sensed(log::SensedScan sensed, std::size_t topic);
   void add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2& odom_from_child);
   void warn_not_finite(const std::string& topic,
                        const geometry_msgs::msg::TransformStamped& transform);

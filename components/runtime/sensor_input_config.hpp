@@ -6,12 +6,15 @@
 #include <vector>
 
 #include "core/base/config.hpp"
+#include "core/scan/cloud_slice.hpp"
 
 namespace strata::runtime {
 
 struct SensorInputConfig {
   std::string scan_topic = "scan";
   std::vector<std::string> scan_topics;
+  std::vector<std::string> cloud_topics;
+  CloudSliceConfig cloud;
   std::string odometry_topic = "odom";
   std::string tf_odometry_frame = "odom";
   std::string robot_frame = "base_link";
@@ -24,6 +27,10 @@ struct SensorInputConfig {
     v.field("scan_topics", c.scan_topics,
             {.doc = "several scanners, each with its frame, rate and mounting, in place of "
                     "scan_topic"});
+    v.field("cloud_topics", c.cloud_topics,
+            {.doc = "sensor_msgs/PointCloud2 in: slices of them are taken for scans, with those of "
+                    "scan_topics, or in place of scan_topic"});
+    v.group("cloud", c.cloud, "which points of a cloud a scan is made of");
     v.field("odometry_topic", c.odometry_topic, {.doc = "nav_msgs/Odometry in"});
     v.field("tf_odometry_frame", c.tf_odometry_frame,
             {.doc = "live, while nobody publishes odometry_topic: odometry is this frame to "
@@ -44,8 +51,15 @@ struct SensorInputConfig {
              .min = 0.0});
   }
 
+  /// Topics with LaserScan.
+  [[nodiscard]] std::vector<std::string> laser_topics() const {
+    return scan_topics.empty() && cloud_topics.empty() ? std::vector{scan_topic} : scan_topics;
+  }
+  /// Those, and then those with clouds.
   [[nodiscard]] std::vector<std::string> all_scan_topics() const {
-    return scan_topics.empty() ? std::vector{scan_topic} : scan_topics;
+    std::vector<std::string> topics = laser_topics();
+    topics.insert(topics.end(), cloud_topics.begin(), cloud_topics.end());
+    return topics;
   }
 };
 

@@ -24,10 +24,11 @@ Duration sweep_duration(const Scan& scan) {
   return std::abs(sweep_s) < kLongestSweepS ? Duration::from_seconds(sweep_s) : Duration{};
 }
 
-Scan undistort(const Scan& scan, const Pose2& start_from_end, bool reversed) {
-  if (scan.time_increment_s == 0.0F || scan.size() < 2 || scan.angle_increment_rad == 0.0F) {
-    return scan;
-  }
+namespace {
+
+/// taken: when each beam was, as a share of the motion.
+template <typename Taken>
+Scan corrected_by(const Scan& scan, const Pose2& start_from_end, const Taken& taken) {
   Scan corrected = scan;
   const float nothing = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t beam = 0; beam < scan.size(); ++beam) {
@@ -39,8 +40,7 @@ Scan undistort(const Scan& scan, const Pose2& start_from_end, bool reversed) {
   const auto last = static_cast<double>(scan.size() - 1);
   for (std::size_t beam = 0; beam < scan.size(); ++beam) {
     if (scan.kind(beam) != BeamKind::kHit) continue;
-    const double taken = static_cast<double>(reversed ? scan.size() - 1 - beam : beam) / last;
-    const Pose2 start_from_robot = interpolate(Pose2{}, start_from_end, taken);
+    const Pose2 start_from_robot = interpolate(Pose2{}, start_from_end, taken(beam));
     const double range_m = static_cast<double>(scan.ranges_m[beam]);
     const double bearing = scan.bearing_rad(beam);
     const Eigen::Vector2d seen(range_m * std::cos(bearing), range_m * std::sin(bearing));
@@ -56,6 +56,26 @@ Scan undistort(const Scan& scan, const Pose2& start_from_end, bool reversed) {
     if (!(slot <= range)) slot = range;
   }
   return corrected;
+}
+
+}  // namespace
+
+Scan undistort(const Scan& scan, const Pose2& start_from_end, bool reversed) {
+  if (scan.time_increment_s == 0.0F || scan.size() < 2 || scan.angle_increment_rad == 0.0F) {
+    return scan;
+  }
+  const auto last = static_cast<double>(scan.size() - 1);
+  return corrected_by(scan, start_from_end, [&](std::size_t beam) {
+    return static_cast<double>(reversed ? scan.size() - 1 - beam : beam) / last;
+  });
+}
+
+Scan undistort(const Scan& scan, std::span<const float> offset_s, const Pose2& start_from_end,
+               double sweep_s) {
+  if (scan.size() < 2 || scan.angle_increment_rad == 0.0F || sweep_s == 0.0) return scan;
+  return corrected_by(scan, start_from_end, [&](std::size_t beam) {
+    return static_cast<double>(offset_s[beam]) / sweep_s;
+  });
 }
 
 }  // namespace strata

@@ -2,6 +2,8 @@
 /// Removes the robot's motion during a sweep from the sweep.
 #pragma once
 
+#include <span>
+
 #include "core/scan/scan.hpp"
 
 namespace strata {
@@ -25,5 +27,11 @@ inline constexpr double kLongestSweepS = 2.0;
 /// without a point become NaN. A scan with time_increment_s of 0 is returned as it is.
 /// start_from_end: pose of the robot at the end of the sweep, in its frame at the start. O(beams).
 [[nodiscard]] Scan undistort(const Scan& scan, const Pose2& start_from_end, bool reversed = false);
+
+/// The same for a scan that says of each beam when it was taken after the stamp (before it, where
+/// negative), for a robot that moves by start_from_end within the sweep_s after the stamp.
+/// offset_s: one a beam.
+[[nodiscard]] Scan undistort(const Scan& scan, std::span<const float> offset_s,
+                             const Pose2& start_from_end, double sweep_s);
 
 }  // namespace strata

@@ -61,6 +61,7 @@ std::optional<Pose2> pose_at(std::span<const log::StampedPose> trajectory, Stamp
 Runs read_runs(const RunsInput& input, Progress* progress, int first_run) {
   require_one_a_log(input.poses, input.logs.size(), "--poses");
   require_one_a_log(input.truths, input.logs.size(), "--truth");
+  require_valid(input.cloud, "--min-height, --max-height");
   Runs runs;
   for (std::size_t i = 0; i < input.logs.size(); ++i) {
     log::ReadOptions options;
@@ -69,6 +70,7 @@ Runs read_runs(const RunsInput& input, Progress* progress, int first_run) {
     options.to_s = input.to_s;
     options.use_odometry = input.use_odometry;
     options.scan_topics = input.scan_topics;
+    options.cloud = input.cloud;
     options.progress = progress;
     log::ReadReport report;
     std::vector<Observation> run = log::read_observations(input.logs[i], options, &report);

@@ -26,6 +26,7 @@ struct RunsInput {
   bool use_odometry = true;
   /// Topics of the robot's scanners in bags; empty: the only one, or /scan.
   std::vector<std::string> scan_topics;
+  CloudSliceConfig cloud;  ///< how scans are made of those with point clouds
 };
 
 /// Observations of all runs one after the other; poses and truths have one entry an observation.

@@ -11,9 +11,16 @@ void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
   verb.add_option("--truth-offset", input.truth_offset_s, "seconds to add to the truth's stamps");
   verb.add_option("--from", input.from_s, "seconds from the start of each log");
   verb.add_option("--to", input.to_s, "seconds from the start of each log");
-  verb.add_option("--scan-topic", input.scan_topics,
-                  "of a bag: the topic to use, once for each scanner; else the only one, or /scan")
+  verb.add_option(
+          "--scan-topic", input.scan_topics,
+          "of a bag: the topic to use, once for each scanner, LaserScan or PointCloud2; else "
+          "the only one, or /scan")
       ->allow_extra_args(false);
+  verb.add_option("--min-height", input.cloud.min_height_m,
+                  "metres above the robot's frame: lowest point of a cloud that makes a scan")
+      ->capture_default_str();
+  verb.add_option("--max-height", input.cloud.max_height_m, "... and the highest")
+      ->capture_default_str();
   verb.add_flag("!--no-odometry", input.use_odometry, "leave the odometry out");
 }
 

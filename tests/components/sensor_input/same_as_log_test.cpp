@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "components/convert/cloud_messages.hpp"
+#include "core/base/error.hpp"
 #include "tests/components/sensor_input/recorded_robot.hpp"
 
 namespace strata::runtime {
@@ -193,6 +195,61 @@ TEST(SameAsLog, TwoFramesOnOneTopicAreTwoScanners) {
   const auto taken = robot.live();
   ASSERT_GE(taken.size(), 2U);
   EXPECT_NE(taken[0].scan.robot_from_laser, taken[1].scan.robot_from_laser);
+}
+
+/// A wall in the sensor's frame, floor below it, with a time for each point.
+sensor_msgs::msg::PointCloud2 cloud(double seconds, const std::string& frame) {
+  std::vector<Eigen::Vector3f> points;
+  convert::CloudColumns columns;
+  for (int i = 0; i < 400; ++i) {
+    const float y = -2.0F + 0.01F * static_cast<float>(i);
+    for (const float z : {-1.0F, -0.75F, -0.6F}) {
+      points.push_back({2.0F + 0.05F * static_cast<float>(seconds), y, z});
+      columns.offset_s.push_back(1e-4F * static_cast<float>(i));
+    }
+  }
+  return convert::to_message(points, at(seconds), frame, columns);
+}
+
+TEST(SameAsLog, CloudsAreSlicedAndUndistorted) {
+  RecordedRobot robot;
+  drive(robot, 2.0);
+  for (int i = 1; i < 18; ++i) {
+    robot.say(0.1 * i + 0.06, "/points", cloud(0.1 * i, "lidar"));
+    robot.say(0.1 * i + 0.048, "/scan", sweep(0.1 * i + 0.003, "laser"));
+  }
+  // Whatever comes first.
+  tf2_msgs::msg::TFMessage fixed = test::link(0.0, "base_link", "laser", {0.2, 0.0, 0.0});
+  fixed.transforms().push_back(
+      convert::to_transform_stamped(at(0.0), {0.1, 0.0, 0.3}, "base_link", "lidar"));
+  fixed.transforms()[1].transform().translation().z(1.0);
+  robot.say(0.25, "/tf_static", fixed);
+  log::ReadOptions options;
+  options.scan_topics = {"/scan", "/points"};
+  SensorInputConfig config;
+  config.scan_topics = {"/scan"};
+  config.cloud_topics = {"/points"};
+  expect_same(robot, 34, config, options);
+  options.scan_topics = {"/points"};
+  config.scan_topics.clear();
+  expect_same(robot, 17, config, options);
+  const auto taken = robot.live(config);
+  ASSERT_EQ(taken.size(), 17U);
+  EXPECT_GT(count_beams(taken[0].scan).hits, 100U);
+  EXPECT_NEAR(taken[0].scan.robot_from_laser.x, 0.1, 1e-12);
+  EXPECT_NEAR(taken[0].scan.robot_from_laser.theta, 0.3, 1e-12);
+}
+
+TEST(SameAsLog, ABagWithoutScansNamesItsClouds) {
+  RecordedRobot robot;
+  drive(robot, 1.0);
+  robot.say(0.5, "/points", cloud(0.4, "lidar"));
+  try {
+    (void)robot.by_the_log();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--scan-topic"));
+  }
 }
 
 }  // namespace

@@ -101,5 +101,28 @@ TEST(Undistort, KeepsReadingsThatAreNoHits) {
   EXPECT_EQ(corrected.kind(11), BeamKind::kInvalid);
 }
 
+TEST(Undistort, WithATimeForEachBeamDoesWhatEvenTimesDo) {
+  const Pose2 start_from_end{0.1, 0.02, 0.15};
+  const Scan scan = sweep(start_from_end, {});
+  const auto last = static_cast<float>(kBeams - 1);
+  std::vector<float> offset_s;
+  for (std::size_t i = 0; i < kBeams; ++i) offset_s.push_back(0.1F * static_cast<float>(i) / last);
+  const Scan even = undistort(scan, start_from_end);
+  const Scan timed = undistort(scan, offset_s, start_from_end, 0.1);
+  // The stamp at the end of the sweep: where the robot was before, seen from where it is.
+  std::vector<float> before_s;
+  for (const float offset : offset_s) before_s.push_back(offset - 0.1F);
+  const Scan late = undistort(scan, before_s, inverse(start_from_end), -0.1);
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < kBeams; ++i) {
+    if (even.kind(i) != BeamKind::kHit || timed.kind(i) != BeamKind::kHit) continue;
+    EXPECT_NEAR(timed.ranges_m[i], even.ranges_m[i], 1e-3F) << i;
+    ++same;
+  }
+  EXPECT_GT(same, kBeams / 2);
+  EXPECT_NEAR(late.ranges_m[kBeams - 1], scan.ranges_m[kBeams - 1], 1e-4F);
+  EXPECT_GT(std::abs(late.ranges_m[0] - scan.ranges_m[0]), 1e-3F);
+}
+
 }  // namespace
 }  // namespace strata
