@@ -14,7 +14,7 @@ namespace strata::beam_filter {
 namespace {
 
 /// Changes with the fields saved: bytes of another version are refused.
-constexpr std::uint64_t kVersion = 0x53'4f'42'46'0000'0001;
+constexpr std::uint64_t kVersion = 0x53'4f'42'46'0000'0002;
 
 }  // namespace
 
@@ -39,9 +39,15 @@ double OnlineFilter::judging_reflection(const Cell& end) const {
 
 std::vector<float> OnlineFilter::add(const PosedScan& scan) {
   const Pose2& pose = scan.map_from_robot;
-  const bool key = !last_key_ || translation_distance(*last_key_, pose) >= config_.key_distance_m ||
-                   std::abs(angle_difference(pose.theta, last_key_->theta)) >= config_.key_turn_rad;
-  if (key) last_key_ = pose;
+  const bool moved =
+      !last_key_ || translation_distance(*last_key_, pose) >= config_.key_distance_m ||
+      std::abs(angle_difference(pose.theta, last_key_->theta)) >= config_.key_turn_rad;
+  turns_.see(scan.scan, scan.run);
+  const bool key = moved && turns_.has_turn();
+  if (key) {
+    last_key_ = pose;
+    turns_.use();
+  }
   counts_.add(scan, filter_.counting, 1.0, BeamWeights::kAllStatic);
   window_.push_back({scan, key});
   if (window_.size() > static_cast<std::size_t>(config_.scans)) {
@@ -66,6 +72,7 @@ std::vector<std::uint8_t> OnlineFilter::save_state() const {
   writer(counts_.cells());
   writer(window_);
   writer(last_key_);
+  writer(turns_);
   return writer.take();
 }
 
@@ -78,6 +85,7 @@ void OnlineFilter::restore_state(std::span<const std::uint8_t> bytes, const std:
   if (counts_.resolution_m() != filter_.resolution_m) reader.refuse("is of another resolution");
   reader(window_);
   reader(last_key_);
+  reader(turns_);
   reader.expect_end();
 }
 

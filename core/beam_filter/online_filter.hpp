@@ -16,6 +16,7 @@
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/scan/scan.hpp"
+#include "core/scan/scanner_turns.hpp"
 
 namespace strata::beam_filter {
 
@@ -85,6 +86,7 @@ class OnlineFilter {
   CountingMap counts_;
   std::deque<Entry> window_;
   std::optional<Pose2> last_key_;
+  ScannerTurns turns_;  ///< several scanners take turns at the key scans
 };
 
 }  // namespace strata::beam_filter

@@ -43,6 +43,8 @@ void Localizer::start(std::size_t count) {
   last_weighed_.reset();
   moved_ = Pose2{};
   scans_since_weighed_ = 0;
+  turns_ = {};
+  companions_.clear();
   monitor_.reset();
   particles_ = ParticleSet{};
   particles_.resize(count);
@@ -99,10 +101,30 @@ Pose2 Localizer::motion_since_last(const Observation& observation) {
   return motion;
 }
 
-bool Localizer::is_due() const {
-  return !last_weighed_ || scans_since_weighed_ >= config_.gating.every_scans ||
-         std::hypot(moved_.x, moved_.y) >= config_.gating.translation_m ||
-         std::abs(moved_.theta) >= config_.gating.rotation_rad;
+bool Localizer::is_due() {
+  const GatingConfig& gating = config_.gating;
+  if (!last_weighed_ || gating.every_scans == 1) return true;
+  // Several scanners' scans are weighed together, which says more and takes longer.
+  const auto scanners = static_cast<double>(turns_.alive());
+  const double share = 1.0 + 0.25 * (scanners - 1.0);
+  const bool passes =
+      static_cast<double>(scans_since_weighed_) >= scanners * share * gating.every_scans ||
+      std::hypot(moved_.x, moved_.y) >= share * gating.translation_m ||
+      std::abs(moved_.theta) >= share * gating.rotation_rad;
+  return passes && turns_.has_turn();
+}
+
+/// What the other scanners saw meanwhile, each in turn, as if the robot had stood still since.
+void Localizer::weigh_companions(const Observation& observation, double tempering) {
+  for (const CompanionScans::Companion* companion : companions_.take(observation)) {
+    (void)model_->log_likelihoods(companion->scan, tempering, particles_, log_likelihood_, *pool_);
+    (void)reweigh(particles_, log_likelihood_);
+    const Pose2Gaussian pose = estimate(particles_);
+    if (const PatchStates* states = model_->patch_states()) states->absorb(pose, particles_);
+    if (own_model_ == nullptr) continue;
+    own_model_->learn(companion->observation,
+                      {pose.mean * companion->now_from_then, pose.covariance});
+  }
 }
 
 const LocalizationResult& Localizer::update(const Observation& observation) {
@@ -113,6 +135,8 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
   ++scans_since_weighed_;
   const bool is_usable = says_something(observation.scan);
   if (!is_usable) ++unusable_scans_;
+  if (is_usable) turns_.see(observation.scan, observation.run);
+  if (is_usable && turns_.alive() > 1) companions_.keep(observation);
   if (!is_usable || !is_due()) {
     move_particles(motion, particles_, *pool_);
     return make_result(estimate(particles_), false);
@@ -139,6 +163,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
 
   log_likelihood_.resize(particles_.size());
   const double tempering = model_->tempering() * annealing();
+  if (turns_.alive() > 1) weigh_companions(observation, tempering);
   const std::size_t beams =
       model_->log_likelihoods(observation.scan, tempering, particles_, log_likelihood_, *pool_);
   const double log_mean = reweigh(particles_, log_likelihood_);
@@ -150,6 +175,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose);
   last_weighed_ = now;
+  turns_.use();
   moved_ = Pose2{};
   scans_since_weighed_ = 0;
   ++annealed_updates_;

@@ -11,11 +11,13 @@
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
+#include "core/localization/companion_scans.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "core/localization/particle_set.hpp"
 #include "core/localization/patch_states.hpp"
 #include "core/localization/sensor_model.hpp"
 #include "core/scan/scan.hpp"
+#include "core/scan/scanner_turns.hpp"
 
 namespace strata::localization {
 
@@ -30,10 +32,11 @@ struct LocalizationResult {
   std::vector<SubmapBelief> submaps;  ///< one a sub-map; empty for maps without
 };
 
-/// Per scan: motion, sub-map transition, weight, estimate; resampling comes first at the next
-/// weighed scan, so that `particles()` always shows the weighted set of which the paper's error is
-/// the mean. Bit-identical for the same (config, model, seed, observations) at any number of
-/// threads.
+/// Of several scanners (told by their mountings) one has the turn, and what the others saw just
+/// before is weighed with it. Per scan: motion, sub-map transition, weight, estimate; resampling
+/// comes first at the next weighed scan, so that `particles()` always shows the weighted set of
+/// which the paper's error is the mean. Bit-identical for the same (config, model, seed,
+/// observations) at any number of threads.
 class Localizer {
  public:
   /// Throws ConfigError. threads as in WorkerPool.
@@ -77,9 +80,10 @@ class Localizer {
   void redraw(std::size_t keep, std::size_t added, double offset);
   void search_everywhere();
   void fill(ParticleSet& particles, std::size_t begin, StreamId stream) const;
-  [[nodiscard]] bool is_due() const;
+  [[nodiscard]] bool is_due();
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
+  void weigh_companions(const Observation& observation, double tempering);
   void roughen_start();
   void resample();
   [[nodiscard]] std::size_t least_while_annealing() const;
@@ -109,7 +113,9 @@ class Localizer {
   std::optional<Observation> last_;  // without its ranges
   std::optional<Stamp> last_weighed_;
   Pose2 moved_;  // since the last weighed scan
-  int scans_since_weighed_ = 0;
+  std::size_t scans_since_weighed_ = 0;
+  ScannerTurns turns_;
+  CompanionScans companions_;
   std::size_t unusable_scans_ = 0;
   std::size_t odometry_jumps_ = 0;
 };

@@ -21,9 +21,10 @@ struct GatingConfig {
             {.doc = "weigh a scan after this much driving", .unit = "m", .min = 0.0});
     v.field("rotation_rad", c.rotation_rad,
             {.doc = "or this much turning", .unit = "rad", .min = 0.0});
-    v.field(
-        "every_scans", c.every_scans,
-        {.doc = "or at the latest every so many scans; 1: weigh all", .unit = "scans", .min = 1});
+    v.field("every_scans", c.every_scans,
+            {.doc = "or at the latest every so many scans of each scanner; 1: weigh all",
+             .unit = "scans",
+             .min = 1});
     v.field("most_speed_mps", c.most_speed_mps,
             {.doc = "with jump_m: odometry that moves faster than a robot can has been reset, and "
                     "says nothing",

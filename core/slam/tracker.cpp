@@ -122,6 +122,7 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
                          const Pose2Gaussian* given, std::span<const float> static_probability) {
   TrackedScan result;
   if (!first_scan_) first_scan_ = scan_index;
+  turns_.see(scan);
   const Pose2* believed = odom_from_robot;
   if (odom_from_robot != nullptr && last_odom_) {
     result.findings.odometry_step = between(*last_odom_, *odom_from_robot);
@@ -137,10 +138,13 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   if (started_) {
     grow_drift(between(pose_.mean, guess.mean), given);
     Eigen::Matrix3d information;
+    // Two scanners send twice as many scans: each needs half of the beams.
+    const int max_beams = config_.max_beams > 0
+                              ? std::max(1, config_.max_beams / static_cast<int>(turns_.alive()))
+                              : 0;
     const Endpoints endpoints =
-        match_endpoints(scan, config_.max_range_m, config_.max_beams, static_probability);
-    const std::size_t most =
-        config_.max_beams > 0 ? static_cast<std::size_t>(config_.max_beams) : all_hits;
+        match_endpoints(scan, config_.max_range_m, max_beams, static_probability);
+    const std::size_t most = max_beams > 0 ? static_cast<std::size_t>(max_beams) : all_hits;
     const std::size_t hits = std::min(all_hits, most);
     // A given pose in the guess is no count of steps: its error along a corridor must not rule.
     const GuessFrom from = given != nullptr      ? GuessFrom::kGivenPose
@@ -170,7 +174,8 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   const bool moved =
       !last_key_ || translation_distance(*last_key_, pose_.mean) >= config_.key_distance_m ||
       std::abs(angle_difference(pose_.mean.theta, last_key_->theta)) >= config_.key_turn_rad;
-  if (moved && !result.findings.empty) {
+  if (moved && !result.findings.empty && turns_.has_turn()) {
+    turns_.use();
     result.key = true;
     last_key_ = pose_.mean;
     insert(scan, scan_index, static_probability);

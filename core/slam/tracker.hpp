@@ -13,6 +13,7 @@
 #include "core/registration/scan_matcher.hpp"
 #include "core/scan/endpoints.hpp"
 #include "core/scan/scan.hpp"
+#include "core/scan/scanner_turns.hpp"
 #include "core/slam/log_checks.hpp"
 #include "core/slam/slam_config.hpp"
 #include "core/slam/submap.hpp"
@@ -47,6 +48,7 @@ class Tracker {
   /// with the log, in the run's frame; where the scan is ambiguous (a bare corridor) it rules.
   /// Odometry that moves faster than a robot can is not believed for that scan. static_probability:
   /// e(t,n) where an earlier pass found it; the weights of eq. (1.11) [stachniss2003chapter].
+  /// Several scanners (told by their mountings) share max_beams and take turns in the map.
   /// Scans without usable hits move by odometry. O(beams x iterations), plus O(cells crossed) for
   /// key scans.
   TrackedScan add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index,
@@ -82,6 +84,7 @@ class Tracker {
     archive(self.path_m_);
     archive(self.doubt_);
     archive(self.last_key_);
+    archive(self.turns_);
     archive(self.drift_);
     archive(self.owned_drift_);
     archive(self.owned_from_);
@@ -129,6 +132,7 @@ class Tracker {
   int lost_ = 0;                // scans in a row that matched nothing, without odometry
   Stamp last_stamp_;
   std::optional<Pose2> last_odom_;
+  ScannerTurns turns_;
   double path_m_ = 0.0;
   double doubt_ = 1.0;  // of odometry; shrinks while it agrees with the matches
   std::optional<Pose2> last_key_;

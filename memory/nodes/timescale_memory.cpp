@@ -130,7 +130,8 @@ Observed TimescaleMemory::choose_node(const PosedScan& scan, int robot) {
   for (const auto& [distance_m, node] : near_) {
     if (distance_m > config_.update_radius_m) return {ObserveOutcome::kFarAway, node, false};
     const MemoryNode& candidate = nodes_[static_cast<std::size_t>(node)];
-    if (!is_due(candidate, scan, robot)) return {ObserveOutcome::kTooSoon, node, false};
+    if (!is_due(candidate, scan, robot) || !turns_.has_turn())
+      return {ObserveOutcome::kTooSoon, node, false};
     if (scanner_.transform(scan, candidate.position_m, virtual_scan_)) {
       return {ObserveOutcome::kTaken, node, false};
     }
@@ -148,8 +149,10 @@ Observed TimescaleMemory::observe(const PosedScan& scan, const Eigen::Matrix3d* 
   if (!is_finite(scan.map_from_robot) || (covariance != nullptr && !is_certain(*covariance))) {
     return {ObserveOutcome::kUncertain, -1, false};
   }
+  turns_.see(scan.scan, scan.run);
   const Observed result = choose_node(scan, robot);
   if (result.outcome != ObserveOutcome::kTaken) return result;
+  turns_.use();
   wake(result.node);
   MemoryNode& node = nodes_[static_cast<std::size_t>(result.node)];
   insert(node, result.node, scan);

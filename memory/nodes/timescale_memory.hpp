@@ -18,6 +18,7 @@
 #include "core/base/time.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/scan/scan.hpp"
+#include "core/scan/scanner_turns.hpp"
 #include "memory/decoding/decoding_config.hpp"
 #include "memory/levels/node_level.hpp"
 #include "memory/levels/virtual_scan.hpp"
@@ -169,6 +170,7 @@ class TimescaleMemory {
   std::shared_ptr<const NodeSource> source_;   ///< of the nodes asleep
   std::vector<double> insertion_probability_;  ///< per level, after warming up
   std::vector<MemoryNode> nodes_;
+  ScannerTurns turns_;  ///< of several scanners at the gate of the nodes
   VirtualScanner scanner_;
   VirtualScan virtual_scan_;
   std::vector<std::pair<double, int>> near_;
