@@ -8,7 +8,13 @@
 
 namespace strata::runtime {
 
-void SensorComponent::subscribe_sensors(const SensorInputConfig& config, const std::string& qos) {
+void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const std::string& qos) {
+  SensorInputConfig config = wanted;
+  if (lockstep()) {
+    // The player sends the scans of all scanners there, each in a frame of its own.
+    config.scan_topics.clear();
+    config.cloud_topics.clear();
+  }
   input_.emplace(config, !lockstep());
   stamps_ = {};
   subscribe<tf2_msgs::msg::TFMessage>("/tf_static", "tf_static", [this](const auto& message) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "components/convert/cloud_messages.hpp"
+#include "components/player/log_player.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/sensor_input/recorded_robot.hpp"
 
@@ -250,6 +251,33 @@ TEST(SameAsLog, ABagWithoutScansNamesItsClouds) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("--scan-topic"));
   }
+}
+
+TEST(SameAsLog, AReplayOfSeveralScannersKeepsTheirBits) {
+  RecordedRobot robot;
+  robot.say(0.0, "/tf_static", test::link(0.0, "base_link", "front", {0.3, 0.2, 0.7}));
+  robot.say(0.0, "/tf_static", test::rolled_link("base_link", "back", -0.3, -0.2));
+  drive(robot, 2.0);
+  scan(robot, 1.8, "/front/scan", "front", 0.113);
+  scan(robot, 1.8, "/back/scan", "back", 0.113);
+  log::ReadOptions options;
+  options.scan_topics = {"/front/scan", "/back/scan"};
+  const auto recorded = robot.by_the_log(options);
+  ASSERT_EQ(recorded.size(), 34U);
+  SensorInput input({}, false);
+  std::vector<Observation> taken;
+  player::Outputs outputs;
+  outputs.clock = [](const auto&) {};
+  outputs.tf = [](const auto&) {};
+  outputs.tf_static = [&](const auto& message) { input.add(message); };
+  outputs.odometry = [&](const auto& message) { input.add(message); };
+  outputs.scan = [&](const auto& message) {
+    input.add(message);
+    for (Observation& observation : input.take()) taken.push_back(std::move(observation));
+  };
+  player::LogPlayer player(recorded, outputs);
+  for (std::size_t i = 0; i < recorded.size(); ++i) player.publish(i);
+  test::expect_same_bits(taken, recorded);
 }
 
 }  // namespace
