@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -102,6 +103,16 @@ class Slam {
   };
   /// Nothing before the first scan.
   [[nodiscard]] std::optional<Newest> newest() const;
+
+  /// A scan of the map, and where it was taken as far as that is known now.
+  struct Mapped {
+    std::size_t number = 0;  ///< of all scans that were accepted
+    const PosedScan* scan = nullptr;
+    Pose2 map_from_robot;
+  };
+  /// Those that are kept, by number, but for those of runs that are not placed yet. Before finish.
+  /// O(what is kept).
+  void visit_mapped(const std::function<void(const Mapped&)>& visit) const;
 
   [[nodiscard]] std::size_t skipped_scans() const;
   /// What is kept now.

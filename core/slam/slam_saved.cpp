@@ -63,4 +63,29 @@ std::optional<Slam::Newest> Slam::newest() const {
   return Newest{record.posed.run, record.posed.scan.stamp, record.odometry, pose};
 }
 
+std::optional<Pose2> Slam::State::pose_now(const Record& record) const {
+  if (stays(record)) return record.given;
+  if (record.submap != kNoSubmap) {
+    if (!graph.located(record.submap)) return std::nullopt;
+    return graph.map_from_run(record.submap) * record.run_from_robot;
+  }
+  // Of a sub-map under construction.
+  const bool begun_there = std::any_of(begun_at.begin(), begun_at.end(), [&](const auto& known) {
+    return known.first == record.posed.run;
+  });
+  const bool has_submap = graph.size() > 0 && graph.submap(graph.size() - 1).run == run;
+  const bool is_placed =
+      runs == 1 || begun_there || run_is_given || (has_submap && graph.located(graph.size() - 1));
+  if (record.posed.run != run || !is_placed) return std::nullopt;
+  return map_from_run * record.run_from_robot;
+}
+
+void Slam::visit_mapped(const std::function<void(const Mapped&)>& visit) const {
+  for (const Record& record : state_->records) {
+    if (!record.key) continue;
+    const std::optional<Pose2> pose = state_->pose_now(record);
+    if (pose) visit({record.number, &record.posed, *pose});
+  }
+}
+
 }  // namespace strata::slam

@@ -113,6 +113,8 @@ struct Slam::State {
     if (record.submap != kNoSubmap) return graph.located(record.submap);
     return graph.size() == 0 && record.posed.run == records.front().posed.run;
   }
+  /// Where it was taken, as known while scans come; nothing as long as its run is not placed.
+  [[nodiscard]] std::optional<Pose2> pose_now(const Record& record) const;
   /// Whether the scan keeps the pose it came with.
   [[nodiscard]] bool stays(const Record& record) const {
     const GivenPoseConfig& given = config.given_poses;
