@@ -40,7 +40,7 @@ void translate_names(Translator& t) {
   map_frame(t, "odom_frame_id", {"odometry_frame", "input.tf_odometry_frame"});
   t.map_as_it_is<std::string>("scan_topic", "input.scan_topic");
   t.map_as_it_is<std::string>("map_topic", "map_topics.occupancy");
-  t.ignore("transform_tolerance", "map -> odom carries the stamp of the scan");
+  t.map_as_it_is<double>("transform_tolerance", "transform_tolerance");
   t.map_as_it_is<bool>("tf_broadcast", "publish_tf");
   t.map_as_it_is<bool>("use_sim_time", "use_sim_time");
 }

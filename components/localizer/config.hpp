@@ -100,7 +100,9 @@ struct LocalizerComponentConfig {
   std::string odometry_frame = "odom";
   bool publish_tf = true;
   std::string sensor_qos = "sensor_data";
-  std::string pose_qos = "default";
+  double transform_tolerance = 1.0;
+  std::string pose_qos = "latched";
+  std::string initial_pose_qos = "default";
   std::string state_qos = "latched";
   std::string out_subfolder;
   template <class Self, class V>
@@ -142,9 +144,16 @@ struct LocalizerComponentConfig {
     v.field("map_frame", c.map_frame, {.doc = "frame of poses in and out"});
     v.field("odometry_frame", c.odometry_frame, {.doc = "child of map_frame in /tf"});
     v.field("publish_tf", c.publish_tf, {.doc = "broadcast map_frame -> odometry_frame"});
+    v.field("transform_tolerance", c.transform_tolerance,
+            {.doc = "by so much the broadcast is dated after its scan: so long it may be used, as "
+                    "by who looks up where the robot is now",
+             .unit = "s",
+             .min = 0.0,
+             .max = 60.0});
     v.field("sensor_qos", c.sensor_qos,
             {.doc = "QoS profile of scan, odometry and particles: default, sensor_data, ..."});
-    v.field("pose_qos", c.pose_qos, {.doc = "QoS profile of poses in and out"});
+    v.field("pose_qos", c.pose_qos, {.doc = "QoS profile of pose_topic"});
+    v.field("initial_pose_qos", c.initial_pose_qos, {.doc = "QoS profile of initial_pose_topic"});
     v.field("state_qos", c.state_qos,
             {.doc = "QoS profile of sub-map states, the current map and health"});
     v.field("out_subfolder", c.out_subfolder,

@@ -24,7 +24,7 @@ std::optional<Pose2Gaussian> start_of(const StartConfig& start) {
 
 void Localizer::on_configure() {
   config_ = read_parameters<LocalizerComponentConfig>();
-  keep_live(config_, {"publish_tf"});
+  keep_live(config_, {"publish_tf", "transform_tolerance"});
   std::optional<maps::Maps> known;
   if (!config_.maps.empty()) {
     known = maps::read_maps(config_.maps);
@@ -37,7 +37,7 @@ void Localizer::on_configure() {
     if (known) live_maps_->begin_with(*known);
   }
   subscribe<geometry_msgs::msg::PoseWithCovarianceStamped>(
-      config_.initial_pose_topic, config_.pose_qos,
+      config_.initial_pose_topic, config_.initial_pose_qos,
       [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); });
   offer_services();
   subscribe_sensors(config_.input, config_.sensor_qos);
@@ -137,6 +137,10 @@ void Localizer::offer_services() {
   });
   offer<bus::srv::Empty>("reinitialize_global_localization", [this](const auto&) {
     restart_anywhere();
+    return std_srvs::srv::Empty_Response();
+  });
+  offer<bus::srv::Empty>("request_nomotion_update", [this](const auto&) {
+    if (localizer_) localizer_->weigh_next();
     return std_srvs::srv::Empty_Response();
   });
 }

@@ -22,12 +22,12 @@ namespace strata::localizer {
 /// Out, once a scan: amcl_pose, map -> odom on /tf (REP 105; as AMCL), particle_cloud,
 /// submap_states (maps with sub-maps only), localization_health; map_current when what is believed
 /// of a sub-map changes, and with each new map. Services, as AMCL's:
-/// reinitialize_global_localization, set_initial_pose. In: initialpose, and the maps when
-/// no MAPS folder is named (or map_topics.follow): scans that come before them are passed over, and
-/// when one comes again the robot goes on in it, with the particles that it has and what they
-/// believe of sub-maps that are still there. Scans with their poses go out where a learner wants
-/// them. At the end of a log trajectory.tum, states.csv and metrics.json, byte for byte those of
-/// `strata localize` without truth but for the cost.
+/// reinitialize_global_localization, request_nomotion_update, set_initial_pose. In: initialpose,
+/// and the maps when no MAPS folder is named (or map_topics.follow): scans that come before them
+/// are passed over, and when one comes again the robot goes on in it, with the particles that it
+/// has and what they believe of sub-maps that are still there. Scans with their poses go out where
+/// a learner wants them. At the end of a log trajectory.tum, states.csv and metrics.json, byte for
+/// byte those of `strata localize` without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;

@@ -42,7 +42,10 @@ void Localizer::publish_pose(const Observation& observation, const Pose2Gaussian
   if (!config_.publish_tf || !observation.has_odometry) return;
   const Pose2 map_from_odom = pose.mean * inverse(observation.odom_from_robot);
   tf2_msgs::msg::TFMessage tf;
-  tf.transforms().push_back(convert::to_transform_stamped(stamp, map_from_odom, config_.map_frame,
+  // Dated ahead: who asks for the robot's place now, as a costmap does, would else have to wait for
+  // the next scan.
+  const Stamp until = stamp + Duration::from_seconds(config_.transform_tolerance);
+  tf.transforms().push_back(convert::to_transform_stamped(until, map_from_odom, config_.map_frame,
                                                           config_.odometry_frame));
   publish_tf_(tf);
 }

@@ -45,6 +45,7 @@ void Localizer::start(std::size_t count) {
   scans_since_weighed_ = 0;
   turns_ = {};
   companions_.clear();
+  must_weigh_ = false;
   monitor_.reset();
   particles_ = ParticleSet{};
   particles_.resize(count);
@@ -103,7 +104,7 @@ Pose2 Localizer::motion_since_last(const Observation& observation) {
 
 bool Localizer::is_due() {
   const GatingConfig& gating = config_.gating;
-  if (!last_weighed_ || gating.every_scans == 1) return true;
+  if (must_weigh_ || !last_weighed_ || gating.every_scans == 1) return true;
   // Several scanners' scans are weighed together, which says more and takes longer.
   const auto scanners = static_cast<double>(turns_.alive());
   const double share = 1.0 + 0.25 * (scanners - 1.0);
@@ -178,6 +179,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   turns_.use();
   moved_ = Pose2{};
   scans_since_weighed_ = 0;
+  must_weigh_ = false;
   ++annealed_updates_;
   // One place is left: nothing has to be kept apart any more.
   if (is_one_place(pose, config_.recovery.uncertain_stddev_m)) {

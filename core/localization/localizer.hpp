@@ -60,6 +60,9 @@ class Localizer {
   /// sub-maps that both maps have (PatchStates::adopt). Works before a start too.
   void set_model(std::shared_ptr<const SensorModel> model);
 
+  /// The next usable scan is weighed, whatever the gating says.
+  void weigh_next() { must_weigh_ = true; }
+
   /// One scan. A scan in which no beam says anything (empty, all NaN) only moves the particles and
   /// is counted. The first scan after initialize, and of a new run, carries no motion. Throws
   /// std::logic_error when not initialized. The result is overwritten by the next call. Allocates
@@ -116,6 +119,8 @@ class Localizer {
   std::size_t scans_since_weighed_ = 0;
   ScannerTurns turns_;
   CompanionScans companions_;
+  int scans_since_weighed_ = 0;
+  bool must_weigh_ = false;
   std::size_t unusable_scans_ = 0;
   std::size_t odometry_jumps_ = 0;
 };

@@ -203,7 +203,10 @@ TEST(Localizer, LosesNothingThatItKnowsWhenItsMapComesAgain) {
   }
 }
 
-/// Takes a private hold of what goes out, by stamp.
+/// By so much the transform is dated after its scan.
+constexpr Duration kTolerance{1'000'000'000};
+
+/// Takes a private hold of what goes out, by the scan's stamp.
 class Listener {
  public:
   explicit Listener(const std::shared_ptr<bus::Participant>& participant)
@@ -219,7 +222,7 @@ class Listener {
               const auto& transform = message.transforms().at(0);
               if (transform.child_frame_id() != "odom") return;
               const std::lock_guard lock(mutex_);
-              map_from_odom_[convert::from_message(transform.header().stamp())] =
+              map_from_odom_[convert::from_message(transform.header().stamp()) - kTolerance] =
                   planar(convert::from_message(transform.transform()));
               changed_.notify_all();
             }) {}

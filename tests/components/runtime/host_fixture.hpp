@@ -59,6 +59,9 @@ class Collector {
           changed_.notify_all();
         }) {}
 
+  [[nodiscard]] bool wait_for_writer() {
+    return reader_.raw().wait_for_writers(1, std::chrono::seconds(20));
+  }
   /// At least so many messages, or as many as came until patience ends.
   [[nodiscard]] std::vector<T> wait_for(
       std::size_t count, std::chrono::milliseconds patience = std::chrono::seconds(20)) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/localizer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -98,6 +99,24 @@ TEST(Localizer, StandingStillGatesScansButGivesEachAPose) {
   int weighed = 0;
   for (int n = 0; n < 31; ++n) weighed += localizer.update(drive.look(world)).weighed ? 1 : 0;
   EXPECT_EQ(weighed, 4);  // the first, then every tenth
+}
+
+TEST(Localizer, WeighsTheNextScanOfARobotThatStandsStillWhenItIsAsked) {
+  const BoxWorld world = asymmetric_room();
+  Drive drive({4.0, 1.2, 0.0}, 31);
+  LocalizerConfig config;
+  config.gating.every_scans = 1000;
+  Localizer localizer(config, std::make_shared<LikelihoodFieldModel>(room_map()), 1);
+  localizer.initialize(near(drive.truth()));
+  EXPECT_TRUE(localizer.update(drive.look(world)).weighed) << "the first";
+  EXPECT_FALSE(localizer.update(drive.look(world)).weighed);
+  localizer.weigh_next();
+  Observation blind = drive.look(world);
+  std::fill(blind.scan.ranges_m.begin(), blind.scan.ranges_m.end(),
+            std::numeric_limits<float>::quiet_NaN());
+  EXPECT_FALSE(localizer.update(blind).weighed) << "says nothing";
+  EXPECT_TRUE(localizer.update(drive.look(world)).weighed);
+  EXPECT_FALSE(localizer.update(drive.look(world)).weighed) << "once";
 }
 
 TEST(Localizer, FindsItselfFromNowhere) {
