@@ -2,15 +2,15 @@
 #include "components/log/map_file.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
+#include <limits>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include <yaml-cpp/yaml.h>
 
+#include "components/log/map_image.hpp"
 #include "components/log/text.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
@@ -20,66 +20,6 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-constexpr int kLargestSide = 50'000;
-
-struct Image {
-  int width = 0;
-  int height = 0;
-  int white = 255;
-  std::vector<std::uint8_t> pixels;  ///< top row first
-};
-
-/// The next number of a PGM header, behind blanks and comments; -1 when there is none.
-int header_number(std::istream& in) {
-  int c = in.get();
-  while (c == '#' || std::isspace(c) != 0) {
-    if (c == '#') {
-      while (c != '\n' && c != EOF) c = in.get();
-    }
-    c = in.get();
-  }
-  if (std::isdigit(c) == 0) return -1;
-  int value = 0;
-  for (; std::isdigit(c) != 0; c = in.get()) value = std::min(1'000'000, value * 10 + (c - '0'));
-  return value;  // the one blank behind it is taken too, as the format wants
-}
-
-Image read_pgm(const fs::path& path, const std::string& yaml) {
-  const auto refuse = [&](const std::string& why) {
-    return InputError(path.string(), why, "the image named in " + yaml + " must be a PGM");
-  };
-  std::ifstream in(path, std::ios::binary);
-  if (!in || fs::is_directory(path)) throw refuse("the map's image is missing");
-  char magic[2] = {};
-  in.read(magic, 2);
-  if (magic[0] != 'P' || (magic[1] != '5' && magic[1] != '2')) throw refuse("is not a PGM image");
-  Image image;
-  image.width = header_number(in);
-  image.height = header_number(in);
-  image.white = header_number(in);
-  if (image.width < 1 || image.height < 1 || image.width > kLargestSide ||
-      image.height > kLargestSide || image.white < 1 || image.white > 255) {
-    throw refuse("has a damaged header or more than 8 bits a pixel");
-  }
-  const auto size = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-  // Before memory is taken: a damaged header may promise anything.
-  if (fs::file_size(path) < size) throw refuse("is cut: it has fewer pixels than it says");
-  image.pixels.resize(size);
-  if (magic[1] == '5') {
-    in.read(reinterpret_cast<char*>(image.pixels.data()), static_cast<std::streamsize>(size));
-    if (static_cast<std::size_t>(in.gcount()) != size) {
-      throw refuse("is cut: it has fewer pixels than it says");
-    }
-  } else {
-    for (std::uint8_t& pixel : image.pixels) {
-      const int value = header_number(in);
-      if (value < 0 || value > image.white) throw refuse("has a damaged pixel");
-      pixel = static_cast<std::uint8_t>(value);
-    }
-  }
-  return image;
-}
-
 struct MapInfo {
   fs::path image;
   double resolution_m = 0.0;
@@ -87,7 +27,7 @@ struct MapInfo {
   bool negate = false;
   double occupied = 0.65;
   double free = 0.25;  // nav2's default; files mostly state it
-  bool scale = false;
+  MapMode mode = MapMode::kTrinary;
 };
 
 MapInfo read_info(const fs::path& path) {
@@ -109,11 +49,12 @@ MapInfo read_info(const fs::path& path) {
     info.occupied = node["occupied_thresh"].as<double>(info.occupied);
     info.free = node["free_thresh"].as<double>(info.free);
     const auto mode = node["mode"].as<std::string>("trinary");
-    info.scale = mode == "scale";
-    if (mode != "trinary" && mode != "scale") {
+    const std::optional<MapMode> known = map_mode(mode);
+    if (!known) {
       throw InputError(place + ": mode", "is " + mode + ", which is not read here",
-                       "use trinary or scale");
+                       "use trinary, scale or raw");
     }
+    info.mode = *known;
   } catch (const YAML::Exception& error) {
     throw InputError(place + ":" + std::to_string(error.mark.line + 1), error.msg,
                      "give a map_server YAML file");
@@ -129,11 +70,70 @@ MapInfo read_info(const fs::path& path) {
   return info;
 }
 
+/// What the pixel at `i` says of its cell; NaN: nothing. As nav2's map_server reads it.
+float occupancy_of(const MapImage& image, std::size_t i, const MapInfo& info) {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  double bright = static_cast<double>(image.pixels[i]) / image.white;
+  const bool has_alpha = !image.alpha.empty();
+  if (info.mode == MapMode::kRaw) {
+    const double percent = std::round(bright * 255.0);
+    return percent <= 100.0 ? static_cast<float>(percent) / 100.0F : kUnknown;
+  }
+  if (info.mode == MapMode::kScale && has_alpha && image.alpha[i] != 255) return kUnknown;
+  if (info.mode == MapMode::kTrinary && has_alpha) {
+    bright = (3.0 * bright + static_cast<double>(image.alpha[i]) / 255.0) / 4.0;
+  }
+  const double occupancy = info.negate ? bright : 1.0 - bright;
+  if (occupancy > info.occupied) return 1.0F;
+  if (occupancy < info.free) return 0.0F;
+  if (info.mode == MapMode::kTrinary) return kUnknown;
+  return static_cast<float>((occupancy - info.free) / (info.occupied - info.free));
+}
+
+/// Between the thresholds: 205, as everybody writes it, where that is. Throws InputError when no
+/// pixel is.
+int unknown_pixel(const MapFileFormat& format) {
+  const auto is_between = [&](int pixel) {
+    const double occupancy = 1.0 - static_cast<double>(pixel) / 255.0;
+    return occupancy >= format.free && occupancy <= format.occupied;
+  };
+  const int middle =
+      static_cast<int>(std::lround(255.0 * (1.0 - (format.free + format.occupied) / 2.0)));
+  for (const int pixel : {205, middle}) {
+    if (is_between(pixel)) return pixel;
+  }
+  throw InputError("map thresholds", "leave no room for the unknown between them",
+                   "set them at least 0.01 apart");
+}
+
+/// Grey and, where the mode has a place for it, opacity of a cell.
+std::pair<int, int> pixel_of(float value, const MapFileFormat& format, int unknown) {
+  constexpr int kOpaque = 255;
+  const double percent = std::round(100.0 * std::clamp(static_cast<double>(value), 0.0, 1.0));
+  switch (format.mode) {
+    case MapMode::kTrinary:
+      return {is_occupied(value) ? 0 : (is_free(value) ? 254 : unknown), kOpaque};
+    case MapMode::kScale:
+      if (!is_known(value)) return {128, 0};
+      return {static_cast<int>(std::lround((100.0 - percent) / 100.0 * 255.0)), kOpaque};
+    case MapMode::kRaw:
+      return {is_known(value) ? static_cast<int>(percent) : 255, kOpaque};
+  }
+  return {unknown, kOpaque};
+}
+
 }  // namespace
+
+std::optional<MapMode> map_mode(std::string_view name) {
+  if (name == "trinary") return MapMode::kTrinary;
+  if (name == "scale") return MapMode::kScale;
+  if (name == "raw") return MapMode::kRaw;
+  return std::nullopt;
+}
 
 ReflectionGrid read_map(const fs::path& yaml) {
   const MapInfo info = read_info(yaml);
-  const Image image = read_pgm(info.image, yaml.string());
+  const MapImage image = read_map_image(info.image, yaml.string());
   CellRect rect;
   rect.min = {static_cast<int>(std::lround(info.x / info.resolution_m)),
               static_cast<int>(std::lround(info.y / info.resolution_m))};
@@ -143,20 +143,17 @@ ReflectionGrid read_map(const fs::path& yaml) {
     const auto width = static_cast<std::size_t>(image.width);
     const Cell cell{rect.min.x + static_cast<int>(i % width),
                     rect.max.y - 1 - static_cast<int>(i / width)};
-    const double bright = static_cast<double>(image.pixels[i]) / image.white;
-    const double occupancy = info.negate ? bright : 1.0 - bright;
-    if (occupancy > info.occupied) {
-      grid.at(cell) = 1.0F;
-    } else if (occupancy < info.free) {
-      grid.at(cell) = 0.0F;
-    } else if (info.scale) {
-      grid.at(cell) = static_cast<float>((occupancy - info.free) / (info.occupied - info.free));
-    }
+    grid.at(cell) = occupancy_of(image, i, info);
   }
   return grid;
 }
 
-void write_map(const fs::path& yaml, const ReflectionGrid& grid) {
+void write_map(const fs::path& yaml, const ReflectionGrid& grid, const MapFileFormat& format) {
+  const bool has_alpha = format.mode == MapMode::kScale;
+  if (has_alpha && format.image != MapImageFormat::kPng) {
+    throw InputError("map mode scale", "needs transparency, which pgm has not", "ask for png");
+  }
+  const int unknown = format.mode == MapMode::kTrinary ? unknown_pixel(format) : 0;
   CellRect known;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (!is_known(grid.values()[i])) continue;
@@ -164,25 +161,28 @@ void write_map(const fs::path& yaml, const ReflectionGrid& grid) {
     known = known.united({cell, {cell.x + 1, cell.y + 1}});
   }
   if (known.empty()) known = {grid.rect().min, {grid.rect().min.x + 1, grid.rect().min.y + 1}};
-  fs::path image = yaml;
-  image.replace_extension(".pgm");
-  WholeFile pixels(image);
-  pixels.stream() << "P5\n" << known.width() << ' ' << known.height() << "\n255\n";
+  MapImage image;
+  image.width = known.width();
+  image.height = known.height();
   for (int y = known.max.y - 1; y >= known.min.y; --y) {
     for (int x = known.min.x; x < known.max.x; ++x) {
-      const float value = grid.get({x, y});
-      const int pixel = is_occupied(value) ? 0 : (is_free(value) ? 254 : 205);
-      pixels.stream().put(static_cast<char>(pixel));
+      const auto [grey, opacity] = pixel_of(grid.get({x, y}), format, unknown);
+      image.pixels.push_back(static_cast<std::uint8_t>(grey));
+      if (has_alpha) image.alpha.push_back(static_cast<std::uint8_t>(opacity));
     }
   }
-  pixels.commit();
+  fs::path picture = yaml;
+  picture.replace_extension(format.image == MapImageFormat::kPng ? ".png" : ".pgm");
+  write_map_image(picture, image, format.image);
+  constexpr const char* kModes[] = {"trinary", "scale", "raw"};
   WholeFile text(yaml);
-  // 205 lies between the thresholds: occupancy (255 - 205) / 255 = 0.196.
-  text.stream() << "image: " << image.filename().string()
-                << "\nmode: trinary\nresolution: " << format_number(grid.resolution_m())
-                << "\norigin: [" << format_number(known.min.x * grid.resolution_m()) << ", "
+  text.stream() << "image: " << picture.filename().string()
+                << "\nmode: " << kModes[static_cast<int>(format.mode)]
+                << "\nresolution: " << format_number(grid.resolution_m()) << "\norigin: ["
+                << format_number(known.min.x * grid.resolution_m()) << ", "
                 << format_number(known.min.y * grid.resolution_m())
-                << ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.19\n";
+                << ", 0]\nnegate: 0\noccupied_thresh: " << format_number(format.occupied)
+                << "\nfree_thresh: " << format_number(format.free) << "\n";
   text.commit();
 }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/map_saver/map_saver.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <filesystem>
 #include <limits>
@@ -33,6 +36,34 @@ void make_trinary(ReflectionGrid& map, float free, float occupied) {
     }
   }
 }
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// Image and mode that are asked for; left empty, they are nav2's.
+log::MapFileFormat format_of(const nav2_msgs::srv::SaveMap_Request& request,
+                             const std::string& place) {
+  log::MapFileFormat format;
+  const std::string mode = lower(request.map_mode());
+  const std::optional<log::MapMode> known = log::map_mode(mode.empty() ? "trinary" : mode);
+  if (!known) {
+    throw InputError(place, "map_mode is '" + mode + "'", "ask for trinary, scale or raw");
+  }
+  format.mode = *known;
+  const std::string image = lower(request.image_format());
+  const bool is_png = image == "png" || (image.empty() && format.mode == log::MapMode::kScale);
+  if (!is_png && !image.empty() && image != "pgm") {
+    throw InputError(place, "image_format is '" + image + "'", "ask for pgm or png");
+  }
+  format.image = is_png ? log::MapImageFormat::kPng : log::MapImageFormat::kPgm;
+  return format;
+}
+
+/// The request has floats: 0.65 comes as 0.649999976, and is to be written as it was meant.
+double as_meant(float threshold) { return std::round(static_cast<double>(threshold) * 1e6) / 1e6; }
 
 float threshold_or(float asked, float standard) { return asked == 0.0F ? standard : asked; }
 
@@ -72,12 +103,7 @@ void MapSaver::save(const nav2_msgs::srv::SaveMap_Request& request) const {
   if (request.map_url().empty()) {
     throw InputError(place, "map_url is empty", "name the files, without extension");
   }
-  if (!request.image_format().empty() && request.image_format() != "pgm") {
-    throw InputError(place, "image_format is '" + request.image_format() + "'", "ask for pgm");
-  }
-  if (!request.map_mode().empty() && request.map_mode() != "trinary") {
-    throw InputError(place, "map_mode is '" + request.map_mode() + "'", "ask for trinary");
-  }
+  log::MapFileFormat format = format_of(request, place);
   const float free = threshold_or(request.free_thresh(), kFreeThreshold);
   const float occupied = threshold_or(request.occupied_thresh(), kOccupiedThreshold);
   if (!(free >= 0.0F && free < occupied && occupied <= 1.0F)) {
@@ -92,10 +118,12 @@ void MapSaver::save(const nav2_msgs::srv::SaveMap_Request& request) const {
                      "see with `strata doctor` whether it is published, latched");
   }
   ReflectionGrid map = convert::from_message(*message);
-  make_trinary(map, free, occupied);
+  if (format.mode == log::MapMode::kTrinary) make_trinary(map, free, occupied);
+  format.free = as_meant(free);
+  format.occupied = as_meant(occupied);
   fs::path file = fs::path(config_.folder) / request.map_url();  // as it is when absolute
   if (file.extension() != ".yaml") file += ".yaml";
-  log::write_map(file, map);
+  log::write_map(file, map, format);
 }
 
 }  // namespace strata::map_saver

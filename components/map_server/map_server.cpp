@@ -27,6 +27,7 @@ std::filesystem::path path_of(const std::string& url) {
 void MapServer::on_configure() {
   config_ = read_parameters<MapServerConfig>();
   map_ = log::read_map(config_.map);
+  loaded_ = now();
   publish_ = advertise<nav_msgs::msg::OccupancyGrid>(config_.topic, "latched");
   offer<bus::srv::GetMap>("~/map", [this](const auto&) {
     nav_msgs::srv::GetMap_Response response;
@@ -40,7 +41,7 @@ void MapServer::on_configure() {
 void MapServer::on_activate() { publish_(message()); }
 
 nav_msgs::msg::OccupancyGrid MapServer::message() const {
-  return convert::to_occupancy(map_, Stamp(), config_.map_frame);
+  return convert::to_occupancy(map_, loaded_, config_.map_frame);
 }
 
 nav2_msgs::srv::LoadMap_Response MapServer::load(const std::string& url) {
@@ -60,6 +61,7 @@ nav2_msgs::srv::LoadMap_Response MapServer::load(const std::string& url) {
     response.result(kInvalidMap);
     return response;
   }
+  loaded_ = now();
   response.result(kSuccess);
   response.grid(message());
   publish_(response.grid());

@@ -26,6 +26,7 @@ class MapServer final : public runtime::Component {
 
   MapServerConfig config_;
   ReflectionGrid map_;
+  Stamp loaded_;
   std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_;
 };
 

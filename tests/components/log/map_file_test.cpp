@@ -2,6 +2,8 @@
 #include "components/log/map_file.hpp"
 
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -63,11 +65,66 @@ TEST(MapFile, DamagedMapsAreRefused) {
   refuses("image: [\n", image);
   refuses("image: m.pgm\nresolution: -1\norigin: [0, 0, 0]\n", image);
   refuses("image: m.pgm\nresolution: 0.1\norigin: [0, 0, 1]\n", image);
-  refuses(good + "mode: raw\n", image);
+  refuses(good + "mode: heap\n", image);
   refuses(good, "P5\n2 2\n255\n\x01");
   refuses(good, "P5\n40000 40000\n255\n\x01");
   refuses(good, "P6\n2 2\n255\n");
   refuses(good, "");
+  refuses(good, "\x89PNG\r\n\x1a\nand no more");
+}
+
+/// Known, free, between and unknown cells, without an empty border, which writing cuts off.
+ReflectionGrid percents() {
+  ReflectionGrid grid = make_reflection_grid(0.05, {{-2, 3}, {2, 5}});
+  const float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  grid.values() = {0.0F, 1.0F, 0.37F, kUnknown, 0.5F, 0.01F, 0.99F, 0.25F};
+  return grid;
+}
+
+TEST(MapFile, ReadsBackWhatItWroteInEveryModeAndFormat) {
+  const strata::test::TemporaryDirectory folder;
+  const auto yaml = folder.path() / "m.yaml";
+  const ReflectionGrid grid = percents();
+  for (const MapImageFormat image : {MapImageFormat::kPgm, MapImageFormat::kPng}) {
+    for (const MapMode mode : {MapMode::kTrinary, MapMode::kScale, MapMode::kRaw}) {
+      if (mode == MapMode::kScale && image == MapImageFormat::kPgm) continue;
+      // Thresholds that a scale begins and ends at.
+      write_map(yaml, grid, {image, mode, mode == MapMode::kScale ? 1.0 : 0.65, 0.0});
+      const bool is_png = image == MapImageFormat::kPng;
+      EXPECT_THAT(read_text(yaml), ::testing::HasSubstr(is_png ? "m.png" : "m.pgm"));
+      if (mode == MapMode::kTrinary) write_map(yaml, grid, {image, mode});
+      const ReflectionGrid back = read_map(yaml);
+      ASSERT_EQ(back.rect(), grid.rect());
+      for (std::size_t i = 0; i < grid.size(); ++i) {
+        const float value = grid.values()[i];
+        const float expected = mode != MapMode::kTrinary ? value
+                               : is_occupied(value)      ? 1.0F
+                               : is_free(value)          ? 0.0F
+                                                         : std::nanf("");
+        const float got = back.values()[i];
+        EXPECT_EQ(is_known(got), is_known(expected)) << i;
+        if (is_known(expected)) EXPECT_NEAR(got, expected, mode == MapMode::kRaw ? 1e-6 : 0.003);
+      }
+    }
+  }
+}
+
+TEST(MapFile, KeepsTheUnknownUnknownBetweenAnyThresholds) {
+  const strata::test::TemporaryDirectory folder;
+  const auto yaml = folder.path() / "m.yaml";
+  ReflectionGrid grid = make_reflection_grid(0.05, {{0, 0}, {3, 1}});
+  grid.values() = {1.0F, std::nanf(""), 0.0F};
+  for (const auto& [free, occupied] :
+       {std::pair{0.25, 0.65}, {0.19, 0.65}, {0.6, 0.61}, {0.01, 0.1}}) {
+    write_map(yaml, grid, {.occupied = occupied, .free = free});
+    const ReflectionGrid back = read_map(yaml);
+    ASSERT_EQ(back.size(), 3U);
+    EXPECT_EQ(back.values()[0], 1.0F) << free;
+    EXPECT_FALSE(is_known(back.values()[1])) << free;
+    EXPECT_EQ(back.values()[2], 0.0F) << free;
+  }
+  EXPECT_THROW(write_map(yaml, grid, {.occupied = 0.5001, .free = 0.5}), InputError);
+  EXPECT_THROW(write_map(yaml, grid, {.mode = MapMode::kScale}), InputError) << "as pgm";
 }
 
 TEST(MapFile, RealMapsRead) {

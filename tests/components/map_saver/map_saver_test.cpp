@@ -3,8 +3,10 @@
 
 #include <chrono>
 #include <filesystem>
+#include <tuple>
 
 #include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
 
 #include "components/bus/service.hpp"
 #include "components/convert/map_messages.hpp"
@@ -72,6 +74,37 @@ TEST_F(SaveMap, TakesTheThresholdsOfTheRequest) {
   request.occupied_thresh(0.4F);
   ASSERT_TRUE(save(request));
   EXPECT_EQ(log::read_map(folder_.path() / "strict.yaml").get({0, 3}), 1.0F);
+  const YAML::Node written = YAML::LoadFile((folder_.path() / "strict.yaml").string());
+  EXPECT_EQ(written["free_thresh"].as<double>(), 0.1);
+  EXPECT_EQ(written["occupied_thresh"].as<double>(), 0.4);
+}
+
+TEST_F(SaveMap, WritesPngAndEveryModeThatNav2Has) {
+  host_->activate();
+  nav2_msgs::srv::SaveMap_Request request;
+  request.map_topic("map_filtered");
+  for (const auto& [format, mode, image] : {std::tuple{"png", "", "trinary.png"},
+                                            {"PNG", "raw", "raw.png"},
+                                            {"", "raw", "raw.pgm"},
+                                            {"", "scale", "scale.png"}}) {
+    const std::string name = std::filesystem::path(image).stem().string();
+    request.map_url(name);
+    request.image_format(format);
+    request.map_mode(mode);
+    ASSERT_TRUE(save(request)) << image;
+    const auto yaml = folder_.path() / (name + ".yaml");
+    const YAML::Node written = YAML::LoadFile(yaml.string());
+    EXPECT_EQ(written["image"].as<std::string>(), image);
+    EXPECT_EQ(written["mode"].as<std::string>(), name);
+    EXPECT_EQ(written["free_thresh"].as<double>(), 0.25) << "nav2's";
+    EXPECT_EQ(written["occupied_thresh"].as<double>(), 0.65);
+    const ReflectionGrid saved = log::read_map(yaml);
+    EXPECT_EQ(saved.get({-3, 2}), 1.0F);
+    EXPECT_EQ(saved.get({3, 5}), 0.0F);
+    EXPECT_EQ(is_known(saved.get({0, 3})), name != "trinary");
+    EXPECT_FALSE(is_known(saved.get({1, 2}))) << image;
+  }
+  EXPECT_TRUE(host_->take_errors().empty());
 }
 
 TEST_F(SaveMap, RefusesWhatItCannotDoAndWritesNothing) {
@@ -80,11 +113,13 @@ TEST_F(SaveMap, RefusesWhatItCannotDoAndWritesNothing) {
   request.map_url("refused");
   EXPECT_FALSE(save(request)) << "while inactive";
   host_->activate();
-  request.image_format("png");
-  EXPECT_FALSE(save(request)) << "as png";
+  request.image_format("jpg");
+  EXPECT_FALSE(save(request)) << "as jpg";
   request.image_format("pgm");
-  request.map_mode("raw");
-  EXPECT_FALSE(save(request)) << "raw";
+  request.map_mode("heap");
+  EXPECT_FALSE(save(request)) << "in a mode that there is not";
+  request.map_mode("scale");
+  EXPECT_FALSE(save(request)) << "transparent as pgm";
   request.map_mode("trinary");
   request.free_thresh(0.9F);
   EXPECT_FALSE(save(request)) << "with thresholds crossed";
@@ -94,7 +129,7 @@ TEST_F(SaveMap, RefusesWhatItCannotDoAndWritesNothing) {
   request.map_url("missing_folder/map");
   EXPECT_FALSE(save(request)) << "into a folder that is not there";
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
-  EXPECT_EQ(host_->take_errors().size(), 5U);
+  EXPECT_EQ(host_->take_errors().size(), 6U);
 }
 
 TEST(SaveMaps, TwoInOneProcessSaveTheMapsOfTheirOwnNamespaces) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "components/bus/service.hpp"
+#include "components/convert/geometry_messages.hpp"
 #include "components/convert/map_messages.hpp"
 #include "components/log/map_file.hpp"
 #include "components/map_server/register.hpp"
@@ -17,6 +18,18 @@ namespace strata::map_server {
 namespace {
 
 using nav_msgs::msg::OccupancyGrid;
+
+Stamp machine_time() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return {std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count()};
+}
+
+/// As served: the file's map with the stamps that `served` has.
+OccupancyGrid map_of(const std::filesystem::path& file, const std::string& frame,
+                     const OccupancyGrid& served) {
+  return convert::to_occupancy(log::read_map(file), convert::from_message(served.header().stamp()),
+                               frame);
+}
 
 TEST(MapServer, GivesAReaderThatComesLateTheMapOfTheFile) {
   const test::TemporaryDirectory folder;
@@ -29,6 +42,7 @@ TEST(MapServer, GivesAReaderThatComesLateTheMapOfTheFile) {
 
   runtime::Registry registry;
   register_component(registry);
+  const Stamp before = machine_time();
   const auto host = test::make_host("{type: strata::MapServer, name: maps, parameters: {map: '" +
                                         file.string() + "', map_frame: floor2}}",
                                     registry, test::make_participant());
@@ -37,7 +51,11 @@ TEST(MapServer, GivesAReaderThatComesLateTheMapOfTheFile) {
   test::Collector<OccupancyGrid> late(test::make_participant(), "/map", "latched");
   const auto maps = late.wait_for(1);
   ASSERT_EQ(maps.size(), 1U);
-  EXPECT_EQ(maps[0], convert::to_occupancy(log::read_map(file), Stamp(), "floor2"));
+  EXPECT_EQ(maps[0], map_of(file, "floor2", maps[0]));
+  const Stamp loaded = convert::from_message(maps[0].info().map_load_time());
+  EXPECT_EQ(convert::from_message(maps[0].header().stamp()), loaded);
+  EXPECT_GE(loaded, before);
+  EXPECT_LE(loaded, machine_time());
   EXPECT_EQ(maps[0].info().width(), 7U);
   EXPECT_EQ(maps[0].info().height(), 4U);
   EXPECT_EQ(maps[0].data()[0], 100);
@@ -80,12 +98,15 @@ TEST(MapServer, LoadsAnotherMapOnRequestAndKeepsItsOwnWhenThatFails) {
   const auto errors = host->take_errors();
   ASSERT_EQ(errors.size(), 1U);
   EXPECT_NE(errors[0].find("broken.yaml"), std::string::npos) << errors[0];
-  const auto first = convert::to_occupancy(log::read_map(file), Stamp(), "map");
-  const auto second = convert::to_occupancy(log::read_map(other), Stamp(), "map");
-  ASSERT_TRUE(served().has_value());
-  EXPECT_EQ(served()->grid(), first);
+  const auto before = served();
+  ASSERT_TRUE(before.has_value());
+  const OccupancyGrid first = before->grid();
+  EXPECT_EQ(first, map_of(file, "map", first));
   const auto loaded = load("file://" + other.string());
   EXPECT_EQ(loaded.result(), 0);
+  const OccupancyGrid second = map_of(other, "map", loaded.grid());
+  EXPECT_GT(convert::from_message(second.header().stamp()),
+            convert::from_message(first.header().stamp()));
   EXPECT_EQ(loaded.grid(), second);
   EXPECT_EQ(served()->grid(), second);
   test::Collector<OccupancyGrid> late(test::make_participant(), "/map", "latched");
