@@ -15,6 +15,7 @@
 #include "strata_idl/std_srvs.h"
 #include "strata_idl/strata_msgs.h"
 #include "strata_idl/tf2_msgs.h"
+#include "strata_idl/type_description_interfaces.h"
 
 namespace strata::bus {
 
@@ -37,6 +38,7 @@ STRATA_MESSAGE_TYPE(nav2_msgs, ParticleCloud);
 STRATA_MESSAGE_TYPE(nav_msgs, OccupancyGrid);
 STRATA_MESSAGE_TYPE(nav_msgs, Odometry);
 STRATA_MESSAGE_TYPE(octomap_msgs, Octomap);
+STRATA_MESSAGE_TYPE(rcl_interfaces, Log);
 STRATA_MESSAGE_TYPE(rcl_interfaces, ParameterEvent);
 STRATA_MESSAGE_TYPE(rosgraph_msgs, Clock);
 STRATA_MESSAGE_TYPE(sensor_msgs, CameraInfo);
@@ -89,6 +91,7 @@ STRATA_SERVICE_TYPE(rcl_interfaces, ListParameters);
 STRATA_SERVICE_TYPE(rcl_interfaces, SetParameters);
 STRATA_SERVICE_TYPE(rcl_interfaces, SetParametersAtomically);
 STRATA_SERVICE_TYPE(std_srvs, Empty);
+STRATA_SERVICE_TYPE(type_description_interfaces, GetTypeDescription);
 
 #undef STRATA_SERVICE_TYPE
 

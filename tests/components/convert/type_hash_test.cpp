@@ -41,6 +41,27 @@ TEST(TypeHash, OfAServiceIsTheOneOfRos2) {
             "RIHS01_0e192ef259c07fc3c07a13191d27002222e65e00ccec653ca05e856f79285fcd");
 }
 
+/// As rmw_cyclonedds, rmw_zenoh and recorded bags of Jazzy have them.
+TEST(TypeHash, OfWhatEveryNodeOfRos2WritesIsTheOneOfRos2) {
+  EXPECT_EQ(type_hash("rcl_interfaces/msg/Log"),
+            "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac");
+  EXPECT_EQ(type_hash("rcl_interfaces/msg/ParameterEvent"),
+            "RIHS01_043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204");
+  EXPECT_EQ(type_hash("rmw_dds_common/msg/ParticipantEntitiesInfo"),
+            "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e");
+}
+
+TEST(TypeHash, GoesByTheNamesOfRos2WhereOursDiffer) {
+  for (const std::string service : {"nav_msgs/srv/GetMap", "nav2_msgs/srv/LoadMap"}) {
+    const std::string description = type_description(service);
+    EXPECT_THAT(description, ::testing::HasSubstr(R"({"name": "map", )"));
+    EXPECT_THAT(description, ::testing::Not(::testing::HasSubstr(R"("grid")")));
+  }
+  EXPECT_THAT(type_description("type_description_interfaces/srv/GetTypeDescription"),
+              ::testing::HasSubstr(R"({"name": "nested_type_name", "type": {"type_id": 21, )"
+                                   R"("capacity": 0, "string_capacity": 255,)"));
+}
+
 TEST(TypeHash, OfAServiceWeDoNotKnowIsNone) { EXPECT_EQ(type_hash("foreign_msgs/srv/Thing"), ""); }
 
 TEST(TypeHash, DescribesATypeAsRep2016Says) {
