@@ -25,7 +25,7 @@ constexpr auto kPublishTimeout = std::chrono::seconds(10);
 /// The hash of a type that we know, on a topic of ROS 2; both topics of a service tell that of the
 /// whole service.
 std::string hash_of(const TopicName& topic, const std::string& type) {
-  if (topic.kind == TopicKind::kPlain) return {};
+  if (topic.kind == TopicKind::kPlain) return convert::type_hash(type);
   return convert::type_hash(topic.kind == TopicKind::kTopic ? type
                                                             : type.substr(0, type.rfind('_')));
 }
@@ -137,6 +137,9 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
   writer_qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   if (qos.manual_liveliness) {
     writer_qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+  }
+  if (qos.lifespan_s > 0.0) {
+    writer_qos.lifespan().duration = eprosima::fastrtps::Duration_t(qos.lifespan_s);
   }
   auto& times = writer_qos.reliable_writer_qos().times;
   times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0, 100'000'000);

@@ -11,7 +11,8 @@ const std::vector<QosProfile>& profiles() {
       {"default", true, false, 10},      {"sensor_data", false, false, 5},
       {"latched", true, true, 1},        {"tf", true, false, 100},
       {"tf_static", true, true, 100},    {"clock", false, false, 1},
-      {"parameters", true, false, 1000}, {"lossless", true, false, 0}};
+      {"parameters", true, false, 1000}, {"rosout", true, true, 1000, false, 10.0},
+      {"lossless", true, false, 0}};
   return kProfiles;
 }
 
@@ -22,6 +23,7 @@ QosProfile QosProfile::lossless() const {
   result.reliable = true;
   result.transient_local = false;
   result.depth = 0;
+  result.lifespan_s = 0.0;
   return result;
 }
 

@@ -17,14 +17,16 @@ struct QosProfile {
   /// The writer can send its readers a heartbeat when it is asked to (RawWriter::send_heartbeat):
   /// its liveliness is manual, which every reader that asks for no more than ROS 2's default takes.
   bool manual_liveliness = false;
+  /// A message that is older is not given to late readers any more; 0: none is too old.
+  double lifespan_s = 0.0;
 
   /// Nothing is ever lost or overwritten: reliable, keep-all, volatile (a latched writer would keep
   /// every message). What lockstep replay uses in place of every profile, once all are matched.
   [[nodiscard]] QosProfile lossless() const;
 };
 
-/// "default", "sensor_data", "latched", "tf", "tf_static", "clock", "parameters" or "lossless".
-/// Throws ConfigError, which lists the names, for another one.
+/// "default", "sensor_data", "latched", "tf", "tf_static", "clock", "parameters", "rosout" or
+/// "lossless". Throws ConfigError, which lists the names, for another one.
 [[nodiscard]] QosProfile qos_profile(std::string_view name);
 
 /// The names qos_profile knows.
