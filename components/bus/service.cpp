@@ -11,6 +11,8 @@ namespace {
 constexpr std::size_t kHeaderBytes = 4;
 constexpr std::size_t kPrefixBytes = 16;
 constexpr auto kReplyWaits = std::chrono::seconds(2);
+/// What is longer goes out once, when the client listens for sure.
+constexpr std::size_t kMostRepeatedBytes = 16'384;
 /// How long Cyclone may take from saying that a reader is matched until it hears the writer.
 constexpr auto kSettling = std::chrono::milliseconds(150);
 /// Clients that ask and never listen must not fill the memory, nor the time of the others.
@@ -92,16 +94,33 @@ void ServiceServer::reply(const ServiceRequest& request, const std::vector<std::
   const bool is_for_cyclone = request.prefix.has_value();
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
-  if (waiting_.size() >= kMostWaiting) waiting_.pop_front();
-  waiting_.push_back({service_reply_bytes(request, cdr), request.client, request.reply_to,
-                      is_for_cyclone, is_for_cyclone ? settled(request.client) : now,
-                      now + kReplyWaits});
+  Waiting waiting{service_reply_bytes(request, cdr),
+                  request.client,
+                  request.reply_to,
+                  is_for_cyclone,
+                  now,
+                  now + kReplyWaits};
+  if (is_for_cyclone) {
+    Waiting later = waiting;
+    later.not_before = settled(request.client);
+    const bool is_new = now < later.not_before;
+    // At once, and again.
+    if (is_new && later.bytes.size() <= kMostRepeatedBytes) hold(std::move(waiting));
+    hold(std::move(later));
+  } else {
+    hold(std::move(waiting));
+  }
   send_what_can_be_sent();
   if (!is_for_cyclone || waiting_.empty()) return;
   if (!later_.joinable()) {
     later_ = std::jthread([this](const std::stop_token& stop) { send_later(stop); });
   }
   changed_.notify_all();
+}
+
+void ServiceServer::hold(Waiting waiting) {
+  if (waiting_.size() >= kMostWaiting) waiting_.pop_front();
+  waiting_.push_back(std::move(waiting));
 }
 
 void ServiceServer::flush() {

@@ -45,8 +45,10 @@ struct ServiceRequest {
 [[nodiscard]] std::vector<std::uint8_t> service_reply_bytes(const ServiceRequest& request,
                                                             const std::vector<std::uint8_t>& cdr);
 
-/// Answers one service. The first replies to a client of Cyclone DDS are held for a moment, on a
-/// thread of their own: its reader says that it is matched before it listens.
+/// Answers one service. The first replies to a client of Cyclone DDS go out at once and, from a
+/// thread of their own, again a moment later: its reader says that it is matched before it listens,
+/// and what comes in between is lost for good. A client passes over an answer that it has had. Long
+/// replies are held for that moment instead.
 class ServiceServer {
  public:
   /// name: full ("/localizer/get_state"); type: "lifecycle_msgs/srv/GetState". on_request and
@@ -73,6 +75,7 @@ class ServiceServer {
     std::chrono::steady_clock::time_point not_before;
     std::chrono::steady_clock::time_point deadline;
   };
+  void hold(Waiting waiting);    // under mutex_
   void send_what_can_be_sent();  // under mutex_
   void send_later(const std::stop_token& stop);
   [[nodiscard]] std::chrono::steady_clock::time_point settled(const Guid& client);

@@ -14,6 +14,7 @@
  *                                            `nodes`
  *   cyclone_peer DOMAIN scans COUNT HZ       waits for a reader, publishes numbered scans, "done"
  *   cyclone_peer DOMAIN hear COUNT           "heard N of M, K in order" after scan M = COUNT - 1
+ *   cyclone_peer DOMAIN USE TOPIC ...        reads or writes it; cyclone_topics.c
  *   cyclone_peer DOMAIN SERVICE NODE ...     calls it and prints what it answers; cyclone_services.c
  *
  * Says "ready" once everything is made; ends when its standard input does. */
@@ -52,6 +53,7 @@ static const struct Type kTypes[] = {TYPE(diagnostic_msgs, DiagnosticArray),
                                      TYPE(nav_msgs, OccupancyGrid),
                                      TYPE(nav_msgs, Odometry),
                                      TYPE(octomap_msgs, Octomap),
+                                     TYPE(rcl_interfaces, Log),
                                      TYPE(rcl_interfaces, ParameterEvent),
                                      TYPE(rosgraph_msgs, Clock),
                                      TYPE(sensor_msgs, LaserScan),
@@ -314,6 +316,7 @@ int main(int argc, char** argv) {
   if (strcmp(argv[2], "ros_node") == 0 && argc >= 5) be_ros_node(argv[3], argv[4]);
   if (strcmp(argv[2], "scans") == 0 && argc >= 5) publish_scans(atoi(argv[3]), atof(argv[4]));
   if (strcmp(argv[2], "hear") == 0 && argc >= 4) hear_scans(atoi(argv[3]));
+  if (argc >= 4) use_topic(argv[2], argv[3], argv + 4);
   if (argc >= 4) call_service(argv[2], argv[3], argv + 4);
   dds_delete(g_participant);
   fflush(stdout);

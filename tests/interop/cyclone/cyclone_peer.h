@@ -42,6 +42,9 @@ struct Client open_client(const char* node, const char* package, const char* ser
  * reply that begins with them; it is lent. */
 void* ask(const struct Client* client, const void* request);
 
+/* Topics as RViz, nav2 and the ros2 tools use them; see cyclone_topics.c. */
+void use_topic(const char* name, char* topic, char** arguments);
+
 /* What nav2's lifecycle manager does; see cyclone_manager.c. */
 void manage(const char* name, char* node, char** arguments);
 

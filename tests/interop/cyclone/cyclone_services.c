@@ -3,6 +3,7 @@
  *
  *   change_state NODE ID                     success 0|1
  *   get_state NODE                           state ID LABEL
+ *   get_state_twice NODE                     the same, and "again" when the answer comes once more
  *   get_available_states NODE                states COUNT FIRST
  *   get_available_transitions NODE           transitions COUNT FIRST
  *   list_parameters NODE                     parameter NAME, one a line, then "parameters COUNT"
@@ -77,8 +78,7 @@ struct Client open_client(const char* node, const char* package, const char* ser
   return client;
 }
 
-void* ask(const struct Client* client, const void* request) {
-  require(dds_write(client->writer, request), "request");
+static void* wait_for_reply(const struct Client* client, const void* request) {
   for (;;) {
     dds_attach_t tags[2];
     const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
@@ -91,6 +91,11 @@ void* ask(const struct Client* client, const void* request) {
       dds_return_loan(client->reader, &sample, 1);
     }
   }
+}
+
+void* ask(const struct Client* client, const void* request) {
+  require(dds_write(client->writer, request), "request");
+  return wait_for_reply(client, request);
 }
 
 /* Sends one request of a service and waits for its reply; the caller reads the body and may leave
@@ -126,6 +131,17 @@ static void lifecycle(const char* name, char* node, char** arguments) {
     const cyclone_requests_GetStateReply* reply =
         CALL(lifecycle_msgs, GetState, "get_state", &request);
     printf("state %d %s\n", reply->body.current_state.id, reply->body.current_state.label);
+  } else if (strcmp(name, "get_state_twice") == 0) {
+    REQUEST(GetState, request);
+    const struct Client client =
+        open_client(node, "lifecycle_msgs", "GetState", "get_state",
+                    &cyclone_requests_GetStateRequest_desc, &cyclone_requests_GetStateReply_desc);
+    cyclone_requests_GetStateReply* reply = ask(&client, &request);
+    printf("state %d %s\n", reply->body.current_state.id, reply->body.current_state.label);
+    fflush(stdout);
+    dds_return_loan(client.reader, (void**)&reply, 1);
+    wait_for_reply(&client, &request);
+    puts("again");
   } else if (strcmp(name, "get_available_states") == 0) {
     REQUEST(GetAvailableStates, request);
     const cyclone_requests_GetAvailableStatesReply* reply =

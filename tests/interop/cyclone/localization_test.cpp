@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The localizer's services asked by Cyclone DDS in the way of rmw_cyclonedds.
+#include <sstream>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "tests/components/localizer/live_fixture.hpp"
@@ -24,6 +27,37 @@ TEST_F(CycloneLocalization, IsStartedAnywhereAndAtAPose) {
   EXPECT_LT(translation_distance(planar(convert::from_message(posed.pose().pose())), there), 0.5);
   EXPECT_LT(posed.pose().covariance()[0], 0.25);
   EXPECT_TRUE(host_->take_errors().empty());
+}
+
+TEST_F(CycloneLocalization, TellsItsLastPoseToWhoComesLate) {
+  const Pose2 last = planar(convert::from_message(next_pose().pose().pose()));
+  CycloneProcess late({"late_pose", "rt/amcl_pose"});
+  std::istringstream line(late.wait_for_line("pose"));
+  std::string word;
+  double x = 0.0;
+  double y = 0.0;
+  ASSERT_TRUE(line >> word >> x >> y);
+  EXPECT_NEAR(x, last.x, 1e-3);
+  EXPECT_NEAR(y, last.y, 1e-3);
+}
+
+TEST_F(CycloneLocalization, HearsWhoSetsThePoseAsRVizDoes) {
+  (void)next_pose();
+  const Pose2 there{5.5, 3.5, 0.0};
+  CycloneProcess rviz({"set_pose", "rt/initialpose", "5.5", "3.5"});
+  ASSERT_EQ(rviz.wait_for_line("sent"), "sent");
+  Pose2 place = planar(convert::from_message(next_pose().pose().pose()));
+  // The pose has come to the process; the component takes it in its turn.
+  while (translation_distance(place, there) > 0.5 && next_scan_ < room().observations.size()) {
+    place = planar(convert::from_message(next_pose().pose().pose()));
+  }
+  EXPECT_LT(translation_distance(place, there), 0.5);
+}
+
+TEST_F(CycloneLocalization, ShowsItsLogToWhoComesLate) {
+  CycloneProcess tool({"rosout", "rt/rosout"});
+  EXPECT_EQ(tool.wait_for_line("log 20 localizer activate"),
+            "log 20 localizer activate: is active now");
 }
 
 }  // namespace

@@ -67,6 +67,18 @@ geometry_msgs::msg::PoseWithCovarianceStamped sample() {
 }
 
 template <>
+rcl_interfaces::msg::Log sample() {
+  rcl_interfaces::msg::Log result;
+  result.stamp(header("").stamp());
+  result.level(40);
+  result.name("robot1.localizer");
+  result.msg("no odometry");
+  result.file("f");
+  result.line(7);
+  return result;
+}
+
+template <>
 lifecycle_msgs::msg::TransitionEvent sample() {
   lifecycle_msgs::msg::TransitionEvent result;
   result.timestamp(1ULL << 60U);

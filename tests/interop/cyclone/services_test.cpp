@@ -117,6 +117,18 @@ TEST(CycloneClient, ThatIsThereBeforeTheServerGetsItsAnswer) {
   EXPECT_EQ(early.wait_for_line("state"), "state 2 inactive");
 }
 
+/// The first answer goes out at once and once more when the client listens for sure; a client that
+/// did not listen yet gets the second only, so more than one is asked.
+TEST_F(CycloneServices, AnswerANewClientAtOnce) {
+  int at_once = 0;
+  for (int i = 0; i < 4 && at_once == 0; ++i) {
+    CycloneProcess client({"get_state_twice", "/robot1/maps"});
+    ASSERT_EQ(client.wait_for_line("state"), "state 2 inactive");
+    if (client.wait_for_line("again", std::chrono::seconds(5)) == "again") ++at_once;
+  }
+  EXPECT_GT(at_once, 0);
+}
+
 TEST(CycloneBags, ControlThePlayer) {
   const TemporaryDirectory folder;
   write_drive(folder.path() / "bag", 20);

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Topics as others on a robot use them:
+ *
+ *   late_pose TOPIC           reads it as nav2_simple_commander does, transient local: "pose X Y"
+ *   set_pose TOPIC X Y        writes it once as RViz does, volatile: "sent"
+ *   rosout TOPIC              reads the log as `ros2 topic echo` does: "log LEVEL NAME TEXT"
+ *
+ * The readers go on until their input ends. */
+#include "cyclone_peer.h"
+#include "geometry_msgs.h"
+#include "rcl_interfaces.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char* const kPoseType = "geometry_msgs::msg::dds_::PoseWithCovarianceStamped_";
+
+static void print_pose(const void* sample) {
+  const geometry_msgs_msg_PoseWithCovarianceStamped* message = sample;
+  printf("pose %.3f %.3f\n", message->pose.pose.position.x, message->pose.pose.position.y);
+}
+
+static void print_log(const void* sample) {
+  const rcl_interfaces_msg_Log* log = sample;
+  printf("log %d %s %s\n", log->level, log->name, log->msg);
+}
+
+static void read_all(dds_entity_t reader, void (*print)(const void*)) {
+  attach(reader, 0);
+  say("ready");
+  for (;;) {
+    dds_attach_t tags[2];
+    const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
+    for (int i = 0; i < count; ++i) {
+      if (tags[i] != 0) return;
+    }
+    void* sample = NULL;
+    while (take(reader, &sample)) {
+      print(sample);
+      fflush(stdout);
+      dds_return_loan(reader, &sample, 1);
+    }
+  }
+}
+
+static void set_pose(const char* topic, char** arguments) {
+  const dds_entity_t writer = make_writer(
+      make_topic(&geometry_msgs_msg_PoseWithCovarianceStamped_desc, topic, kPoseType), false);
+  const dds_entity_t waitset = dds_create_waitset(g_participant);
+  require(dds_set_status_mask(writer, DDS_PUBLICATION_MATCHED_STATUS), "mask");
+  require(dds_waitset_attach(waitset, writer, 1), "attach");
+  require(dds_waitset_attach(waitset, g_end, 2), "attach");
+  dds_attach_t tag = 0;
+  require(dds_waitset_wait(waitset, &tag, 1, DDS_INFINITY), "match");
+  if (tag != 1) return;
+  geometry_msgs_msg_PoseWithCovarianceStamped pose;
+  memset(&pose, 0, sizeof pose);
+  pose.header.frame_id = "map";
+  pose.pose.pose.position.x = atof(arguments[0]);
+  pose.pose.pose.position.y = atof(arguments[1]);
+  pose.pose.pose.orientation.w = 1.0;
+  require(dds_write(writer, &pose), "pose");
+  require(dds_wait_for_acks(writer, DDS_SECS(20)), "acknowledgment");
+  say("sent");
+}
+
+void use_topic(const char* name, char* topic, char** arguments) {
+  if (strcmp(name, "late_pose") == 0) {
+    read_all(make_reader(make_topic(&geometry_msgs_msg_PoseWithCovarianceStamped_desc, topic,
+                                    kPoseType),
+                         true, 1),
+             print_pose);
+  } else if (strcmp(name, "set_pose") == 0) {
+    set_pose(topic, arguments);
+  } else if (strcmp(name, "rosout") == 0) {
+    read_all(make_reader(make_topic(&rcl_interfaces_msg_Log_desc, topic,
+                                    "rcl_interfaces::msg::dds_::Log_"),
+                         true, 1000),
+             print_log);
+  }
+}
