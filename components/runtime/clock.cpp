@@ -21,6 +21,11 @@ void NodeClock::use_sim_time(bool on) {
   sim_time_ = on;  // now: without a reader time would stand still
 }
 
+std::optional<bus::Guid> NodeClock::reader_guid() const {
+  if (!reader_) return std::nullopt;
+  return reader_->raw().guid();
+}
+
 Stamp NodeClock::now() const {
   if (stands_still_) return {};
   if (sim_time_) return {last_ns_};

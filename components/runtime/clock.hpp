@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "components/bus/endpoint.hpp"
 #include "core/base/time.hpp"
@@ -23,6 +24,8 @@ class NodeClock {
   [[nodiscard]] bool uses_sim_time() const { return sim_time_; }
   /// Messages on /clock that were none.
   [[nodiscard]] std::uint64_t undecodable() const { return reader_ ? reader_->undecodable() : 0; }
+  /// Of /clock, while that is listened to.
+  [[nodiscard]] std::optional<bus::Guid> reader_guid() const;
   /// With use_sim_time 0 until the first /clock, as in ROS 2.
   [[nodiscard]] Stamp now() const;
 

@@ -31,7 +31,14 @@ Component::~Component() = default;
 
 void Component::request(std::uint8_t id) {
   context_.mailbox->call([this, id] {
-    if (const LifecycleTransition* found = find_transition(state_, id)) perform(*found);
+    const LifecycleTransition* found = find_transition(state_, id);
+    if (found == nullptr) return;
+    try {
+      perform(*found);
+    } catch (const std::exception& error) {  // the host is told by it, others by this
+      (void)untold_.run([&] { say(LogLevel::kError, one_line(error.what())); });
+      throw;
+    }
   });
 }
 
@@ -87,6 +94,10 @@ void Component::perform(const LifecycleTransition& transition) {
   guarded([&] {
     if (bond_ && !is_active()) bond_->end();
   });
+  guarded([&] {
+    say(LogLevel::kInfo,
+        std::string(transition.label) + ": is " + lifecycle_label(state_) + " now");
+  });
   if (is_active() && !lockstep()) {
     for (const auto& subscription : subscriptions_) {
       while (take_live(*subscription)) {
@@ -125,7 +136,10 @@ void Component::join_domain() {
     node_ =
         std::make_unique<bus::Node>(context_.participant, context_.node_namespace, context_.name);
     diagnostics_ = std::make_unique<Diagnostics>(context_.participant, full_name_);
-    if (!lockstep()) serve();
+    if (!lockstep()) {
+      rosout_ = std::make_unique<Rosout>(context_.participant, full_name_);
+      serve();
+    }
   } catch (...) {
     leave_domain();  // all or nothing
     throw;
@@ -138,10 +152,12 @@ void Component::leave_domain() {
     bond_.reset();
   }
   services_.reset();
+  trials_.reset();
   transition_events_.reset();
   parameter_events_.reset();
   clock_.use_sim_time(false);
   diagnostics_.reset();
+  rosout_.reset();
   node_.reset();
 }
 

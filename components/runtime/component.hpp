@@ -30,12 +30,15 @@
 #include "components/runtime/executor.hpp"
 #include "components/runtime/lifecycle.hpp"
 #include "components/runtime/parameters.hpp"
+#include "components/runtime/rosout.hpp"
 #include "components/runtime/service_hub.hpp"
 #include "components/runtime/told_errors.hpp"
 #include "components/settings/config_reader.hpp"
 #include "core/base/progress.hpp"
 
 namespace strata::runtime {
+
+class Component;
 
 enum class FeedMode { kLive, kLockstep };
 
@@ -60,6 +63,8 @@ struct ComponentContext {
   int threads = 1;
   bool use_sim_time = false;     ///< unless the parameters say otherwise
   Progress* progress = nullptr;  ///< cancels long work when the process ends
+  /// Makes another component of the same type; null: parameters cannot be tried out.
+  std::function<std::unique_ptr<Component>(ComponentContext)> make;
   /// Only configured to be looked at: writes no files.
   bool only_explained = false;
   /// Told of an error in a live callback; called on the component's thread.
@@ -239,9 +244,12 @@ class Component {
   /// others in the same way. Live, on the component's own thread.
   [[nodiscard]] ParameterChange set_parameters(
       const std::vector<rcl_interfaces::msg::Parameter>& changes);
-  /// What went wrong while the component goes on: counted, on /diagnostics, and told the host, in
-  /// words at its first time and then by numbers (ToldErrors). Never throws. On the mailbox.
+  /// What went wrong while the component goes on: counted, on /diagnostics and, as the host is told
+  /// it, on /rosout, in words at its first time and then by numbers (ToldErrors). Never throws. On
+  /// the mailbox.
   void tell(const std::exception& error);
+  /// Onto /rosout; in lockstep nothing. Throws OutputError.
+  void say(LogLevel level, const std::string& text);
   /// Runs `body`; what it throws, of whatever type, is told.
   void guarded(const std::function<void()>& body);
   /// For stamps of what has no scan; 0 in lockstep.
@@ -292,9 +300,14 @@ class Component {
   void serve();
   void serve_lifecycle();
   void serve_parameters();
+  void serve_changes();
   [[nodiscard]] bool try_transition(std::uint8_t id, const std::string& label);
   void tell_transition(const LifecycleTransition& transition);
   [[nodiscard]] ParameterTable parameters() const;
+  // (component_parameters.cpp)
+  struct ParameterRequest;
+  void work_on(const std::shared_ptr<ParameterRequest>& request);
+  void try_out(const std::shared_ptr<ParameterRequest>& request, ParameterPlan plan);
 
   // Lockstep (component_lockstep.cpp).
   void join_lockstep();
@@ -326,6 +339,7 @@ class Component {
   std::uint64_t told_failed_ = 0;
   std::unique_ptr<bus::Node> node_;
   std::unique_ptr<Diagnostics> diagnostics_;
+  std::unique_ptr<Rosout> rosout_;            // live only
   std::unique_ptr<ServiceHub> services_;      // live only, as those below
   std::unique_ptr<ServiceHub> own_services_;  // from configure to cleanup
   std::mutex bond_mutex_;                     // making and dropping bond_, and tick()
@@ -339,6 +353,7 @@ class Component {
   std::optional<strata_msgs::msg::Step> step_;
   std::unique_ptr<bus::RawWriter> ack_writer_;
   std::unique_ptr<bus::Reader<strata_msgs::msg::Step>> step_reader_;
+  std::unique_ptr<Mailbox> trials_;  // last: what it works on uses the others
 };
 
 }  // namespace strata::runtime

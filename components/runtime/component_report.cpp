@@ -15,17 +15,23 @@ void Component::tell(const std::exception& error) {
   if (dynamic_cast<const convert::Undecodable*>(&error) != nullptr) ++undecodable_;
   (void)untold_.run([&] {
     last_error_ = one_line(error.what());
-    if (!context_.on_error) return;
     auto told = told_errors_.take(last_error_, ToldErrors::Clock::now());
     // Who leads it through its life hears each time why that went wrong.
     if (is_changing_state_) told = last_error_;
-    if (told) context_.on_error(full_name_ + ": " + *told);
+    if (!told) return;
+    if (context_.on_error) context_.on_error(full_name_ + ": " + *told);
+    say(LogLevel::kError, *told);
   });
+}
+
+void Component::say(LogLevel level, const std::string& text) {
+  if (rosout_) rosout_->log(level, text, now());
 }
 
 void Component::tell_what_repeats() {
   for (const std::string& line : told_errors_.due(ToldErrors::Clock::now())) {
     if (context_.on_error) context_.on_error(full_name_ + ": " + line);
+    say(LogLevel::kError, line);
   }
 }
 
@@ -39,6 +45,8 @@ void Component::announce() {
   }
   for (const auto& writer : writers_) writers.push_back(writer->guid());
   if (diagnostics_) writers.push_back(diagnostics_->writer().guid());
+  if (rosout_) writers.push_back(rosout_->guid());
+  if (const auto clock = clock_.reader_guid()) readers.push_back(*clock);
   for (const ServiceHub* hub : {services_.get(), own_services_.get()}) {
     if (hub == nullptr) continue;
     for (const bus::Guid& guid : hub->readers()) readers.push_back(guid);
@@ -87,6 +95,7 @@ void Component::diagnose() {
   if (!is_told) return;
   told_failed_ = failed_;
   told_dropped_ = dropped_;
+  if (rosout_) rosout_->warn(health, last_error_, now());
 }
 
 }  // namespace strata::runtime

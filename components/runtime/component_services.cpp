@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
+#include "components/convert/type_description_messages.hpp"
 #include "components/runtime/component.hpp"
 
 namespace strata::runtime {
@@ -12,8 +13,6 @@ namespace {
 
 using lifecycle_msgs::msg::State;
 using lifecycle_msgs::msg::TransitionDescription;
-using rcl_interfaces::msg::Parameter;
-using rcl_interfaces::msg::SetParametersResult;
 
 State to_message(LifecycleState state) {
   State message;
@@ -47,13 +46,6 @@ std::vector<State> all_states() {
   return states;
 }
 
-SetParametersResult to_message(const ParameterChange& change) {
-  SetParametersResult result;
-  result.successful(change.ok);
-  result.reason(change.reason);
-  return result;
-}
-
 }  // namespace
 
 void Component::serve() {
@@ -68,6 +60,9 @@ void Component::serve() {
   }
   serve_lifecycle();
   serve_parameters();
+  services_->serve<bus::srv::GetTypeDescription>(
+      full_name_ + "/get_type_description", "default",
+      [](const auto& request) { return convert::answer(request); });
 }
 
 void Component::serve_lifecycle() {
@@ -171,20 +166,7 @@ void Component::serve_parameters() {
         }
         return response;
       });
-  services_->serve<bus::srv::SetParameters>(
-      name("set_parameters"), "parameters", [this](const auto& request) {
-        rcl_interfaces::srv::SetParameters_Response response;
-        for (const Parameter& parameter : request.parameters()) {
-          response.results().push_back(to_message(set_parameters({parameter})));
-        }
-        return response;
-      });
-  services_->serve<bus::srv::SetParametersAtomically>(
-      name("set_parameters_atomically"), "parameters", [this](const auto& request) {
-        rcl_interfaces::srv::SetParametersAtomically_Response response;
-        response.result(to_message(set_parameters(request.parameters())));
-        return response;
-      });
+  serve_changes();
 }
 
 ParameterTable Component::parameters() const {
@@ -193,31 +175,6 @@ ParameterTable Component::parameters() const {
   table.push_back(detail::make_entry("use_sim_time", parameter_value(clock_.uses_sim_time()),
                                      {.doc = "time comes from /clock"}, ""));
   return table;
-}
-
-ParameterChange Component::set_parameters(const std::vector<Parameter>& changes) {
-  std::vector<Parameter> own = changes;
-  const auto is_clock = [](const Parameter& p) { return p.name() == "use_sim_time"; };
-  const auto clock = std::find_if(own.begin(), own.end(), is_clock);
-  std::optional<bool> use_sim_time;
-  if (clock != own.end()) {
-    if (clock->value().type() != static_cast<std::uint8_t>(ParameterType::kBool)) {
-      return {false, "use_sim_time is true or false"};
-    }
-    use_sim_time = clock->value().bool_value();
-    std::erase_if(own, is_clock);
-  }
-  ParameterChange outcome{true, ""};
-  if (!own.empty()) outcome = change_parameters(parameter_model_, own, context_.parameters);
-  if (!outcome.ok) return outcome;
-  if (use_sim_time) clock_.use_sim_time(*use_sim_time);
-  if (!parameter_events_) return outcome;
-  rcl_interfaces::msg::ParameterEvent event;
-  event.stamp(convert::to_message(now()));
-  event.node(full_name_);
-  event.changed_parameters(changes);
-  guarded([&] { parameter_events_->publish(event); });  // it is set, whoever hears of it
-  return outcome;
 }
 
 }  // namespace strata::runtime

@@ -21,6 +21,7 @@ void Health::add(const std::string& key, double value) {
 
 void Health::raise(HealthLevel level, const std::string& message) {
   level_ = std::max(level_, level);
+  complaints_.push_back(message);
   message_ += (message_.empty() ? "" : "; ") + message;
 }
 

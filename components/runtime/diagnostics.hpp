@@ -33,6 +33,8 @@ class Health {
   [[nodiscard]] HealthLevel level() const { return level_; }
   /// "OK" when nobody complained.
   [[nodiscard]] std::string message() const { return message_.empty() ? "OK" : message_; }
+  /// Each thing that message() says, for itself.
+  [[nodiscard]] const std::vector<std::string>& complaints() const { return complaints_; }
   [[nodiscard]] const std::vector<std::pair<std::string, std::string>>& values() const {
     return values_;
   }
@@ -41,6 +43,7 @@ class Health {
   void raise(HealthLevel level, const std::string& message);
   HealthLevel level_ = HealthLevel::kOk;
   std::string message_;
+  std::vector<std::string> complaints_;
   std::vector<std::pair<std::string, std::string>> values_;
 };
 

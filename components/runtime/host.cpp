@@ -81,6 +81,7 @@ void Host::make(const Composition& composition, const ProcessEntry& process,
     context.remappings = entry.remappings;
     context.parameters = entry.parameters;
     context.common_parameters = entry.common_parameters;
+    context.make = factory;
     context.only_explained = options.only_explained;
     context.place = composition.place;
     context.mode = options.mode;

@@ -70,6 +70,8 @@ ParameterValue typed(const Parameter& change, const ParameterEntry& entry) {
   throw ConfigError(change.name(), "has another type", "see describe_parameters");
 }
 
+std::string reason_of(const Error& error) { return error.problem() + "; " + error.remedy(); }
+
 }  // namespace
 
 ParameterValue parameter_value(bool value) {
@@ -193,33 +195,43 @@ ParameterEntry detail::make_entry(const std::string& name, ParameterValue value,
   return entry;
 }
 
-ParameterChange change_parameters(const ParameterModel& model,
-                                  const std::vector<Parameter>& changes, YAML::Node& parameters) {
-  if (!model.read) return {false, "the component has not been configured yet"};
-  YAML::Node changed = YAML::Clone(parameters);
-  bool is_live = true;
+ParameterPlan plan_changes(const ParameterModel& model, const std::vector<Parameter>& changes,
+                           const YAML::Node& parameters) {
+  if (!model.read) return {{}, false, "the component has not been configured yet"};
+  ParameterPlan plan{YAML::Clone(parameters), true, ""};
   try {
     const ParameterTable table = model.read(parameters);
     for (const Parameter& change : changes) {
       const ParameterEntry* entry = find_parameter(table, change.name());
-      if (entry == nullptr) return {false, "there is no parameter '" + change.name() + "'"};
-      set_in_yaml(changed, change.name(), to_yaml(typed(change, *entry)));
-      is_live = is_live && std::find(model.live_names.begin(), model.live_names.end(),
-                                     change.name()) != model.live_names.end();
+      if (entry == nullptr) return {{}, false, "there is no parameter '" + change.name() + "'"};
+      set_in_yaml(plan.parameters, change.name(), to_yaml(typed(change, *entry)));
+      plan.is_live = plan.is_live && std::find(model.live_names.begin(), model.live_names.end(),
+                                               change.name()) != model.live_names.end();
     }
-    (void)model.read(changed);
+    (void)model.read(plan.parameters);
   } catch (const Error& error) {
-    return {false, error.problem() + "; " + error.remedy()};
+    return {{}, false, reason_of(error)};
   }
-  parameters.reset(changed);
-  if (!is_live) return {true, "takes effect when the component is configured again"};
+  return plan;
+}
+
+ParameterChange make_changes(const ParameterModel& model, const ParameterPlan& plan,
+                             YAML::Node& parameters) {
+  parameters.reset(plan.parameters);
+  if (!plan.is_live) return {true, "takes effect when the component is configured again"};
   try {
-    model.apply_live(changed);
+    model.apply_live(plan.parameters);
   } catch (const Error& error) {
-    return {true,
-            "is set, but not all of it could be done: " + error.problem() + "; " + error.remedy()};
+    return {true, "is set, but not all of it could be done: " + reason_of(error)};
   }
   return {true, ""};
+}
+
+ParameterChange change_parameters(const ParameterModel& model,
+                                  const std::vector<Parameter>& changes, YAML::Node& parameters) {
+  const ParameterPlan plan = plan_changes(model, changes, parameters);
+  if (!plan.refusal.empty()) return {false, plan.refusal};
+  return make_changes(model, plan, parameters);
 }
 
 }  // namespace strata::runtime

@@ -131,9 +131,25 @@ struct ParameterChange {
   std::string reason;
 };
 
-/// Checks the changes together and, when all are valid, makes them in `parameters` and calls
-/// apply_live when every one of them is live. Values must have the parameter's type; a whole number
-/// may stand for a double.
+/// What `changes` would make of the parameters.
+struct ParameterPlan {
+  YAML::Node parameters;
+  bool is_live = false;  ///< all of them change while the component is active
+  std::string refusal;   ///< why they cannot be made; empty: they can
+};
+
+/// Checks the changes together. Values must have the parameter's type; a whole number may stand for
+/// a double.
+[[nodiscard]] ParameterPlan plan_changes(const ParameterModel& model,
+                                         const std::vector<rcl_interfaces::msg::Parameter>& changes,
+                                         const YAML::Node& parameters);
+
+/// Makes the changes of a plan without refusal in `parameters` and calls apply_live when every one
+/// of them is live.
+[[nodiscard]] ParameterChange make_changes(const ParameterModel& model, const ParameterPlan& plan,
+                                           YAML::Node& parameters);
+
+/// Both.
 [[nodiscard]] ParameterChange change_parameters(
     const ParameterModel& model, const std::vector<rcl_interfaces::msg::Parameter>& changes,
     YAML::Node& parameters);

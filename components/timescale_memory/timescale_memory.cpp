@@ -46,7 +46,7 @@ void TimescaleMemory::on_configure() {
   require_level(config_, "changes_before", config_.changes_before);
   require_level(config_, "changes_now", config_.changes_now);
   keep_live(config_, {"publish_period_s", "changes_period_s"});
-  if (!lockstep() && !config_.store.empty()) {
+  if (!lockstep() && !config_.store.empty() && !context().only_explained) {
     file_.emplace(config_.store, config_.save_period_s,
                   static_cast<std::size_t>(config_.resident_nodes));
     memory_.emplace(file_->resume(config_.timescale, context().seed));

@@ -172,6 +172,28 @@ TEST_F(Managed, ThatCannotBeConfiguredSaySoAndMayBeMended) {
   EXPECT_EQ(lead(1), "inactive");
 }
 
+TEST_F(Managed, RefuseAParameterThatConfigureWouldRefuseAndSayWhy) {
+  start("start: active");
+  const auto refused = set("jams", parameter_value(true));
+  EXPECT_FALSE(refused.successful());
+  EXPECT_THAT(refused.reason(), HasSubstr("jams; oil it"));
+  EXPECT_EQ(state(), "active");
+  EXPECT_TRUE(host_->take_errors().empty()) << "nothing has happened to the node itself";
+  // What was refused is not there the next time.
+  EXPECT_EQ(lead(4), "inactive");
+  EXPECT_EQ(lead(2), "unconfigured");
+  EXPECT_EQ(lead(1), "inactive");
+}
+
+TEST_F(Managed, TakeOneParameterWhileAnotherIsStillWrong) {
+  start("start: unconfigured, parameters: {jams: true}");
+  const auto other = set("width_cm", parameter_value(std::int64_t{70}));
+  EXPECT_TRUE(other.successful());
+  EXPECT_THAT(other.reason(), HasSubstr("fails as before: the door: jams"));
+  EXPECT_TRUE(set("jams", parameter_value(false)).successful());
+  EXPECT_EQ(lead(1), "inactive");
+}
+
 TEST_F(Managed, WithAParameterThatIsNotValidDoNotStartAtAll) {
   try {
     start("start: unconfigured, parameters: {widht_cm: 80}");
