@@ -51,11 +51,18 @@ Participant::Participant(const ParticipantOptions& options) : state_(std::make_s
   if (options.transport == Transport::kSharedMemory) {
     state_->shared_ports = std::make_unique<SharedPortClaim>(options.domain);
   }
-  state_->is_secured = options.transport != Transport::kAlone && secure(options, qos);
+  const bool is_unseen = options.transport == Transport::kAlone;
+  state_->is_secured = !is_unseen && secure(options, qos);
+  if (is_unseen) {
+    state_->alone_id = ProcessParticipants::instance().take_alone_id();
+    qos.wire_protocol().participant_id = *state_->alone_id;
+  }
   auto* factory = dds::DomainParticipantFactory::get_instance();
   ProcessParticipants::instance().add(state_);  // first: it may lack memory
-  state_->participant = factory->create_participant(static_cast<dds::DomainId_t>(options.domain),
-                                                    qos, state_.get(), dds::StatusMask::none());
+  // Who sees nobody is on no domain; the ports of the first have room for its number.
+  const auto domain = static_cast<dds::DomainId_t>(is_unseen ? 0 : options.domain);
+  state_->participant =
+      factory->create_participant(domain, qos, state_.get(), dds::StatusMask::none());
   if (state_->participant != nullptr) {
     state_->publisher = state_->participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
     state_->subscriber = state_->participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
@@ -79,11 +86,15 @@ Participant::~Participant() {
 }
 
 void Participant::delete_entities() {
-  if (state_->participant == nullptr) return;
-  state_->participant->set_listener(nullptr);
-  state_->participant->delete_contained_entities();
-  dds::DomainParticipantFactory::get_instance()->delete_participant(state_->participant);
-  state_->participant = nullptr;
+  if (state_->participant != nullptr) {
+    state_->participant->set_listener(nullptr);
+    state_->participant->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(state_->participant);
+    state_->participant = nullptr;
+  }
+  if (!state_->alone_id) return;
+  ProcessParticipants::instance().give_back_alone_id(*state_->alone_id);
+  state_->alone_id.reset();
 }
 
 const ParticipantOptions& Participant::options() const { return state_->options; }

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,7 @@ struct Participant::State : dds::DomainParticipantListener {
   bool is_secured = false;
   /// Where memory is shared; given up after the participant.
   std::unique_ptr<SharedPortClaim> shared_ports;
+  std::optional<int> alone_id;  ///< of one that nobody sees (ProcessParticipants)
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;

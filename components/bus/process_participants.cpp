@@ -30,4 +30,17 @@ void ProcessParticipants::remove(const Guid& guid,
   for (const auto& other : others) other->wait_until_forgotten(guid, deadline);
 }
 
+int ProcessParticipants::take_alone_id() {
+  constexpr int kFirst = 100;  // behind those that peers look for
+  const std::lock_guard lock(mutex_);
+  int id = kFirst;
+  while (!alone_ids_.insert(id).second) ++id;
+  return id;
+}
+
+void ProcessParticipants::give_back_alone_id(int id) {
+  const std::lock_guard lock(mutex_);
+  alone_ids_.erase(id);
+}
+
 }  // namespace strata::bus

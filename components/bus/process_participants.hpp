@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <mutex>
+#include <set>
 #include <vector>
 
 #include "components/bus/participant_state.hpp"
@@ -23,8 +24,14 @@ class ProcessParticipants {
   /// After Fast DDS has removed it. Waits until no other sees it, for 5 s at most.
   void remove(const Guid& guid, const std::shared_ptr<Participant::State>& state);
 
+  /// A number for a participant that nobody sees, until it is given back. Fast DDS itself takes a
+  /// new one each time, and after some dozens those that follow are where no peer looks for them.
+  [[nodiscard]] int take_alone_id();
+  void give_back_alone_id(int id);
+
  private:
   std::mutex mutex_;
+  std::set<int> alone_ids_;                                // under mutex_
   std::vector<std::weak_ptr<Participant::State>> states_;  // under mutex_
 };
 

@@ -198,6 +198,16 @@ TEST(Bus, GrantsTheQosOfEveryNamedProfile) {
   }
 }
 
+TEST(Bus, FindsPeersHoweverManyUnseenParticipantsThereWere) {
+  for (int i = 0; i < 40; ++i) (void)test::make_participant(Transport::kAlone);
+  const auto here = test::make_participant();
+  const auto there = test::make_participant();
+  Inbox inbox;
+  Reader<LaserScan> reader(here, "/scan", qos_profile("default"), inbox.callback());
+  const Writer<LaserScan> writer(there, "/scan", qos_profile("default"));
+  EXPECT_TRUE(reader.raw().wait_for_writers(1, seconds(20)));
+}
+
 TEST(Bus, RefusesTwoTypesOnOneTopic) {
   const auto participant = test::make_participant();
   const RawWriter scans(participant, "/t", "sensor_msgs/msg/LaserScan", qos_profile("default"));
