@@ -103,7 +103,8 @@ TEST(MapFile, ReadsBackWhatItWroteInEveryModeAndFormat) {
                                                          : std::nanf("");
         const float got = back.values()[i];
         EXPECT_EQ(is_known(got), is_known(expected)) << i;
-        if (is_known(expected)) EXPECT_NEAR(got, expected, mode == MapMode::kRaw ? 1e-6 : 0.003);
+        if (!is_known(expected)) continue;
+        EXPECT_NEAR(got, expected, mode == MapMode::kRaw ? 1e-6 : 0.003);
       }
     }
   }

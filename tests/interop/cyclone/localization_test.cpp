@@ -48,7 +48,8 @@ TEST_F(CycloneLocalization, HearsWhoSetsThePoseAsRVizDoes) {
   ASSERT_EQ(rviz.wait_for_line("sent"), "sent");
   Pose2 place = planar(convert::from_message(next_pose().pose().pose()));
   // The pose has come to the process; the component takes it in its turn.
-  while (translation_distance(place, there) > 0.5 && next_scan_ < room().observations.size()) {
+  while (translation_distance(place, there) > 0.5 &&
+         next_scan_ < localizer::room().observations.size()) {
     place = planar(convert::from_message(next_pose().pose().pose()));
   }
   EXPECT_LT(translation_distance(place, there), 0.5);
