@@ -119,7 +119,6 @@ class Localizer {
   std::size_t scans_since_weighed_ = 0;
   ScannerTurns turns_;
   CompanionScans companions_;
-  int scans_since_weighed_ = 0;
   bool must_weigh_ = false;
   std::size_t unusable_scans_ = 0;
   std::size_t odometry_jumps_ = 0;
