@@ -264,6 +264,10 @@ TEST_F(AmclParameters, NestedAndDottedPosesAreTheStart) {
   EXPECT_THAT(find(unset, "initial_pose.x")->text, HasSubstr("set_initial_pose is not true"));
 }
 
+TEST_F(AmclParameters, TheTransformIsPostDatedAsAmclsIs) {
+  EXPECT_EQ(read(only("transform_tolerance: 0.3")).transform_tolerance, 0.3);
+}
+
 TEST_F(AmclParameters, RecoveryIsOnWhenItsRatesAre) {
   const auto recovery =
       read(only("recovery_alpha_slow: 0.002, recovery_alpha_fast: 0.2")).localizer.recovery;
