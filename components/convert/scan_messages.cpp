@@ -14,9 +14,11 @@ namespace {
 constexpr std::size_t kMostBeams = 100'000;
 /// A map that held what lies further away would take all memory.
 constexpr double kFarthest_m = 1e5;
+/// No robot is larger. A map grows at once by as much as the scanner lies off its robot.
+constexpr double kFarthestMounting_m = 100.0;
 
-bool is_near(const Pose2& pose) {
-  return std::abs(pose.x) <= kFarthest_m && std::abs(pose.y) <= kFarthest_m &&
+bool is_within(double distance_m, const Pose2& pose) {
+  return std::abs(pose.x) <= distance_m && std::abs(pose.y) <= distance_m &&
          std::isfinite(pose.theta);  // nor NaN
 }
 
@@ -83,9 +85,10 @@ PosedScan from_message(const strata_msgs::msg::LabeledScan& message) {
   require(labels.empty() || labels.size() == message.scan().ranges().size(),
           "its labels are not one a beam");
   require(are_probabilities(labels), "its labels are not probabilities");
-  require(is_near(from_message(message.pose().map_from_robot().mean())) &&
-              is_near(from_message(message.robot_from_laser())),
-          "its pose or mounting is not a number, or further away than 100 km");
+  require(is_within(kFarthest_m, from_message(message.pose().map_from_robot().mean())),
+          "its pose is not a number, or further away than 100 km");
+  require(is_within(kFarthestMounting_m, from_message(message.robot_from_laser())),
+          "its mounting is not a number, or further than 100 m from the robot");
   require(std::isfinite(message.scan().angle_min()) &&
               std::isfinite(message.scan().angle_increment()) &&
               std::isfinite(message.scan().range_min()) && !std::isnan(message.scan().range_max()),

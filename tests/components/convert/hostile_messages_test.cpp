@@ -59,14 +59,17 @@ TEST(LabeledScan, IsRefusedWithoutALabelForEachBeam) {
 
 TEST(LabeledScan, IsRefusedWhereItsPoseOrAnglesAreNoNumbers) {
   using Message = strata_msgs::msg::LabeledScan;
-  const std::string pose = "its pose or mounting";
+  const std::string pose = "its pose is not a number, or further away";
+  const std::string mounting = "its mounting is not a number, or further";
   const std::string angles = "its angles or limits";
   expect_refused<Message>(
       labeled_scan(), [](auto& m) { m.pose().map_from_robot().mean().x(1e30); }, pose);
   expect_refused<Message>(
       labeled_scan(), [](auto& m) { m.pose().map_from_robot().mean().theta(kNan); }, pose);
   expect_refused<Message>(
-      labeled_scan(), [](auto& m) { m.robot_from_laser().y(kNan); }, pose);
+      labeled_scan(), [](auto& m) { m.robot_from_laser().y(kNan); }, mounting);
+  expect_refused<Message>(
+      labeled_scan(), [](auto& m) { m.robot_from_laser().x(150.0); }, mounting);
   expect_refused<Message>(
       labeled_scan(), [](auto& m) { m.scan().angle_increment(kInfinity); }, angles);
   expect_refused<Message>(

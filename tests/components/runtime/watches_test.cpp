@@ -38,14 +38,15 @@ TEST(StampWatch, BelievesAClockThatIsSetBack) {
 TEST(ScanQueue, GoesOnWhereALateScanComesBetweenTwoThatAreFarTooOld) {
   ScanQueue queue(true);
   const auto add = [&](double stamp_s) {
-    Scan scan;
-    scan.stamp = at_s(stamp_s);
-    scan.ranges_m = {1.0F};
-    queue.add(0, "laser", scan, [](Stamp) { FAIL() << "the clock was not set back"; });
+    log::SensedScan sensed;
+    sensed.frame = "laser";
+    sensed.scan.stamp = at_s(stamp_s);
+    sensed.scan.ranges_m = {1.0F};
+    queue.add(0, sensed, [](Stamp) { FAIL() << "the clock was not set back"; });
   };
   for (const double stamp_s : {100.0, 10.0, 99.5, 10.1, 100.1}) add(stamp_s);
   EXPECT_EQ(queue.size(), 3U);
-  EXPECT_EQ(queue.front().scan.stamp, at_s(99.5));
+  EXPECT_EQ(queue.front().stamp(), at_s(99.5));
   EXPECT_EQ(queue.late(), 2U);
 }
 

@@ -129,7 +129,7 @@ TEST(NetworkFindings, NameTwoUsersWhoShareMemoryThatTheyMayNotOpen) {
   EXPECT_TRUE(findings[0].is_error);
   EXPECT_EQ(findings[0].place, "users guest and robot");
   EXPECT_THAT(findings[0].what, HasSubstr("(process 2, process 1)"));
-  EXPECT_THAT(findings[0].advice, HasSubstr("transport: loopback"));
+  EXPECT_THAT(findings[0].advice, HasSubstr("without shared memory"));
   EXPECT_FALSE(findings[1].is_error);
   EXPECT_EQ(findings[1].place, "user guest");
   EXPECT_THAT(find_users_apart(two_processes("robot", "robot"), kNameOf), IsEmpty());

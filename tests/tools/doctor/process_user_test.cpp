@@ -77,7 +77,7 @@ TEST(ProcessUserOfAParticipant, IsFoundByThePortsThatItAnnounces) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     ASSERT_EQ(found.size(), 1U);
-    EXPECT_TRUE(found[0].uses_shared_memory);
+    EXPECT_EQ(found[0].uses_shared_memory, transport == bus::Transport::kSharedMemory);
     EXPECT_EQ(user_of_process(static_cast<std::uint16_t>(getpid()), found[0].ports), own_user())
         << bus::transport_name(transport);
   }

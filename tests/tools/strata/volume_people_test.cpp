@@ -142,9 +142,10 @@ TEST_F(VolumePeople, AreGoneWithGivenPosesInTheirFrame) {
   EXPECT_EQ(slice.get({60, 45}), 0.0F);
 
   // The localizer works in the slice as in any map.
-  const pipeline::Runs runs = pipeline::read_runs(
-      {.logs = {file("sim") / "log.clf"}, .poses = {}, .truths = {file("sim") / "truth.tum"}},
-      nullptr);
+  pipeline::RunsInput input;
+  input.logs = {file("sim") / "log.clf"};
+  input.truths = {file("sim") / "truth.tum"};
+  const pipeline::Runs runs = pipeline::read_runs(input, nullptr);
   maps::Maps maps;
   maps.given = slice;
   const maps::MapModel model = maps::make_map_model(maps, "map", {});
