@@ -37,9 +37,10 @@ std::optional<int> port_of(std::string_view name) {
   return error == std::errc() && ends_well ? std::optional(port) : std::nullopt;
 }
 
-bool is_ours(const fs::path& file) {
+/// False where it has just gone: processes of ours make and remove files as they start.
+bool is_of_another(const fs::path& file) {
   struct stat status {};
-  return ::lstat(file.c_str(), &status) == 0 && status.st_uid == ::geteuid();
+  return ::lstat(file.c_str(), &status) == 0 && status.st_uid != ::geteuid();
 }
 
 [[noreturn]] void refuse(const fs::path& file, int domain) {
@@ -74,10 +75,10 @@ SharedPortClaim::SharedPortClaim(int domain, const fs::path& folder) {
                       "make shared memory writable, or use transport: default");
   }
   try {
-    if (!is_ours(file)) refuse(file, domain);
+    if (is_of_another(file)) refuse(file, domain);
     const bool is_first = ::flock(lock_, LOCK_EX | LOCK_NB) == 0;
     for (const fs::path& port : port_files(domain, folder)) {
-      if (!is_ours(port)) refuse(port, domain);
+      if (is_of_another(port)) refuse(port, domain);
       std::error_code error;
       if (is_first) fs::remove(port, error);
     }

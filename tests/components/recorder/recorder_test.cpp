@@ -157,7 +157,8 @@ TEST_P(RecorderStorage, StoresAsItWasAskedTo) {
 
 TEST_P(RecorderStorage, BeginsAnotherFileWhenOneSpansTheTime) {
   auto scans = writer("/scan", "default");
-  const auto host = make(", split_s: 1e-9");  // less than any two messages are apart
+  const auto host =
+      make(", split_s: 1e-9, topics: [/scan]");  // less than any two messages are apart
   host->activate();
   for (int i = 0; i < 10; ++i) scans.publish(numbered(i));
   host->stop();

@@ -53,7 +53,7 @@ TEST(ContractTopics, HaveTheTypesAndTheQosThatOthersRelyOn) {
       {"writes /map", map + latched},
       {"writes /map_filtered", map + latched},
       {"writes /map_current", map + latched},
-      {"writes /amcl_pose", pose + reliable},
+      {"writes /amcl_pose", pose + latched},
       {"writes /particle_cloud", "nav2_msgs/msg/ParticleCloud" + sensor_data},
       {"writes /scan_static", scan + sensor_data},
       {"writes /scan_dynamic", scan + sensor_data},
