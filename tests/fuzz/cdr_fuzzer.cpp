@@ -99,6 +99,7 @@ constexpr void (*kServices[])(Input) = {
     serve<srv::PlayNext>,
     serve<srv::Seek>,
     serve<srv::SplitBagfile>,
+    serve<srv::GetTypeDescription>,
 };
 
 /// The next byte chooses the service, and its highest bit whose client asks: Cyclone's puts a
