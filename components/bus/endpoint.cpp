@@ -139,7 +139,8 @@ RawWriter::RawWriter(std::shared_ptr<Participant> participant, TopicName topic,
     writer_qos.liveliness().kind = dds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
   }
   if (qos.lifespan_s > 0.0) {
-    writer_qos.lifespan().duration = eprosima::fastrtps::Duration_t(qos.lifespan_s);
+    writer_qos.lifespan().duration =
+        eprosima::fastrtps::Duration_t(static_cast<long double>(qos.lifespan_s));
   }
   auto& times = writer_qos.reliable_writer_qos().times;
   times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0, 100'000'000);
