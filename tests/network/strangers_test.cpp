@@ -78,7 +78,7 @@ TEST_F(Strangers, DISABLED_ShowsWhatSeveralReadersCost) {
       listeners.push_back(cyclone(1, {"hear", "200"}));
     }
     const std::uint64_t before = network_->hub().carried_bytes();
-    const auto talker = peer(0, {"scans", "200", "20", "lossless"});
+    const auto talker = peer(0, {"scans", "200", "20", "tf_static"});
     for (const auto& listener : listeners) EXPECT_NE(listener->wait_for_line("heard"), "");
     std::cout << readers << " readers on another host: "
               << static_cast<double>(network_->hub().carried_bytes() - before) / 200.0
