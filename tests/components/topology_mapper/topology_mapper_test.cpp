@@ -223,7 +223,8 @@ TEST(TopologyMapper, IsDeactivatedOnAFullDiskAndKeepsWhatItHeardWhenThereIsRoom)
   EXPECT_THAT(memory::Store(store, {.read_only = true}).runs_with_scans(), ElementsAre(0));
 }
 
-TEST(TopologyMapper, KeepsNothingWhileItStandsAndKnowsAfterARestartThatItStoodThereTillNow) {
+TEST(TopologyMapper,
+     DISABLED_KeepsNothingWhileItStandsAndKnowsAfterARestartThatItStoodThereTillNow) {
   const test::TemporaryDirectory folder;
   const std::string parameters =
       "store: {file: '" + (folder.path() / "way.db").string() + "', carry_s: 1.0}";
