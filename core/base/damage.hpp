@@ -16,6 +16,13 @@ class DamageError : public InputError {
   using InputError::InputError;
 };
 
+/// A file that is nothing we know: somebody else's, or ours with its beginning lost. Whoever keeps
+/// something under that name may set it aside.
+class UnknownContentError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// Whether the file may have begun with `magic` once: it does, or a part of that is all there is,
 /// or it begins with the zeros (or is as empty) as file systems leave a file that was never written
 /// to the disk.

@@ -7,7 +7,8 @@
 ///     template <class Self, class Archive>
 ///     static void state(Self& self, Archive& archive) { archive(self.a_); archive(self.b_); }
 ///
-/// or has a function state_of(object, archive) beside it.
+/// or has a function state_of(object, archive) beside it. What an index or a number may be is
+/// checked there, after it was read (Archive::kReads).
 #pragma once
 
 #include <cstddef>
@@ -33,6 +34,8 @@ void state_of(T& value, Archive& archive) {
 /// Appends values to bytes.
 class StateWriter {
  public:
+  static constexpr bool kReads = false;
+
   template <typename T>
   void operator()(const T& value) {
     if constexpr (std::is_trivially_copyable_v<T>) {
@@ -69,13 +72,29 @@ class StateWriter {
     if (value) (*this)(*value);
   }
 
+  void operator()(const std::string& text) {
+    (*this)(static_cast<std::uint32_t>(text.size()));
+    append(text.data(), text.size());
+  }
+  /// Without their number, which the reader knows from elsewhere.
+  template <typename T>
+  void values(std::span<T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    append(values.data(), values.size_bytes());
+  }
+
   [[nodiscard]] std::vector<std::uint8_t> take() { return std::move(bytes_); }
+  [[nodiscard]] std::vector<std::byte> take_bytes() {
+    const auto bytes = std::as_bytes(std::span(bytes_));
+    return {bytes.begin(), bytes.end()};
+  }
 
  private:
   void append(const void* data, std::size_t size) {
     if (size == 0) return;
-    const auto* begin = static_cast<const std::uint8_t*>(data);
-    bytes_.insert(bytes_.end(), begin, begin + size);
+    const std::size_t before = bytes_.size();
+    bytes_.resize(before + size);
+    std::memcpy(bytes_.data() + before, data, size);
   }
   std::vector<std::uint8_t> bytes_;
 };
@@ -84,8 +103,12 @@ class StateWriter {
 /// they claim takes more memory than there are bytes.
 class StateReader {
  public:
+  static constexpr bool kReads = true;
+
   /// place: of the bytes, for errors.
   StateReader(std::span<const std::uint8_t> bytes, std::string place)
+      : StateReader(std::as_bytes(bytes), std::move(place)) {}
+  StateReader(std::span<const std::byte> bytes, std::string place)
       : bytes_(bytes), place_(std::move(place)) {}
 
   template <typename T>
@@ -136,6 +159,19 @@ class StateReader {
     value.reset();
     if (has_value) (*this)(value.emplace());
   }
+  void operator()(std::string& text) {
+    std::uint32_t size = 0;
+    (*this)(size);
+    if (size > bytes_.size()) fail("claims more than it holds");
+    text.resize(size);
+    copy(text.data(), size);
+  }
+  template <typename T>
+  void values(std::span<T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    copy(values.data(), values.size_bytes());
+    for (const T& value : values) check_enum(value);
+  }
   /// For a bool in a plain struct, which was copied as the byte that it was.
   void check_bool(const bool& value) const {
     std::uint8_t byte = 0;
@@ -149,6 +185,7 @@ class StateReader {
     if (count > bytes_.size() / item_bytes) fail("claims more than it holds");
     return static_cast<std::size_t>(count);
   }
+  [[nodiscard]] bool is_at_end() const { return bytes_.empty(); }
   /// Throws DamageError unless everything was read.
   void expect_end() const {
     if (!bytes_.empty()) fail("goes on behind its end");
@@ -181,7 +218,7 @@ class StateReader {
     std::memcpy(data, bytes_.data(), size);
     bytes_ = bytes_.subspan(size);
   }
-  std::span<const std::uint8_t> bytes_;
+  std::span<const std::byte> bytes_;
   std::string place_;
 };
 

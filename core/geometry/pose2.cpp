@@ -42,6 +42,10 @@ double translation_distance(const Pose2& a, const Pose2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
+double displacement_m(const Pose2& a, const Pose2& b, double lever_m) {
+  return translation_distance(a, b) + lever_m * std::abs(angle_difference(b.theta, a.theta));
+}
+
 bool is_finite(const Pose2& pose) {
   return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.theta);
 }

@@ -30,6 +30,9 @@ struct Pose2 {
 [[nodiscard]] Pose2 between(const Pose2& a_from_b, const Pose2& a_from_c);
 /// Distance of the two origins in metres.
 [[nodiscard]] double translation_distance(const Pose2& a, const Pose2& b);
+/// How far what is seen `lever_m` away moves at most when it is seen from b and not from a, in
+/// metres.
+[[nodiscard]] double displacement_m(const Pose2& a, const Pose2& b, double lever_m);
 /// Whether all three numbers are finite.
 [[nodiscard]] bool is_finite(const Pose2& pose);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -19,7 +20,8 @@ void state_of(const Grid<T>& grid, StateWriter& archive) {
   archive(grid.values());
 }
 
-/// Throws InputError for values that do not fill the rectangle.
+/// Throws DamageError for values that do not fill the rectangle, a rectangle that no robot reaches,
+/// and cells without size.
 template <typename T>
 void state_of(Grid<T>& grid, StateReader& archive) {
   double resolution_m = 0.0;
@@ -37,7 +39,13 @@ void state_of(Grid<T>& grid, StateReader& archive) {
       width >= 0 && height >= 0 && width < (std::int64_t{1} << 31) &&
       height < (std::int64_t{1} << 31) &&
       static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) == values.size();
-  if (!is_filled || !(resolution_m > 0.0 || values.empty())) {
+  // Far from where adding to a coordinate overflows: 1,600 km at 0.05 m.
+  constexpr int kFarthest = 1 << 25;
+  const auto is_near = [](const Cell& cell) {
+    return std::abs(std::int64_t{cell.x}) <= kFarthest &&
+           std::abs(std::int64_t{cell.y}) <= kFarthest;
+  };
+  if (!is_filled || !is_near(rect.min) || !is_near(rect.max) || !(resolution_m > 0.0)) {
     archive.fail("has a damaged grid");
   }
   grid = Grid<T>(resolution_m, rect, fill);

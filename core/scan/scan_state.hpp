@@ -30,6 +30,13 @@ void state_of(Value& posed, Archive& archive) {
   archive(posed.map_from_robot);
   archive(posed.static_probability);
   archive(posed.scan);
+  if constexpr (Archive::kReads) {
+    const std::size_t labels = posed.static_probability.size();
+    if (!is_finite(posed.map_from_robot) || !is_finite(posed.scan.robot_from_laser)) {
+      archive.fail("has a scan from nowhere");
+    }
+    if (labels != 0 && labels != posed.scan.size()) archive.fail("has labels of no beams");
+  }
 }
 
 template <class Value, class Archive>
@@ -38,6 +45,12 @@ void state_of(Value& points, Archive& archive) {
   archive(points.x_m);
   archive(points.y_m);
   archive(points.beam);
+  if constexpr (Archive::kReads) {
+    const std::size_t count = points.x_m.size();
+    if (points.y_m.size() != count || points.beam.size() != count) {
+      archive.fail("has points without their coordinates");
+    }
+  }
 }
 
 }  // namespace strata

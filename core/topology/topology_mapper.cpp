@@ -31,6 +31,7 @@ struct TopologyMapper::State {
   std::size_t kept_bytes = 0;
   std::optional<TrackedMoment> newest;
   bool is_begun = false;               // a scan came that was not restored
+  bool has_odometry = false;           // such a scan had odometry
   std::optional<Pose2> run_from_odom;  // nothing: the same, unless the mapper was restored
 
   [[nodiscard]] bool is_full() const {
@@ -51,15 +52,26 @@ struct TopologyMapper::State {
 
   void begin(const Observation& observation) {
     is_begun = true;
+    has_odometry = observation.has_odometry;
     Pose2 start = observation.odom_from_robot;
     if (newest) {
-      const Pose2 step = newest->odom_from_robot
+      const Pose2 step = newest->odom_from_robot && has_odometry
                              ? between(*newest->odom_from_robot, observation.odom_from_robot)
                              : Pose2();
       start = newest->map_from_robot * step;
-      run_from_odom = start * inverse(observation.odom_from_robot);
+      if (has_odometry) run_from_odom = start * inverse(observation.odom_from_robot);
     }
     tracker.emplace(config.tracking, config.resolution_m, observation.run, start);
+  }
+
+  /// Where odometry alone has the robot. Without it the robot is taken to stand, and the first that
+  /// comes goes on from there.
+  [[nodiscard]] Pose2 by_odometry(const Observation& observation) {
+    if (!observation.has_odometry) return newest ? newest->map_from_robot : Pose2();
+    const Pose2& odom = observation.odom_from_robot;
+    if (!has_odometry && newest) run_from_odom = newest->map_from_robot * inverse(odom);
+    has_odometry = true;
+    return run_from_odom ? *run_from_odom * odom : odom;
   }
 };
 
@@ -83,8 +95,7 @@ std::vector<MadeVisit> TopologyMapper::add(const Observation& observation, const
     return {};
   }
   if (!s.is_begun) s.begin(observation);
-  PosedScan scan{observation.run, observation.scan, observation.odom_from_robot, {}};
-  if (s.run_from_odom) scan.map_from_robot = *s.run_from_odom * observation.odom_from_robot;
+  PosedScan scan{observation.run, observation.scan, s.by_odometry(observation), {}};
   if (given != nullptr) {
     scan.map_from_robot = *given;
   } else if (s.config.match_scans) {

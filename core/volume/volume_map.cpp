@@ -10,7 +10,7 @@
 
 #include <octomap/OcTree.h>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 #include "core/volume/octomap_bytes.hpp"
 #include "core/volume/octomap_header.hpp"
 
@@ -283,9 +283,8 @@ std::string VolumeMap::binary_file() const {
 
 VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& place,
                                const std::optional<VolumeConfig>& wanted) {
-  const auto refuse = [&](const std::string& what) -> InputError {
-    return InputError(place, what, "give a .bt or .ot file of an OcTree, as OctoMap writes it");
-  };
+  const char* const remedy = "give a .bt or .ot file of an OcTree, as OctoMap writes it";
+  const auto damaged = [&](const std::string& what) { return DamageError(place, what, remedy); };
   std::istringstream in(bytes, std::ios::binary);
   std::string line;
   std::string id;
@@ -293,7 +292,9 @@ VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& plac
   std::size_t size = 0;
   std::getline(in, line);
   const bool is_binary = line == "# Octomap OcTree binary file";
-  if (!is_binary && line != "# Octomap OcTree file") throw refuse("is no OctoMap file");
+  if (!is_binary && line != "# Octomap OcTree file") {
+    throw UnknownContentError(place, "is no OctoMap file", remedy);
+  }
   while (std::getline(in, line) && line != "data") {
     std::istringstream words(line);
     std::string key;
@@ -302,20 +303,23 @@ VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& plac
     if (key == "size") words >> size;
     if (key == "res") words >> resolution_m;
   }
-  if (!in || id != "OcTree") throw refuse("holds a tree of the kind '" + id + "'");
+  if (!in) throw damaged("is damaged: its header has no end");
+  if (id != "OcTree") throw InputError(place, "holds a tree of the kind '" + id + "'", remedy);
   // Nothing at all may follow "data", not even the end of its line.
   const auto left = in.eof() ? 0 : bytes.size() - static_cast<std::size_t>(in.tellg());
-  if (!(resolution_m > 0.0) || left < 2) throw refuse("says no voxel edge, or ends too early");
+  if (!(resolution_m > 0.0)) throw damaged("is damaged: it says no voxel edge");
   VolumeConfig config = wanted.value_or(VolumeConfig{});
   if (wanted && wanted->resolution_m != resolution_m) {
     throw InputError(place, "its voxels have edges of " + std::to_string(resolution_m) + " m",
                      "set resolution_m to that, or name another file");
   }
   config.resolution_m = resolution_m;
+  if (left < 2 && size == 0) return VolumeMap(config);  // of clouds without points
+  if (left < 2) throw damaged("is damaged: it ends too early");
   const auto nodes = octomap_nodes(std::string_view(bytes).substr(bytes.size() - left), is_binary);
-  if (!nodes) throw refuse("is damaged: it ends too early or goes too deep");
+  if (!nodes) throw damaged("is damaged: it ends too early or goes too deep");
   if (*nodes != size) {
-    throw refuse("is damaged: " + std::to_string(*nodes) + " nodes of " + std::to_string(size));
+    throw damaged("is damaged: " + std::to_string(*nodes) + " nodes of " + std::to_string(size));
   }
   VolumeMap map(config);
   if (is_binary) {
@@ -323,7 +327,7 @@ VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& plac
   } else {
     map.state_->tree.readData(in);
   }
-  if (!in) throw refuse("cannot be read to its end");
+  if (!in) throw damaged("cannot be read to its end");
   return map;
 }
 

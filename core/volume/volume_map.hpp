@@ -86,8 +86,9 @@ class VolumeMap {
   /// A .bt file: occupied, free or unknown, pruned. What octovis and octomap_server open.
   [[nodiscard]] std::string binary_file() const;
   /// The map of a .bt or .ot file of an OcTree. place: its name in errors. wanted: how clouds are
-  /// added from then on; nothing: the defaults. Throws InputError, also for voxels of another size
-  /// than wanted.
+  /// added from then on; nothing: the defaults. Throws InputError for a tree of another kind and
+  /// for voxels of another size than wanted; DamageError or UnknownContentError for what is cut
+  /// short, altered or no such file.
   [[nodiscard]] static VolumeMap from_file(const std::string& bytes, const std::string& place,
                                            const std::optional<VolumeConfig>& wanted = {});
   /// A .ot file: every log odds.

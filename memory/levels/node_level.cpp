@@ -118,35 +118,22 @@ void NodeLevel::clear() {
   std::fill(pair_counts_.begin(), pair_counts_.end(), std::uint16_t{0});
 }
 
-void NodeLevel::write(ByteWriter& out) const {
-  out.write(insertions_);
-  out.write_span(std::span<const std::uint16_t>(sample_counts_));
-  out.write_span(std::span<const std::uint16_t>(pair_counts_));
-  for (int a = 0; a < bins_.angle_bins; ++a) {
-    out.write_span(samples(a));
-    out.write_span(pairs(a));
-  }
+bool NodeLevel::has_room() const {
+  const auto fits = [this](std::uint16_t count) { return count <= capacity_; };
+  return std::all_of(sample_counts_.begin(), sample_counts_.end(), fits) &&
+         std::all_of(pair_counts_.begin(), pair_counts_.end(), fits);
 }
 
-void NodeLevel::read(ByteReader& in) {
-  insertions_ = in.read<std::uint64_t>();
-  in.read_span(std::span<std::uint16_t>(sample_counts_));
-  in.read_span(std::span<std::uint16_t>(pair_counts_));
-  for (std::size_t a = 0; a < sample_counts_.size(); ++a) {
-    if (sample_counts_[a] > capacity_ || pair_counts_[a] > capacity_) {
-      in.fail("holds more samples than its level may");
+bool NodeLevel::is_sound() const {
+  for (int a = 0; a < bins_.angle_bins; ++a) {
+    for (const float range_m : samples(a)) {
+      if (std::isnan(range_m) || range_m < 0.0F) return false;
     }
-    in.read_span(std::span(samples_.data() + a * capacity_, sample_counts_[a]));
-    in.read_span(std::span(pairs_.data() + a * capacity_, pair_counts_[a]));
-    for (const float range_m : samples(static_cast<int>(a))) {
-      if (std::isnan(range_m) || range_m < 0.0F) in.fail("holds a range that is none");
-    }
-    for (const RangePair& pair : pairs(static_cast<int>(a))) {
-      if (pair.alpha > bins_.overflow_bin() || pair.beta > bins_.overflow_bin()) {
-        in.fail("holds a pair outside the range bins");
-      }
+    for (const RangePair& pair : pairs(a)) {
+      if (pair.alpha > bins_.overflow_bin() || pair.beta > bins_.overflow_bin()) return false;
     }
   }
+  return true;
 }
 
 }  // namespace strata::memory

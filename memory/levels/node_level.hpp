@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/state_archive.hpp"
 #include "core/random/stream.hpp"
-#include "memory/levels/bytes.hpp"
 #include "memory/levels/polar_bins.hpp"
 #include "memory/levels/virtual_scan.hpp"
 
@@ -54,11 +54,30 @@ class NodeLevel {
   /// As it was made, but for insertions().
   void clear();
 
-  void write(ByteWriter& out) const;
-  /// Throws InputError when the content does not fit the bins or the capacity.
-  void read(ByteReader& in);
+  /// For core/base/state_archive.hpp; bins and capacity are the constructor's.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.insertions_);
+    archive.values(std::span(self.sample_counts_));
+    archive.values(std::span(self.pair_counts_));
+    if constexpr (Archive::kReads) {
+      if (!self.has_room()) archive.fail("holds more samples than its level may");
+    }
+    for (std::size_t a = 0; a < self.sample_counts_.size(); ++a) {
+      const std::size_t from = a * self.capacity_;
+      archive.values(std::span(self.samples_).subspan(from, self.sample_counts_[a]));
+      archive.values(std::span(self.pairs_).subspan(from, self.pair_counts_[a]));
+    }
+    if constexpr (Archive::kReads) {
+      if (!self.is_sound()) archive.fail("holds a range that is none, or a pair outside the bins");
+    }
+  }
 
  private:
+  /// Whether no count is beyond the capacity.
+  [[nodiscard]] bool has_room() const;
+  /// Whether every sample is a range, and every pair of two range bins.
+  [[nodiscard]] bool is_sound() const;
   void insert_sample(std::size_t bin, float range_m, RandomStream& random);
   void insert_pair(std::size_t bin, RangePair pair, RandomStream& random);
   void drop_pair_from(std::size_t bin, std::uint8_t alpha, RandomStream& random);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/nodes/config_bytes.hpp"
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -53,13 +56,17 @@ class Collector {
 
 class Distributor {
  public:
-  Distributor(const Values& values, std::string path) : values_(values), path_(std::move(path)) {}
+  /// is_possible: becomes false when a number is none that its field can hold.
+  Distributor(const Values& values, std::string path, bool& is_possible)
+      : values_(values), path_(std::move(path)), is_possible_(is_possible) {}
   template <typename T>
   void field(std::string_view name, T& value, const FieldInfo& /*info*/) {
     const auto found = values_.find(joined(path_, name));
     if (found == values_.end()) return;
     if constexpr (std::is_same_v<T, bool>) {
       value = found->second.number != 0.0;
+    } else if constexpr (std::is_integral_v<T>) {
+      value = number_of<T>(found->second.number);
     } else if constexpr (std::is_arithmetic_v<T>) {
       value = static_cast<T>(found->second.number);
     } else {
@@ -68,15 +75,15 @@ class Distributor {
   }
   template <typename Group>
   void group(std::string_view name, Group& group, const char* /*doc*/) {
-    Distributor inner(values_, joined(path_, name));
+    Distributor inner(values_, joined(path_, name), is_possible_);
     Group::describe(group, inner);
   }
   template <typename Item>
   void list(std::string_view name, std::vector<Item>& items, const char* /*doc*/) {
     const auto size = values_.find(joined(path_, name) + ".size");
     if (size == values_.end()) return;
-    constexpr double kMostItems = 1000.0;
-    items.resize(static_cast<std::size_t>(std::min(kMostItems, size->second.number)));
+    constexpr std::uint16_t kMostItems = 1000;
+    items.resize(std::min(kMostItems, number_of<std::uint16_t>(size->second.number)));
     for (std::size_t i = 0; i < items.size(); ++i) {
       group(std::string(name) + "." + std::to_string(i), items[i], "");
     }
@@ -84,36 +91,49 @@ class Distributor {
   void require(bool /*holds*/, std::string_view, const std::string&, const std::string&) {}
 
  private:
+  template <typename T>
+  [[nodiscard]] T number_of(double number) {
+    const bool is_there = number >= static_cast<double>(std::numeric_limits<T>::min()) &&
+                          number <= static_cast<double>(std::numeric_limits<T>::max());
+    is_possible_ = is_possible_ && is_there;
+    return is_there ? static_cast<T>(number) : T{};
+  }
+
   const Values& values_;
   std::string path_;
+  bool& is_possible_;
 };
 
 }  // namespace
 
-void write_config(const TimescaleConfig& config, ByteWriter& out) {
+void write_config(const TimescaleConfig& config, StateWriter& out) {
   Values values;
   Collector collector(values, "");
   TimescaleConfig::describe(config, collector);
-  out.write(static_cast<std::uint32_t>(values.size()));
+  out(static_cast<std::uint32_t>(values.size()));
   for (const auto& [name, value] : values) {
-    out.write(name);
-    out.write(value.number);
-    out.write(value.text);
+    out(name);
+    out(value.number);
+    out(value.text);
   }
 }
 
-TimescaleConfig read_config(ByteReader& in) {
+TimescaleConfig read_config(StateReader& in) {
   Values values;
-  const auto count = in.read<std::uint32_t>();
+  std::uint32_t count = 0;
+  in(count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::string name = in.read_text();
+    std::string name;
+    in(name);
     Value& value = values[name];
-    value.number = in.read<double>();
-    value.text = in.read_text();
+    in(value.number);
+    in(value.text);
   }
   TimescaleConfig config;
-  Distributor distributor(values, "");
+  bool is_possible = true;
+  Distributor distributor(values, "", is_possible);
   TimescaleConfig::describe(config, distributor);
+  if (!is_possible) in.fail("holds a setting that none can be");
   if (const Problems problems = validate(config); !problems.empty()) {
     in.fail("holds a configuration where " + problems[0].path + " " + problems[0].what);
   }

@@ -3,13 +3,13 @@
 /// fields can still read it.
 #pragma once
 
-#include "memory/levels/bytes.hpp"
+#include "core/base/state_archive.hpp"
 #include "memory/nodes/timescale_config.hpp"
 
 namespace strata::memory {
 
-void write_config(const TimescaleConfig& config, ByteWriter& out);
-/// Fields that are not there keep their defaults.
-[[nodiscard]] TimescaleConfig read_config(ByteReader& in);
+void write_config(const TimescaleConfig& config, StateWriter& out);
+/// Fields that are not there keep their defaults. Throws DamageError for values that none can have.
+[[nodiscard]] TimescaleConfig read_config(StateReader& in);
 
 }  // namespace strata::memory

@@ -44,26 +44,4 @@ std::size_t DayBatch::bytes() const {
          seen_.sample_count() * sizeof(float) + seen_.pair_count() * sizeof(RangePair);
 }
 
-void DayBatch::write(ByteWriter& out) const {
-  out.write(scans_);
-  out.write(closed_);
-  for (const Span& span : {span_, before_}) {
-    out.write(span.run);
-    out.write(span.begin.ns);
-    out.write(span.end.ns);
-  }
-  seen_.write(out);
-}
-
-void DayBatch::read(ByteReader& in) {
-  scans_ = in.read<std::uint64_t>();
-  closed_ = in.read<std::uint64_t>();
-  for (Span* span : {&span_, &before_}) {
-    span->run = in.read<std::int64_t>();
-    span->begin.ns = in.read<std::int64_t>();
-    span->end.ns = in.read<std::int64_t>();
-  }
-  seen_.read(in);
-}
-
 }  // namespace strata::memory

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/state_archive.hpp"
 #include "core/base/time.hpp"
 #include "core/random/stream.hpp"
-#include "memory/levels/bytes.hpp"
 #include "memory/levels/node_level.hpp"
 
 namespace strata::memory {
@@ -33,9 +33,15 @@ class DayBatch {
   void close();
 
   [[nodiscard]] std::size_t bytes() const;
-  void write(ByteWriter& out) const;
-  /// Throws InputError when the content does not fit.
-  void read(ByteReader& in);
+  /// For core/base/state_archive.hpp; bins and capacity are the constructor's.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.scans_);
+    archive(self.closed_);
+    archive(self.span_);
+    archive(self.before_);
+    archive(self.seen_);
+  }
 
  private:
   struct Span {

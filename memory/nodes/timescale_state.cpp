@@ -2,6 +2,7 @@
 /// How a timescale memory becomes bytes and comes back.
 #include <algorithm>
 
+#include "core/base/state_archive.hpp"
 #include "memory/nodes/config_bytes.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
@@ -31,84 +32,91 @@ struct Head {
 
 /// nodes: how many there must be.
 Head read_head(std::span<const std::byte> bytes, std::size_t nodes, const std::string& place) {
-  ByteReader in(bytes, place);
-  const auto version = in.read<std::uint32_t>();
+  StateReader in(bytes, place);
+  std::uint32_t version = 0;
+  in(version);
   if (version > kStateVersion) {
     throw InputError(place, "was written by a newer Strata", "update Strata, or learn it again");
   }
   Head head;
   head.config = read_config(in);
-  head.seed = in.read<std::uint64_t>();
-  head.observations = in.read<std::uint64_t>();
+  in(head.seed);
+  in(head.observations);
   if (version >= 3) {
-    head.newest_run = in.read<std::int32_t>();
-    head.newest_stamp.ns = in.read<std::int64_t>();
-    head.newest_node = in.read<std::uint64_t>();
+    in(head.newest_run);
+    in(head.newest_stamp);
+    in(head.newest_node);
     if (head.newest_node >= std::max<std::size_t>(nodes, 1)) in.fail("has lost its newest node");
   }
-  if (in.read<std::uint64_t>() != nodes) in.fail("lacks nodes");
-  in.finish();
+  std::uint64_t count = 0;
+  in(count);
+  if (count != nodes) in.fail("lacks nodes");
+  in.expect_end();
   return head;
 }
 
 void read_node_head(MemoryNode& node, std::span<const std::byte> bytes, const std::string& place) {
-  ByteReader in(bytes, place);
-  node.position_m.x() = in.read<double>();
-  node.position_m.y() = in.read<double>();
-  node.observations = in.read<std::uint64_t>();
-  const auto run = in.read<std::int64_t>();
+  StateReader in(bytes, place);
+  in(node.position_m.x());
+  in(node.position_m.y());
+  in(node.observations);
+  std::int64_t run = 0;
+  in(run);
   node.last_run = static_cast<int>(run & 0xffffffff);
   node.last_robot = run < 0 ? 0 : static_cast<int>(run >> 32);
-  node.last_stamp.ns = in.read<std::int64_t>();
-  node.last_pose.x = in.read<double>();
-  node.last_pose.y = in.read<double>();
-  node.last_pose.theta = in.read<double>();
-  if (!in.is_at_end()) node.last_used = in.read<std::uint64_t>();
-  in.finish();
+  in(node.last_stamp);
+  in(node.last_pose);
+  if (!in.is_at_end()) in(node.last_used);
+  in.expect_end();
+  if (!node.position_m.allFinite() || !is_finite(node.last_pose)) in.fail("has a node nowhere");
+}
+
+template <typename Part>
+std::vector<std::byte> bytes_of(const Part& part) {
+  StateWriter out;
+  out(part);
+  return out.take_bytes();
+}
+
+template <typename Part>
+void read_part(Part& part, std::span<const std::byte> bytes, const std::string& place) {
+  StateReader in(bytes, place);
+  in(part);
+  in.expect_end();
 }
 
 }  // namespace
 
 std::vector<std::byte> TimescaleMemory::head_state() const {
-  ByteWriter out;
-  out.write(kStateVersion);
+  StateWriter out;
+  out(kStateVersion);
   write_config(config_, out);
-  out.write(seed_);
-  out.write(observations_);
-  out.write(std::int32_t{newest_run_});
-  out.write(newest_stamp_.ns);
-  out.write(std::uint64_t{newest_node_});
-  out.write(static_cast<std::uint64_t>(nodes_.size()));
-  return std::move(out).take();
+  out(seed_);
+  out(observations_);
+  out(newest_run_);
+  out(newest_stamp_);
+  out(std::uint64_t{newest_node_});
+  out(static_cast<std::uint64_t>(nodes_.size()));
+  return out.take_bytes();
 }
 
 TimescaleMemory::NodeState TimescaleMemory::node_state(std::size_t index) const {
   const MemoryNode& node = nodes_[index];
-  ByteWriter head;
-  head.write(node.position_m.x());
-  head.write(node.position_m.y());
-  head.write(node.observations);
-  head.write(run_and_robot(node));
-  head.write(node.last_stamp.ns);
-  head.write(node.last_pose.x);
-  head.write(node.last_pose.y);
-  head.write(node.last_pose.theta);
-  head.write(node.last_used);
-  NodeState state{std::move(head).take(), {}};
+  StateWriter head;
+  head(node.position_m.x());
+  head(node.position_m.y());
+  head(node.observations);
+  head(run_and_robot(node));
+  head(node.last_stamp);
+  head(node.last_pose);
+  head(node.last_used);
+  NodeState state{head.take_bytes(), {}};
   if (node.is_asleep()) {
     state.levels = source_->levels_of(index);
     return state;
   }
-  for (const NodeLevel& level : node.levels) {
-    ByteWriter out;
-    level.write(out);
-    state.levels.push_back(std::move(out).take());
-  }
-  if (node.today) {
-    ByteWriter out;
-    node.today->write(out);
-    state.levels.push_back(std::move(out).take());
-  }
+  for (const NodeLevel& level : node.levels) state.levels.push_back(bytes_of(level));
+  if (node.today) state.levels.push_back(bytes_of(*node.today));
   return state;
 }
 
@@ -143,17 +151,12 @@ std::size_t TimescaleMemory::bytes() const {
 void TimescaleMemory::read_levels(MemoryNode& node, std::span<const std::vector<std::byte>> levels,
                                   const std::string& place) const {
   if (levels.size() != node.levels.size() + (node.today ? 1U : 0U)) {
-    ByteReader({}, place).fail("lacks levels");
+    StateReader(std::span<const std::byte>(), place).fail("lacks levels");
   }
   for (std::size_t level = 0; level < node.levels.size(); ++level) {
-    ByteReader in(levels[level], place);
-    node.levels[level].read(in);
-    in.finish();
+    read_part(node.levels[level], levels[level], place);
   }
-  if (!node.today) return;
-  ByteReader in(levels.back(), place);
-  node.today->read(in);
-  in.finish();
+  if (node.today) read_part(*node.today, levels.back(), place);
 }
 
 TimescaleMemory TimescaleMemory::restore(std::span<const std::byte> head,

@@ -17,6 +17,7 @@ namespace {
 void check_for_damage(Database& database) {
   const std::string verdict = database.query_text("PRAGMA quick_check(1)");
   if (verdict == "ok") return;
+  database.leave_log();
   throw DamageError(database.place(), "is damaged (" + verdict + ")",
                     "take it from a backup, or learn the maps again into a new folder");
 }
@@ -25,9 +26,7 @@ void check_for_damage(Database& database) {
 }  // namespace detail
 
 Store::Store(const std::filesystem::path& path, const StoreOptions& options)
-    : path_(path),
-      impl_(std::make_shared<Impl>(
-          Impl{detail::Database(path, options.read_only, options.busy_timeout_ms), 0})) {
+    : path_(path), impl_(std::make_shared<Impl>(path, options)) {
   detail::prepare_schema(impl_->database);
   if (options.check) detail::check_for_damage(impl_->database);
 }
@@ -35,6 +34,8 @@ Store::Store(const std::filesystem::path& path, const StoreOptions& options)
 Store::~Store() = default;
 Store::Store(Store&&) noexcept = default;
 Store& Store::operator=(Store&&) noexcept = default;
+
+void Store::leave_as_is() { impl_->database.leave_log(); }
 
 void Store::require_writable() const {
   if (!impl_->database.read_only()) return;

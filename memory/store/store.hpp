@@ -50,19 +50,22 @@ struct SavedTimescale {
   std::vector<std::vector<std::uint64_t>> nodes;
 };
 
-/// One open store. Errors: InputError for a file that is missing, damaged, not a store or of a
-/// newer version, and for a name that is not there; OutputError when writing fails. One thread at a
-/// time.
+/// One open store. Errors: InputError for a file that is missing, of another program or of a newer
+/// version, and for a name that is not there; of those DamageError for a store that is damaged and
+/// UnknownContentError for a file that SQLite cannot read; OutputError when writing fails. One
+/// thread at a time.
 class Store {
  public:
   explicit Store(const std::filesystem::path& path, const StoreOptions& options = {});
   /// Folds the write-ahead log back, so that one file remains, unless a memory from open_timescale
-  /// lives on.
+  /// lives on, or the store is damaged.
   ~Store();
   Store(Store&&) noexcept;
   Store& operator=(Store&&) noexcept;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// What was read from it turned out to be damaged: its files stay byte for byte as they are.
+  void leave_as_is();
 
   /// Runs `body` as one transaction: all of its saves or, when it throws, none. One inside another
   /// is undone alone when it throws; what it saved is in the file when the outer one ends.

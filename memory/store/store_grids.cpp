@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdint>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 #include "memory/store/detail/blob.hpp"
 #include "memory/store/detail/store_impl.hpp"
 
@@ -62,13 +62,17 @@ Grid<T> read_grid(Database& database, const std::string& name) {
   const CellRect rect{{coordinate(2), coordinate(3)}, {coordinate(4), coordinate(5)}};
   const std::vector<std::byte> fill_bytes = statement.blob(6);
   if (fill_bytes.size() != sizeof(T)) {
-    throw InputError(place, "its fill value is damaged", "take the store from a backup");
+    throw DamageError(place, "its fill value is damaged", "take the store from a backup");
   }
   T fill{};
   std::memcpy(&fill, fill_bytes.data(), sizeof(T));
   const std::vector<std::byte> planes =
       decompress(statement.blob(7), rect.area() * sizeof(T), place);
-  Grid<T> grid(statement.real(1), rect, fill);
+  const double resolution_m = statement.real(1);
+  if (!(resolution_m > 0.0)) {
+    throw DamageError(place, "its cells have no size", "take the store from a backup");
+  }
+  Grid<T> grid(resolution_m, rect, fill);
   from_planes(planes, std::span<T>(grid.values()));
   return grid;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdint>
 
+#include "core/base/damage.hpp"
 #include "memory/store/detail/store_impl.hpp"
 
 namespace strata::memory {
@@ -123,6 +125,22 @@ void read_sequences(Database& database, const std::string& map, int place, patch
   }
 }
 
+/// Whether all grids lie on the sub-map's cells, and each sequence knows of each configuration.
+bool is_sound(const patch::Submap& submap, double resolution_m) {
+  const auto covers = [&](const auto& grid) {
+    return grid.rect() == submap.rect && grid.resolution_m() == resolution_m;
+  };
+  const std::size_t count = submap.configurations.size();
+  return covers(submap.contradictory) && count > 0 &&
+         std::all_of(submap.configurations.begin(), submap.configurations.end(),
+                     [&](const auto& configuration) {
+                       return covers(configuration.counts) && covers(configuration.reflection);
+                     }) &&
+         std::all_of(submap.sequences.begin(), submap.sequences.end(), [&](const auto& sequence) {
+           return sequence.membership.empty() || sequence.membership.size() == count;
+         });
+}
+
 }  // namespace
 
 void Store::save_patch_map(const patch::PatchMap& map, const std::string& name) {
@@ -162,6 +180,10 @@ patch::PatchMap Store::load_patch_map(const std::string& name) const {
     submap.contradictory = detail::read_grid<std::uint8_t>(database, statement.text(6));
     read_configurations(database, name, integer(0), submap);
     read_sequences(database, name, integer(0), submap);
+    if (!is_sound(submap, map.base.resolution_m())) {
+      throw DamageError(database.place() + ": sub-map " + std::to_string(submap.id),
+                        "its configurations do not fit it", "take the store from a backup");
+    }
     map.submaps.push_back(std::move(submap));
   }
   return map;

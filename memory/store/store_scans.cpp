@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 #include "memory/store/detail/blob.hpp"
 #include "memory/store/detail/store_impl.hpp"
 
@@ -99,7 +99,7 @@ void decode(std::span<const std::byte> bytes, std::size_t count, int run, const 
     }
   }
   if (bytes.size() != header_bytes + (ranges + labels) * sizeof(float)) {
-    throw InputError(place, "its scans are damaged", "take the store from a backup");
+    throw DamageError(place, "its scans are damaged", "take the store from a backup");
   }
   std::vector<float> values(ranges + labels);
   const std::span<const std::byte> rest = bytes.subspan(header_bytes);
@@ -162,7 +162,7 @@ std::vector<PosedScan> Store::load_scans(int run) const {
                               ", chunk " + std::to_string(statement.integer(0));
     const std::int64_t count = statement.integer(1);
     if (count < 0 || count > static_cast<std::int64_t>(kScansPerChunk)) {
-      throw InputError(place, "its scans are damaged", "take the store from a backup");
+      throw DamageError(place, "its scans are damaged", "take the store from a backup");
     }
     decode(detail::decompress(statement.blob(2), place), static_cast<std::size_t>(count), run,
            place, scans);

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 #include "memory/store/detail/store_impl.hpp"
 
 namespace strata::memory {
@@ -42,8 +42,8 @@ std::vector<TrajectoryPose> Store::load_trajectory(int run) const {
     if (!statement.is_null(4)) {
       const std::vector<std::byte> bytes = statement.blob(4);
       if (bytes.size() != 9 * sizeof(double)) {
-        throw InputError(path_.string() + ": trajectory of run " + std::to_string(run),
-                         "a covariance is damaged", "take the store from a backup");
+        throw DamageError(path_.string() + ": trajectory of run " + std::to_string(run),
+                          "a covariance is damaged", "take the store from a backup");
       }
       std::memcpy(pose.covariance.emplace().data(), bytes.data(), bytes.size());
     }

@@ -45,7 +45,7 @@ bool was_ours(const std::string& path) {
     case SQLITE_CORRUPT:
       remedy = "take it from a backup, or learn the maps again into a new folder";
       if (was_ours(place)) throw DamageError(place, "is damaged (" + message + ")", remedy);
-      throw InputError(place, "is not a Strata store (" + message + ")", remedy);
+      throw UnknownContentError(place, "is not a Strata store (" + message + ")", remedy);
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       what = "another program is writing to it and did not finish in time";
@@ -139,6 +139,10 @@ Database::Database(const std::filesystem::path& path, bool read_only, int busy_t
   }
 }
 
+void Database::leave_log() {
+  sqlite3_db_config(handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+}
+
 bool Database::is_between_transactions() const { return sqlite3_get_autocommit(handle()) != 0; }
 
 void Database::execute(const char* sql) {
@@ -171,6 +175,8 @@ void Database::fail(const char* doing) {
   const int code = sqlite3_extended_errcode(handle());
   // A connection for writing fails at its first read where it may not write.
   const bool may_not_write = !read_only_ && (code & 0xff) == SQLITE_READONLY;
+  const bool is_damaged = (code & 0xff) == SQLITE_CORRUPT || (code & 0xff) == SQLITE_NOTADB;
+  if (is_damaged) leave_log();
   throw_error(place_, code, sqlite3_errmsg(handle()),
               std::string_view(doing) == "write" || may_not_write);
 }
@@ -181,7 +187,14 @@ Statement::Statement(Database& database, const char* sql) : database_(database) 
   sqlite3_stmt* raw = nullptr;
   const int code = sqlite3_prepare_v2(database.handle(), sql, -1, &raw, nullptr);
   statement_.reset(raw);
-  if (code != SQLITE_OK) database.fail("read");
+  if (code == SQLITE_OK) return;
+  if ((code & 0xff) == SQLITE_ERROR) {  // the statements are ours: it is the tables that differ
+    database.leave_log();
+    throw DamageError(database.place(),
+                      "is damaged (" + std::string(sqlite3_errmsg(database.handle())) + ")",
+                      "take it from a backup, or learn the maps again into a new folder");
+  }
+  database.fail("read");
 }
 
 void Statement::check(int code) {

@@ -25,6 +25,8 @@ class Database {
   [[nodiscard]] const std::string& place() const { return place_; }
   [[nodiscard]] bool read_only() const { return read_only_; }
 
+  /// The write-ahead log stays beside the file when this is closed.
+  void leave_log();
   /// Whether no transaction is under way.
   [[nodiscard]] bool is_between_transactions() const;
   /// Runs statements that return nothing of interest.

@@ -2,6 +2,7 @@
 /// What a Store holds, shared by the files that implement it.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "memory/store/detail/database.hpp"
@@ -10,6 +11,11 @@
 namespace strata::memory {
 
 struct Store::Impl {
+  Impl(const std::filesystem::path& path, const StoreOptions& options)
+      : database(path, options.read_only, options.busy_timeout_ms) {}
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
   detail::Database database;
   int transaction_depth = 0;
 };

@@ -50,6 +50,35 @@ TEST(TopologyMapper, KeepsScansThatLieApartAndTracksTheOthersToo) {
   EXPECT_EQ(mapper.skipped_scans(), 1U) << "older than one that was not kept";
 }
 
+// As on a robot whose odometry is first heard when it drives already, or is lost for a while.
+TEST(TopologyMapper, OdometryThatComesLateOrIsMissedOnceMovesNothing) {
+  const std::vector<Pose2> path = test::drive_round(0.1, 10.0);
+  std::vector<Observation> log = test::record(test::ring(), path, 0, 3);
+  constexpr std::size_t kBlind = 20;
+  const Pose2 elsewhere{30.0, -20.0, 2.0};
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    log[i].has_odometry = i >= kBlind && i != 50;
+    log[i].odom_from_robot = log[i].has_odometry ? elsewhere * log[i].odom_from_robot : Pose2{};
+  }
+  for (const bool matches : {true, false}) {
+    SCOPED_TRACE(matches ? "matched" : "by odometry alone");
+    TopologyMapperConfig config;
+    config.match_scans = matches;
+    TopologyMapper mapper(config);
+    for (const Observation& seen : log) (void)mapper.add(seen);
+    ASSERT_EQ(mapper.scans().size(), log.size());
+    for (std::size_t i = 1; i < log.size(); ++i) {
+      const Pose2 step =
+          between(mapper.scans()[i - 1].map_from_robot, mapper.scans()[i].map_from_robot);
+      EXPECT_LT(step.translation().norm(), 0.3) << i;
+    }
+    const Pose2 driven = between(path[kBlind], path.back());
+    const Pose2 found =
+        between(mapper.scans()[kBlind].map_from_robot, mapper.scans().back().map_from_robot);
+    EXPECT_NEAR(found.translation().norm(), driven.translation().norm(), 0.6);
+  }
+}
+
 TEST(TopologyMapper, TakesNoMoreOnceItsMemoryIsUsedUpAlsoAfterARestart) {
   const std::vector<Observation> log = drive_and_stand();
   const std::size_t bytes = sizeof(PosedScan) + log.front().scan.ranges_m.size() * sizeof(float);

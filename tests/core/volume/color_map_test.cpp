@@ -175,6 +175,16 @@ TEST(VolumeMap, IsReadBackFromItsFiles) {
   EXPECT_THROW((void)VolumeMap::from_file("nonsense", "a"), InputError);
 }
 
+TEST(VolumeMap, OfNothingIsReadBackToo) {
+  const VolumeMap empty(VolumeConfig{});
+  for (const std::string& file : {empty.full_file(), empty.binary_file()}) {
+    EXPECT_EQ(VolumeMap::from_file(file, "a", VolumeConfig{}).size().nodes, 0U);
+    VolumeConfig coarse;
+    coarse.resolution_m = 0.5;
+    EXPECT_THROW((void)VolumeMap::from_file(file, "a", coarse), InputError);
+  }
+}
+
 TEST(VoxelMemory, TellsWhatAppearedAndWhatIsGone) {
   const VoxelLattice lattice(VolumeConfig{}.resolution_m);
   VoxelMemory memory({}, lattice, {});

@@ -168,16 +168,16 @@ TEST(NodeLevel, IsTheSameAfterWritingAndReading) {
     for (float& range : scan) range = static_cast<float>(random.uniform(0.0, 4.0));
     level.insert(scan, random);
   }
-  ByteWriter first;
-  level.write(first);
-  const std::vector<std::byte> bytes = std::move(first).take();
+  StateWriter first;
+  first(level);
+  const std::vector<std::uint8_t> bytes = first.take();
   NodeLevel copy(bins, 7, false);
-  ByteReader in(bytes, "test");
-  copy.read(in);
-  in.finish();
-  ByteWriter second;
-  copy.write(second);
-  EXPECT_EQ(std::move(second).take(), bytes);
+  StateReader in(bytes, "test");
+  in(copy);
+  in.expect_end();
+  StateWriter second;
+  second(copy);
+  EXPECT_EQ(second.take(), bytes);
 }
 
 TEST(NodeLevel, RefusesBytesThatCannotBeItsOwn) {
@@ -185,17 +185,19 @@ TEST(NodeLevel, RefusesBytesThatCannotBeItsOwn) {
   NodeLevel level(bins, 3, false);
   RandomStream random(1, StreamId::kTest);
   level.insert({0.1F, 0.2F, 0.3F, 0.4F}, random);
-  ByteWriter out;
-  level.write(out);
-  const std::vector<std::byte> bytes = std::move(out).take();
-  NodeLevel other(bins, 3, false);
-  const std::span<const std::byte> most(bytes.data(), bytes.size() - 1);
-  ByteReader truncated(most, "test");
-  EXPECT_THROW(other.read(truncated), InputError);
-  std::vector<std::byte> overfull = bytes;
-  overfull[8] = std::byte{200};
-  ByteReader damaged(overfull, "test");
-  EXPECT_THROW(other.read(damaged), InputError);
+  StateWriter out;
+  out(level);
+  const std::vector<std::uint8_t> bytes = out.take();
+  const auto read = [&](std::span<const std::uint8_t> changed) {
+    NodeLevel other(bins, 3, false);
+    StateReader in(changed, "test");
+    in(other);
+  };
+  EXPECT_NO_THROW(read(bytes));
+  EXPECT_THROW(read(std::span(bytes).first(bytes.size() - 1)), DamageError);
+  std::vector<std::uint8_t> overfull = bytes;
+  overfull[8] = 200;
+  EXPECT_THROW(read(overfull), DamageError);
 }
 
 }  // namespace

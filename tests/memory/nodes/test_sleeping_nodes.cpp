@@ -91,6 +91,24 @@ TEST(SleepingNodes, AreReadFirstWhereTheRobotWasLastThoughTheMemoryWasRestored) 
   }
 }
 
+TEST(SleepingNodes, OfAMemoryThatWasRestoredHaveSettledWhenItsNewestScanSaysSo) {
+  constexpr double kScan_s = 3000.0;
+  const TimescaleMemory memory = after(150);
+  std::vector<TimescaleMemory::NodeState> nodes;
+  for (std::size_t n = 0; n < memory.nodes().size(); ++n) nodes.push_back(memory.node_state(n));
+  const TimescaleMemory restored = TimescaleMemory::restore(memory.head_state(), nodes, "test");
+  int unsettled = 0;
+  for (const double unsettled_s : {1.5 * kScan_s, 20.0 * kScan_s}) {
+    const auto truth = memory.decode({}, nullptr, unsettled_s);
+    const auto map = restored.decode({}, nullptr, unsettled_s);
+    for (std::size_t n = 0; n < memory.nodes().size(); ++n) {
+      EXPECT_EQ(map->nodes()[n].levels[0]->insertions, truth->nodes()[n].levels[0]->insertions);
+      unsettled += truth->nodes()[n].levels[0]->insertions == 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(unsettled, 0) << "else it says nothing of the newest scan";
+}
+
 void expect_same(const NodeMap& map, const NodeMap& truth) {
   ASSERT_EQ(map.nodes().size(), truth.nodes().size());
   for (std::size_t n = 0; n < truth.nodes().size(); ++n) {

@@ -99,13 +99,39 @@ TEST_F(StoreFile, OfOursThatIsDamagedIsToldFromOneOfSomebodyElse) {
   write_file(
       "P5 10 10 255 this is a picture and no database at all, is it, and so large that it "
       "has the bytes of a header and some more");
-  EXPECT_TRUE(throws_exactly<InputError>(open));
+  EXPECT_TRUE(throws_exactly<UnknownContentError>(open));
   write_file(whole);
   run_sql("PRAGMA application_id = 1");
   EXPECT_TRUE(throws_exactly<InputError>(open));
   run_sql(("PRAGMA application_id = " + std::to_string(0x53747261)).c_str());
   run_sql("PRAGMA user_version = 99");
   EXPECT_TRUE(throws_exactly<InputError>(open));
+}
+
+TEST_F(StoreFile, WithAPatchMapThatDoesNotFitTogetherIsDamaged) {
+  patch::Submap submap;
+  submap.rect = {{0, 0}, {3, 2}};
+  submap.contradictory = Grid<std::uint8_t>(0.05, submap.rect, 1);
+  submap.configurations.push_back(
+      {Grid<CellCounts>(0.05, submap.rect), make_reflection_grid(0.05, submap.rect), 1.0});
+  submap.sequences.push_back({0, {}, {}, 4, {1.0}});
+  patch::PatchMap map{make_reflection_grid(0.05, submap.rect), {submap}};
+  const auto load = [&](const std::string& sql) {
+    {
+      Store store(path());
+      store.save_patch_map(map);
+    }
+    run_sql(sql.c_str());
+    (void)Store(path()).load_patch_map();
+  };
+  EXPECT_NO_THROW(load(""));
+  for (const std::string sql : {"UPDATE submap SET max_x = 4", "DELETE FROM configuration",
+                                "INSERT INTO membership SELECT map, submap, sequence, 1, 0.5 FROM "
+                                "membership"}) {
+    EXPECT_TRUE(throws_exactly<DamageError>([&] { load(sql); })) << sql;
+  }
+  EXPECT_TRUE(throws_exactly<DamageError>(
+      [&] { load("UPDATE grid SET resolution_m = 0 WHERE name LIKE 'patch%'"); }));
 }
 
 TEST_F(StoreFile, ThatIsNoDatabaseIsRefused) {
