@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/slam/live_map.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "core/beam_filter/beam_filter.hpp"
-#include "core/geometry/angle.hpp"
 
 namespace strata::slam {
 namespace {
@@ -18,11 +16,6 @@ constexpr double kLever_m = 10.0;
 LiveMap::LiveMap(const beam_filter::BeamFilterConfig& config)
     : config_(config), counts_(config.resolution_m) {
   require_valid(config_, "beam_filter");
-}
-
-bool LiveMap::has_moved(const Pose2& from, const Pose2& to) const {
-  const double turned_m = kLever_m * std::abs(angle_difference(to.theta, from.theta));
-  return translation_distance(from, to) + turned_m >= 0.5 * config_.resolution_m;
 }
 
 void LiveMap::count(const PosedScan& scan, const Pose2& map_from_robot, double weight) {
@@ -47,12 +40,15 @@ bool LiveMap::update(const Slam& slam, std::size_t most_moved) {
     }
     now.push_back(*before++);
     Pose2& counted = now.back().map_from_robot;
-    if (!has_moved(counted, mapped.map_from_robot)) return;
+    if (displacement_m(counted, mapped.map_from_robot, kLever_m) < 0.5 * config_.resolution_m) {
+      return;
+    }
     if (moved == most_moved) {
       is_done = false;
       return;
     }
     ++moved;
+    has_moves_ = true;
     count(*mapped.scan, counted, -1.0);
     count(*mapped.scan, mapped.map_from_robot, 1.0);
     counted = mapped.map_from_robot;
@@ -62,6 +58,8 @@ bool LiveMap::update(const Slam& slam, std::size_t most_moved) {
 }
 
 bool LiveMap::take_news() { return std::exchange(has_news_, false); }
+
+bool LiveMap::take_moves() { return std::exchange(has_moves_, false); }
 
 ReflectionGrid LiveMap::occupancy() const { return counts_.reflection(config_.min_evidence); }
 

@@ -28,6 +28,10 @@ class LiveMap {
 
   /// Whether the map is another than when this was asked last.
   [[nodiscard]] bool take_news();
+  /// Whether scans have moved since this was asked last.
+  [[nodiscard]] bool take_moves();
+  /// Counted, and kept by Slam as of the last update.
+  [[nodiscard]] std::size_t scans() const { return counted_.size(); }
   /// Of all beams. O(cells).
   [[nodiscard]] ReflectionGrid occupancy() const;
   /// Of those held to be static, by the limit of EM on the counts. O(cells).
@@ -38,7 +42,6 @@ class LiveMap {
     std::size_t number = 0;
     Pose2 map_from_robot;
   };
-  [[nodiscard]] bool has_moved(const Pose2& from, const Pose2& to) const;
   void count(const PosedScan& scan, const Pose2& map_from_robot, double weight);
 
   beam_filter::BeamFilterConfig config_;
@@ -46,6 +49,7 @@ class LiveMap {
   std::vector<Counted> counted_;  ///< by number
   PosedScan scratch_;
   bool has_news_ = false;
+  bool has_moves_ = false;
 };
 
 }  // namespace strata::slam

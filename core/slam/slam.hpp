@@ -100,6 +100,8 @@ class Slam {
     Stamp stamp;
     std::optional<Pose2> odom_from_robot;
     Pose2 map_from_robot;
+    /// Whether its run has its place in the map; until then the pose is in a frame of the run.
+    bool is_placed = true;
   };
   /// Nothing before the first scan.
   [[nodiscard]] std::optional<Newest> newest() const;
@@ -113,6 +115,8 @@ class Slam {
   /// Those that are kept, by number, but for those of runs that are not placed yet. Before finish.
   /// O(what is kept).
   void visit_mapped(const std::function<void(const Mapped&)>& visit) const;
+  /// As above, with the scans that are kept and did not enter the map.
+  void visit_kept(const std::function<void(const Mapped&)>& visit) const;
 
   [[nodiscard]] std::size_t skipped_scans() const;
   /// What is kept now.

@@ -47,11 +47,15 @@ void Slam::restore_state(std::span<const std::uint8_t> bytes, const std::string&
   const auto is_placed = [&](const Record& record) {
     return record.submap == kNoSubmap || record.submap < state.graph.size();
   };
-  const bool is_sound =
-      state.graph.is_sound() &&
-      std::all_of(state.records.begin(), state.records.end(), is_placed) &&
-      std::is_sorted(state.records.begin(), state.records.end(),
-                     [](const Record& a, const Record& b) { return a.number < b.number; });
+  bool is_sound = state.graph.is_sound() &&
+                  (!state.tracker || state.tracker->is_sound(state.accepted)) &&
+                  (state.records.empty() || state.records.back().number < state.accepted);
+  for (std::size_t i = 0; i < state.graph.size(); ++i) {
+    is_sound = is_sound && state.graph.submap(i).is_of(state.accepted);
+  }
+  is_sound = is_sound && std::all_of(state.records.begin(), state.records.end(), is_placed) &&
+             std::is_sorted(state.records.begin(), state.records.end(),
+                            [](const Record& a, const Record& b) { return a.number < b.number; });
   if (!is_sound) reader.fail("does not fit together");
 }
 
@@ -60,7 +64,8 @@ std::optional<Slam::Newest> Slam::newest() const {
   const Record& record = state_->records.back();
   Pose2 pose = state_->map_from_run * record.run_from_robot;
   if (record.given) pose = *record.given;
-  return Newest{record.posed.run, record.posed.scan.stamp, record.odometry, pose};
+  return Newest{record.posed.run, record.posed.scan.stamp, record.odometry, pose,
+                state_->pose_now(record).has_value()};
 }
 
 std::optional<Pose2> Slam::State::pose_now(const Record& record) const {
@@ -80,12 +85,20 @@ std::optional<Pose2> Slam::State::pose_now(const Record& record) const {
   return map_from_run * record.run_from_robot;
 }
 
-void Slam::visit_mapped(const std::function<void(const Mapped&)>& visit) const {
-  for (const Record& record : state_->records) {
-    if (!record.key) continue;
-    const std::optional<Pose2> pose = state_->pose_now(record);
+void Slam::State::visit(bool keys_only, const std::function<void(const Mapped&)>& visit) const {
+  for (const Record& record : records) {
+    if (keys_only && !record.key) continue;
+    const std::optional<Pose2> pose = pose_now(record);
     if (pose) visit({record.number, &record.posed, *pose});
   }
+}
+
+void Slam::visit_mapped(const std::function<void(const Mapped&)>& visit) const {
+  state_->visit(true, visit);
+}
+
+void Slam::visit_kept(const std::function<void(const Mapped&)>& visit) const {
+  state_->visit(false, visit);
 }
 
 }  // namespace strata::slam

@@ -115,6 +115,7 @@ struct Slam::State {
   }
   /// Where it was taken, as known while scans come; nothing as long as its run is not placed.
   [[nodiscard]] std::optional<Pose2> pose_now(const Record& record) const;
+  void visit(bool keys_only, const std::function<void(const Mapped&)>& visit) const;
   /// Whether the scan keeps the pose it came with.
   [[nodiscard]] bool stays(const Record& record) const {
     const GivenPoseConfig& given = config.given_poses;

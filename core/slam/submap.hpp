@@ -27,6 +27,11 @@ struct Submap {
   StateGrid states;
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  ///< mean of the points
 
+  /// Whether it can be of a log of so many scans.
+  [[nodiscard]] bool is_of(std::size_t scans) const {
+    return first_scan <= last_scan && last_scan <= scans;
+  }
+
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
     archive(self.run);

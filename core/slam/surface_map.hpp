@@ -55,10 +55,15 @@ class SurfaceMap {
   /// For saved states; resolution and config are the constructor's.
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
+    const double resolution_m = self.cells_.resolution_m();
     archive(self.cells_);
     archive(self.field_);
     archive(self.touched_);
-    if constexpr (!std::is_const_v<Self>) {
+    if constexpr (Archive::kReads) {
+      if (self.cells_.resolution_m() != resolution_m ||
+          self.field_.resolution_m() != resolution_m) {
+        archive.fail("has a map of another resolution");
+      }
       const auto count = static_cast<std::int64_t>(self.field_.points().size());
       for (const CellData& data : self.cells_.values()) {
         if (data.point < -1 || data.point >= count) archive.fail("has a damaged map");

@@ -230,6 +230,12 @@ void Tracker::finish(std::size_t end_scan) {
   active_.clear();
 }
 
+bool Tracker::is_sound(std::size_t scans) const {
+  return owned_from_ <= scans && first_scan_.value_or(0) <= scans &&
+         std::all_of(finished_.begin(), finished_.end(),
+                     [&](const Submap& submap) { return submap.is_of(scans); });
+}
+
 void Tracker::begin_maps(std::size_t count) {
   active_.clear();
   for (std::size_t i = 0; i < count; ++i) {

@@ -91,6 +91,8 @@ class Tracker {
     archive(self.owned_pose_);
     archive(self.finished_);
   }
+  /// Whether its sub-maps are of so many scans; else a state was damaged.
+  [[nodiscard]] bool is_sound(std::size_t scans) const;
 
  private:
   struct Active {

@@ -79,6 +79,23 @@ TEST(Slam, WorksWithoutOdometry) {
   EXPECT_LT(worst_error(result, truth, 0), 0.1);
 }
 
+// As on a robot whose odometry is first heard when it drives already.
+TEST(Slam, OdometryThatComesLateMovesNothing) {
+  const std::vector<Pose2> path = drive_round(0.1, 20.0);
+  std::vector<Observation> log = record(ring(), path, 0, 4);
+  constexpr std::size_t kBlind = 60;
+  const Pose2 elsewhere{30.0, -20.0, 2.0};
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    log[i].has_odometry = i >= kBlind;
+    log[i].odom_from_robot = log[i].has_odometry ? elsewhere * log[i].odom_from_robot : Pose2{};
+  }
+  Slam slam(SlamConfig{});
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    const Pose2Gaussian found = slam.add(log[i]);
+    EXPECT_LT(translation_distance(found.mean, between(path.front(), path[i])), 0.15) << i;
+  }
+}
+
 TEST(Slam, WorksWithoutOdometryWhereStampsAreThoseOfDelivery) {
   // Five scans at once, then none for a second; and a clock that was set back mixes the scans of
   // two places in order of time.
