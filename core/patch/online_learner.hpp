@@ -10,6 +10,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -86,6 +88,14 @@ class OnlinePatchLearner {
   /// vectors; a check O(cells of a window of 20 m and their visits); a new sub-map O(kept scans in
   /// reach x beams). None grows with the length of the run.
   bool add(PosedScan scan);
+  /// Where a scan is now known to have been taken; nothing: not known, it goes along with the scan
+  /// before it in its run.
+  using PoseOf = std::function<std::optional<Pose2>(const PosedScan&)>;
+  /// A loop closure moved scans: all of them are counted anew where they were taken, and the map is
+  /// that of a learner that was given these poses at once. Where scans are forgotten already, only
+  /// what comes later is better: those that are kept are moved, and what was counted stays.
+  /// False, and nothing is done, when none moved by half a cell or more. O(add of each kept scan).
+  bool move_scans(const PoseOf& pose_of);
   /// The map as of now: sub-maps with at least two configurations, over the base as it was given
   /// and, with extend_base, what the scans add to it. O(its cells).
   [[nodiscard]] PatchMap map() const;
@@ -102,7 +112,8 @@ class OnlinePatchLearner {
   /// goes on bit for bit. O(bytes).
   [[nodiscard]] std::vector<std::uint8_t> save_state() const;
   /// To be called before anything is added. place: of the bytes, for errors. Throws InputError for
-  /// bytes that are damaged or of another version or resolution; the learner is of no use then.
+  /// bytes of another version or resolution, DamageError for damaged ones; the learner is of no use
+  /// then.
   void restore_state(std::span<const std::uint8_t> bytes, const std::string& place);
 
  private:
@@ -127,6 +138,11 @@ class OnlinePatchLearner {
 
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive);
+  /// As it was made, but for the base.
+  void begin_again();
+  /// Whether what was restored fits together.
+  [[nodiscard]] bool has_sound_scans() const;
+  [[nodiscard]] bool is_sound(const Track& track) const;
   void follow_sequences(const PosedScan& scan, std::uint32_t index);
   void keep(Track& track, const Sequence& sequence) const;
   [[nodiscard]] bool check();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What an online learner holds, as bytes and back.
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <type_traits>
 #include <utility>
 
@@ -12,7 +14,7 @@ namespace strata::patch {
 namespace {
 
 /// Changes with the fields below: bytes of another version are refused.
-constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0002;
+constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0003;
 
 // What follows is read and written in one order.
 template <class Info, class Archive>
@@ -68,7 +70,6 @@ void track_state(One& track, Archive& archive) {
 
 template <class Self, class Archive>
 void OnlinePatchLearner::state(Self& self, Archive& archive) {
-  archive(self.base_);
   archive(self.visits_);
   archive(self.contradictory_);
   archive(self.scans_);
@@ -79,13 +80,19 @@ void OnlinePatchLearner::state(Self& self, Archive& archive) {
   archive(self.is_checked_);
   archive(self.last_check_);
   archive(self.last_run_);
-  archive(self.status_);
-  if constexpr (!std::is_const_v<Self>) archive.check_bool(self.status_.is_over_budget);
+  archive(self.status_.bytes);
+  archive(self.status_.scans);
+  archive(self.status_.scans_seen);
+  archive(self.status_.sequences);
+  archive(self.status_.pooled_sequences);
+  archive(self.status_.forgotten_configurations);
+  archive(self.status_.is_over_budget);
 }
 
 std::vector<std::uint8_t> OnlinePatchLearner::save_state() const {
   StateWriter writer;
   writer(kVersion);
+  writer(base_);
   state(*this, writer);
   writer(static_cast<std::uint64_t>(tracks_.size()));
   for (const Track& track : tracks_) track_state(track, writer);
@@ -99,15 +106,56 @@ void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
   reader(version);
   if (version != kVersion) reader.refuse("is of another version");
   const double resolution_m = base_.resolution_m();
-  state(*this, reader);
+  reader(base_);
   if (base_.resolution_m() != resolution_m) reader.refuse("is of another resolution");
-  if (reach_m_.size() != scans_.size()) reader.fail("has scans without their reach");
+  state(*this, reader);
   tracks_.clear();
   for (std::size_t left = reader.length(1); left > 0; --left) {
     tracks_.push_back({{}, SequenceBuilder(config_.sequences), {}, {}, false});
     track_state(tracks_.back(), reader);
   }
   reader.expect_end();
+  const bool is_whole = has_sound_scans() && contradictory_.resolution_m() == resolution_m &&
+                        std::all_of(tracks_.begin(), tracks_.end(),
+                                    [this](const Track& track) { return is_sound(track); });
+  if (!is_whole) reader.fail("does not fit together");
+}
+
+bool OnlinePatchLearner::has_sound_scans() const {
+  return reach_m_.size() == scans_.size() && first_scan_ + scans_.size() == status_.scans_seen &&
+         most_sequences_ > 0;
+}
+
+bool OnlinePatchLearner::is_sound(const Track& track) const {
+  const double resolution_m = base_.resolution_m();
+  const CellRect& rect = track.region.rect;
+  const auto covers = [&](const auto& grid) {
+    return grid.rect() == rect && grid.resolution_m() == resolution_m;
+  };
+  const std::vector<Cell>& cells = track.region.cells;
+  if (!std::all_of(cells.begin(), cells.end(), [&](const Cell& c) { return rect.contains(c); })) {
+    return false;
+  }
+  // Ascending, of scans that are there.
+  const std::vector<std::uint32_t>& open = track.builder.open().scans;
+  const bool is_in_order =
+      std::adjacent_find(open.begin(), open.end(), std::greater_equal<>()) == open.end();
+  if (!open.empty() &&
+      (!is_in_order || open.front() < first_scan_ || open.back() >= status_.scans_seen)) {
+    return false;
+  }
+  for (const Kept& kept : track.kept) {
+    if (!covers(kept.counts) || kept.last_scan >= status_.scans_seen) return false;
+  }
+  const Submap& submap = track.submap;
+  for (const Configuration& configuration : submap.configurations) {
+    if (!covers(configuration.counts) || !covers(configuration.reflection)) return false;
+  }
+  const bool is_learned = !submap.configurations.empty();
+  if (is_learned && (submap.rect != rect || !covers(submap.contradictory))) return false;
+  return std::all_of(submap.sequences.begin(), submap.sequences.end(), [&](const auto& sequence) {
+    return is_learned && sequence.membership.size() == submap.configurations.size();
+  });
 }
 
 }  // namespace strata::patch

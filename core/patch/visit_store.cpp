@@ -194,13 +194,20 @@ std::size_t VisitStore::bytes() const {
          recent_.size() * sizeof(std::pair<std::uint32_t, Stamp>);
 }
 
-bool VisitStore::is_sound() const {
-  const auto count = static_cast<std::int32_t>(nodes_.size());
-  const auto is_node = [count](std::int32_t i) { return i >= -1 && i < count; };
-  return most_ >= 2 && is_node(free_) &&
-         std::all_of(last_.values().begin(), last_.values().end(), is_node) &&
-         std::all_of(nodes_.begin(), nodes_.end(),
-                     [&](const Node& node) { return is_node(node.previous); });
+bool VisitStore::is_sound(double resolution_m) const {
+  const bool is_aligned =
+      last_.resolution_m() == resolution_m && touched_.resolution_m() == resolution_m;
+  std::vector<bool> is_reached(nodes_.size(), false);
+  const auto leads_to_new_nodes = [&](std::int32_t i) {
+    for (; i >= 0; i = node(i).previous) {
+      const auto n = static_cast<std::size_t>(i);
+      if (n >= nodes_.size() || is_reached[n]) return false;
+      is_reached[n] = true;
+    }
+    return i == -1;
+  };
+  return most_ >= 2 && is_aligned && leads_to_new_nodes(free_) &&
+         std::all_of(last_.values().begin(), last_.values().end(), leads_to_new_nodes);
 }
 
 }  // namespace strata::patch

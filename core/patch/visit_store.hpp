@@ -46,6 +46,7 @@ class VisitStore {
   /// For core/base/state_archive.hpp; settings are not part of it.
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
+    const double resolution_m = self.last_.resolution_m();
     archive(self.most_);
     archive(self.last_);
     archive(self.nodes_);
@@ -54,8 +55,8 @@ class VisitStore {
     archive(self.recent_);
     archive(self.run_);
     archive(self.joins_from_);
-    if constexpr (!std::is_const_v<Self>) {
-      if (!self.is_sound()) archive.fail("has damaged visits");
+    if constexpr (Archive::kReads) {
+      if (!self.is_sound(resolution_m)) archive.fail("has damaged visits");
     }
   }
 
@@ -69,8 +70,8 @@ class VisitStore {
     Visit visit;
     std::int32_t previous = -1;  ///< of the same cell; of a free node the next free one
   };
-  /// Whether no index of a node leads out of the nodes.
-  [[nodiscard]] bool is_sound() const;
+  /// Whether every index of a node leads to one, and to none twice.
+  [[nodiscard]] bool is_sound(double resolution_m) const;
   Visit& current(const Cell& cell, std::uint32_t index);
   /// Down to most_ visits, the newest stays.
   void forget_surplus(std::int32_t last);

@@ -55,6 +55,34 @@ TEST(Localizer, TracksWithTheBeamModel) {
   EXPECT_LT(track(make_grid_beam_model(room_map()), 120), 0.06);
 }
 
+// As on a robot whose odometry is first heard when it drives already.
+TEST(Localizer, OdometryThatComesLateMovesNothing) {
+  const BoxWorld world = asymmetric_room();
+  for (const int blind : {5, 13, 28}) {
+    SCOPED_TRACE(blind);
+    Drive drive({4.0, 1.2, 0.0}, 31);
+    Localizer localizer({}, make_grid_beam_model(room_map()), 1);
+    localizer.initialize(near(drive.truth()));
+    Pose2 before = drive.truth();
+    double error_when_it_came = 0.0;
+    for (int n = 0; n < 120; ++n) {
+      drive.step({0.02, 0.0, 0.02});
+      Observation seen = drive.look(world);
+      seen.has_odometry = n >= blind;
+      seen.odom_from_robot =
+          seen.has_odometry ? Pose2{30.0, -20.0, 2.0} * seen.odom_from_robot : Pose2{};
+      const Pose2 now = localizer.update(seen).pose.mean;
+      if (n == blind) {
+        EXPECT_LT(translation_distance(before, now), 0.1);
+        error_when_it_came = weighted_error(localizer.particles(), drive.truth());
+      }
+      before = now;
+    }
+    EXPECT_LT(weighted_error(localizer.particles(), drive.truth()), 0.5 * error_when_it_came);
+    EXPECT_EQ(localizer.odometry_jumps(), 0U);
+  }
+}
+
 TEST(Localizer, IsBitIdenticalAtOneTwoAndEightThreads) {
   const BoxWorld world = asymmetric_room();
   const auto model = make_grid_beam_model(room_map());

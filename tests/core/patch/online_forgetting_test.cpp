@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/grid/counting_map.hpp"
 #include "core/patch/online_learner.hpp"
 #include "core/random/stream.hpp"
+#include "tests/core/patch/toy_map.hpp"
 #include "tests/core/patch/toy_world.hpp"
 
 namespace strata::patch {
@@ -25,12 +25,6 @@ std::vector<PosedScan> drives(const std::vector<test::ToyWorld>& worlds) {
                            100.0 * static_cast<double>(v), {}, random, scans);
   }
   return scans;
-}
-
-ReflectionGrid map_of(const std::vector<PosedScan>& scans) {
-  CountingMap counts(kResolution);
-  for (const PosedScan& scan : scans) counts.add(scan);
-  return counts.reflection();
 }
 
 /// Whether a wall between the two points is there in the configuration.
@@ -74,7 +68,7 @@ test::ToyWorld corridor_with_box(const test::Wall& top) {
 PatchMap learn(const std::vector<PosedScan>& scans, double memory_mb, OnlineStatus& status) {
   OnlineConfig config;
   config.memory_mb = memory_mb;
-  OnlinePatchLearner learner({}, config, map_of(scans));
+  OnlinePatchLearner learner({}, config, test::map_of(scans));
   for (const PosedScan& scan : scans) learner.add(scan);
   const PatchMap map = learner.finish();
   status = learner.status();
@@ -117,7 +111,7 @@ TEST(OnlineForgetting, AGrownSubmapStillKnowsWhatForgottenScansSaw) {
   const auto scans = drives(worlds);
   OnlineConfig config;
   config.memory_mb = 4.0;
-  OnlinePatchLearner learner({}, config, map_of(scans));
+  OnlinePatchLearner learner({}, config, test::map_of(scans));
   const Cell at_box = cell_at({6.6, 1.95}, kResolution);
   const Cell at_door = cell_at({5.7, 2.4}, kResolution);
   std::size_t door_alone = 0;

@@ -8,6 +8,7 @@
 
 #include "core/base/error.hpp"
 #include "core/random/stream.hpp"
+#include "tests/core/patch/toy_map.hpp"
 #include "tests/core/patch/toy_world.hpp"
 #include "tests/support/same_bits.hpp"
 
@@ -19,17 +20,11 @@ using strata::test::same_bits;
 constexpr double kResolution = 0.05;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
-ReflectionGrid map_of(const std::vector<PosedScan>& scans) {
-  CountingMap counts(kResolution);
-  for (const PosedScan& scan : scans) counts.add(scan);
-  return counts.reflection();
-}
-
 PatchMap learn(const std::vector<PosedScan>& scans, const PatchLearnerConfig& config = {},
                int threads = 1) {
   PatchLearner learner(config, threads);
   for (const PosedScan& scan : scans) learner.add(scan);
-  return learner.finish(map_of(scans));
+  return learner.finish(test::map_of(scans));
 }
 
 /// Drives along the corridor, once a visit, with the door closed where `closed` says so. Each visit
@@ -70,7 +65,7 @@ float at_door(const ReflectionGrid& grid) {
 TEST(PatchLearner, WithoutChangeThereAreNoSubmapsAndTheMapIsTheFilteredOneBitForBit) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const auto scans = corridor_visits(std::vector<bool>(2 + 2 * seed, true), 0.0, 0.0, seed);
-    const ReflectionGrid filtered = map_of(scans);
+    const ReflectionGrid filtered = test::map_of(scans);
     const PatchMap map = learn(scans);
     EXPECT_TRUE(map.submaps.empty()) << "seed " << seed;
     EXPECT_TRUE(same_bits(map.base, filtered)) << "seed " << seed;
@@ -99,7 +94,7 @@ TEST(PatchLearner, ADoorSeenOpenOnceAndClosedOnceBecomesTwoConfigurations) {
 
 TEST(PatchLearner, SubmapGridsCoverItsRectangleAndUnknownCellsComeFromTheBase) {
   const auto scans = corridor_visits({true, false, true}, 0.0, 0.0, 2);
-  const ReflectionGrid filtered = map_of(scans);
+  const ReflectionGrid filtered = test::map_of(scans);
   const PatchMap map = learn(scans);
   ASSERT_FALSE(map.submaps.empty());
   for (const Submap& submap : map.submaps) {
@@ -303,9 +298,9 @@ TEST(PatchLearner, StopsWhenTheUserAsks) {
   for (const PosedScan& scan : scans) learner.add(scan);
   for (const char* stage : {"find visits", "find sequences", "learn configurations"}) {
     CancelAt progress(stage);
-    EXPECT_THROW((void)learner.finish(map_of(scans), &progress), Cancelled) << stage;
+    EXPECT_THROW((void)learner.finish(test::map_of(scans), &progress), Cancelled) << stage;
   }
-  EXPECT_EQ(learner.finish(map_of(scans)).submaps.size(), 1U) << "and can be asked again";
+  EXPECT_EQ(learner.finish(test::map_of(scans)).submaps.size(), 1U) << "and can be asked again";
 }
 
 }  // namespace
