@@ -46,7 +46,11 @@ void Localizer::on_configure() {
 
 void Localizer::load_place() {
   store_.emplace(config_.start.store, start_covariance(config_.start));
-  guarded([this] { store_->load(); });  // the robot must start nevertheless
+  try {
+    (void)restored(config_.start.store.file, [this] { store_->load(); });
+  } catch (const InputError& error) {
+    tell(error);  // the robot must start nevertheless
+  }
 }
 
 bool Localizer::resume(const Observation& observation) {

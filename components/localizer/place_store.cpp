@@ -8,7 +8,7 @@
 
 #include "components/settings/config_reader.hpp"
 #include "components/settings/config_writer.hpp"
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 
 namespace strata::localizer {
 namespace {
@@ -50,8 +50,8 @@ void PlaceStore::load() {
   try {
     kept_ = settings::read_config<Kept>(settings::load_document(config_.file), config_.file);
   } catch (const ConfigError& reason) {
-    throw InputError(config_.file, "is no kept pose: " + reason.problem(),
-                     "remove it; the robot starts without it");
+    throw DamageError(config_.file, "is no kept pose: " + reason.problem(),
+                      "remove it; the robot starts without it");
   }
 }
 

@@ -37,7 +37,8 @@ class PlaceStore {
   /// added: covariance on top of the kept one, for what may have happened in between.
   PlaceStore(PlaceStoreConfig config, Eigen::Matrix3d added);
 
-  /// Reads the file, if there is one. Throws InputError, and then goes on as if there were none.
+  /// Reads the file, if there is one. Throws InputError for one that cannot be read, DamageError
+  /// for one that is damaged, and then goes on as if there were none.
   void load();
   /// Something newer is known.
   void forget() { kept_.reset(); }

@@ -21,11 +21,12 @@ BackgroundFile::~BackgroundFile() {
 }
 
 void BackgroundFile::write(Bytes content) {
+  // First: what waits without a thread would be waited for without end.
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   {
     const std::lock_guard lock(mutex_);
     waiting_ = std::move(content);
   }
-  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   changed_.notify_all();
 }
 

@@ -30,6 +30,10 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
+fs::path before_name(const fs::path& path) {
+  return path.parent_path() / ("." + path.filename().string() + ".before");
+}
+
 }  // namespace
 
 void Disk::sync(const fs::path& path) const {
@@ -83,6 +87,31 @@ void put_in_place(const Disk& disk, const fs::path& from, const fs::path& to) {
   }
   disk.rename(from, to);
   disk.sync(folder_of(to));
+}
+
+void replace_folder(const Disk& disk, const fs::path& fresh, const fs::path& old) {
+  sync_tree(disk, fresh);
+  if (disk.exchange(fresh, old)) {
+    disk.sync(folder_of(old));
+    disk.remove(fresh);
+    return;
+  }
+  const fs::path before = before_name(old);
+  disk.rename(old, before);
+  disk.rename(fresh, old);
+  disk.sync(folder_of(old));
+  disk.remove(before);
+}
+
+void put_back(const Disk& disk, const fs::path& old) {
+  const fs::path before = before_name(old);
+  std::error_code ignored;
+  if (!fs::is_directory(before, ignored)) return;
+  if (fs::exists(old, ignored)) {
+    disk.remove(before);  // the new one has the name already
+  } else {
+    disk.rename(before, old);
+  }
 }
 
 fs::path staged_name(const fs::path& path) {

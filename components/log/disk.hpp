@@ -37,6 +37,15 @@ void sync_tree(const Disk& disk, const std::filesystem::path& folder);
 void put_in_place(const Disk& disk, const std::filesystem::path& from,
                   const std::filesystem::path& to);
 
+/// Syncs the folder `fresh`, which takes the name of the folder `old`, and that one goes: both
+/// change places at once, so that a kill or a power cut leaves the old folder or the new one. Where
+/// the file system cannot exchange two names, the old one is called ".NAME.before" for a moment.
+/// Both lie in one folder and are not links. Throws OutputError.
+void replace_folder(const Disk& disk, const std::filesystem::path& fresh,
+                    const std::filesystem::path& old);
+/// Mends what a kill within replace_folder left of the name `old`. Throws OutputError.
+void put_back(const Disk& disk, const std::filesystem::path& old);
+
 /// The name under which something is written until it is whole: beside `path`, ".NAME.partial-PID".
 [[nodiscard]] std::filesystem::path staged_name(const std::filesystem::path& path);
 /// Whether the path lies in a folder that is still under such a name: that is synced as a whole.

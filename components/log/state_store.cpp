@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "components/log/whole_file.hpp"
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 
 namespace strata::log {
 
@@ -22,14 +22,17 @@ void write_state_file(const std::filesystem::path& file, View state, const Disk&
 
 Bytes read_state_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
+  const bool is_open = in.is_open();
   const Bytes packed{std::istreambuf_iterator<char>(in), {}};
+  if (!is_open || in.bad() || std::filesystem::is_directory(file)) {
+    throw InputError(file.string(), "cannot be read", "check the file and its permissions");
+  }
   std::string damage;
   Bytes state =
       decompress(packed, BagCompression::kZstd, std::numeric_limits<std::uint32_t>::max(), damage);
-  if (in.bad()) damage = "cannot be read";
   if (!damage.empty()) {
-    throw InputError(file.string(), "is damaged: " + damage,
-                     "take it from a backup, or remove it to begin anew");
+    throw DamageError(file.string(), "is damaged: " + damage,
+                      "take it from a backup, or remove it to begin anew");
   }
   return state;
 }

@@ -19,7 +19,7 @@ namespace strata::log {
 void write_state_file(const std::filesystem::path& file, View state,
                       const Disk& disk = real_disk());
 
-/// Throws InputError for a file that cannot be read or is damaged.
+/// Throws InputError for a file that cannot be read, DamageError for one that is damaged.
 [[nodiscard]] Bytes read_state_file(const std::filesystem::path& file);
 
 /// What a component that was stopped goes on with.
@@ -47,7 +47,7 @@ class StateStore {
   explicit StateStore(const StateStoreConfig& config);
 
   [[nodiscard]] std::string file() const { return file_.path().string(); }
-  /// Nothing when there is no file yet. Throws InputError for one that is damaged or no state.
+  /// Nothing when there is no file yet. Throws as read_state_file.
   [[nodiscard]] std::optional<Bytes> load() const;
   /// Whether a period of scans has passed since it was last true, or it is the first time. A clock
   /// that was set back is a reason to write, too.

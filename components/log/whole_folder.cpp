@@ -10,11 +10,14 @@ namespace fs = std::filesystem;
 
 namespace strata::log {
 
-WholeFolder::WholeFolder(const fs::path& folder, const Disk& disk)
+WholeFolder::WholeFolder(const fs::path& folder, const Disk& disk, Existing existing)
     : disk_(disk), folder_(fs::weakly_canonical(fs::absolute(folder))) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
+  put_back(disk_, folder_);
   std::error_code error;
-  if (fs::exists(folder_, error) && (!fs::is_directory(folder_) || !fs::is_empty(folder_))) {
+  const bool may_hold = existing == Existing::kReplace;
+  if (fs::exists(folder_, error) &&
+      (!fs::is_directory(folder_) || (!may_hold && !fs::is_empty(folder_)))) {
     throw OutputError(folder.string(), "exists already", "choose another name or remove it");
   }
   aside_ = staged_name(folder_);
@@ -26,10 +29,32 @@ WholeFolder::~WholeFolder() {
   if (!committed_) fs::remove_all(aside_, ignored);
 }
 
+/// Not what SQLite keeps beside a database that the new folder has: it belongs to the old one.
+void WholeFolder::take_over_others() const {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_beside = name.ends_with("-wal") || name.ends_with("-shm");
+    if (is_beside || fs::exists(aside_ / name)) continue;
+    constexpr auto kAsItIs = fs::copy_options::recursive | fs::copy_options::copy_symlinks;
+    fs::copy(entry, aside_ / name, kAsItIs | fs::copy_options::create_hard_links, error);
+    if (error)
+      fs::copy(entry, aside_ / name, kAsItIs | fs::copy_options::overwrite_existing, error);
+    if (error)
+      throw OutputError(entry.path().string(), "cannot be copied: " + error.message(),
+                        "mend its permissions, or take it out of the folder");
+  }
+}
+
 void WholeFolder::commit() {
   std::error_code error;
   fs::remove(folder_, error);  // an empty folder of that name
-  put_in_place(disk_, aside_, folder_);
+  if (fs::exists(folder_, error)) {
+    take_over_others();
+    replace_folder(disk_, aside_, folder_);
+  } else {
+    put_in_place(disk_, aside_, folder_);
+  }
   committed_ = true;
 }
 

@@ -11,23 +11,19 @@
 #include "memory/store/store.hpp"
 
 namespace strata::maps {
-namespace {
 
-/// The logs named in summary.json; empty when it is missing or unreadable: they are for people.
-std::string log_names(const std::filesystem::path& summary) {
-  std::ifstream in(summary);
+std::string log_of(const std::filesystem::path& dir) {
+  std::ifstream in(dir / kSummaryFile);
   const nlohmann::json json = nlohmann::json::parse(in, nullptr, false);
   return json.is_object() && json.contains("log") && json["log"].is_string()
              ? json["log"].get<std::string>()
              : std::string();
 }
 
-}  // namespace
-
 EarlierRuns read_earlier_runs(const std::filesystem::path& dir) {
   const memory::Store store = open_for_reading(dir);
   EarlierRuns earlier;
-  earlier.log = log_names(dir / kSummaryFile);
+  earlier.log = log_of(dir);
   earlier.map_from_truth = read_map_from_truth(store);
   if (store.has_timescale()) {
     earlier.timescale = std::make_shared<memory::TimescaleMemory>(store.load_timescale());

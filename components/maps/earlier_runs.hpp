@@ -22,6 +22,10 @@ struct EarlierRuns {
   int next_run = 0;  ///< the run id that no scan has yet
 };
 
+/// The names of the logs that the maps in a folder were learned from, by its summary; empty when
+/// that is missing or cannot be read.
+[[nodiscard]] std::string log_of(const std::filesystem::path& dir);
+
 /// Reads them. Throws InputError when the folder has no strata.db, is damaged, or was written by a
 /// version that kept no scans. O(beams of all runs).
 [[nodiscard]] EarlierRuns read_earlier_runs(const std::filesystem::path& dir);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/timescale_memory/memory_file.hpp"
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 
 namespace strata::timescale_memory {
 
@@ -14,13 +14,22 @@ MemoryFile::MemoryFile(const std::string& path, double save_period_s, std::size_
 memory::TimescaleMemory MemoryFile::resume(const memory::TimescaleConfig& config,
                                            std::uint64_t seed) {
   if (!store_.has_timescale()) return memory::TimescaleMemory(config, seed);
-  memory::TimescaleMemory memory = store_.open_timescale();
+  memory::TimescaleMemory memory = open();
   if (!(memory.config() == config)) {
     throw ConfigError(store_.path().string(), "holds a timescale memory made with other settings",
                       "give the settings it was made with, or another store");
   }
   saved_ = memory::Store::all_saved(memory);
   return memory;
+}
+
+memory::TimescaleMemory MemoryFile::open() {
+  try {
+    return store_.open_timescale();
+  } catch (const DamageError&) {
+    store_.leave_as_is();
+    throw;
+  }
 }
 
 void MemoryFile::save(memory::TimescaleMemory& memory, bool force) {

@@ -20,7 +20,8 @@ class MemoryFile {
   MemoryFile(const std::string& path, double save_period_s, std::size_t resident_nodes);
 
   /// The memory to go on with: what the store holds, its nodes asleep until they are needed, else a
-  /// new one. Throws ConfigError when the store's was made with other settings.
+  /// new one. Throws ConfigError when the store's was made with other settings, DamageError when it
+  /// is damaged; its file stays as it is.
   [[nodiscard]] memory::TimescaleMemory resume(const memory::TimescaleConfig& config,
                                                std::uint64_t seed);
   /// Saves what has changed when the last save is save_period_s ago, or at once with `force`, and
@@ -29,6 +30,7 @@ class MemoryFile {
 
  private:
   using Clock = std::chrono::steady_clock;
+  [[nodiscard]] memory::TimescaleMemory open();
 
   memory::Store store_;
   std::chrono::duration<double> save_period_;

@@ -47,9 +47,7 @@ void TimescaleMemory::on_configure() {
   require_level(config_, "changes_now", config_.changes_now);
   keep_live(config_, {"publish_period_s", "changes_period_s"});
   if (!lockstep() && !config_.store.empty() && !context().only_explained) {
-    file_.emplace(config_.store, config_.save_period_s,
-                  static_cast<std::size_t>(config_.resident_nodes));
-    memory_.emplace(file_->resume(config_.timescale, context().seed));
+    open_store();
   } else {
     memory_.emplace(config_.timescale, context().seed);
   }
@@ -70,6 +68,16 @@ void TimescaleMemory::on_configure() {
         topic_of(config_.robots[robot]), "lossless",
         [this, robot](const auto& message) { on_scan(message, static_cast<int>(robot)); });
   }
+}
+
+void TimescaleMemory::open_store() {
+  const auto open = [&] {
+    MemoryFile file(config_.store, config_.save_period_s,
+                    static_cast<std::size_t>(config_.resident_nodes));
+    memory_.emplace(file.resume(config_.timescale, context().seed));
+    file_ = std::move(file);
+  };
+  if (!restored(config_.store, open)) open();
 }
 
 void TimescaleMemory::on_diagnose(runtime::Health& health) const {

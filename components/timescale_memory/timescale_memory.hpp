@@ -39,6 +39,7 @@ class TimescaleMemory final : public runtime::Component {
   [[nodiscard]] bool learns() const override { return true; }
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_diagnose(runtime::Health& health) const override;
+  void open_store();
   void on_scan(const strata_msgs::msg::LabeledScan& message, int robot = 0);
   [[nodiscard]] bool is_time_to_publish(Stamp stamp);
   /// most_read: nodes that may be read from the store for it.

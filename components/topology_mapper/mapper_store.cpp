@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 
 namespace strata::topology_mapper {
 namespace {
@@ -28,8 +28,8 @@ std::optional<T> read(const memory::Store& store, const char* key) {
     const nlohmann::json value = nlohmann::json::parse(*text);
     return value.is_null() ? std::nullopt : std::optional(value.get<T>());
   } catch (const nlohmann::json::exception&) {
-    throw InputError(store.path().string(), std::string("has a damaged ") + key,
-                     "take it from a backup, or remove it to begin anew");
+    throw DamageError(store.path().string(), std::string("has a damaged ") + key,
+                      "take it from a backup, or remove it to begin anew");
   }
 }
 
@@ -57,6 +57,15 @@ topology::TrackedMoment from_saved(const SavedMoment& kept) {
 MapperStore::MapperStore(const std::filesystem::path& file) : store_(file) {}
 
 std::optional<topology::TrackedMoment> MapperStore::restore(topology::TopologyMapper& mapper) {
+  try {
+    return restore_all(mapper);
+  } catch (const DamageError&) {
+    store_.leave_as_is();
+    throw;
+  }
+}
+
+std::optional<topology::TrackedMoment> MapperStore::restore_all(topology::TopologyMapper& mapper) {
   using Marks = std::vector<std::pair<std::size_t, std::int64_t>>;
   for (const auto& [after_scans, stamp_ns] : read<Marks>(store_, kMarks).value_or(Marks())) {
     marks_.push_back({after_scans, Stamp{stamp_ns}});

@@ -23,7 +23,7 @@ class MapperStore {
 
   /// Makes a new mapper what the one was that wrote this, but for `resume_from`, and gives where it
   /// had come to; nothing when no scan was written. O(scans + visits x a landmark update). Throws
-  /// InputError.
+  /// InputError; one that is damaged stays byte for byte as it is.
   [[nodiscard]] std::optional<topology::TrackedMoment> restore(topology::TopologyMapper& mapper);
 
   /// What the mapper has just been given: written by the next flush.
@@ -39,6 +39,9 @@ class MapperStore {
     std::size_t after_scans = 0;
     Stamp stamp;
   };
+  [[nodiscard]] std::optional<topology::TrackedMoment> restore_all(
+      topology::TopologyMapper& mapper);
+
   memory::Store store_;
   std::size_t scans_ = 0;  // that were added, written or not
   std::vector<Mark> marks_;

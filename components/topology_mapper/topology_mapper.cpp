@@ -15,9 +15,7 @@ namespace strata::topology_mapper {
 
 void TopologyMapper::on_configure() {
   config_ = read_parameters<TopologyMapperComponentConfig>();
-  mapper_ = std::make_unique<topology::TopologyMapper>(
-      config_.mapping, context().seed, context().threads,
-      lockstep() ? topology::WayKeepConfig{} : config_.keep);
+  make_mapper();
   publish_ = advertise<strata_msgs::msg::Topologies>(config_.topic, "latched");
   subscribe<geometry_msgs::msg::PointStamped>(
       config_.landmark_topic, "default", [this](const auto& message) { on_landmark(message); });
@@ -27,9 +25,22 @@ void TopologyMapper::on_configure() {
   if (!lockstep() && !config_.store.file.empty() && !context().only_explained) open_store();
 }
 
+void TopologyMapper::make_mapper() {
+  mapper_ = std::make_unique<topology::TopologyMapper>(
+      config_.mapping, context().seed, context().threads,
+      lockstep() ? topology::WayKeepConfig{} : config_.keep);
+}
+
 void TopologyMapper::open_store() {
-  store_.emplace(config_.store.file);
-  restored_ = store_->restore(*mapper_);
+  const bool is_whole = restored(config_.store.file, [&] {
+    MapperStore store(config_.store.file);  // closed again when it is damaged
+    restored_ = store.restore(*mapper_);
+    store_ = std::move(store);
+  });
+  if (!is_whole) {
+    make_mapper();
+    store_.emplace(config_.store.file);
+  }
   if (restored_) last_scan_ = restored_->stamp;
 }
 

@@ -36,6 +36,7 @@ class TopologyMapper final : public runtime::SensorComponent {
   void on_diagnose(runtime::Health& health) const override;
   void on_observation(const Observation& scanned) override;
   [[nodiscard]] bool learns() const override { return true; }
+  void make_mapper();
   void open_store();
   /// Decides how the first scan goes on from what was kept; false when that cannot be told before
   /// odometry comes.

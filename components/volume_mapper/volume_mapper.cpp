@@ -12,6 +12,7 @@
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/log/whole_file.hpp"
+#include "core/base/error.hpp"
 
 namespace strata::volume_mapper {
 namespace {
@@ -39,16 +40,26 @@ void VolumeMapper::on_configure() {
                                            [this](const auto& message) { on_cloud(message); });
 }
 
-volume::VolumeMap VolumeMapper::first_map() const {
-  std::error_code error;
-  if (lockstep() || config_.store.empty() || !std::filesystem::exists(config_.store, error)) {
-    return volume::VolumeMap(config_.map);
-  }
+volume::VolumeMap VolumeMapper::stored_map() const {
   std::ifstream in(config_.store, std::ios::binary);
   std::ostringstream bytes;
-  bytes << in.rdbuf();
-  // What cannot be read must not be written over: then there is no start.
+  if (in) bytes << in.rdbuf();
+  if (!in || in.bad() || std::filesystem::is_directory(config_.store)) {
+    throw InputError(config_.store, "cannot be read", "check the file and its permissions");
+  }
   return volume::VolumeMap::from_file(bytes.str(), config_.store, config_.map);
+}
+
+volume::VolumeMap VolumeMapper::first_map() {
+  std::optional<volume::VolumeMap> stored;
+  std::error_code error;
+  const bool is_stored =
+      !lockstep() && !config_.store.empty() && std::filesystem::exists(config_.store, error);
+  // What cannot be read must not be written over: then there is no start.
+  if (is_stored && restored(config_.store, [&] { stored.emplace(stored_map()); })) {
+    return std::move(*stored);
+  }
+  return volume::VolumeMap(config_.map);
 }
 
 void VolumeMapper::on_activate() {

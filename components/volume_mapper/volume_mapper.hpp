@@ -50,7 +50,9 @@ class VolumeMapper final : public runtime::Component {
   void enter(const volume::Cloud& cloud);
   void publish(Stamp stamp);
   /// A new map, or the stored one.
-  [[nodiscard]] volume::VolumeMap first_map() const;
+  [[nodiscard]] volume::VolumeMap first_map();
+  /// Throws InputError.
+  [[nodiscard]] volume::VolumeMap stored_map() const;
   /// Writes the map to the store when it has changed.
   void keep();
 

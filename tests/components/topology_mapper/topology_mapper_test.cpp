@@ -70,6 +70,10 @@ class Robot {
     EXPECT_TRUE(scans_.raw().wait_for_readers(1, patience));
     EXPECT_TRUE(odometry_.raw().wait_for_readers(1, patience));
     EXPECT_TRUE(landmarks_.raw().wait_for_readers(1, patience));
+    // The writer knows of a match before the reader does: of a drive that comes in one moment the
+    // first seconds would be over before their odometry, for which scans do not wait longer.
+    odometry_.publish(convert::to_odometry({}, {}, "odom", "base_link"));
+    EXPECT_TRUE(says("received /odom", "1"));
   }
   void drive(const std::vector<Moment>& moments) {
     for (const Moment& moment : moments) {
@@ -223,8 +227,7 @@ TEST(TopologyMapper, IsDeactivatedOnAFullDiskAndKeepsWhatItHeardWhenThereIsRoom)
   EXPECT_THAT(memory::Store(store, {.read_only = true}).runs_with_scans(), ElementsAre(0));
 }
 
-TEST(TopologyMapper,
-     DISABLED_KeepsNothingWhileItStandsAndKnowsAfterARestartThatItStoodThereTillNow) {
+TEST(TopologyMapper, KeepsNothingWhileItStandsAndKnowsAfterARestartThatItStoodThereTillNow) {
   const test::TemporaryDirectory folder;
   const std::string parameters =
       "store: {file: '" + (folder.path() / "way.db").string() + "', carry_s: 1.0}";
