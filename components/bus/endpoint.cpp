@@ -270,10 +270,13 @@ RawReader::RawReader(std::shared_ptr<Participant> participant, TopicName topic,
   dds::DataReaderQos reader_qos = dds::DATAREADER_QOS_DEFAULT;
   const std::string type_hash = hash_of(topic, type);
   apply_profile(qos, type_hash, reader_qos);
+  auto& times = reader_qos.reliable_reader_qos().times;
+  // 70 ms by default: for so long a message waits that was sent before this reader knew its writer,
+  // as the first request of a new client often is.
+  times.initialAcknackDelay = eprosima::fastrtps::Duration_t(0, 2'000'000);
   if (qos.depth == 0) {
     // 5 ms by default, which is what bounds a reliable reader's rate.
-    reader_qos.reliable_reader_qos().times.heartbeatResponseDelay =
-        eprosima::fastrtps::Duration_t(0, 0);
+    times.heartbeatResponseDelay = eprosima::fastrtps::Duration_t(0, 0);
   }
   state_->reader = owner.subscriber->create_datareader(
       owner.topic(topic, type), reader_qos, state_.get(),

@@ -37,6 +37,7 @@ STRATA_MESSAGE_TYPE(lifecycle_msgs, TransitionEvent);
 STRATA_MESSAGE_TYPE(nav2_msgs, ParticleCloud);
 STRATA_MESSAGE_TYPE(nav_msgs, OccupancyGrid);
 STRATA_MESSAGE_TYPE(nav_msgs, Odometry);
+STRATA_MESSAGE_TYPE(nav_msgs, Path);
 STRATA_MESSAGE_TYPE(octomap_msgs, Octomap);
 STRATA_MESSAGE_TYPE(rcl_interfaces, Log);
 STRATA_MESSAGE_TYPE(rcl_interfaces, ParameterEvent);
@@ -91,6 +92,7 @@ STRATA_SERVICE_TYPE(rcl_interfaces, ListParameters);
 STRATA_SERVICE_TYPE(rcl_interfaces, SetParameters);
 STRATA_SERVICE_TYPE(rcl_interfaces, SetParametersAtomically);
 STRATA_SERVICE_TYPE(std_srvs, Empty);
+STRATA_SERVICE_TYPE(std_srvs, Trigger);
 STRATA_SERVICE_TYPE(type_description_interfaces, GetTypeDescription);
 
 #undef STRATA_SERVICE_TYPE

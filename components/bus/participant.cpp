@@ -11,6 +11,7 @@
 
 #include "components/bus/names.hpp"
 #include "components/bus/participant_state.hpp"
+#include "components/bus/process_limits.hpp"
 #include "components/bus/process_participants.hpp"
 #include "components/bus/raw_type.hpp"
 #include "components/bus/security.hpp"
@@ -46,6 +47,7 @@ Participant::Participant(const ParticipantOptions& options) : state_(std::make_s
                       "choose a ROS_DOMAIN_ID from 0 to 232");
   }
   state_->options = options;
+  require_room_for_participant();
   dds::DomainParticipantQos qos = participant_qos(options);
   if (shares_memory(qos.transport())) remove_orphaned_segments();
   if (options.transport == Transport::kSharedMemory) {

@@ -11,6 +11,7 @@
 
 #include "components/settings/config_reader.hpp"
 #include "core/base/error.hpp"
+#include "tools/strata/shortage.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -50,6 +51,11 @@ int fail(const std::string& verb, const std::string& message, int code) {
   std::cerr << "strata" << (verb.empty() ? "" : " ") << verb << ": error: " << one_line(message)
             << std::endl;
   return code;
+}
+
+std::string plain(const std::exception& error) {
+  const std::string shortage = describe_shortage(error);
+  return shortage.empty() ? error.what() : shortage;
 }
 
 const char* what_overdue_means(Interrupt::Overdue why) {
@@ -104,11 +110,18 @@ int run(int argc, char** argv) {
   } catch (const ConfigError& error) {
     return fail(verb(), error.what(), kBadInput);
   } catch (const std::exception& error) {
-    return fail(verb(), error.what(), kFailed);
+    return fail(verb(), plain(error), kFailed);
   }
 }
 
 }  // namespace
 }  // namespace strata::tools
 
-int main(int argc, char** argv) { return strata::tools::run(argc, argv); }
+int main(int argc, char** argv) {
+  strata::tools::prepare_for_shortage();
+  try {
+    return strata::tools::run(argc, argv);
+  } catch (const std::exception& error) {  // before the verb is known
+    return strata::tools::fail("", strata::tools::plain(error), strata::tools::kFailed);
+  }
+}

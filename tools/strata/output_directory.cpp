@@ -46,10 +46,6 @@ fs::path without_links(const fs::path& target) {
   return whole.has_filename() ? whole : whole.parent_path();
 }
 
-fs::path before_name(const fs::path& whole) {
-  return whole.parent_path() / ("." + whole.filename().string() + ".before");
-}
-
 /// Whether this program, and so the one that called it, works in the folder or below.
 bool stands_in(const fs::path& folder) {
   std::error_code error;
@@ -129,15 +125,7 @@ void OutputDirectory::commit() {
 }
 
 void OutputDirectory::put_back(const fs::path& target, const log::Disk& disk) {
-  const fs::path whole = without_links(target);
-  const fs::path before = before_name(whole);
-  std::error_code ignored;
-  if (!fs::is_directory(before, ignored)) return;
-  if (fs::exists(whole, ignored)) {
-    disk.remove(before);  // the new one has the name already
-  } else {
-    disk.rename(before, whole);
-  }
+  log::put_back(disk, without_links(target));
 }
 
 void OutputDirectory::put_in_place() const {
@@ -172,17 +160,7 @@ void OutputDirectory::replace_folder() const {
     if (!fs::exists(to)) link_or_copy(entry.path(), to);
   }
   fs::permissions(path_, fs::status(whole_).permissions());
-  log::sync_tree(disk_, path_);
-  if (disk_.exchange(path_, whole_)) {
-    disk_.sync(whole_.parent_path());
-    disk_.remove(path_);
-    return;
-  }
-  const fs::path before = before_name(whole_);
-  disk_.rename(whole_, before);
-  disk_.rename(path_, whole_);
-  disk_.sync(whole_.parent_path());
-  disk_.remove(before);
+  log::replace_folder(disk_, path_, whole_);
 }
 
 }  // namespace strata::tools

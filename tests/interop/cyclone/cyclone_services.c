@@ -4,6 +4,7 @@
  *   change_state NODE ID                     success 0|1
  *   get_state NODE                           state ID LABEL
  *   get_state_twice NODE                     the same, and "again" when the answer comes once more
+ *   time_get_state NODE COUNT                took MS MS ..., of so many calls
  *   get_available_states NODE                states COUNT FIRST
  *   get_available_transitions NODE           transitions COUNT FIRST
  *   list_parameters NODE                     parameter NAME, one a line, then "parameters COUNT"
@@ -118,6 +119,26 @@ static void* call(const char* node, const char* package, const char* service, co
   name.guid = 0x0123456789abcdefULL;        \
   name.number = 77
 
+static void time_get_state(const char* node, int count) {
+  REQUEST(GetState, request);
+  const struct Client client =
+      open_client(node, "lifecycle_msgs", "GetState", "get_state",
+                  &cyclone_requests_GetStateRequest_desc, &cyclone_requests_GetStateReply_desc);
+  double* took_ms = calloc((size_t)count, sizeof *took_ms);
+  if (took_ms == NULL) exit(1);
+  for (int i = 0; i < count; ++i) {
+    ++request.number;
+    const dds_time_t begin = dds_time();
+    void* reply = ask(&client, &request);
+    took_ms[i] = 1e-6 * (double)(dds_time() - begin);
+    dds_return_loan(client.reader, &reply, 1);
+  }
+  printf("took");
+  for (int i = 0; i < count; ++i) printf(" %.4f", took_ms[i]);
+  puts("");
+  free(took_ms);
+}
+
 static void lifecycle(const char* name, char* node, char** arguments) {
   if (strcmp(name, "change_state") == 0) {
     REQUEST(ChangeState, request);
@@ -142,6 +163,8 @@ static void lifecycle(const char* name, char* node, char** arguments) {
     dds_return_loan(client.reader, (void**)&reply, 1);
     wait_for_reply(&client, &request);
     puts("again");
+  } else if (strcmp(name, "time_get_state") == 0) {
+    time_get_state(node, atoi(arguments[0]));
   } else if (strcmp(name, "get_available_states") == 0) {
     REQUEST(GetAvailableStates, request);
     const cyclone_requests_GetAvailableStatesReply* reply =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A secured domain that Cyclone DDS is on as well: our keystore is good for both, and both keep
 /// out who has no certificate.
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -15,6 +16,8 @@
 
 namespace strata::test {
 namespace {
+
+constexpr std::chrono::seconds kPatience(20);
 
 using sensor_msgs::msg::LaserScan;
 
@@ -90,6 +93,8 @@ TEST_F(CycloneSecurity, NeitherReadsNorWritesWithoutACertificate) {
   EXPECT_TRUE(secured.answers.wait_for(1, std::chrono::milliseconds(0)).empty());
   CycloneProcess cyclone({"echo"}, cyclone_enclave());
   ASSERT_EQ(secured.answers.wait_for(1).size(), 1U);
+  // What a writer knew before may be taken before the writer itself is told of the reader.
+  ASSERT_TRUE(secured.writer.raw().wait_for_readers(1, kPatience));
   EXPECT_EQ(secured.writer.raw().matched(), 1);
   EXPECT_EQ(open.writer.raw().matched(), 1);
 }
@@ -108,6 +113,7 @@ TEST_F(CycloneSecurity, ThatIsPermissiveWithUsTalksOpenlyWithoutAnEnclaveAndSecu
   ASSERT_EQ(secured_peer.wait_for_line("ready"), "ready");
   ASSERT_EQ(securely.answers.wait_for(1).size(), 1U);
   // Each has found the one of its kind, and no other.
+  ASSERT_TRUE(securely.writer.raw().wait_for_readers(1, kPatience));
   EXPECT_EQ(openly.writer.raw().matched(), 1);
   EXPECT_EQ(securely.writer.raw().matched(), 1);
 }

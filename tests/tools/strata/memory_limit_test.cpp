@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A process that may have little address space (`ulimit -v`): it runs, or says on one line why
+/// not.
+#include <algorithm>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/components/bus/domain.hpp"
+#include "tests/support/child_process.hpp"
+#include "tools/strata/shortage.hpp"
+
+namespace strata::tools {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// What became of a robot that maps.
+struct Life {
+  bool has_run = false;
+  int code = -1;
+  std::string said;
+};
+
+Life live_within(int kilobytes) {
+  test::ChildProcess robot({"bash", "-c",
+                            "ulimit -c 0; ulimit -v " + std::to_string(kilobytes) +
+                                "; exec '" STRATA_PROGRAM "' run '" STRATA_SOURCE_DIR
+                                "/components/config/mapping.yaml' --set domain=" +
+                                std::to_string(test::own_domain())},
+                           {}, test::ChildProcess::Errors::kMerged);
+  Life life;
+  std::string first = robot.wait_for_line("", std::chrono::seconds(60));
+  life.has_run = first.starts_with("process mapping runs");
+  if (life.has_run) robot.send(SIGINT);
+  life.said = first + "\n" + robot.rest();
+  life.code = robot.wait();
+  return life;
+}
+
+// A sanitizer needs more room than there is.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(MemoryLimit, LetsARobotRunOrItSaysOnOneLineWhyNot) {
+  for (const int kilobytes :
+       {110'000, 130'000, 150'000, 170'000, 190'000, 210'000, 220'000, 230'000, 240'000, 260'000}) {
+    SCOPED_TRACE(kilobytes);
+    const Life life = live_within(kilobytes);
+    EXPECT_EQ(std::count(life.said.begin(), life.said.end(), '\n'), 1) << life.said;
+    if (life.has_run) {
+      EXPECT_EQ(life.code, 0) << life.said;
+    } else {
+      EXPECT_EQ(life.code, 1) << life.said;
+      EXPECT_THAT(life.said, HasSubstr("strata run: error: limits of this process"));
+      EXPECT_THAT(life.said, HasSubstr("ulimit -v"));
+    }
+  }
+}
+
+// Threads that each reserve 64 MB for themselves would use it up at once.
+TEST(MemoryLimit, Of300MegabytesIsEnoughForARobotThatHolds40) {
+  for (const int kilobytes : {300'000, 400'000, 600'000, 1'000'000, 3'000'000}) {
+    SCOPED_TRACE(kilobytes);
+    const Life life = live_within(kilobytes);
+    EXPECT_TRUE(life.has_run) << life.said;
+    EXPECT_EQ(life.code, 0) << life.said;
+  }
+}
+#endif
+
+TEST(Shortage, OfMemoryAndOfThreadsSaysWhatToDo) {
+  EXPECT_THAT(describe_shortage(std::bad_alloc()), HasSubstr("memory: ran out"));
+  const std::system_error no_thread(
+      std::make_error_code(std::errc::resource_unavailable_try_again));
+  EXPECT_THAT(describe_shortage(no_thread), HasSubstr("ulimit -u"));
+  EXPECT_THAT(describe_shortage(std::runtime_error("other")), IsEmpty());
+}
+
+}  // namespace
+}  // namespace strata::tools

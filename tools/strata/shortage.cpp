@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/strata/shortage.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+#include <system_error>
+
+#include <malloc.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace strata::tools {
+namespace {
+
+/// In MB; 0: none.
+unsigned long long limit_on_address_space() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return 0;
+  return limit.rlim_cur >> 20U;
+}
+
+/// Without memory of its own, since that is what may be lacking.
+[[noreturn]] void end_with_a_line() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::bad_alloc&) {
+    std::fputs(
+        "strata: error: memory: ran out on a thread of the middleware, which ends the process; "
+        "raise the limit on address space (`ulimit -v`), or give it less to do\n",
+        stderr);
+    _exit(1);
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again) {
+      std::fputs(
+          "strata: error: threads: the middleware could not make one, which ends the process; "
+          "raise the limits on processes and address space (`ulimit -u`, `ulimit -v`)\n",
+          stderr);
+      _exit(1);
+    }
+    std::fprintf(stderr, "strata: error: %s\n", error.what());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "strata: error: %s\n", error.what());
+  } catch (...) {
+    std::fputs("strata: error: an exception of unknown type\n", stderr);
+  }
+  std::abort();  // a mistake of the program: a core file may tell
+}
+
+}  // namespace
+
+std::string describe_shortage(const std::exception& error) {
+  const unsigned long long limit_mb = limit_on_address_space();
+  const std::string under =
+      limit_mb > 0 ? " under the limit of " + std::to_string(limit_mb) + " MB on address space"
+                   : "";
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
+    return "memory: ran out" + under + "; " +
+           (limit_mb > 0 ? "raise it (`ulimit -v`)" : "free some") + ", or give it less to do";
+  }
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  if (system != nullptr && system->code() == std::errc::resource_unavailable_try_again) {
+    return "threads: no more can be made" + under +
+           "; raise the limits on processes and address space (`ulimit -u`, `ulimit -v`)";
+  }
+  return "";
+}
+
+void prepare_for_shortage() {
+  if (limit_on_address_space() > 0) mallopt(M_ARENA_MAX, 1);
+  std::set_terminate(end_with_a_line);
+}
+
+}  // namespace strata::tools

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the program does where the system gives it little: memory, address space or threads.
+#pragma once
+
+#include <exception>
+#include <string>
+
+namespace strata::tools {
+
+/// What was lacking and what to do about it, on one line: of std::bad_alloc, and of the
+/// std::system_error of a thread that could not be made. Empty for all else.
+[[nodiscard]] std::string describe_shortage(const std::exception& error);
+
+/// Before other threads are made. Where address space is limited (`ulimit -v`), threads share what
+/// they allocate from: with 64 MB reserved for each, as glibc has it, a limit of 500 MB is used up
+/// by a process that holds 40. And where memory runs out on a thread of the middleware, which
+/// nothing can catch, the process says so on a line before it ends.
+void prepare_for_shortage();
+
+}  // namespace strata::tools
