@@ -187,6 +187,7 @@ void Component::release() {
   subscriptions_.clear();
   writers_.clear();
   topics_.clear();
+  warnings_.clear();
   ack_writer_.reset();
 }
 

@@ -145,20 +145,24 @@ class Component {
   /// others are asked again at the end.
   [[nodiscard]] virtual bool learns() const { return false; }
 
+  /// least_waiting: live, as many messages may wait while the component is busy, where the profile
+  /// says fewer.
   template <typename T>
   void subscribe(const std::string& topic, const std::string& qos,
-                 std::function<void(const T&)> callback) {
+                 std::function<void(const T&)> callback, int least_waiting = 0) {
     const std::string full = resolve(topic);
-    subscribe_raw(full, bus::MessageType<T>::name, bus::qos_profile(qos),
-                  [full, callback = std::move(callback)](const bus::RawMessage& message) {
-                    callback(convert::from_cdr<T>(message.cdr, full));
-                  });
+    subscribe_raw(
+        full, bus::MessageType<T>::name, bus::qos_profile(qos),
+        [full, callback = std::move(callback)](const bus::RawMessage& message) {
+          callback(convert::from_cdr<T>(message.cdr, full));
+        },
+        least_waiting);
   }
   /// topic: resolved. Callbacks of a topic see its messages in the order they were written. All or
   /// nothing: when it throws, nothing is subscribed.
   void subscribe_raw(const std::string& full_topic, const std::string& type,
                      const bus::QosProfile& qos,
-                     std::function<void(const bus::RawMessage&)> callback);
+                     std::function<void(const bus::RawMessage&)> callback, int least_waiting = 0);
 
   /// What is returned publishes until cleanup, and does nothing afterwards. All or nothing.
   template <typename T>
@@ -252,6 +256,14 @@ class Component {
   void say(LogLevel level, const std::string& text);
   /// Runs `body`; what it throws, of whatever type, is told.
   void guarded(const std::function<void()>& body);
+  /// What the user should know of until the next cleanup: a warning on /diagnostics as long as the
+  /// component is configured, which the host is told, too. On the mailbox.
+  void warn(const std::exception& error);
+  /// Runs `restore`, which reads what the component kept in that file. When that is damaged, it is
+  /// set aside (log::restore_or_set_aside), that is warned of, and the answer is false: what
+  /// `restore` has filled by then is of no use. Throws what else `restore` throws, and OutputError.
+  [[nodiscard]] bool restored(const std::filesystem::path& file,
+                              const std::function<void()>& restore);
   /// For stamps of what has no scan; 0 in lockstep.
   [[nodiscard]] Stamp now() const { return clock_.now(); }
   [[nodiscard]] std::string resolve(const std::string& topic) const;
@@ -335,7 +347,8 @@ class Component {
   bool is_changing_state_ = false;
   bus::Caught untold_;
   std::string last_error_;
-  std::uint64_t told_dropped_ = 0;  // as of the last status
+  std::vector<std::string> warnings_;  // until cleanup
+  std::uint64_t told_dropped_ = 0;     // as of the last status
   std::uint64_t told_failed_ = 0;
   std::unique_ptr<bus::Node> node_;
   std::unique_ptr<Diagnostics> diagnostics_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The part of a component that takes messages from others and gives them to the callbacks.
+#include <algorithm>
 #include <utility>
 
 #include "components/runtime/component.hpp"
@@ -20,13 +21,15 @@ void make_room(std::vector<T>& list) {
 
 void Component::subscribe_raw(const std::string& full_topic, const std::string& type,
                               const bus::QosProfile& qos,
-                              std::function<void(const bus::RawMessage&)> callback) {
+                              std::function<void(const bus::RawMessage&)> callback,
+                              int least_waiting) {
   const auto subscription = std::make_shared<Subscription>();
   subscription->topic = full_topic;
   TopicUse use{full_topic, type, qos, false};
   subscription->callback = std::move(callback);
   const bus::QosProfile used = lockstep() ? qos.lossless() : qos;
-  subscription->depth = static_cast<std::size_t>(used.depth);
+  const int depth = used.depth > 0 ? std::max(used.depth, least_waiting) : used.depth;
+  subscription->depth = static_cast<std::size_t>(depth);
   subscription->latched = used.transient_local;
   // The reader is the subscription's, so its callback holds it weakly.
   const std::weak_ptr<Subscription> weak = subscription;

@@ -2,6 +2,7 @@
 /// What a component says of itself: errors to its host, its status, and its endpoints to the graph.
 #include <utility>
 
+#include "components/log/damaged_file.hpp"
 #include "components/runtime/component.hpp"
 
 namespace strata::runtime {
@@ -22,6 +23,29 @@ void Component::tell(const std::exception& error) {
     if (context_.on_error) context_.on_error(full_name_ + ": " + *told);
     say(LogLevel::kError, *told);
   });
+}
+
+void Component::warn(const std::exception& error) {
+  (void)untold_.run([&] {
+    warnings_.push_back(one_line(error.what()));
+    if (context_.on_error) context_.on_error(full_name_ + ": " + warnings_.back());
+  });
+}
+
+bool Component::restored(const std::filesystem::path& file, const std::function<void()>& restore) {
+  if (context_.only_explained) {  // leaves files as they are
+    try {
+      restore();
+      return true;
+    } catch (const DamageError&) {
+      return false;
+    } catch (const UnknownContentError&) {
+      return false;
+    }
+  }
+  const std::optional<DamageError> damage = log::restore_or_set_aside(file, restore);
+  if (damage) warn(*damage);
+  return !damage;
 }
 
 void Component::say(LogLevel level, const std::string& text) {
@@ -66,6 +90,7 @@ void Component::diagnose() {
   Health health;
   if (failed_ > told_failed_) health.fail(last_error_);
   if (dropped_ > told_dropped_) health.warn("messages come faster than they are worked on");
+  for (const std::string& warning : warnings_) health.warn(warning);
   health.add("state", std::string(lifecycle_label(state_)));
   health.add("processed", processed_.load());
   health.add("skipped", failed_);

@@ -46,6 +46,8 @@ class ScanQueue {
   [[nodiscard]] std::size_t size() const { return waiting_.size(); }
   /// The oldest; requires one.
   [[nodiscard]] const WaitingScan& front() const { return waiting_.front(); }
+  /// The newest; requires one.
+  [[nodiscard]] const WaitingScan& back() const { return waiting_.back(); }
   WaitingScan pop();
   /// Whether no scanner is expected to send an older scan than the front. One that is waited for
   /// longer than two periods becomes silent, and is waited for no more. O(scanners).

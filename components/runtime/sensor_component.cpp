@@ -7,6 +7,12 @@
 #include "core/base/error.hpp"
 
 namespace strata::runtime {
+namespace {
+
+/// Odometry comes often, and what is lost of it moves scans: it waits while a map is made.
+constexpr int kWaitingOdometry = 1000;
+
+}  // namespace
 
 void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const std::string& qos) {
   SensorInputConfig config = wanted;
@@ -22,16 +28,22 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const s
     take_observations();
   });
   if (!lockstep() && !config.tf_odometry_frame.empty()) {
-    subscribe<tf2_msgs::msg::TFMessage>("/tf", "tf", [this](const auto& message) {
-      input_->add_moving(message);
-      take_observations();
-    });
+    subscribe<tf2_msgs::msg::TFMessage>(
+        "/tf", "tf",
+        [this](const auto& message) {
+          input_->add_moving(message);
+          take_observations();
+        },
+        kWaitingOdometry);
   }
-  subscribe<nav_msgs::msg::Odometry>(config.odometry_topic, qos, [this](const auto& message) {
-    input_->add(message);
-    // In lockstep the scan comes after its odometry.
-    if (!lockstep()) take_observations();
-  });
+  subscribe<nav_msgs::msg::Odometry>(
+      config.odometry_topic, qos,
+      [this](const auto& message) {
+        input_->add(message);
+        // In lockstep the scan comes after its odometry.
+        if (!lockstep()) take_observations();
+      },
+      kWaitingOdometry);
   const std::vector<std::string> topics = config.all_scan_topics();
   const std::size_t lasers = config.laser_topics().size();
   for (std::size_t topic = 0; topic < topics.size(); ++topic) {

@@ -8,6 +8,12 @@
 #include "components/log/joined_scan.hpp"
 
 namespace strata::runtime {
+namespace {
+
+/// While something may still come for the first time, as many times most_waiting_scans may wait.
+constexpr std::size_t kMoreAtFirst = 10;
+
+}  // namespace
 
 void SensorInput::warn(const std::string& sentence) {
   if (told_.insert(sentence).second) warnings_.push_back(sentence);
@@ -116,12 +122,28 @@ bool SensorInput::is_complete(const WaitingScan& waiting, const Source& source) 
   return has_mounting(waiting, source) && has_odometry_for(waiting, source);
 }
 
+bool SensorInput::lacks_odometry(const Source& source) const {
+  const bool is_silent = source.odometry == nullptr || source.odometry->track().empty();
+  return config_.use_odometry && is_silent && !is_without_odometry_;
+}
+
+bool SensorInput::has_waited_long(const WaitingScan& oldest) const {
+  const std::size_t most =
+      static_cast<std::size_t>(config_.most_waiting_scans) * queue_.scanners().size();
+  if (queue_.size() <= most) return false;
+  const Source from = source();
+  if (has_mounting(oldest, from) && !lacks_odometry(from)) return true;
+  // A count alone says little of time: a fast scanner's scans would be given up on before the
+  // reader of odometry has met its writer.
+  return queue_.size() > kMoreAtFirst * most ||
+         (queue_.back().stamp() - oldest.stamp()).seconds() >= config_.first_wait_s;
+}
+
 /// Too many wait for the oldest: what nobody has published is not waited for again.
 void SensorInput::give_up(const WaitingScan& waiting) {
   const Source from = source();
   if (!has_mounting(waiting, from)) assumed_.insert(queue_.scanners()[waiting.scanner].frame);
-  const bool is_silent = from.odometry == nullptr || from.odometry->track().empty();
-  if (config_.use_odometry && is_silent && !is_without_odometry_) {
+  if (lacks_odometry(from)) {
     is_without_odometry_ = true;
     warn("no odometry comes on " + config_.odometry_topic +
          (config_.tf_odometry_frame.empty() ? "" : " or /tf") + "; scans go on without it");
@@ -131,11 +153,9 @@ void SensorInput::give_up(const WaitingScan& waiting) {
 std::vector<Observation> SensorInput::take() {
   while (queue_.size() > 0) {
     if (waits_) {
-      const std::size_t most =
-          static_cast<std::size_t>(config_.most_waiting_scans) * queue_.scanners().size();
-      const bool is_crowded = queue_.size() > most;
-      if (is_crowded) give_up(queue_.front());
-      if (!is_crowded && !(is_complete(queue_.front(), source()) && queue_.is_next())) break;
+      const bool is_overdue = has_waited_long(queue_.front());
+      if (is_overdue) give_up(queue_.front());
+      if (!is_overdue && !(is_complete(queue_.front(), source()) && queue_.is_next())) break;
     }
     release();
   }

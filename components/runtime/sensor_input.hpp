@@ -27,7 +27,8 @@ namespace strata::runtime {
 /// undistorted (in lockstep the player has), scanners' scans are put in order of time. A scan waits
 /// until odometry has reached the end of its sweep, its mounting is known, and no other scanner is
 /// expected to send an older one; when too many wait, the oldest goes on without. A mounting, or
-/// odometry, that nobody has published by then is told once and waited for no more.
+/// odometry, that nobody has published is waited for longer (first_wait_s), then told once and
+/// waited for no more.
 class SensorInput {
  public:
   /// waits: false in lockstep, where everything that belongs to a scan came before it.
@@ -66,6 +67,9 @@ class SensorInput {
   [[nodiscard]] bool has_odometry_for(const WaitingScan& waiting, const Source& source) const;
   [[nodiscard]] bool has_mounting(const WaitingScan& waiting, const Source& source) const;
   [[nodiscard]] bool is_complete(const WaitingScan& waiting, const Source& source) const;
+  /// Nobody has published any, and it is still waited for.
+  [[nodiscard]] bool lacks_odometry(const Source& source) const;
+  [[nodiscard]] bool has_waited_long(const WaitingScan& oldest) const;
   void give_up(const WaitingScan& waiting);
   void release();
 

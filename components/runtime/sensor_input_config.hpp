@@ -21,6 +21,7 @@ struct SensorInputConfig {
   bool use_odometry = true;
   double max_odometry_gap_s = 1.0;
   int most_waiting_scans = 20;
+  double first_wait_s = 5.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("scan_topic", c.scan_topic, {.doc = "sensor_msgs/LaserScan in"});
@@ -48,6 +49,12 @@ struct SensorInputConfig {
             {.doc = "a scan waits for odometry, mounting and older scans of other scanners until "
                     "so many of each scanner have come after it",
              .unit = "scans",
+             .min = 0.0});
+    v.field("first_wait_s", c.first_wait_s,
+            {.doc = "odometry and mountings that nobody has published yet are waited for at least "
+                    "this long by the scans' stamps, or until ten times most_waiting_scans wait: "
+                    "at a start scans may be heard before the rest is",
+             .unit = "s",
              .min = 0.0});
   }
 

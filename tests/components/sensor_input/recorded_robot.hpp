@@ -49,6 +49,18 @@ inline nav_msgs::msg::Odometry odometry(double seconds, const Pose2& pose,
   return message;
 }
 
+/// Three beams at once.
+inline sensor_msgs::msg::LaserScan scan(double seconds, const std::string& frame = "laser") {
+  sensor_msgs::msg::LaserScan message;
+  message.header(convert::make_header(at(seconds), frame));
+  message.angle_min(-1.0F);
+  message.angle_max(1.0F);
+  message.angle_increment(1.0F);
+  message.range_max(10.0F);
+  message.ranges({1.0F, 2.0F, 3.0F});
+  return message;
+}
+
 /// A wall ahead, lopsided, with time between the beams.
 inline sensor_msgs::msg::LaserScan sweep(double seconds, const std::string& frame = "laser") {
   sensor_msgs::msg::LaserScan message;

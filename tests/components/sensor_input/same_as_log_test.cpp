@@ -100,9 +100,9 @@ TEST(SameAsLog, OdometryOfTheFootprintIsCarriedToTheRobotsFrame) {
 
 TEST(SameAsLog, AMountingThatNobodyPublishesIsTakenForTheOriginAndTold) {
   RecordedRobot robot;
-  drive(robot, 4.0);
-  scan(robot, 3.5);
-  expect_same(robot, 34);
+  drive(robot, 8.0);  // for longer than a mounting is waited for
+  scan(robot, 7.5);
+  expect_same(robot, 74);
   EXPECT_THAT(robot.report.warnings,
               ElementsAre(HasSubstr("tf_static does not tie laser to base_link")));
   EXPECT_EQ(robot.warnings, robot.report.warnings);
@@ -149,18 +149,18 @@ TEST(SameAsLog, ScannersOnTopicsOfTheirOwn) {
   RecordedRobot robot;
   robot.say(0.0, "/tf_static", test::link(0.0, "base_link", "front", {0.3, 0.2, 0.7}));
   robot.say(0.0, "/tf_static", test::rolled_link("base_link", "back", -0.3, -0.2));
-  drive(robot, 4.0);
-  scan(robot, 3.8, "/front/scan", "front", 0.113);
-  scan(robot, 3.8, "/back/scan", "back", 0.171);
+  drive(robot, 8.0);
+  scan(robot, 7.8, "/front/scan", "front", 0.113);
+  scan(robot, 7.8, "/back/scan", "back", 0.171);
   // Of another rate, and mounted nobody knows where.
-  for (double t = 0.02; t < 3.75; t += 0.037) {
+  for (double t = 0.02; t < 7.75; t += 0.037) {
     robot.say(t + 0.041, "/side/scan", sweep(t, "laser"));
   }
   log::ReadOptions options;
   options.scan_topics = {"/front/scan", "/back/scan", "/side/scan"};
   SensorInputConfig config;
   config.scan_topics = options.scan_topics;
-  expect_same(robot, 37 + 37 + 101, config, options, 1);
+  expect_same(robot, 77 + 77 + 209, config, options, 1);
   EXPECT_EQ(robot.report.scan_topic, "/front/scan, /back/scan, /side/scan");
   EXPECT_THAT(robot.warnings, ElementsAre(HasSubstr("tie laser to base_link")));
 }

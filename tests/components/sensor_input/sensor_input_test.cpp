@@ -17,23 +17,13 @@ namespace {
 using test::at;
 using test::link;
 using test::odometry;
+using test::scan;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
 const double kPi = std::acos(-1.0);
-
-sensor_msgs::msg::LaserScan scan(double seconds, const std::string& frame = "laser") {
-  sensor_msgs::msg::LaserScan message;
-  message.header(convert::make_header(at(seconds), frame));
-  message.angle_min(-1.0F);
-  message.angle_max(1.0F);
-  message.angle_increment(1.0F);
-  message.range_max(10.0F);
-  message.ranges({1.0F, 2.0F, 3.0F});
-  return message;
-}
 
 void expect_near(const Pose2& a, const Pose2& b) {
   EXPECT_NEAR(a.x, b.x, 1e-12);
@@ -152,6 +142,7 @@ TEST(SensorInput, WhenTooManyScansWaitTheOldestGoesWithoutOdometry) {
 TEST(SensorInput, OdometryThatNeverCameIsToldOnceAndWaitedForAgainWhenItComes) {
   SensorInputConfig config;
   config.most_waiting_scans = 2;
+  config.first_wait_s = 0.0;
   SensorInput input(config, true);
   input.add(link(0.0, "base_link", "laser", {}));
   input.add(scan(1.0));
@@ -175,6 +166,7 @@ TEST(SensorInput, OdometryThatNeverCameIsToldOnceAndWaitedForAgainWhenItComes) {
 TEST(SensorInput, AMissingMountingIsWaitedForOnceAndTakenWhenItComes) {
   SensorInputConfig config;
   config.most_waiting_scans = 2;
+  config.first_wait_s = 0.0;
   SensorInput input(config, true);
   for (int i = 0; i < 50; ++i) input.add(odometry(0.1 * i, {}));
   input.add(scan(1.0));
