@@ -33,11 +33,15 @@ void BeamFilter::on_configure() {
 void BeamFilter::open_store() {
   if (config_.store.file.empty() || context().only_explained) return;
   store_.emplace(config_.store);
-  if (const auto state = store_->load()) online_->restore_state(*state, store_->file());
+  const bool is_whole = restored(store_->file(), [&] {
+    if (const auto state = store_->load()) online_->restore_state(*state, store_->file());
+  });
+  if (!is_whole) online_.emplace(config_.filter, config_.window);
 }
 
 void BeamFilter::on_activate() {
-  if (online_->scans_in_window() > 0) publish_map(online_->map(), online_->newest());
+  if (config_.map_every_scans == 0 || online_->scans_in_window() == 0) return;
+  publish_map(online_->map(), online_->newest());
 }
 
 void BeamFilter::on_tick() {
@@ -55,9 +59,9 @@ void BeamFilter::on_scan(PosedScan scan) {
   scan.static_probability = online_->add(scan);
   publish_classes(scan);
   publish_labeled_(convert::to_message(scan, config_.map_frame, "laser"));
-  if (scans_++ % static_cast<std::uint64_t>(config_.map_every_scans) == 0) {
-    publish_map(online_->map(), scan.scan.stamp);
-  }
+  const auto every = static_cast<std::uint64_t>(config_.map_every_scans);
+  if (every > 0 && scans_ % every == 0) publish_map(online_->map(), scan.scan.stamp);
+  ++scans_;
   if (store_ && store_->is_due(scan.scan.stamp)) store_->write(online_->save_state());
 }
 

@@ -13,17 +13,19 @@ struct BeamFilterComponentConfig {
   BeamFilterConfig filter;
   WindowConfig window;
   std::string map_frame = "map";
-  int map_every_scans = 25;
+  int map_every_scans = 0;
   log::StateStoreConfig store;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("filter", c.filter, "what makes a beam static");
     v.group("window", c.window, "which scans beams are judged by");
     v.field("map_frame", c.map_frame, {.doc = "frame of the maps out"});
-    v.field("map_every_scans", c.map_every_scans,
-            {.doc = "the filtered map is published anew after so many scans",
-             .unit = "scans",
-             .min = 1.0});
+    v.field(
+        "map_every_scans", c.map_every_scans,
+        {.doc = "the filtered map is published anew after so many scans; 0: never, where a scan "
+                "matcher publishes its own, which loop closures mend",
+         .unit = "scans",
+         .min = 0.0});
     v.group("store", c.store,
             "going on after the process was stopped; the file belongs to the poses of the scan "
             "matcher's store");

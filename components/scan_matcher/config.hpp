@@ -30,11 +30,40 @@ struct SlamStoreConfig {
   }
 };
 
+/// What others get of the map while the robot is mapping.
+struct LiveMapsConfig {
+  double publish_every_s = 2.0;
+  std::string folder;
+  double save_every_s = 60.0;
+  std::string patch_topic = "patch_map";
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("publish_every_s", c.publish_every_s,
+            {.doc = "live: map, map_filtered, reflection_filtered and trajectory go out this often "
+                    "as the map grows, or as seldom as keeps it to a twentieth of the time; 0: "
+                    "never",
+             .unit = "s",
+             .min = 0.0});
+    v.field("folder", c.folder,
+            {.doc = "live: a MAPS folder, as `strata learn` writes it, is kept here, replaced as a "
+                    "whole by ~/save, when the component is deactivated and every save_every_s; "
+                    "empty: none"});
+    v.field("save_every_s", c.save_every_s,
+            {.doc = "the folder is written this often while the map grows, or as seldom as keeps "
+                    "it to a twentieth of the time; 0: only when asked, and at the end",
+             .unit = "s",
+             .min = 0.0});
+    v.field("patch_topic", c.patch_topic,
+            {.doc = "strata_msgs/PatchMap in: the newest one goes into the folder"});
+  }
+};
+
 struct ScanMatcherConfig {
   runtime::SensorInputConfig input;
   slam::SlamConfig slam;
   slam::KeepConfig live{.window_scans = 2'000};
   SlamStoreConfig store;
+  LiveMapsConfig maps;
   std::string map_frame = "map";
   std::string odometry_frame = "odom";
   bool publish_tf = true;
@@ -46,6 +75,7 @@ struct ScanMatcherConfig {
     v.group("live", c.live,
             "what a running robot keeps of its past; in lockstep everything is kept until the end");
     v.group("store", c.store, "going on after the process was stopped");
+    v.group("maps", c.maps, "maps for others while the robot is mapping");
     v.field("map_frame", c.map_frame, {.doc = "frame of all poses and maps out"});
     v.field("odometry_frame", c.odometry_frame, {.doc = "child of map_frame in /tf"});
     v.field("publish_tf", c.publish_tf,

@@ -1,39 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/scan_matcher/scan_matcher.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <limits>
+#include <string>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/scan_matcher/resumed_place.hpp"
+#include "core/base/error.hpp"
+#include "core/slam/live_map.hpp"
 
 namespace strata::scan_matcher {
 
 void ScanMatcher::on_configure() {
   config_ = read_parameters<ScanMatcherConfig>();
-  keep_live(config_, {"publish_tf"});
-  slam_ = std::make_unique<slam::Slam>(config_.slam, context().threads,
-                                       lockstep() ? slam::KeepConfig{} : config_.live);
+  keep_live<ScanMatcherConfig>({"publish_tf"}, [this](const ScanMatcherConfig& changed) {
+    config_.publish_tf = changed.publish_tf;
+  });
+  make_slam();
+  advertise_topics();
+  subscribe<strata_msgs::msg::ScanPose>("given_pose", "default",
+                                        [this](const auto& message) { given_ = message; });
+  subscribe_sensors(config_.input, config_.sensor_qos);
+  if (lockstep()) return;
+  open_live_maps();
+  open_store();
+  if (saver_ && saver_->has_maps()) go_on_from_folder();
+}
+
+void ScanMatcher::advertise_topics() {
   publish_scan_pose_ = advertise<strata_msgs::msg::ScanPose>("scan_pose", "default");
   publish_posed_scan_ = advertise<strata_msgs::msg::LabeledScan>("posed_scan", "default");
   publish_mapped_scan_ = advertise<strata_msgs::msg::LabeledScan>("mapped_scan", "lossless");
   publish_filtered_ = advertise<strata_msgs::msg::ReflectionGrid>("reflection_filtered", "latched");
   publish_map_ = advertise<nav_msgs::msg::OccupancyGrid>("map", "latched");
   publish_tf_ = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
-  subscribe<strata_msgs::msg::ScanPose>("given_pose", "default",
-                                        [this](const auto& message) { given_ = message; });
-  subscribe_sensors(config_.input, config_.sensor_qos);
-  if (!lockstep()) open_store();
+}
+
+void ScanMatcher::make_slam() {
+  slam_ = std::make_unique<slam::Slam>(config_.slam, context().threads,
+                                       lockstep() ? slam::KeepConfig{} : config_.live);
 }
 
 void ScanMatcher::open_store() {
   if (config_.store.state.file.empty() || context().only_explained) return;
   store_.emplace(config_.store.state);
-  const std::optional<log::Bytes> state = store_->load();
-  if (!state) return;
-  slam_->restore_state(*state, store_->file());
+  const bool is_whole = restored(store_->file(), [&] {
+    if (const auto state = store_->load()) slam_->restore_state(*state, store_->file());
+  });
+  if (!is_whole) make_slam();
   is_restored_ = slam_->newest().has_value();
 }
 
@@ -44,23 +64,52 @@ bool ScanMatcher::resume(const Observation& first) {
       config_.input.use_odometry && runtime::needs_odometry(moment, first, config_.store.carry);
   if (waits_for_odometry_) return false;
   is_restored_ = false;
-  const bool carried = runtime::is_carried(moment, first, config_.store.carry);
-  first_run_ = carried ? kept.run : kept.run + 1;
-  if (carried) return true;
+  if (!kept.is_placed) {
+    first_run_ = kept.run + 1;
+    return true;
+  }
+  slam::LiveMap map(config_.slam.beam_filter);
+  (void)map.update(*slam_, std::numeric_limits<std::size_t>::max());
+  const bool is_recent = runtime::is_carried(moment, first, config_.store.carry);
+  const ResumedPlace place = resumed_place(kept, first, is_recent, map.filtered());
+  const bool goes_on = is_recent && place.is_carried;  // the run, with its odometry
+  first_run_ = goes_on ? kept.run : kept.run + 1;
+  if (!place.fits()) {
+    tell(InputError(full_name(),
+                    "the first scan does not look as the kept map does where the robot "
+                    "is taken to be",
+                    goes_on ? "it goes on by its odometry; nothing needs to be done where it drove "
+                              "into the unknown"
+                            : "drive it to where it was, or begin anew: move all stores of this "
+                              "composition away"));
+  }
+  // Where it is not known, the run is looked for in the map as a whole.
+  if (goes_on || !place.fits()) return true;
   const double m2 = config_.store.stddev_m * config_.store.stddev_m;
   const double rad2 = config_.store.stddev_rad * config_.store.stddev_rad;
-  slam_->begin_next_run_at({kept.map_from_robot, Eigen::Vector3d(m2, m2, rad2).asDiagonal()});
+  slam_->begin_next_run_at({place.map_from_robot, Eigen::Vector3d(m2, m2, rad2).asDiagonal()});
   return true;
 }
 
+void ScanMatcher::on_activate() { publish_maps(); }
+
 void ScanMatcher::on_tick() {
+  publish_maps();
+  save_maps_now_and_then();
+  if (saver_) guarded([this] { check_saver(); });
   if (store_) store_->check();
 }
 
 void ScanMatcher::on_deactivate() {
-  if (!store_ || !slam_->newest()) return;
-  store_->write(slam_->save_state());
-  store_->flush();
+  if (!slam_->newest()) return;
+  if (store_) {
+    store_->write(slam_->save_state());
+    guarded([this] { store_->flush(); });  // the maps may have room elsewhere
+  }
+  if (!saver_) return;
+  guarded([this] { check_saver(); });
+  if (has_unsaved()) save_maps({});
+  saver_->flush();
 }
 
 void ScanMatcher::on_observation(const Observation& scanned) {
@@ -75,11 +124,14 @@ void ScanMatcher::on_observation(const Observation& scanned) {
   observation.run += first_run_;
   const Pose2Gaussian pose = slam_->add(observation, given ? &*given : nullptr);
   if (store_ && store_->is_due(observation.scan.stamp)) store_->write(slam_->save_state());
+  is_lost_ = !lockstep() && slam_->newest() && !slam_->newest()->is_placed;
+  if (is_lost_) return;  // the pose is in a frame of the run
   publish_pose(observation, pose);
   publish_posed_scan_(convert::to_message(
       PosedScan{observation.run, observation.scan, pose.mean, {}}, config_.map_frame, "laser"));
   last_ = std::move(observation);
   last_.scan.ranges_m.clear();
+  publish_maps();
 }
 
 void ScanMatcher::publish_scan_pose(const Observation& observation, const Pose2Gaussian& pose) {
@@ -129,15 +181,24 @@ void ScanMatcher::publish_result(const slam::SlamResult& result) {
 void ScanMatcher::on_diagnose(runtime::Health& health) const {
   diagnose_input(health);
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
+  if (is_lost_) health.warn("looks for its place in the map of the earlier runs");
   health.add("scans kept", static_cast<std::uint64_t>(slam_->kept_scans()));
   health.add("sub-maps kept", static_cast<std::uint64_t>(slam_->kept_submaps()));
+  if (!saver_) return;
+  health.add("seconds the last saving of maps took", saver_->last_s());
 }
 
 void ScanMatcher::on_cleanup() {
   store_.reset();
+  publisher_.reset();
+  saver_.reset();
+  patches_.reset();
+  saved_mapped_ = 0;
+  has_new_patches_ = false;
   slam_.reset();
   is_restored_ = false;
   waits_for_odometry_ = false;
+  is_lost_ = false;
   first_run_ = 0;
   index_ = 0;
 }

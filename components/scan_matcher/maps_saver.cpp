@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/scan_matcher/maps_saver.hpp"
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <system_error>
+#include <utility>
+
+#include <signal.h>
+#include <sys/resource.h>
+#include <time.h>
+
+#include "components/convert/patch_messages.hpp"
+#include "components/log/whole_folder.hpp"
+#include "components/maps/earlier_runs.hpp"
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::scan_matcher {
+namespace {
+
+/// Of this thread.
+double cpu_s() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+/// The newer map, and the older one where that knows nothing, unless its cells are of another size.
+ReflectionGrid filled(const ReflectionGrid& newer, const ReflectionGrid& older) {
+  if (newer.resolution_m() != older.resolution_m()) return newer;
+  ReflectionGrid both =
+      make_reflection_grid(newer.resolution_m(), newer.rect().united(older.rect()));
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    const Cell cell = both.cell(i);
+    const float value = newer.get(cell);
+    both.values()[i] = is_known(value) ? value : older.get(cell);
+  }
+  return both;
+}
+
+/// Somebody may have put maps there since the mapper began.
+void require_replaceable(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  if (fs::is_directory(folder, error) && fs::is_empty(folder, error)) return;
+  if (!fs::exists(folder / maps::kStoreFile, error)) {
+    throw OutputError(folder.string(), "holds something else than maps, which saving would replace",
+                      "name another maps.folder");
+  }
+  const std::string log = maps::log_of(folder);
+  if (log == kLiveLog) return;
+  throw OutputError(folder.string(),
+                    log.empty()
+                        ? "holds maps without a summary, of which nobody knows whose they are"
+                        : "holds maps of '" + log + "', which saving would replace",
+                    "name another maps.folder, or localize in them and go on learning "
+                    "(online.yaml)");
+}
+
+/// Of savers whose process was killed.
+void remove_leftovers(const fs::path& folder) {
+  const std::string mark = "." + folder.filename().string() + ".partial-";
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder.parent_path(), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(mark)) continue;
+    const int process = std::atoi(name.c_str() + mark.size());
+    const bool is_gone = process <= 0 || (kill(process, 0) != 0 && errno == ESRCH);
+    std::error_code ignored;
+    if (is_gone) fs::remove_all(entry.path(), ignored);
+  }
+}
+
+}  // namespace
+
+/// Cancels what a saver that goes is doing.
+class MapsSaver::UntilItEnds : public Progress {
+ public:
+  explicit UntilItEnds(const std::atomic<bool>& ends) : ends_(ends) {}
+  void update(std::string_view /*stage*/, std::size_t /*done*/, std::size_t /*total*/) override {}
+  [[nodiscard]] bool cancelled() const override { return ends_; }
+
+ private:
+  const std::atomic<bool>& ends_;
+};
+
+MapsSaver::MapsSaver(const fs::path& folder, slam::SlamConfig config, slam::KeepConfig keep)
+    : folder_(fs::weakly_canonical(fs::absolute(folder))), config_(std::move(config)), keep_(keep) {
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();
+  log::put_back(log::real_disk(), folder_);
+  remove_leftovers(folder_);
+  require_replaceable(folder_);
+}
+
+bool MapsSaver::has_maps() const {
+  std::error_code error;
+  return fs::exists(folder_ / maps::kStoreFile, error);
+}
+
+MapsSaver::~MapsSaver() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void MapsSaver::save(Snapshot snapshot, Done done) {
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_ = std::move(snapshot);
+    if (done) done_.push_back(std::move(done));
+  }
+  changed_.notify_all();
+}
+
+bool MapsSaver::is_busy() const {
+  const std::lock_guard lock(mutex_);
+  return writes_ || waiting_.has_value();
+}
+
+void MapsSaver::check() {
+  std::string error;
+  {
+    const std::lock_guard lock(mutex_);
+    error = std::exchange(error_, {});
+  }
+  if (error.empty()) return;
+  throw OutputError(folder_.string(), "the maps could not be saved: " + error,
+                    "make room or name another maps.folder; it is tried again as the map grows");
+}
+
+void MapsSaver::flush() {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !waiting_ && !writes_; });
+  }
+  check();
+}
+
+void MapsSaver::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return waiting_ || ends_; });
+    if (ends_) return;
+    const Snapshot snapshot = std::move(*std::exchange(waiting_, std::nullopt));
+    const std::vector<Done> done = std::exchange(done_, {});
+    writes_ = true;
+    lock.unlock();
+    const auto begin = std::chrono::steady_clock::now();
+    std::string error;
+    try {
+      write(snapshot);
+    } catch (const std::exception& reason) {
+      error = reason.what();
+    }
+    last_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    for (const Done& tell : done) {
+      try {
+        tell(error);
+      } catch (const std::exception&) {  // too little memory to answer
+      }
+    }
+    lock.lock();
+    writes_ = false;
+    error_ = error;
+    changed_.notify_all();
+  }
+}
+
+void MapsSaver::write(const Snapshot& snapshot) {
+  const auto begin = std::chrono::steady_clock::now();
+  const double cpu_before_s = cpu_s();
+  require_replaceable(folder_);
+  log::WholeFolder folder(folder_, log::real_disk(), log::WholeFolder::Existing::kReplace);
+  UntilItEnds progress(ends_);
+  slam::Slam copy(config_, 1, keep_);  // the mapper comes first
+  copy.restore_state(snapshot.slam, "the running mapper");
+  const slam::SlamResult result = copy.finish(&progress);
+  maps::write_grid_maps(folder.aside(), result);
+  if (snapshot.patches) {
+    patch::PatchMap patches = convert::from_message(*snapshot.patches);
+    patches.base = filled(result.filtered, patches.base);
+    maps::write_patch_map(folder.aside(), patches);
+  }
+  maps::JobCost cost;
+  cost.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  cost.cpu_s = cpu_s() - cpu_before_s;
+  cost.peak_rss_mb = peak_rss_mb();
+  (void)maps::write_summary(folder.aside(), kLiveLog, cost);
+  require_replaceable(folder_);
+  folder.commit();
+}
+
+}  // namespace strata::scan_matcher

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/scan_matcher/resumed_place.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/slam/scan_fit.hpp"
+
+namespace strata::scan_matcher {
+namespace {
+
+/// By so much the better place must explain more than the other.
+constexpr double kClearly = 0.15;
+
+bool is_near_zero(const Pose2& pose) {
+  return std::hypot(pose.x, pose.y) < 0.1 && std::abs(pose.theta) < 0.05;
+}
+
+bool may_have_gone_on(const Pose2& before, const Pose2& now, double seconds) {
+  constexpr double kFastest_mps = 2.0;
+  constexpr double kSlack_m = 0.5;
+  if (is_near_zero(now) && !is_near_zero(before)) return false;
+  return seconds >= 0.0 && translation_distance(before, now) <= kSlack_m + kFastest_mps * seconds;
+}
+
+/// Odometry drifts.
+slam::FitReach reach_after(double moved_m) {
+  slam::FitReach reach;
+  reach.reach_m = std::min(1.5, reach.reach_m + 0.1 * moved_m);
+  reach.reach_rad = std::min(0.4, reach.reach_rad + 0.03 * moved_m);
+  return reach;
+}
+
+}  // namespace
+
+ResumedPlace resumed_place(const slam::Slam::Newest& kept, const Observation& first, bool is_recent,
+                           const ReflectionGrid& map) {
+  const slam::ScanFit stayed = slam::fit_near(map, first.scan, kept.map_from_robot);
+  ResumedPlace where_it_was{false, stayed.map_from_robot, stayed.explained()};
+  if (!where_it_was.fits()) where_it_was.map_from_robot = kept.map_from_robot;
+  if (!kept.odom_from_robot || !first.has_odometry) return where_it_was;
+  const Pose2 step = between(*kept.odom_from_robot, first.odom_from_robot);
+  const slam::ScanFit carried = slam::fit_near(map, first.scan, kept.map_from_robot * step,
+                                               reach_after(step.translation().norm()));
+  const double since_s = (first.scan.stamp - kept.stamp).seconds();
+  const bool seems_carried =
+      is_recent || may_have_gone_on(*kept.odom_from_robot, first.odom_from_robot, since_s);
+  const double ahead = carried.explained() - stayed.explained();
+  if (seems_carried ? ahead < -kClearly : ahead <= kClearly) return where_it_was;
+  return {true, carried.map_from_robot, carried.explained()};
+}
+
+}  // namespace strata::scan_matcher
