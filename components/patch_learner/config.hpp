@@ -34,9 +34,10 @@ struct LearnerStoreConfig {
 
 /// Learning that never ends: see core/patch/online_learner.hpp.
 struct OnlineLearningConfig {
-  bool enabled = false;
+  bool enabled = true;
   patch::OnlineConfig learner;
   std::string scan_topic = "labeled_scan";
+  std::string trajectory_topic = "trajectory";
   std::string maps;
   double publish_every_s = 10.0;
   LearnerStoreConfig store;
@@ -44,16 +45,24 @@ struct OnlineLearningConfig {
   static void describe(Self& c, V& v) {
     v.field(
         "enabled", c.enabled,
-        {.doc = "learn scan by scan while the robot works, and publish the map when it changes"});
+        {.doc = "learn scan by scan while the robot works, and publish the map when it changes; "
+                "false: keep every scan. In lockstep without `maps` all is learned at the end of "
+                "the log, as `strata learn` does"});
     v.group("learner", c.learner, "what is kept, and how often changes are looked for");
     v.field("scan_topic", c.scan_topic,
             {.doc = "strata_msgs/LabeledScan in: labeled_scan of a beam filter (poses of SLAM), or "
                     "located_scan of a localizer, which works in a learned map"});
+    v.field("trajectory_topic", c.trajectory_topic,
+            {.doc = "nav_msgs/Path in, as a scan matcher's: where scans are known to have been "
+                    "taken since a loop was closed; empty: scans stay where they came"});
     v.field("maps", c.maps,
             {.doc = "folder to go on from: its filtered map, and the scans it was learned from; "
                     "empty: begin with nothing, on the map from reflection_filtered"});
     v.field("publish_every_s", c.publish_every_s,
-            {.doc = "a changed map is published no more often than this", .unit = "s", .min = 0.0});
+            {.doc = "a changed map is published no more often than this, or as seldom as keeps it "
+                    "to a twentieth of the time",
+             .unit = "s",
+             .min = 0.0});
     v.group("store", c.store, "going on after the process has ended");
   }
 };
@@ -69,7 +78,8 @@ struct PatchLearnerComponentConfig {
     v.group("online", c.online, "learning while the robot works");
     v.field("map_frame", c.map_frame, {.doc = "frame of the map out"});
     v.field("learn_every_scans", c.learn_every_scans,
-            {.doc = "live: learn anew from all scans after so many; 0: never. Takes seconds",
+            {.doc = "live and not online: learn anew from all scans after so many; 0: never. Takes "
+                    "seconds",
              .unit = "scans",
              .min = 0.0});
   }

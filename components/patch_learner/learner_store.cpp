@@ -2,17 +2,38 @@
 #include "components/patch_learner/learner_store.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "components/log/damaged_file.hpp"
 #include "components/log/state_store.hpp"
-#include "core/base/error.hpp"
+#include "core/base/damage.hpp"
 
 namespace fs = std::filesystem;
 
 namespace strata::patch_learner {
+
+namespace {
+
+constexpr std::string_view kScans = "scans_";
+
+/// Of scans_NUMBER.db; nothing for other files, and for one that was set aside.
+std::optional<std::size_t> number_of(const fs::path& file) {
+  const std::string name = file.stem().string();
+  if (file.extension() != ".db" || !name.starts_with(kScans)) return std::nullopt;
+  std::size_t number = 0;
+  const char* const last = name.data() + name.size();
+  const auto end = std::from_chars(name.data() + kScans.size(), last, number);
+  if (end.ec != std::errc() || end.ptr != last) return std::nullopt;
+  return number;
+}
+
+}  // namespace
 
 LearnerStore::LearnerStore(fs::path folder, double state_period_s, const log::Disk& disk)
     : disk_(disk), folder_(std::move(folder)), state_period_s_(state_period_s) {
@@ -25,7 +46,7 @@ LearnerStore::LearnerStore(fs::path folder, double state_period_s, const log::Di
 }
 
 fs::path LearnerStore::scans_file(std::size_t number) const {
-  return folder_ / ("scans_" + std::to_string(number) + ".db");
+  return folder_ / (std::string(kScans) + std::to_string(number) + ".db");
 }
 
 bool LearnerStore::has_state() const {
@@ -33,17 +54,40 @@ bool LearnerStore::has_state() const {
   return fs::exists(state_file(), error);
 }
 
-int LearnerStore::restore(patch::OnlinePatchLearner& learner) {
+void LearnerStore::restore_state(patch::OnlinePatchLearner& learner) const {
   learner.restore_state(log::read_state_file(state_file()), state_file().string());
-  int last_run = learner.last_run();
-  const fs::path scans = scans_file(learner.status().scans_seen);
-  if (!fs::exists(scans)) return last_run;
-  const memory::Store store(scans, {.read_only = true});
-  for (const int run : store.runs_with_scans()) {
-    for (PosedScan& scan : store.load_scans(run)) (void)learner.add(std::move(scan));
-    last_run = std::max(last_run, run);
+}
+
+std::vector<fs::path> LearnerStore::scans_files(const patch::OnlinePatchLearner* restored) const {
+  std::map<std::size_t, fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    const std::optional<std::size_t> number = number_of(entry.path());
+    if (!number || (restored != nullptr && *number != restored->status().scans_seen)) continue;
+    files[*number] = entry.path();
   }
-  return last_run;
+  std::vector<fs::path> sorted;
+  for (const auto& [number, file] : files) sorted.push_back(file);
+  return sorted;
+}
+
+int LearnerStore::add_scans(const fs::path& file, patch::OnlinePatchLearner& learner) {
+  memory::Store store(file, {.read_only = true});
+  try {
+    for (const int run : store.runs_with_scans()) {
+      if (run < learner.last_run()) continue;  // of another life
+      for (PosedScan& scan : store.load_scans(run)) (void)learner.add(std::move(scan));
+    }
+  } catch (const DamageError&) {
+    store.leave_as_is();
+    throw;
+  }
+  return learner.last_run();
+}
+
+int LearnerStore::restore(patch::OnlinePatchLearner& learner) const {
+  restore_state(learner);
+  for (const fs::path& file : scans_files(&learner)) (void)add_scans(file, learner);
+  return learner.last_run();
 }
 
 void LearnerStore::begin(const patch::OnlinePatchLearner& learner) {
@@ -89,7 +133,8 @@ void LearnerStore::write_state(const patch::OnlinePatchLearner& learner) {
   // From here on, after a power cut too, the state holds what the old scans file has.
   std::vector<fs::path> old;
   for (const auto& entry : fs::directory_iterator(folder_)) {
-    if (entry.path().filename().string().starts_with("scans_")) old.push_back(entry.path());
+    const bool is_ours = entry.path().filename().string().starts_with(kScans);
+    if (is_ours && !log::is_set_aside(entry.path())) old.push_back(entry.path());
   }
   for (const fs::path& file : old) disk_.remove(file);  // with what SQLite keeps beside it
   scans_.emplace(scans);

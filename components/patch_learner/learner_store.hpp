@@ -26,9 +26,20 @@ class LearnerStore {
 
   /// Whether something is stored.
   [[nodiscard]] bool has_state() const;
+  [[nodiscard]] std::filesystem::path state_file() const { return folder_ / "learner.state"; }
+  /// Restores the stored state; the learner must be new, and is of no use when this throws.
+  /// Throws InputError, DamageError for a file that is damaged; it stays as it is.
+  void restore_state(patch::OnlinePatchLearner& learner) const;
+  /// The files of the scans after the state that was restored into the learner, in order; without
+  /// one, when it is lost, of all scans that there are.
+  [[nodiscard]] std::vector<std::filesystem::path> scans_files(
+      const patch::OnlinePatchLearner* restored) const;
+  /// Adds the scans of such a file to the learner, run by run, and gives the number of the last
+  /// run. Throws as restore_state; the learner then has the runs before the damage.
+  static int add_scans(const std::filesystem::path& file, patch::OnlinePatchLearner& learner);
   /// Restores what is stored and adds the scans after it; the learner must be new. Gives the number
   /// of the last run. Throws InputError for files that are damaged; they stay as they are.
-  int restore(patch::OnlinePatchLearner& learner);
+  int restore(patch::OnlinePatchLearner& learner) const;
   /// The learner is at its beginning, or was restored: from here on `add` may be called. Throws
   /// OutputError.
   void begin(const patch::OnlinePatchLearner& learner);
@@ -40,7 +51,6 @@ class LearnerStore {
   void flush();
 
  private:
-  [[nodiscard]] std::filesystem::path state_file() const { return folder_ / "learner.state"; }
   [[nodiscard]] std::filesystem::path scans_file(std::size_t number) const;
   void write_state(const patch::OnlinePatchLearner& learner);
 

@@ -9,8 +9,11 @@
 #include "components/convert/map_messages.hpp"
 #include "components/convert/patch_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/log/damaged_file.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/runtime/share_of_time.hpp"
+#include "core/grid/shared_walls.hpp"
 
 namespace strata::patch_learner {
 namespace {
@@ -21,6 +24,23 @@ bool is_same(const ReflectionGrid& a, const ReflectionGrid& b) {
          std::memcmp(a.values().data(), b.values().data(), a.size() * sizeof(float)) == 0;
 }
 
+/// A broken trajectory must not spread scans over a whole town, which takes all memory.
+bool is_near(const Pose2& pose, const ReflectionGrid& map) {
+  const auto is_between = [&](double value_m, int min, int max) {
+    constexpr double kFar_m = runtime::PoseWatch::kFar_m;
+    return value_m > min * map.resolution_m() - kFar_m &&
+           value_m < max * map.resolution_m() + kFar_m;
+  };
+  const CellRect& rect = map.rect();
+  return is_between(pose.x, rect.min.x, rect.max.x) && is_between(pose.y, rect.min.y, rect.max.y);
+}
+
+/// Less of the walls that were learned on are not gone, but in another frame.
+constexpr double kLeastShared = 0.5;
+
+/// Scans that wait for the first map.
+constexpr std::size_t kMostEarly = 200;
+
 }  // namespace
 
 void PatchLearner::on_configure() {
@@ -28,28 +48,39 @@ void PatchLearner::on_configure() {
   keep_live(config_, {"learn_every_scans"});
   learner_.emplace(config_.patch, context().threads);
   publish_map_ = advertise<strata_msgs::msg::PatchMap>("patch_map", "latched");
+  const OnlineLearningConfig& online = config_.online;
+  is_online_ = online.enabled && (!lockstep() || !online.maps.empty());
   subscribe<strata_msgs::msg::ReflectionGrid>(
       "reflection_filtered", "latched",
       [this](const auto& message) { on_base(convert::from_message(message)); });
-  const auto take = [this](const auto& message) { on_scan(message); };
-  const OnlineLearningConfig& online = config_.online;
-  if (online.enabled && !online.maps.empty()) on_base(maps::read_maps(online.maps).filtered);
-  if (lockstep() && (!online.enabled || online.maps.empty())) {
-    subscribe<strata_msgs::msg::LabeledScan>("mapped_scan", "lossless", take);
+  if (is_online_ && !online.maps.empty()) on_base(maps::read_maps(online.maps).filtered);
+  if (!lockstep() && is_online_ && !online.trajectory_topic.empty()) {
+    subscribe<nav_msgs::msg::Path>(online.trajectory_topic, "latched",
+                                   [this](const auto& message) { on_trajectory(message); });
   }
-  if (online.enabled || !lockstep()) {
-    subscribe<strata_msgs::msg::LabeledScan>(online.enabled ? online.scan_topic : "labeled_scan",
-                                             "lossless", take);
-  }
+  const bool learns_at_end = lockstep() && !is_online_;
+  const std::string live_topic = is_online_ ? online.scan_topic : "labeled_scan";
+  subscribe<strata_msgs::msg::LabeledScan>(learns_at_end ? "mapped_scan" : live_topic, "lossless",
+                                           [this](const auto& message) { on_scan(message); });
 }
 
 void PatchLearner::on_base(ReflectionGrid filtered) {
+  const bool is_new = !filtered_ || !is_same(*filtered_, filtered);
   filtered_ = std::move(filtered);
-  if (!config_.online.enabled) return;
+  if (!is_online_ || !is_new) return;
   if (online_) {
     online_->set_base(*filtered_);
-  } else {
+    has_news_ = true;
+    publish_if_due();
+    return;
+  }
+  has_news_ = config_.online.maps.empty();  // others have those maps
+  try {
     begin_online(*filtered_);
+  } catch (...) {  // half of it must neither learn nor be written
+    online_.reset();
+    store_.reset();
+    throw;
   }
 }
 
@@ -58,23 +89,30 @@ void PatchLearner::begin_online(const ReflectionGrid& base) {
   online_.emplace(config_.patch, online.learner, base, context().threads);
   const bool keeps = !lockstep() && !online.store.folder.empty() && !context().only_explained;
   if (keeps) store_.emplace(online.store.folder, online.store.state_period_s);
-  if (!restore(base) && !online.maps.empty()) {
+  bool is_stored = store_ && store_->has_state();
+  bool is_restored = is_stored && restore(base);
+  if (is_restored && online.maps.empty() && shared_walls(online_->base(), base) < kLeastShared) {
+    set_other_map_aside(base);
+    is_stored = is_restored = false;
+  }
+  if (!is_restored && !online.maps.empty()) {
     maps::EarlierRuns earlier = maps::read_earlier_runs(online.maps);
     first_run_ = earlier.next_run;
     for (PosedScan& scan : earlier.scans) (void)online_->add(std::move(scan));
   }
-  if (store_) store_->begin(*online_);
+  if (is_stored) add_stored_scans(is_restored);
+  if (is_restored && online.maps.empty()) online_->set_base(base);
+  if (store_) guarded([this] { store_->begin(*online_); });  // tried again with the next state
   submaps_ = online_->map().submaps.size();
+  for (PosedScan& scan : std::exchange(early_, {})) learn_online(std::move(scan));
 }
 
 bool PatchLearner::restore(const ReflectionGrid& base) {
-  if (!store_ || !store_->has_state()) return false;
-  first_run_ = store_->restore(*online_) + 1;
-  has_news_ = true;
-  const ReflectionGrid& stored = online_->base();
-  if (config_.online.maps.empty()) {
-    online_->set_base(base);
-  } else if (!is_same(stored, base)) {
+  if (!restored(store_->state_file(), [&] { store_->restore_state(*online_); })) {
+    online_.emplace(config_.patch, config_.online.learner, base, context().threads);
+    return false;
+  }
+  if (!config_.online.maps.empty() && !is_same(online_->base(), base)) {
     throw ConfigError(full_name(),
                       "online.store.folder '" + config_.online.store.folder +
                           "' was learned on other maps than '" + config_.online.maps + "'",
@@ -83,10 +121,30 @@ bool PatchLearner::restore(const ReflectionGrid& base) {
   return true;
 }
 
+void PatchLearner::set_other_map_aside(const ReflectionGrid& base) {
+  const std::string state = store_->state_file().string();
+  for (const auto& file : store_->scans_files(nullptr)) (void)log::set_aside(file);
+  const std::string aside = log::set_aside(state).string();
+  warn(InputError(state,
+                  "was learned on a map that has few walls where the one that comes has them; it "
+                  "was set aside as '" +
+                      aside + "', and is gone on without",
+                  "keep the stores of a scan matcher and of who learns in its map together"));
+  online_.emplace(config_.patch, config_.online.learner, base, context().threads);
+}
+
+void PatchLearner::add_stored_scans(bool is_restored) {
+  for (const auto& file : store_->scans_files(is_restored ? &*online_ : nullptr)) {
+    (void)restored(file, [&] { (void)LearnerStore::add_scans(file, *online_); });
+  }
+  if (online_->status().scans_seen > 0) first_run_ = online_->last_run() + 1;
+  has_news_ = true;
+}
+
 void PatchLearner::on_scan(const strata_msgs::msg::LabeledScan& message) {
   PosedScan scan = convert::from_message(message);
   if (!lockstep()) poses_.require(scan.map_from_robot, resolve("labeled_scan"));
-  if (config_.online.enabled) {
+  if (is_online_) {
     learn_online(std::move(scan));
     return;
   }
@@ -100,10 +158,13 @@ void PatchLearner::on_scan(const strata_msgs::msg::LabeledScan& message) {
 
 void PatchLearner::learn_online(PosedScan scan) {
   if (!online_) {
+    early_.push_back(std::move(scan));
+    if (early_.size() <= kMostEarly) return;
+    early_.pop_front();
     ++scans_without_map_;
     return;
   }
-  const Stamp now = scan.scan.stamp;
+  newest_ = scan.scan.stamp;
   scan.run += first_run_;
   if (store_) {
     has_news_ = online_->add(scan) || has_news_;
@@ -111,19 +172,46 @@ void PatchLearner::learn_online(PosedScan scan) {
   } else {
     has_news_ = online_->add(std::move(scan)) || has_news_;
   }
-  if (!has_news_) return;
-  if (published_ && std::abs((now - *published_).seconds()) < config_.online.publish_every_s) {
+  publish_if_due();
+}
+
+void PatchLearner::on_trajectory(const nav_msgs::msg::Path& message) {
+  known_poses_.emplace(message);
+  if (online_) move_scans();
+}
+
+void PatchLearner::move_scans() {
+  const Clock::time_point begin = Clock::now();
+  if (!known_poses_ || begin < may_move_) return;
+  const bool have_moved = online_->move_scans([this](const PosedScan& scan) {
+    const std::optional<Pose2> pose = known_poses_->at(scan.scan.stamp);
+    return pose && is_near(*pose, *filtered_) ? pose : std::nullopt;
+  });
+  known_poses_.reset();
+  may_move_ = runtime::next_turn(begin);
+  if (!have_moved) return;
+  ++moves_;
+  has_news_ = true;
+  if (store_) guarded([this] { store_->begin(*online_); });
+  publish_if_due();
+}
+
+void PatchLearner::publish_if_due() {
+  const Clock::time_point begin = Clock::now();
+  if (!has_news_ || (!lockstep() && begin < may_publish_)) return;
+  if (published_ && std::abs((newest_ - *published_).seconds()) < config_.online.publish_every_s) {
     return;
   }
   const patch::PatchMap map = online_->map();
   submaps_ = map.submaps.size();
-  publish_map_(convert::to_message(map, now, config_.map_frame));
-  published_ = now;
+  publish_map_(convert::to_message(map, newest_, config_.map_frame));
+  published_ = newest_;
   has_news_ = false;
+  may_publish_ = runtime::next_turn(begin);
 }
 
 void PatchLearner::on_diagnose(runtime::Health& health) const {
-  if (!config_.online.enabled) {
+  if (!is_online_) {
     health.add("scans", static_cast<std::uint64_t>(learner_ ? learner_->size() : 0));
     return;
   }
@@ -142,6 +230,7 @@ void PatchLearner::on_diagnose(runtime::Health& health) const {
   health.add("configurations forgotten",
              static_cast<std::uint64_t>(status.forgotten_configurations));
   health.add("bytes", static_cast<std::uint64_t>(status.bytes));
+  health.add("times that loop closures moved scans", moves_);
 }
 
 void PatchLearner::on_finish(const std::filesystem::path& out_dir) {
@@ -156,6 +245,10 @@ void PatchLearner::on_finish(const std::filesystem::path& out_dir) {
 }
 
 void PatchLearner::on_tick() {
+  if (online_) {
+    move_scans();
+    publish_if_due();
+  }
   const std::chrono::duration<double> since = std::chrono::steady_clock::now() - flushed_;
   if (!store_ || since.count() < config_.online.store.save_period_s) return;
   flushed_ = std::chrono::steady_clock::now();
@@ -173,8 +266,14 @@ void PatchLearner::on_cleanup() {
   online_.reset();
   poses_ = {};
   published_.reset();
+  known_poses_.reset();
+  early_.clear();
+  may_move_ = {};
+  may_publish_ = {};
   has_news_ = false;
   scans_without_map_ = 0;
+  moves_ = 0;
+  first_run_ = 0;
 }
 
 }  // namespace strata::patch_learner

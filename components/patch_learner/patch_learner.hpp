@@ -4,10 +4,12 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
 
 #include "components/patch_learner/config.hpp"
+#include "components/patch_learner/known_poses.hpp"
 #include "components/patch_learner/learner_store.hpp"
 #include "components/runtime/component.hpp"
 #include "components/runtime/pose_watch.hpp"
@@ -16,9 +18,10 @@
 
 namespace strata::patch_learner {
 
-/// In: mapped_scan (lockstep) or labeled_scan (live), reflection_filtered. Out: patch_map; at the
-/// end of a log the patch map in MAPS. Online (online.enabled) it also learns from
-/// online.scan_topic in lockstep, publishes each changed map, and goes on after a finish.
+/// In: reflection_filtered, and mapped_scan (lockstep) or online.scan_topic (live). Out: patch_map;
+/// at the end of a log the patch map in MAPS. Online (live, or with online.maps) it publishes each
+/// changed map, moves scans to where a trajectory has them after a loop closure, and goes on after
+/// a finish.
 class PatchLearner final : public runtime::Component {
  public:
   using Component::Component;
@@ -29,16 +32,25 @@ class PatchLearner final : public runtime::Component {
   void on_tick() override;
   void on_deactivate() override;
   void on_cleanup() override;
-  [[nodiscard]] bool learns() const override { return !config_.online.enabled; }
+  [[nodiscard]] bool learns() const override { return !is_online_; }
   void on_diagnose(runtime::Health& health) const override;
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_scan(const strata_msgs::msg::LabeledScan& message);
   void on_base(ReflectionGrid filtered);
   /// Makes the online learner, with what is stored or what its maps were learned from.
   void begin_online(const ReflectionGrid& base);
-  /// False when nothing is stored.
+  /// Of the stored state; false when that was damaged and is set aside.
   bool restore(const ReflectionGrid& base);
+  /// The mapper has begun anew since, in a frame of its own.
+  void set_other_map_aside(const ReflectionGrid& base);
+  /// The scans after the restored state, or all that are left.
+  void add_stored_scans(bool is_restored);
   void learn_online(PosedScan scan);
+  void on_trajectory(const nav_msgs::msg::Path& message);
+  /// Unless that was done a moment ago: it takes long.
+  void move_scans();
+  /// The map, when it has changed.
+  void publish_if_due();
 
   PatchLearnerComponentConfig config_;
   std::optional<patch::PatchLearner> learner_;
@@ -47,10 +59,19 @@ class PatchLearner final : public runtime::Component {
   std::optional<LearnerStore> store_;
   std::chrono::steady_clock::time_point flushed_;
   runtime::PoseWatch poses_;
-  int first_run_ = 0;                    // online: of the scans that come, after those of `maps`
-  std::uint64_t scans_without_map_ = 0;  // online: came before there was a map to learn on
-  bool has_news_ = false;                // online: changed and not published yet
+  // What follows is for online learning.
+  using Clock = std::chrono::steady_clock;
+  bool is_online_ = false;
+  int first_run_ = 0;            // of the scans that come, after those of `maps`
+  std::deque<PosedScan> early_;  // came before there was a map to learn on
+  std::uint64_t scans_without_map_ = 0;
+  Stamp newest_;
+  std::optional<KnownPoses> known_poses_;  // that scans have not been moved to yet
+  Clock::time_point may_move_;
+  std::uint64_t moves_ = 0;
+  bool has_news_ = false;  // changed and not published yet
   std::optional<Stamp> published_;
+  Clock::time_point may_publish_;
   std::size_t submaps_ = 0;
   std::function<void(const strata_msgs::msg::PatchMap&)> publish_map_;
 };
