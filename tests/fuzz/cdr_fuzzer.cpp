@@ -100,6 +100,7 @@ constexpr void (*kServices[])(Input) = {
     serve<srv::Seek>,
     serve<srv::SplitBagfile>,
     serve<srv::GetTypeDescription>,
+    serve<srv::Trigger>,
 };
 
 /// The next byte chooses the service, and its highest bit whose client asks: Cyclone's puts a
@@ -146,6 +147,7 @@ constexpr void (*kKinds[])(Input) = {
     receive<strata_msgs::msg::LocalizationHealth>,
     receive<nav2_msgs::msg::ParticleCloud>,
     receive_request,
+    receive<nav_msgs::msg::Path>,
 };
 
 }  // namespace

@@ -25,6 +25,7 @@ ScratchFolder::~ScratchFolder() {
 
 fs::path ScratchFolder::write(const std::string& name, Input bytes) const {
   fs::path file = path_ / name;
+  for (const char* part : {"-wal", "-shm"}) fs::remove(file.string() + part);  // of the one before
   std::ofstream out(file, std::ios::binary | std::ios::trunc);
   out.write(reinterpret_cast<const char*>(bytes.data()),
             static_cast<std::streamsize>(bytes.size()));
