@@ -86,6 +86,7 @@ inline void tell(benchmark::State& state, std::vector<double> each_ms) {
     return each_ms[static_cast<std::size_t>(share * static_cast<double>(each_ms.size() - 1))];
   };
   state.counters["median_ms"] = at(0.5);
+  state.counters["p95_ms"] = at(0.95);
   state.counters["p99_ms"] = at(0.99);
   state.counters["max_ms"] = at(1.0);
   state.counters["scans"] = static_cast<double>(each_ms.size());
