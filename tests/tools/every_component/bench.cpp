@@ -38,6 +38,9 @@ std::string parameters_of(const std::string& type, const std::filesystem::path& 
     return "{log: '" + written_log(folder).string() + "', loop: true, rate: 100.0}";
   }
   if (type == "strata::Localizer") return "{start: {pose: [0.0, 0.0, 0.0]}, model: occupancy}";
+  if (type == "strata::ScanMatcher") {
+    return "{maps: {folder: '" + (folder / "maps").string() + "', publish_every_s: 0.01}}";
+  }
   if (type == "strata::PatchLearner") return "{online: {enabled: true, publish_every_s: 0.0}}";
   if (type == "strata::TimescaleMemory") return "{publish_period_s: 0.1}";
   return "{}";

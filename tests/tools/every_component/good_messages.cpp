@@ -142,6 +142,20 @@ Bytes clock(int step) {
   return convert::to_cdr(message);
 }
 
+/// Of the posed scans so far, each a little aside of where it came.
+Bytes trajectory(int step) {
+  nav_msgs::msg::Path path;
+  path.header(convert::make_header(stamp_of(step), "map"));
+  for (int s = 0; s <= step; ++s) {
+    const PosedScan scan = posed_scan(s);
+    geometry_msgs::msg::PoseStamped pose;
+    pose.header(convert::make_header(scan.scan.stamp, "map"));
+    pose.pose(convert::to_pose(Pose2{0.1, 0.0, 0.0} * scan.map_from_robot));
+    path.poses().push_back(pose);
+  }
+  return convert::to_cdr(path);
+}
+
 /// Writes what the IDL says, little-endian.
 class Plain {
  public:
@@ -213,6 +227,7 @@ std::vector<std::uint8_t> good_message(const std::string& type, const std::strin
        [](const auto&, int s) {
          return convert::to_cdr(convert::to_odometry(stamp_of(s), pose_of(s), "odom", "base_link"));
        }},
+      {"nav_msgs/msg/Path", [](const auto&, int s) { return trajectory(s); }},
       {"tf2_msgs/msg/TFMessage", transforms},
       {"sensor_msgs/msg/PointCloud2", [](const auto&, int s) { return cloud(s); }},
       {"strata_msgs/msg/LabeledScan",
