@@ -32,9 +32,10 @@ function(strata_room name)
   set_property(GLOBAL APPEND PROPERTY STRATA_ROOMS ${target})
 endfunction()
 
-# One test program a folder of tests: strata_tests(core_grid SOURCES ... LINKS core_grid)
+# One test program a folder of tests: strata_tests(core_grid SOURCES ... LINKS core_grid). ALONE: no
+# other test runs beside its own.
 function(strata_tests name)
-  cmake_parse_arguments(TESTS "" "TIMEOUT" "SOURCES;LINKS;PACKAGES;LABELS" ${ARGN})
+  cmake_parse_arguments(TESTS "ALONE" "TIMEOUT" "SOURCES;LINKS;PACKAGES;LABELS" ${ARGN})
   set(target test_${name})
   add_executable(${target} ${TESTS_SOURCES})
   list(TRANSFORM TESTS_LINKS PREPEND strata_)
@@ -45,5 +46,5 @@ function(strata_tests name)
     set(TESTS_TIMEOUT 300)
   endif()
   gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST
-    PROPERTIES TIMEOUT ${TESTS_TIMEOUT} LABELS "${TESTS_LABELS}")
+    PROPERTIES TIMEOUT ${TESTS_TIMEOUT} RUN_SERIAL ${TESTS_ALONE} LABELS "${TESTS_LABELS}")
 endfunction()
