@@ -125,7 +125,7 @@ void TimescaleModel::prepare(const Scan& scan, Scratch& scratch) const {
   }
 }
 
-std::size_t TimescaleModel::log_likelihoods(const Scan& scan, double tempering,
+std::size_t TimescaleModel::log_likelihoods(const Scan& scan, const Weighing& weighing,
                                             localization::ParticleSet& particles,
                                             std::span<double> log_likelihood,
                                             WorkerPool& pool) const {
@@ -136,7 +136,7 @@ std::size_t TimescaleModel::log_likelihoods(const Scan& scan, double tempering,
   const auto weigh_chunk = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
     for (std::size_t i = begin; i < end; ++i) {
       const Pose2 laser = particles.pose(i) * scratch->beams.robot_from_laser;
-      log_likelihood[i] = log_likelihood_at(laser, levels, *scratch) / tempering;
+      log_likelihood[i] = log_likelihood_at(laser, levels, *scratch) / weighing.tempering;
     }
   };
   pool.for_chunks(particles.size(), kChunk, std::cref(weigh_chunk));

@@ -73,16 +73,18 @@ void LikelihoodFieldModel::find_points(const Scan& scan, std::size_t most, Point
   }
 }
 
-std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, double tempering,
+std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, const Weighing& weighing,
                                                   ParticleSet& particles,
                                                   std::span<double> log_likelihood,
                                                   WorkerPool& pool) const {
   const auto points = points_.borrow();
-  find_points(scan, static_cast<std::size_t>(config_.max_beams), *points);
+  // 0 is all of them, however many scans there are.
+  const auto most = static_cast<std::size_t>(config_.max_beams);
+  find_points(scan, (most + weighing.scans - 1) / weighing.scans, *points);
   const FieldPoints field_points{points->x.data(), points->y.data(), points->x.size()};
   const double scale = 1.0 / field_.log_likelihood().resolution_m();
   const Cell corner = field_.log_likelihood().rect().min;
-  const double factor = -quantum_ / tempering;
+  const double factor = -quantum_ / weighing.tempering;
   // The border shifts the table by one cell.
   const double offset_x = 1.0 - corner.x;
   const double offset_y = 1.0 - corner.y;

@@ -22,8 +22,11 @@ struct LikelihoodFieldModelConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("field", c.field, "likelihood of an end point by its distance to the map");
-    v.field("max_beams", c.max_beams,
-            {.doc = "hits in use, spread evenly; 0: all", .unit = "beams", .min = 0});
+    v.field(
+        "max_beams", c.max_beams,
+        {.doc = "hits in use, spread evenly, shared by scanners that are weighed together; 0: all",
+         .unit = "beams",
+         .min = 0});
     v.field("tempering", c.tempering,
             {.doc = "the log-likelihood is divided by this, as beams are not independent",
              .unit = "1",
@@ -42,7 +45,7 @@ class LikelihoodFieldModel final : public SensorModel {
                                 const LikelihoodFieldModelConfig& config = {},
                                 std::shared_ptr<const RayCaster> caster = nullptr);
 
-  std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
+  std::size_t log_likelihoods(const Scan& scan, const Weighing& weighing, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.tempering; }
   /// A hit is explained within 3 hit_stddev of an obstacle, and met within as much along its ray:

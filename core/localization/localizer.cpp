@@ -116,9 +116,10 @@ bool Localizer::is_due() {
 }
 
 /// What the other scanners saw meanwhile, each in turn, as if the robot had stood still since.
-void Localizer::weigh_companions(const Observation& observation, double tempering) {
-  for (const CompanionScans::Companion* companion : companions_.take(observation)) {
-    (void)model_->log_likelihoods(companion->scan, tempering, particles_, log_likelihood_, *pool_);
+void Localizer::weigh_companions(const std::vector<CompanionScans::Companion*>& companions,
+                                 const Weighing& weighing) {
+  for (const CompanionScans::Companion* companion : companions) {
+    (void)model_->log_likelihoods(companion->scan, weighing, particles_, log_likelihood_, *pool_);
     (void)reweigh(particles_, log_likelihood_);
     const Pose2Gaussian pose = estimate(particles_);
     if (const PatchStates* states = model_->patch_states()) states->absorb(pose, particles_);
@@ -163,15 +164,19 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   if (states != nullptr) states->predict(dt_s, seed_, step_, particles_, *pool_);
 
   log_likelihood_.resize(particles_.size());
-  const double tempering = model_->tempering() * annealing();
-  if (turns_.alive() > 1) weigh_companions(observation, tempering);
+  Weighing weighing{model_->tempering() * annealing()};
+  if (turns_.alive() > 1) {
+    const auto& companions = companions_.take(observation);
+    weighing.scans += companions.size();
+    weigh_companions(companions, weighing);
+  }
   const std::size_t beams =
-      model_->log_likelihoods(observation.scan, tempering, particles_, log_likelihood_, *pool_);
+      model_->log_likelihoods(observation.scan, weighing, particles_, log_likelihood_, *pool_);
   const double log_mean = reweigh(particles_, log_likelihood_);
   const Pose2Gaussian pose = estimate(particles_);
   if (states != nullptr) states->absorb(pose, particles_);
   if (beams > 0 && std::isfinite(log_mean)) {
-    monitor_.add(std::exp(log_mean * tempering / static_cast<double>(beams)),
+    monitor_.add(std::exp(log_mean * weighing.tempering / static_cast<double>(beams)),
                  model_->explain(observation.scan, pose.mean, particles_), position_stddev(pose));
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose);

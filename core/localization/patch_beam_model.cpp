@@ -45,7 +45,7 @@ void PatchBeamModel::cast(const ScanScratch& scan, const ChunkStates& states,
   scratch.changing.follow(caster_, fans, scratch.boxes, states, scan.mixture);
 }
 
-std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, double tempering,
+std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, const Weighing& weighing,
                                             ParticleSet& particles,
                                             std::span<double> log_likelihood,
                                             WorkerPool& pool) const {
@@ -71,9 +71,10 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan, double tempering,
     scratch->sums.resize(row);
     sum_rows(scratch->logs.data(), beams, row, scratch->sums.data());
     for (std::size_t i = begin; i < end; ++i) {
-      log_likelihood[i] = (scratch->sums[i - begin] + scratch->single_log[i - begin]) / tempering;
+      log_likelihood[i] =
+          (scratch->sums[i - begin] + scratch->single_log[i - begin]) / weighing.tempering;
     }
-    if (!is_sampled) remember(tempering, particles, begin, end, log_likelihood, *scratch);
+    if (!is_sampled) remember(weighing.tempering, particles, begin, end, log_likelihood, *scratch);
   };
   pool.for_chunks(particles.size(), kChunk, std::cref(weigh));
   return beams;

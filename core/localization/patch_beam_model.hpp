@@ -37,7 +37,7 @@ class PatchBeamModel final : public SensorModel {
   explicit PatchBeamModel(std::shared_ptr<const patch::PatchMap> map,
                           const PatchBeamModelConfig& config = {});
 
-  std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
+  std::size_t log_likelihoods(const Scan& scan, const Weighing& weighing, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.beam.tempering; }
   [[nodiscard]] Explanation explain(const Scan& scan, const Pose2& map_from_robot,

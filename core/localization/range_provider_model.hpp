@@ -68,7 +68,7 @@ class RangeProviderModel final : public SensorModel {
     require_valid(config, "beam_model");
   }
 
-  std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
+  std::size_t log_likelihoods(const Scan& scan, const Weighing& weighing, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override {
     const auto scratch = scratch_.borrow();
     prepare(scan, *scratch);
@@ -77,7 +77,7 @@ class RangeProviderModel final : public SensorModel {
       const auto chunk = chunk_scratch_.borrow();
       weigh_chunk(*scratch, particles, begin, end, *chunk);
       for (std::size_t i = begin; i < end; ++i) {
-        log_likelihood[i] = chunk->sums[i - begin] / tempering;
+        log_likelihood[i] = chunk->sums[i - begin] / weighing.tempering;
       }
     };
     pool.for_chunks(particles.size(), kChunk, std::cref(weigh));

@@ -16,6 +16,13 @@ namespace strata::localization {
 
 class PatchStates;
 
+/// How a scan is weighed.
+struct Weighing {
+  double tempering = 1.0;  ///< divides the log-likelihood; > 0
+  /// So many scans, of as many scanners, are weighed together, and share what one may cost.
+  std::size_t scans = 1;
+};
+
 /// A map and how beams behave in it. Const and without hidden state, so that several localizers may
 /// share one; what a model remembers of a run lies in the particles, or in a copy for one run.
 class SensorModel {
@@ -25,13 +32,14 @@ class SensorModel {
   SensorModel& operator=(const SensorModel&) = delete;
   virtual ~SensorModel() = default;
 
-  /// log_likelihood[i] = ln p(z | particle i) / tempering, up to a constant that is the same for
-  /// all particles [nats]. May read and, with a memory of sub-maps, update the beliefs that the
-  /// particles carry; nothing else of them. One virtual call a scan. The result does not depend on
-  /// the number of threads. Returns how many beams spoke. Requires log_likelihood.size() ==
-  /// particles.size() and tempering > 0.
-  virtual std::size_t log_likelihoods(const Scan& scan, double tempering, ParticleSet& particles,
-                                      std::span<double> log_likelihood, WorkerPool& pool) const = 0;
+  /// log_likelihood[i] = ln p(z | particle i) / weighing.tempering, up to a constant that is the
+  /// same for all particles [nats]. May read and, with a memory of sub-maps, update the beliefs
+  /// that the particles carry; nothing else of them. One virtual call a scan. The result does not
+  /// depend on the number of threads. Returns how many beams spoke. Requires log_likelihood.size()
+  /// == particles.size().
+  virtual std::size_t log_likelihoods(const Scan& scan, const Weighing& weighing,
+                                      ParticleSet& particles, std::span<double> log_likelihood,
+                                      WorkerPool& pool) const = 0;
 
   /// The temperature for tracking: by how much the log-likelihood is divided because neighbouring
   /// beams, and neighbouring scans, are not independent (SPEC C3).

@@ -42,7 +42,7 @@ inline double weigh(const localization::SensorModel& model,
   double pairs = 0.0;
   for (std::size_t n = 0; n < sets.size(); ++n) {
     const Scan& scan = peers_scenario().observations[10 * n].scan;
-    pairs += 500.0 * static_cast<double>(model.log_likelihoods(scan, 1.0, sets[n], log, pool));
+    pairs += 500.0 * static_cast<double>(model.log_likelihoods(scan, {1.0}, sets[n], log, pool));
     benchmark::DoNotOptimize(log.data());
   }
   return pairs;

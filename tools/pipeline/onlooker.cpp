@@ -46,7 +46,7 @@ Onlooker::Likelihood Onlooker::likelihood(const Scan& scan) const {
   ParticleSet copy = particles_;  // a sensor model may update the beliefs that particles carry
   std::vector<double> values(copy.size());
   Likelihood result;
-  result.beams = model_.sensor->log_likelihoods(scan, 1.0, copy, values, pool_);
+  result.beams = model_.sensor->log_likelihoods(scan, {1.0}, copy, values, pool_);
   result.nats = localization::reweigh(copy, values);
   return result;
 }
@@ -54,7 +54,7 @@ Onlooker::Likelihood Onlooker::likelihood(const Scan& scan) const {
 void Onlooker::learn(const Scan& scan) {
   if (states_ == nullptr) return;
   std::vector<double> values(particles_.size());
-  model_.sensor->log_likelihoods(scan, model_.sensor->tempering(), particles_, values, pool_);
+  model_.sensor->log_likelihoods(scan, {model_.sensor->tempering()}, particles_, values, pool_);
   localization::reweigh(particles_, values);
   states_->absorb(localization::estimate(particles_), particles_);
   const auto n = static_cast<double>(particles_.size());

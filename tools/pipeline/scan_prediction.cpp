@@ -81,7 +81,7 @@ double oracle_fit(const ChangeEvent& event, const Scan& scan, const Pose2& map_f
   robot.set_pose(0, map_from_robot);
   double nats = 0.0;
   WorkerPool pool(1);
-  const std::size_t beams = oracle.log_likelihoods(scan, 1.0, robot, std::span(&nats, 1), pool);
+  const std::size_t beams = oracle.log_likelihoods(scan, {1.0}, robot, std::span(&nats, 1), pool);
   return beams == 0 ? 0.0 : nats / static_cast<double>(beams);
 }
 

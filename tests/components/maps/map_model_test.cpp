@@ -85,7 +85,7 @@ TEST(MapModels, OfEveryNameExpectTheWallWhereItIsAndPreferTheTruePose) {
     EXPECT_NEAR(expected_range_m(truth, std::numbers::pi - truth.theta), 2.5, 0.15);
 
     std::vector<double> log_likelihood(2, 0.0);
-    EXPECT_GT(model.sensor->log_likelihoods(scan, 1.0, particles, log_likelihood, pool), 0U);
+    EXPECT_GT(model.sensor->log_likelihoods(scan, {1.0}, particles, log_likelihood, pool), 0U);
     EXPECT_GT(log_likelihood[0], log_likelihood[1]);
   }
 }
@@ -175,7 +175,7 @@ TEST(MapModels, OfPatchesExpectTheConfigurationThatTheScansShow) {
     const MapModel model = make_map_model(maps, "patch_per_particle", {});
     ParticleSet particles = particles_at(model, {robot});
     std::vector<double> log_likelihood(1, 0.0);
-    model.sensor->log_likelihoods(memory::test_world::observe(robot, 9000.0, with_box).scan, 1.0,
+    model.sensor->log_likelihoods(memory::test_world::observe(robot, 9000.0, with_box).scan, {1.0},
                                   particles, log_likelihood, pool);
     // The box begins at x = 2, the wall behind it at x = 5.
     EXPECT_NEAR(model.best_prediction(particles)(robot, 0.0), with_box ? 3.5 : 6.5, 0.1);
@@ -305,7 +305,7 @@ TEST(MapModels, OfEndPointsPreferTheTruePoseInEitherGrid) {
     ParticleSet particles = particles_at(model, {truth, {-1.1, -0.3, 0.2}});
     EXPECT_NEAR(model.best_prediction(particles)(truth, std::numbers::pi - truth.theta), 2.5, 0.15);
     std::vector<double> log_likelihood(2, 0.0);
-    EXPECT_GT(model.sensor->log_likelihoods(scan, 1.0, particles, log_likelihood, pool), 0U);
+    EXPECT_GT(model.sensor->log_likelihoods(scan, {1.0}, particles, log_likelihood, pool), 0U);
     EXPECT_GT(log_likelihood[0], log_likelihood[1]);
   }
 }

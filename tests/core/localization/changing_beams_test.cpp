@@ -37,7 +37,7 @@ TEST_P(PatchBeams, WeighAsTheReferenceDoesBeamByBeam) {
     const ParticleSet before = particles;
     std::vector<double> got(particles.size());
     WorkerPool pool(1);
-    model.log_likelihoods(scan, kTempering, particles, got, pool);
+    model.log_likelihoods(scan, {kTempering}, particles, got, pool);
     const Reference reference(*map, states, scan);
     for (std::size_t i = 0; i < particles.size(); ++i) {
       const Slow expected = reference.weigh(before, i);
@@ -69,7 +69,7 @@ TEST_P(PatchBeams, GiveTheSameBitsOnEveryTargetAndAnyNumberOfThreads) {
       ParticleSet particles = before;
       std::vector<double> got(particles.size());
       WorkerPool pool(threads);
-      model.log_likelihoods(scan, kTempering, particles, got, pool);
+      model.log_likelihoods(scan, {kTempering}, particles, got, pool);
       if (first.empty()) {
         first = got;
         first_beliefs = particles.beliefs;
@@ -170,7 +170,7 @@ TEST_P(PatchBeams, WeighAsTheReferenceDoesWhereABeamCrossesMoreBoxesThanCanBeNam
   EXPECT_GT(crowd.in_many, 20);
   std::vector<double> got(particles.size());
   WorkerPool pool(1);
-  model.log_likelihoods(scan, kTempering, particles, got, pool);
+  model.log_likelihoods(scan, {kTempering}, particles, got, pool);
   const Reference reference(*map, *model.patch_states(), scan);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Slow expected = reference.weigh(before, i);

@@ -67,7 +67,7 @@ TEST(LikelihoodFieldModel, EqualsTheSumOverEndPoints) {
   }
   std::vector<double> got(40);
   WorkerPool pool(2);
-  EXPECT_EQ(model.log_likelihoods(scan, 2.0, particles, got, pool), 100U);
+  EXPECT_EQ(model.log_likelihoods(scan, {2.0}, particles, got, pool), 100U);
   const Endpoints points = endpoints_in_robot(scan);
   for (std::size_t i = 0; i < 40; ++i) {
     double sum = 0.0;

@@ -45,7 +45,7 @@ double belief_in_wall(const std::shared_ptr<patch::PatchMap>& map, double y_m) {
   states.draw(particles, 0, random);
   double log_likelihood = 0.0;
   WorkerPool pool(1);
-  EXPECT_EQ(model.log_likelihoods(scan, 1.0, particles, std::span(&log_likelihood, 1), pool), 1U);
+  EXPECT_EQ(model.log_likelihoods(scan, {1.0}, particles, std::span(&log_likelihood, 1), pool), 1U);
   return static_cast<double>(particles.belief(0)[0]);
 }
 

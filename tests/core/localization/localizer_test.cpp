@@ -196,13 +196,13 @@ class SureModel final : public SensorModel {
  public:
   double explained = 0.95;
 
-  std::size_t log_likelihoods(const Scan& /*scan*/, double tempering, ParticleSet& particles,
-                              std::span<double> log_likelihood,
+  std::size_t log_likelihoods(const Scan& /*scan*/, const Weighing& weighing,
+                              ParticleSet& particles, std::span<double> log_likelihood,
                               WorkerPool& /*pool*/) const override {
     for (std::size_t i = 0; i < particles.size(); ++i) {
       const Pose2 off = between({4.0, 1.2, 0.0}, particles.pose(i));
       const double squared = off.x * off.x + off.y * off.y + off.theta * off.theta;
-      log_likelihood[i] = -squared / (0.01 * tempering);
+      log_likelihood[i] = -squared / (0.01 * weighing.tempering);
     }
     return 1;
   }

@@ -101,7 +101,8 @@ TEST(PatchBelief, ManyBeamsTellTwoUnlikelyConfigurationsApartFromAfar) {
   double log_likelihood = 0.0;
   WorkerPool pool(1);
   // So many that each of the first two is far more than e^80 times as likely as what was believed.
-  EXPECT_GT(model.log_likelihoods(scan, 1.0, particles, std::span(&log_likelihood, 1), pool), 100U);
+  EXPECT_GT(model.log_likelihoods(scan, {1.0}, particles, std::span(&log_likelihood, 1), pool),
+            100U);
   EXPECT_GT(particles.belief(0)[1], 0.99F);
   EXPECT_LT(particles.belief(0)[0], 0.01F);
 }

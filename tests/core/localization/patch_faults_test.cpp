@@ -57,8 +57,8 @@ TEST(PatchFaults, AMapWithoutSubmapsWeighsAsTheGridMapDoes) {
   WorkerPool pool(1);
   std::vector<double> a(50);
   std::vector<double> b(50);
-  EXPECT_EQ(patches->log_likelihoods(observation.scan, 2.0, particles, a, pool),
-            grid.log_likelihoods(observation.scan, 2.0, particles, b, pool));
+  EXPECT_EQ(patches->log_likelihoods(observation.scan, {2.0}, particles, a, pool),
+            grid.log_likelihoods(observation.scan, {2.0}, particles, b, pool));
   for (std::size_t i = 0; i < 50; ++i) EXPECT_NEAR(a[i], b[i], 1e-9);
   Localizer localizer = started(patches, drive);
   LocalizationResult result;
@@ -124,8 +124,8 @@ TEST(PatchFaults, OdometryThatJumpsIsLeftOutAndCounted) {
 /// Says that no particle can have seen anything.
 class ImpossibleModel final : public SensorModel {
  public:
-  std::size_t log_likelihoods(const Scan&, double, ParticleSet&, std::span<double> log_likelihood,
-                              WorkerPool&) const override {
+  std::size_t log_likelihoods(const Scan&, const Weighing&, ParticleSet&,
+                              std::span<double> log_likelihood, WorkerPool&) const override {
     std::fill(log_likelihood.begin(), log_likelihood.end(),
               -std::numeric_limits<double>::infinity());
     return 1;

@@ -198,7 +198,7 @@ TEST(PatchMixing, StaysFiniteWhereWeightsOfZeroMakeBeamsImpossible) {
         model.patch_states()->draw(particles, i, random);
       }
       std::vector<double> log_likelihood(particles.size());
-      model.log_likelihoods(scan, 1.0, particles, log_likelihood, pool);
+      model.log_likelihoods(scan, {1.0}, particles, log_likelihood, pool);
       for (const double log : log_likelihood) ASSERT_TRUE(std::isfinite(log)) << log;
       for (const float p : particles.beliefs) ASSERT_TRUE(std::isfinite(p)) << p;
     }

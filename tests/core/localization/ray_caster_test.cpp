@@ -160,7 +160,7 @@ TEST(GridBeamModel, WeighsAsAProviderOfSingleRangesDoesWithTheSameBitsOnEveryTar
   const auto weigh = [&](const SensorModel& model, int threads) {
     std::vector<double> log_likelihood(particles.size());
     WorkerPool pool(threads);
-    EXPECT_EQ(model.log_likelihoods(scan, 2.0, particles, log_likelihood, pool), 41U);
+    EXPECT_EQ(model.log_likelihoods(scan, {2.0}, particles, log_likelihood, pool), 41U);
     return log_likelihood;
   };
   const RangeProviderModel<RayCaster> model(std::make_shared<const RayCaster>(map, 3.0));
