@@ -82,18 +82,11 @@ TEST(LiveSensor, KeepsTheOdometryOfSecondsWhileTheComponentIsBusy) {
   ASSERT_TRUE(scans.raw().wait_for_readers(1, seconds(20)));
   ASSERT_TRUE(odometry.raw().wait_for_readers(1, seconds(20)));
   const Component& busy = *host->components().front();
-  // The first ones may come before the readers know their writers.
-  const auto one = convert::to_odometry(Stamp::from_seconds(1.0), Pose2{}, "odom", "base_link");
-  ASSERT_TRUE(test::comes_true([&] {
-    odometry.publish(one);
-    return busy.counts().received > 1;  // the mounting is one of them, or will be
-  }));
-  ASSERT_TRUE(test::comes_true([&] {
-    scans.publish(test::sweep(1.0, "front"));
-    return Busy::is_at_work.load();
-  }));
+  // Reliable: it waits for a reader that does not know its writer yet. More of them would fill the
+  // queue at once.
+  scans.publish(test::sweep(1.0, "front"));
+  ASSERT_TRUE(test::comes_true([] { return Busy::is_at_work.load(); }));
   const std::uint64_t before = busy.counts().received;
-  const std::uint64_t dropped_before = busy.dropped();  // scans, on a slow machine
   constexpr std::uint64_t kMessages = 500;  // of a base at 100 Hz
   for (std::uint64_t i = 0; i < kMessages; ++i) {
     const Stamp stamp = Stamp::from_seconds(1.0 + 0.01 * static_cast<double>(i));
@@ -103,7 +96,7 @@ TEST(LiveSensor, KeepsTheOdometryOfSecondsWhileTheComponentIsBusy) {
   Busy::is_free = true;
   Busy::is_free.notify_all();
   EXPECT_TRUE(test::comes_true([&] { return busy.counts().done() == busy.counts().received; }));
-  EXPECT_EQ(busy.dropped(), dropped_before);
+  EXPECT_EQ(busy.dropped(), 0U);
 }
 
 TEST(LiveSensor, TellsAMountingThatIsMissingOnceAndHearsEveryScanner) {
