@@ -2,7 +2,10 @@
 #include "core/localization/companion_scans.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
+#include <numbers>
 
 namespace strata::localization {
 namespace {
@@ -11,7 +14,35 @@ constexpr double kLongestAgoS = 0.5;
 /// More than a robot has: then it is a mounting that is measured anew with every scan.
 constexpr std::size_t kMostScanners = 8;
 
+/// Calls look(beam, place) with the place in a full circle of `directions` that each beam points
+/// to, seen from the robot, as if the scanner sat in its middle.
+template <class Look>
+void for_directions(const Scan& scan, std::size_t directions, const Look& look) {
+  const double heading = scan.robot_from_laser.theta;
+  for (std::size_t beam = 0; beam < scan.size(); ++beam) {
+    const double turns = (heading + scan.bearing_rad(beam)) * (0.5 / std::numbers::pi);
+    const double place = (turns - std::floor(turns)) * static_cast<double>(directions);
+    look(beam, std::min(static_cast<std::size_t>(place), directions - 1));
+  }
+}
+
 }  // namespace
+
+void CompanionScans::leave_out_covered(Scan& scan) const {
+  for_directions(scan, kDirections, [&](std::size_t beam, std::size_t place) {
+    if (is_covered_[place]) scan.ranges_m[beam] = std::numeric_limits<float>::quiet_NaN();
+  });
+}
+
+std::size_t CompanionScans::cover(const Scan& scan) {
+  std::size_t hits = 0;
+  for_directions(scan, kDirections, [&](std::size_t beam, std::size_t place) {
+    if (scan.kind(beam) != BeamKind::kHit) return;
+    is_covered_[place] = true;
+    ++hits;
+  });
+  return hits;
+}
 
 void CompanionScans::keep(const Observation& observation) {
   const Pose2& mounting = observation.scan.robot_from_laser;
@@ -29,6 +60,9 @@ void CompanionScans::keep(const Observation& observation) {
 
 const std::vector<CompanionScans::Companion*>& CompanionScans::take(const Observation& now) {
   taken_.clear();
+  is_covered_.fill(false);
+  const std::size_t own = cover(now.scan);
+  std::size_t all = own;
   for (Kept& kept : kept_) {
     Companion& companion = kept.companion;
     const Observation& then = companion.observation;
@@ -42,10 +76,17 @@ const std::vector<CompanionScans::Companion*>& CompanionScans::take(const Observ
                                     : Pose2{};
       companion.scan = then.scan;
       companion.scan.robot_from_laser = companion.now_from_then * then.scan.robot_from_laser;
+      leave_out_covered(companion.scan);
+      const std::size_t hits = cover(companion.scan);
+      companion.share = static_cast<double>(hits);
+      all += hits;
       taken_.push_back(&companion);
     }
     kept.is_fresh = false;
   }
+  const double whole = 1.0 / static_cast<double>(std::max<std::size_t>(all, 1));
+  for (Companion* companion : taken_) companion->share *= whole;
+  own_share_ = all > 0 ? static_cast<double>(own) * whole : 1.0;
   return taken_;
 }
 

@@ -78,9 +78,8 @@ std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, const Weighi
                                                   std::span<double> log_likelihood,
                                                   WorkerPool& pool) const {
   const auto points = points_.borrow();
-  // 0 is all of them, however many scans there are.
-  const auto most = static_cast<std::size_t>(config_.max_beams);
-  find_points(scan, (most + weighing.scans - 1) / weighing.scans, *points);
+  const double most = std::ceil(weighing.share * config_.max_beams);  // 0 is all of them
+  find_points(scan, static_cast<std::size_t>(most), *points);
   const FieldPoints field_points{points->x.data(), points->y.data(), points->x.size()};
   const double scale = 1.0 / field_.log_likelihood().resolution_m();
   const Cell corner = field_.log_likelihood().rect().min;

@@ -22,11 +22,11 @@ struct LikelihoodFieldModelConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("field", c.field, "likelihood of an end point by its distance to the map");
-    v.field(
-        "max_beams", c.max_beams,
-        {.doc = "hits in use, spread evenly, shared by scanners that are weighed together; 0: all",
-         .unit = "beams",
-         .min = 0});
+    v.field("max_beams", c.max_beams,
+            {.doc = "hits in use, spread evenly over the scan, or over those of several scanners "
+                    "that are weighed together; 0: all",
+             .unit = "beams",
+             .min = 0});
     v.field("tempering", c.tempering,
             {.doc = "the log-likelihood is divided by this, as beams are not independent",
              .unit = "1",

@@ -116,10 +116,10 @@ bool Localizer::is_due() {
 }
 
 /// What the other scanners saw meanwhile, each in turn, as if the robot had stood still since.
-void Localizer::weigh_companions(const std::vector<CompanionScans::Companion*>& companions,
-                                 const Weighing& weighing) {
-  for (const CompanionScans::Companion* companion : companions) {
-    (void)model_->log_likelihoods(companion->scan, weighing, particles_, log_likelihood_, *pool_);
+void Localizer::weigh_companions(const Observation& observation, double tempering) {
+  for (const CompanionScans::Companion* companion : companions_.take(observation)) {
+    (void)model_->log_likelihoods(companion->scan, {tempering, companion->share}, particles_,
+                                  log_likelihood_, *pool_);
     (void)reweigh(particles_, log_likelihood_);
     const Pose2Gaussian pose = estimate(particles_);
     if (const PatchStates* states = model_->patch_states()) states->absorb(pose, particles_);
@@ -166,9 +166,8 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   log_likelihood_.resize(particles_.size());
   Weighing weighing{model_->tempering() * annealing()};
   if (turns_.alive() > 1) {
-    const auto& companions = companions_.take(observation);
-    weighing.scans += companions.size();
-    weigh_companions(companions, weighing);
+    weigh_companions(observation, weighing.tempering);
+    weighing.share = companions_.own_share();
   }
   const std::size_t beams =
       model_->log_likelihoods(observation.scan, weighing, particles_, log_likelihood_, *pool_);

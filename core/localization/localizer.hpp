@@ -86,8 +86,7 @@ class Localizer {
   [[nodiscard]] bool is_due();
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
-  void weigh_companions(const std::vector<CompanionScans::Companion*>& companions,
-                        const Weighing& weighing);
+  void weigh_companions(const Observation& observation, double tempering);
   void roughen_start();
   void resample();
   [[nodiscard]] std::size_t least_while_annealing() const;

@@ -107,23 +107,49 @@ HWY_INLINE void draw_row(const MotionDraw& draw, bool has_back, std::size_t firs
   hn::StoreU(wrap_lanes(d, theta), d, theta_rad);
 }
 
-void draw_motions_lanes(const MotionDraw& draw, std::size_t first, const PoseColumns& poses) {
+/// Calls row(i, x, y, theta) for poses i, i + 1, ... of one vector each; the last ones are copied
+/// to a row that zeros fill up.
+template <class Row>
+HWY_INLINE void for_rows(const PoseColumns& poses, Row&& row) {
   const std::size_t lanes = hn::Lanes(Tag());
-  const bool has_back = !(draw.back == Pose2{});
   std::size_t i = 0;
   for (; i + lanes <= poses.count; i += lanes) {
-    draw_row(draw, has_back, first + i, poses.x_m + i, poses.y_m + i, poses.theta_rad + i);
+    row(i, poses.x_m + i, poses.y_m + i, poses.theta_rad + i);
   }
   if (i == poses.count) return;
   double rest[3][kParts] = {};
   std::copy(poses.x_m + i, poses.x_m + poses.count, rest[0]);
   std::copy(poses.y_m + i, poses.y_m + poses.count, rest[1]);
   std::copy(poses.theta_rad + i, poses.theta_rad + poses.count, rest[2]);
-  draw_row(draw, has_back, first + i, rest[0], rest[1], rest[2]);
+  row(i, rest[0], rest[1], rest[2]);
   const std::size_t left = poses.count - i;
   std::copy(rest[0], rest[0] + left, poses.x_m + i);
   std::copy(rest[1], rest[1] + left, poses.y_m + i);
   std::copy(rest[2], rest[2] + left, poses.theta_rad + i);
+}
+
+void draw_motions_lanes(const MotionDraw& draw, std::size_t first, const PoseColumns& poses) {
+  const bool has_back = !(draw.back == Pose2{});
+  for_rows(poses, [&](std::size_t i, double* x_m, double* y_m, double* theta_rad) {
+    draw_row(draw, has_back, first + i, x_m, y_m, theta_rad);
+  });
+}
+
+void move_poses_lanes(const Pose2& motion, const PoseColumns& poses) {
+  for_rows(poses, [&](std::size_t, double* x_m, double* y_m, double* theta_rad) {
+    const Tag d;
+    const auto theta = hn::LoadU(d, theta_rad);
+    const auto along = hn::Set(d, motion.x);
+    const auto across = hn::Set(d, motion.y);
+    Lanes s;
+    Lanes c;
+    sin_cos(d, theta, s, c);
+    const auto x = hn::Sub(hn::Mul(c, along), hn::Mul(s, across));
+    const auto y = hn::Add(hn::Mul(s, along), hn::Mul(c, across));
+    hn::StoreU(hn::Add(hn::LoadU(d, x_m), x), d, x_m);
+    hn::StoreU(hn::Add(hn::LoadU(d, y_m), y), d, y_m);
+    hn::StoreU(wrap_lanes(d, hn::Add(theta, hn::Set(d, motion.theta))), d, theta_rad);
+  });
 }
 
 }  // namespace strata::localization::HWY_NAMESPACE
@@ -133,9 +159,14 @@ HWY_AFTER_NAMESPACE();
 namespace strata::localization {
 
 HWY_EXPORT(draw_motions_lanes);
+HWY_EXPORT(move_poses_lanes);
 
 void draw_motions(const MotionDraw& draw, std::size_t first, const PoseColumns& poses) {
   HWY_DYNAMIC_DISPATCH(draw_motions_lanes)(draw, first, poses);
+}
+
+void move_poses(const Pose2& before_from_after, const PoseColumns& poses) {
+  HWY_DYNAMIC_DISPATCH(move_poses_lanes)(before_from_after, poses);
 }
 
 }  // namespace strata::localization

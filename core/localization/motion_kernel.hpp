@@ -32,4 +32,7 @@ struct MotionDraw {
 /// Requires |theta| < 1e4. O(count).
 void draw_motions(const MotionDraw& draw, std::size_t first, const PoseColumns& poses);
 
+/// pose_i <- pose_i * before_from_after. Requires |theta| < 1e4. O(count).
+void move_poses(const Pose2& before_from_after, const PoseColumns& poses);
+
 }  // namespace strata::localization

@@ -63,9 +63,8 @@ MotionSpread motion_spread(const MotionParts& parts, const MotionModelConfig& co
 void move_particles(const Pose2& before_from_after, ParticleSet& particles, WorkerPool& pool) {
   if (before_from_after == Pose2{}) return;
   const auto move = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
-    for (std::size_t i = begin; i < end; ++i) {
-      particles.set_pose(i, particles.pose(i) * before_from_after);
-    }
+    move_poses(before_from_after, {particles.x_m.data() + begin, particles.y_m.data() + begin,
+                                   particles.theta_rad.data() + begin, end - begin});
   };
   pool.for_chunks(particles.size(), kChunk, std::cref(move));
 }

@@ -19,8 +19,8 @@ class PatchStates;
 /// How a scan is weighed.
 struct Weighing {
   double tempering = 1.0;  ///< divides the log-likelihood; > 0
-  /// So many scans, of as many scanners, are weighed together, and share what one may cost.
-  std::size_t scans = 1;
+  /// Of the beams that a model looks at: less than 1 where several scanners share them.
+  double share = 1.0;
 };
 
 /// A map and how beams behave in it. Const and without hidden state, so that several localizers may
