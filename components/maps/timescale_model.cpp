@@ -125,7 +125,8 @@ void TimescaleModel::prepare(const Scan& scan, Scratch& scratch) const {
   }
 }
 
-std::size_t TimescaleModel::log_likelihoods(const Scan& scan, const Weighing& weighing,
+std::size_t TimescaleModel::log_likelihoods(const Scan& scan,
+                                            const localization::Weighing& weighing,
                                             localization::ParticleSet& particles,
                                             std::span<double> log_likelihood,
                                             WorkerPool& pool) const {

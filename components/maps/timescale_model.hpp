@@ -45,7 +45,7 @@ class TimescaleModel final : public localization::SensorModel {
                  std::shared_ptr<const memory::NodeMap> map,
                  const localization::BeamModelConfig& config, const TimescaleUse& use);
 
-  std::size_t log_likelihoods(const Scan& scan, const Weighing& weighing,
+  std::size_t log_likelihoods(const Scan& scan, const localization::Weighing& weighing,
                               localization::ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.tempering; }

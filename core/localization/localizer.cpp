@@ -105,13 +105,10 @@ Pose2 Localizer::motion_since_last(const Observation& observation) {
 bool Localizer::is_due() {
   const GatingConfig& gating = config_.gating;
   if (must_weigh_ || !last_weighed_ || gating.every_scans == 1) return true;
-  // Several scanners' scans are weighed together, which says more and takes longer.
-  const auto scanners = static_cast<double>(turns_.alive());
-  const double share = 1.0 + 0.25 * (scanners - 1.0);
-  const bool passes =
-      static_cast<double>(scans_since_weighed_) >= scanners * share * gating.every_scans ||
-      std::hypot(moved_.x, moved_.y) >= share * gating.translation_m ||
-      std::abs(moved_.theta) >= share * gating.rotation_rad;
+  const auto scans = static_cast<double>(turns_.alive()) * gating.every_scans;
+  const bool passes = static_cast<double>(scans_since_weighed_) >= scans ||
+                      std::hypot(moved_.x, moved_.y) >= gating.translation_m ||
+                      std::abs(moved_.theta) >= gating.rotation_rad;
   return passes && turns_.has_turn();
 }
 

@@ -93,6 +93,26 @@ TEST(MotionKernel, EveryTargetDrawsTheSameBitsNearThoseOfTheStandardLibrary) {
   });
 }
 
+TEST(MotionKernel, EveryTargetMovesToTheSameBitsNearThePosesComposed) {
+  const Pose2 motion{0.07, -0.02, 3.0};
+  const ParticleSet before = some_particles();
+  std::vector<ParticleSet> sets;
+  for_every_target([&] {
+    ParticleSet moved = before;
+    move_poses(motion, {moved.x_m.data(), moved.y_m.data(), moved.theta_rad.data(), moved.size()});
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      const Pose2 expected = before.pose(i) * motion;
+      EXPECT_NEAR(moved.x_m[i], expected.x, 1e-14 * std::max(1.0, std::abs(expected.x)));
+      EXPECT_NEAR(moved.y_m[i], expected.y, 1e-14 * std::max(1.0, std::abs(expected.y)));
+      EXPECT_NEAR(angle_difference(moved.theta_rad[i], expected.theta), 0.0, 1e-14);
+    }
+    sets.push_back(std::move(moved));
+    EXPECT_EQ(sets.back().x_m, sets.front().x_m);
+    EXPECT_EQ(sets.back().y_m, sets.front().y_m);
+    EXPECT_EQ(sets.back().theta_rad, sets.front().theta_rad);
+  });
+}
+
 TEST(MotionKernel, AParticleDrawsTheSameWhereverItsChunkBegins) {
   const MotionDraw draw = some_draw();
   ParticleSet whole = some_particles();
