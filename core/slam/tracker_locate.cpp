@@ -36,7 +36,7 @@ constexpr double kAmbiguousStddevM = 0.3;
 
 /// The heading is open when a scan tells this share or less of what it would if every surface stood
 /// in its way as it turns. In a round hall that is 1e-4 to 5e-3, on three real logs
-/// (docs/results.md) 0.05 or more.
+/// (docs/notes/2026-11-23-slam.md) 0.05 or more.
 constexpr double kOpenHeading = 0.01;
 
 /// By how much another start must explain more.
