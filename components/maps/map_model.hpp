@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The map models that a robot can be localized with, made from one MAPS folder: only what range a
-/// beam is expected to measure differs between them (SPEC F).
+/// The map models that a robot can be localized with, made from one MAPS folder: only the range
+/// that a beam is expected to measure differs (docs/theory/evaluation.md, "Same filter").
 #pragma once
 
 #include <array>

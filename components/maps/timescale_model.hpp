@@ -34,7 +34,7 @@ struct TimescaleUse {
 };
 
 /// ln p(z | x) = 1/tau sum over beams ln sum over levels w_l p(z_n | what level l expects), with
-/// the beam mixture, beams and temperature of the grid models (SPEC D6, F).
+/// the mixture, beams and tau of the grid models (docs/theory/timescale_memory.md, "Localization").
 ///
 /// The weights w_l are those of the node that the robot was last believed to be at, the same for
 /// all particles, and follow how well each level explains the scans there. Where a level knows only

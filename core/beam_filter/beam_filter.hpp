@@ -45,7 +45,7 @@ struct CountsResult {
   /// l after each round; the first entry is the map of round 0 (e = prior for all beams). In mode
   /// closed_form: round 0 and the limit.
   std::vector<double> log_likelihood;
-  /// Q of eq. (1.7) with its constant (1.9) taken once a beam (SPEC 0, defect 3), to plot.
+  /// Q of eq. (1.7), (1.9) once a beam, to plot: docs/theory/beam_filter.md, "Objective".
   std::vector<double> expected_log_likelihood;
   int iterations = 0;
   /// closed_form: true. iterate: stopped because l no longer rose, not at max_iterations.

@@ -22,8 +22,8 @@ inline constexpr double kLogMargin = 1e-3;
 
 /// The limit of EM at fixed poses, where cells decouple: with r = h / (h + f), the log likelihood
 /// is concave in m and has its maximum at clip((p r + p - 1) / (2 p - 1), 0, 1). NaN (unknown)
-/// where the total is below min_evidence. Ours, not in the paper; tests compare it with thousands
-/// of EM steps. Requires prior > 0.5.
+/// where the total is below min_evidence. Ours (docs/theory/beam_filter.md, "Closed form"); tests
+/// compare it with thousands of EM steps. Requires prior > 0.5.
 [[nodiscard]] double closed_form(const CellCounts& counts_at_e1, double prior, double min_evidence);
 
 /// (1 - p) / p: cells hit by at most this share of their beams become free.

@@ -39,9 +39,9 @@ struct WindowConfig {
   }
 };
 
-/// Counts of a window of scans and of the key scans before it. A robot that stands before a
-/// standing person would otherwise hold her to be static for good (SPEC A7): what it saw standing
-/// still leaves the map with the window. Memory: the window, and the map's cells. Not thread-safe.
+/// Counts of a window of scans and of key scans before it (docs/theory/beam_filter.md, "Online
+/// filter"): a robot standing before a standing person would else hold her static for good. What it
+/// saw standing still goes with the window. Memory: the window, the map's cells. Not thread-safe.
 class OnlineFilter {
  public:
   /// Throws ConfigError.

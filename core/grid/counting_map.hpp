@@ -19,7 +19,7 @@ struct CellCounts {
 
 /// How scans are counted.
 struct CountingOptions {
-  /// A no-return beam carves free space this far; 0: it says nothing (SPEC A, "No-return beams").
+  /// No-return beams free so much; 0: nothing (docs/theory/beam_filter.md, "No-return beams").
   double no_return_free_range_m = 0.0;
   /// Beams longer than this are cut there and carve only free space; 0: no limit.
   double max_range_m = 0.0;

@@ -27,8 +27,8 @@ struct LikelihoodFieldConfig {
   }
 };
 
-/// ln[ w_h exp(-D^2 / 2 sigma^2) + (1 - w_h) ] per cell [nats], not normalized over ranges, as in
-/// SPEC A6; outside the grid the value at max_distance_m. O(cells) to make.
+/// ln[ w_h exp(-D^2 / 2 sigma^2) + (1 - w_h) ] per cell [nats], not normalized over ranges; outside
+/// the grid as at max_distance_m (docs/theory/patch_localization.md, "Likelihood field"). O(cells).
 class LikelihoodField {
  public:
   LikelihoodField() = default;

@@ -16,10 +16,10 @@ using ReflectionGrid = Grid<float>;
 inline constexpr float kUnknownReflection = std::numeric_limits<float>::quiet_NaN();
 
 [[nodiscard]] inline bool is_known(float reflection) { return !std::isnan(reflection); }
-/// From here on a cell counts as an obstacle. SPEC says 0.5; but beams that graze a wall pass
-/// through a part of its cells, and walls on a border of cells share their hits between two, so
-/// that at 0.5 whole walls of a corridor go missing, most of all in the filtered map, whose values
-/// lie below the share of hits (A5). Above the beam filter's own threshold (0.11 at p = 0.9).
+/// From here on a cell counts as an obstacle. Beams that graze a wall pass through a part of its
+/// cells, and walls on a border of cells share their hits between two, so that at 0.5 whole walls
+/// of a corridor go missing, most of all in the filtered map, whose values lie below the share of
+/// hits (docs/theory/beam_filter.md, "Departures"). Above its own threshold (0.11 at p = 0.9).
 inline constexpr float kOccupiedReflection = 0.25F;
 /// Known and at least kOccupiedReflection; false where unknown.
 [[nodiscard]] inline bool is_occupied(float reflection) {

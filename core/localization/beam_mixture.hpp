@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What a beam measures when the map says how far it should go: one mixture for all map models, so
-/// that only the expected range differs between them (SPEC C3, F).
+/// that only the expected range differs (docs/theory/patch_localization.md, "Beam model").
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace strata::localization {
 
-/// Weights sum to 1. Defaults are those of SPEC C3.
+/// Weights sum to 1; they are ours (docs/theory/patch_localization.md, "Beam model").
 struct BeamMixtureConfig {
   double hit_weight = 0.80;
   double short_weight = 0.10;

@@ -34,10 +34,10 @@ struct LikelihoodFieldModelConfig {
   }
 };
 
-/// [thrun2005probabilistic, table 6.3]. Cannot punish beams that cross a mapped closed door, so it
-/// is for speed, not for telling configurations apart (SPEC C3). Obstacles: is_occupied. The field
-/// is tabulated in 65,535 steps from its least value to 0, so the sum over 180 beams is within
-/// 0.005 nats of the exact one.
+/// [thrun2005probabilistic, table 6.3]; docs/theory/patch_localization.md, "Likelihood field". It
+/// cannot punish beams that cross a mapped closed door: for speed, not for telling configurations
+/// apart. Obstacles: is_occupied. Tabulated in 65,535 steps from its least value to 0, so the sum
+/// over 180 beams is within 0.005 nats of the exact one.
 class LikelihoodFieldModel final : public SensorModel {
  public:
   /// caster: of the same map, when there is one already; null: one is made.

@@ -36,9 +36,9 @@ struct GatingConfig {
   }
 };
 
-/// Start without a pose (SPEC C7, with a start twice as flat and up to twice as long: in a plain
-/// corridor the scans of many places fit alike, and chance errors of the map, which all scans
-/// share, must not decide between them before the robot has seen more).
+/// Start without a pose (docs/theory/patch_localization.md, "Global start"), flat at first: in a
+/// plain corridor the scans of many places fit alike, and chance errors of the map, which all scans
+/// share, must not decide between them before the robot has seen more.
 struct GlobalStartConfig {
   double particles_per_m2 = 500.0;
   int most_particles = 60000;

@@ -93,7 +93,7 @@ void Localizer::search_everywhere() {
 double Localizer::annealing() const {
   const int updates = config_.global_start.annealing_updates;
   if (annealed_updates_ >= updates) return 1.0;
-  // Three steps: factor, its square root, 1 (tau 8, 4, 2 in SPEC C7).
+  // Factor, its root, 1: docs/theory/patch_localization.md, "Global start".
   const int step = 3 * annealed_updates_ / updates;
   return std::pow(config_.global_start.annealing_factor, 0.5 * (2 - step));
 }

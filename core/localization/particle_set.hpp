@@ -12,9 +12,9 @@
 
 namespace strata::localization {
 
-/// N weighted samples of the robot's pose, with the patch state (s, k) of SPEC C. All columns have
-/// size() entries; poses are map_from_robot. Weights sum to 1 whenever the localizer hands the set
-/// out.
+/// N weighted samples of the robot's pose, with the patch state (s, k) of
+/// docs/theory/patch_localization.md, "State". All columns have size() entries; poses are
+/// map_from_robot. Weights sum to 1 whenever the localizer hands the set out.
 struct ParticleSet {
   std::vector<double> x_m;
   std::vector<double> y_m;

@@ -28,10 +28,10 @@ struct PatchBeamModelConfig {
   }
 };
 
-/// The sensor model of patch maps (SPEC C3 to C5). Without memory a particle's own configuration
-/// holds in its sub-map and all are equally likely in others. With memory the weight of a particle
-/// is the normalizer: its sub-map's configurations are mixed for the scan as a whole, those of
-/// others beam by beam; and every sub-map that beams cross is learned.
+/// The sensor model of patch maps (docs/theory/patch_localization.md, "Memory of sub-maps").
+/// Without memory a particle's own configuration holds in its sub-map, all are alike in others.
+/// With it the weight is the normalizer: its sub-map's configurations are mixed for the whole scan,
+/// those of others beam by beam; and every sub-map that beams cross is learned.
 class PatchBeamModel final : public SensorModel {
  public:
   explicit PatchBeamModel(std::shared_ptr<const patch::PatchMap> map,

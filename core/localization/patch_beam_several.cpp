@@ -91,7 +91,7 @@ void PatchBeamModel::list_other(const ChangingBeam& beam, Scratch& scratch) cons
   other.met_end = scratch.met.size();
 }
 
-/// The same for beams with any number of events, of any sub-maps: the recursion of SPEC C4.
+/// For any number of events: docs/theory/patch_localization.md, "Beams through sub-maps".
 void PatchBeamModel::mix_others(const Beliefs& beliefs, const ChunkStates& states,
                                 Scratch& scratch) const {
   exp_column(scratch.value.data(), scratch.value.size());

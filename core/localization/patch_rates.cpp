@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast the configuration of a sub-map changes, from the sequences it was learned from (SPEC
-// C6).
+// How fast the configuration of a sub-map changes, from the sequences it was learned from
+// (docs/theory/patch_localization.md, "Rates of change").
 #include <algorithm>
 #include <cmath>
 #include <utility>

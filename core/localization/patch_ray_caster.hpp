@@ -142,8 +142,8 @@ class PatchRayCaster {
 };
 
 /// p(z) of one beam when sub-map s is in configuration k with probability belief[offset(s) + k],
-/// independently of other sub-maps: the exact recursion of SPEC C4 over the events of its ray. Each
-/// event counts with the probability that its configuration holds and no earlier event ended the
+/// independently of others, exactly (docs/theory/patch_localization.md, "Beams through sub-maps").
+/// Each event counts with the probability that its configuration holds and no earlier one ended the
 /// beam. fixed_submap >= 0: that one is known to be in fixed_patch. end_value: the value of a beam
 /// that meets nothing. values[e] is what event e contributes. O(events^2).
 [[nodiscard]] double mix_events(std::span<const RayEvent> events, std::span<const double> values,

@@ -90,7 +90,7 @@ void PatchStates::find_fading(double dt_s, std::vector<double>& keep,
   add.assign(columns(), 0.0);
   for (std::size_t s = 0; s + 1 < offsets_.size(); ++s) {
     if (count(s) == 1) continue;
-    // b a + (1 - b)(1 - a)/(K - 1) of SPEC C5, with a = 1/K + (1 - 1/K) e^(-rate dt).
+    // b a + (1 - b)(1 - a)/(K - 1), with a = 1/K + (1 - 1/K) e^(-rate dt): stay_probability().
     const double kept = std::exp(-rates_[s] * std::max(0.0, dt_s));
     for (std::size_t c = offsets_[s]; c < offsets_[s + 1]; ++c) {
       keep[c] = kept;
@@ -135,7 +135,7 @@ void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
 
 void PatchStates::absorb(const Pose2Gaussian& pose, ParticleSet& particles) const {
   if (config_.memory != PatchMemory::kShared) return;
-  // A cloud with two heaps is wider than this too, so the spread stands for both gates of SPEC C5.
+  // A cloud with two heaps is wider than this too, so no other gate is needed.
   const double spread = std::sqrt(pose.covariance(0, 0) + pose.covariance(1, 1));
   if (!(spread < config_.shared_max_stddev_m)) return;
   const auto loan = factors_.borrow();

@@ -19,14 +19,14 @@
 
 namespace strata::localization {
 
-/// What is kept of sub-maps that the robot is not in (SPEC C5).
+/// What is kept of other sub-maps (docs/theory/patch_localization.md, "Memory of sub-maps").
 enum class PatchMemory {
   kNone,         ///< the paper: a particle holds one configuration, of the sub-map within reach_m
   kShared,       ///< one belief per sub-map for all particles
   kPerParticle,  ///< a belief per particle and sub-map (factored posterior)
 };
 
-/// Where the rates come from at which configurations change (SPEC C6).
+/// Where rates of change come from (docs/theory/patch_localization.md, "Rates of change").
 enum class RateSource {
   kFixed,    ///< one rate for every sub-map
   kLearned,  ///< per sub-map, from the sequences that it was learned from
@@ -76,8 +76,8 @@ struct SubmapBelief {
   std::vector<double> probability;  ///< per configuration, sums to 1
 };
 
-/// P(same configuration after dt) of the K-state chain that leaves at rate q = gamma (K-1)/K:
-/// 1/K + (1 - 1/K) exp(-gamma dt) (SPEC C2); 1 for K = 1.
+/// P(same after dt) of the K-state chain that leaves at rate q = gamma (K-1)/K: 1/K + (1 - 1/K)
+/// exp(-gamma dt) (docs/theory/patch_localization.md, "Patch transition"); 1 for K = 1.
 [[nodiscard]] double stay_probability(int configurations, double gamma_per_s, double dt_s);
 
 /// The rate gamma of stay_probability that explains a sub-map's sequences best: the maximum of
@@ -109,8 +109,8 @@ class PatchStates {
 
   /// The sub-map of a robot at a point, -1 for none: with memory the one it stands in (the rule for
   /// overlaps); without, the one whose configuration a particle holds there, entered from reach_m
-  /// around it (SPEC B3: a door is seen from the corridor, whose middle its rectangle may not
-  /// hold).
+  /// around it: a door is seen from the corridor, whose middle its rectangle may not hold
+  /// (docs/theory/patch_localization.md, "Patch transition").
   [[nodiscard]] int submap_of(const Eigen::Vector2d& point_m, int current = -1) const;
   /// Gives the set the columns it needs and forgets everything.
   void prepare(ParticleSet& particles) const;
@@ -137,7 +137,7 @@ class PatchStates {
   /// the ratios that the sensor model left in the particles' rows; only while the pose is certain.
   void absorb(const Pose2Gaussian& pose, ParticleSet& particles) const;
   /// One entry a sub-map. Without memory P(k) is the weight of particles in s with k over that of
-  /// all in s (SPEC C8), uniform when none is in s.
+  /// all in s, uniform when none is in s.
   [[nodiscard]] std::vector<SubmapBelief> posterior(const ParticleSet& particles) const;
   /// The same into `beliefs`, whose memory is kept.
   void posterior(const ParticleSet& particles, std::vector<SubmapBelief>& beliefs) const;

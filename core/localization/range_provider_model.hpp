@@ -57,8 +57,8 @@ concept FanProvider = requires(const T& provider, const RayFan& fan, double* ran
   { provider.max_range_m() } -> std::convertible_to<double>;
 };
 
-/// ln p(z | x) = 1/tau sum over beams ln p(z_n | expected range). Every map model that localizes
-/// with it has the same mixture, beams and temperature; only the provider differs (SPEC F).
+/// ln p(z | x) = 1/tau sum over beams ln p(z_n | expected range). All map models have the same
+/// mixture, beams and tau; only the provider differs (docs/theory/evaluation.md, "Same filter").
 template <RangeProvider Provider>
 class RangeProviderModel final : public SensorModel {
  public:

@@ -17,7 +17,7 @@ namespace strata::localization {
 void draw_low_variance(const std::vector<double>& weights, std::size_t count, double offset,
                        std::vector<std::uint32_t>& indices);
 
-/// How many particles a posterior needs (SPEC C7).
+/// How many particles a posterior needs (docs/theory/patch_localization.md, "Resampling").
 struct KldConfig {
   double epsilon = 0.05;
   double quantile = 2.326;

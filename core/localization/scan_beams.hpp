@@ -9,8 +9,8 @@
 
 namespace strata::localization {
 
-/// Which beams a beam model uses. Neighbouring beams are not independent: SPEC C3 takes one every
-/// 5 degrees and divides the log-likelihood by a temperature.
+/// Which beams a beam model uses: one every 5 degrees, since neighbouring beams are not independent
+/// (docs/theory/patch_localization.md, "Beam model").
 struct BeamSelectionConfig {
   double least_angle_rad = 0.0873;
   double max_range_m = 0.0;

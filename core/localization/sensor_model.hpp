@@ -41,8 +41,8 @@ class SensorModel {
                                       ParticleSet& particles, std::span<double> log_likelihood,
                                       WorkerPool& pool) const = 0;
 
-  /// The temperature for tracking: by how much the log-likelihood is divided because neighbouring
-  /// beams, and neighbouring scans, are not independent (SPEC C3).
+  /// The temperature for tracking: the log-likelihood is divided by it, as neighbouring beams, and
+  /// scans, are not independent (docs/theory/patch_localization.md, "Beam model").
   [[nodiscard]] virtual double tempering() const = 0;
 
   /// How many of the beams in use the map explains from this pose. `particles` gives what the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From the sequences of a sub-map to its configurations (SPEC B4 to B6).
+/// From sequences of a sub-map to its configurations (docs/theory/patch_maps.md, "Configurations").
 #pragma once
 
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which cells were seen in different states by different visits [stachniss2005patch, "Map
-/// Segmentation"; the paper names no test, ours is SPEC B1].
+/// Which cells different visits saw in different states [stachniss2005patch, "Map Segmentation"].
+/// The paper names no test; ours is docs/theory/patch_maps.md, "Many visits" and "Few visits".
 ///
 /// Two tests, and a cell is contradictory when one of them says so:
 /// - many visits: a G-test of homogeneity per cell, with capped evidence and tolerance to jitter;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contradiction test for few visits: pooling over space (SPEC B1, "Few visits").
+// The contradiction test that pools over space (docs/theory/patch_maps.md, "Few visits").
 #include <algorithm>
 #include <cstdint>
 #include <optional>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Fuzzy k-means over vectors of reflection probabilities with unknown entries
-/// [stachniss2005patch, "Learning Environmental Configurations"; SPEC B5]. After Duda, Hart and
-/// Stork as the paper cites it.
+/// [stachniss2005patch, "Learning Environmental Configurations"; duda2001pattern, as the paper
+/// cites it] (docs/theory/patch_maps.md, "Fuzzy k-means").
 #pragma once
 
 #include <cstddef>

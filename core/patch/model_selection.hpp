@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How many configurations a sub-map has: fuzzy k-means for growing k, scored by the Bayesian
-/// information criterion [stachniss2005patch eq. (4); stachniss2003chapter eq. (1.19); SPEC B5].
+/// How many configurations a sub-map has: fuzzy k-means for growing k, scored by BIC
+/// [stachniss2005patch eq. (4)] (docs/theory/patch_maps.md, "Model selection").
 #pragma once
 
 #include <array>
@@ -70,8 +70,8 @@ struct Clustering {
 
 /// sum_i ln P(a_i | theta) - (k - 1) / 2 ln n - dimension / 2 sum_c ln(1 + n_c), n_c the vectors of
 /// cluster c: its centre is estimated from those alone, so the Laplace approximation that BIC comes
-/// from charges ln n_c for each entry, not ln n (which SPEC B5 does); with ln n a state that two of
-/// 34 vectors show is not worth a cluster. theta_mode clusters: - k / 2 ln n, the paper's wording.
+/// from charges ln n_c for each entry, not ln n; with ln n a state that two of 34 vectors show is
+/// not worth a cluster. theta_mode clusters: - k / 2 ln n, the paper's wording.
 [[nodiscard]] double bayesian_information(const VectorSet& vectors, const FuzzyClusters& clusters,
                                           const ModelSelectionConfig& config);
 

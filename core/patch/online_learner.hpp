@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Learns a patch map while scans come, in bounded time and memory. [stachniss2005patch] and
-/// [stachniss2003chapter] name online clustering as future work; this is ours.
+/// [stachniss2003chapter] name it as future work: docs/theory/patch_maps.md, "Online learning".
 ///
 /// Once nobody has looked at a place for longer than a visit's gap, its visits are tested for
 /// contradictions, and sub-maps appear, grow or go. An observation sequence is counted and its

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Learns a patch map from posed scans [stachniss2005patch; stachniss2003chapter section 1.3; SPEC
-/// B]: contradictory cells, sub-maps, observation sequences, configurations.
+/// Learns a patch map from posed scans [stachniss2005patch; stachniss2003chapter section 1.3]
+/// (docs/theory/patch_maps.md): contradictory cells, sub-maps, sequences, configurations.
 #pragma once
 
 #include <cstddef>

@@ -48,7 +48,7 @@ struct PatchMap {
 };
 
 /// The sub-maps whose rectangle contains the cell, the one it belongs to first. The one rule for
-/// overlaps: the nearest centre wins (SPEC C2), of equally near ones the lower id. O(sub-maps).
+/// overlaps: the nearest centre wins, of equally near ones the lower id. O(sub-maps).
 [[nodiscard]] std::vector<std::size_t> submaps_at(const PatchMap& map, const Cell& cell);
 
 /// The sub-map that a point belongs to: `current` while it contains the point, else the first of

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From contradictory cells to the rectangles of sub-maps: regions are grown, and merged while they
-/// see each other and stay small [stachniss2005patch, "Map Segmentation"; SPEC B2].
+/// From contradictory cells to sub-maps: regions are grown, and merged while they see each other
+/// and stay small [stachniss2005patch, "Map Segmentation"] (docs/theory/patch_maps.md, "Regions").
 #pragma once
 
 #include <cstdint>

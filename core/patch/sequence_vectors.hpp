@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What one sequence says about a sub-map as a vector for clustering (SPEC B4).
+/// What one sequence says as a vector to cluster (docs/theory/patch_maps.md, "Feature vectors").
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace strata::patch {
 
-/// The beam filter at fixed poses on the counts of one sequence, by its closed form (SPEC A5):
+/// The beam filter on the counts of one sequence (docs/theory/beam_filter.md, "Closed form"):
 /// people walking by are gone, what stays for the sequence stays. Unknown below min_evidence.
 /// Requires prior in (0.5, 1]. O(cells).
 [[nodiscard]] ReflectionGrid filter_counts(const Grid<CellCounts>& counts, double prior,

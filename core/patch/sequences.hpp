@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Observation sequences (1.16)-(1.17) of [stachniss2003chapter]: which scans belong to one stay at
-/// a sub-map, and what they saw of it (SPEC B3, B4).
+/// a sub-map, and what they saw of it (docs/theory/patch_maps.md, "Sequences").
 #pragma once
 
 #include <array>

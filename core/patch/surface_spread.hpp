@@ -5,8 +5,8 @@
 /// cell, it passes through the very cells that beams from elsewhere end in, though nothing moved.
 /// It would have passed just so had the surface stood where it was seen, and so tells nothing of
 /// whether it stood there. A beam that goes across comes out on the other side, whatever the error
-/// of pose. So a visit finds a surface gone only by beams that went across it (ours; SPEC B1 leaves
-/// the form for few visits open).
+/// of pose. So a visit finds a surface gone only by beams that went across it (ours;
+/// docs/theory/patch_maps.md, "Many visits").
 #pragma once
 
 #include <span>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What each visit saw of each cell: the evidence that the contradiction test compares.
 ///
-/// A visit of a cell is a run of scans that observe it, ended by a gap of more than `gap_s` or by
-/// the end of a recorded run (SPEC B1). Kept only for cells that some beam ended in, since a cell
-/// that was never hit cannot contradict itself: memory is (such cells) x (visits of each).
+/// A visit of a cell is a run of scans that see it, ended by a gap of more than `gap_s` or with the
+/// recorded run (docs/theory/patch_maps.md, "Visits"). Kept only for cells that some beam ended in:
+/// one never hit cannot contradict itself. Memory is (such cells) x (visits of each).
 #pragma once
 
 #include <cstdint>
@@ -72,9 +72,9 @@ class VisitTable {
   /// The kept cells, in the order of the grid. O(area).
   [[nodiscard]] std::vector<Cell> cells() const;
 
-  /// Runs the beam filter within each visit at fixed poses, by its closed form (SPEC A5): ends in
-  /// a cell that the visit's beams mostly cross (people walking by) become misses, totals stay;
-  /// the directions of the misses stay those of the beams that passed.
+  /// The beam filter within each visit (docs/theory/beam_filter.md, "Closed form"): ends in a cell
+  /// that the visit's beams mostly cross (people walking by) become misses, totals stay; the
+  /// directions of the misses stay those of the beams that passed.
   /// Requires prior in (0.5, 1]. O(visits).
   void filter(double prior);
 

@@ -57,10 +57,10 @@ struct MatchFieldConfig {
   }
 };
 
-/// The distance D of SPEC A6, measured to the line through the nearest occupied cell's hits
-/// instead of to the cell's centre: a wall that lies anywhere inside its cells is then matched
-/// exactly, and sliding along it costs nothing up to the next hit or the wall's end. Points may be
-/// added and moved; the nearest point is kept per cell (by its centre), so a query is one look-up.
+/// The distance D of docs/theory/slam.md, "Registration", to the line through the nearest occupied
+/// cell's hits, not to the cell's centre: a wall anywhere inside its cells is then matched exactly,
+/// and sliding along it costs nothing up to the next hit or the wall's end. Points may be added and
+/// moved; the nearest point is kept per cell (by its centre), so a query is one look-up.
 class MatchField {
  public:
   explicit MatchField(double resolution_m = 0.05, const MatchFieldConfig& config = {});

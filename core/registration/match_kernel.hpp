@@ -32,9 +32,9 @@ struct MatchSums {
   double hessian[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};  ///< xx, xy, yy, xt, yt, tt
 };
 
-/// The mixture of eq. (1.11) [stachniss2003chapter] as SPEC A6 states it, with the gradient and the
-/// Gauss-Newton Hessian of its negative logarithm (derivatives = false: zero). SIMD over beams in
-/// eight partial sums: the same bits on every machine. O(beams).
+/// The mixture of docs/theory/slam.md, "Registration", for eq. (1.11) [stachniss2003chapter], with
+/// gradient and Gauss-Newton Hessian of its negative logarithm (derivatives = false: zero). SIMD
+/// over beams in eight partial sums: the same bits on every machine. O(beams).
 [[nodiscard]] MatchSums sum_match(const MatchBeams& beams, const MatchField& field,
                                   const Pose2& pose, double hit_stddev_m, double hit_weight,
                                   bool derivatives);

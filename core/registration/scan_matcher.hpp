@@ -78,7 +78,7 @@ struct MatchResult {
   [[nodiscard]] Pose2Gaussian gaussian() const { return {pose, covariance}; }
 };
 
-/// Minimizes the negative of (1.11) [stachniss2003chapter], as SPEC A6 states it,
+/// Minimizes the negative of (1.11) [stachniss2003chapter]; docs/theory/slam.md, "Registration":
 ///   sum_n e_n ( ln(w_h + w_r) - ln[ w_h exp(-D(T z_n)^2 / 2 sigma_l^2) + w_r ] )
 ///     + 1/2 |x - prior|^2,
 /// from `guess`, coarse to fine. e_n: beam_weights[endpoints.beam[n]], or 1 when beam_weights is

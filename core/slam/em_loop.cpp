@@ -14,7 +14,7 @@
 namespace strata::slam {
 namespace {
 
-/// A fall of the log-likelihood by this share ends the loop (SPEC A7).
+/// A fall of the log-likelihood by this share ends it (docs/theory/slam.md, "The EM loop").
 constexpr double kFall = 0.01;
 constexpr std::size_t kChunk = 64;
 

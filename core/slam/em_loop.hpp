@@ -24,12 +24,12 @@ struct EmResult {
   double dynamic_fraction = 0.0;
 };
 
-/// SPEC A7 after the incremental pass: E-step labels for every beam, every scan matched again to
-/// the map of static beams (the M-step over poses), the map made anew in closed form (the M-step
-/// over the map), until the log-likelihood gains less than min_gain of itself twice, falls by more
-/// than 1%, or max_iterations. The best iterate's poses and labels are left in `scans`. The paper
-/// registers incrementally in each round; here loops are closed already, and each scan is matched
-/// to the map of all scans, held near its pose by a prior. mapped[i]: scan i enters the map (motion
+/// After the incremental pass (docs/theory/slam.md, "The EM loop"): E-step labels for every beam,
+/// every scan matched again to the map of static beams (M-step over poses), the map made anew in
+/// closed form (M-step over the map), until the log-likelihood gains less than min_gain of itself
+/// twice, falls by more than 1%, or max_iterations. The best iterate's poses and labels are left in
+/// `scans`. The paper registers incrementally each round; here loops are closed already, each scan
+/// is matched to the map of all, held near its pose by a prior. mapped[i]: scan i enters it (motion
 /// gate); moves[i]: its pose may change. Same lengths. The same bits for any number of threads.
 /// Throws Cancelled. O(iterations x scans x beams).
 [[nodiscard]] EmResult run_em(std::span<PosedScan> scans, const std::vector<bool>& mapped,

@@ -34,10 +34,10 @@ struct TrackedScan {
   ScanFindings findings;
 };
 
-/// Matches each scan against the older of two overlapping sub-maps under construction, as
-/// [hess2016real] does: each holds 2 n key scans, a new one begins every n, so that the map matched
-/// against always holds at least n (SPEC A6; late loop errors cannot reach it). Where key scans lie
-/// far apart the length of the path decides: what is trusted as a whole must not grow with them.
+/// Matches each scan to the older of two overlapping sub-maps under construction [hess2016real]
+/// (docs/theory/slam.md, "Incremental map"): each holds 2 n key scans, a new one begins every n, so
+/// the map matched against always holds at least n; late loop errors cannot reach it. Where key
+/// scans lie far apart the path's length decides: what is trusted whole must not grow with them.
 class Tracker {
  public:
   Tracker(const TrackingConfig& config, double resolution_m, int run, const Pose2& start);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How well a topology explains the measurements: the landmark locations integrated out by
-/// Laplace's method [ranganathan2006rao, eqs. (8), (12), (17)].
+/// How well a topology explains the measurements: the landmark locations integrated out
+/// [ranganathan2006rao, (8), (12), (17)] (docs/theory/topological_mapping.md, "Evidence").
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lays one local map on another, point to plane [chen1992object].
+/// Lays local maps on others [chen1992object]: docs/theory/topological_mapping.md, "Local maps".
 #pragma once
 
 #include <span>

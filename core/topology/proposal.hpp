@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Which topologies and which labels are followed to the next visit [ranganathan2006rao, eqs. (4)
-/// and (16)].
+/// and (16)] (docs/theory/topological_mapping.md, "Proposal and weight").
 #pragma once
 
 #include <cstddef>

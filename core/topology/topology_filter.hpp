@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The posterior over topologies, one landmark visit after the other [ranganathan2006rao,
-/// algorithm 1].
+/// algorithm 1] (docs/theory/topological_mapping.md).
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Colours of a 3-D map from the pictures that show only what stands still
-/// [stachniss2003chapter, section 1.5.1, "Generating Textured 3D Maps"].
+/// [stachniss2003chapter, section 1.5.1] (docs/theory/static_3d.md, "Colours").
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What a 2-D scanner saw move, as boxes that 3-D points are judged by
-/// [stachniss2003chapter, section 1.5.1, "Generating Textured 3D Maps"].
+/// [stachniss2003chapter, section 1.5.1] (docs/theory/static_3d.md, "Boxes of moving things").
 #pragma once
 
 #include <cstdint>

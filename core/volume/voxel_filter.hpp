@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which points of 3-D scans hit something that moves, by EM on voxels: the beam filter of
-/// [stachniss2003chapter, section 1.2] in space, for robots without a 2-D scanner.
+/// Which points of 3-D scans hit something that moves: the EM beam filter [stachniss2003chapter,
+/// section 1.2] on voxels, without a 2-D scanner (docs/theory/static_3d.md, "Voxel filter").
 #pragma once
 
 #include <array>

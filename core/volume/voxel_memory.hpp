@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What each voxel was like of late, for a while, and for long: timescale levels in space, after
-/// those of nodes [kessler2010what].
+/// those of nodes [kessler2010what] (docs/theory/static_3d.md, "Levels of voxels").
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How the most likely range of every angle bin is found.
+/// How every angle bin's likeliest range is found: docs/theory/timescale_memory.md, "Decoding".
 #pragma once
 
 #include <array>

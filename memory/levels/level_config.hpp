@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How fast one time level of a node forgets.
+/// How fast one time level of a node forgets (docs/theory/timescale_memory.md, "Levels").
 #pragma once
 
 #include <algorithm>

@@ -19,8 +19,8 @@ struct TimescaleConfig {
   int range_bins = 50;
   double max_range_m = 8.0;
 
-  /// Smaller than the specification's 1.5 m with an update radius of 0.75 m: between the two no
-  /// node would learn from a scan, and places far from every node would never be seen well.
+  /// As large as the update radius: between a smaller radius and a larger spacing no node would
+  /// learn (docs/theory/timescale_memory.md, "Nodes"), nor places far from every node be seen well.
   double node_spacing_m = 1.0;   ///< a scan that sees no node within this makes one
   double update_radius_m = 1.0;  ///< a scan updates the nearest node it sees, within this
   double max_position_std_m = 0.1;

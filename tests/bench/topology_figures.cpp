@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How often each way of following topologies ends with the truth first, in the buildings of SPEC
-/// E9: `topology_figures`. Two threads, a minute.
+/// How often each way of following topologies ends with the truth first, in the buildings of
+/// docs/theory/topological_mapping.md, "Test worlds": `topology_figures`. Two threads, a minute.
 #include <cstdint>
 #include <cstdio>
 #include <vector>

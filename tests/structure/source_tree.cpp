@@ -27,14 +27,15 @@ std::vector<std::string> includes_of(const std::string& text) {
   return result;
 }
 
-std::vector<Source> read_sources(const std::vector<std::string>& folders) {
+std::vector<Source> read_sources(const std::vector<std::string>& folders,
+                                 const std::vector<std::string>& extensions) {
   std::vector<Source> sources;
   for (const std::string& folder : folders) {
     if (!std::filesystem::exists(source_root() / folder)) continue;
     for (const auto& entry :
          std::filesystem::recursive_directory_iterator(source_root() / folder)) {
-      const auto extension = entry.path().extension();
-      if (extension != ".hpp" && extension != ".cpp") continue;
+      const std::string extension = entry.path().extension().string();
+      if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
       Source source;
       source.path = entry.path().lexically_relative(source_root()).generic_string();
       source.text = read_text(entry.path());

@@ -28,8 +28,11 @@ struct RoomTarget {
 [[nodiscard]] std::string read_text(const std::filesystem::path& path);
 /// What the #include lines of a text name.
 [[nodiscard]] std::vector<std::string> includes_of(const std::string& text);
-/// Every .hpp and .cpp below the given folders of the root; folders that are missing are empty.
-[[nodiscard]] std::vector<Source> read_sources(const std::vector<std::string>& folders);
+/// Every .hpp and .cpp, or file of other extensions, below the given folders of the root; folders
+/// that are missing are empty.
+[[nodiscard]] std::vector<Source> read_sources(const std::vector<std::string>& folders,
+                                               const std::vector<std::string>& extensions = {
+                                                   ".hpp", ".cpp"});
 /// Every strata_room(...) in a CMake text.
 [[nodiscard]] std::vector<RoomTarget> rooms_of(const std::string& folder, const std::string& text);
 /// Every strata_room(...) of the project's rooms.

@@ -19,7 +19,7 @@ namespace strata::experiments {
 [[nodiscard]] Judgement local_maps(const std::string& scenario, std::uint64_t seed,
                                    const PoseNoise& noise);
 
-/// A random office on `days` days: changed, or static (SPEC B1, few visits).
+/// A random office on `days` days, changed or static (docs/theory/patch_maps.md, "Few visits").
 [[nodiscard]] Judgement office_visits(std::uint64_t seed, int days, bool has_change,
                                       const PoseNoise& noise);
 

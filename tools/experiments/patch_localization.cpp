@@ -70,8 +70,8 @@ TrueConfigurations true_configurations(const simulate::Simulation& learned,
   return result;
 }
 
-/// Follows one sub-map's belief from each entry on. Entered: within 1 m of its rectangle, the same
-/// margin that opens an observation sequence (SPEC B3).
+/// Follows one sub-map's belief from each entry on. Entered: within 1 m of its rectangle, the
+/// margin that opens an observation sequence (docs/theory/patch_maps.md, "Sequences").
 class Recognition {
  public:
   Recognition(const CellRect& rect, double resolution_m, std::size_t truth)

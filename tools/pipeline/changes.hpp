@@ -23,7 +23,7 @@ namespace strata::pipeline {
 
 /// The beams of one test scan that can tell a change: what a beam would measure before and after it
 /// differs by more than the tolerance, and the beam measured what it should after it, so that no
-/// one stands in the way. These are the "changed bins" of SPEC F.
+/// one stands in the way: "changed bins" (docs/theory/evaluation.md, "Changes").
 struct ChangeView {
   std::size_t scan = 0;  ///< of the test part
   std::vector<std::uint32_t> beams;

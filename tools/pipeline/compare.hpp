@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Learns on one part of a log and localizes on the rest with every map model (SPEC F).
+/// Learns on a part of a log, localizes on the rest with every map: docs/theory/evaluation.md.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Error against bytes: every model learned again in less and less memory, and who is best when all
-/// get the same (SPEC F, equal memory).
+/// get the same (docs/theory/evaluation.md, "Equal memory").
 ///
 /// A step halves the resolution of the grids, which quarters the bytes of occupancy, filtered and
 /// patch maps. Of the timescale memory, which is some fifty times as large, it halves the angle

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How soon, and how wholly, a prediction follows each change of the test part (SPEC F).
+/// How soon and how wholly a prediction follows a change (docs/theory/evaluation.md, "Changes").
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Planning stability (SPEC F): would a robot that plans in this map change its mind, or drive into
-/// what is there?
+/// Would a robot that plans in this map change its mind, or drive into what is there?
+/// (docs/theory/evaluation.md, "Planning stability")
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// How well a map predicts scans it was not learned from, at the true poses, and how soon it
-/// follows a change (SPEC F: held-out fit, adaptation delay, old-state recall).
+/// follows a change (docs/theory/evaluation.md, "Held-out fit" and "Changes").
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace strata::pipeline {
 
-/// Fit of a map to scans (SPEC F).
+/// Fit of a map to scans.
 struct ScanPrediction {
   double log_likelihood_per_beam = 0.0;  ///< nats, not tempered
   double median_abs_error_m = 0.0;       ///< of |z - expected| over the hits

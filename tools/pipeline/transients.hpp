@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// False adaptation (SPEC F): does a map learn what was only there for half a minute?
+/// Is what stood there for 30 s learned? (docs/theory/evaluation.md, "False adaptation")
 ///
 /// Nobody can order a recorded log to have someone stand still for 30 s and leave. So a round
 /// obstacle is put into the recorded scans, at places the robot sees before and after; a model that

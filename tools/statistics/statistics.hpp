@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Paired comparisons of localization runs. The unit is one (log, seed) pair, never one scan: scans
-/// of a run depend on each other (SPEC F).
+/// of a run depend on each other (docs/theory/evaluation.md, "Statistics").
 #pragma once
 
 #include <cstddef>

@@ -248,7 +248,7 @@ TEST(OnlineLearning, OpenedDoorsBecomeConfigurationsAndTheRobotStaysLocalized) {
     sum_m += error_m;
     most_m = std::max(most_m, error_m);
   }
-  // SPEC's bars: 3 cm and half a cell where nothing changes, 0.15 m where something does.
+  // The bars: 3 cm and half a cell where nothing changes, 0.15 m where something does.
   EXPECT_LE(sum_m / static_cast<double>(trajectory.size()), 0.055);
   EXPECT_LE(most_m, 0.15);
   // The same bytes with two threads.

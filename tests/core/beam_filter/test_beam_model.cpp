@@ -142,7 +142,7 @@ TEST(EmStep, NeverLowersTheLikelihoodOfACell) {
 }
 
 TEST(EmStep, NearZeroMultipliesByTheStatedFactor) {
-  // SPEC A5: r p / (1 - p); r = 0.05, p = 0.9 gives 0.45.
+  // r p / (1 - p): docs/theory/beam_filter.md, "Closed form".
   const CellCounts counts{5.0, 95.0};
   EXPECT_NEAR(em_step(1e-9, counts, 0.9) / 1e-9, 0.45, 1e-6);
 }

@@ -17,7 +17,7 @@
 namespace strata::localization {
 namespace {
 
-// Defect of unnormalized mixtures (SPEC C3): held-out likelihoods would favour some maps.
+// Else held-out likelihoods favour some maps: docs/theory/patch_localization.md, "Beam model".
 TEST(BeamMixture, SumsToOneForEveryExpectedRange) {
   const double r_max = 8.0;
   const BeamMixture mixture({}, r_max);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Random patch maps, scans and particles, and what SPEC C4 and C5 say of them beam by beam.
+/// Random patch maps, beam by beam: docs/theory/patch_localization.md, "Memory of sub-maps".
 #pragma once
 
 #include <algorithm>
@@ -82,7 +82,7 @@ inline ParticleSet random_particles(const PatchStates& states, RandomStream& ran
   return particles;
 }
 
-/// What SPEC C4 and C5 say of particle i, beam by beam.
+/// What "Beams through sub-maps" and "Memory of sub-maps" say of particle i, beam by beam.
 struct Slow {
   double log_likelihood = 0.0;
   std::vector<double> row;  ///< what is to be found in the particle's row

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SPEC C9: a plain corridor, short range, a box at one of three places.
+// The corridor with a box of docs/theory/patch_localization.md, "Test worlds".
 #include <algorithm>
 #include <cmath>
 #include <memory>

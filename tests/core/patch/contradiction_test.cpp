@@ -55,7 +55,7 @@ TEST(ChiSquared, TailMatchesPublishedQuantiles) {
   EXPECT_NEAR(chi_squared_tail(7.814727903, 3), 0.05, 1e-9);
   EXPECT_NEAR(chi_squared_tail(18.30703805, 10), 0.05, 1e-9);
   EXPECT_NEAR(chi_squared_tail(19.67513757, 11), 0.05, 1e-9);
-  // The thresholds at 1e-4 that SPEC B1 names for 2, 3 and 4 visits.
+  // The thresholds at 1e-4 for 2, 3 and 4 visits: docs/theory/patch_maps.md, "Few visits".
   EXPECT_NEAR(chi_squared_tail(15.1367, 1), 1e-4, 1e-6);
   EXPECT_NEAR(chi_squared_tail(18.4207, 2), 1e-4, 1e-6);
   EXPECT_NEAR(chi_squared_tail(21.1075, 3), 1e-4, 1e-6);
@@ -77,8 +77,8 @@ TEST(GStatistic, MatchesHandComputedValues) {
 }
 
 TEST(GStatistic, CappedEvidenceOfFewVisitsCannotReachTheThreshold) {
-  // Why the pooled test exists (SPEC B1): with 4 beams a visit the best that 2 and 3 visits can
-  // show is short of significance, 4 visits just reach it.
+  // Why the pooled test exists (docs/theory/patch_maps.md, "Few visits"): with 4 beams a visit the
+  // best that 2 and 3 visits can show is short of significance, 4 visits just reach it.
   const ContradictionConfig config;
   EXPECT_GT(chi_squared_tail(g_statistic(std::vector<VisitEvidence>{{4, 0}, {0, 4}}), 1),
             config.significance);

@@ -117,8 +117,8 @@ TEST(PatchLearner, SubmapGridsCoverItsRectangleAndUnknownCellsComeFromTheBase) {
   }
 }
 
-// SPEC B1: precision of at least 0.95 with 2 to 5 visits at 2 cm and 0.3 degrees, and the door is
-// found.
+// docs/theory/patch_maps.md, "Few visits": precision of at least 0.95 with 2 to 5 visits at 2 cm
+// and 0.3 degrees, and the door is found.
 TEST(PatchLearner, FewVisitsWithErrorsOfPoseFindTheDoorAndLittleElse) {
   int found = 0;
   int at_the_door = 0;
@@ -196,7 +196,7 @@ std::vector<PosedScan> box_visits(const std::vector<int>& places, std::uint64_t 
   return scans;
 }
 
-// SPEC B7 (c), the paper's figure 3.
+// [stachniss2005patch, figure 3].
 TEST(PatchLearner, ABoxAtThreePlacesIsOneSubmapWithThreeConfigurations) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     const std::vector<int> places{0, 1, 2, 0, 1, 2};

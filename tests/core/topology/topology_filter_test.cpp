@@ -80,8 +80,8 @@ TEST(TopologyFilter, KeepsTheMostProbableFirstAndSumsToOne) {
   }
 }
 
-// SPEC E9 (a): mean over runs of 50 particles, up to 7 visits, that leave something to be unsure
-// of.
+// docs/theory/topological_mapping.md, "Test worlds": mean over runs of 50 particles, up to 7
+// visits, that leave something to be unsure of.
 TEST(TopologyFilter, IsNearTheExactPosterior) {
   double best = 0.0;
   double corrected = 0.0;
@@ -134,14 +134,14 @@ Tally tally(const std::vector<test_world::Junction>& junctions, const std::vecto
   return result;
 }
 
-// SPEC E9 (b): twelve visits over 120 m, three looks of three junctions each.
+// Twelve visits over 120 m, three looks of three junctions each.
 TEST(TopologyFilter, FindsTheTruthAmongLookAlikes) {
   const Tally result = tally(test_world::nine_junctions(), test_world::twelve_visits(),
                              kLandmarkOdometryNoise, {}, 20);
   EXPECT_GE(result.above_80_percent, 19);
 }
 
-// SPEC E9 (c): 60 m wide, twenty visits of fourteen junctions, odometry that is 8% off.
+// 60 m wide, twenty visits of fourteen junctions, odometry that is 8% off.
 TEST(TopologyFilter, FindsTheTruthInALargeBuildingWithFiftyBestOrDrawn) {
   TopologyConfig config;
   config.odometry.per_metre_m = 0.08;
