@@ -23,8 +23,8 @@
 #include "tests/support/test_data.hpp"
 #include "tests/tools/lifelong/live_robot.hpp"
 #include "tests/tools/lifelong/map_quality.hpp"
-#include "tools/experiments/random_office.hpp"
 #include "tools/pipeline/learn.hpp"
+#include "tools/simulate/random_office.hpp"
 
 namespace fs = std::filesystem;
 
@@ -44,7 +44,7 @@ double setting(const char* name, double otherwise) {
 enum class Office { kDrawnByHand, kRandom };
 
 simulate::ScenarioConfig scenario_of(Office office, std::uint64_t seed) {
-  if (office == Office::kRandom) return experiments::random_office(seed, {.days = 4});
+  if (office == Office::kRandom) return simulate::random_office(seed, {.days = 4});
   return simulate::load_scenario(STRATA_SCENARIO_DIR "/office.yaml", {"days=4"});
 }
 
