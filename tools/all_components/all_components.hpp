@@ -8,6 +8,8 @@
 
 namespace strata::tools {
 
+/// Adds each that strata_component() declares in CMake.
+void register_components(runtime::Registry& registry);
 /// Those that are linked in.
 [[nodiscard]] runtime::Registry all_components();
 /// Those and the ones of the composition's libraries; throws as load_component_libraries.
