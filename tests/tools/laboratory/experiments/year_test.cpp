@@ -28,12 +28,11 @@ TEST(Year, LetsEachRobotGoOnFromItsOwnPosesAndKeepsTheMemoryOnDisk) {
     for (const YearTrack& track : day.tracks) {
       EXPECT_GT(track.scans, 300U);
       EXPECT_EQ(track.failures, 0U) << track.name << ", day " << day.day;
-      EXPECT_GT(track.error_m, 0.0);
       EXPECT_LT(track.error_m, 0.2) << track.name << ", day " << day.day;
     }
-    EXPECT_GT(day.store_mb, 0.0);
-    EXPECT_GT(day.rss_mb, 1.0);
   }
+  EXPECT_GE(days[1].nodes, days[0].nodes);
+  EXPECT_GE(days[1].store_mb, days[0].store_mb);
   const memory::Store store(out.path() / "strata.db", {.read_only = true});
   EXPECT_EQ(store.load_timescale().nodes().size(), days.back().nodes);
   EXPECT_GT(store.load_timescale().observations(), days.back().nodes);
