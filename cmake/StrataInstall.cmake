@@ -9,7 +9,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/strata)
 function(strata_dependency_of target out)
   set(names Eigen3::Eigen=Eigen3 Threads::Threads=Threads Ceres::ceres=Ceres yaml-cpp=yaml-cpp
     SQLite::SQLite3=SQLite3 zstd::libzstd_shared=zstd ZLIB::ZLIB=ZLIB PNG::PNG=PNG
-    nlohmann_json::nlohmann_json=nlohmann_json CLI11::CLI11=CLI11 fmt::fmt=fmt spdlog::spdlog=spdlog
+    nlohmann_json::nlohmann_json=nlohmann_json CLI11::CLI11=CLI11
     fastcdr=fastcdr fastrtps=fastrtps hwy::hwy=HWY octomap=octomap OpenSSL::Crypto=OpenSSL)
   foreach(pair ${names})
     if(pair MATCHES "^(.+)=(.+)$" AND CMAKE_MATCH_1 STREQUAL target)

@@ -33,6 +33,13 @@ function(strata_room name)
   set_property(GLOBAL APPEND PROPERTY STRATA_ROOMS ${target})
 endfunction()
 
+# A room whose register.hpp has register_component(): compositions can name it, and tests and pages
+# of all components have it (tools/all_components).
+function(strata_component name)
+  strata_room(${name} ${ARGN})
+  set_property(GLOBAL APPEND PROPERTY STRATA_COMPONENT_ROOMS ${name})
+endfunction()
+
 # One test program a folder of tests: strata_tests(core_grid SOURCES ... LINKS core_grid). ALONE: no
 # other test runs beside its own.
 function(strata_tests name)

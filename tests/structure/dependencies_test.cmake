@@ -7,19 +7,18 @@ set(found_by
   Threads=System Ceres=libceres-dev CLI11=libcli11-dev Eigen3=libeigen3-dev GTest=libgtest-dev
   OpenSSL=libssl-dev PNG=libpng-dev Python3=python3 SQLite3=libsqlite3-dev
   ZLIB=zlib1g-dev benchmark=libbenchmark-dev fastcdr=libfastcdr-dev fastrtps=libfastrtps-dev
-  fmt=libfmt-dev hwy=libhwy-dev nlohmann_json=nlohmann-json3-dev octomap=liboctomap-dev
-  spdlog=libspdlog-dev yaml-cpp=libyaml-cpp-dev zstd=libzstd-dev)
+  hwy=libhwy-dev nlohmann_json=nlohmann-json3-dev octomap=liboctomap-dev
+  yaml-cpp=libyaml-cpp-dev zstd=libzstd-dev)
 # rosdep key -> Debian package, as rosdistro's rosdep/base.yaml and python.yaml had it in August 2026.
 set(keys
   cmake=cmake eigen=libeigen3-dev libceres-dev=libceres-dev
   liboctomap-dev=liboctomap-dev libssl-dev=libssl-dev libsqlite3-dev=libsqlite3-dev
   libzstd-dev=libzstd-dev liblz4-dev=liblz4-dev zlib=zlib1g-dev libpng-dev=libpng-dev
-  yaml-cpp=libyaml-cpp-dev nlohmann-json-dev=nlohmann-json3-dev spdlog=libspdlog-dev fmt=libfmt-dev
+  yaml-cpp=libyaml-cpp-dev nlohmann-json-dev=nlohmann-json3-dev
   cli11=libcli11-dev libgtest-dev=libgtest-dev libgmock-dev=libgmock-dev benchmark=libbenchmark-dev
   python3=python3)
 # No key has them: package.xml says so, and docs/packaging.md gives the command.
-set(without_key libfastrtps-dev libfastcdr-dev fastddsgen default-jre-headless cpp libhwy-dev
-  librapidcheck-dev librsvg2-bin fonts-dejavu-core)
+set(without_key libfastrtps-dev libfastcdr-dev fastddsgen default-jre-headless cpp libhwy-dev librsvg2-bin fonts-dejavu-core)
 
 function(look_up table name out)
   set(${out} "" PARENT_SCOPE)

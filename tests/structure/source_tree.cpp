@@ -49,7 +49,7 @@ std::vector<Source> read_sources(const std::vector<std::string>& folders,
 }
 
 std::vector<RoomTarget> rooms_of(const std::string& folder, const std::string& text) {
-  static const std::regex call(R"(strata_room\(([^)]*)\))");
+  static const std::regex call(R"(strata_(?:room|component)\(([^)]*)\))");
   std::vector<RoomTarget> rooms;
   for (std::sregex_iterator it(text.begin(), text.end(), call); it != std::sregex_iterator();
        ++it) {

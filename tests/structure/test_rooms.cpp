@@ -57,6 +57,8 @@ TEST(RoomRules, FollowTheArrowsOfThePage) {
   EXPECT_FALSE(may_include("components/localizer", "components/player"));
   EXPECT_TRUE(may_include("tools/strata", "components/player"));
   EXPECT_FALSE(may_include("components/player", "tools/strata"));
+  EXPECT_TRUE(may_include("tools/laboratory", "tools/pipeline"));
+  EXPECT_FALSE(may_include("tools/pipeline", "tools/laboratory"));
   EXPECT_FALSE(may_include("core/base", "tests/support"));
 }
 

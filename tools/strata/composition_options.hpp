@@ -7,7 +7,7 @@
 
 #include "components/runtime/composition.hpp"
 #include "components/runtime/host.hpp"
-#include "tools/strata/all_components.hpp"
+#include "tools/all_components/all_components.hpp"
 #include "tools/strata/verb_context.hpp"
 
 namespace strata::tools {

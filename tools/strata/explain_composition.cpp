@@ -8,7 +8,7 @@
 
 #include "components/runtime/component_library.hpp"
 #include "components/runtime/host.hpp"
-#include "tools/strata/all_components.hpp"
+#include "tools/all_components/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
 #include "tools/strata/explained_hosts.hpp"
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "core/base/error.hpp"
-#include "tools/peers/peer_job.hpp"
+#include "tools/laboratory/peers/peer_job.hpp"
 
 namespace strata::tools {
 namespace {

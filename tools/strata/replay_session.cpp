@@ -7,7 +7,7 @@
 
 #include "components/log/bag.hpp"
 #include "core/base/error.hpp"
-#include "tools/strata/all_components.hpp"
+#include "tools/all_components/all_components.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {

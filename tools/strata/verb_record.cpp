@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "components/runtime/host.hpp"
-#include "tools/strata/all_components.hpp"
+#include "tools/all_components/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
 #include "tools/strata/process_group.hpp"
 #include "tools/strata/verb_config.hpp"

@@ -12,7 +12,7 @@
 #include "components/runtime/host.hpp"
 #include "components/settings/config_reader.hpp"
 #include "core/base/error.hpp"
-#include "tools/strata/all_components.hpp"
+#include "tools/all_components/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
 #include "tools/strata/process_group.hpp"
 #include "tools/strata/restarts.hpp"

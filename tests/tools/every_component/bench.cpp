@@ -5,7 +5,7 @@
 
 #include "components/log/map_file.hpp"
 #include "tests/tools/every_component/good_messages.hpp"
-#include "tools/strata/all_components.hpp"
+#include "tools/all_components/all_components.hpp"
 
 namespace strata::test {
 namespace {

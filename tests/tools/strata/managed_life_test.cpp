@@ -11,7 +11,7 @@
 #include "components/bus/service.hpp"
 #include "components/runtime/host.hpp"
 #include "tests/tools/strata/replay_fixture.hpp"
-#include "tools/strata/all_components.hpp"
+#include "tools/all_components/all_components.hpp"
 
 namespace fs = std::filesystem;
 
