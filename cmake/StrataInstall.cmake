@@ -1,19 +1,20 @@
 # cmake --install: libraries, headers and a package for find_package(strata COMPONENTS core memory
 # components) with the targets strata::core, strata::memory, strata::components and one target a
-# room (strata::core_grid, ...). Each component asks only for the packages its rooms link.
+# room (strata::core_grid, ...). Rooms can be named too, COMPONENTS core_slam log: then only the
+# packages that those and the rooms below them link are looked for.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/strata)
 
-# The find_dependency call that defines an imported target.
-function(strata_dependency_of target out)
+# The find_package name of an imported target.
+function(strata_package_of target out)
   set(names Eigen3::Eigen=Eigen3 Threads::Threads=Threads Ceres::ceres=Ceres yaml-cpp=yaml-cpp
     SQLite::SQLite3=SQLite3 zstd::libzstd_shared=zstd ZLIB::ZLIB=ZLIB PNG::PNG=PNG
     nlohmann_json::nlohmann_json=nlohmann_json CLI11::CLI11=CLI11
     fastcdr=fastcdr fastrtps=fastrtps hwy::hwy=HWY octomap=octomap OpenSSL::Crypto=OpenSSL)
   foreach(pair ${names})
     if(pair MATCHES "^(.+)=(.+)$" AND CMAKE_MATCH_1 STREQUAL target)
-      set(${out} "find_dependency(${CMAKE_MATCH_2})" PARENT_SCOPE)
+      set(${out} ${CMAKE_MATCH_2} PARENT_SCOPE)
       return()
     endif()
   endforeach()
@@ -21,24 +22,26 @@ function(strata_dependency_of target out)
   set(${out} "" PARENT_SCOPE)
 endfunction()
 
-# Every library outside the project that the rooms link, public or private: all are static.
-function(strata_dependencies_of rooms out)
-  set(calls "")
-  foreach(room ${rooms})
-    get_target_property(links ${room} INTERFACE_LINK_LIBRARIES)
-    foreach(link ${links})
-      string(REGEX REPLACE "^\\$<LINK_ONLY:(.*)>$" "\\1" link "${link}")
-      if(NOT link OR link MATCHES "^/|strata_|^\\$<BUILD_INTERFACE|^\\$<LINK_ONLY:>$|^-|^[a-z0-9]+$"
-         AND NOT link MATCHES "^(fastcdr|fastrtps|octomap)$")
-        continue()
-      endif()
-      strata_dependency_of(${link} call)
-      list(APPEND calls "${call}")
-    endforeach()
+# Two lines for strata-rooms.cmake: the rooms that a target links, and every package outside the
+# project that it links, public or private: all are static.
+function(strata_links_of target name out)
+  set(rooms "")
+  set(packages "")
+  get_target_property(links ${target} INTERFACE_LINK_LIBRARIES)
+  foreach(link ${links})
+    string(REGEX REPLACE "^\\$<LINK_ONLY:(.*)>$" "\\1" link "${link}")
+    if(link MATCHES "^strata_(.+)$")
+      list(APPEND rooms ${CMAKE_MATCH_1})
+    elseif(link AND NOT link MATCHES "^/|^\\$<BUILD_INTERFACE|^\\$<LINK_ONLY:>$|^-|^[a-z0-9]+$"
+           OR link MATCHES "^(fastcdr|fastrtps|octomap)$")
+      strata_package_of(${link} package)
+      list(APPEND packages ${package})
+    endif()
   endforeach()
-  list(REMOVE_DUPLICATES calls)
-  string(REPLACE ";" "\n" calls "${calls}")
-  set(${out} "${calls}" PARENT_SCOPE)
+  list(REMOVE_ITEM rooms flags warnings)
+  list(REMOVE_DUPLICATES packages)
+  set(${out} "set(strata_${name}_rooms \"${rooms}\")\nset(strata_${name}_packages \"${packages}\")\n"
+    PARENT_SCOPE)
 endfunction()
 
 get_property(all_rooms GLOBAL PROPERTY STRATA_ROOMS)
@@ -52,6 +55,7 @@ list(FILTER components_rooms EXCLUDE REGEX "^strata_(core|memory|tools)_")
 set_target_properties(strata_flags PROPERTIES EXPORT_NAME flags)
 install(TARGETS strata_flags EXPORT strata_core)
 set(installed_components "")
+set(room_links "")
 foreach(component core memory components)
   if(NOT ${component}_rooms)
     continue()
@@ -67,12 +71,14 @@ foreach(component core memory components)
     DESTINATION ${package_dir})
   install(DIRECTORY ${component} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strata
     FILES_MATCHING PATTERN "*.hpp")
-  strata_dependencies_of("${${component}_rooms}" ${component}_dependencies)
-  file(WRITE ${CMAKE_BINARY_DIR}/strata-${component}-dependencies.cmake
-    "${${component}_dependencies}\n")
-  install(FILES ${CMAKE_BINARY_DIR}/strata-${component}-dependencies.cmake
-    DESTINATION ${package_dir})
+  foreach(target strata_${component} ${${component}_rooms})
+    string(REGEX REPLACE "^strata_" "" name ${target})
+    strata_links_of(${target} ${name} lines)
+    string(APPEND room_links "${lines}")
+  endforeach()
 endforeach()
+file(WRITE ${CMAKE_BINARY_DIR}/strata-rooms.cmake "${room_links}")
+install(FILES ${CMAKE_BINARY_DIR}/strata-rooms.cmake DESTINATION ${package_dir})
 if(STRATA_COMPONENTS)
   install(DIRECTORY ${CMAKE_BINARY_DIR}/idl/include/strata_idl
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strata)

@@ -22,12 +22,17 @@ bool is_one_place(const Pose2Gaussian& pose, double most_m) {
   return position_stddev(pose) <= most_m && pose.covariance(2, 2) <= kMost_rad * kMost_rad;
 }
 
+const SensorModel& existing(const std::shared_ptr<const SensorModel>& model) {
+  if (model == nullptr) throw std::invalid_argument("Localizer: the sensor model is null");
+  return *model;
+}
+
 }  // namespace
 
 Localizer::Localizer(const LocalizerConfig& config, std::shared_ptr<const SensorModel> model,
                      std::uint64_t seed, int threads)
     : config_(config),
-      own_model_(model->for_one_run()),
+      own_model_(existing(model).for_one_run()),
       model_(own_model_ != nullptr ? own_model_ : std::move(model)),
       seed_(seed),
       pool_(std::make_unique<WorkerPool>(threads)),
@@ -59,7 +64,7 @@ void Localizer::start(std::size_t count) {
 }
 
 void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
-  std::shared_ptr<SensorModel> own = model->for_one_run();
+  std::shared_ptr<SensorModel> own = existing(model).for_one_run();
   if (own != nullptr) own->adopt(*model_);
   const std::shared_ptr<const SensorModel> before =
       std::exchange(model_, own != nullptr ? own : std::move(model));

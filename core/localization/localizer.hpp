@@ -39,16 +39,17 @@ struct LocalizationResult {
 /// observations) at any number of threads.
 class Localizer {
  public:
-  /// Throws ConfigError. threads as in WorkerPool.
+  /// Throws ConfigError, and std::invalid_argument for a null model. threads as in WorkerPool.
   Localizer(const LocalizerConfig& config, std::shared_ptr<const SensorModel> model,
             std::uint64_t seed, int threads = 1);
 
-  /// Starts from a pose: particles drawn from the Gaussian. Forgets everything but the seed.
+  /// Starts from a pose: particles drawn from the Gaussian. Forgets everything but the seed. Throws
+  /// InputError for a mean or a covariance with a number that is not finite, and goes on as before.
   void initialize(const Pose2Gaussian& map_from_robot);
   /// Starts from nowhere: uniform over the free cells of `map` and all headings, annealed and
   /// roughened. Throws InputError when no cell is free.
   void initialize_global(const ReflectionGrid& map);
-  /// Again in the free space given last.
+  /// Again in the free space given last. Throws InputError when there is none.
   void initialize_global();
   /// Where recovery may look for the robot; without it (or a global start) it does nothing. A drop
   /// of the likelihood replaces some particles by random ones (augmented MCL); when the filter
@@ -57,7 +58,8 @@ class Localizer {
   void set_free_space(const ReflectionGrid& map) { free_space_ = FreeSpace(map); }
 
   /// Another map, in the middle of a run: poses and weights stay, and so does what is believed of
-  /// sub-maps that both maps have (PatchStates::adopt). Works before a start too.
+  /// sub-maps that both maps have (PatchStates::adopt). Works before a start too. Throws
+  /// std::invalid_argument for null, and keeps the map that it had.
   void set_model(std::shared_ptr<const SensorModel> model);
 
   /// The next usable scan is weighed, whatever the gating says.

@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/base/error.hpp"
 #include "core/localization/localizer.hpp"
 #include "core/localization/roughening.hpp"
 
@@ -20,6 +21,10 @@ Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
 }  // namespace
 
 void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
+  if (!is_finite(map_from_robot.mean) || !map_from_robot.covariance.allFinite()) {
+    throw InputError("start pose", "has a number that is not finite",
+                     "give a mean and a covariance of finite numbers");
+  }
   start(static_cast<std::size_t>(config_.particles));
   most_particles_ =
       static_cast<std::size_t>(config_.adaptive ? config_.kld.max_particles : config_.particles);

@@ -3,6 +3,23 @@
 include(${CMAKE_CURRENT_LIST_DIR}/script.cmake)
 string(RANDOM LENGTH 8 suffix)
 set(work ${BINARY_DIR}/install-test-${suffix})
+# Builds a copy of examples/NAME with the installed package; ARGN: for CMake.
+function(build_example name)
+  run(${CMAKE_COMMAND} -E copy_directory ${EXAMPLES_DIR}/${name} ${work}/${name})
+  run(${CMAKE_COMMAND} -G Ninja -S ${work}/${name} -B ${work}/${name}/build
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH=${work}/prefix
+    -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_CXX_FLAGS=${FLAGS} ${ARGN})
+  run(${CMAKE_COMMAND} --build ${work}/${name}/build)
+endfunction()
+# The mean distance from the poses of `truth` is below 0.1 m. kind: absolute or aligned.
+function(expect_near kind poses truth)
+  run(${work}/prefix/bin/strata evaluate ${poses} --truth ${truth} --json --quiet)
+  string(JSON matched GET "${output}" ${kind} matched)
+  string(JSON mean_m GET "${output}" ${kind} error_m mean)
+  if(NOT matched GREATER 400 OR NOT mean_m LESS 0.1)
+    message(FATAL_ERROR "${matched} poses of ${poses} are ${mean_m} m from ${truth}")
+  endif()
+endfunction()
 run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${work}/prefix)
 run(${CMAKE_COMMAND} -E copy_directory ${SOURCE_DIR}/consumer ${work}/source)
 run(${CMAKE_COMMAND} -G Ninja -S ${work}/source -B ${work}/build -DWITH_COMPONENTS=${WITH_COMPONENTS}
@@ -16,11 +33,7 @@ if(WITH_COMPONENTS)
   run(diff -r ${work}/strata_msgs ${work}/prefix/share/strata/strata_msgs)
 
   # A component library, loaded by the installed program.
-  run(${CMAKE_COMMAND} -E copy_directory ${EXAMPLES_DIR}/obstacle_alarm ${work}/obstacle_alarm)
-  run(${CMAKE_COMMAND} -G Ninja -S ${work}/obstacle_alarm -B ${work}/obstacle_alarm/build
-    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH=${work}/prefix
-    -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_CXX_FLAGS=${FLAGS})
-  run(${CMAKE_COMMAND} --build ${work}/obstacle_alarm/build)
+  build_example(obstacle_alarm)
   # Three beams a scan; 0.5 m is the example's one alarm below 0.8 m.
   file(WRITE ${work}/log.clf "FLASER 3 1 2 3 0 0 0 0 0 0 1.0 h 1.0
 FLASER 3 1 0.5 3 0 0 0 0 0 0 1.2 h 1.2
@@ -38,5 +51,37 @@ FLASER 3 1 2 3 0 0 0 0 0 0 1.4 h 1.4
   if(NOT alarms STREQUAL "{\"scans\": 3, \"alarms\": 1}\n")
     message(FATAL_ERROR "the component of the library wrote ${alarms}")
   endif()
+
+  # Programs that call the library, with the packages of their rooms only.
+  build_example(learn_from_scans -DCMAKE_DISABLE_FIND_PACKAGE_fastrtps=ON)
+  build_example(localize_in_a_map -DCMAKE_DISABLE_FIND_PACKAGE_fastrtps=ON)
+  run(${work}/prefix/bin/strata simulate ${work}/prefix/share/strata/scenarios/office.yaml
+    --per-day --out ${work}/drive --quiet)
+  set(day ${work}/drive/day_1)
+  run(${work}/learn_from_scans/build/learn_from_scans ${day}/log.clf ${work}/map.yaml)
+  file(WRITE ${work}/learned.tum "${output}")
+  expect_near(aligned ${work}/learned.tum ${day}/truth.tum)
+  set(localize ${work}/localize_in_a_map/build/localize_in_a_map)
+  run(${localize} ${work}/map.yaml ${day}/log.clf 0 0 0)
+  file(WRITE ${work}/localized.tum "${output}")
+  expect_near(absolute ${work}/localized.tum ${work}/learned.tum)
+  execute_process(COMMAND ${localize} ${work}/map.yaml ${day}/log.clf 0 0 nan
+    RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE errors)
+  if(NOT result EQUAL 2)
+    message(FATAL_ERROR "a start at nan ends with ${result}")
+  endif()
+  expect("${errors}" "^localize_in_a_map: error: start pose: [^\n]*\n$")
+
+  # A room that is none.
+  file(WRITE ${work}/no_room/CMakeLists.txt "cmake_minimum_required(VERSION 3.23)
+project(no_room LANGUAGES CXX)
+find_package(strata REQUIRED COMPONENTS core_slam cellar)
+")
+  execute_process(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${work}/no_room -B ${work}/no_room/build
+    -DCMAKE_PREFIX_PATH=${work}/prefix RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE errors)
+  if(result EQUAL 0)
+    message(FATAL_ERROR "find_package finds a room that is none")
+  endif()
+  expect("${errors}" "no component and no room 'cellar'")
 endif()
 file(REMOVE_RECURSE ${work})

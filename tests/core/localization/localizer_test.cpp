@@ -5,9 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "core/base/error.hpp"
 #include "core/localization/likelihood_field_model.hpp"
 #include "core/localization/range_provider_model.hpp"
 #include "tests/core/localization/box_world.hpp"
@@ -234,6 +236,48 @@ TEST(Localizer, SearchesAgainSoonAfterItHasFoundAWrongPlace) {
   ASSERT_GE(searches.size(), 2U);
   EXPECT_LT(searches[1] - searches[0], config.global_start.annealing_updates)
       << "as long as the whole search";
+}
+
+TEST(Localizer, RefusesToBeWithoutAModel) {
+  EXPECT_THROW(Localizer({}, nullptr, 1), std::invalid_argument);
+  Localizer localizer({}, std::make_shared<SureModel>(), 1);
+  EXPECT_THROW(localizer.set_model(nullptr), std::invalid_argument);
+  localizer.initialize(near({4.0, 1.2, 0.0}));
+  EXPECT_THROW(localizer.set_model(nullptr), std::invalid_argument);
+  Drive drive({4.0, 1.2, 0.0}, 53);
+  EXPECT_TRUE(localizer.update(drive.look(asymmetric_room())).weighed) << "by the one it had";
+}
+
+TEST(Localizer, RefusesAStartThatIsNotFiniteAndGoesOnAsBefore) {
+  for (const double broken :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+        -std::numeric_limits<double>::infinity()}) {
+    SCOPED_TRACE(broken);
+    Localizer localizer({}, std::make_shared<SureModel>(), 1);
+    const Pose2Gaussian start = near({4.0, 1.2, 0.0});
+    localizer.initialize(start);
+    const ParticleSet before = localizer.particles();
+    for (const Pose2& pose :
+         {Pose2{broken, 1.2, 0.0}, Pose2{4.0, broken, 0.0}, Pose2{4.0, 1.2, broken}}) {
+      EXPECT_THROW(localizer.initialize(near(pose)), InputError);
+    }
+    for (int k = 0; k < 9; ++k) {
+      Pose2Gaussian spread = start;
+      spread.covariance(k) = broken;
+      EXPECT_THROW(localizer.initialize(spread), InputError) << k;
+    }
+    EXPECT_EQ(localizer.particles().x_m, before.x_m);
+    EXPECT_EQ(localizer.particles().theta_rad, before.theta_rad);
+  }
+}
+
+TEST(Localizer, RefusesAGlobalStartWithoutAFreeCell) {
+  Localizer localizer({}, std::make_shared<SureModel>(), 1);
+  EXPECT_THROW(localizer.initialize_global(), InputError);
+  EXPECT_THROW(localizer.initialize_global(ReflectionGrid()), InputError);
+  EXPECT_THROW(
+      localizer.initialize_global(ReflectionGrid(0.05, {{0, 0}, {20, 20}}, kUnknownReflection)),
+      InputError);
 }
 
 }  // namespace

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/reference/pages.hpp"
 
+#include <filesystem>
 #include <fstream>
+#include <set>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
 #include "tests/support/test_data.hpp"
+#include "tools/all_components/all_components.hpp"
 
 namespace strata::reference {
 namespace {
@@ -24,6 +28,27 @@ TEST(ReferencePages, NoticeAPageThatDriftedOrIsMissing) {
   EXPECT_THAT(outdated_pages(folder.path()), testing::IsEmpty());
   std::ofstream(folder.path() / "scenario.md", std::ios::app) << "edited by hand\n";
   EXPECT_THAT(outdated_pages(folder.path()), testing::ElementsAre("scenario.md"));
+}
+
+// What strata_component() and register.hpp make known, and the folders that have one.
+TEST(ReferencePages, EveryComponentIsKnownAndHasOne) {
+  std::set<std::string> pages;
+  std::set<std::string> titles;
+  for (const Page& page : make_pages()) {
+    if (page.file.starts_with("component_")) pages.insert(page.file);
+    titles.insert(page.text.substr(0, page.text.find('\n')));
+  }
+  const runtime::Registry registry = tools::all_components();
+  for (const auto& [type, factory] : registry.factories()) {
+    EXPECT_THAT(titles, testing::Contains("# Parameters of " + type));
+  }
+  std::set<std::string> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(STRATA_COMPONENTS_DIR)) {
+    if (!std::filesystem::exists(entry.path() / "register.hpp")) continue;
+    folders.insert("component_" + entry.path().filename().string() + ".md");
+  }
+  EXPECT_EQ(pages, folders);
+  EXPECT_EQ(registry.factories().size(), folders.size());
 }
 
 TEST(ReferencePages, EveryKeySaysWhatItMeans) {

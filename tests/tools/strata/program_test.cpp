@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -54,14 +55,26 @@ TEST(Program, BadUsageEndsWithTwoAndOneLine) {
   EXPECT_EQ(run("2>/dev/null").code, 2);
 }
 
+/// The names of verb_NAME.cpp, but for what verbs share.
+std::vector<std::string> verbs() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(fs::path(STRATA_SOURCE_DIR) / "tools/strata")) {
+    const std::string stem = entry.path().stem().string();
+    if (entry.path().extension() != ".cpp" || !stem.starts_with("verb_")) continue;
+    if (stem != "verb_context") names.push_back(stem.substr(5));
+  }
+  return names;
+}
+
 TEST(Program, HelpHasAnExampleForEveryVerb) {
   const Outcome all = run("--help");
   EXPECT_EQ(all.code, 0);
-  for (const char* verb : {"info", "convert", "evaluate"}) {
-    EXPECT_THAT(all.out, ::testing::HasSubstr(verb));
-    const Outcome help = run(std::string(verb) + " --help");
-    EXPECT_EQ(help.code, 0);
-    EXPECT_THAT(help.out, ::testing::HasSubstr(std::string("Example:\n  strata ") + verb));
+  EXPECT_THAT(verbs(), ::testing::IsSupersetOf({"info", "convert", "evaluate"}));
+  for (const std::string& verb : verbs()) {
+    EXPECT_THAT(all.out, ::testing::ContainsRegex("\n +" + verb + " "));
+    const Outcome help = run(verb + " --help");
+    EXPECT_EQ(help.code, 0) << verb;
+    EXPECT_THAT(help.out, ::testing::HasSubstr("Example:\n  strata " + verb));
     for (const char* common : {"--config", "--set", "--quiet", "--seed", "--threads"}) {
       EXPECT_THAT(help.out, ::testing::HasSubstr(common)) << verb;
     }
