@@ -9,7 +9,6 @@
 #include <sstream>
 #include <thread>
 
+#include "cmake/precompiled/core.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "cmake/precompiled/core.hpp"
