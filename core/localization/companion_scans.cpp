@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLongestAgoS = 0.5;
 /// More than a robot has: then it is a mounting that is measured anew with every scan.
-constexpr std::size_t kMostScanners = 8;
+constexpr std::size_t kMaxScanners = 8;
 
 /// Calls look(beam, place) with the place in a full circle of `directions` that each beam points
 /// to, seen from the robot, as if the scanner sat in its middle.
@@ -54,7 +54,7 @@ void CompanionScans::keep(const Observation& observation) {
     own->is_fresh = true;
     return;
   }
-  if (kept_.size() >= kMostScanners) kept_.clear();
+  if (kept_.size() >= kMaxScanners) kept_.clear();
   kept_.push_back({{observation, {}, {}}, true});
 }
 

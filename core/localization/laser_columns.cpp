@@ -8,9 +8,9 @@ namespace strata::localization {
 
 void LaserColumns::resize(std::size_t count) {
   count_ = count;
-  const std::size_t vectors = (count + RayFans::kVector - 1) / RayFans::kVector;
+  const std::size_t vectors = (count + rays::BeamBundles::kVector - 1) / rays::BeamBundles::kVector;
   for (auto* column : {&x_m_, &y_m_, &cosine_, &sine_, &column_, &row_}) {
-    column->resize(vectors * RayFans::kVector);
+    column->resize(vectors * rays::BeamBundles::kVector);
   }
 }
 
@@ -34,7 +34,8 @@ void LaserColumns::take(const Pose2& map_from_laser) {
   for (std::size_t n = 0; n < padded(); ++n) set(n, map_from_laser);
 }
 
-RayFans LaserColumns::fans(const RayTable& table, const ScanBeams& beams, double max_range_m) {
+rays::BeamBundles LaserColumns::bundles(const rays::RayTable& table, const rays::ScanBeams& beams,
+                                        double max_range_m) {
   for (std::size_t n = 0; n < padded(); ++n) {
     column_[n] = table.column_at(x_m_[n]);
     row_[n] = table.row_at(y_m_[n]);

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/localization/fan_kernel.hpp"
 #include "core/localization/particle_set.hpp"
-#include "core/localization/scan_beams.hpp"
+#include "core/rays/bundle_kernel.hpp"
+#include "core/rays/scan_beams.hpp"
 
 namespace strata::localization {
 
@@ -30,7 +30,8 @@ class LaserColumns {
   [[nodiscard]] const std::vector<double>& heading_sine() const { return sine_; }
 
   /// The beams of a scan from all of them, in a table. Valid until the next call.
-  [[nodiscard]] RayFans fans(const RayTable& table, const ScanBeams& beams, double max_range_m);
+  [[nodiscard]] rays::BeamBundles bundles(const rays::RayTable& table, const rays::ScanBeams& beams,
+                                          double max_range_m);
 
  private:
   void resize(std::size_t count);

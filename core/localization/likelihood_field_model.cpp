@@ -15,17 +15,18 @@
 namespace strata::localization {
 namespace {
 constexpr std::size_t kChunk = 256;
-constexpr double kLeastRange_m = 1e-9;
-/// Hits that are asked for an explanation, at most: each costs a ray.
+constexpr double kMinRange_m = 1e-9;
+/// Hits that are asked whether they are inliers, at most: each costs a ray.
 constexpr std::size_t kExplained = 60;
 }  // namespace
 
 LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
                                            const LikelihoodFieldModelConfig& config,
-                                           std::shared_ptr<const RayCaster> caster)
+                                           std::shared_ptr<const rays::RayCaster> caster)
     : config_(config),
       field_(map, config.field),
-      caster_(caster != nullptr ? std::move(caster) : std::make_shared<const RayCaster>(map)) {
+      caster_(caster != nullptr ? std::move(caster)
+                                : std::make_shared<const rays::RayCaster>(map)) {
   require_valid(config, "likelihood_field_model");
   const Grid<float>& inner = field_.log_likelihood();
   table_.width = inner.width() + 2;
@@ -47,7 +48,7 @@ LikelihoodFieldModel::LikelihoodFieldModel(const ReflectionGrid& map,
                    steps);
   }
   table_.values = bordered_.data();
-  explained_from_ = static_cast<float>(
+  inlier_from_ = static_cast<float>(
       std::log(config.field.hit_weight * std::exp(-4.5) + (1.0 - config.field.hit_weight)));
 }
 
@@ -77,7 +78,7 @@ std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, const Weighi
                                                   ParticleSet& particles,
                                                   std::span<double> log_likelihood,
                                                   WorkerPool& pool) const {
-  const auto points = points_.borrow();
+  const auto points = points_.acquire();
   const double most = std::ceil(weighing.share * config_.max_beams);  // 0 is all of them
   find_points(scan, static_cast<std::size_t>(most), *points);
   const FieldPoints field_points{points->x.data(), points->y.data(), points->x.size()};
@@ -106,9 +107,9 @@ std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, const Weighi
   return points->x.size();
 }
 
-Explanation LikelihoodFieldModel::explain(const Scan& scan, const Pose2& map_from_robot,
-                                          const ParticleSet& /*particles*/) const {
-  const auto points = points_.borrow();
+InlierShares LikelihoodFieldModel::inlier_shares(const Scan& scan, const Pose2& map_from_robot,
+                                                 const ParticleSet& /*particles*/) const {
+  const auto points = points_.acquire();
   const auto most = static_cast<std::size_t>(config_.max_beams);
   find_points(scan, most == 0 ? kExplained : std::min(most, kExplained), *points);
   const std::size_t count = points->x.size();
@@ -117,23 +118,23 @@ Explanation LikelihoodFieldModel::explain(const Scan& scan, const Pose2& map_fro
   const Eigen::Vector2d laser = (map_from_robot * scan.robot_from_laser).translation();
   const double tolerance_m = 3.0 * config_.field.hit_stddev_m;
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(map_from_robot.theta).toRotationMatrix();
-  Explanation said;
+  InlierShares said;
   for (std::size_t k = 0; k < count; ++k) {
     const Eigen::Vector2d in_robot(static_cast<double>(points->x[k]) * resolution,
                                    static_cast<double>(points->y[k]) * resolution);
     const Eigen::Vector2d point = map_from_robot.translation() + turn * in_robot;
     const double range_m = (point - laser).norm();
-    const Eigen::Vector2d direction = (point - laser) / std::max(range_m, kLeastRange_m);
+    const Eigen::Vector2d direction = (point - laser) / std::max(range_m, kMinRange_m);
     const double expected_m =
         caster_->range_m(laser.x(), laser.y(), direction.x(), direction.y(), range_m + tolerance_m);
-    const bool is_near = static_cast<float>(field_.at(point)) >= explained_from_;
+    const bool is_near = static_cast<float>(field_.at(point)) >= inlier_from_;
     const bool is_met = std::abs(expected_m - range_m) <= tolerance_m;
     if (!is_near && !is_met && !(expected_m < range_m) &&
         !knows_end(*caster_, laser, point, tolerance_m)) {
       continue;
     }
     said.judged += 1.0;
-    said.explained += is_near ? 1.0 : 0.0;
+    said.inlier += is_near ? 1.0 : 0.0;
     said.met += is_met ? 1.0 : 0.0;
     said.at_surface += is_near || is_met ? 1.0 : 0.0;
     said.stopped += !is_near && !is_met && range_m < expected_m ? 1.0 : 0.0;

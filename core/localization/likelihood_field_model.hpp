@@ -8,10 +8,10 @@
 
 #include "core/grid/likelihood_field.hpp"
 #include "core/grid/reflection_grid.hpp"
-#include "core/localization/lender.hpp"
 #include "core/localization/likelihood_field_kernel.hpp"
-#include "core/localization/ray_caster.hpp"
+#include "core/localization/object_pool.hpp"
 #include "core/localization/sensor_model.hpp"
+#include "core/rays/ray_caster.hpp"
 
 namespace strata::localization {
 
@@ -43,15 +43,15 @@ class LikelihoodFieldModel final : public SensorModel {
   /// caster: of the same map, when there is one already; null: one is made.
   explicit LikelihoodFieldModel(const ReflectionGrid& map,
                                 const LikelihoodFieldModelConfig& config = {},
-                                std::shared_ptr<const RayCaster> caster = nullptr);
+                                std::shared_ptr<const rays::RayCaster> caster = nullptr);
 
   std::size_t log_likelihoods(const Scan& scan, const Weighing& weighing, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.tempering; }
-  /// A hit is explained within 3 hit_stddev of an obstacle, and met within as much along its ray:
+  /// A hit is an inlier within 3 hit_stddev of an obstacle, and met within as much along its ray:
   /// the field does not tell what lies before it. Asks 60 hits at most.
-  [[nodiscard]] Explanation explain(const Scan& scan, const Pose2& map_from_robot,
-                                    const ParticleSet& particles) const override;
+  [[nodiscard]] InlierShares inlier_shares(const Scan& scan, const Pose2& map_from_robot,
+                                           const ParticleSet& particles) const override;
 
  private:
   /// End points in the robot frame, in cells.
@@ -65,12 +65,12 @@ class LikelihoodFieldModel final : public SensorModel {
 
   LikelihoodFieldModelConfig config_;
   LikelihoodField field_;
-  std::shared_ptr<const RayCaster> caster_;
+  std::shared_ptr<const rays::RayCaster> caster_;
   std::vector<std::uint16_t> bordered_;  // -ln p in steps of quantum_
   FieldTable table_;
-  double quantum_ = 1.0;         // nats
-  float explained_from_ = 0.0F;  // ln p at 3 standard deviations
-  Lender<Points> points_;
+  double quantum_ = 1.0;      // nats
+  float inlier_from_ = 0.0F;  // ln p at 3 standard deviations
+  ObjectPool<Points> points_;
 };
 
 }  // namespace strata::localization

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/localization/scan_beams.hpp"
+#include "core/rays/scan_beams.hpp"
 
 namespace strata::localization {
 namespace {
@@ -16,10 +16,10 @@ double position_stddev(const Pose2Gaussian& pose) {
 }
 
 /// Whether the particles agree on one place: also on the heading there, since in a room that looks
-/// the same when turned round both places may be close. most_m: of the position's spread.
-bool is_one_place(const Pose2Gaussian& pose, double most_m) {
-  constexpr double kMost_rad = 0.5;
-  return position_stddev(pose) <= most_m && pose.covariance(2, 2) <= kMost_rad * kMost_rad;
+/// the same when turned round both places may be close. max_m: of the position's spread.
+bool is_one_place(const Pose2Gaussian& pose, double max_m) {
+  constexpr double kMax_rad = 0.5;
+  return position_stddev(pose) <= max_m && pose.covariance(2, 2) <= kMax_rad * kMax_rad;
 }
 
 const SensorModel& existing(const std::shared_ptr<const SensorModel>& model) {
@@ -78,7 +78,7 @@ void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
     particles_.beliefs.clear();
     particles_.shared_belief.clear();
     std::fill(particles_.submap.begin(), particles_.submap.end(), -1);
-    std::fill(particles_.patch.begin(), particles_.patch.end(), -1);
+    std::fill(particles_.configuration.begin(), particles_.configuration.end(), -1);
     result_.submaps.clear();
   }
   resampled_ = particles_;
@@ -93,8 +93,7 @@ Pose2 Localizer::motion_since_last(const Observation& observation) {
   if (same_run && last_->has_odometry) {
     motion = between(last_->odom_from_robot, observation.odom_from_robot);
     const double dt_s = std::max(0.0, (observation.scan.stamp - last_->scan.stamp).seconds());
-    const double reach_m = config_.gating.jump_m + config_.gating.most_speed_mps * dt_s;
-    if (std::hypot(motion.x, motion.y) > reach_m) {
+    if (!is_possible(motion, dt_s, config_.gating.limits())) {
       motion = Pose2{};
       ++odometry_jumps_;
     }
@@ -112,8 +111,7 @@ bool Localizer::is_due() {
   if (must_weigh_ || !last_weighed_ || gating.every_scans == 1) return true;
   const auto scans = static_cast<double>(turns_.alive()) * gating.every_scans;
   const bool passes = static_cast<double>(scans_since_weighed_) >= scans ||
-                      std::hypot(moved_.x, moved_.y) >= gating.translation_m ||
-                      std::abs(moved_.theta) >= gating.rotation_rad;
+                      has_moved(Pose2{}, moved_, gating.translation_m, gating.rotation_rad);
   return passes && turns_.has_turn();
 }
 
@@ -137,7 +135,7 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
   const Pose2 moved_before = moved_;
   moved_ = moved_ * motion;
   ++scans_since_weighed_;
-  const bool is_usable = says_something(observation.scan);
+  const bool is_usable = rays::says_something(observation.scan);
   if (!is_usable) ++unusable_scans_;
   if (is_usable) turns_.see(observation.scan, observation.run);
   if (is_usable && turns_.alive() > 1) companions_.keep(observation);
@@ -178,7 +176,8 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   if (states != nullptr) states->absorb(pose, particles_);
   if (beams > 0 && std::isfinite(log_mean)) {
     monitor_.add(std::exp(log_mean * weighing.tempering / static_cast<double>(beams)),
-                 model_->explain(observation.scan, pose.mean, particles_), position_stddev(pose));
+                 model_->inlier_shares(observation.scan, pose.mean, particles_),
+                 position_stddev(pose));
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose);
   last_weighed_ = now;
@@ -210,12 +209,12 @@ void Localizer::resample() {
                            config_.kld.quantile);
     // A global start may need more than tracking; once the posterior fits, the lower limit holds.
     if (is_annealed && needed <= static_cast<std::size_t>(config_.kld.max_particles)) {
-      most_particles_ = static_cast<std::size_t>(config_.kld.max_particles);
+      max_particles_ = static_cast<std::size_t>(config_.kld.max_particles);
     }
     keep =
         std::clamp(needed, static_cast<std::size_t>(config_.kld.min_particles),
-                   std::max(most_particles_, static_cast<std::size_t>(config_.kld.min_particles)));
-    keep = std::max(keep, least_while_annealing());
+                   std::max(max_particles_, static_cast<std::size_t>(config_.kld.min_particles)));
+    keep = std::max(keep, min_while_annealing());
   } else if (is_annealed) {
     keep = static_cast<std::size_t>(config_.particles);
   }

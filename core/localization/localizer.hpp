@@ -91,7 +91,7 @@ class Localizer {
   void weigh_companions(const Observation& observation, double tempering);
   void roughen_start();
   void resample();
-  [[nodiscard]] std::size_t least_while_annealing() const;
+  [[nodiscard]] std::size_t min_while_annealing() const;
   [[nodiscard]] double annealing() const;
   const LocalizationResult& make_result(const Pose2Gaussian& pose, bool weighed);
 
@@ -113,7 +113,7 @@ class Localizer {
   std::uint64_t start_count_ = 0;  // several starts of one localizer draw different numbers
   std::uint64_t step_ = 0;
   bool is_started_ = false;
-  std::size_t most_particles_ = 0;
+  std::size_t max_particles_ = 0;
   int annealed_updates_ = 0;
   std::optional<Observation> last_;  // without its ranges
   std::optional<Stamp> last_weighed_;

@@ -2,6 +2,9 @@
 /// Everything about the filter that does not depend on the map model.
 #pragma once
 
+#include <limits>
+
+#include "core/geometry/odometry_noise.hpp"
 #include "core/localization/motion_model.hpp"
 #include "core/localization/recovery.hpp"
 #include "core/localization/resampling.hpp"
@@ -13,19 +16,33 @@ struct GatingConfig {
   double translation_m = 0.10;
   double rotation_rad = 0.0873;
   int every_scans = 10;
-  double most_speed_mps = 5.0;
-  double jump_m = 1.0;
+  double max_speed_mps = OdometryLimits{}.speed_mps;
+  double jump_m = OdometryLimits{}.slack_m;
+
+  /// However fast it turns: a base that spins may lose count of its heading, but not of its place.
+  [[nodiscard]] OdometryLimits limits() const {
+    return {.speed_mps = max_speed_mps,
+            .slack_m = jump_m,
+            .slack_rad = std::numeric_limits<double>::infinity()};
+  }
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("translation_m", c.translation_m,
-            {.doc = "weigh a scan after this much driving", .unit = "m", .min = 0.0});
+            {.doc = "weigh a scan after this much driving",
+             .unit = "m",
+             .min = 0.0,
+             .when = "the processor is too slow (raise it), or poses lag behind (lower it)"});
     v.field("rotation_rad", c.rotation_rad,
-            {.doc = "or this much turning", .unit = "rad", .min = 0.0});
+            {.doc = "or this much turning",
+             .unit = "rad",
+             .min = 0.0,
+             .when = "as translation_m, for turning"});
     v.field("every_scans", c.every_scans,
             {.doc = "or at the latest every so many scans of each scanner; 1: weigh all",
              .unit = "scans",
              .min = 1});
-    v.field("most_speed_mps", c.most_speed_mps,
+    v.renamed("most_speed_mps", "max_speed_mps");
+    v.field("max_speed_mps", c.max_speed_mps,
             {.doc = "with jump_m: odometry that moves faster than a robot can has been reset, and "
                     "says nothing",
              .unit = "m/s",
@@ -41,7 +58,7 @@ struct GatingConfig {
 /// share, must not decide between them before the robot has seen more.
 struct GlobalStartConfig {
   double particles_per_m2 = 500.0;
-  int most_particles = 60000;
+  int max_particles = 60000;
   int annealing_updates = 32;
   double annealing_factor = 8.0;
   double roughening = 0.5;
@@ -49,8 +66,8 @@ struct GlobalStartConfig {
   static void describe(Self& c, V& v) {
     v.field("particles_per_m2", c.particles_per_m2,
             {.doc = "particles per free area", .unit = "1/m^2", .min = 1.0});
-    v.field("most_particles", c.most_particles,
-            {.doc = "never more", .unit = "particles", .min = 1});
+    v.renamed("most_particles", "max_particles");
+    v.field("max_particles", c.max_particles, {.doc = "never more", .unit = "particles", .min = 1});
     v.field(
         "annealing_updates", c.annealing_updates,
         {.doc = "weighed scans until the temperature is the one for tracking; fewer when one place "
@@ -80,9 +97,11 @@ struct LocalizerConfig {
   RecoveryConfig recovery;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field(
-        "particles", c.particles,
-        {.doc = "at the start, and always when adaptive is off", .unit = "particles", .min = 1});
+    v.field("particles", c.particles,
+            {.doc = "at the start, and always when adaptive is off",
+             .unit = "particles",
+             .min = 1,
+             .when = "with adaptive off, or to make starts at a known pose cheaper or surer"});
     v.field("adaptive", c.adaptive, {.doc = "let the number of particles follow the posterior"});
     v.field("resample_below", c.resample_below,
             {.doc = "resample when the effective share of particles falls below",

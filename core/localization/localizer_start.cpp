@@ -26,7 +26,7 @@ void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
                      "give a mean and a covariance of finite numbers");
   }
   start(static_cast<std::size_t>(config_.particles));
-  most_particles_ =
+  max_particles_ =
       static_cast<std::size_t>(config_.adaptive ? config_.kld.max_particles : config_.particles);
   annealed_updates_ = config_.global_start.annealing_updates;
   const Eigen::Matrix3d root = square_root(map_from_robot.covariance);
@@ -50,8 +50,8 @@ void Localizer::initialize_global() {
   if (free_space_.empty()) {
     throw InputError("map", "has no free cell to start from", "use a map that was learned");
   }
-  most_particles_ = global_count();
-  start(most_particles_);
+  max_particles_ = global_count();
+  start(max_particles_);
   annealed_updates_ = 0;
   fill(particles_, 0, StreamId::kInitialize);
 }
@@ -61,7 +61,7 @@ std::size_t Localizer::global_count() const {
       std::ceil(config_.global_start.particles_per_m2 * free_space_.area_m2()));
   return std::max<std::size_t>(
       static_cast<std::size_t>(config_.particles),
-      std::min(wanted, static_cast<std::size_t>(config_.global_start.most_particles)));
+      std::min(wanted, static_cast<std::size_t>(config_.global_start.max_particles)));
 }
 
 void Localizer::fill(ParticleSet& particles, std::size_t begin, StreamId stream) const {
@@ -90,7 +90,7 @@ void Localizer::search_everywhere() {
   for (std::size_t j = 0; j < particles_.size(); ++j) {
     particles_.weight[j] = 0.5 / static_cast<double>(j < keep ? keep : added);
   }
-  most_particles_ = particles_.size();
+  max_particles_ = particles_.size();
   annealed_updates_ = 0;
   monitor_.search_begins(config_.global_start.annealing_updates);
 }
@@ -108,16 +108,16 @@ void Localizer::roughen_start() {
   const int updates = (config_.global_start.annealing_updates + 1) / 2;
   if (annealed_updates_ >= updates || config_.global_start.roughening <= 0.0) return;
   const double left = 1.0 - static_cast<double>(annealed_updates_) / updates;
-  const double spacing = pose_spacing(free_space_.area_m2(), most_particles_);
+  const double spacing = pose_spacing(free_space_.area_m2(), max_particles_);
   roughen(config_.global_start.roughening * spacing * left, seed_, step_, particles_, *pool_);
 }
 
-std::size_t Localizer::least_while_annealing() const {
+std::size_t Localizer::min_while_annealing() const {
   // The bins of KLD sampling say how many particles describe the posterior as it is, but while it
   // is still flattened the place that will win may hold few of them: go down evenly instead.
   const int updates = config_.global_start.annealing_updates;
   if (annealed_updates_ >= updates) return 0;
-  return most_particles_ * static_cast<std::size_t>(updates - annealed_updates_) /
+  return max_particles_ * static_cast<std::size_t>(updates - annealed_updates_) /
          static_cast<std::size_t>(updates);
 }
 

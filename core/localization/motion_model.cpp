@@ -26,7 +26,7 @@ double turning(double rotation_rad) {
 
 }  // namespace
 
-MotionParts take_apart(const Pose2& before_from_after) {
+MotionParts decompose(const Pose2& before_from_after) {
   MotionParts parts;
   parts.translation_m = std::hypot(before_from_after.x, before_from_after.y);
   if (parts.translation_m > 0.0) {
@@ -72,7 +72,7 @@ void move_particles(const Pose2& before_from_after, ParticleSet& particles, Work
 void sample_motions(const Pose2& motion, const Pose2& already_moved, bool has_odometry,
                     const MotionModelConfig& config, std::uint64_t seed, std::uint64_t step,
                     ParticleSet& particles, WorkerPool& pool) {
-  const MotionParts parts = take_apart(motion);
+  const MotionParts parts = decompose(motion);
   const MotionSpread spread = motion_spread(parts, config, has_odometry);
   MotionDraw draw;
   if (!(already_moved == Pose2{})) draw.back = inverse(already_moved);

@@ -24,15 +24,25 @@ struct MotionModelConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("rotation_from_rotation", c.rotation_from_rotation,
-            {.doc = "variance of a rotation per squared rotation", .unit = "1", .min = 0.0});
-    v.field(
-        "rotation_from_translation", c.rotation_from_translation,
-        {.doc = "variance of a rotation per squared translation", .unit = "rad^2/m^2", .min = 0.0});
+            {.doc = "variance of a rotation per squared rotation",
+             .unit = "1",
+             .min = 0.0,
+             .when = "wheels slip when the robot turns: raise it"});
+    v.field("rotation_from_translation", c.rotation_from_translation,
+            {.doc = "variance of a rotation per squared translation",
+             .unit = "rad^2/m^2",
+             .min = 0.0,
+             .when = "the robot drifts to one side when driving straight: raise it"});
     v.field("translation_from_translation", c.translation_from_translation,
-            {.doc = "variance of a translation per squared translation", .unit = "1", .min = 0.0});
-    v.field(
-        "translation_from_rotation", c.translation_from_rotation,
-        {.doc = "variance of a translation per squared rotation", .unit = "m^2/rad^2", .min = 0.0});
+            {.doc = "variance of a translation per squared translation",
+             .unit = "1",
+             .min = 0.0,
+             .when = "the odometry measures distances badly: raise it"});
+    v.field("translation_from_rotation", c.translation_from_rotation,
+            {.doc = "variance of a translation per squared rotation",
+             .unit = "m^2/rad^2",
+             .min = 0.0,
+             .when = "the robot is displaced when it turns: raise it"});
     v.field("floor_translation_m", c.floor_translation_m,
             {.doc = "least spread per weighed scan, along and across", .unit = "m", .min = 0.0});
     v.field("floor_rotation_rad", c.floor_rotation_rad,
@@ -44,13 +54,13 @@ struct MotionModelConfig {
   }
 };
 
-/// A motion taken apart: turn, go straight, turn.
+/// A motion decomposed: turn, go straight, turn.
 struct MotionParts {
   double rotation1_rad = 0.0;
   double translation_m = 0.0;
   double rotation2_rad = 0.0;
 };
-[[nodiscard]] MotionParts take_apart(const Pose2& before_from_after);
+[[nodiscard]] MotionParts decompose(const Pose2& before_from_after);
 
 /// Standard deviations that go with a motion. A turn of nearly pi before a step back counts as a
 /// small one, as driving backwards does not turn the robot; the direction of a step below 1 cm

@@ -16,7 +16,7 @@ void ParticleSet::resize(std::size_t count) {
   theta_rad.resize(count);
   weight.resize(count);
   submap.resize(count, -1);
-  patch.resize(count, -1);
+  configuration.resize(count, -1);
   beliefs.resize(count * belief_columns);
 }
 
@@ -32,7 +32,7 @@ void ParticleSet::copy_from(const ParticleSet& other, std::size_t from, std::siz
   theta_rad[to] = other.theta_rad[from];
   weight[to] = other.weight[from];
   submap[to] = other.submap[from];
-  patch[to] = other.patch[from];
+  configuration[to] = other.configuration[from];
   if (belief_columns > 0) {
     const std::span<const float> row = other.belief(from);
     std::copy(row.begin(), row.end(), belief(to).begin());

@@ -20,8 +20,8 @@ struct ParticleSet {
   std::vector<double> y_m;
   std::vector<double> theta_rad;  ///< in (-pi, pi]
   std::vector<double> weight;
-  std::vector<std::int32_t> submap;  ///< the sub-map that the particle is in; -1: none
-  std::vector<std::int32_t> patch;   ///< its configuration there; -1: none, or not sampled
+  std::vector<std::int32_t> submap;         ///< the sub-map that the particle is in; -1: none
+  std::vector<std::int32_t> configuration;  ///< its configuration there; -1: none, or not sampled
   /// size() rows of belief_columns numbers: what each particle believes of every configuration of
   /// every sub-map, one after the other. No columns unless the memory of sub-maps asks for them.
   std::vector<float> beliefs;
@@ -39,8 +39,8 @@ struct ParticleSet {
     return {beliefs.data() + i * belief_columns, belief_columns};
   }
 
-  /// Sets the number of particles; new ones are at the origin with weight 0 and no patch. Keeps
-  /// memory when it shrinks.
+  /// Sets the number of particles; new ones are at the origin with weight 0 and no configuration.
+  /// Keeps memory when it shrinks.
   void resize(std::size_t count);
   void set_pose(std::size_t i, const Pose2& pose);
   /// Copies particle `from` of another set (same belief_columns) to place `to`, weight included.

@@ -12,7 +12,7 @@ namespace strata::localization {
 namespace {
 
 constexpr int kSearchSteps = 60;
-constexpr double kLeastRate = 1e-8;  // one change in three years
+constexpr double kMinRate = 1e-8;  // one change in three years
 constexpr double kGreatestRate = 1.0;
 
 struct Transition {
@@ -53,7 +53,7 @@ double learned_rate_per_s(const patch::Submap& submap, const PatchStatesConfig& 
   };
   // Golden-section search over ln gamma.
   const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
-  double low = std::log(kLeastRate);
+  double low = std::log(kMinRate);
   double high = std::log(kGreatestRate);
   double a = high - ratio * (high - low);
   double b = low + ratio * (high - low);

@@ -9,7 +9,7 @@
 namespace strata::localization {
 namespace {
 constexpr std::size_t kChunk = 256;
-constexpr std::size_t kMostConfigurations = 64;
+constexpr std::size_t kMaxConfigurations = 64;
 
 /// One row of beliefs after what PatchStates::find_fading says.
 void fade(std::span<const double> keep, std::span<const double> add, std::span<float> row) {
@@ -45,7 +45,7 @@ PatchStates::PatchStates(std::shared_ptr<const patch::PatchMap> map,
   offsets_.push_back(0);
   for (const patch::Submap& submap : map_->submaps) {
     const std::size_t count = submap.configurations.size();
-    if (count == 0 || count > kMostConfigurations) {
+    if (count == 0 || count > kMaxConfigurations) {
       throw InputError("sub-map " + std::to_string(submap.id),
                        "has " + std::to_string(count) + " configurations",
                        "learn it again with 1 to 64");
@@ -73,12 +73,12 @@ void PatchStates::prepare(ParticleSet& particles) const {
 void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& random,
                        int current) const {
   particles.submap[i] = submap_of(particles.pose(i).translation(), current);
-  particles.patch[i] = -1;
+  particles.configuration[i] = -1;
   if (config_.memory == PatchMemory::kPerParticle) {
     std::copy(uniform_.begin(), uniform_.end(), particles.belief(i).begin());
   } else if (config_.memory == PatchMemory::kNone && particles.submap[i] >= 0) {
     const int configurations = count(static_cast<std::size_t>(particles.submap[i]));
-    particles.patch[i] =
+    particles.configuration[i] =
         static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations)));
   }
 }
@@ -101,8 +101,8 @@ void PatchStates::find_fading(double dt_s, std::vector<double>& keep,
 
 void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
                           ParticleSet& particles, WorkerPool& pool) const {
-  const auto keep = factors_.borrow();
-  const auto add = factors_.borrow();
+  const auto keep = factors_.acquire();
+  const auto add = factors_.acquire();
   if (config_.memory != PatchMemory::kNone) find_fading(dt_s, *keep, *add);
   if (config_.memory == PatchMemory::kShared) fade(*keep, *add, particles.shared_belief);
   const auto move_one = [&](std::size_t i) {
@@ -111,20 +111,20 @@ void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
     particles.submap[i] = now;
     if (config_.memory == PatchMemory::kPerParticle) fade(*keep, *add, particles.belief(i));
     if (config_.memory != PatchMemory::kNone || now < 0) {
-      particles.patch[i] = -1;
+      particles.configuration[i] = -1;
       return;
     }
     const int configurations = count(static_cast<std::size_t>(now));
     RandomStream random(seed, StreamId::kPatchTransition, step, static_cast<std::uint32_t>(i));
-    if (now != before || particles.patch[i] < 0) {
-      particles.patch[i] =
+    if (now != before || particles.configuration[i] < 0) {
+      particles.configuration[i] =
           static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations)));
     } else if (configurations > 1 &&
                !random.bernoulli(
                    stay_probability(configurations, rates_[static_cast<std::size_t>(now)], dt_s))) {
       const auto other =
           static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations - 1)));
-      particles.patch[i] = other < particles.patch[i] ? other : other + 1;
+      particles.configuration[i] = other < particles.configuration[i] ? other : other + 1;
     }
   };
   const auto move = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
@@ -138,8 +138,8 @@ void PatchStates::absorb(const Pose2Gaussian& pose, ParticleSet& particles) cons
   // A cloud with two heaps is wider than this too, so no other gate is needed.
   const double spread = std::sqrt(pose.covariance(0, 0) + pose.covariance(1, 1));
   if (!(spread < config_.shared_max_stddev_m)) return;
-  const auto loan = factors_.borrow();
-  std::vector<double>& factor = *loan;
+  const auto pooled = factors_.acquire();
+  std::vector<double>& factor = *pooled;
   factor.assign(columns(), 0.0);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const std::span<const float> row = particles.belief(i);
@@ -151,7 +151,7 @@ void PatchStates::absorb(const Pose2Gaussian& pose, ParticleSet& particles) cons
     const auto configurations = static_cast<std::size_t>(count(s));
     update_belief(std::span<float>(particles.shared_belief).subspan(offsets_[s], configurations),
                   std::span<const double>(factor).subspan(offsets_[s], configurations),
-                  config_.least_belief);
+                  config_.min_belief);
   }
 }
 
@@ -170,16 +170,17 @@ void PatchStates::posterior(const ParticleSet& particles,
     beliefs[s].probability.assign(static_cast<std::size_t>(count(s)), 0.0);
   }
   const bool has_own = config_.memory == PatchMemory::kPerParticle;
-  const auto loan = factors_.borrow();
-  std::vector<double>& sums = *loan;
+  const auto pooled = factors_.acquire();
+  std::vector<double>& sums = *pooled;
   sums.assign(columns(), 0.0);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const std::int32_t s = particles.submap[i];
     if (s >= 0) {
       SubmapBelief& inside = beliefs[static_cast<std::size_t>(s)];
       inside.mass += particles.weight[i];
-      if (particles.patch[i] >= 0) {
-        inside.probability[static_cast<std::size_t>(particles.patch[i])] += particles.weight[i];
+      if (particles.configuration[i] >= 0) {
+        inside.probability[static_cast<std::size_t>(particles.configuration[i])] +=
+            particles.weight[i];
       }
     }
     if (!has_own) continue;

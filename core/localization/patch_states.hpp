@@ -12,9 +12,10 @@
 
 #include "core/base/config.hpp"
 #include "core/base/parallel.hpp"
-#include "core/localization/lender.hpp"
+#include "core/localization/object_pool.hpp"
 #include "core/localization/particle_set.hpp"
 #include "core/patch/patch_map.hpp"
+#include "core/patch/sequences.hpp"
 #include "core/random/stream.hpp"
 
 namespace strata::localization {
@@ -38,16 +39,20 @@ struct PatchStatesConfig {
   double forgetting_rate_per_s = 1.0 / 600.0;
   double prior_changes = 1.0;
   double prior_hours = 1.0;
-  double least_belief = 1e-3;
+  double min_belief = 1e-3;
   double shared_max_stddev_m = 0.3;
-  double reach_m = 1.0;
+  double reach_m = patch::SequenceConfig{}.entry_margin_m;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("memory", c.memory, {.doc = "what is kept of sub-maps the robot has left"});
-    v.field("forgetting_rate_per_s", c.forgetting_rate_per_s,
-            {.doc = "rate gamma at which a known configuration becomes unknown",
-             .unit = "1/s",
-             .min = 0.0});
+    v.field(
+        "memory", c.memory,
+        {.doc = "what is kept of sub-maps the robot has left", .preset = {"paper-patch", "none"}});
+    v.field(
+        "forgetting_rate_per_s", c.forgetting_rate_per_s,
+        {.doc = "rate gamma at which a known configuration becomes unknown",
+         .unit = "1/s",
+         .min = 0.0,
+         .when = "doors and furniture move more often, or more seldom, than every ten minutes"});
     v.field("rates", c.rates,
             {.doc = "fixed: forgetting_rate_per_s everywhere; learned: per sub-map, from how often "
                     "its configuration changed between the sequences it was learned from"});
@@ -55,13 +60,10 @@ struct PatchStatesConfig {
             {.doc = "learned: changes believed to have been seen beforehand", .min = 0.01});
     v.field("prior_hours", c.prior_hours,
             {.doc = "learned: ... in this time", .unit = "h", .min = 1e-3});
-    v.field("least_belief", c.least_belief,
+    v.renamed("least_belief", "min_belief");
+    v.field("min_belief", c.min_belief,
             {.doc = "no configuration's probability falls below", .min = 0.0, .max = 0.1});
-    v.field("reach_m", c.reach_m,
-            {.doc = "memory none: a robot this far outside of a sub-map still is in it; the paper "
-                    "begins its sequences there (sequences.entry_margin_m of mode entered)",
-             .unit = "m",
-             .min = 0.0});
+    v.removed("reach_m", "it is where sequences begin (sequences.entry_margin_m when learning)");
     v.field("shared_max_stddev_m", c.shared_max_stddev_m,
             {.doc = "shared beliefs learn only while the pose is at least this certain",
              .unit = "m",
@@ -97,7 +99,7 @@ class PatchStates {
 
   [[nodiscard]] const patch::PatchMap& map() const { return *map_; }
   [[nodiscard]] PatchMemory memory() const { return config_.memory; }
-  [[nodiscard]] double least_belief() const { return config_.least_belief; }
+  [[nodiscard]] double min_belief() const { return config_.min_belief; }
   /// Columns of one belief row; those of sub-map s are [offset(s), offset(s) + count(s)).
   [[nodiscard]] std::size_t columns() const { return uniform_.size(); }
   [[nodiscard]] std::size_t offset(std::size_t submap) const { return offsets_[submap]; }
@@ -148,7 +150,7 @@ class PatchStates {
   PatchStatesConfig config_;
   std::vector<std::size_t> offsets_;
   std::vector<float> uniform_;
-  Lender<std::vector<double>> factors_;
+  ObjectPool<std::vector<double>> factors_;
   std::vector<double> rates_;  // gamma of each sub-map
 };
 

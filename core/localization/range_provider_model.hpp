@@ -14,15 +14,15 @@
 #include <vector>
 
 #include "core/base/config.hpp"
-#include "core/localization/beam_mixture.hpp"
-#include "core/localization/column_math.hpp"
-#include "core/localization/fan_kernel.hpp"
 #include "core/localization/laser_columns.hpp"
-#include "core/localization/lender.hpp"
-#include "core/localization/ray_caster.hpp"
-#include "core/localization/scan_beams.hpp"
-#include "core/localization/scan_mixture.hpp"
+#include "core/localization/object_pool.hpp"
 #include "core/localization/sensor_model.hpp"
+#include "core/rays/beam_mixture.hpp"
+#include "core/rays/bundle_kernel.hpp"
+#include "core/rays/column_math.hpp"
+#include "core/rays/ray_caster.hpp"
+#include "core/rays/scan_beams.hpp"
+#include "core/rays/scan_mixture.hpp"
 
 namespace strata::localization {
 
@@ -34,8 +34,8 @@ concept RangeProvider = LimitedMap<T> && requires(const T& provider, const Pose2
 };
 
 struct BeamModelConfig {
-  BeamMixtureConfig mixture;
-  BeamSelectionConfig beams;
+  rays::BeamMixtureConfig mixture;
+  rays::BeamSelectionConfig beams;
   double tempering = 2.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -50,10 +50,10 @@ struct BeamModelConfig {
 
 /// A provider that predicts many beams at once, from a table that kernels read.
 template <typename T>
-concept FanProvider = requires(const T& provider, const RayFan& fan, double* range_m,
-                               std::int32_t* cell) {
-  provider.expected_ranges_m(fan, range_m, cell);
-  { provider.table() } -> std::convertible_to<RayTable>;
+concept BundleProvider = requires(const T& provider, const rays::BeamBundle& bundle,
+                                  double* range_m, std::int32_t* cell) {
+  provider.expected_ranges_m(bundle, range_m, cell);
+  { provider.table() } -> std::convertible_to<rays::RayTable>;
   { provider.max_range_m() } -> std::convertible_to<double>;
 };
 
@@ -70,11 +70,11 @@ class RangeProviderModel final : public SensorModel {
 
   std::size_t log_likelihoods(const Scan& scan, const Weighing& weighing, ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override {
-    const auto scratch = scratch_.borrow();
+    const auto scratch = scratch_.acquire();
     prepare(scan, *scratch);
     constexpr std::size_t kChunk = 64;
     const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
-      const auto chunk = chunk_scratch_.borrow();
+      const auto chunk = chunk_scratch_.acquire();
       weigh_chunk(*scratch, particles, begin, end, *chunk);
       for (std::size_t i = begin; i < end; ++i) {
         log_likelihood[i] = chunk->sums[i - begin] / weighing.tempering;
@@ -86,15 +86,15 @@ class RangeProviderModel final : public SensorModel {
 
   [[nodiscard]] double tempering() const override { return config_.tempering; }
 
-  [[nodiscard]] Explanation explain(const Scan& scan, const Pose2& map_from_robot,
-                                    const ParticleSet& /*particles*/) const override {
-    const auto scratch = scratch_.borrow();
-    select_beams(scan, config_.beams, scratch->beams);
-    const ScanBeams& beams = scratch->beams;
+  [[nodiscard]] InlierShares inlier_shares(const Scan& scan, const Pose2& map_from_robot,
+                                           const ParticleSet& /*particles*/) const override {
+    const auto scratch = scratch_.acquire();
+    rays::select_beams(scan, config_.beams, scratch->beams);
+    const rays::ScanBeams& beams = scratch->beams;
     if (beams.size() == 0) return {};
-    const BeamMixture mixture = mixture_.limited_to(beams.r_max_m);
+    const rays::BeamMixture mixture = mixture_.limited_to(beams.r_max_m);
     const Pose2 laser = map_from_robot * beams.robot_from_laser;
-    Explanation said;
+    InlierShares said;
     const bool is_known_here = provider_->knows(laser.translation());
     std::array<double, kBlock> expected;
     for (std::size_t begin = 0; begin < beams.size(); begin += kBlock) {
@@ -105,10 +105,10 @@ class RangeProviderModel final : public SensorModel {
         if (beams.is_hit[begin + k] == 0 && !(expected[k] < beams.r_max_m) && !is_known_here) {
           continue;
         }
-        explain_beam(laser, beams, begin + k, expected[k], mixture, said);
+        judge_beam(laser, beams, begin + k, expected[k], mixture, said);
       }
     }
-    said.met = said.explained;
+    said.met = said.inlier;
     said.divide_by(static_cast<double>(beams.size()));
     return said;
   }
@@ -116,8 +116,8 @@ class RangeProviderModel final : public SensorModel {
  private:
   static constexpr std::size_t kBlock = 256;
   struct Scratch {
-    ScanBeams beams;
-    ScanMixture mixture;
+    rays::ScanBeams beams;
+    rays::ScanMixture mixture;
   };
   /// Of a chunk of particles; rows of one entry a particle.
   struct ChunkScratch {
@@ -127,13 +127,13 @@ class RangeProviderModel final : public SensorModel {
     std::vector<double> sums;
   };
 
-  /// Adds one beam to the sums, but to `met`, which is `explained` here.
-  void explain_beam(const Pose2& laser, const ScanBeams& beams, std::size_t beam, double expected_m,
-                    const BeamMixture& mixture, Explanation& said) const {
+  /// Adds one beam to the sums, but to `met`, which is `inlier` here.
+  void judge_beam(const Pose2& laser, const rays::ScanBeams& beams, std::size_t beam,
+                  double expected_m, const rays::BeamMixture& mixture, InlierShares& said) const {
     const bool is_hit = beams.is_hit[beam] != 0;
     const double range_m = beams.range_m[beam];
     const Eigen::Vector2d end_m = beams.end_m(laser, beam);
-    const bool is_met = mixture.explains(is_hit, range_m, expected_m);
+    const bool is_met = mixture.is_inlier(is_hit, range_m, expected_m);
     if (!is_met && !(expected_m < range_m) &&
         !knows_end(*provider_, laser.translation(), end_m, mixture.tolerance_m())) {
       return;
@@ -144,20 +144,20 @@ class RangeProviderModel final : public SensorModel {
           is_met || (is_hit && provider_->is_near_surface(end_m, mixture.surface_tolerance_m()));
     }
     said.judged += 1.0;
-    said.explained += is_met ? 1.0 : 0.0;
+    said.inlier += is_met ? 1.0 : 0.0;
     said.at_surface += is_at_surface ? 1.0 : 0.0;
     said.stopped += !is_at_surface && range_m < expected_m ? 1.0 : 0.0;
   }
 
   void prepare(const Scan& scan, Scratch& scratch) const {
-    select_beams(scan, config_.beams, scratch.beams);
+    rays::select_beams(scan, config_.beams, scratch.beams);
     scratch.mixture.prepare(mixture_.limited_to(scratch.beams.r_max_m), scratch.beams);
   }
 
   /// Expected ranges of beams begin, begin + 1, ... count <= kBlock of them.
-  void expect(const Pose2& laser, const ScanBeams& beams, std::size_t begin, std::size_t count,
-              double* expected) const {
-    if constexpr (FanProvider<Provider>) {
+  void expect(const Pose2& laser, const rays::ScanBeams& beams, std::size_t begin,
+              std::size_t count, double* expected) const {
+    if constexpr (BundleProvider<Provider>) {
       std::array<std::int32_t, kBlock> cells;
       provider_->expected_ranges_m(
           {laser.x, laser.y, std::cos(laser.theta), std::sin(laser.theta),
@@ -173,14 +173,15 @@ class RangeProviderModel final : public SensorModel {
   /// Sums of ln p over all beams, for particles [begin, end).
   void weigh_chunk(const Scratch& scratch, const ParticleSet& particles, std::size_t begin,
                    std::size_t end, ChunkScratch& chunk) const {
-    const ScanBeams& beams = scratch.beams;
+    const rays::ScanBeams& beams = scratch.beams;
     chunk.lasers.take(particles, begin, end, beams.robot_from_laser);
     const std::size_t row = chunk.lasers.padded();
     chunk.expected_m.resize(beams.size() * row);
-    if constexpr (FanProvider<Provider>) {
+    if constexpr (BundleProvider<Provider>) {
       const double limit_m = std::min(beams.r_max_m, provider_->max_range_m());
-      const RayTable table = provider_->table();
-      cast_fans(table, chunk.lasers.fans(table, beams, limit_m), chunk.expected_m.data());
+      const rays::RayTable table = provider_->table();
+      rays::cast_bundles(table, chunk.lasers.bundles(table, beams, limit_m),
+                         chunk.expected_m.data());
     } else {
       for (std::size_t n = 0; n < row; ++n) {
         const Pose2 laser = particles.pose(std::min(begin + n, end - 1)) * beams.robot_from_laser;
@@ -191,24 +192,25 @@ class RangeProviderModel final : public SensorModel {
       }
     }
     chunk.logs.resize(beams.size() * row);
-    scratch.mixture.log_likelihoods_of_fans(row, chunk.expected_m.data(), chunk.logs.data());
+    scratch.mixture.log_likelihoods_of_bundles(row, chunk.expected_m.data(), chunk.logs.data());
     chunk.sums.resize(row);
-    sum_rows(chunk.logs.data(), beams.size(), row, chunk.sums.data());
+    rays::sum_rows(chunk.logs.data(), beams.size(), row, chunk.sums.data());
   }
 
   std::shared_ptr<const Provider> provider_;
   BeamModelConfig config_;
-  BeamMixture mixture_;  // its limit is set for every scan
-  Lender<Scratch> scratch_;
-  Lender<ChunkScratch> chunk_scratch_;
+  rays::BeamMixture mixture_;  // its limit is set for every scan
+  ObjectPool<Scratch> scratch_;
+  ObjectPool<ChunkScratch> chunk_scratch_;
 };
 
 /// Ray casting in one map: occupied means is_occupied, unknown is transparent.
-using GridBeamModel = RangeProviderModel<RayCaster>;
+using GridBeamModel = RangeProviderModel<rays::RayCaster>;
 
 [[nodiscard]] inline std::shared_ptr<const GridBeamModel> make_grid_beam_model(
     const ReflectionGrid& map, const BeamModelConfig& config = {}) {
-  return std::make_shared<const GridBeamModel>(std::make_shared<const RayCaster>(map), config);
+  return std::make_shared<const GridBeamModel>(std::make_shared<const rays::RayCaster>(map),
+                                               config);
 }
 
 }  // namespace strata::localization

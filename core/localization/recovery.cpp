@@ -11,27 +11,27 @@ namespace {
 
 /// Beams that something new stops may be up to this share of those judged for the others to speak
 /// alone: where nearly all are stopped, few are left.
-constexpr double kMostStopped = 0.75;
+constexpr double kMaxStopped = 0.75;
 /// Of the pace at which the long averages follow otherwise: a pose that stays wrong must not become
 /// the usual one, and a building that was rebuilt must.
 constexpr double kPaceWhileLost = 0.1;
 
 /// Moves the average of each share by `rate` of the way to the new one.
-void follow(double rate, const Explanation& now, Explanation& average) {
-  for (double Explanation::*share :
-       {&Explanation::explained, &Explanation::judged, &Explanation::met, &Explanation::at_surface,
-        &Explanation::stopped}) {
+void follow(double rate, const InlierShares& now, InlierShares& average) {
+  for (double InlierShares::*share :
+       {&InlierShares::inlier, &InlierShares::judged, &InlierShares::met, &InlierShares::at_surface,
+        &InlierShares::stopped}) {
     average.*share += rate * (now.*share - average.*share);
   }
 }
 
-double explained_of_judged(const Explanation& shares) {
-  return shares.judged > 0.0 ? shares.explained / shares.judged : 1.0;
+double inliers_of_judged(const InlierShares& shares) {
+  return shares.judged > 0.0 ? shares.inlier / shares.judged : 1.0;
 }
 
 }  // namespace
 
-void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanation,
+void HealthMonitor::add(double likelihood_per_beam, const InlierShares& shares,
                         double position_stddev_m) {
   ++count_;
   const double mean_rate = 1.0 / static_cast<double>(count_);
@@ -41,24 +41,23 @@ void HealthMonitor::add(double likelihood_per_beam, const Explanation& explanati
   likelihood_slow_ += slow * (likelihood_per_beam - likelihood_slow_);
   LocalizationHealth& h = health_;
   h.likelihood_per_beam = likelihood_per_beam;
-  follow(fast, explanation, fast_);
-  follow(h.state == HealthState::kLost ? kPaceWhileLost * slow : slow, explanation, slow_);
-  h.explained_share = explained_of_judged(explanation);
-  h.explained_share_fast = explained_of_judged(fast_);
-  h.explained_share_slow = explained_of_judged(slow_);
+  follow(fast, shares, fast_);
+  follow(h.state == HealthState::kLost ? kPaceWhileLost * slow : slow, shares, slow_);
+  h.inlier_share = inliers_of_judged(shares);
+  h.inlier_share_fast = inliers_of_judged(fast_);
+  h.inlier_share_slow = inliers_of_judged(slow_);
   h.judged_share_fast = fast_.judged;
   h.likelihood_ratio = likelihood_slow_ > 0.0 ? likelihood_fast_ / likelihood_slow_ : 1.0;
   h.position_stddev_m = position_stddev_m;
-  const bool is_known = h.judged_share_fast >= kLeastJudged;
+  const bool is_known = h.judged_share_fast >= kMinJudged;
   const bool is_lost = is_known && is_contradicted();
   h.is_in_doubt =
-      is_lost || (is_known && h.explained_share_fast < config_.lost_share * h.explained_share_slow);
+      is_lost || (is_known && h.inlier_share_fast < config_.lost_share * h.inlier_share_slow);
   if (is_lost) {
     h.state = HealthState::kLost;
   } else if (position_stddev_m > config_.uncertain_stddev_m) {
     h.state = HealthState::kConverging;
-  } else if (!is_known ||
-             h.explained_share_fast < config_.outdated_share * h.explained_share_slow) {
+  } else if (!is_known || h.inlier_share_fast < config_.outdated_share * h.inlier_share_slow) {
     h.state = HealthState::kMapOutdated;
   } else {
     h.state = HealthState::kGood;
@@ -79,7 +78,7 @@ bool HealthMonitor::is_contradicted() const {
   // What the map cannot judge counts as usual: where its end is near, few beams would decide.
   const double unusual = config_.lost_surface_share - (1.0 - fast_.judged);
   if (fast_.at_surface * slow_.judged >= unusual * slow_.at_surface) return false;
-  if (fast_.stopped > kMostStopped * fast_.judged) return true;
+  if (fast_.stopped > kMaxStopped * fast_.judged) return true;
   return fast_.at_surface * (slow_.judged - slow_.stopped) <
          config_.lost_passing_share * slow_.at_surface * (fast_.judged - fast_.stopped);
 }
@@ -92,12 +91,12 @@ void HealthMonitor::search_ends() {
 
 double HealthMonitor::injection_share() const {
   if (!config_.inject || config_.tolerated_drop >= 1.0 || doubtful_in_a_row_ < 0) return 0.0;
-  if (health_.judged_share_fast < kLeastJudged) return 0.0;
-  // A sure pose that explains most beams is not given up for people who pass: a random pose in a
-  // place that looks alike would win by chance, and the filter would jump.
+  if (health_.judged_share_fast < kMinJudged) return 0.0;
+  // A sure pose with which most beams are inliers is not given up for people who pass: a random
+  // pose in a place that looks alike would win by chance, and the filter would jump.
   if (health_.state == HealthState::kGood) return 0.0;
   const double share = 1.0 - health_.likelihood_ratio / (1.0 - config_.tolerated_drop);
-  return std::clamp(share, 0.0, config_.most_injected);
+  return std::clamp(share, 0.0, config_.max_injected);
 }
 
 FreeSpace::FreeSpace(const ReflectionGrid& map) : resolution_m_(map.resolution_m()) {

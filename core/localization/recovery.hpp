@@ -10,7 +10,7 @@
 #include "core/base/config.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/grid/reflection_grid.hpp"
-#include "core/localization/explanation.hpp"
+#include "core/localization/inlier_shares.hpp"
 #include "core/random/stream.hpp"
 
 namespace strata::localization {
@@ -23,7 +23,7 @@ struct RecoveryConfig {
   double slow_rate = 0.001;
   double fast_rate = 0.1;
   double tolerated_drop = 0.2;
-  double most_injected = 0.5;
+  double max_injected = 0.5;
   double lost_share = 0.75;
   double lost_surface_share = 0.8;
   double lost_passing_share = 0.95;
@@ -32,7 +32,9 @@ struct RecoveryConfig {
   double uncertain_stddev_m = 0.5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("inject", c.inject, {.doc = "try random poses when the likelihood drops"});
+    v.field("inject", c.inject,
+            {.doc = "try random poses when the likelihood drops",
+             .when = "the robot is carried about while it runs"});
     v.field("slow_rate", c.slow_rate,
             {.doc = "rate of the long average per weighed scan", .min = 0.0, .max = 1.0});
     v.field("fast_rate", c.fast_rate,
@@ -41,13 +43,14 @@ struct RecoveryConfig {
             {.doc = "relative drop of the likelihood per beam that injects nothing",
              .min = 0.0,
              .max = 1.0});
-    v.field("most_injected", c.most_injected,
+    v.renamed("most_injected", "max_injected");
+    v.field("max_injected", c.max_injected,
             {.doc = "greatest share of random poses", .min = 0.0, .max = 1.0});
     v.field(
         "lost_share", c.lost_share,
         {.doc = "lost when the short average of the share of beams that end at the first obstacle "
                 "on their way, of those that the map can judge, is below this share of the long "
-                "one, and the next two hold; what recovers begins when so few are explained",
+                "one, and the next two hold; what recovers begins when so few are inliers",
          .min = 0.0,
          .max = 1.0});
     v.field("lost_surface_share", c.lost_surface_share,
@@ -62,14 +65,15 @@ struct RecoveryConfig {
              .min = 0.0,
              .max = 1.0});
     v.field("outdated_share", c.outdated_share,
-            {.doc = "map outdated here when the share of explained beams is below this share of "
+            {.doc = "map outdated here when the share of inlier beams is below this share of "
                     "the long average, or half of the beams cannot be judged",
              .min = 0.0,
              .max = 1.0});
     v.field("restart_after", c.restart_after,
             {.doc = "weighed scans in a row in doubt until all free space is searched; 0: never",
              .unit = "scans",
-             .min = 0});
+             .min = 0,
+             .when = "a robot that is lost shall look for itself in the whole map; 5 with inject"});
     v.field("uncertain_stddev_m", c.uncertain_stddev_m,
             {.doc = "above this spread the pose is not converged", .unit = "m", .min = 0.0});
     v.require(c.lost_share <= c.outdated_share, "lost_share", "is above outdated_share",
@@ -78,7 +82,7 @@ struct RecoveryConfig {
   }
 };
 
-/// For robots that are carried about: random poses when the likelihood drops, and a search of all
+/// For robots that are kidnapped: random poses when the likelihood drops, and a search of all
 /// free space after five scans in doubt.
 [[nodiscard]] inline RecoveryConfig kidnapping_recovery() {
   RecoveryConfig config;
@@ -91,27 +95,27 @@ struct RecoveryConfig {
 enum class HealthState {
   kGood,
   kConverging,   ///< the particles are spread widely
-  kMapOutdated,  ///< a sure pose, but fewer beams explained than usual, or few judged
+  kMapOutdated,  ///< a sure pose, but fewer inlier beams than usual, or few judged
   kLost,         ///< far fewer than usual, and no thing taken away or put down explains it
 };
 
-/// Shares of explained beams are of those that the map judges (Explanation).
+/// Inlier shares are of those that the map judges (InlierShares).
 struct LocalizationHealth {
   HealthState state = HealthState::kConverging;
-  /// Lost, or fewer beams explained than lost_share of the usual: nothing is learned from there.
+  /// Lost, or fewer inlier beams than lost_share of the usual: nothing is learned from there.
   bool is_in_doubt = false;
-  double explained_share = 1.0;       ///< of this scan, at the mean pose; 1 when none is judged
-  double explained_share_fast = 1.0;  ///< short average, each scan weighted by its judged beams
-  double explained_share_slow = 1.0;  ///< long average
-  double judged_share_fast = 1.0;     ///< short average of the share of beams that the map judges
-  double likelihood_per_beam = 0.0;   ///< of the last weighed scan; 0: none yet
-  double likelihood_ratio = 1.0;      ///< short over long average of the likelihood per beam
-  double position_stddev_m = 0.0;     ///< sqrt of the trace of the position's covariance
+  double inlier_share = 1.0;         ///< of this scan, at the mean pose; 1 when none is judged
+  double inlier_share_fast = 1.0;    ///< short average, each scan weighted by its judged beams
+  double inlier_share_slow = 1.0;    ///< long average
+  double judged_share_fast = 1.0;    ///< short average of the share of beams that the map judges
+  double likelihood_per_beam = 0.0;  ///< of the last weighed scan; 0: none yet
+  double likelihood_ratio = 1.0;     ///< short over long average of the likelihood per beam
+  double position_stddev_m = 0.0;    ///< sqrt of the trace of the position's covariance
 };
 
 /// With fewer than half of the beams judged the map is too little known to call a pose lost in it,
 /// or to look for a better one.
-inline constexpr double kLeastJudged = 0.5;
+inline constexpr double kMinJudged = 0.5;
 
 /// The averages of one run. A first value sets both; early on the long one is the plain mean, so
 /// that it does not keep the memory of the first scan for 1 / slow_rate scans.
@@ -121,11 +125,11 @@ class HealthMonitor {
 
   void reset() { *this = HealthMonitor(config_); }
   /// likelihood_per_beam: geometric mean over beams of the likelihood, averaged over the particles.
-  void add(double likelihood_per_beam, const Explanation& explanation, double position_stddev_m);
+  void add(double likelihood_per_beam, const InlierShares& shares, double position_stddev_m);
   [[nodiscard]] const LocalizationHealth& health() const { return health_; }
   /// Share of particles to replace: max(0, 1 - fast / ((1 - tolerated_drop) slow)).
   [[nodiscard]] double injection_share() const;
-  /// Whether the pose has been in doubt for restart_after values in a row: fewer beams explained
+  /// Whether the pose has been in doubt for restart_after values in a row: fewer inlier beams
   /// than lost_share of the usual, or lost. That is sooner than the verdict, since looking for a
   /// better place costs less than to call a right one wrong.
   [[nodiscard]] bool wants_restart() const {
@@ -144,8 +148,8 @@ class HealthMonitor {
   LocalizationHealth health_;
   std::size_t count_ = 0;
   int doubtful_in_a_row_ = 0;
-  Explanation fast_;
-  Explanation slow_;
+  InlierShares fast_;
+  InlierShares slow_;
   double likelihood_fast_ = 0.0;
   double likelihood_slow_ = 0.0;
 };

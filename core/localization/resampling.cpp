@@ -18,7 +18,7 @@ std::uint64_t bin_of(const ParticleSet& particles, std::size_t i, const KldConfi
          (part(particles.y_m[i], config.bin_m) & 0xFFFFFU) << 20U |
          (part(particles.theta_rad[i], config.bin_rad) & 0x3FU) << 40U |
          (static_cast<std::uint64_t>(particles.submap[i] + 1) & 0x3FFU) << 46U |
-         (static_cast<std::uint64_t>(particles.patch[i] + 1) & 0xFFU) << 56U;
+         (static_cast<std::uint64_t>(particles.configuration[i] + 1) & 0xFFU) << 56U;
 }
 
 }  // namespace

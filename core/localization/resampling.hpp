@@ -35,9 +35,15 @@ struct KldConfig {
     v.field("bin_m", c.bin_m, {.doc = "side of a bin", .unit = "m", .min = 0.01});
     v.field("bin_rad", c.bin_rad, {.doc = "heading of a bin", .unit = "rad", .min = 0.1});
     v.field("min_particles", c.min_particles,
-            {.doc = "never fewer", .unit = "particles", .min = 1});
+            {.doc = "never fewer",
+             .unit = "particles",
+             .min = 1,
+             .when = "the robot loses its way in places that look alike: raise it"});
     v.field("max_particles", c.max_particles,
-            {.doc = "never more while tracking", .unit = "particles", .min = 1});
+            {.doc = "never more while tracking",
+             .unit = "particles",
+             .min = 1,
+             .when = "the time of one update has to be bounded"});
     v.require(c.min_particles <= c.max_particles, "min_particles", "is above max_particles",
               "lower it");
   }

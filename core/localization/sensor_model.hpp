@@ -8,7 +8,7 @@
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
-#include "core/localization/explanation.hpp"
+#include "core/localization/inlier_shares.hpp"
 #include "core/localization/particle_set.hpp"
 #include "core/scan/scan.hpp"
 
@@ -45,10 +45,10 @@ class SensorModel {
   /// scans, are not independent (docs/theory/patch_localization.md, "Beam model").
   [[nodiscard]] virtual double tempering() const = 0;
 
-  /// How many of the beams in use the map explains from this pose. `particles` gives what the
+  /// How many of the beams in use are inliers of the map from this pose. `particles` gives what the
   /// filter believes of the sub-maps.
-  [[nodiscard]] virtual Explanation explain(const Scan& scan, const Pose2& map_from_robot,
-                                            const ParticleSet& particles) const = 0;
+  [[nodiscard]] virtual InlierShares inlier_shares(const Scan& scan, const Pose2& map_from_robot,
+                                                   const ParticleSet& particles) const = 0;
 
   /// A copy of its own for each localizer, from a model that goes on learning while it localizes;
   /// null from one that may be shared.

@@ -7,8 +7,8 @@
 
 #include "core/localization/likelihood_field_model.hpp"
 #include "core/localization/localizer.hpp"
-#include "core/localization/patch_beam_model.hpp"
 #include "core/localization/range_provider_model.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
 #include "tests/core/localization/box_world.hpp"
 #include "tests/support/counted_allocations.hpp"
 
@@ -86,9 +86,11 @@ TEST(Localizer, AllocatesNothingPerScanWithTheBeamModel) {
 TEST(Localizer, AllocatesNothingPerScanWithPatches) {
   for (const PatchMemory memory :
        {PatchMemory::kNone, PatchMemory::kShared, PatchMemory::kPerParticle}) {
-    PatchBeamModelConfig config;
+    patch_beams::PatchBeamModelConfig config;
     config.states.memory = memory;
-    EXPECT_EQ(allocations_of(std::make_shared<PatchBeamModel>(patch_map(), config), false), 0U);
+    EXPECT_EQ(
+        allocations_of(std::make_shared<patch_beams::PatchBeamModel>(patch_map(), config), false),
+        0U);
   }
 }
 

@@ -55,7 +55,7 @@ int failures(const GlobalStartConfig& start) {
   LocalizerConfig config;
   config.particles = 300;
   config.global_start = start;
-  config.global_start.most_particles = 3000;
+  config.global_start.max_particles = 3000;
   int failed = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     Drive drive({7.0, 1.6, 0.0}, 60 + seed);

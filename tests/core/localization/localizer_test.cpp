@@ -193,10 +193,11 @@ TEST(Localizer, RecoversFromKidnapping) {
   }
 }
 
-/// Whose every scan says that the robot is here, and that the map explains such a share of it.
+/// Whose every scan says that the robot is here, and that such a share of it are inliers of the
+/// map.
 class SureModel final : public SensorModel {
  public:
-  double explained = 0.95;
+  double inlier = 0.95;
 
   std::size_t log_likelihoods(const Scan& /*scan*/, const Weighing& weighing,
                               ParticleSet& particles, std::span<double> log_likelihood,
@@ -209,9 +210,9 @@ class SureModel final : public SensorModel {
     return 1;
   }
   [[nodiscard]] double tempering() const override { return 1.0; }
-  [[nodiscard]] Explanation explain(const Scan& /*scan*/, const Pose2& /*map_from_robot*/,
-                                    const ParticleSet& /*particles*/) const override {
-    return {explained, 1.0};
+  [[nodiscard]] InlierShares inlier_shares(const Scan& /*scan*/, const Pose2& /*map_from_robot*/,
+                                           const ParticleSet& /*particles*/) const override {
+    return {inlier, 1.0};
   }
 };
 
@@ -228,7 +229,7 @@ TEST(Localizer, SearchesAgainSoonAfterItHasFoundAWrongPlace) {
   std::vector<int> searches;
   std::size_t before = localizer.particles().size();
   for (int n = 0; n < 100; ++n) {
-    if (n == 20) model->explained = 0.1;
+    if (n == 20) model->inlier = 0.1;
     const std::size_t particles = localizer.update(drive.look(asymmetric_room())).particles;
     if (particles > before + 5000) searches.push_back(n);
     before = particles;

@@ -32,7 +32,7 @@ TEST(MotionModel, WithoutNoiseIsTheMotionItself) {
 
 TEST(MotionModel, MomentsAreThoseOfTheClosedForm) {
   const MotionModelConfig config;
-  const MotionParts parts = take_apart({0.8, 0.3, 0.5});
+  const MotionParts parts = decompose({0.8, 0.3, 0.5});
   const MotionSpread spread = motion_spread(parts, config);
   const double expected_r1 = config.rotation_from_rotation * std::pow(std::atan2(0.3, 0.8), 2) +
                              config.rotation_from_translation * (0.64 + 0.09);
@@ -71,8 +71,8 @@ TEST(MotionModel, MomentsAreThoseOfTheClosedForm) {
 
 TEST(MotionModel, DrivingBackwardsIsNoTurn) {
   const MotionModelConfig config;
-  const MotionSpread forward = motion_spread(take_apart({0.5, 0.0, 0.0}), config);
-  const MotionSpread backward = motion_spread(take_apart({-0.5, 0.0, 0.0}), config);
+  const MotionSpread forward = motion_spread(decompose({0.5, 0.0, 0.0}), config);
+  const MotionSpread backward = motion_spread(decompose({-0.5, 0.0, 0.0}), config);
   EXPECT_NEAR(forward.rotation1_rad, backward.rotation1_rad, 1e-12);
   EXPECT_NEAR(forward.rotation2_rad, backward.rotation2_rad, 1e-12);
 }

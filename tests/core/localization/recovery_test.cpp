@@ -6,11 +6,11 @@
 namespace strata::localization {
 namespace {
 
-/// A monitor that has seen a good pose for a while, and then `explained_share` at a low likelihood.
-HealthMonitor after_a_drop(const RecoveryConfig& config, double explained_share) {
+/// A monitor that has seen a good pose for a while, and then `inlier_share` at a low likelihood.
+HealthMonitor after_a_drop(const RecoveryConfig& config, double inlier_share) {
   HealthMonitor monitor(config);
   for (int n = 0; n < 50; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
-  for (int n = 0; n < 20; ++n) monitor.add(0.1, {explained_share, 1.0}, 0.05);
+  for (int n = 0; n < 20; ++n) monitor.add(0.1, {inlier_share, 1.0}, 0.05);
   return monitor;
 }
 
@@ -32,10 +32,10 @@ TEST(HealthMonitor, NeverRecoversUnlessAsked) {
 }
 
 /// A monitor that has seen a good pose for a while, and then scans of which the map judges little.
-HealthMonitor after_leaving_the_map(const Explanation& explanation) {
+HealthMonitor after_leaving_the_map(const InlierShares& shares) {
   HealthMonitor monitor(kidnapping_recovery());
   for (int n = 0; n < 50; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
-  for (int n = 0; n < 60; ++n) monitor.add(0.1, explanation, 0.05);
+  for (int n = 0; n < 60; ++n) monitor.add(0.1, shares, 0.05);
   return monitor;
 }
 
@@ -51,27 +51,27 @@ TEST(HealthMonitor, CountsBeamsThatTheMapCannotJudgeAsUsualBeforeItIsLost) {
 }
 
 TEST(HealthMonitor, CallsTheMapOutdatedAndLooksForNothingWhereItJudgesFewBeams) {
-  for (const double explained : {0.0, 0.2, 0.4}) {
-    const HealthMonitor monitor = after_leaving_the_map({explained, 0.4});
+  for (const double inlier : {0.0, 0.2, 0.4}) {
+    const HealthMonitor monitor = after_leaving_the_map({inlier, 0.4});
     EXPECT_EQ(monitor.health().state, HealthState::kMapOutdated);
     EXPECT_EQ(monitor.injection_share(), 0.0);
     EXPECT_FALSE(monitor.wants_restart());
   }
-  EXPECT_EQ(after_leaving_the_map({}).health().explained_share, 1.0);
+  EXPECT_EQ(after_leaving_the_map({}).health().inlier_share, 1.0);
 }
 
 TEST(HealthMonitor, WeighsScansByTheBeamsThatTheMapJudges) {
   HealthMonitor monitor{RecoveryConfig{}};
   monitor.add(1.0, {0.9, 0.9}, 0.05);
   monitor.add(1.0, {0.0, 0.1}, 0.05);
-  EXPECT_NEAR(monitor.health().explained_share_fast, 0.9, 1e-12);
+  EXPECT_NEAR(monitor.health().inlier_share_fast, 0.9, 1e-12);
 }
 
-/// A monitor that has seen a good pose for a while, and then scans of which half is explained.
+/// A monitor that has seen a good pose for a while, and then scans with half the beams inliers.
 HealthMonitor after_half(double at_surface, double stopped) {
   HealthMonitor monitor(kidnapping_recovery());
   for (int n = 0; n < 50; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
-  Explanation half(0.5, 1.0);
+  InlierShares half(0.5, 1.0);
   half.at_surface = at_surface;
   half.stopped = stopped;
   for (int n = 0; n < 60; ++n) monitor.add(0.1, half, 0.05);
@@ -94,7 +94,7 @@ TEST(HealthMonitor, CallsTheMapOutdatedWhereOnlyBeamsThatAreStoppedAreNotExplain
 TEST(HealthMonitor, IsLostWhereNearlyAllBeamsAreStopped) {
   HealthMonitor monitor{RecoveryConfig{}};
   for (int n = 0; n < 50; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
-  Explanation few(0.15, 1.0);
+  InlierShares few(0.15, 1.0);
   few.stopped = 0.85;
   for (int n = 0; n < 60; ++n) monitor.add(0.1, few, 0.05);
   EXPECT_EQ(monitor.health().state, HealthState::kLost);
@@ -112,7 +112,7 @@ TEST(HealthMonitor, LooksForABetterPlaceAlreadyWhereTheVerdictIsThatTheMapIsOutd
 int values_until_not_lost() {
   HealthMonitor monitor{RecoveryConfig{}};
   for (int n = 0; n < 1000; ++n) monitor.add(1.0, {0.95, 1.0}, 0.05);
-  Explanation wrong(0.3, 1.0);
+  InlierShares wrong(0.3, 1.0);
   wrong.at_surface = 0.45;
   wrong.stopped = 0.4;
   bool was_lost = false;
@@ -129,7 +129,7 @@ TEST(HealthMonitor, StaysLostWhileNothingGetsBetterButNotForEver) {
   EXPECT_GT(values_until_not_lost(), 2000);
 }
 
-/// Values in which nothing is explained, until a search is wanted.
+/// Values in which nothing is an inlier, until a search is wanted.
 int lost_values_until_restart(HealthMonitor& monitor) {
   int values = 0;
   while (!monitor.wants_restart() && values < 1000) {

@@ -44,7 +44,7 @@ TEST(Kld, CountsFollowTheFormula) {
 TEST(Kld, BinsTellPatchesApart) {
   ParticleSet particles;
   particles.resize(4);
-  particles.patch = {0, 1, 0, 1};
+  particles.configuration = {0, 1, 0, 1};
   particles.submap = {0, 0, 0, 0};
   particles.x_m = {0.1, 0.1, 0.2, 0.9};
   std::vector<std::uint64_t> scratch;

@@ -10,8 +10,8 @@
 
 #include "core/localization/likelihood_field_model.hpp"
 #include "core/localization/localizer.hpp"
-#include "core/localization/patch_beam_model.hpp"
 #include "core/localization/range_provider_model.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
 #include "tests/core/localization/box_map.hpp"
 
 namespace strata::localization {
@@ -41,9 +41,9 @@ std::shared_ptr<const SensorModel> make_model(Model model, const ReflectionGrid&
   BoxWorld without = room();
   without.erase(without.begin() + 4);
   patches->submaps.push_back(test::submap_of(0, {{30, 0}, {62, 40}}, {room(), without}));
-  PatchBeamModelConfig config;
+  patch_beams::PatchBeamModelConfig config;
   config.states.memory = PatchMemory::kPerParticle;
-  return std::make_shared<PatchBeamModel>(patches, config);
+  return std::make_shared<patch_beams::PatchBeamModel>(patches, config);
 }
 
 class Verdict : public testing::TestWithParam<Model> {
@@ -65,8 +65,8 @@ double error_m(const LocalizationResult& result, const Drive& drive) {
 }
 
 /// What a model says of one beam.
-Explanation explain(const SensorModel& model, const Pose2& robot, double bearing_rad,
-                    float range_m) {
+InlierShares inlier_shares(const SensorModel& model, const Pose2& robot, double bearing_rad,
+                           float range_m) {
   Scan scan;
   scan.angle_min_rad = static_cast<float>(bearing_rad);
   scan.range_max_m = 10.0F;
@@ -75,15 +75,15 @@ Explanation explain(const SensorModel& model, const Pose2& robot, double bearing
   particles.resize(1);
   set_uniform_weights(particles);
   if (model.patch_states() != nullptr) model.patch_states()->prepare(particles);
-  return model.explain(scan, robot, particles);
+  return model.inlier_shares(scan, robot, particles);
 }
 
 TEST_P(Verdict, JudgesNoBeamThatEndsInTheUnknownWithoutAnObstacleBefore) {
   const std::shared_ptr<const SensorModel> model = make_model(GetParam(), map_up_to(5.0));
   const double left = std::numbers::pi / 2.0;
-  const auto expect = [&](double bearing_rad, float range_m, double explained, double judged) {
-    const Explanation said = explain(*model, {3.0, 2.2, 0.0}, bearing_rad, range_m);
-    EXPECT_NEAR(said.explained, explained, 1e-6) << range_m;
+  const auto expect = [&](double bearing_rad, float range_m, double inlier, double judged) {
+    const InlierShares said = inlier_shares(*model, {3.0, 2.2, 0.0}, bearing_rad, range_m);
+    EXPECT_NEAR(said.inlier, inlier, 1e-6) << range_m;
     EXPECT_NEAR(said.judged, judged, 1e-6) << range_m;
   };
   expect(0.0, 4.0F, 0.0, 0.0);              // beyond the map's end, with nothing before it
@@ -94,7 +94,7 @@ TEST_P(Verdict, JudgesNoBeamThatEndsInTheUnknownWithoutAnObstacleBefore) {
   const float never = std::numeric_limits<float>::infinity();
   expect(0.0, never, 1.0, 1.0);
   expect(left, never, 0.0, 1.0);
-  EXPECT_EQ(explain(*model, {40.0, 2.2, 0.0}, 0.0, never).judged, 0.0);
+  EXPECT_EQ(inlier_shares(*model, {40.0, 2.2, 0.0}, 0.0, never).judged, 0.0);
 }
 
 TEST_P(Verdict, IsNotLostWhereTheMapEnds) {
@@ -110,7 +110,7 @@ TEST_P(Verdict, IsNotLostWhereTheMapEnds) {
   EXPECT_LT(localizer.update(drive.look(room())).health.judged_share_fast, 0.8);
 }
 
-TEST_P(Verdict, IsLostAfterTheRobotWasCarriedAway) {
+TEST_P(Verdict, IsLostAfterTheRobotWasKidnapped) {
   Drive drive({1.5, 2.2, 0.0}, 6);
   Localizer localizer = started(map_up_to(10.0), drive);
   for (int n = 0; n < 30; ++n) {
@@ -143,7 +143,7 @@ TEST_P(Verdict, SaysThatTheMapIsOutdatedWhereThingsWerePutDown) {
     result = localizer.update(drive.look(changed));
   }
   EXPECT_LT(error_m(result, drive), 0.15);
-  EXPECT_EQ(result.health.state, HealthState::kMapOutdated) << result.health.explained_share_fast;
+  EXPECT_EQ(result.health.state, HealthState::kMapOutdated) << result.health.inlier_share_fast;
 }
 
 BoxWorld furnished(std::initializer_list<test::Box> furniture) {
@@ -198,11 +198,11 @@ TEST_P(Verdict, SaysThatTheMapIsOutdatedWhereTheFurnitureOfARoomStandsOtherwise)
     // Whatever is taken away, there is a wall near where a beam ends.
     if (GetParam() == Model::kField && now.size() == room().size()) continue;
     EXPECT_EQ(said.state, HealthState::kMapOutdated);
-    EXPECT_LT(said.explained_share_fast, 0.8 * said.explained_share_slow);
+    EXPECT_LT(said.inlier_share_fast, 0.8 * said.inlier_share_slow);
   }
 }
 
-TEST_P(Verdict, IsLostAfterTheRobotWasCarriedAwayWithinASmallRoom) {
+TEST_P(Verdict, IsLostAfterTheRobotWasKidnappedWithinASmallRoom) {
   const BoxWorld small{{0.0, 0.0, 4.2, 0.3}, {0.0, 3.2, 4.2, 3.5}, {0.0, 0.0, 0.3, 3.5},
                        {3.9, 0.0, 4.2, 3.5}, {0.3, 0.3, 1.1, 0.9}, {2.6, 2.5, 3.9, 3.2}};
   for (const Pose2& to : {Pose2{3.0, 1.0, 2.0}, Pose2{1.0, 2.5, 0.5}, Pose2{3.2, 1.8, -1.0},
@@ -228,7 +228,7 @@ TEST_P(Verdict, TellsBeamsThatGoOnAndBeamsThatAreStoppedFromOthers) {
   const ReflectionGrid map = test::rasterize(furnished({{5.0, 1.5, 5.5, 3.0}}), 0.05, test::kRect);
   const std::shared_ptr<const SensorModel> model = make_model(GetParam(), map);
   const auto expect = [&](float range_m, double met, double at_surface, double stopped) {
-    const Explanation said = explain(*model, {4.0, 2.2, 0.0}, 0.0, range_m);
+    const InlierShares said = inlier_shares(*model, {4.0, 2.2, 0.0}, 0.0, range_m);
     EXPECT_NEAR(said.met, met, 1e-6) << range_m;
     EXPECT_NEAR(said.at_surface, at_surface, 1e-6) << range_m;
     EXPECT_NEAR(said.stopped, stopped, 1e-6) << range_m;
