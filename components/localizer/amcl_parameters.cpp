@@ -2,10 +2,15 @@
 #include "components/localizer/amcl_parameters.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numbers>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
+
+#include "components/localizer/config.hpp"
+#include "components/maps/map_models.hpp"
 
 namespace strata::localizer {
 namespace {
@@ -190,7 +195,7 @@ void translate_beams(Translator& t, bool is_amcls_model) {
   const auto limit_m = t.read<double>("laser_max_range");
   if (limit_m) t.map("laser_max_range", "sensor.beam.beams.max_range_m", std::max(*limit_m, 0.0));
   if (const auto beams = t.read<int>("max_beams")) {
-    t.map("max_beams", "sensor.beam.beams.least_angle_rad", 2.0 * std::numbers::pi / *beams);
+    t.map("max_beams", "sensor.beam.beams.min_angle_rad", 2.0 * std::numbers::pi / *beams);
   }
   t.ignore("laser_likelihood_max_dist", "only a likelihood field has it");
   if (is_amcls_model) {
@@ -217,24 +222,26 @@ void translate_laser(Translator& t) {
   if (const auto beams = t.read<int>("max_beams"); beams && *beams < 2) {
     t.refuse("max_beams", "max_beams is " + std::to_string(*beams) + ", too few", "use 2 or more");
   }
-  const std::string map = t.own<std::string>("model", "patch");
-  const bool has_field = map == "occupancy" || map == "filtered";
+  const std::string map = t.own<std::string>("model", LocalizerComponentConfig{}.model);
+  const maps::MapModels::Pointer model = maps::map_models().find(map);
+  const bool has_field = model && model->has_likelihood_field();
   const std::string usual = has_field && !wants_beams ? "likelihood_field" : "beam";
   const std::string used = t.own<std::string>("sensor_model", usual);
   if (wants_beams || has_field) {
     t.map("laser_model_type", "sensor_model", usual);
   } else {
-    t.ignore("laser_model_type", "the model " + map +
-                                     " traces beams; occupancy and filtered have a likelihood "
-                                     "field");
+    const auto others = maps::map_models().names(&maps::MapModelDescriptor::has_likelihood_field);
+    t.ignore("laser_model_type", "the model " + map + " traces beams; " +
+                                     maps::join_names(others, " and ") +
+                                     " have a likelihood field");
   }
   if (used == "likelihood_field") {
     translate_field(t);
   } else {
     translate_beams(t, wants_beams);
   }
-  const auto least_m = t.read<double>("laser_min_range");
-  if (least_m && *least_m > 0.0) {
+  const auto min_m = t.read<double>("laser_min_range");
+  if (min_m && *min_m > 0.0) {
     t.warn("laser_min_range",
            "readings down to the scan's own range_min are used; a filter before "
            "Strata can take others out");
@@ -260,62 +267,19 @@ void ignore_infrastructure(Translator& t) {
 }
 
 std::vector<std::string> parameter_names() {
-  return {"alpha1",
-          "alpha2",
-          "alpha3",
-          "alpha4",
-          "alpha5",
-          "base_frame_id",
-          "beam_skip_distance",
-          "beam_skip_error_threshold",
-          "beam_skip_threshold",
-          "do_beamskip",
-          "global_frame_id",
-          "lambda_short",
-          "laser_likelihood_max_dist",
-          "laser_max_range",
-          "laser_min_range",
-          "laser_model_type",
-          "set_initial_pose",
-          "initial_pose.x",
-          "initial_pose.y",
-          "initial_pose.z",
-          "initial_pose.yaw",
-          "max_beams",
-          "max_particles",
-          "min_particles",
-          "odom_frame_id",
-          "pf_err",
-          "pf_z",
-          "recovery_alpha_fast",
-          "recovery_alpha_slow",
-          "resample_interval",
-          "robot_model_type",
-          "save_pose_rate",
-          "sigma_hit",
-          "tf_broadcast",
-          "transform_tolerance",
-          "update_min_a",
-          "update_min_d",
-          "z_hit",
-          "z_max",
-          "z_rand",
-          "z_short",
-          "always_reset_initial_pose",
-          "scan_topic",
-          "map_topic",
-          "first_map_only",
-          "freespace_downsampling",
-          "random_seed",
-          "initialize_at_saved_pose",
-          "saved_pose_filepath",
-          "allow_parameter_qos_overrides",
-          "qos_overrides",
-          "bond_heartbeat_period",
-          "introspection_mode",
-          "service_introspection_mode",
-          "start_type_description_service",
-          "use_sim_time"};
+  std::istringstream words(
+      "alpha1 alpha2 alpha3 alpha4 alpha5 base_frame_id beam_skip_distance "
+      "beam_skip_error_threshold beam_skip_threshold do_beamskip global_frame_id lambda_short "
+      "laser_likelihood_max_dist laser_max_range laser_min_range laser_model_type "
+      "set_initial_pose initial_pose.x initial_pose.y initial_pose.z initial_pose.yaw max_beams "
+      "max_particles min_particles odom_frame_id pf_err pf_z recovery_alpha_fast "
+      "recovery_alpha_slow resample_interval robot_model_type save_pose_rate sigma_hit "
+      "tf_broadcast transform_tolerance update_min_a update_min_d z_hit z_max z_rand z_short "
+      "always_reset_initial_pose scan_topic map_topic first_map_only freespace_downsampling "
+      "random_seed initialize_at_saved_pose saved_pose_filepath allow_parameter_qos_overrides "
+      "qos_overrides bond_heartbeat_period introspection_mode service_introspection_mode "
+      "start_type_description_service use_sim_time");
+  return {std::istream_iterator<std::string>(words), {}};
 }
 
 }  // namespace

@@ -7,9 +7,10 @@
 
 #include "components/localizer/place_store.hpp"
 #include "components/maps/map_model.hpp"
+#include "components/runtime/common_settings.hpp"
 #include "components/runtime/sensor_input.hpp"
 #include "core/localization/localizer_config.hpp"
-#include "core/localization/patch_beam_model.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
 #include "memory/decoding/decoding_config.hpp"
 #include "memory/nodes/timescale_config.hpp"
 
@@ -25,7 +26,8 @@ struct StartConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("pose", c.pose,
-            {.doc = "x, y [m], theta [rad] in the map frame; empty: anywhere, a global start"});
+            {.doc = "x, y [m], theta [rad] in the map frame; empty: anywhere, a global start",
+             .when = "the robot always begins at the same place"});
     v.require(c.pose.empty() || c.pose.size() == 3, "pose", "is not three numbers",
               "write [x, y, theta]");
     v.field(
@@ -66,13 +68,15 @@ struct MapTopicsConfig {
 
 /// Scans with the pose they were taken from, as long as that is well known.
 struct LocatedScansConfig {
-  double most_stddev_m = 0.1;
-  double most_stddev_rad = 0.03;
+  double max_stddev_m = 0.1;
+  double max_stddev_rad = 0.03;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("most_stddev_m", c.most_stddev_m,
+    v.renamed("most_stddev_m", "max_stddev_m");
+    v.field("max_stddev_m", c.max_stddev_m,
             {.doc = "only scans whose position is at least this certain", .unit = "m", .min = 0.0});
-    v.field("most_stddev_rad", c.most_stddev_rad,
+    v.renamed("most_stddev_rad", "max_stddev_rad");
+    v.field("max_stddev_rad", c.max_stddev_rad,
             {.doc = "... and whose heading is", .unit = "rad", .min = 0.0});
   }
 };
@@ -85,7 +89,7 @@ struct LocalizerComponentConfig {
   runtime::SensorInputConfig input;
   localization::LocalizerConfig localizer;
   maps::SensorModelKind sensor_model = maps::SensorModelKind::kBeam;
-  localization::PatchBeamModelConfig sensor;
+  patch_beams::PatchBeamModelConfig sensor;
   localization::LikelihoodFieldModelConfig likelihood_field;
   memory::DecodingConfig decoding;
   std::string initial_pose_topic = "initialpose";
@@ -110,16 +114,21 @@ struct LocalizerComponentConfig {
     v.field(
         "maps", c.maps,
         {.doc = "folder that `strata learn` or mapping.yaml wrote; empty: maps come over topics, "
-                "and the robot is localized from when they are there"});
+                "and the robot is localized from when they are there",
+         .when = "always, unless maps come over topics"});
     v.group("map_topics", c.map_topics, "where maps come from when no folder is named");
     v.field("model", c.model,
-            {.doc = "occupancy, filtered, patch, patch_paper, patch_shared, patch_per_particle, "
-                    "timescale, timescale_mixture or timescale_LEVEL"});
+            {.doc = maps::model_doc(),
+             .when = "the default fits buildings with doors and furniture that move; occupancy for "
+                     "a map of somebody else, filtered for one without people, timescale for "
+                     "change that never settles"});
     v.group("start", c.start, "where the robot is at the start");
     v.group("input", c.input, "where scans and odometry come from");
     v.group("localizer", c.localizer, "the particle filter");
-    v.field("sensor_model", c.sensor_model,
-            {.doc = "trace each beam, or look up its end point: for occupancy and filtered only"});
+    v.field(
+        "sensor_model", c.sensor_model,
+        {.doc = maps::sensor_model_doc(),
+         .when = "the map is occupancy or filtered and time is short: likelihood_field is faster"});
     v.group("sensor", c.sensor, "what beams measure in a map");
     v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
     v.group("decoding", c.decoding,
@@ -141,9 +150,9 @@ struct LocalizerComponentConfig {
             {.doc = "strata_msgs/LabeledScan out: scans with their poses for learners that go on "
                     "learning, such as located_scan; empty: none"});
     v.group("located", c.located, "which scans go out with their poses");
-    v.field("map_frame", c.map_frame, {.doc = "frame of poses in and out"});
-    v.field("odometry_frame", c.odometry_frame, {.doc = "child of map_frame in /tf"});
-    v.field("publish_tf", c.publish_tf, {.doc = "broadcast map_frame -> odometry_frame"});
+    v.field("map_frame", c.map_frame, runtime::kMapFrame);
+    v.field("odometry_frame", c.odometry_frame, runtime::kOdometryFrame);
+    v.field("publish_tf", c.publish_tf, runtime::kPublishTf);
     v.field("transform_tolerance", c.transform_tolerance,
             {.doc = "by so much the broadcast is dated after its scan: so long it may be used, as "
                     "by who looks up where the robot is now",

@@ -20,10 +20,11 @@ int most_seen(const patch::Submap& submap) {
 
 }  // namespace
 
-CurrentMap::CurrentMap(const maps::Maps& maps, const std::string& model) {
-  const auto& patches = model == "patch_places" ? maps.place_patches : maps.patches;
-  if (!model.starts_with("patch") || !patches) {
-    map_.base = model == "occupancy" ? maps.occupancy : maps.filtered;
+CurrentMap::CurrentMap(const maps::Maps& maps, const maps::MapModelDescriptor& model) {
+  const patch::PatchMap* patches = maps::patches_of(model, maps);
+  if (patches == nullptr) {
+    const ReflectionGrid* grid = maps::grid_of(model, maps);
+    map_.base = grid != nullptr ? *grid : maps.filtered;
     return;
   }
   map_.base = patches->base;

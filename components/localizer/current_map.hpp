@@ -3,10 +3,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "components/maps/maps_folder.hpp"
+#include "components/maps/map_models.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/localization/patch_states.hpp"
 #include "core/patch/patch_map.hpp"
@@ -19,7 +18,7 @@ namespace strata::localizer {
 /// filtered map.
 class CurrentMap {
  public:
-  CurrentMap(const maps::Maps& maps, const std::string& model);
+  CurrentMap(const maps::Maps& maps, const maps::MapModelDescriptor& model);
 
   /// The map at the first call and whenever a sub-map shows another configuration; else nothing.
   /// O(sub-maps), O(cells) when there is news.

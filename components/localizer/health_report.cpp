@@ -54,7 +54,7 @@ void describe(const HealthReport& report, runtime::Health& health) {
   health.add("heading_std_rad", report.heading_stddev_rad);
   health.add("update_time_s", report.update_time.count());
   health.add("verdict", enum_name(report.health.state));
-  health.add("explained_share", report.health.explained_share_fast);
+  health.add("explained_share", report.health.inlier_share_fast);
   health.add("judged_share", report.health.judged_share_fast);
 }
 

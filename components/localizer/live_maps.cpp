@@ -1,22 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/localizer/live_maps.hpp"
 
+#include <utility>
+
 #include "components/convert/map_messages.hpp"
 #include "components/convert/patch_messages.hpp"
 #include "components/maps/node_map_message.hpp"
+#include "core/base/error.hpp"
 
 namespace strata::localizer {
 
+using maps::MapPart;
+
+LiveMaps::LiveMaps(maps::MapModels::Pointer model, const MapTopicsConfig& config)
+    : model_(std::move(model)), config_(config) {
+  if (model_->follows_topics()) return;
+  throw ConfigError("model " + model_->shown_name(), "is made of a map that comes over no topic",
+                    "choose another, or name a folder in maps and leave map_topics.follow");
+}
+
+bool LiveMaps::needs(MapPart part) const {
+  if (model_->needs_part(part)) return true;
+  // The free space.
+  return part == MapPart::kFiltered && !model_->needs_part(MapPart::kOccupancy);
+}
+
 void LiveMaps::add(const nav_msgs::msg::OccupancyGrid& message) {
   maps_.occupancy = convert::from_message(message);
-  maps_.filtered = maps_.occupancy;  // the free space
+  if (!needs(MapPart::kFiltered)) maps_.filtered = maps_.occupancy;  // the free space
   is_new_ = true;
 }
 
 void LiveMaps::add(const strata_msgs::msg::ReflectionGrid& message) {
   maps_.filtered = convert::from_message(message);
   // For the other models it is only the free space: they wait for news of their own.
-  is_new_ = is_new_ || model_ == "filtered";
+  is_new_ = is_new_ || model_->needs_part(MapPart::kFiltered);
 }
 
 void LiveMaps::add(const strata_msgs::msg::PatchMap& message) {
@@ -32,9 +50,7 @@ void LiveMaps::add(const strata_msgs::msg::NodeMap& message) {
 }
 
 bool LiveMaps::is_complete() const {
-  if (needs_occupancy()) return maps_.occupancy.size() > 0;
-  return maps_.filtered.size() > 0 && (!needs_patches() || maps_.patches) &&
-         (!needs_nodes() || maps_.nodes);
+  return maps_.filtered.size() > 0 && model_->is_made_of(maps_);
 }
 
 const maps::Maps& LiveMaps::take() {

@@ -2,27 +2,22 @@
 /// Maps that come over topics, as far as they have come.
 #pragma once
 
-#include <string>
-
 #include "strata_idl/nav_msgs.h"
 #include "strata_idl/strata_msgs.h"
 
 #include "components/localizer/config.hpp"
-#include "components/maps/maps_folder.hpp"
+#include "components/maps/map_models.hpp"
 
 namespace strata::localizer {
 
 class LiveMaps {
  public:
-  /// model: the one that the maps are for.
-  LiveMaps(std::string model, const MapTopicsConfig& config)
-      : model_(std::move(model)), config_(config) {}
+  /// model: the one that the maps are for. Throws ConfigError where it is made of what comes over
+  /// no topic.
+  LiveMaps(maps::MapModels::Pointer model, const MapTopicsConfig& config);
 
-  /// Whether the model is made from this topic, or needs it as free space.
-  [[nodiscard]] bool needs_occupancy() const { return model_ == "occupancy"; }
-  [[nodiscard]] bool needs_filtered() const { return !needs_occupancy(); }
-  [[nodiscard]] bool needs_patches() const { return model_.starts_with("patch"); }
-  [[nodiscard]] bool needs_nodes() const { return model_.starts_with("timescale"); }
+  /// Whether the model is made from the topic of this part, or needs it as free space.
+  [[nodiscard]] bool needs(maps::MapPart part) const;
 
   /// What is known before anything comes; no news.
   void begin_with(const maps::Maps& maps) { maps_ = maps; }
@@ -40,7 +35,7 @@ class LiveMaps {
  private:
   [[nodiscard]] bool is_complete() const;
 
-  std::string model_;
+  maps::MapModels::Pointer model_;
   MapTopicsConfig config_;
   maps::Maps maps_;
   bool is_new_ = false;

@@ -7,17 +7,12 @@
 namespace strata::localizer {
 namespace {
 
-Eigen::Matrix3d start_covariance(const StartConfig& start) {
-  const double m2 = start.stddev_m * start.stddev_m;
-  const double rad2 = start.stddev_rad * start.stddev_rad;
-  return Eigen::Vector3d(m2, m2, rad2).asDiagonal();
-}
-
 /// Nothing: anywhere.
 std::optional<Pose2Gaussian> start_of(const StartConfig& start) {
   const std::vector<double>& pose = start.pose;
   if (pose.empty()) return std::nullopt;
-  return Pose2Gaussian{Pose2{pose[0], pose[1], pose[2]}, start_covariance(start)};
+  return Pose2Gaussian{Pose2{pose[0], pose[1], pose[2]},
+                       pose_covariance(start.stddev_m, start.stddev_rad)};
 }
 
 }  // namespace
@@ -45,7 +40,8 @@ void Localizer::on_configure() {
 }
 
 void Localizer::load_place() {
-  store_.emplace(config_.start.store, start_covariance(config_.start));
+  store_.emplace(config_.start.store,
+                 pose_covariance(config_.start.stddev_m, config_.start.stddev_rad));
   try {
     (void)restored(config_.start.store.file, [this] { store_->load(); });
   } catch (const InputError& error) {
@@ -68,7 +64,7 @@ void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussi
   model_ = config_.sensor_model == maps::SensorModelKind::kBeam
                ? maps::make_map_model(maps, config_.model, config_.sensor)
                : maps::make_likelihood_field_model(maps, config_.model, config_.likelihood_field);
-  current_map_.emplace(maps, config_.model);
+  current_map_.emplace(maps, *model_.descriptor);
   if (localizer_) {
     // A newer map: all that is known of the pose stays, be it one place or many.
     localizer_->set_model(model_.sensor);
@@ -86,19 +82,19 @@ void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussi
 }
 
 void Localizer::subscribe_maps() {
-  live_maps_.emplace(config_.model, config_.map_topics);
+  live_maps_.emplace(maps::map_models().at(config_.model), config_.map_topics);
   const MapTopicsConfig& topics = config_.map_topics;
   const auto add = [this](const auto& message) { live_maps_->add(message); };
-  if (live_maps_->needs_occupancy()) {
+  if (live_maps_->needs(maps::MapPart::kOccupancy)) {
     subscribe<nav_msgs::msg::OccupancyGrid>(topics.occupancy, topics.qos, add);
   }
-  if (live_maps_->needs_filtered()) {
+  if (live_maps_->needs(maps::MapPart::kFiltered)) {
     subscribe<strata_msgs::msg::ReflectionGrid>(topics.filtered, topics.qos, add);
   }
-  if (live_maps_->needs_patches()) {
+  if (live_maps_->needs(maps::MapPart::kPatches)) {
     subscribe<strata_msgs::msg::PatchMap>(topics.patches, topics.qos, add);
   }
-  if (live_maps_->needs_nodes()) {
+  if (live_maps_->needs(maps::MapPart::kTimescale)) {
     subscribe<strata_msgs::msg::NodeMap>(topics.nodes, topics.qos, add);
   }
   if (config_.start.pose_topic.empty() || !config_.start.pose.empty()) return;
@@ -111,7 +107,7 @@ void Localizer::subscribe_maps() {
                            "see what publishes it");
         }
         place_ = Place{{convert::from_message(message.map_from_robot().mean()),
-                        start_covariance(config_.start)},
+                        pose_covariance(config_.start.stddev_m, config_.start.stddev_rad)},
                        convert::from_message(message.odom_from_robot()),
                        message.has_odometry()};
       });
@@ -171,7 +167,8 @@ void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& mes
     throw InputError(source, "the pose is not finite or has a negative variance", "send another");
   }
   // All zero means unknown, as many tools leave it.
-  if (pose.covariance.isZero(0.0)) pose.covariance = start_covariance(config_.start);
+  if (pose.covariance.isZero(0.0))
+    pose.covariance = pose_covariance(config_.start.stddev_m, config_.start.stddev_rad);
   place_ = Place{pose, Pose2(), false};
   if (store_) store_->forget();
   if (localizer_) localizer_->initialize(pose);

@@ -68,8 +68,8 @@ void Localizer::publish_located(const Observation& observation,
   const LocatedScansConfig& wanted = config_.located;
   const Eigen::Matrix3d& covariance = result.pose.covariance;
   if (!publish_located_ || !result.weighed || result.health.is_in_doubt ||
-      !(std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= wanted.most_stddev_m) ||
-      !(std::sqrt(covariance(2, 2)) <= wanted.most_stddev_rad)) {
+      !(std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= wanted.max_stddev_m) ||
+      !(std::sqrt(covariance(2, 2)) <= wanted.max_stddev_rad)) {
     return;
   }
   publish_located_(

@@ -60,7 +60,7 @@ runtime::KeptMoment PlaceStore::Kept::moment() const {
 }
 
 bool PlaceStore::waits_for_odometry(const Observation& first, bool use_odometry) const {
-  return kept_ && use_odometry && needs_odometry(kept_->moment(), first, config_.carry);
+  return kept_ && use_odometry && needs_odometry(kept_->moment(), first, config_.dead_reckoning);
 }
 
 std::optional<Pose2Gaussian> PlaceStore::resume(const Observation& first) {
@@ -71,7 +71,7 @@ std::optional<Pose2Gaussian> PlaceStore::resume(const Observation& first) {
   place.covariance =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(kept->covariance.data()) +
       added_;
-  if (is_carried(kept->moment(), first, config_.carry)) {
+  if (is_dead_reckoned(kept->moment(), first, config_.dead_reckoning)) {
     place.mean = place.mean * between(pose_of(kept->odom_from_robot), first.odom_from_robot);
   }
   return place;

@@ -19,15 +19,16 @@ namespace strata::localizer {
 struct PlaceStoreConfig {
   std::string file;
   double period_s = 1.0;
-  runtime::CarryConfig carry;
+  runtime::DeadReckoningConfig dead_reckoning;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("file", c.file,
             {.doc = "live: keep the pose in this file while the robot is localized, and begin "
-                    "there when it exists, whatever start.pose says; empty: do not"});
+                    "there when it exists, whatever start.pose says; empty: do not",
+             .when = "the robot shall find itself at once after a restart"});
     v.field("period_s", c.period_s,
             {.doc = "written this often, by the stamps of the scans", .unit = "s", .min = 0.0});
-    runtime::CarryConfig::describe(c.carry, v);
+    runtime::DeadReckoningConfig::describe(c.dead_reckoning, v);
   }
 };
 
@@ -42,7 +43,7 @@ class PlaceStore {
   void load();
   /// Something newer is known.
   void forget() { kept_.reset(); }
-  /// Whether the first observation lacks the odometry that carries the kept place on.
+  /// Whether the first observation lacks the odometry that takes the kept place on.
   [[nodiscard]] bool waits_for_odometry(const Observation& first, bool use_odometry) const;
   /// Where the robot is at its first observation: once, and only when a place was kept.
   [[nodiscard]] std::optional<Pose2Gaussian> resume(const Observation& first);

@@ -41,7 +41,7 @@ void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult
                              const localization::Localizer& localizer) {
   trajectory.push_back({stamp, result.pose.mean});
   health.push_back(result.health.state);
-  most_particles = std::max(most_particles, result.particles);
+  max_particles = std::max(max_particles, result.particles);
   unusable_scans = localizer.unusable_scans();
   for (const localization::SubmapBelief& belief : result.submaps) {
     for (std::size_t k = 0; k < belief.probability.size(); ++k) {

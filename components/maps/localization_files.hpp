@@ -32,7 +32,7 @@ struct LocalizationRecord {
   std::vector<log::StampedPose> trajectory;       ///< mean of the particles, one a scan
   std::vector<StateRow> states;                   ///< as LocalizationResult::submaps, one a row
   std::vector<localization::HealthState> health;  ///< one a scan
-  std::size_t most_particles = 0;
+  std::size_t max_particles = 0;
   std::size_t unusable_scans = 0;  ///< so far
 
   /// Takes up the result of localizer.update for a scan of that stamp.

@@ -11,11 +11,12 @@
 #include <utility>
 #include <vector>
 
+#include "components/maps/map_models.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/config.hpp"
 #include "core/localization/likelihood_field_model.hpp"
-#include "core/localization/patch_beam_model.hpp"
 #include "core/localization/sensor_model.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
 
 namespace strata::maps {
 
@@ -24,38 +25,38 @@ using RangeFunction = std::function<double(const Pose2& map_from_laser, double b
 
 struct MapModel {
   std::string name;
+  MapModels::Pointer descriptor;
   std::shared_ptr<const localization::SensorModel> sensor;
   /// The single best prediction, given what the particles believe of the sub-maps.
   std::function<RangeFunction(const localization::ParticleSet&)> best_prediction;
   /// A byte per cell of each grid, as map_server stores them; the state of the timescale levels.
   std::size_t bytes = 0;
-  /// What the map takes in memory while localizing: grids, the distances that rays leap by, counts
+  /// What the map takes in memory while localizing: grids, the distances that rays skip by, counts
   /// of configurations; the timescale memory and what was decoded from it.
   std::size_t resident_bytes = 0;
 };
 
-/// Names that make_map_model accepts for these maps: occupancy, filtered, patch, patch_paper,
-/// patch_shared, patch_per_particle, patch_places, timescale, timescale_mixture, timescale_frozen,
-/// timescale_LEVEL, map (given).
-[[nodiscard]] std::vector<std::string> model_names(const Maps& maps);
+/// Names that make_map_model accepts for these maps, in the order of the registry.
+[[nodiscard]] std::vector<std::string> model_names(const Maps& maps,
+                                                   const MapModels& models = map_models());
 
-/// `patch` has the memory that `config` names, as has patch_places, whose sub-maps follow the
-/// places of a topology; patch_paper none; `timescale` is timescale_mixture: all levels, weighted
-/// by how well each explains the scans. It and timescale_LEVEL go on remembering the scans that
-/// they localize; timescale_frozen mixes the levels as they were learned. Timescale levels know
-/// nothing beyond their outermost bin, so for them readings from there on count as no return.
 /// Throws ConfigError for a name that is unknown, and InputError for one whose map was not learned.
 [[nodiscard]] MapModel make_map_model(const Maps& maps, const std::string& name,
-                                      const localization::PatchBeamModelConfig& config);
+                                      const patch_beams::PatchBeamModelConfig& config,
+                                      const MapModels& models = map_models());
+
+/// The same model of other maps. Throws as make_map_model.
+[[nodiscard]] MapModel make_map_model(const Maps& maps, const MapModel& like,
+                                      const patch_beams::PatchBeamModelConfig& config);
 
 /// What a scan is compared with: ranges along traced beams, or distances about its end points.
 enum class SensorModelKind { kBeam, kLikelihoodField };
 
-/// The fast model of end points for `occupancy` and `filtered`; sub-maps and levels need beams that
-/// are traced. best_prediction is that of the beam model. Throws as make_map_model.
+/// The fast model of end points, of models that have one. best_prediction is that of the beam
+/// model. Throws as make_map_model.
 [[nodiscard]] MapModel make_likelihood_field_model(
     const Maps& maps, const std::string& name,
-    const localization::LikelihoodFieldModelConfig& config);
+    const localization::LikelihoodFieldModelConfig& config, const MapModels& models = map_models());
 
 }  // namespace strata::maps
 

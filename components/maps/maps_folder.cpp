@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/maps/maps_folder.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <utility>
 #include <vector>
@@ -56,6 +58,37 @@ void write_text(const fs::path& path, const std::string& text) {
   out.close();
   if (!out)
     throw OutputError(path.string(), "cannot be written", "check the folder and free space");
+}
+
+struct PartRow {
+  MapPart part;
+  MapPartInfo info;
+  bool (*is_in)(const Maps&);
+};
+
+const PartRow& row_of(MapPart part) {
+  static const PartRow rows[] = {
+      {MapPart::kOccupancy,
+       {"the occupancy grid", true, true, "nav_msgs/OccupancyGrid"},
+       [](const Maps& maps) { return maps.occupancy.size() > 0; }},
+      {MapPart::kFiltered,
+       {"the filtered grid", true, true, "strata_msgs/ReflectionGrid"},
+       [](const Maps& maps) { return maps.filtered.size() > 0; }},
+      {MapPart::kPatches,
+       {"the patch map", true, true, "strata_msgs/PatchMap"},
+       [](const Maps& maps) { return maps.patches.has_value(); }},
+      {MapPart::kPlacePatches,
+       {"a patch map by places", true, false, nullptr},
+       [](const Maps& maps) { return maps.place_patches.has_value(); }},
+      {MapPart::kTimescale,
+       {"the timescale memory", true, true, "strata_msgs/NodeMap"},
+       [](const Maps& maps) { return maps.timescale != nullptr || maps.nodes != nullptr; }},
+      {MapPart::kGiven,
+       {"a map_server map", false, false, nullptr},
+       [](const Maps& maps) { return maps.given.size() > 0; }},
+  };
+  return *std::find_if(std::begin(rows), std::end(rows),
+                       [&](const PartRow& row) { return row.part == part; });
 }
 
 json part(const memory::Store& store, const char* key, json otherwise) {
@@ -134,6 +167,10 @@ json write_summary(const fs::path& dir, const std::string& log, const JobCost& c
   write_text(dir / kSummaryFile, summary.dump(2) + "\n");
   return summary;
 }
+
+const MapPartInfo& info_of(MapPart part) { return row_of(part).info; }
+
+bool has(const Maps& maps, MapPart part) { return row_of(part).is_in(maps); }
 
 memory::Store open_for_reading(const fs::path& dir) {
   if (!fs::exists(dir / kStoreFile)) {

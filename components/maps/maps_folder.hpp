@@ -71,6 +71,28 @@ struct Maps {
   Pose2 given_from_map;
 };
 
+/// A part of Maps that models are made of (components/maps/map_models.hpp).
+enum class MapPart {
+  kOccupancy,
+  kFiltered,
+  kPatches,
+  kPlacePatches,
+  kTimescale,  ///< the memory, or only what it expects
+  kGiven,
+};
+
+/// Where a part can come from.
+struct MapPartInfo {
+  const char* name = "";          ///< for people
+  bool is_learned = true;         ///< else somebody gives it
+  bool is_in_folder = true;       ///< a MAPS folder holds it
+  const char* message = nullptr;  ///< that brings it over a topic; null: none does
+};
+[[nodiscard]] const MapPartInfo& info_of(MapPart part);
+
+/// Whether these maps hold that part.
+[[nodiscard]] bool has(const Maps& maps, MapPart part);
+
 /// The store of a MAPS folder. Throws InputError when strata.db is missing or damaged.
 [[nodiscard]] memory::Store open_for_reading(const std::filesystem::path& dir);
 

@@ -16,9 +16,9 @@ namespace {
 
 // What a table over the surroundings of all nodes can hold: a damaged number must not make it take
 // all memory, nor time without end.
-constexpr double kFarthest_m = 1e5;     // of a node
-constexpr double kMostArea_m2 = 4e6;    // of the rectangle about what all nodes see
-constexpr double kMostSights_m2 = 4e7;  // of what each node sees, one by one
+constexpr double kFarthest_m = 1e5;    // of a node
+constexpr double kMaxArea_m2 = 4e6;    // of the rectangle about what all nodes see
+constexpr double kMaxSights_m2 = 4e7;  // of what each node sees, one by one
 
 bool fits_a_table(const strata_msgs::msg::NodeMap& message) {
   Eigen::AlignedBox2d all;
@@ -31,8 +31,8 @@ bool fits_a_table(const strata_msgs::msg::NodeMap& message) {
   if (!(sight_m > 0.0 && sight_m <= kFarthest_m)) return false;
   if (all.isEmpty()) return true;
   const auto nodes = static_cast<double>(message.nodes().size());
-  return (all.sizes().array() + sight_m).prod() <= kMostArea_m2 &&
-         nodes * sight_m * sight_m <= kMostSights_m2;
+  return (all.sizes().array() + sight_m).prod() <= kMaxArea_m2 &&
+         nodes * sight_m * sight_m <= kMaxSights_m2;
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kLeastStep_m = 0.1;
+constexpr double kMinStep_m = 0.1;
 
 struct RunExtent {
   double duration_s = 0.0;
@@ -33,7 +33,7 @@ RunExtent extent_of(const std::vector<PosedScan>& scans) {
       extent.duration_s += (scan.scan.stamp - previous->scan.stamp).seconds();
     }
     if (const double step_m = translation_distance(counted, scan.map_from_robot);
-        step_m >= kLeastStep_m) {
+        step_m >= kMinStep_m) {
       extent.path_m += step_m;
       counted = scan.map_from_robot;
     }

@@ -7,15 +7,15 @@
 #include <limits>
 #include <utility>
 
-#include "core/localization/column_math.hpp"
+#include "core/rays/column_math.hpp"
 
 namespace strata::maps {
 namespace {
 
-using localization::BeamMixture;
-using localization::ScanBeams;
 using memory::NodeMap;
 using memory::NodeOutline;
+using rays::BeamMixture;
+using rays::ScanBeams;
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
@@ -24,8 +24,8 @@ constexpr double kNothing = std::numeric_limits<double>::infinity();
 void TimescaleModel::BelievedLevels::add(const Believed& level) {
   std::size_t place = size_;
   while (place > 0 && levels_[place - 1].weight < level.weight) --place;
-  if (place == kMost) return;
-  size_ = std::min(size_ + 1, kMost);
+  if (place == kMax) return;
+  size_ = std::min(size_ + 1, kMax);
   std::move_backward(levels_.begin() + static_cast<std::ptrdiff_t>(place),
                      levels_.begin() + static_cast<std::ptrdiff_t>(size_) - 1,
                      levels_.begin() + static_cast<std::ptrdiff_t>(size_));
@@ -52,7 +52,7 @@ TimescaleModel::BelievedLevels TimescaleModel::believed() const {
   }
   int level = 0;
   for (const double weight : mixture_.weights(node_)) {
-    if (weight >= use_.least_weight) levels.add({level, weight});
+    if (weight >= use_.min_weight) levels.add({level, weight});
     ++level;
   }
   return levels;
@@ -81,7 +81,7 @@ void TimescaleModel::weigh(const NodeMap::View& view, double heading_cosine, dou
       log_p[k] = scratch.log_within_free[begin + k];
       continue;
     }
-    log_p[k] = localization::log_likelihood_of(scratch.mixture.mixture().likelihood_beyond(
+    log_p[k] = rays::log_likelihood_of(scratch.mixture.mixture().likelihood_beyond(
         beams.is_hit[begin + k] != 0, beams.range_m[begin + k], reach[k].range_m));
   }
 }
@@ -90,13 +90,13 @@ double TimescaleModel::log_likelihood_at(const Pose2& laser, const BelievedLevel
                                          const Scratch& scratch) const {
   const double c = std::cos(laser.theta);
   const double s = std::sin(laser.theta);
-  std::array<NodeMap::View, BelievedLevels::kMost> views;
+  std::array<NodeMap::View, BelievedLevels::kMax> views;
   for (std::size_t l = 0; l < levels.size(); ++l) {
     views[l] = map_->view(levels[l].level, laser.translation());
   }
-  std::array<double, BelievedLevels::kMost> weights;
+  std::array<double, BelievedLevels::kMax> weights;
   for (std::size_t l = 0; l < levels.size(); ++l) weights[l] = levels[l].weight;
-  std::array<double, BelievedLevels::kMost * kBlock> log_p;
+  std::array<double, BelievedLevels::kMax * kBlock> log_p;
   double sum = 0.0;
   for (std::size_t begin = 0; begin < scratch.beams.size(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, scratch.beams.size() - begin);
@@ -104,8 +104,8 @@ double TimescaleModel::log_likelihood_at(const Pose2& laser, const BelievedLevel
       weigh(views[l], c, s, scratch, begin, count, log_p.data() + l * kBlock);
     }
     if (levels.size() > 1) {
-      localization::mix_rows(std::span(weights.data(), levels.size()), log_p.data(), kBlock, count,
-                             log_p.data());
+      rays::mix_rows(std::span(weights.data(), levels.size()), log_p.data(), kBlock, count,
+                     log_p.data());
     }
     for (std::size_t k = 0; k < count; ++k) sum += log_p[k];
   }
@@ -120,8 +120,8 @@ void TimescaleModel::prepare(const Scan& scan, Scratch& scratch) const {
   scratch.log_within_free.resize(beams.size());
   for (std::size_t k = 0; k < beams.size(); ++k) {
     const double further_m = 0.5 * (beams.range_m[k] + beams.r_max_m);
-    scratch.log_within_free[k] = localization::log_likelihood_of(
-        mixture.likelihood_beyond(true, beams.range_m[k], further_m));
+    scratch.log_within_free[k] =
+        rays::log_likelihood_of(mixture.likelihood_beyond(true, beams.range_m[k], further_m));
   }
 }
 
@@ -130,7 +130,7 @@ std::size_t TimescaleModel::log_likelihoods(const Scan& scan,
                                             localization::ParticleSet& particles,
                                             std::span<double> log_likelihood,
                                             WorkerPool& pool) const {
-  const auto scratch = scratch_.borrow();
+  const auto scratch = scratch_.acquire();
   prepare(scan, *scratch);
   const BelievedLevels levels = believed();
   constexpr std::size_t kChunk = 64;
@@ -144,23 +144,23 @@ std::size_t TimescaleModel::log_likelihoods(const Scan& scan,
   return scratch->beams.size();
 }
 
-localization::Explanation TimescaleModel::explain(
+localization::InlierShares TimescaleModel::inlier_shares(
     const Scan& scan, const Pose2& map_from_robot,
     const localization::ParticleSet& /*particles*/) const {
-  const auto scratch = scratch_.borrow();
+  const auto scratch = scratch_.acquire();
   select_beams(scan, config_.beams, scratch->beams);
   const ScanBeams& beams = scratch->beams;
   if (beams.size() == 0) return {};
   const BeamMixture mixture = beam_mixture_.limited_to(beams.r_max_m);
   const Pose2 laser = map_from_robot * beams.robot_from_laser;
   const BelievedLevels levels = believed();
-  localization::Explanation said;
+  localization::InlierShares said;
   for (std::size_t k = 0; k < beams.size(); ++k) {
     const double angle = laser.theta + beams.bearing_rad[k];
     const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
     bool is_seen = false;
     bool is_stopped = beams.is_hit[k] != 0;
-    const bool is_explained = std::any_of(levels.begin(), levels.end(), [&](const Believed& level) {
+    const bool is_inlier = std::any_of(levels.begin(), levels.end(), [&](const Believed& level) {
       const auto reach = map_->reach(map_->view(level.level, laser.translation()), direction);
       if (reach.end == NodeOutline::Edge::kUnseen && reach.range_m < beams.r_max_m) return false;
       is_seen = true;
@@ -169,15 +169,15 @@ localization::Explanation TimescaleModel::explain(
       if (reach.end != NodeOutline::Edge::kSurface && reach.range_m < beams.r_max_m) {
         return beams.range_m[k] >= reach.range_m;
       }
-      return mixture.explains(beams.is_hit[k] != 0, beams.range_m[k], reach.range_m);
+      return mixture.is_inlier(beams.is_hit[k] != 0, beams.range_m[k], reach.range_m);
     });
-    said.explained += is_explained ? 1.0 : 0.0;
+    said.inlier += is_inlier ? 1.0 : 0.0;
     said.judged += is_seen ? 1.0 : 0.0;
-    said.stopped += is_seen && !is_explained && is_stopped ? 1.0 : 0.0;
+    said.stopped += is_seen && !is_inlier && is_stopped ? 1.0 : 0.0;
   }
   // Levels say how far a beam goes, not what stands behind.
-  said.met = said.explained;
-  said.at_surface = said.explained;
+  said.met = said.inlier;
+  said.at_surface = said.inlier;
   said.divide_by(static_cast<double>(beams.size()));
   return said;
 }

@@ -8,11 +8,11 @@
 #include <optional>
 #include <vector>
 
-#include "core/localization/beam_mixture.hpp"
-#include "core/localization/lender.hpp"
+#include "core/localization/object_pool.hpp"
 #include "core/localization/range_provider_model.hpp"
-#include "core/localization/scan_mixture.hpp"
 #include "core/localization/sensor_model.hpp"
+#include "core/rays/beam_mixture.hpp"
+#include "core/rays/scan_mixture.hpp"
 #include "memory/nodes/level_mixture.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
@@ -29,7 +29,7 @@ struct TimescaleUse {
   double unsettled_s = 20.0;
   /// Levels that hold less of the belief than this are not asked: they would cost as much as the
   /// others. The forgetting alone leaves each level of three 0.0067.
-  double least_weight = 0.01;
+  double min_weight = 0.01;
   memory::LevelMixtureConfig mixture;
 };
 
@@ -49,7 +49,7 @@ class TimescaleModel final : public localization::SensorModel {
                               localization::ParticleSet& particles,
                               std::span<double> log_likelihood, WorkerPool& pool) const override;
   [[nodiscard]] double tempering() const override { return config_.tempering; }
-  [[nodiscard]] localization::Explanation explain(
+  [[nodiscard]] localization::InlierShares inlier_shares(
       const Scan& scan, const Pose2& map_from_robot,
       const localization::ParticleSet& particles) const override;
   [[nodiscard]] std::unique_ptr<SensorModel> for_one_run() const override;
@@ -72,10 +72,10 @@ class TimescaleModel final : public localization::SensorModel {
     [[nodiscard]] const Believed* end() const { return levels_.data() + size_; }
     [[nodiscard]] std::size_t size() const { return size_; }
     [[nodiscard]] const Believed& operator[](std::size_t i) const { return levels_[i]; }
-    static constexpr std::size_t kMost = 16;
+    static constexpr std::size_t kMax = 16;
 
    private:
-    std::array<Believed, kMost> levels_;
+    std::array<Believed, kMax> levels_;
     std::size_t size_ = 0;
   };
   [[nodiscard]] BelievedLevels believed() const;
@@ -84,8 +84,8 @@ class TimescaleModel final : public localization::SensorModel {
  private:
   static constexpr std::size_t kBlock = 64;
   struct Scratch {
-    localization::ScanBeams beams;
-    localization::ScanMixture mixture;
+    rays::ScanBeams beams;
+    rays::ScanMixture mixture;
     /// ln p of a hit within a way that is free, and nothing is known beyond: the same however far
     /// the way is free.
     std::vector<double> log_within_free;
@@ -100,13 +100,13 @@ class TimescaleModel final : public localization::SensorModel {
   std::shared_ptr<const memory::TimescaleMemory> memory_;
   std::shared_ptr<const memory::NodeMap> map_;
   localization::BeamModelConfig config_;
-  localization::BeamMixture beam_mixture_;
+  rays::BeamMixture beam_mixture_;
   TimescaleUse use_;
   memory::LevelMixture mixture_;
   int node_ = -1;                                      ///< where the robot was last believed to be
   std::optional<memory::TimescaleMemory> own_memory_;  ///< of a copy for one run that learns
   PosedScan posed_;                                    ///< kept for its memory
-  localization::Lender<Scratch> scratch_;
+  localization::ObjectPool<Scratch> scratch_;
 };
 
 }  // namespace strata::maps

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/components/maps/toy_model.hpp"
+
 namespace strata::localizer {
 namespace {
 
@@ -39,7 +41,7 @@ maps::Maps doors() {
 }
 
 TEST(CurrentMap, BeginsWithWhatWasSeenMostAndShowsADoorWhenItIsMoreLikelyOpenThanNot) {
-  CurrentMap map(doors(), "patch");
+  CurrentMap map(doors(), *maps::map_models().at("patch"));
   const auto first = map.news({});
   ASSERT_TRUE(first);
   EXPECT_EQ(first->at(kDoor), kWall);
@@ -61,15 +63,22 @@ TEST(CurrentMap, BeginsWithWhatWasSeenMostAndShowsADoorWhenItIsMoreLikelyOpenTha
 }
 
 TEST(CurrentMap, OfAModelWithoutSubmapsIsItsMapAndComesOnce) {
-  CurrentMap occupancy(doors(), "occupancy");
+  CurrentMap occupancy(doors(), *maps::map_models().at("occupancy"));
   const auto map = occupancy.news({});
   ASSERT_TRUE(map);
   EXPECT_EQ(map->at(kBeside), kWall);
   EXPECT_FALSE(occupancy.news({}));
-  CurrentMap levels(doors(), "timescale_long");
+  CurrentMap levels(doors(), *maps::map_models().at("timescale_long"));
   const auto filtered = levels.news({});
   ASSERT_TRUE(filtered);
   EXPECT_NE(filtered->at(kBeside), kWall);
+}
+
+TEST(CurrentMap, OfAModelThatIsOnlyRegisteredIsTheGridThatItIsMadeOf) {
+  CurrentMap toy(doors(), maps::test_room::toy_model());
+  const auto map = toy.news({});
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->at(kBeside), kWall);
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,13 +24,11 @@
 #include "components/convert/scan_messages.hpp"
 #include "components/localizer/register.hpp"
 #include "components/maps/node_map_message.hpp"
-#include "components/player/log_player.hpp"
 #include "components/runtime/composition.hpp"
-#include "components/runtime/conductor.hpp"
-#include "components/runtime/host.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/bus/domain.hpp"
 #include "tests/components/localizer/room_fixture.hpp"
+#include "tests/components/player/lockstep_replay.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/test_data.hpp"
 #include "tools/pipeline/localize.hpp"
@@ -42,53 +39,27 @@ namespace fs = std::filesystem;
 namespace strata::localizer {
 namespace {
 
-std::string bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 /// Somebody on the replay's own participant; called when the component is there, before the
-/// conductor connects.
+/// coordinator connects.
 using Bystander =
-    std::function<void(const std::shared_ptr<bus::Participant>&, runtime::Conductor&)>;
+    std::function<void(const std::shared_ptr<bus::Participant>&, runtime::LockstepCoordinator&)>;
 
 /// Replays the second day in lockstep; before the scan `restart_at`, somebody publishes a pose.
 void replay(const std::string& parameters, const fs::path& out, int threads,
             std::optional<std::size_t> restart_at = {}, const Bystander& bystander = nullptr) {
-  const runtime::Composition composition = composition_of(parameters);
-  const auto participant = runtime::make_participant(composition);
-  runtime::Registry registry;
-  register_component(registry);
-  runtime::Host host(composition, composition.processes[0], registry, participant,
-                     {.mode = runtime::FeedMode::kLockstep, .seed = kSeed, .threads = threads});
-  runtime::Conductor conductor(participant, {"/localizer"},
-                               [](const std::string&, double) { return true; });
-  player::Outputs outputs;
-  outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
-  outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");
-  outputs.tf = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf");
-  outputs.odometry = conductor.advertise<nav_msgs::msg::Odometry>("/odom");
-  outputs.scan = conductor.advertise<sensor_msgs::msg::LaserScan>("/scan");
+  test::LockstepReplay replay(composition_of(parameters), {register_component}, kSeed, threads);
   const auto initial_pose =
-      conductor.advertise<geometry_msgs::msg::PoseWithCovarianceStamped>("/initialpose");
-  player::LogPlayer player(room().observations, outputs);
-  if (bystander) bystander(participant, conductor);
-  conductor.connect();
-  for (std::size_t i = 0; i < room().observations.size(); ++i) {
-    if (restart_at == i) {
-      geometry_msgs::msg::PoseWithCovarianceStamped message;
-      message.header().frame_id("map");
-      message.pose(convert::to_pose_with_covariance(
-          {Pose2{5.5, 3.5, 2.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()}));
-      initial_pose(message);
-    }
-    player.publish(i);
-    conductor.cycle();
-  }
-  conductor.finish(out);
-  host.stop();
+      replay.coordinator().advertise<geometry_msgs::msg::PoseWithCovarianceStamped>("/initialpose");
+  if (bystander) bystander(replay.participant, replay.coordinator());
+  replay.play(room().observations, [&](std::size_t scan) {
+    if (restart_at != scan) return;
+    geometry_msgs::msg::PoseWithCovarianceStamped message;
+    message.header().frame_id("map");
+    message.pose(convert::to_pose_with_covariance(
+        {Pose2{5.5, 3.5, 2.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()}));
+    initial_pose(message);
+  });
+  replay.finish(out);
 }
 
 void localize_directly(const std::string& model, bool global, const fs::path& out) {
@@ -96,7 +67,7 @@ void localize_directly(const std::string& model, bool global, const fs::path& ou
   localization::LocalizerConfig config;
   pipeline::LocalizationStart start;
   if (global) {
-    config.global_start.most_particles = 3000;
+    config.global_start.max_particles = 3000;
   } else {
     start.map_from_robot =
         Pose2Gaussian{room().start, Eigen::Vector3d(0.2 * 0.2, 0.2 * 0.2, 0.1 * 0.1).asDiagonal()};
@@ -119,13 +90,13 @@ TEST_P(LocalizerReplay, WritesTheVeryFilesOfTheDirectPath) {
     fs::create_directories(replayed);
     replay(parameters_of(model, global), replayed, threads);
     for (const char* file : {"trajectory.tum", "states.csv"}) {
-      const std::string direct = bytes_of(out.path() / "direct" / file);
+      const std::string direct = test::bytes_of(out.path() / "direct" / file);
       EXPECT_FALSE(direct.empty());
-      EXPECT_EQ(bytes_of(replayed / file), direct) << file << ", threads " << threads;
+      EXPECT_EQ(test::bytes_of(replayed / file), direct) << file << ", threads " << threads;
     }
-    auto expected = nlohmann::json::parse(bytes_of(out.path() / "direct" / "metrics.json"));
+    auto expected = nlohmann::json::parse(test::bytes_of(out.path() / "direct" / "metrics.json"));
     expected["cost"] = nullptr;
-    EXPECT_EQ(nlohmann::json::parse(bytes_of(replayed / "metrics.json")), expected);
+    EXPECT_EQ(nlohmann::json::parse(test::bytes_of(replayed / "metrics.json")), expected);
   }
 }
 
@@ -149,42 +120,23 @@ TEST(Localizer, StartsAgainFromAPublishedPose) {
 /// Replays the second day with the memory of the first on its topic, again every so many scans.
 void replay_with_map_topics(const std::string& parameters, const fs::path& out,
                             std::size_t again_every) {
-  const runtime::Composition composition = composition_of(parameters);
-  const auto participant = runtime::make_participant(composition);
-  runtime::Registry registry;
-  register_component(registry);
-  runtime::Host host(composition, composition.processes[0], registry, participant,
-                     {.mode = runtime::FeedMode::kLockstep, .seed = kSeed, .threads = 1});
-  runtime::Conductor conductor(participant, {"/localizer"},
-                               [](const std::string&, double) { return true; });
-  player::Outputs outputs;
-  outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
-  outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");
-  outputs.tf = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf");
-  outputs.odometry = conductor.advertise<nav_msgs::msg::Odometry>("/odom");
-  outputs.scan = conductor.advertise<sensor_msgs::msg::LaserScan>("/scan");
+  test::LockstepReplay replay(composition_of(parameters), {register_component}, kSeed);
   const auto filtered =
-      conductor.advertise<strata_msgs::msg::ReflectionGrid>("/reflection_filtered");
-  const auto nodes = conductor.advertise<strata_msgs::msg::NodeMap>("/node_map");
-  player::LogPlayer player(room().observations, outputs);
-  conductor.connect();
+      replay.coordinator().advertise<strata_msgs::msg::ReflectionGrid>("/reflection_filtered");
+  const auto nodes = replay.coordinator().advertise<strata_msgs::msg::NodeMap>("/node_map");
   const maps::Maps maps = maps::read_maps(room().folder.path());
-  filtered(convert::to_message(maps.filtered));
-  for (std::size_t i = 0; i < room().observations.size(); ++i) {
-    if (i % again_every == 0) {
-      nodes(maps::to_message(*maps.timescale, *maps.timescale->decode(), Stamp(), "map"));
-    }
-    player.publish(i);
-    conductor.cycle();
-  }
-  conductor.finish(out);
-  host.stop();
+  replay.play(room().observations, [&](std::size_t scan) {
+    if (scan == 0) filtered(convert::to_message(maps.filtered));
+    if (scan % again_every != 0) return;
+    nodes(maps::to_message(*maps.timescale, *maps.timescale->decode(), Stamp(), "map"));
+  });
+  replay.finish(out);
 }
 
 TEST(Localizer, LosesNothingThatItKnowsWhenItsMapComesAgain) {
   for (const char* where : {"start: {pose: [%X, %Y, %T]}",
                             // many places at once: no single pose could stand for them
-                            "localizer: {global_start: {most_particles: 2000}}"}) {
+                            "localizer: {global_start: {max_particles: 2000}}"}) {
     std::string parameters = std::string("{model: timescale, ") + where + "}";
     const std::pair<const char*, double> values[] = {
         {"%X", room().start.x}, {"%Y", room().start.y}, {"%T", room().start.theta}};
@@ -197,9 +149,9 @@ TEST(Localizer, LosesNothingThatItKnowsWhenItsMapComesAgain) {
     fs::create_directories(out.path() / "again");
     replay_with_map_topics(parameters, out.path() / "once", 1'000'000);
     replay_with_map_topics(parameters, out.path() / "again", 7);
-    const std::string once = bytes_of(out.path() / "once" / "trajectory.tum");
+    const std::string once = test::bytes_of(out.path() / "once" / "trajectory.tum");
     EXPECT_GT(once.size(), 1000U);
-    EXPECT_EQ(bytes_of(out.path() / "again" / "trajectory.tum"), once);
+    EXPECT_EQ(test::bytes_of(out.path() / "again" / "trajectory.tum"), once);
   }
 }
 
@@ -253,10 +205,10 @@ TEST(Localizer, TransformFromMapToOdometryCarriesTheOdometryToThePose) {
   const test::TemporaryDirectory out;
   std::optional<Listener> listener;
   replay(parameters_of("patch", false), out.path(), 1, {},
-         [&](const auto& participant, runtime::Conductor& conductor) {
+         [&](const auto& participant, runtime::LockstepCoordinator& coordinator) {
            listener.emplace(participant);
-           conductor.expect_reader("/amcl_pose");
-           conductor.expect_reader("/tf");
+           coordinator.expect_reader("/amcl_pose");
+           coordinator.expect_reader("/tf");
          });
   const auto pairs = listener->wait_for_pairs(room().observations.size());
   EXPECT_EQ(pairs.size(), room().observations.size());
@@ -273,7 +225,7 @@ TEST(Localizer, TransformFromMapToOdometryCarriesTheOdometryToThePose) {
 
 TEST(Localizer, AReplayThatHearsAStrangersScansEndsWithAnError) {
   std::optional<bus::Writer<sensor_msgs::msg::LaserScan>> stranger;
-  const auto publish = [&](const auto& participant, runtime::Conductor&) {
+  const auto publish = [&](const auto& participant, runtime::LockstepCoordinator&) {
     stranger.emplace(participant, "/scan", bus::qos_profile("lossless"));
     stranger->publish(convert::to_message(room().observations[3].scan, "laser"));
   };

@@ -54,7 +54,7 @@ TEST_F(PlaceStoreTest, GivesBackWhatWasKeptWithTheAddedUncertainty) {
   EXPECT_EQ(back->covariance, expected);
 }
 
-TEST_F(PlaceStoreTest, IsCarriedByOdometryThatWentOnAndByNoOther) {
+TEST_F(PlaceStoreTest, IsDeadReckonedByOdometryThatWentOnAndByNoOther) {
   const Pose2 odom{10.0, 20.0, 1.0};
   const Pose2 moved{0.5, 0.1, 0.2};
   store().keep(observation_at(100.0, odom), {kPlace, Eigen::Matrix3d::Identity()});

@@ -14,8 +14,8 @@
 #include "components/settings/yaml_document.hpp"
 #include "tests/components/bus/domain.hpp"
 #include "tests/support/test_data.hpp"
+#include "tests/tools/simulate/two_days.hpp"
 #include "tools/pipeline/learn.hpp"
-#include "tools/simulate/simulation.hpp"
 
 namespace strata::localizer {
 
@@ -32,21 +32,12 @@ struct Room {
 inline const Room& room() {
   static const std::unique_ptr<const Room> made = [] {
     auto room = std::make_unique<Room>();
-    const simulate::Simulation simulation =
-        simulate::simulate(simulate::load_scenario(STRATA_SCENARIO_DIR "/empty_room.yaml"), 1);
-    std::vector<Observation> before;
-    std::vector<std::optional<Pose2>> poses;
-    for (const auto& scan : simulation.days[0].scans) {
-      before.push_back(scan.observation);
-      poses.emplace_back(scan.map_from_robot);
-    }
-    for (const auto& scan : simulation.days[1].scans) {
-      room->observations.push_back(scan.observation);
-      room->truth.push_back(scan.map_from_robot);
-    }
-    room->start = simulation.days[1].scans.front().map_from_robot;
-    const pipeline::LearnResult learned =
-        pipeline::learn(before, poses, {}, {.patch = true, .timescale = true}, kSeed, 1, nullptr);
+    const test::TwoDays days = test::two_days(STRATA_SCENARIO_DIR "/empty_room.yaml", 1);
+    room->observations = days.second;
+    room->truth = days.second_poses;
+    room->start = room->truth.front();
+    const pipeline::LearnResult learned = pipeline::learn(
+        days.first, days.first_poses, {}, {.patch = true, .timescale = true}, kSeed, 1, nullptr);
     maps::write_grid_maps(room->folder.path(), learned.slam);
     maps::write_patch_map(room->folder.path(), learned.patches);
     maps::write_timescale(room->folder.path(), *learned.timescale);
@@ -73,7 +64,7 @@ inline std::string parameters_of(const std::string& model, bool global) {
   if (!global) {
     text << ", start: {pose: [" << start.x << ", " << start.y << ", " << start.theta << "]}";
   } else {
-    text << ", localizer: {global_start: {most_particles: 3000}}";
+    text << ", localizer: {global_start: {max_particles: 3000}}";
   }
   text << "}";
   return text.str();

@@ -98,21 +98,21 @@ TEST(MapModels, OfEveryNameJudgeBeamsWhereTheyKnowTheRoomAndHardlyAnyFarOutside)
     SCOPED_TRACE(name);
     const MapModel model = make_map_model(maps, name, {});
     const ParticleSet particles = particles_at(model, {inside});
-    const localization::Explanation here = model.sensor->explain(scan, inside, particles);
-    EXPECT_GT(here.explained, 0.7);
-    EXPECT_GE(here.judged, here.explained);
-    const localization::Explanation away =
-        model.sensor->explain(scan, {60.0, 60.0, 0.0}, particles);
+    const localization::InlierShares here = model.sensor->inlier_shares(scan, inside, particles);
+    EXPECT_GT(here.inlier, 0.7);
+    EXPECT_GE(here.judged, here.inlier);
+    const localization::InlierShares away =
+        model.sensor->inlier_shares(scan, {60.0, 60.0, 0.0}, particles);
     EXPECT_LT(away.judged, 0.05);
   }
 }
 
 /// What a model says of one beam along x from a pose.
-localization::Explanation explain_beam(const MapModel& model, const Pose2& robot, float range_m) {
+localization::InlierShares judge_beam(const MapModel& model, const Pose2& robot, float range_m) {
   Scan scan;
   scan.range_max_m = 30.0F;
   scan.ranges_m = {range_m};
-  return model.sensor->explain(scan, robot, particles_at(model, {robot}));
+  return model.sensor->inlier_shares(scan, robot, particles_at(model, {robot}));
 }
 
 TEST(MapModels, OfAGivenMapKnowItsSurfacesWhereItLies) {
@@ -125,7 +125,7 @@ TEST(MapModels, OfAGivenMapKnowItsSurfacesWhereItLies) {
   const MapModel model = make_map_model(maps, "map", {});
   const Pose2 robot = inverse(maps.given_from_map);
   const auto expect = [&](float range_m, double met, double at_surface, double stopped) {
-    const localization::Explanation said = explain_beam(model, robot, range_m);
+    const localization::InlierShares said = judge_beam(model, robot, range_m);
     EXPECT_EQ(said.met, met) << range_m;
     EXPECT_EQ(said.at_surface, at_surface) << range_m;
     EXPECT_EQ(said.stopped, stopped) << range_m;
@@ -144,7 +144,7 @@ TEST(MapModels, OfAMemoryTellBeamsThatAreStoppedBeforeEveryLevelsSurface) {
     // Looks along y past the box's place, at the wall 2.8 m away.
     const Pose2 robot{-1.5, 0.2, 0.5 * std::numbers::pi};
     const auto expect = [&](float range_m, double met, double stopped) {
-      const localization::Explanation said = explain_beam(model, robot, range_m);
+      const localization::InlierShares said = judge_beam(model, robot, range_m);
       EXPECT_EQ(said.judged, 1.0) << range_m;
       EXPECT_EQ(said.met, met) << range_m;
       EXPECT_EQ(said.at_surface, met) << range_m;
@@ -180,93 +180,6 @@ TEST(MapModels, OfPatchesExpectTheConfigurationThatTheScansShow) {
     // The box begins at x = 2, the wall behind it at x = 5.
     EXPECT_NEAR(model.best_prediction(particles)(robot, 0.0), with_box ? 3.5 : 6.5, 0.1);
   }
-}
-
-/// What the model expects straight ahead, at the box or the wall behind it.
-double ahead(const TimescaleModel& model) { return model.expected_range_m({-1.5, 0.2, 0.0}, 0.0); }
-
-/// A memory of one node in which the box is new: the short level knows it, the long one does not.
-std::shared_ptr<const memory::TimescaleMemory> with_new_box() {
-  auto memory = std::make_shared<memory::TimescaleMemory>();
-  for (int t = 0; t < 40; ++t) {
-    memory->observe(memory::test_world::observe({-1.5, 0.2, 0.0}, t, t >= 30));
-  }
-  return memory;
-}
-
-std::unique_ptr<localization::SensorModel> copy_for_one_run(const TimescaleUse& use) {
-  const auto memory = with_new_box();
-  return TimescaleModel(memory, memory->decode(), {}, use).for_one_run();
-}
-
-TEST(TimescaleModel, LearnsInACopyOfItsOwnAndLeavesTheSharedOneAlone) {
-  const auto memory = with_new_box();
-  const std::vector<std::byte> before = memory->state();
-  TimescaleUse use;
-  use.level = 0;
-  use.unsettled_s = 0.0;
-  const TimescaleModel shared(memory, memory->decode(), {}, use);
-  ASSERT_NEAR(ahead(shared), 3.5, 0.15);
-  const auto own = shared.for_one_run();
-  Observation observation;
-  observation.run = 2;
-  Pose2Gaussian pose{{-1.5, 0.2, 0.0}, Eigen::Matrix3d::Identity() * 1e-4};
-  for (int t = 0; t < 20; ++t) {
-    observation.scan = memory::test_world::observe(pose.mean, 9000.0 + t, false).scan;
-    own->learn(observation, pose);
-  }
-  EXPECT_NEAR(ahead(dynamic_cast<const TimescaleModel&>(*own)), 6.5, 0.15);
-  EXPECT_NEAR(ahead(shared), 3.5, 0.15);
-  EXPECT_EQ(memory->state(), before);
-}
-
-TEST(TimescaleModel, LearnsNothingFromAnUncertainPose) {
-  TimescaleUse use;
-  use.level = 0;
-  use.unsettled_s = 0.0;
-  const auto own = copy_for_one_run(use);
-  const auto& model = dynamic_cast<const TimescaleModel&>(*own);
-  const double before = ahead(model);
-  Observation observation;
-  observation.run = 2;
-  for (int t = 0; t < 20; ++t) {
-    observation.scan = memory::test_world::observe({-1.5, 0.2, 0.0}, 9000.0 + t, false).scan;
-    own->learn(observation, {{-1.5, 0.2, 0.0}, Eigen::Matrix3d::Identity()});
-  }
-  EXPECT_EQ(ahead(model), before);
-}
-
-TEST(TimescaleModel, TrustsTheLevelThatExplainsTheScansEvenWhenFrozen) {
-  TimescaleUse use;
-  use.goes_on_learning = false;
-  use.least_weight = 0.0;
-  const auto own = copy_for_one_run(use);
-  const auto& model = dynamic_cast<const TimescaleModel&>(*own);
-  ASSERT_EQ(model.believed().size(), 3U);
-  Observation observation;
-  observation.run = 2;
-  const Pose2Gaussian pose{{-1.5, 0.2, 0.0}, Eigen::Matrix3d::Identity() * 1e-4};
-  for (int t = 0; t < 10; ++t) {
-    observation.scan = memory::test_world::observe(pose.mean, 9000.0 + t, true).scan;
-    own->learn(observation, pose);
-  }
-  EXPECT_NEAR(ahead(model), 3.5, 0.15);
-  EXPECT_EQ(model.believed()[0].level, 0);
-  EXPECT_GT(model.believed()[0].weight, 0.4);
-  double total = 0.0;
-  for (const auto& believed : model.believed()) total += believed.weight;
-  EXPECT_NEAR(total, 1.0, 1e-9);
-  // By default a level that nobody believes is not asked.
-  use.least_weight = TimescaleUse{}.least_weight;
-  const auto usual = copy_for_one_run(use);
-  for (int t = 0; t < 200; ++t) {
-    observation.scan = memory::test_world::observe(pose.mean, 9000.0 + t, true).scan;
-    usual->learn(observation, pose);
-  }
-  EXPECT_LT(dynamic_cast<const TimescaleModel&>(*usual).believed().size(), 3U);
-  EXPECT_NEAR(ahead(dynamic_cast<const TimescaleModel&>(*usual)), 3.5, 0.15);
-  use.level = 1;
-  EXPECT_EQ(copy_for_one_run(use), nullptr);  // nothing to learn: may be shared
 }
 
 TEST(MapModels, CountAByteACellOfEveryGrid) {
