@@ -73,8 +73,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return above.back();
 }
 
-std::string suggestion(const std::string& text, const std::vector<std::string>& names,
-                       const std::string& kind) {
+namespace {
+
+/// The name that `text` was meant to be; null when none is near.
+const std::string* nearest(const std::string& text, const std::vector<std::string>& names) {
   const std::string* best = nullptr;
   std::size_t best_distance = std::max<std::size_t>(2, text.size() / 3) + 1;
   for (const std::string& name : names) {
@@ -85,10 +87,36 @@ std::string suggestion(const std::string& text, const std::vector<std::string>& 
       best = &name;
     }
   }
-  if (best != nullptr) return "did you mean '" + *best + "'?";
+  return best;
+}
+
+std::string listed(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return "known " + kind + " are: " + list;
+  return list;
+}
+
+}  // namespace
+
+std::string suggestion(const std::string& text, const std::vector<std::string>& names,
+                       const std::string& kind) {
+  const std::string* best = nearest(text, names);
+  if (best != nullptr) return "did you mean '" + *best + "'?";
+  return "known " + kind + " are: " + listed(names);
+}
+
+std::string key_suggestion(const std::string& text, const KeyTree& known) {
+  std::vector<std::string> all;
+  std::vector<std::string> of_users;
+  std::vector<std::string> of_experts;
+  for (const KeyTree::Key& key : known.keys) {
+    all.push_back(key.name);
+    (key.is_for_users() ? of_users : of_experts).push_back(key.name);
+  }
+  if (of_users.empty() || of_experts.empty() || nearest(text, all) != nullptr) {
+    return suggestion(text, all, "keys");
+  }
+  return "known keys are: " + listed(of_users) + "; and for experts: " + listed(of_experts);
 }
 
 void read_value(const YAML::Node& node, const std::string& place, const std::string& path,
@@ -148,7 +176,7 @@ void require_sequence(const YAML::Node& node, const std::string& place, const st
 }
 
 void check_keys(const YAML::Node& node, const ReadContext& context, const std::string& path,
-                const std::vector<std::string>& known) {
+                const KeyTree& known) {
   if (!node.IsDefined() || node.IsNull()) return;
   if (!node.IsMap()) {
     throw ConfigError(place_of(node, context.place, path),
@@ -166,8 +194,8 @@ void check_keys(const YAML::Node& node, const ReadContext& context, const std::s
     const std::string full = strata::detail::join_path(path, key);
     // A key that --set made has no line of its own; its value neither.
     const std::string place = place_of(item.first, context.place, full);
-    if (std::find(known.begin(), known.end(), key) == known.end()) {
-      throw ConfigError(place, full + " is an unknown key", suggestion(key, known, "keys"));
+    if (known.find(key) == nullptr) {
+      throw ConfigError(place, full + " is an unknown key", key_suggestion(key, known));
     }
     if (!seen.insert(key).second) {
       throw ConfigError(place, full + " is given twice", "remove one of the two");

@@ -12,6 +12,9 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "components/settings/key_tree.hpp"
+#include "components/settings/old_keys.hpp"
+#include "components/settings/presets.hpp"
 #include "components/settings/yaml_document.hpp"
 #include "core/base/config.hpp"
 
@@ -20,10 +23,12 @@ namespace strata::settings {
 /// The struct with every key of `node` applied over `start`, read and validated. A list replaces
 /// the default list. place: the file name in errors. Throws ConfigError at "PLACE:LINE" for a key
 /// that is unknown ("did you mean"), given twice or of the wrong type, and for values that
-/// `validate` refuses (every one of them).
+/// `validate` refuses (every one of them). Keys of the version before are read as what they are
+/// called now; notes: what to tell the user of them (old_keys.hpp). `preset` sets several at once
+/// (presets.hpp).
 template <typename Config>
 [[nodiscard]] Config read_config(const YAML::Node& node, const std::string& place,
-                                 Config start = {});
+                                 Config start = {}, Notes* notes = nullptr);
 
 namespace detail {
 
@@ -55,9 +60,11 @@ void read_value(const YAML::Node& node, const std::string& place, const std::str
 [[nodiscard]] std::string suggestion(const std::string& text, const std::vector<std::string>& names,
                                      const std::string& kind);
 void require_sequence(const YAML::Node& node, const std::string& place, const std::string& path);
+/// As above for the keys of a struct: of a list those that users touch come first.
+[[nodiscard]] std::string key_suggestion(const std::string& text, const KeyTree& known);
 /// Throws unless the node is a map whose keys are plain, different and in `known`.
 void check_keys(const YAML::Node& node, const ReadContext& context, const std::string& path,
-                const std::vector<std::string>& known);
+                const KeyTree& known);
 [[noreturn]] void throw_problems_with_places(const Problems& problems, const ReadContext& context);
 
 template <typename T>
@@ -65,37 +72,15 @@ struct IsVector : std::false_type {};
 template <typename T>
 struct IsVector<std::vector<T>> : std::true_type {};
 
-/// Collects the keys of one struct, not those of its groups.
-class KeyCollector {
- public:
-  template <typename T>
-  void field(std::string_view name, const T& /*value*/, const FieldInfo& /*info*/) {
-    names_.emplace_back(name);
-  }
-  template <typename Group>
-  void group(std::string_view name, const Group& /*group*/, const char* /*doc*/) {
-    names_.emplace_back(name);
-  }
-  template <typename Item>
-  void list(std::string_view name, const std::vector<Item>& /*items*/, const char* /*doc*/) {
-    names_.emplace_back(name);
-  }
-  void require(bool, std::string_view, const std::string&, const std::string&) {}
-  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
-
- private:
-  std::vector<std::string> names_;
-};
-
 template <typename Config>
 void read_into(const YAML::Node& node, ReadContext& context, const std::string& path,
-               Config& config);
+               const KeyTree& keys, Config& config);
 
 /// The visitor that fills one struct from one map.
-class Reader {
+class Reader : public strata::detail::VisitorBase {
  public:
-  Reader(const YAML::Node& node, ReadContext& context, std::string path)
-      : node_(node), context_(context), path_(std::move(path)) {}
+  Reader(const YAML::Node& node, ReadContext& context, std::string path, const KeyTree& keys)
+      : node_(node), context_(context), path_(std::move(path)), keys_(keys) {}
 
   template <typename T>
   void field(std::string_view name, T& value, const FieldInfo& /*info*/) {
@@ -122,7 +107,8 @@ class Reader {
   void group(std::string_view name, Group& group, const char* /*doc*/) {
     const YAML::Node child = find(name);
     if (!child.IsDefined()) return;
-    read_into(child, context_, strata::detail::join_path(path_, name), group);
+    read_into(child, context_, strata::detail::join_path(path_, name), keys_.find(name)->inside,
+              group);
   }
   template <typename Item>
   void list(std::string_view name, std::vector<Item>& items, const char* /*doc*/) {
@@ -133,12 +119,12 @@ class Reader {
     items.clear();
     for (std::size_t i = 0; i < child.size(); ++i) {
       Item item{};
-      read_into(child[i], context_, path + "[" + std::to_string(i) + "]", item);
+      read_into(child[i], context_, path + "[" + std::to_string(i) + "]", keys_.find(name)->inside,
+                item);
       items.push_back(std::move(item));
     }
   }
   // Requirements hold for whole structs only; read_config validates at the end.
-  void require(bool, std::string_view, const std::string&, const std::string&) {}
 
  private:
   [[nodiscard]] YAML::Node find(std::string_view name) {
@@ -152,26 +138,29 @@ class Reader {
   const YAML::Node node_;  // const: looking a key up must not make it
   ReadContext& context_;
   std::string path_;
+  const KeyTree& keys_;
 };
 
 template <typename Config>
 void read_into(const YAML::Node& node, ReadContext& context, const std::string& path,
-               Config& config) {
-  KeyCollector keys;
-  Config::describe(config, keys);
-  check_keys(node, context, path, keys.names());
+               const KeyTree& keys, Config& config) {
+  check_keys(node, context, path, keys);
   if (node.IsNull()) return;
   context.place_of_key[path] = place_of(node, context.place, path);
-  Reader reader(node, context, path);
+  Reader reader(node, context, path, keys);
   Config::describe(config, reader);
 }
 
 }  // namespace detail
 
 template <typename Config>
-Config read_config(const YAML::Node& node, const std::string& place, Config start) {
+Config read_config(const YAML::Node& node, const std::string& place, Config start, Notes* notes) {
+  Notes untold;
+  const KeyTree keys = key_tree<Config>();
+  const YAML::Node present =
+      with_present_keys(node, place, keys, notes == nullptr ? untold : *notes);
   detail::ReadContext context{place, {}};
-  detail::read_into(node, context, "", start);
+  detail::read_into(with_presets(present, place, keys), context, "", keys, start);
   if (const Problems problems = validate(start); !problems.empty()) {
     detail::throw_problems_with_places(problems, context);
   }

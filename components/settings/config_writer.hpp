@@ -53,7 +53,7 @@ template <typename T>
 [[nodiscard]] std::string comment_of(const FieldInfo& info);
 
 /// The visitor behind write_yaml.
-class Writer {
+class Writer : public strata::detail::VisitorBase {
  public:
   Writer(std::string& out, std::size_t indent, bool with_comments)
       : out_(out), indent_(indent), with_comments_(with_comments) {}
@@ -79,7 +79,6 @@ class Writer {
       if (inner.dash_) inner.line("{}");
     }
   }
-  void require(bool, std::string_view, const std::string&, const std::string&) {}
 
  private:
   void line(const std::string& text) {

@@ -10,11 +10,12 @@
 
 #include "components/settings/config_reader.hpp"
 #include "components/settings/config_writer.hpp"
+#include "components/settings/presets.hpp"
 #include "core/base/config.hpp"
 
 namespace strata::settings {
 
-/// One row of a reference table.
+/// One row of the reference.
 struct ReferenceRow {
   std::string key;  ///< dotted path; the items of a list are "list[].key"
   std::string type;
@@ -22,20 +23,29 @@ struct ReferenceRow {
   std::string unit;
   std::string range;  ///< "0 to 1", "at least 0", or empty
   std::string doc;
+  std::string when;  ///< when a user touches it; empty for an expert setting, a group or a list
 };
+
+/// Whether the row belongs to a list: the list itself, or what stands in its items.
+[[nodiscard]] bool is_of_list(const ReferenceRow& row);
 
 /// Every key of a config struct with what it says of itself, groups and lists included.
 template <typename Config>
 [[nodiscard]] std::vector<ReferenceRow> reference_rows();
 
-/// The same as a Markdown table with the columns key, type, default, unit, range, meaning.
+/// The same as Markdown: the presets, what users set and when to touch it, what is for experts, and
+/// the items of lists, below a heading each where there are any.
 template <typename Config>
 [[nodiscard]] std::string reference_markdown();
 
 namespace detail {
 
+inline constexpr const char* kGroup = "group";
+inline constexpr const char* kList = "list";
+
 [[nodiscard]] std::string range_text(const FieldInfo& info);
-[[nodiscard]] std::string markdown_table(const std::vector<ReferenceRow>& rows);
+[[nodiscard]] std::string markdown_of(const std::vector<ReferenceRow>& rows,
+                                      const std::vector<PresetLine>& presets);
 
 template <typename T>
 [[nodiscard]] std::string type_text() {
@@ -59,7 +69,7 @@ template <typename T>
 }
 
 /// The visitor behind reference_rows.
-class Describer {
+class Describer : public strata::detail::VisitorBase {
  public:
   Describer(std::vector<ReferenceRow>& rows, std::string path)
       : rows_(rows), path_(std::move(path)) {}
@@ -67,25 +77,24 @@ class Describer {
   template <typename T>
   void field(std::string_view name, const T& value, const FieldInfo& info) {
     rows_.push_back({strata::detail::join_path(path_, name), type_text<T>(), field_text(value),
-                     info.unit, range_text(info), info.doc});
+                     info.unit, range_text(info), info.doc, info.when});
   }
   template <typename Group>
   void group(std::string_view name, const Group& group, const char* doc) {
     const std::string path = strata::detail::join_path(path_, name);
-    rows_.push_back({path, "group", "", "", "", doc});
+    rows_.push_back({path, kGroup, "", "", "", doc, ""});
     Describer inner(rows_, path);
     Group::describe(group, inner);
   }
   template <typename Item>
   void list(std::string_view name, const std::vector<Item>& items, const char* doc) {
     const std::string path = strata::detail::join_path(path_, name);
-    rows_.push_back({path, "list", items.empty() ? "[]" : std::to_string(items.size()) + " items",
-                     "", "", doc});
+    rows_.push_back({path, kList, items.empty() ? "[]" : std::to_string(items.size()) + " items",
+                     "", "", doc, ""});
     const Item item{};
     Describer inner(rows_, path + "[]");
     Item::describe(item, inner);
   }
-  void require(bool, std::string_view, const std::string&, const std::string&) {}
 
  private:
   std::vector<ReferenceRow>& rows_;
@@ -105,7 +114,7 @@ std::vector<ReferenceRow> reference_rows() {
 
 template <typename Config>
 std::string reference_markdown() {
-  return detail::markdown_table(reference_rows<Config>());
+  return detail::markdown_of(reference_rows<Config>(), preset_lines(key_tree<Config>()));
 }
 
 }  // namespace strata::settings

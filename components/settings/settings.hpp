@@ -8,5 +8,8 @@
 
 #include "components/settings/config_reader.hpp"   // IWYU pragma: export
 #include "components/settings/config_writer.hpp"   // IWYU pragma: export
+#include "components/settings/key_tree.hpp"        // IWYU pragma: export
+#include "components/settings/old_keys.hpp"        // IWYU pragma: export
+#include "components/settings/presets.hpp"         // IWYU pragma: export
 #include "components/settings/reference_page.hpp"  // IWYU pragma: export
 #include "components/settings/yaml_document.hpp"   // IWYU pragma: export

@@ -160,6 +160,14 @@ std::string place_of(const YAML::Node& node, const std::string& place,
   return "--set " + key_path;
 }
 
+bool has_place(const YAML::Node& node) {
+  return !node.Mark().is_null() || (node.IsDefined() && node.Tag().starts_with(kPlaceTag));
+}
+
+void keep_place(YAML::Node& copy, const YAML::Node& original, const std::string& place) {
+  if (has_place(original)) copy.SetTag(kPlaceTag + place_of(original, place, ""));
+}
+
 YAML::Node copy_with_places(const YAML::Node& node, const std::string& place) {
   return copy_without_marks(node, place, [&](const YAML::Node& original) {
     return kPlaceTag + place_of(original, place, "");

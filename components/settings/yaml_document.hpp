@@ -38,6 +38,12 @@ void apply_overrides(YAML::Node& document, const std::vector<std::string>& optio
 /// file.
 [[nodiscard]] YAML::Node copy_with_places(const YAML::Node& node, const std::string& place);
 
+/// Lets `copy` stand where `original` stood, for place_of.
+void keep_place(YAML::Node& copy, const YAML::Node& original, const std::string& place);
+
+/// Whether a node stood in a file, and not behind --set.
+[[nodiscard]] bool has_place(const YAML::Node& node);
+
 /// "PLACE:LINE" of a node; "--set" values have no line and give "--set PATH".
 [[nodiscard]] std::string place_of(const YAML::Node& node, const std::string& place,
                                    const std::string& key_path);

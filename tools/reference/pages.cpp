@@ -21,6 +21,7 @@
 #include "core/slam/slam.hpp"
 #include "core/topology/mapper_config.hpp"
 #include "memory/nodes/timescale_config.hpp"
+#include "tools/reference/map_models_page.hpp"
 #include "tools/simulate/scenario.hpp"
 
 namespace strata::reference {
@@ -28,11 +29,13 @@ namespace {
 
 template <typename Config>
 Page page(const std::string& file, const std::string& title, const std::string& about) {
-  return {file, "# " + title + "\n\n" + about +
-                    "\n\nMade by `strata-reference` from the code; do not edit. Keys of groups are "
-                    "joined by dots, as `--set` takes them; `[]` stands for each item of a "
-                    "list.\n\n" +
-                    settings::reference_markdown<Config>()};
+  return {file,
+          "# " + title + "\n\n" + about +
+              "\n\nMade by `strata-reference` from the code; do not edit. Keys of groups are "
+              "joined by dots, as `--set` takes them; `[]` stands for each item of a "
+              "list.\n\n" +
+              settings::reference_markdown<Config>(),
+          settings::reference_rows<Config>(), settings::preset_lines(settings::key_tree<Config>())};
 }
 
 /// The parameters of strata::TYPE, as a composition gives them.
@@ -75,6 +78,7 @@ std::vector<Page> make_pages() {
                                      "What `strata simulate SCENARIO.yaml` reads; a file begins "
                                      "with `version: 1`. Examples lie "
                                      "in `tools/simulate/scenarios`."),
+      {"map_models.md", map_models_page(maps::map_models()), {}, {}},
   };
 }
 

@@ -6,11 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "components/settings/reference_page.hpp"
+
 namespace strata::reference {
 
 struct Page {
   std::string file;  ///< name in docs/reference, "scenario.md"
   std::string text;
+  std::vector<settings::ReferenceRow> rows;
+  std::vector<settings::PresetLine> presets;
 };
 
 /// Every page. A new config struct that users can set gets a line in pages.cpp.

@@ -64,5 +64,54 @@ TEST(ReferenceMarkdown, HasARowForEveryKeyWithDefaultUnitAndRange) {
   EXPECT_THAT(page, HasSubstr("| `offset` | whole number | `-3` |  | at most 10 |"));
 }
 
+struct TieredConfig {
+  double speed_mps = 1.0;
+  double gain = 2.0;
+  WheelConfig wheel;
+  std::vector<WheelConfig> spares;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("gain", c.gain, {.doc = "of the loop", .preset = {"paper", "3"}});
+    v.field("speed_mps", c.speed_mps, {.doc = "greatest", .when = "the road is bad"});
+    v.group("wheel", c.wheel, "the only one");
+    v.list("spares", c.spares, "more");
+  }
+};
+
+TEST(ReferenceMarkdown, HasWhatUsersSetFirstThenPresetsExpertsAndLists) {
+  const std::string row = "| number | `2` |  |  | of the loop |\n";
+  EXPECT_EQ(reference_markdown<TieredConfig>(),
+            "## Settings\n\n"
+            "| key | type | default | unit | range | meaning | touch it when |\n"
+            "|---|---|---|---|---|---|---|\n"
+            "| `speed_mps` | number | `1` |  |  | greatest | the road is bad |\n"
+            "\n## Presets\n\n`preset: NAME` sets at once what the paper's form of the algorithm "
+            "is; keys beside it win. Several: `preset: [NAME, NAME]`.\n\n"
+            "| preset | sets |\n|---|---|\n| `paper` | `gain: 3` |\n"
+            "\n## Expert settings\n\nThe defaults are meant to stay: these are for research, and "
+            "for a fault that has been understood.\n\n"
+            "| key | type | default | unit | range | meaning |\n|---|---|---|---|---|---|\n"
+            "| `gain` " +
+                row +
+                "| `wheel` | group |  |  |  | the only one |\n"
+                "| `wheel.radius_m` | number | `0.1` | m | 0.01 to 1 | of the tyre |\n"
+                "| `wheel.color` | one of `red`, `green` | `red` |  |  | red \\| green |\n"
+                "\n## Lists\n\nWhat the items of lists hold.\n\n"
+                "| key | type | default | unit | range | meaning |\n|---|---|---|---|---|---|\n"
+                "| `spares` | list | `[]` |  |  | more |\n"
+                "| `spares[].radius_m` | number | `0.1` | m | 0.01 to 1 | of the tyre |\n"
+                "| `spares[].color` | one of `red`, `green` | `red` |  |  | red \\| green |\n");
+}
+
+TEST(ReadConfig, ListsTheKeysOfUsersBeforeThoseOfExperts) {
+  try {
+    (void)read_config<TieredConfig>(parse_yaml("abracadabra: 1", "f"), "f");
+    FAIL() << "read an unknown key";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("known keys are: speed_mps; and for experts: gain, wheel, spares"));
+  }
+}
+
 }  // namespace
 }  // namespace strata::settings

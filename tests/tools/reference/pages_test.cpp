@@ -10,8 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
+#include "tests/components/maps/toy_model.hpp"
 #include "tests/support/test_data.hpp"
 #include "tools/all_components/all_components.hpp"
+#include "tools/reference/map_models_page.hpp"
 
 namespace strata::reference {
 namespace {
@@ -49,6 +51,56 @@ TEST(ReferencePages, EveryComponentIsKnownAndHasOne) {
   }
   EXPECT_EQ(pages, folders);
   EXPECT_EQ(registry.factories().size(), folders.size());
+}
+
+TEST(ReferencePages, OfMapModelsHaveARowForWhatIsRegistered) {
+  const std::string row =
+      "| `toy` | grid | the occupancy grid | yes | nav_msgs/OccupancyGrid | nothing | yes |  | a "
+      "grid that only tests know |\n";
+  EXPECT_THAT(map_models_page(maps::test_room::with_toy()), testing::HasSubstr(row));
+  EXPECT_THAT(map_models_page(maps::map_models()), testing::Not(testing::HasSubstr("toy")));
+}
+
+TEST(ReferencePages, HaveAtMostSixtySettingsOfUsersEachWithWhenToTouchIt) {
+  // One that several pages show counts once: the same key with the same text.
+  std::set<std::string> settings;
+  for (const Page& page : make_pages()) {
+    for (const settings::ReferenceRow& row : page.rows) {
+      if (row.when.empty()) continue;
+      EXPECT_FALSE(settings::is_of_list(row)) << page.file << " " << row.key;
+      settings.insert(row.key.substr(row.key.rfind('.') + 1) + ": " + row.doc + "; " + row.when);
+      EXPECT_THAT(page.text, testing::HasSubstr(" | " + row.when + " |\n")) << row.key;
+    }
+  }
+  EXPECT_LE(settings.size(), 60U);
+  EXPECT_GE(settings.size(), 40U);
+}
+
+TEST(ReferencePages, ShowWhatUsersSetFirstAndTheRestApart) {
+  for (const Page& page : make_pages()) {
+    if (page.file == "map_models.md") continue;  // models, not settings
+    const std::size_t users = page.text.find("## Settings");
+    const std::size_t experts = std::min(page.text.find("## Expert settings"), page.text.size());
+    ASSERT_LT(users, experts) << page.file;
+    for (const settings::ReferenceRow& row : page.rows) {
+      const std::size_t at = page.text.find("| `" + row.key + "` |");
+      if (row.type == "group") continue;
+      ASSERT_NE(at, std::string::npos) << page.file << " " << row.key;
+      EXPECT_EQ(at < experts, !row.when.empty()) << page.file << " " << row.key;
+    }
+  }
+}
+
+TEST(ReferencePages, ListWhatEachPresetSets) {
+  std::set<std::string> presets;
+  for (const Page& page : make_pages()) {
+    for (const settings::PresetLine& line : page.presets) {
+      presets.insert(line.preset);
+      EXPECT_THAT(page.text, testing::HasSubstr("`" + line.key + ": " + line.value + "`"));
+    }
+  }
+  EXPECT_THAT(presets,
+              testing::ElementsAre("paper-em", "paper-patch", "paper-timescale", "paper-topology"));
 }
 
 TEST(ReferencePages, EveryKeySaysWhatItMeans) {
