@@ -62,11 +62,9 @@ void match_again(std::span<PosedScan> scans, const std::vector<bool>& mapped,
       PosedScan& scan = scans[i];
       const Endpoints endpoints =
           match_endpoints(scan.scan, tracking.max_range_m, tracking.max_beams);
-      if (endpoints.size() < kLeastHits) continue;
-      Pose2Gaussian prior{scan.map_from_robot, Eigen::Matrix3d::Zero()};
-      prior.covariance.diagonal() << config.prior_stddev_m * config.prior_stddev_m,
-          config.prior_stddev_m * config.prior_stddev_m,
-          config.prior_stddev_rad * config.prior_stddev_rad;
+      if (endpoints.size() < kMinHits) continue;
+      const Pose2Gaussian prior{scan.map_from_robot,
+                                pose_covariance(config.prior_stddev_m, config.prior_stddev_rad)};
       const registration::MatchResult result = registration::match(
           endpoints, scan.static_probability, map.field(), scan.map_from_robot, &prior, near);
       if (result.converged) scan.map_from_robot = result.pose;

@@ -25,7 +25,7 @@ void LiveMap::count(const PosedScan& scan, const Pose2& map_from_robot, double w
   has_news_ = true;
 }
 
-bool LiveMap::update(const Slam& slam, std::size_t most_moved) {
+bool LiveMap::update(const Slam& slam, std::size_t max_moved) {
   std::vector<Counted> now;
   now.reserve(counted_.size() + 1);
   auto before = counted_.cbegin();
@@ -43,7 +43,7 @@ bool LiveMap::update(const Slam& slam, std::size_t most_moved) {
     if (displacement_m(counted, mapped.map_from_robot, kLever_m) < 0.5 * config_.resolution_m) {
       return;
     }
-    if (moved == most_moved) {
+    if (moved == max_moved) {
       is_done = false;
       return;
     }

@@ -24,7 +24,7 @@ class LiveMap {
   /// Counts what has come since, and, of the scans that have moved by half a cell or more, so many
   /// anew. True when nothing is left to do. O(what is kept) and O(beams x cells a beam crosses) for
   /// each scan counted.
-  bool update(const Slam& slam, std::size_t most_moved);
+  bool update(const Slam& slam, std::size_t max_moved);
 
   /// Whether the map is another than when this was asked last.
   [[nodiscard]] bool take_news();

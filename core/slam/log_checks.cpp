@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLongGapS = 10.0;
 /// Matches that stay this much behind odometry, or go against it, contradict it.
-constexpr double kLeastAgreement = 0.3;
+constexpr double kMinAgreement = 0.3;
 constexpr double kEnoughTravelM2 = 0.05;
 constexpr double kEnoughTurnRad2 = 0.05;
 /// Odometry that moves so far while the scan stays the same to the bit: the scanner is stuck.
@@ -106,7 +106,7 @@ std::vector<std::string> LogChecks::warnings() const {
                            "moves, the first at ", stuck_.first_s,
                            " s: is the scanner stuck or its messages repeated?"));
   }
-  if (forward_odometry_ > kEnoughTravelM2 && forward_match_ < kLeastAgreement * forward_odometry_) {
+  if (forward_odometry_ > kEnoughTravelM2 && forward_match_ < kMinAgreement * forward_odometry_) {
     all.push_back(
         "the scans move against odometry: is the scanner mounted the way round that the log says?");
   } else if (reversed_.count >= kEnoughReversed) {
@@ -115,7 +115,7 @@ std::vector<std::string> LogChecks::warnings() const {
                            " s; the scans are believed there: does the base count backwards as "
                            "forwards?"));
   }
-  if (turn_odometry_ > kEnoughTurnRad2 && turn_match_ < kLeastAgreement * turn_odometry_) {
+  if (turn_odometry_ > kEnoughTurnRad2 && turn_match_ < kMinAgreement * turn_odometry_) {
     all.push_back(
         "the scans turn against odometry: is the scanner upside down, and does the log say so?");
   }

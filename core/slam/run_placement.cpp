@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a later run lies in the map of the earlier ones: the part of SubmapGraph that searches a
+// Where a later run lies in the map of the earlier ones: the part of LocalMapGraph that searches a
 // whole building.
 #include <algorithm>
 #include <numbers>
 #include <optional>
 
 #include "core/registration/correlative_search.hpp"
-#include "core/slam/submap_agreement.hpp"
-#include "core/slam/submap_graph.hpp"
+#include "core/slam/local_map_agreement.hpp"
+#include "core/slam/local_map_graph.hpp"
 
 namespace strata::slam {
 
 /// A place found among all poses of a building must fit better than one found near a good guess:
 /// most of the run in seen space, free space too (walls alone may fit from the wrong side), and
 /// few contradictions either way.
-bool SubmapGraph::run_fits_map(std::size_t first, std::size_t last) const {
+bool LocalMapGraph::run_fits_map(std::size_t first, std::size_t last) const {
   constexpr double kOverlap = 0.6;
   constexpr double kFreeOverlap = 0.6;
   constexpr double kAgreement = 0.8;
@@ -25,7 +25,7 @@ bool SubmapGraph::run_fits_map(std::size_t first, std::size_t last) const {
     SurfaceState state = SurfaceState::kUnknown;
     for (std::size_t i = begin; i < end && state != SurfaceState::kOccupied; ++i) {
       if (begin == 0 && !located_[i]) continue;
-      const SurfaceState here = state_near(submaps_[i].states, inverse(graph_.pose(i)) * at);
+      const SurfaceState here = state_near(local_maps_[i].states, inverse(graph_.pose(i)) * at);
       if (here != SurfaceState::kUnknown) state = here;
     }
     return state;
@@ -35,8 +35,8 @@ bool SubmapGraph::run_fits_map(std::size_t first, std::size_t last) const {
     std::size_t counts[3] = {0, 0, 0};
     for (std::size_t i = begin; i < end; ++i) {
       if (begin == 0 && !located_[i]) continue;
-      for (std::size_t k = 0; k < submaps_[i].points.size(); k += kPointStride) {
-        const registration::SurfacePoint& point = submaps_[i].points[k];
+      for (std::size_t k = 0; k < local_maps_[i].points.size(); k += kPointStride) {
+        const registration::SurfacePoint& point = local_maps_[i].points[k];
         const Eigen::Vector2d at = graph_.pose(i) * Eigen::Vector2d(point.x_m, point.y_m);
         ++counts[static_cast<std::size_t>(state_among(other_begin, other_end, at))];
       }
@@ -48,7 +48,7 @@ bool SubmapGraph::run_fits_map(std::size_t first, std::size_t last) const {
   std::size_t sampled = 0;
   std::size_t also_free = 0;
   for (std::size_t i = first; i <= last; ++i) {
-    const StateGrid& states = submaps_[i].states;
+    const StateGrid& states = local_maps_[i].states;
     for (std::size_t k = 0; k < states.size(); k += kCellStride) {
       if (states.values()[k] != SurfaceState::kFree) continue;
       ++sampled;
@@ -62,14 +62,14 @@ bool SubmapGraph::run_fits_map(std::size_t first, std::size_t last) const {
          static_cast<double>(also_free) >= kFreeOverlap * static_cast<double>(sampled);
 }
 
-void SubmapGraph::locate_run(std::size_t last) {
+void LocalMapGraph::locate_run(std::size_t last) {
   std::size_t first = last;
-  while (first > 0 && submaps_[first - 1].run == submaps_[last].run) --first;
+  while (first > 0 && local_maps_[first - 1].run == local_maps_[last].run) --first;
   registration::MatchField field(resolution_m_, field_);
   CellRect rect;
   for (std::size_t i = 0; i < first; ++i) {
     if (!located_[i]) continue;
-    for (const registration::SurfacePoint& point : submaps_[i].points) {
+    for (const registration::SurfacePoint& point : local_maps_[i].points) {
       const Eigen::Vector2d at = graph_.pose(i) * Eigen::Vector2d(point.x_m, point.y_m);
       registration::SurfacePoint moved = point;
       moved.x_m = at.x();
@@ -81,13 +81,13 @@ void SubmapGraph::locate_run(std::size_t last) {
   }
   if (rect.empty()) return;
   // The run so far, seen from its middle.
-  const Pose2 middle = submaps_[first + (last - first) / 2].run_from_submap;
+  const Pose2 middle = local_maps_[first + (last - first) / 2].run_from_local_map;
   Endpoints cloud;
   for (std::size_t i = first; i <= last; ++i) {
-    const Pose2 middle_from_submap = between(middle, submaps_[i].run_from_submap);
+    const Pose2 middle_from_local_map = between(middle, local_maps_[i].run_from_local_map);
     for (std::size_t k = 0; k < clouds_[i].size(); ++k) {
       const Eigen::Vector2d at =
-          middle_from_submap * Eigen::Vector2d(clouds_[i].x_m[k], clouds_[i].y_m[k]);
+          middle_from_local_map * Eigen::Vector2d(clouds_[i].x_m[k], clouds_[i].y_m[k]);
       cloud.x_m.push_back(at.x());
       cloud.y_m.push_back(at.y());
       cloud.beam.push_back(static_cast<std::uint32_t>(cloud.beam.size()));
@@ -97,7 +97,7 @@ void SubmapGraph::locate_run(std::size_t last) {
   const Pose2 guess{0.5 * (rect.min.x + rect.max.x) * resolution_m_,
                     0.5 * (rect.min.y + rect.max.y) * resolution_m_, 0.0};
   const registration::SearchResult found = registration::search(
-      thin(cloud, static_cast<std::size_t>(config_.max_points)), tables, guess,
+      subsample(cloud, static_cast<std::size_t>(config_.max_points)), tables, guess,
       {0.5 * rect.width() * resolution_m_, 0.5 * rect.height() * resolution_m_, std::numbers::pi},
       config_.min_score);
   if (!found.found) return;
@@ -105,9 +105,9 @@ void SubmapGraph::locate_run(std::size_t last) {
   std::vector<Pose2> before;
   for (std::size_t i = first; i <= last; ++i) {
     before.push_back(graph_.pose(i));
-    graph_.set_pose(i, map_from_run * submaps_[i].run_from_submap);
+    graph_.set_pose(i, map_from_run * local_maps_[i].run_from_local_map);
   }
-  const std::size_t verified = run_fits_map(first, last) ? tie_run(first, last) : 0;
+  const std::size_t verified = run_fits_map(first, last) ? connect_run(first, last) : 0;
   if (verified == 0) {
     for (std::size_t i = first; i <= last; ++i) graph_.set_pose(i, before[i - first]);
     return;
@@ -116,7 +116,7 @@ void SubmapGraph::locate_run(std::size_t last) {
   optimize();
 }
 
-std::size_t SubmapGraph::tie_run(std::size_t first, std::size_t last) {
+std::size_t LocalMapGraph::connect_run(std::size_t first, std::size_t last) {
   std::size_t verified = 0;
   for (std::size_t i = 0; i < first; ++i) {
     if (!located_[i]) continue;
@@ -124,7 +124,7 @@ std::size_t SubmapGraph::tie_run(std::size_t first, std::size_t last) {
     for (std::size_t k = first; k <= last; ++k) {
       const Pose2 i_from_k = between(graph_.pose(i), graph_.pose(k));
       if (agreement(i, k, i_from_k).overlap < config_.min_overlap) continue;
-      if (!field) field = field_of(submaps_[i], resolution_m_, field_);
+      if (!field) field = field_of(local_maps_[i], resolution_m_, field_);
       const auto closure = refine(*field, i, k, i_from_k);
       if (!closure) continue;
       add_closure(*closure);
@@ -134,8 +134,8 @@ std::size_t SubmapGraph::tie_run(std::size_t first, std::size_t last) {
   return verified;
 }
 
-void SubmapGraph::end_run() {
-  if (!submaps_.empty() && !located_.back()) locate_run(submaps_.size() - 1);
+void LocalMapGraph::end_run() {
+  if (!local_maps_.empty() && !located_.back()) locate_run(local_maps_.size() - 1);
 }
 
 }  // namespace strata::slam

@@ -2,30 +2,22 @@
 #include "core/slam/scan_fit.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <vector>
 
-#include "core/slam/submap.hpp"
+#include "core/scan/endpoints.hpp"
+#include "core/slam/local_map.hpp"
 
 namespace strata::slam {
 namespace {
 
-constexpr std::size_t kMostHits = 200;
+constexpr std::size_t kMaxHits = 200;
 
 std::vector<Eigen::Vector2d> hits_of(const Scan& scan) {
-  std::vector<std::size_t> beams;
-  for (std::size_t beam = 0; beam < scan.size(); ++beam) {
-    if (scan.kind(beam) == BeamKind::kHit) beams.push_back(beam);
-  }
-  const std::size_t stride = std::max<std::size_t>(1, (beams.size() + kMostHits - 1) / kMostHits);
+  const Endpoints all = endpoints_in_robot(scan);
+  const std::size_t stride = std::max<std::size_t>(1, (all.size() + kMaxHits - 1) / kMaxHits);
   std::vector<Eigen::Vector2d> hits;
-  for (std::size_t i = 0; i < beams.size(); i += stride) {
-    const auto range_m = static_cast<double>(scan.ranges_m[beams[i]]);
-    const double bearing_rad = scan.bearing_rad(beams[i]);
-    hits.push_back(scan.robot_from_laser * Eigen::Vector2d(range_m * std::cos(bearing_rad),
-                                                           range_m * std::sin(bearing_rad)));
-  }
+  for (std::size_t i = 0; i < all.size(); i += stride) hits.emplace_back(all.x_m[i], all.y_m[i]);
   return hits;
 }
 
@@ -42,14 +34,8 @@ StateGrid states_of(const ReflectionGrid& map) {
 
 Agreement agreement_at(const StateGrid& states, const std::vector<Eigen::Vector2d>& hits,
                        const Pose2& map_from_robot) {
-  std::size_t surface = 0;
-  std::size_t free = 0;
-  for (const Eigen::Vector2d& hit : hits) {
-    const SurfaceState state = state_near(states, map_from_robot * hit);
-    surface += state == SurfaceState::kOccupied ? 1 : 0;
-    free += state == SurfaceState::kFree ? 1 : 0;
-  }
-  return agreement_of(surface, free, hits.size());
+  return agreement_with(states, hits,
+                        [&](const Eigen::Vector2d& hit) { return map_from_robot * hit; });
 }
 
 }  // namespace
@@ -71,7 +57,7 @@ ScanFit fit_near(const ReflectionGrid& map, const Scan& scan, const Pose2& map_f
                               map_from_robot.y + y * reach.step_m,
                               map_from_robot.theta + turn * reach.step_rad};
         fit.agreement = agreement_at(states, hits, fit.map_from_robot);
-        if (fit.explained() > best.explained()) best = fit;
+        if (fit.inlier_share() > best.inlier_share()) best = fit;
       }
     }
   }

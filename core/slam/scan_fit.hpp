@@ -5,15 +5,15 @@
 #include "core/geometry/pose2.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/scan/scan.hpp"
-#include "core/slam/submap_agreement.hpp"
+#include "core/slam/local_map_agreement.hpp"
 
 namespace strata::slam {
 
 struct ScanFit {
-  Pose2 map_from_robot;  ///< of the poses tried the one that explains most
+  Pose2 map_from_robot;  ///< of the poses tried the one with most inliers
   Agreement agreement;   ///< of the scan's hits with the map, from there
   /// Share of the hits that end on a surface of the map.
-  [[nodiscard]] double explained() const { return agreement.overlap * agreement.agreement; }
+  [[nodiscard]] double inlier_share() const { return agreement.overlap * agreement.agreement; }
 };
 
 /// How far about a pose to look.
@@ -24,7 +24,7 @@ struct FitReach {
   double step_rad = 0.025;
 };
 
-/// Deterministic. A scan without hits explains nothing. O(poses tried x hits, of which at most 200
+/// Deterministic. A scan without hits has no inliers. O(poses tried x hits, of which at most 200
 /// are looked at).
 [[nodiscard]] ScanFit fit_near(const ReflectionGrid& map, const Scan& scan,
                                const Pose2& map_from_robot, const FitReach& reach = {});

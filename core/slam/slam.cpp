@@ -9,7 +9,7 @@
 namespace strata::slam {
 namespace {
 
-/// How far a sub-map of scans that are placed may give way: hardly.
+/// How far a local map of scans that are placed may give way: hardly.
 constexpr double kPlacedStddevM = 0.005;
 constexpr double kPlacedStddevRad = 0.001;
 
@@ -42,7 +42,7 @@ void Slam::State::start_run(const Observation& observation, const Pose2* given_p
 void Slam::State::end_run() {
   if (!tracker) return;
   tracker->finish(accepted);
-  take_submaps();
+  take_local_maps();
   graph.end_run();
   tracker.reset();
 }
@@ -50,26 +50,24 @@ void Slam::State::end_run() {
 Pose2Gaussian Slam::State::believed(const Pose2& given, bool placed) const {
   const double sigma_m = placed ? kPlacedStddevM : config.given_poses.stddev_m;
   const double sigma_rad = placed ? kPlacedStddevRad : config.given_poses.stddev_rad;
-  Pose2Gaussian result{given, Eigen::Matrix3d::Zero()};
-  result.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
-  return result;
+  return {given, pose_covariance(sigma_m, sigma_rad)};
 }
 
-std::optional<Pose2Gaussian> Slam::State::given_submap(const Submap& submap) {
+std::optional<Pose2Gaussian> Slam::State::given_local_map(const LocalMap& local_map) {
   std::vector<Pose2> tracked;
   std::vector<Pose2> given;
-  const std::span<const Record> own = numbered(submap.first_scan, submap.last_scan);
+  const std::span<const Record> own = numbered(local_map.first_scan, local_map.last_scan);
   for (const Record& record : own) {
     if (!record.given) continue;
     tracked.push_back(record.run_from_robot);
     given.push_back(*record.given);
   }
   if (given.empty()) return std::nullopt;
-  // The run's drifting frame is laid on the given poses as a rigid whole, heading included: the
-  // positions of a short piece say little about its heading.
+  // The run's drifting frame is aligned with the given poses as a rigid whole, heading included:
+  // the positions of a short piece say little about its heading.
   std::vector<Pose2> corrections;
   for (std::size_t i = 0; i < given.size(); ++i) {
-    corrections.push_back(given[i] * inverse(tracked[i]) * submap.run_from_submap);
+    corrections.push_back(given[i] * inverse(tracked[i]) * local_map.run_from_local_map);
   }
   const std::vector<double> weights(corrections.size(), 1.0);
   return believed(weighted_gaussian(corrections, weights).mean, own.front().placed);
@@ -84,37 +82,37 @@ std::span<Record> Slam::State::numbered(std::size_t first, std::size_t last) {
   return {from(first), from(last)};
 }
 
-void Slam::State::take_submaps() {
-  for (Submap& submap : tracker->take_finished()) {
-    std::optional<Pose2Gaussian> given = given_submap(submap);
+void Slam::State::take_local_maps() {
+  for (LocalMap& local_map : tracker->take_finished()) {
+    std::optional<Pose2Gaussian> given = given_local_map(local_map);
     // The run's frame is the map's, as far as its start is known.
-    if (!given && start) given = Pose2Gaussian{submap.run_from_submap, start->covariance};
+    if (!given && start) given = Pose2Gaussian{local_map.run_from_local_map, start->covariance};
     start.reset();
-    const std::size_t first = submap.first_scan;
-    const std::size_t last = submap.last_scan;
-    const std::size_t index = graph.add(std::move(submap), given);
-    for (Record& record : numbered(first, last)) record.submap = index;
+    const std::size_t first = local_map.first_scan;
+    const std::size_t last = local_map.last_scan;
+    const std::size_t index = graph.add(std::move(local_map), given);
+    for (Record& record : numbered(first, last)) record.local_map = index;
     map_from_run = graph.map_from_run(index);
-    if (keep.window_scans > 0) forget_submaps();
+    if (keep.window_scans > 0) forget_local_maps();
   }
 }
 
-void Slam::State::forget_submaps() {
+void Slam::State::forget_local_maps() {
   const std::size_t window = std::min(accepted, static_cast<std::size_t>(keep.window_scans));
   const std::vector<std::size_t> gone = graph.forget(keep, accepted - window);
   if (gone.empty()) return;
   forgot = true;
   std::erase_if(records, [&](const Record& record) {
-    return std::binary_search(gone.begin(), gone.end(), record.submap);
+    return std::binary_search(gone.begin(), gone.end(), record.local_map);
   });
   for (Record& record : records) {
-    if (record.submap == kNoSubmap) continue;
-    const auto below = std::lower_bound(gone.begin(), gone.end(), record.submap);
-    record.submap -= static_cast<std::size_t>(below - gone.begin());
+    if (record.local_map == kNoLocalMap) continue;
+    const auto below = std::lower_bound(gone.begin(), gone.end(), record.local_map);
+    record.local_map -= static_cast<std::size_t>(below - gone.begin());
   }
 }
 
-/// A robot that stands still adds nothing to the map: what is not in a sub-map goes with the
+/// A robot that stands still adds nothing to the map: what is not in a local map goes with the
 /// window.
 void Slam::State::forget_scans() {
   const auto window = static_cast<std::size_t>(keep.window_scans);
@@ -140,7 +138,7 @@ void Slam::begin_next_run_at(const Pose2Gaussian& map_from_robot) {
 
 std::size_t Slam::skipped_scans() const { return state_->checks.skipped(); }
 std::size_t Slam::kept_scans() const { return state_->records.size(); }
-std::size_t Slam::kept_submaps() const { return state_->graph.size(); }
+std::size_t Slam::kept_local_maps() const { return state_->graph.size(); }
 
 Pose2Gaussian Slam::add(const Observation& observation, const Pose2* given_pose) {
   return state_->add(observation, given_pose, false);
@@ -191,7 +189,7 @@ Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* give
           : Pose2Gaussian{map_from_run, Eigen::Matrix3d::Zero()} * tracked.run_from_robot;
   record.posed.map_from_robot = result.mean;
   records.push_back(std::move(record));
-  take_submaps();
+  take_local_maps();
   forget_scans();
   return result;
 }

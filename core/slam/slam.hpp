@@ -85,7 +85,7 @@ class Slam {
   [[nodiscard]] SlamResult finish(Progress* progress = nullptr);
 
   /// The run that comes next begins there, unless it comes with poses: it is not looked for in the
-  /// map as a whole, but tied to what it sees near there.
+  /// map as a whole, but matched to what it sees near there.
   void begin_next_run_at(const Pose2Gaussian& map_from_robot);
 
   /// What a process goes on with after it was stopped: restored into a new object with the same
@@ -121,7 +121,7 @@ class Slam {
   [[nodiscard]] std::size_t skipped_scans() const;
   /// What is kept now.
   [[nodiscard]] std::size_t kept_scans() const;
-  [[nodiscard]] std::size_t kept_submaps() const;
+  [[nodiscard]] std::size_t kept_local_maps() const;
 
  private:
   struct State;

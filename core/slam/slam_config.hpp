@@ -16,8 +16,8 @@ namespace strata::slam {
 struct TrackingConfig {
   double key_distance_m = 0.1;
   double key_turn_rad = 0.0873;
-  int submap_keys = 40;
-  double submap_length_m = 10.0;
+  int local_map_keys = 40;
+  double local_map_length_m = 10.0;
   double max_range_m = 30.0;
   int max_beams = 180;
   double good_match = 0.8;
@@ -33,23 +33,28 @@ struct TrackingConfig {
             {.doc = "a scan enters the map after this much driving", .unit = "m", .min = 0.0});
     v.field("key_turn_rad", c.key_turn_rad,
             {.doc = "... or after this much turning", .unit = "rad", .min = 0.0});
-    v.field("submap_keys", c.submap_keys,
-            {.doc = "map scans between the beginnings of two sub-maps; each holds twice as many",
+    v.renamed("submap_keys", "local_map_keys");
+    v.field("local_map_keys", c.local_map_keys,
+            {.doc = "map scans between the beginnings of two local maps; each holds twice as many",
              .min = 4});
-    v.field("submap_length_m", c.submap_length_m,
+    v.renamed("submap_length_m", "local_map_length_m");
+    v.field("local_map_length_m", c.local_map_length_m,
             {.doc = "... or so much path, where map scans lie far apart", .unit = "m", .min = 1.0});
     v.field("max_range_m", c.max_range_m,
-            {.doc = "longer beams take no part in matching", .unit = "m", .min = 1.0});
+            {.doc = "longer beams take no part in matching",
+             .unit = "m",
+             .min = 1.0,
+             .when = "far readings of your scanner are not to be trusted, or a hall is larger"});
     v.field("max_beams", c.max_beams,
             {.doc = "beams of a scan that are matched, evenly spread; 0: all", .min = 0});
     v.field("good_match", c.good_match,
-            {.doc = "below this share of explained beams other starts than odometry are tried: "
+            {.doc = "below this share of inlier beams other starts than odometry are tried: "
                     "going on as before, turning only, driving backwards",
              .unit = "1",
              .min = 0.0,
              .max = 1.0});
     v.field("poor_match", c.poor_match,
-            {.doc = "below this share of explained beams a correlative search is tried",
+            {.doc = "below this share of inlier beams a correlative search is tried",
              .unit = "1",
              .min = 0.0,
              .max = 1.0});
@@ -65,7 +70,7 @@ struct TrackingConfig {
   }
 };
 
-/// Loop closures between sub-maps, and between runs.
+/// Loop closures between local maps, and between runs.
 struct ClosureConfig {
   bool enabled = true;
   double floor_window_m = 0.3;
@@ -89,7 +94,9 @@ struct ClosureConfig {
   pose_graph::PoseGraphConfig graph;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("enabled", c.enabled, {.doc = "false: plain incremental scan matching"});
+    v.field("enabled", c.enabled,
+            {.doc = "false: plain incremental scan matching",
+             .when = "the robot meets no place twice, or look-alike places are taken for one"});
     v.field("floor_window_m", c.floor_window_m,
             {.doc = "least half-width of the search for a closure", .unit = "m", .min = 0.0});
     v.field("drift_m_per_m", c.drift_m_per_m,
@@ -102,11 +109,13 @@ struct ClosureConfig {
     v.field("max_window_rad", c.max_window_rad,
             {.doc = "its limit", .unit = "rad", .min = 0.0, .max = 3.15});
     v.field("max_points", c.max_points,
-            {.doc = "surface points of a sub-map that take part in a search", .min = 10});
+            {.doc = "surface points of a local map that take part in a search", .min = 10});
     v.field("max_attempts", c.max_attempts,
-            {.doc = "older sub-maps that a new one is searched in, at most", .min = 1});
+            {.doc = "older local maps that a new one is searched in, at most", .min = 1});
     v.field("min_score", c.min_score,
-            {.doc = "share of points that a search must explain", .min = 0.05, .max = 1.0});
+            {.doc = "share of points that must be inliers of what a search finds",
+             .min = 0.05,
+             .max = 1.0});
     v.field("min_agreement", c.min_agreement,
             {.doc = "of the points that fall into seen space, the share that must fall on surface",
              .min = 0.0,
@@ -117,13 +126,14 @@ struct ClosureConfig {
             {.doc = "least position uncertainty of a closure", .unit = "m", .min = 1e-3});
     v.field("stddev_rad", c.stddev_rad,
             {.doc = "least heading uncertainty of a closure", .unit = "rad", .min = 1e-4});
-    v.field("chain_floor_m", c.chain_floor_m,
-            {.doc = "position uncertainty from one sub-map to the next", .unit = "m", .min = 1e-4});
+    v.field(
+        "chain_floor_m", c.chain_floor_m,
+        {.doc = "position uncertainty from one local map to the next", .unit = "m", .min = 1e-4});
     v.field("chain_per_metre_m", c.chain_per_metre_m,
             {.doc = "... per metre between them", .unit = "m/m", .min = 0.0});
     v.field(
         "chain_floor_rad", c.chain_floor_rad,
-        {.doc = "heading uncertainty from one sub-map to the next", .unit = "rad", .min = 1e-5});
+        {.doc = "heading uncertainty from one local map to the next", .unit = "rad", .min = 1e-5});
     v.field("chain_per_metre_rad", c.chain_per_metre_rad,
             {.doc = "... per metre between them", .unit = "rad/m", .min = 0.0});
     v.group("search", c.search, "correlative search");
@@ -143,7 +153,7 @@ struct GivenPoseConfig {
             {.doc = "with several runs: move given poses so that the walls of the runs coincide; "
                     "one run alone keeps them as they are"});
     v.field("refine_alone", c.refine_alone,
-            {.doc = "with one run, too: its passes are laid on each other"});
+            {.doc = "with one run, too: its passes are registered to each other"});
     v.field("stddev_m", c.stddev_m,
             {.doc = "how far given poses are believed to be off", .unit = "m", .min = 1e-3});
     v.field("stddev_rad", c.stddev_rad, {.doc = "... and in heading", .unit = "rad", .min = 1e-4});
@@ -151,8 +161,7 @@ struct GivenPoseConfig {
 };
 
 /// The EM loop over labels, poses and map.
-struct EmConfig {
-  bool track_again = true;
+struct RefinementConfig {
   bool match_again = true;
   int max_iterations = 10;
   double min_gain = 1e-3;
@@ -160,8 +169,13 @@ struct EmConfig {
   double prior_stddev_rad = 0.02;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("track_again", c.track_again,
-            {.doc = "once the dynamic beams are known, track and close loops anew without them"});
+    describe_fields(c, v);
+    v.removed("track_again", "only slam tracks again (slam.em.track_again)");
+  }
+
+ protected:
+  template <class Self, class V>
+  static void describe_fields(Self& c, V& v) {
     v.field("match_again", c.match_again,
             {.doc = "match every scan again to the map of static beams, round by round"});
     v.field("max_iterations", c.max_iterations, {.doc = "rounds, at most", .min = 0});
@@ -173,6 +187,17 @@ struct EmConfig {
             {.doc = "how far matching again may move a scan", .unit = "m", .min = 1e-3});
     v.field("prior_stddev_rad", c.prior_stddev_rad,
             {.doc = "... and turn it", .unit = "rad", .min = 1e-4});
+  }
+};
+
+/// The same as a part of slam.
+struct EmConfig : RefinementConfig {
+  bool track_again = true;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("track_again", c.track_again,
+            {.doc = "once the dynamic beams are known, track and close loops anew without them"});
+    describe_fields(c, v);
   }
 };
 

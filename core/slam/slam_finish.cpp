@@ -18,7 +18,7 @@ constexpr int kRoundsBefore = 3;
 
 }  // namespace
 
-/// Each scan goes with its sub-map; between the middles of two sub-maps of a run the correction
+/// Each scan goes with its local map; between the middles of two local maps of a run the correction
 /// passes over smoothly, so that the trajectory does not jump where one takes over.
 void Slam::State::place_scans() {
   for (Record& record : records) {
@@ -26,22 +26,23 @@ void Slam::State::place_scans() {
       record.posed.map_from_robot = *record.given;
       continue;
     }
-    const std::size_t own = record.submap;
-    if (own == kNoSubmap) {
+    const std::size_t own = record.local_map;
+    if (own == kNoLocalMap) {
       record.posed.map_from_robot = record.run_from_robot;
       continue;
     }
-    const Submap& submap = graph.submap(own);
-    const double middle = 0.5 * static_cast<double>(submap.first_scan + submap.last_scan);
+    const LocalMap& local_map = graph.local_map(own);
+    const double middle = 0.5 * static_cast<double>(local_map.first_scan + local_map.last_scan);
     const bool later = static_cast<double>(record.number) >= middle;
     const std::size_t other = later ? own + 1 : own - 1;
     const Pose2 here = graph.map_from_run(own) * record.run_from_robot;
     record.posed.map_from_robot = here;
     if ((!later && own == 0) || other >= graph.size()) continue;
-    const Submap& next = graph.submap(other);
+    const LocalMap& next = graph.local_map(other);
     // The one between them may be forgotten.
-    const bool beside = next.first_scan == submap.last_scan || next.last_scan == submap.first_scan;
-    if (next.run != submap.run || !beside) continue;
+    const bool beside =
+        next.first_scan == local_map.last_scan || next.last_scan == local_map.first_scan;
+    if (next.run != local_map.run || !beside) continue;
     const double other_middle = 0.5 * static_cast<double>(next.first_scan + next.last_scan);
     const double t = (static_cast<double>(record.number) - middle) / (other_middle - middle);
     record.posed.map_from_robot =

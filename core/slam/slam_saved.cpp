@@ -28,9 +28,7 @@ std::vector<std::uint8_t> Slam::save_state() const {
 
 void Slam::restore_state(std::span<const std::uint8_t> bytes, const std::string& place) {
   StateReader reader(bytes, place);
-  std::uint64_t version = 0;
-  reader(version);
-  if (version != kVersion) reader.refuse("is of another version");
+  reader.expect_version(kVersion);
   const double resolution_m = state_->config.beam_filter.resolution_m;
   double saved_resolution_m = 0.0;
   reader(saved_resolution_m);
@@ -45,13 +43,13 @@ void Slam::restore_state(std::span<const std::uint8_t> bytes, const std::string&
   }
   reader.expect_end();
   const auto is_placed = [&](const Record& record) {
-    return record.submap == kNoSubmap || record.submap < state.graph.size();
+    return record.local_map == kNoLocalMap || record.local_map < state.graph.size();
   };
   bool is_sound = state.graph.is_sound() &&
                   (!state.tracker || state.tracker->is_sound(state.accepted)) &&
                   (state.records.empty() || state.records.back().number < state.accepted);
   for (std::size_t i = 0; i < state.graph.size(); ++i) {
-    is_sound = is_sound && state.graph.submap(i).is_of(state.accepted);
+    is_sound = is_sound && state.graph.local_map(i).is_of(state.accepted);
   }
   is_sound = is_sound && std::all_of(state.records.begin(), state.records.end(), is_placed) &&
              std::is_sorted(state.records.begin(), state.records.end(),
@@ -70,17 +68,17 @@ std::optional<Slam::Newest> Slam::newest() const {
 
 std::optional<Pose2> Slam::State::pose_now(const Record& record) const {
   if (stays(record)) return record.given;
-  if (record.submap != kNoSubmap) {
-    if (!graph.located(record.submap)) return std::nullopt;
-    return graph.map_from_run(record.submap) * record.run_from_robot;
+  if (record.local_map != kNoLocalMap) {
+    if (!graph.located(record.local_map)) return std::nullopt;
+    return graph.map_from_run(record.local_map) * record.run_from_robot;
   }
-  // Of a sub-map under construction.
+  // Of a local map under construction.
   const bool begun_there = std::any_of(begun_at.begin(), begun_at.end(), [&](const auto& known) {
     return known.first == record.posed.run;
   });
-  const bool has_submap = graph.size() > 0 && graph.submap(graph.size() - 1).run == run;
-  const bool is_placed =
-      runs == 1 || begun_there || run_is_given || (has_submap && graph.located(graph.size() - 1));
+  const bool has_local_map = graph.size() > 0 && graph.local_map(graph.size() - 1).run == run;
+  const bool is_placed = runs == 1 || begun_there || run_is_given ||
+                         (has_local_map && graph.located(graph.size() - 1));
   if (record.posed.run != run || !is_placed) return std::nullopt;
   return map_from_run * record.run_from_robot;
 }

@@ -10,15 +10,15 @@
 #include <vector>
 
 #include "core/base/parallel.hpp"
+#include "core/slam/local_map_graph.hpp"
 #include "core/slam/log_checks.hpp"
 #include "core/slam/slam.hpp"
-#include "core/slam/submap_graph.hpp"
 #include "core/slam/tracker.hpp"
 
 namespace strata::slam {
 
 /// A run in which no scan hit anything has none.
-inline constexpr std::size_t kNoSubmap = std::numeric_limits<std::size_t>::max();
+inline constexpr std::size_t kNoLocalMap = std::numeric_limits<std::size_t>::max();
 
 /// One accepted scan and what is known of its pose.
 struct Record {
@@ -30,7 +30,7 @@ struct Record {
   bool placed = false;  // given by an earlier job, and final
   bool key = false;
   bool used = false;  // its scan is in the result
-  std::size_t submap = kNoSubmap;
+  std::size_t local_map = kNoLocalMap;
 
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
@@ -41,7 +41,7 @@ struct Record {
     archive(self.given);
     archive(self.placed);
     archive(self.key);
-    archive(self.submap);
+    archive(self.local_map);
   }
 };
 
@@ -56,7 +56,7 @@ struct Slam::State {
   SlamConfig config;
   KeepConfig keep;
   WorkerPool pool;
-  SubmapGraph graph;
+  LocalMapGraph graph;
   std::optional<Tracker> tracker;
   std::vector<Record> records;  // by number, without those that are forgotten
   std::size_t accepted = 0;
@@ -68,9 +68,9 @@ struct Slam::State {
   bool run_is_given = false;  // the run's frame is that of its given poses
   Stamp last_stamp;
   LogChecks checks;
-  Pose2 map_from_run;                       // as the newest sub-map of the run has it
+  Pose2 map_from_run;                       // as the newest local map of the run has it
   std::optional<Pose2Gaussian> next_start;  // where the next run begins, when that is known
-  std::optional<Pose2Gaussian> start;       // where this one began, until it has a sub-map
+  std::optional<Pose2Gaussian> start;       // where this one began, until it has a local map
   std::vector<std::pair<int, Pose2Gaussian>> begun_at;  // the runs whose start was known
 
   Pose2Gaussian add(const Observation& observation, const Pose2* given_pose, bool placed,
@@ -82,10 +82,10 @@ struct Slam::State {
   void track_again(SlamResult& before, State& again);
   void start_run(const Observation& observation, const Pose2* given_pose);
   void end_run();
-  void take_submaps();
+  void take_local_maps();
   /// Those of the scans of these numbers that are kept.
   [[nodiscard]] std::span<Record> numbered(std::size_t first, std::size_t last);
-  void forget_submaps();
+  void forget_local_maps();
   void forget_scans();
   void place_scans();
   /// Everything but the tracker, for saved states; what `finish` makes is not in it.
@@ -105,12 +105,12 @@ struct Slam::State {
     archive(self.start);
     archive(self.begun_at);
   }
-  [[nodiscard]] std::optional<Pose2Gaussian> given_submap(const Submap& submap);
+  [[nodiscard]] std::optional<Pose2Gaussian> given_local_map(const LocalMap& local_map);
   /// A given pose, or one that an earlier job placed, as far as it is believed.
   [[nodiscard]] Pose2Gaussian believed(const Pose2& given, bool placed) const;
-  /// Without any sub-map the first run's frame is the map's: odometry is better than nothing.
+  /// Without any local map the first run's frame is the map's: odometry is better than nothing.
   [[nodiscard]] bool located(const Record& record) const {
-    if (record.submap != kNoSubmap) return graph.located(record.submap);
+    if (record.local_map != kNoLocalMap) return graph.located(record.local_map);
     return graph.size() == 0 && record.posed.run == records.front().posed.run;
   }
   /// Where it was taken, as known while scans come; nothing as long as its run is not placed.

@@ -134,14 +134,9 @@ SurfaceState SurfaceMap::state(const Eigen::Vector2d& point_m) const {
 }
 
 bool SurfaceMap::occupied_near(const Eigen::Vector2d& point_m) const {
-  const Cell cell = cells_.cell_at(point_m);
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      const Cell other{cell.x + dx, cell.y + dy};
-      if (cells_.contains(other) && is_surface(cells_.at(other))) return true;
-    }
-  }
-  return false;
+  return any_beside(cells_.cell_at(point_m), [&](const Cell& cell) {
+    return cells_.contains(cell) && is_surface(cells_.at(cell));
+  });
 }
 
 }  // namespace strata::slam

@@ -16,33 +16,20 @@ namespace {
 /// By so many scans stamps are judged regular or not.
 constexpr std::size_t kRecentScans = 9;
 /// So many scans in a row that match nothing are a new place; fewer were garbled.
-constexpr int kMostLost = 10;
+constexpr int kMaxLost = 10;
 
 /// How odometry drifts over many steps; its errors from step to step (OdometryNoiseConfig) are
-/// allowed to be larger, since each match corrects them.
-constexpr double kDriftM = 0.1;     // per square root of a metre
-constexpr double kDriftRad = 0.02;  // per square root of a metre or radian
-
-/// No robot with wheels goes on faster than this, indoors or out; within the first allowance stamps
-/// may be off.
-constexpr double kMostSpeedMps = 5.0;
-constexpr double kMostTurnRps = 6.0;
-constexpr double kAllowanceM = 1.0;
-constexpr double kAllowanceRad = 1.0;
-
-bool is_possible(const Pose2& step, double time_s) {
-  return std::hypot(step.x, step.y) <= kAllowanceM + kMostSpeedMps * time_s &&
-         std::abs(step.theta) <= kAllowanceRad + kMostTurnRps * time_s;
-}
+/// allowed to be larger, since each match corrects them. Turns count as metres.
+constexpr PathNoiseConfig kDrift{.per_root_metre_m = 0.1, .per_root_metre_rad = 0.02};
 
 /// Odometry that agreed with the matches lately is believed more than its noise at the greatest:
 /// along a corridor it then stands against the few beams that people send. Once it was wrong, as
 /// when a base counts backwards as forwards, the doubt wears off by this factor a scan.
-constexpr double kLeastDoubt = 0.2;
+constexpr double kMinDoubt = 0.2;
 constexpr double kDoubtDecay = 0.9;
 
-/// However far they lie apart, from fewer scans a sub-map is too thin to be matched against.
-constexpr int kLeastKeys = 4;
+/// However far they lie apart, from fewer scans a local map is too sparse to be matched against.
+constexpr int kMinKeys = 4;
 
 /// Covariance after a measurement of that information; the information may be singular.
 Eigen::Matrix3d shrunk(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& information) {
@@ -65,7 +52,7 @@ Endpoints useful(const Endpoints& endpoints, double max_range_m,
   Endpoints result;
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     if (std::hypot(endpoints.x_m[i], endpoints.y_m[i]) > max_range_m) continue;
-    if (!static_probability.empty() && static_probability[endpoints.beam[i]] < 0.5F) continue;
+    if (!static_probability.empty() && is_dynamic(static_probability[endpoints.beam[i]])) continue;
     result.x_m.push_back(endpoints.x_m[i]);
     result.y_m.push_back(endpoints.y_m[i]);
     result.beam.push_back(endpoints.beam[i]);
@@ -77,8 +64,8 @@ Endpoints useful(const Endpoints& endpoints, double max_range_m,
 
 Endpoints match_endpoints(const Scan& scan, double max_range_m, int max_beams,
                           std::span<const float> static_probability) {
-  return thin(useful(endpoints_in_robot(scan), max_range_m, static_probability),
-              static_cast<std::size_t>(max_beams));
+  return subsample(useful(endpoints_in_robot(scan), max_range_m, static_probability),
+                   static_cast<std::size_t>(max_beams));
 }
 
 Tracker::Tracker(const TrackingConfig& config, double resolution_m, int run, const Pose2& start)
@@ -95,8 +82,9 @@ void Tracker::remember(Stamp stamp) {
 
 void Tracker::grow_drift(const Pose2& step, const Pose2Gaussian* given) {
   const double distance_m = std::hypot(step.x, step.y);
-  const double variance_m = kDriftM * kDriftM * distance_m;
-  const double variance_rad = kDriftRad * kDriftRad * (distance_m + std::abs(step.theta));
+  const double variance_m = kDrift.per_root_metre_m * kDrift.per_root_metre_m * distance_m;
+  const double variance_rad =
+      kDrift.per_root_metre_rad * kDrift.per_root_metre_rad * (distance_m + std::abs(step.theta));
   // A turn now is an offset later: the lever of heading over the step.
   Eigen::Matrix3d carry = Eigen::Matrix3d::Identity();
   const double c = std::cos(pose_.mean.theta);
@@ -115,7 +103,7 @@ void Tracker::doubt_odometry(const ScanFindings& findings) {
   const double off_m = (findings.matched_step.translation() - counted.translation()).norm();
   const double now =
       off_m / std::sqrt(doubted_step(counted, config_.odometry, 1.0).covariance(0, 0));
-  doubt_ = std::clamp(std::max(now, kDoubtDecay * doubt_), kLeastDoubt, 1.0);
+  doubt_ = std::clamp(std::max(now, kDoubtDecay * doubt_), kMinDoubt, 1.0);
 }
 
 TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::size_t scan_index,
@@ -156,7 +144,7 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
     result.findings.ambiguous = result.matched && is_ambiguous(information);
     result.findings.heading_open =
         result.matched && is_heading_open(information, endpoints, config_.match);
-    result.findings.few = endpoints.size() > 0 && endpoints.size() < kLeastHits;
+    result.findings.few = endpoints.size() > 0 && endpoints.size() < kMinHits;
     result.findings.matched_step = between(pose_.mean, result.run_from_robot.mean);
     if (believed != nullptr) doubt_odometry(result.findings);
   }
@@ -164,7 +152,7 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   // may the way go on from there.
   const bool blind = odom_from_robot == nullptr && given == nullptr;
   lost_ = started_ && blind && !result.matched ? lost_ + 1 : 0;
-  if (lost_ > 0 && lost_ <= kMostLost) return result;
+  if (lost_ > 0 && lost_ <= kMaxLost) return result;
   path_m_ += translation_distance(pose_.mean, result.run_from_robot.mean);
   last_pose_ = pose_.mean;
   pose_ = result.run_from_robot;
@@ -172,8 +160,7 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   remember(scan.stamp);
   if (odom_from_robot != nullptr) last_odom_ = *odom_from_robot;
   const bool moved =
-      !last_key_ || translation_distance(*last_key_, pose_.mean) >= config_.key_distance_m ||
-      std::abs(angle_difference(pose_.mean.theta, last_key_->theta)) >= config_.key_turn_rad;
+      !last_key_ || has_moved(*last_key_, pose_.mean, config_.key_distance_m, config_.key_turn_rad);
   if (moved && !result.findings.empty && turns_.has_turn()) {
     turns_.use();
     result.key = true;
@@ -185,8 +172,8 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
 }
 
 bool Tracker::is_complete(const Active& active) const {
-  if (active.keys >= config_.submap_keys) return true;
-  return active.keys >= kLeastKeys && path_m_ - active.from_m >= config_.submap_length_m;
+  if (active.keys >= config_.local_map_keys) return true;
+  return active.keys >= kMinKeys && path_m_ - active.from_m >= config_.local_map_length_m;
 }
 
 void Tracker::insert(const Scan& scan, std::size_t scan_index,
@@ -215,13 +202,14 @@ void Tracker::insert(const Scan& scan, std::size_t scan_index,
 }
 
 void Tracker::close_oldest(std::size_t end_scan) {
-  finished_.push_back(make_submap(active_.front().map, run_, owned_pose_, owned_from_, end_scan));
+  finished_.push_back(
+      make_local_map(active_.front().map, run_, owned_pose_, owned_from_, end_scan));
   finished_.back().from_previous = owned_drift_;
   active_.erase(active_.begin());
   owned_from_ = end_scan;
 }
 
-std::vector<Submap> Tracker::take_finished() { return std::exchange(finished_, {}); }
+std::vector<LocalMap> Tracker::take_finished() { return std::exchange(finished_, {}); }
 
 void Tracker::finish(std::size_t end_scan) {
   if (active_.empty()) return;
@@ -233,7 +221,7 @@ void Tracker::finish(std::size_t end_scan) {
 bool Tracker::is_sound(std::size_t scans) const {
   return owned_from_ <= scans && first_scan_.value_or(0) <= scans &&
          std::all_of(finished_.begin(), finished_.end(),
-                     [&](const Submap& submap) { return submap.is_of(scans); });
+                     [&](const LocalMap& local_map) { return local_map.is_of(scans); });
 }
 
 void Tracker::begin_maps(std::size_t count) {

@@ -14,9 +14,9 @@
 #include "core/scan/endpoints.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/scanner_turns.hpp"
+#include "core/slam/local_map.hpp"
 #include "core/slam/log_checks.hpp"
 #include "core/slam/slam_config.hpp"
-#include "core/slam/submap.hpp"
 #include "core/slam/surface_map.hpp"
 
 namespace strata::slam {
@@ -34,7 +34,7 @@ struct TrackedScan {
   ScanFindings findings;
 };
 
-/// Matches each scan to the older of two overlapping sub-maps under construction [hess2016real]
+/// Matches each scan to the older of two overlapping local maps under construction [hess2016real]
 /// (docs/theory/slam.md, "Incremental map"): each holds 2 n key scans, a new one begins every n, so
 /// the map matched against always holds at least n; late loop errors cannot reach it. Where key
 /// scans lie far apart the path's length decides: what is trusted whole must not grow with them.
@@ -44,7 +44,7 @@ class Tracker {
 
   /// odom_from_robot: null without odometry; then the last motion is continued, and of scans that
   /// match nothing none enters the map until there are many in a row. scan_index: the
-  /// caller's number of the scan, used for the sub-maps' ranges. given: null, or a pose that came
+  /// caller's number of the scan, used for the local maps' ranges. given: null, or a pose that came
   /// with the log, in the run's frame; where the scan is ambiguous (a bare corridor) it rules.
   /// Odometry that moves faster than a robot can is not believed for that scan. static_probability:
   /// e(t,n) where an earlier pass found it; the weights of eq. (1.11) [stachniss2003chapter].
@@ -55,9 +55,9 @@ class Tracker {
                   const Pose2Gaussian* given = nullptr,
                   std::span<const float> static_probability = {});
 
-  /// Sub-maps that were finished since the last call, in order; takes them out.
-  [[nodiscard]] std::vector<Submap> take_finished();
-  /// Ends the run: whatever is under construction becomes a sub-map.
+  /// Local maps that were finished since the last call, in order; takes them out.
+  [[nodiscard]] std::vector<LocalMap> take_finished();
+  /// Ends the run: whatever is under construction becomes a local map.
   void finish(std::size_t end_scan);
 
   /// For saved states; configs, resolution and run are the constructor's.
@@ -91,7 +91,7 @@ class Tracker {
     archive(self.owned_pose_);
     archive(self.finished_);
   }
-  /// Whether its sub-maps are of so many scans; else a state was damaged.
+  /// Whether its local maps are of so many scans; else a state was damaged.
   [[nodiscard]] bool is_sound(std::size_t scans) const;
 
  private:
@@ -105,7 +105,7 @@ class Tracker {
   void remember(Stamp stamp);
   [[nodiscard]] std::vector<Pose2> other_guesses(const Pose2Gaussian& guess) const;
   enum class GuessFrom { kMotion, kOdometry, kGivenPose };
-  /// hits: of the whole scan, dynamic ones too, thinned as the end points are.
+  /// hits: of the whole scan, dynamic ones too, subsampled as the end points are.
   [[nodiscard]] bool locate(const Endpoints& endpoints, std::size_t hits,
                             const Pose2Gaussian& guess, GuessFrom from, Pose2Gaussian& found,
                             Eigen::Matrix3d& information) const;
@@ -139,13 +139,13 @@ class Tracker {
   double doubt_ = 1.0;  // of odometry; shrinks while it agrees with the matches
   std::optional<Pose2> last_key_;
   std::vector<Active> active_;
-  // Uncertainty of the pose against the beginning of the oldest active sub-map, in the run's frame:
-  // grows with the motion, shrinks by what each match sees of the map.
+  // Uncertainty of the pose against the beginning of the oldest active local map, in the run's
+  // frame: grows with the motion, shrinks by what each match sees of the map.
   Eigen::Matrix3d drift_ = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d owned_drift_ = Eigen::Matrix3d::Zero();  // drift_ when that sub-map took over
-  std::size_t owned_from_ = 0;  // first scan that belongs to the oldest active sub-map
+  Eigen::Matrix3d owned_drift_ = Eigen::Matrix3d::Zero();  // drift_ when that local map took over
+  std::size_t owned_from_ = 0;  // first scan that belongs to the oldest active local map
   Pose2 owned_pose_;            // robot's pose there
-  std::vector<Submap> finished_;
+  std::vector<LocalMap> finished_;
 };
 
 }  // namespace strata::slam

@@ -20,12 +20,12 @@ constexpr double kBlindStddevM = 0.3;
 constexpr double kBlindStddevRad = 0.3;
 /// ... and is searched this much farther away after a poor match.
 constexpr double kBlindWider = 2.0;
-/// ... but nothing vouches for a pose at which less than this is explained.
-constexpr double kBlindExplained = 0.5;
+/// ... but nothing vouches for a pose at which less than this share are inliers.
+constexpr double kBlindInlierShare = 0.5;
 
 /// Without odometry the mean of so many steps goes on, in uneven time for so many of them at most.
 constexpr std::size_t kMeanSteps = 3;
-constexpr double kMostExtrapolation = 3.0;
+constexpr double kMaxExtrapolation = 3.0;
 /// Stamps are regular while no two of the last scans came closer than this share of the mean.
 constexpr double kRegularShare = 0.5;
 /// ... else the poses of so many of them are starts too: the scans of two places may be mixed.
@@ -39,7 +39,7 @@ constexpr double kAmbiguousStddevM = 0.3;
 /// (docs/notes/2026-11-23-slam.md) 0.05 or more.
 constexpr double kOpenHeading = 0.01;
 
-/// By how much another start must explain more.
+/// By how much larger an inlier share another start must have.
 constexpr double kMargin = 0.02;
 
 /// The heading is held by this.
@@ -56,17 +56,17 @@ double scan_cost(const registration::MatchResult& result, const Pose2Gaussian& p
 }
 
 /// Of so many steps, e to the power of this, one may be wrong as a whole.
-constexpr double kMostSurprise = 6.0;
+constexpr double kMaxSurprise = 6.0;
 
 /// How odd a pose is by odometry, whose errors have long tails: wheels spin [nats, Student's t with
 /// one degree of freedom].
 double surprise(const Pose2& pose, const Pose2Gaussian& guess) {
-  return std::min(kMostSurprise, 2.0 * std::log1p(mahalanobis_squared(guess, pose)));
+  return std::min(kMaxSurprise, 2.0 * std::log1p(mahalanobis_squared(guess, pose)));
 }
 
-/// The end points that something still explains at the pose.
-Endpoints explained_at(const Endpoints& endpoints, const SurfaceMap& map, const Pose2& pose,
-                       double within_m) {
+/// The end points that are inliers of something still at the pose.
+Endpoints inliers_at(const Endpoints& endpoints, const SurfaceMap& map, const Pose2& pose,
+                     double within_m) {
   Endpoints result;
   const registration::MatchField& field = map.field();
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
@@ -103,17 +103,11 @@ Pose2 with_known_heading(const registration::MatchResult& found, const Pose2Gaus
   straight.covariance(2, 2) = kFixedStddevRad * kFixedStddevRad;
   const registration::MatchResult fixed = registration::match(
       endpoints, {}, field, {found.pose.x, found.pose.y, guess.mean.theta}, &straight, config);
-  const bool is_as_good = fixed.converged && fixed.explained + kMargin >= found.explained;
+  const bool is_as_good = fixed.converged && fixed.inlier_share + kMargin >= found.inlier_share;
   return is_as_good ? fixed.pose : found.pose;
 }
 
 /// How far a robot without odometry may have come.
-Eigen::Matrix3d blind_covariance() {
-  return Eigen::Vector3d(kBlindStddevM * kBlindStddevM, kBlindStddevM * kBlindStddevM,
-                         kBlindStddevRad * kBlindStddevRad)
-      .asDiagonal();
-}
-
 }  // namespace
 
 Pose2Gaussian doubted_step(const Pose2& step, const OdometryNoiseConfig& noise, double doubt) {
@@ -159,7 +153,8 @@ Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* odom_from_robot) c
     return known * doubted_step(between(*last_odom_, *odom_from_robot), config_.odometry, doubt_);
   }
   if (!started_) return pose_;
-  return known * Pose2Gaussian{going_on(scan.stamp), blind_covariance()};
+  return known *
+         Pose2Gaussian{going_on(scan.stamp), pose_covariance(kBlindStddevM, kBlindStddevRad)};
 }
 
 /// The mean of the last few steps between scans goes on, in the time since the last if stamps are
@@ -181,7 +176,7 @@ Pose2 Tracker::going_on(Stamp until) const {
   double scale = 1.0 + lost;  // in steps
   if (regular) {
     const double passed = (until - last_stamp_).seconds() / (past_s / steps);
-    scale = std::min(kMostExtrapolation + lost, passed);
+    scale = std::min(kMaxExtrapolation + lost, passed);
   }
   scale /= steps;
   // The chord of an arc, turned into the robot's own directions, and those of the arc to come.
@@ -208,7 +203,7 @@ std::optional<registration::MatchResult> Tracker::match_still_alone(
     const Endpoints& endpoints, const Pose2Gaussian& guess) const {
   const SurfaceMap& map = active_.front().map;
   const Endpoints still =
-      explained_at(endpoints, map, guess.mean, kStillStddevs * config_.match.hit_stddev_m);
+      inliers_at(endpoints, map, guess.mean, kStillStddevs * config_.match.hit_stddev_m);
   if (still.size() == endpoints.size() || still.size() == 0) return std::nullopt;
   const registration::MatchResult alone =
       registration::match(still, {}, map.field(), guess.mean, &guess, config_.match);
@@ -219,12 +214,12 @@ std::optional<registration::MatchResult> Tracker::match_still_alone(
 
 bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Gaussian& guess,
                      GuessFrom from, Pose2Gaussian& found, Eigen::Matrix3d& information) const {
-  if (endpoints.size() < kLeastHits) return false;
+  if (endpoints.size() < kMinHits) return false;
   const registration::MatchField& field = active_.front().map.field();
   registration::MatchResult result =
       registration::match(endpoints, {}, field, guess.mean, &guess, config_.match);
   // Away from the odometry only the scan decides.
-  Pose2Gaussian wide{guess.mean, blind_covariance()};
+  Pose2Gaussian wide{guess.mean, pose_covariance(kBlindStddevM, kBlindStddevRad)};
   const Pose2Gaussian* prior = &guess;
   double cost = scan_cost(result, guess);
   // Beams side by side are no witnesses of their own, nor are those left of a scan in a crowd.
@@ -233,7 +228,7 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
     wide.mean = believed;
     const registration::MatchResult other =
         registration::match(endpoints, {}, field, start, &wide, config_.match);
-    if (!other.converged || other.explained <= result.explained + kMargin) return;
+    if (!other.converged || other.inlier_share <= result.inlier_share + kMargin) return;
     const double other_cost = scan_cost(other, wide);
     if (from == GuessFrom::kOdometry) {
       const double gain = share * (cost - other_cost);
@@ -243,7 +238,7 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
     result = other;
     prior = &wide;
   };
-  if (result.explained < config_.good_match) {
+  if (result.inlier_share < config_.good_match) {
     for (const Pose2& start : other_guesses(guess)) try_from(start, start);
     // A clock that was set back by a second mixes the scans before and after, in order of time.
     for (std::size_t i = 2; i <= std::min(kMixedScans, recent_.size()); ++i) {
@@ -252,14 +247,14 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
       try_from(before, before);
     }
   }
-  if (result.explained < config_.poor_match) {
+  if (result.inlier_share < config_.poor_match) {
     const registration::CorrelativeTables tables(field, {});
     const double wider = from == GuessFrom::kMotion ? kBlindWider : 1.0;
     const registration::SearchResult search =
         registration::search(endpoints, tables, guess.mean,
                              {wider * config_.search_window_m, wider * config_.search_window_m,
                               wider * config_.search_turn_rad},
-                             std::max(config_.match.min_explained, result.explained));
+                             std::max(config_.match.min_inlier_share, result.inlier_share));
     if (search.found) try_from(search.pose, guess.mean);
   }
   if (from == GuessFrom::kOdometry && result.converged) {
@@ -272,7 +267,7 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
     result.pose = with_known_heading(result, guess, *prior, endpoints, field, config_.match);
   }
   const bool blind = from == GuessFrom::kMotion;
-  if (!result.converged || (blind && result.explained < kBlindExplained)) return false;
+  if (!result.converged || (blind && result.inlier_share < kBlindInlierShare)) return false;
   found = result.gaussian();
   information = result.covariance.inverse() - prior->covariance.inverse();
   return true;

@@ -14,7 +14,7 @@
 namespace strata::slam {
 
 /// Fewer end points than these lie on a map in many ways: one beam follows the next wall.
-inline constexpr std::size_t kLeastHits = 5;
+inline constexpr std::size_t kMinHits = 5;
 
 /// odometry_step with the standard deviation of its position times `doubt`.
 [[nodiscard]] Pose2Gaussian doubted_step(const Pose2& step, const OdometryNoiseConfig& noise,

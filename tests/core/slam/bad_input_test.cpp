@@ -145,13 +145,13 @@ TEST(BadInput, AScannerOfAFewBeamsIsLeftToOdometryAndSaidToBe) {
     const std::vector<Observation> log = record_with(beams, ring(), path);
     const SlamResult result = run_slam(log);
     EXPECT_THAT(result.warnings, Contains(HasSubstr("hit too little to be matched"))) << beams;
-    double most_m = 0.0;
+    double max_m = 0.0;
     for (std::size_t i = 0; i < path.size(); ++i) {
       const Pose2 counted = between(log[0].odom_from_robot, log[i].odom_from_robot);
       const Pose2 found = between(result.scans[0].map_from_robot, result.scans[i].map_from_robot);
-      most_m = std::max(most_m, translation_distance(found, counted));
+      max_m = std::max(max_m, translation_distance(found, counted));
     }
-    EXPECT_LT(most_m, 0.15) << beams;
+    EXPECT_LT(max_m, 0.15) << beams;
   }
 }
 

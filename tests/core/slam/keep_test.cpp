@@ -27,7 +27,7 @@ KeepConfig small_window() {
 /// Drives so many rounds; what is kept after each of them.
 struct Kept {
   std::vector<std::size_t> scans;
-  std::vector<std::size_t> submaps;
+  std::vector<std::size_t> local_maps;
 };
 Kept drive(Slam& slam, const std::vector<Observation>& log, std::size_t rounds) {
   Kept kept;
@@ -35,7 +35,7 @@ Kept drive(Slam& slam, const std::vector<Observation>& log, std::size_t rounds) 
     slam.add(log[i]);
     if ((i + 1) % (log.size() / rounds) != 0) continue;
     kept.scans.push_back(slam.kept_scans());
-    kept.submaps.push_back(slam.kept_submaps());
+    kept.local_maps.push_back(slam.kept_local_maps());
   }
   return kept;
 }
@@ -50,7 +50,7 @@ TEST(Keep, RoundAndRoundOneBlockKeepsNoMoreThanThreeRounds) {
   const std::size_t most = kept.scans[3] + 200;
   for (std::size_t round = 4; round < kept.scans.size(); ++round) {
     EXPECT_LE(kept.scans[round], most) << round;
-    EXPECT_LE(kept.submaps[round], kept.submaps[3] + 4) << round;
+    EXPECT_LE(kept.local_maps[round], kept.local_maps[3] + 4) << round;
   }
   // The map is still the block's, and the poses in it are where they were driven.
   const SlamResult result = slam.finish();
@@ -73,7 +73,7 @@ TEST(Keep, ARobotThatStandsStillKeepsTheWindowAlone) {
     slam.add(observation);
     ASSERT_LE(slam.kept_scans(), 200U + 64U + 10U);
   }
-  EXPECT_EQ(slam.kept_submaps(), 0U);
+  EXPECT_EQ(slam.kept_local_maps(), 0U);
 }
 
 TEST(Keep, ALogThatFitsIntoTheWindowGivesTheResultOfKeepingAll) {
@@ -103,7 +103,7 @@ TEST(Keep, PlacesThatAreNotSeenAgainStay) {
   for (const Observation& observation : record(ring(), path, 0, 4)) slam.add(observation);
   EXPECT_LT(slam.kept_scans(), path.size());
   const SlamResult result = slam.finish();
-  // The beginning, in whose sub-map nobody was since, is still there, scan by scan.
+  // The beginning, in whose local map nobody was since, is still there, scan by scan.
   ASSERT_GT(result.scans.size(), 50U);
   std::size_t of_the_way = 0;
   for (const PosedScan& scan : result.scans) {

@@ -43,7 +43,7 @@ std::pair<std::vector<Pose2>, SlamResult> live(const std::vector<Observation>& l
 }
 
 TEST(SavedSlam, StoppedAgainAndAgainItMapsAsIfItHadNeverStopped) {
-  // Round the block more than once, so that loops close and sub-maps are forgotten, in two runs.
+  // Round the block more than once, so that loops close and local maps are forgotten, in two runs.
   std::vector<Observation> log = record(ring(), drive_round(0.1, 90.0), 0, 1);
   const std::vector<Observation> second = record(ring(), drive_round(0.1, 30.0), 1, 2);
   log.insert(log.end(), second.begin(), second.end());

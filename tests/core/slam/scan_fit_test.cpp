@@ -29,9 +29,10 @@ TEST(ScanFit, ExplainsAScanWhereItWasTakenAndNotElsewhere) {
   for (std::size_t i = 0; i < mapped.log.size(); i += 40) {
     const Pose2& truth = mapped.path[i];
     const ScanFit right = fit_near(mapped.map, mapped.log[i].scan, truth);
-    EXPECT_GT(right.explained(), 0.9) << i;
+    EXPECT_GT(right.inlier_share(), 0.9) << i;
     const Pose2 turned{truth.x, truth.y, truth.theta + 1.0};
-    EXPECT_LT(fit_near(mapped.map, mapped.log[i].scan, turned).explained(), right.explained() - 0.2)
+    EXPECT_LT(fit_near(mapped.map, mapped.log[i].scan, turned).inlier_share(),
+              right.inlier_share() - 0.2)
         << i;
   }
 }
@@ -41,9 +42,9 @@ TEST(ScanFit, FindsThePlaceNearAWrongOne) {
   const std::size_t i = mapped.log.size() / 2;
   const Pose2 wrong = mapped.path[i] * Pose2{0.3, -0.2, 0.1};
   const ScanFit fit = fit_near(mapped.map, mapped.log[i].scan, wrong);
-  EXPECT_GT(fit.explained(), 0.9);
+  EXPECT_GT(fit.inlier_share(), 0.9);
   EXPECT_LT(fit_near(mapped.map, mapped.log[i].scan, wrong, {.reach_m = 0.0, .reach_rad = 0.0})
-                .explained(),
+                .inlier_share(),
             0.7);
 }
 
@@ -51,10 +52,10 @@ TEST(ScanFit, WithoutHitsOrMapNothingIsExplained) {
   const Mapped mapped;
   Scan blind = mapped.log[0].scan;
   for (float& range_m : blind.ranges_m) range_m = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(fit_near(mapped.map, blind, mapped.path[0]).explained(), 0.0);
-  EXPECT_EQ(fit_near(ReflectionGrid{}, mapped.log[0].scan, mapped.path[0]).explained(), 0.0);
+  EXPECT_EQ(fit_near(mapped.map, blind, mapped.path[0]).inlier_share(), 0.0);
+  EXPECT_EQ(fit_near(ReflectionGrid{}, mapped.log[0].scan, mapped.path[0]).inlier_share(), 0.0);
   const Pose2 far{1000.0, 0.0, 0.0};
-  EXPECT_EQ(fit_near(mapped.map, mapped.log[0].scan, far).explained(), 0.0);
+  EXPECT_EQ(fit_near(mapped.map, mapped.log[0].scan, far).inlier_share(), 0.0);
 }
 
 }  // namespace

@@ -117,8 +117,8 @@ TEST(Slam, WorksWithoutOdometryWhereStampsAreThoseOfDelivery) {
   EXPECT_LT(worst_error(result, truth, 0), 0.15);
 }
 
-TEST(Slam, BeginsASubmapAfterTenMetresHoweverFewScansTheyHold) {
-  // Scans a metre apart: by their number alone one sub-map would hold 80 m, whose drift no loop
+TEST(Slam, BeginsALocalMapAfterTenMetresHoweverFewScansTheyHold) {
+  // Scans a metre apart: by their number alone one local map would hold 80 m, whose drift no loop
   // closure could mend.
   const std::vector<Pose2> path = drive_round(1.0, 90.0);
   const std::vector<Observation> log = record(ring(), path, 0, 5);
@@ -126,7 +126,7 @@ TEST(Slam, BeginsASubmapAfterTenMetresHoweverFewScansTheyHold) {
   Slam slam(SlamConfig{});
   for (const Observation& observation : log) slam.add(observation);
   // All but the two under construction.
-  EXPECT_GE(slam.kept_submaps(), 7U);
+  EXPECT_GE(slam.kept_local_maps(), 7U);
   EXPECT_LT(worst_error(slam.finish(), path, 0), 0.15);
 }
 

@@ -11,17 +11,17 @@
 
 namespace strata::slam {
 
-/// What is known about a place of a sub-map, cell by cell.
+/// What is known about a place of a local map, cell by cell.
 using StateGrid = Grid<SurfaceState>;
 
-/// A finished sub-map. `points` and `states` are in the sub-map's own frame, whose origin is the
-/// robot's pose when the sub-map took over.
-struct Submap {
+/// A finished local map. `points` and `states` are in the local map's own frame, whose origin is
+/// the robot's pose when the local map took over.
+struct LocalMap {
   int run = 0;
   std::size_t first_scan = 0;  ///< index of the first scan that belongs to it
   std::size_t last_scan = 0;   ///< ... and one past the last
-  Pose2 run_from_submap;       ///< in the drifting frame of its run
-  /// How uncertain its pose is seen from the sub-map before it in the run (frame of that one).
+  Pose2 run_from_local_map;    ///< in the drifting frame of its run
+  /// How uncertain its pose is seen from the local map before it in the run (frame of that one).
   Eigen::Matrix3d from_previous = Eigen::Matrix3d::Zero();
   std::vector<registration::SurfacePoint> points;
   StateGrid states;
@@ -37,7 +37,7 @@ struct Submap {
     archive(self.run);
     archive(self.first_scan);
     archive(self.last_scan);
-    archive(self.run_from_submap);
+    archive(self.run_from_local_map);
     archive(self.from_previous);
     archive(self.points);
     archive(self.states);
@@ -48,8 +48,9 @@ struct Submap {
   }
 };
 
-/// Freezes a surface map (in the run's frame) into a sub-map.
-[[nodiscard]] Submap make_submap(const SurfaceMap& map, int run, const Pose2& run_from_submap,
-                                 std::size_t first_scan, std::size_t last_scan);
+/// Freezes a surface map (in the run's frame) into a local map.
+[[nodiscard]] LocalMap make_local_map(const SurfaceMap& map, int run,
+                                      const Pose2& run_from_local_map, std::size_t first_scan,
+                                      std::size_t last_scan);
 
 }  // namespace strata::slam

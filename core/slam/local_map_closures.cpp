@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which sub-maps see the same place, and how they lie on each other: the part of SubmapGraph that
-// finds loop closures.
+// Which local maps see the same place, and how they lie on each other: the part of LocalMapGraph
+// that finds loop closures.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -9,8 +9,8 @@
 
 #include "core/registration/correlative_search.hpp"
 #include "core/registration/scan_matcher.hpp"
-#include "core/slam/submap_agreement.hpp"
-#include "core/slam/submap_graph.hpp"
+#include "core/slam/local_map_agreement.hpp"
+#include "core/slam/local_map_graph.hpp"
 
 namespace strata::slam {
 namespace {
@@ -38,28 +38,28 @@ Endpoints in_seen_space(const Endpoints& endpoints, const Pose2& seen_from_point
 
 }  // namespace
 
-struct SubmapGraph::Searchable {
+struct LocalMapGraph::Searchable {
   registration::MatchField field;
   registration::CorrelativeTables tables;
   Searchable(registration::MatchField match_field, const registration::CorrelativeConfig& config)
       : field(std::move(match_field)), tables(field, config) {}
 };
 
-std::shared_ptr<const SubmapGraph::Searchable> SubmapGraph::searchable(std::size_t index) {
+std::shared_ptr<const LocalMapGraph::Searchable> LocalMapGraph::searchable(std::size_t index) {
   for (const auto& [cached, value] : cache_) {
     if (cached == index) return value;
   }
-  auto value = std::make_shared<const Searchable>(field_of(submaps_[index], resolution_m_, field_),
-                                                  config_.search);
+  auto value = std::make_shared<const Searchable>(
+      field_of(local_maps_[index], resolution_m_, field_), config_.search);
   if (cache_.size() >= kCacheSize) cache_.erase(cache_.begin());
   cache_.emplace_back(index, value);
   return value;
 }
 
-std::optional<SubmapGraph::Closure> SubmapGraph::refine(const registration::MatchField& field,
-                                                        std::size_t a, std::size_t b,
-                                                        const Pose2& guess) const {
-  const Endpoints comparable = in_seen_space(clouds_[b], guess, submaps_[a].states);
+std::optional<LocalMapGraph::Closure> LocalMapGraph::refine(const registration::MatchField& field,
+                                                            std::size_t a, std::size_t b,
+                                                            const Pose2& guess) const {
+  const Endpoints comparable = in_seen_space(clouds_[b], guess, local_maps_[a].states);
   const registration::MatchResult result =
       registration::match(comparable, {}, field, guess, nullptr, match_);
   if (!result.converged) return std::nullopt;
@@ -71,14 +71,14 @@ std::optional<SubmapGraph::Closure> SubmapGraph::refine(const registration::Matc
   if (!agrees) return std::nullopt;
   Closure closure{a, b, {result.pose, result.covariance}};
   closure.a_from_b.covariance.diagonal() +=
-      Eigen::Vector3d(config_.stddev_m * config_.stddev_m, config_.stddev_m * config_.stddev_m,
-                      config_.stddev_rad * config_.stddev_rad);
+      pose_covariance(config_.stddev_m, config_.stddev_rad).diagonal();
   return closure;
 }
 
-std::optional<SubmapGraph::Closure> SubmapGraph::try_closure(std::size_t a, std::size_t b,
-                                                             const Pose2& guess, double window_m,
-                                                             double window_rad) {
+std::optional<LocalMapGraph::Closure> LocalMapGraph::try_closure(std::size_t a, std::size_t b,
+                                                                 const Pose2& guess,
+                                                                 double window_m,
+                                                                 double window_rad) {
   const std::shared_ptr<const Searchable> target = searchable(a);
   // The window turns about the origin of b, where its points are not: search about their middle.
   const registration::SearchResult found = registration::search(
@@ -87,41 +87,41 @@ std::optional<SubmapGraph::Closure> SubmapGraph::try_closure(std::size_t a, std:
   return refine(target->field, a, b, found.pose);
 }
 
-void SubmapGraph::search_closures(std::size_t index) {
+void LocalMapGraph::search_closures(std::size_t index) {
   struct Candidate {
-    std::size_t submap;
+    std::size_t local_map;
     double distance_m;
     double window_m;
     double window_rad;
   };
   const std::vector<double> lengths = path_lengths(index);
-  const Eigen::Vector2d center = graph_.pose(index) * submaps_[index].center_m;
+  const Eigen::Vector2d center = graph_.pose(index) * local_maps_[index].center_m;
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < index; ++i) {
-    const bool shares = submaps_[i].run == submaps_[index].run && index - i <= kSharedScans;
-    if (shares || !located_[i] || submaps_[i].points.empty()) continue;
+    const bool shares = local_maps_[i].run == local_maps_[index].run && index - i <= kSharedScans;
+    if (shares || !located_[i] || local_maps_[i].points.empty()) continue;
     double length_m = lengths[i];
     if (given_[i] && given_[index]) length_m = std::min(length_m, 10.0);
     const double window_m =
         std::min(config_.max_window_m, config_.floor_window_m + config_.drift_m_per_m * length_m);
     const double window_rad = std::min(
         config_.max_window_rad, config_.floor_window_rad + config_.drift_rad_per_m * length_m);
-    const Eigen::Vector2d other = graph_.pose(i) * submaps_[i].center_m;
+    const Eigen::Vector2d other = graph_.pose(i) * local_maps_[i].center_m;
     const double distance_m = (other - center).norm();
     if (distance_m > 4.0 + window_m) continue;
     candidates.push_back({i, distance_m, window_m, window_rad});
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.submap < b.submap;
+    return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.local_map < b.local_map;
   });
   if (candidates.size() > static_cast<std::size_t>(config_.max_attempts)) {
     candidates.resize(static_cast<std::size_t>(config_.max_attempts));
   }
   bool changed = false;
   for (const Candidate& candidate : candidates) {
-    const Pose2 guess = between(graph_.pose(candidate.submap), graph_.pose(index));
+    const Pose2 guess = between(graph_.pose(candidate.local_map), graph_.pose(index));
     const auto closure =
-        try_closure(candidate.submap, index, guess, candidate.window_m, candidate.window_rad);
+        try_closure(candidate.local_map, index, guess, candidate.window_m, candidate.window_rad);
     if (!closure) continue;
     add_closure(*closure);
     changed = true;
@@ -129,22 +129,22 @@ void SubmapGraph::search_closures(std::size_t index) {
   if (changed) optimize();
 }
 
-void SubmapGraph::tighten(int rounds, Progress* progress) {
+void LocalMapGraph::tighten(int rounds, Progress* progress) {
   if (!config_.enabled) return;
   constexpr std::size_t kPartners = 8;
   for (int round = 0; round < rounds; ++round) {
-    report_progress(progress, "tie sub-maps", static_cast<std::size_t>(round),
+    report_progress(progress, "match local maps", static_cast<std::size_t>(round),
                     static_cast<std::size_t>(rounds));
     std::vector<std::vector<Closure>> found(size());
     pool_.for_chunks(size(), 1, [&](std::size_t begin, std::size_t, std::size_t) {
       const std::size_t a = begin;
-      if (!located_[a] || submaps_[a].points.empty()) return;
+      if (!located_[a] || local_maps_[a].points.empty()) return;
       std::vector<std::pair<double, std::size_t>> partners;
       for (std::size_t b = a + 1; b < size(); ++b) {
-        const bool shares = submaps_[a].run == submaps_[b].run && b - a <= kSharedScans;
-        if (shares || !located_[b] || submaps_[b].points.empty()) continue;
+        const bool shares = local_maps_[a].run == local_maps_[b].run && b - a <= kSharedScans;
+        if (shares || !located_[b] || local_maps_[b].points.empty()) continue;
         const Eigen::Vector2d apart =
-            graph_.pose(a) * submaps_[a].center_m - graph_.pose(b) * submaps_[b].center_m;
+            graph_.pose(a) * local_maps_[a].center_m - graph_.pose(b) * local_maps_[b].center_m;
         if (apart.norm() > 8.0) continue;
         const double overlap = agreement(a, b, between(graph_.pose(a), graph_.pose(b))).overlap;
         if (overlap >= config_.min_overlap) partners.emplace_back(-overlap, b);
@@ -152,7 +152,7 @@ void SubmapGraph::tighten(int rounds, Progress* progress) {
       if (partners.empty()) return;
       std::sort(partners.begin(), partners.end());
       if (partners.size() > kPartners) partners.resize(kPartners);
-      const registration::MatchField field = field_of(submaps_[a], resolution_m_, field_);
+      const registration::MatchField field = field_of(local_maps_[a], resolution_m_, field_);
       for (const auto& [unused, b] : partners) {
         const auto closure = refine(field, a, b, between(graph_.pose(a), graph_.pose(b)));
         if (closure) found[a].push_back(*closure);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether two sub-maps can lie on each other: what one has on surface, the other must not have
+/// Whether two local maps can lie on each other: what one has on surface, the other must not have
 /// seen as free.
 #pragma once
 
 #include <cstddef>
 
 #include "core/registration/match_field.hpp"
-#include "core/slam/submap.hpp"
+#include "core/slam/local_map.hpp"
 
 namespace strata::slam {
 
@@ -23,8 +23,22 @@ struct Agreement {
 /// the point itself is.
 [[nodiscard]] SurfaceState state_near(const StateGrid& states, const Eigen::Vector2d& point_m);
 
-/// A match field over the points of a sub-map, in its frame.
-[[nodiscard]] registration::MatchField field_of(const Submap& submap, double resolution_m,
+/// Of points with a space: state_near at point_m(point) for each. O(points).
+template <typename Points, typename PointM>
+[[nodiscard]] Agreement agreement_with(const StateGrid& states, const Points& points,
+                                       const PointM& point_m) {
+  std::size_t surface = 0;
+  std::size_t free = 0;
+  for (const auto& point : points) {
+    const SurfaceState state = state_near(states, point_m(point));
+    surface += state == SurfaceState::kOccupied ? 1 : 0;
+    free += state == SurfaceState::kFree ? 1 : 0;
+  }
+  return agreement_of(surface, free, points.size());
+}
+
+/// A match field over the points of a local map, in its frame.
+[[nodiscard]] registration::MatchField field_of(const LocalMap& local_map, double resolution_m,
                                                 const registration::MatchFieldConfig& config);
 
 }  // namespace strata::slam

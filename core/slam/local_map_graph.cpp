@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/submap_graph.hpp"
+#include "core/slam/local_map_graph.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <Eigen/LU>
 
-#include "core/slam/submap_agreement.hpp"
+#include "core/slam/local_map_agreement.hpp"
 
 namespace strata::slam {
 namespace {
@@ -22,21 +22,21 @@ Eigen::Matrix3d symmetric(const Eigen::Matrix3d& matrix) {
   return 0.5 * (matrix + matrix.transpose());
 }
 
-Endpoints cloud_of(const Submap& submap, int max_points) {
+Endpoints cloud_of(const LocalMap& local_map, int max_points) {
   Endpoints cloud;
-  for (std::size_t i = 0; i < submap.points.size(); ++i) {
-    cloud.x_m.push_back(submap.points[i].x_m);
-    cloud.y_m.push_back(submap.points[i].y_m);
+  for (std::size_t i = 0; i < local_map.points.size(); ++i) {
+    cloud.x_m.push_back(local_map.points[i].x_m);
+    cloud.y_m.push_back(local_map.points[i].y_m);
     cloud.beam.push_back(static_cast<std::uint32_t>(i));
   }
-  return thin(cloud, static_cast<std::size_t>(max_points));
+  return subsample(cloud, static_cast<std::size_t>(max_points));
 }
 
 }  // namespace
 
-SubmapGraph::SubmapGraph(const ClosureConfig& config, const registration::MatchConfig& match,
-                         const registration::MatchFieldConfig& field, double resolution_m,
-                         WorkerPool& pool)
+LocalMapGraph::LocalMapGraph(const ClosureConfig& config, const registration::MatchConfig& match,
+                             const registration::MatchFieldConfig& field, double resolution_m,
+                             WorkerPool& pool)
     : config_(config),
       match_(match),
       field_(field),
@@ -44,16 +44,16 @@ SubmapGraph::SubmapGraph(const ClosureConfig& config, const registration::MatchC
       pool_(pool),
       graph_(config.graph) {}
 
-SubmapGraph::~SubmapGraph() = default;
+LocalMapGraph::~LocalMapGraph() = default;
 
-std::size_t SubmapGraph::add(Submap submap, const std::optional<Pose2Gaussian>& given) {
-  const std::size_t index = submaps_.size();
-  const bool continues = index > 0 && submaps_.back().run == submap.run;
-  Pose2 pose = submap.run_from_submap;
+std::size_t LocalMapGraph::add(LocalMap local_map, const std::optional<Pose2Gaussian>& given) {
+  const std::size_t index = local_maps_.size();
+  const bool continues = index > 0 && local_maps_.back().run == local_map.run;
+  Pose2 pose = local_map.run_from_local_map;
   if (given) {
     pose = given->mean;
   } else if (continues) {
-    pose = map_from_run(index - 1) * submap.run_from_submap;
+    pose = map_from_run(index - 1) * local_map.run_from_local_map;
   }
   graph_.add_node(pose);
   if (given) graph_.add_prior({index, given->mean, given->covariance.inverse(), false});
@@ -61,46 +61,42 @@ std::size_t SubmapGraph::add(Submap submap, const std::optional<Pose2Gaussian>& 
     pose_graph::Edge edge;
     edge.from = index - 1;
     edge.to = index;
-    edge.from_from_to = between(submaps_.back().run_from_submap, submap.run_from_submap);
+    edge.from_from_to =
+        between(local_maps_.back().run_from_local_map, local_map.run_from_local_map);
     const double length_m = std::hypot(edge.from_from_to.x, edge.from_from_to.y);
-    const double sigma_m = config_.chain_floor_m + config_.chain_per_metre_m * length_m;
-    const double sigma_rad = config_.chain_floor_rad + config_.chain_per_metre_rad * length_m;
+    const OdometryNoiseConfig noise{config_.chain_floor_m, config_.chain_per_metre_m,
+                                    config_.chain_floor_rad, config_.chain_per_metre_rad, 0.0};
     // Where the matches were ambiguous (along a bare corridor) the chain gives way.
-    Eigen::Matrix3d covariance = submap.from_previous;
+    Eigen::Matrix3d covariance = local_map.from_previous;
     covariance.diagonal() +=
-        Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
+        odometry_step(edge.from_from_to, length_m, noise).covariance.diagonal();
     edge.information = symmetric(covariance.inverse());
     graph_.add_edge(edge);
     chain_.push_back(edge);
   }
   located_.push_back(given.has_value() || (continues ? located_.back() : index == 0));
-  clouds_.push_back(cloud_of(submap, config_.max_points));
+  clouds_.push_back(cloud_of(local_map, config_.max_points));
   given_.push_back(given);
-  submaps_.push_back(std::move(submap));
+  local_maps_.push_back(std::move(local_map));
   if (!located_[index]) {
     // The longer the run, the less can it be mistaken; each try costs as much as all before.
     std::size_t length = 1;
-    while (length <= index && submaps_[index - length].run == submaps_[index].run) ++length;
+    while (length <= index && local_maps_[index - length].run == local_maps_[index].run) ++length;
     if ((length & (length - 1)) == 0) locate_run(index);
   }
   if (config_.enabled && located_[index]) search_closures(index);
   return index;
 }
 
-Agreement SubmapGraph::agreement(std::size_t a, std::size_t b, const Pose2& a_from_b) const {
-  std::size_t surface = 0;
-  std::size_t free = 0;
-  for (const registration::SurfacePoint& point : submaps_[b].points) {
-    const SurfaceState state =
-        state_near(submaps_[a].states, a_from_b * Eigen::Vector2d(point.x_m, point.y_m));
-    surface += state == SurfaceState::kOccupied ? 1 : 0;
-    free += state == SurfaceState::kFree ? 1 : 0;
-  }
-  return agreement_of(surface, free, submaps_[b].points.size());
+Agreement LocalMapGraph::agreement(std::size_t a, std::size_t b, const Pose2& a_from_b) const {
+  return agreement_with(local_maps_[a].states, local_maps_[b].points,
+                        [&](const registration::SurfacePoint& point) {
+                          return a_from_b * Eigen::Vector2d(point.x_m, point.y_m);
+                        });
 }
 
-std::vector<double> SubmapGraph::path_lengths(std::size_t from) const {
-  std::vector<std::vector<std::pair<std::size_t, double>>> links(submaps_.size());
+std::vector<double> LocalMapGraph::path_lengths(std::size_t from) const {
+  std::vector<std::vector<std::pair<std::size_t, double>>> links(local_maps_.size());
   for (std::size_t i = 0; i < graph_.edges().size(); ++i) {
     if (!graph_.edge_enabled(i)) continue;
     const pose_graph::Edge& edge = graph_.edges()[i];
@@ -109,7 +105,7 @@ std::vector<double> SubmapGraph::path_lengths(std::size_t from) const {
     links[edge.from].emplace_back(edge.to, length_m);
     links[edge.to].emplace_back(edge.from, length_m);
   }
-  std::vector<double> lengths(submaps_.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> lengths(local_maps_.size(), std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   lengths[from] = 0.0;
@@ -127,7 +123,7 @@ std::vector<double> SubmapGraph::path_lengths(std::size_t from) const {
   return lengths;
 }
 
-void SubmapGraph::add_closure(const Closure& closure) {
+void LocalMapGraph::add_closure(const Closure& closure) {
   pose_graph::Edge edge;
   edge.from = closure.a;
   edge.to = closure.b;
@@ -137,7 +133,7 @@ void SubmapGraph::add_closure(const Closure& closure) {
   graph_.add_edge(edge);
 }
 
-void SubmapGraph::optimize() {
+void LocalMapGraph::optimize() {
   graph_.optimize();
   bool dropped = false;
   for (std::size_t i = 0; i < graph_.edges().size(); ++i) {
@@ -149,7 +145,7 @@ void SubmapGraph::optimize() {
   if (dropped) graph_.optimize();
 }
 
-std::size_t SubmapGraph::closures() const {
+std::size_t LocalMapGraph::closures() const {
   std::size_t count = 0;
   for (std::size_t i = 0; i < graph_.edges().size(); ++i) {
     if (graph_.edges()[i].robust && graph_.edge_enabled(i)) ++count;
@@ -157,7 +153,7 @@ std::size_t SubmapGraph::closures() const {
   return count;
 }
 
-void SubmapGraph::rebuild_graph(const std::vector<Closure>& closures) {
+void LocalMapGraph::rebuild_graph(const std::vector<Closure>& closures) {
   pose_graph::PoseGraph graph(config_.graph);
   for (std::size_t i = 0; i < size(); ++i) {
     graph.add_node(graph_.pose(i));
@@ -169,8 +165,8 @@ void SubmapGraph::rebuild_graph(const std::vector<Closure>& closures) {
   optimize();
 }
 
-bool SubmapGraph::is_sound() const {
-  const std::size_t count = submaps_.size();
+bool LocalMapGraph::is_sound() const {
+  const std::size_t count = local_maps_.size();
   const auto joins_known = [&](const pose_graph::Edge& edge) {
     return edge.from < count && edge.to < count;
   };

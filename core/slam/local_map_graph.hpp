@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Sub-maps of all runs, tied together by what they see of each other.
+/// Local maps of all runs, connected by what they see of each other.
 #pragma once
 
 #include <cstddef>
@@ -11,55 +11,57 @@
 #include "core/base/progress.hpp"
 #include "core/pose_graph/pose_graph.hpp"
 #include "core/slam/keep_config.hpp"
+#include "core/slam/local_map.hpp"
+#include "core/slam/local_map_agreement.hpp"
 #include "core/slam/slam_config.hpp"
-#include "core/slam/submap.hpp"
-#include "core/slam/submap_agreement.hpp"
 
 namespace strata::slam {
 
-/// Pose graph over sub-maps. A new sub-map is tied to its predecessor in the run; then it is
-/// looked for in older sub-maps: those it may overlap given how far the path between them can have
-/// drifted, by correlative search, refined by matching, and accepted when the space both have
+/// Pose graph over local maps. A new local map gets an edge to its predecessor in the run; then it
+/// is looked for in older local maps: those it may overlap given how far the path between them can
+/// have drifted, by correlative search, refined by matching, and accepted when the space both have
 /// seen agrees both ways. The pull of a closure fades when the others contradict it (robust
 /// kernel), and it is dropped when it stays contradicted.
-class SubmapGraph {
+class LocalMapGraph {
  public:
-  SubmapGraph(const ClosureConfig& config, const registration::MatchConfig& match,
-              const registration::MatchFieldConfig& field, double resolution_m, WorkerPool& pool);
-  ~SubmapGraph();
+  LocalMapGraph(const ClosureConfig& config, const registration::MatchConfig& match,
+                const registration::MatchFieldConfig& field, double resolution_m, WorkerPool& pool);
+  ~LocalMapGraph();
 
-  /// Adds the next sub-map of its run; runs must not interleave. given_map_from_submap: where given
-  /// poses put it, with that uncertainty. Returns its index.
-  std::size_t add(Submap submap, const std::optional<Pose2Gaussian>& given_map_from_submap);
+  /// Adds the next local map of its run; runs must not interleave. given_map_from_local_map: where
+  /// given poses put it, with that uncertainty. Returns its index.
+  std::size_t add(LocalMap local_map, const std::optional<Pose2Gaussian>& given_map_from_local_map);
 
   /// Tells that the run is complete: one that is not located yet is searched for as a whole.
   void end_run();
 
-  /// Takes out the sub-maps of scans before that one which later ones have made superfluous
+  /// Takes out the local maps of scans before that one which later ones have made superfluous
   /// (KeepConfig); what they said of those that stay is passed on. Returns their indices,
-  /// ascending; those above move down. O(cells / 211 x sub-maps) for each sub-map that may overlap
-  /// the newest one.
+  /// ascending; those above move down. O(cells / 211 x local maps) for each local map that may
+  /// overlap the newest one.
   std::vector<std::size_t> forget(const KeepConfig& keep, std::size_t before_scan);
 
-  /// Lays every pair of overlapping sub-maps on each other anew from the present poses, replaces
+  /// Registers every pair of overlapping local maps anew from the present poses, replaces
   /// all closures by the outcome, and optimizes [lu1997globally]; `rounds` times.
   void tighten(int rounds, Progress* progress);
 
-  [[nodiscard]] std::size_t size() const { return submaps_.size(); }
-  [[nodiscard]] const Submap& submap(std::size_t index) const { return submaps_[index]; }
-  [[nodiscard]] const Pose2& map_from_submap(std::size_t index) const { return graph_.pose(index); }
-  /// Takes the run's drifting frame to the map as the sub-map has it.
+  [[nodiscard]] std::size_t size() const { return local_maps_.size(); }
+  [[nodiscard]] const LocalMap& local_map(std::size_t index) const { return local_maps_[index]; }
+  [[nodiscard]] const Pose2& map_from_local_map(std::size_t index) const {
+    return graph_.pose(index);
+  }
+  /// Takes the run's drifting frame to the map as the local map has it.
   [[nodiscard]] Pose2 map_from_run(std::size_t index) const {
-    return graph_.pose(index) * inverse(submaps_[index].run_from_submap);
+    return graph_.pose(index) * inverse(local_maps_[index].run_from_local_map);
   }
   [[nodiscard]] std::size_t closures() const;
-  /// Whether the sub-map is tied to the first run (or to given poses).
+  /// Whether the local map is connected to the first run (or to given poses).
   [[nodiscard]] bool located(std::size_t index) const { return located_[index]; }
 
   /// For saved states; everything but what can be made again is the constructor's.
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
-    archive(self.submaps_);
+    archive(self.local_maps_);
     archive(self.clouds_);
     archive(self.given_);
     archive(self.located_);
@@ -85,21 +87,21 @@ class SubmapGraph {
   [[nodiscard]] std::optional<Closure> refine(const registration::MatchField& field, std::size_t a,
                                               std::size_t b, const Pose2& guess) const;
   void add_closure(const Closure& closure);
-  /// A measurement between two sub-maps; lasting: `tighten` does not replace it.
-  struct Tie {
+  /// A measurement between two local maps; lasting: `tighten` does not replace it.
+  struct MeasuredEdge {
     pose_graph::Edge edge;
     bool lasting = false;
   };
-  [[nodiscard]] std::vector<Tie> ties() const;
-  static void bridge(std::vector<Tie>& ties, std::size_t node);
+  [[nodiscard]] std::vector<MeasuredEdge> edges() const;
+  static void marginalize(std::vector<MeasuredEdge>& edges, std::size_t node);
   [[nodiscard]] bool is_superfluous(std::size_t index, const KeepConfig& keep) const;
   [[nodiscard]] bool same_frame(std::size_t a, std::size_t b) const {
-    return located_[a] == located_[b] && (located_[a] || submaps_[a].run == submaps_[b].run);
+    return located_[a] == located_[b] && (located_[a] || local_maps_[a].run == local_maps_[b].run);
   }
   void remove(const std::vector<std::size_t>& gone);
   void search_closures(std::size_t index);
   void locate_run(std::size_t last);
-  std::size_t tie_run(std::size_t first, std::size_t last);
+  std::size_t connect_run(std::size_t first, std::size_t last);
   void optimize();
   void rebuild_graph(const std::vector<Closure>& closures);
 
@@ -108,7 +110,7 @@ class SubmapGraph {
   registration::MatchFieldConfig field_;
   double resolution_m_;
   WorkerPool& pool_;
-  std::vector<Submap> submaps_;
+  std::vector<LocalMap> local_maps_;
   std::vector<Endpoints> clouds_;
   std::vector<std::optional<Pose2Gaussian>> given_;
   std::vector<bool> located_;

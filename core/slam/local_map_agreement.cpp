@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/submap_agreement.hpp"
+#include "core/slam/local_map_agreement.hpp"
 
 namespace strata::slam {
 
-registration::MatchField field_of(const Submap& submap, double resolution_m,
+registration::MatchField field_of(const LocalMap& local_map, double resolution_m,
                                   const registration::MatchFieldConfig& config) {
   registration::MatchField field(resolution_m, config);
-  for (const registration::SurfacePoint& point : submap.points) field.add(point);
+  for (const registration::SurfacePoint& point : local_map.points) field.add(point);
   return field;
 }
 
@@ -14,14 +14,9 @@ SurfaceState state_near(const StateGrid& states, const Eigen::Vector2d& point_m)
   const Cell cell = states.cell_at(point_m);
   const SurfaceState own = states.get(cell);
   if (own == SurfaceState::kUnknown) return own;
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      if (states.get({cell.x + dx, cell.y + dy}) == SurfaceState::kOccupied) {
-        return SurfaceState::kOccupied;
-      }
-    }
-  }
-  return own;
+  const bool is_surface = any_beside(
+      cell, [&](const Cell& other) { return states.get(other) == SurfaceState::kOccupied; });
+  return is_surface ? SurfaceState::kOccupied : own;
 }
 
 Agreement agreement_of(std::size_t surface, std::size_t free, std::size_t all) {
