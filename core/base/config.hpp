@@ -17,6 +17,11 @@
 /// components/settings) all follow, so that they cannot drift apart. Field types: bool, int,
 /// std::int64_t, std::uint64_t, double, std::string, std::vector of double, int or std::string, and
 /// enums that have an EnumNames. `list` holds a vector of described structs.
+///
+/// What files may still say, for one version, with a note that tells the user:
+///
+///         v.renamed("least_m", "floor_m");         // a field, group or list of this struct
+///         v.removed("slack_m", "floor_m says it");  // why, or what to set instead
 #pragma once
 
 #include <array>
@@ -40,12 +45,27 @@ struct Problem {
 };
 using Problems = std::vector<Problem>;
 
+/// What a field is under a preset, such as {"paper-em", "false"}; value: as YAML.
+struct PresetValue {
+  const char* preset = "";
+  const char* value = "";
+};
+
 /// What a field says of itself. min and max are inclusive and hold for each element of a vector.
 struct FieldInfo {
   const char* doc = "";
   const char* unit = "";
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
+  const char* when = "";    ///< when a user touches it; empty: an expert setting
+  PresetValue preset = {};  ///< what the preset makes of it that has another value for it
+};
+
+/// A key that files may still have: it has another name now, or none.
+struct OldKey {
+  std::string name;
+  std::string new_name;  ///< empty: the key is gone
+  std::string reason;    ///< of one that is gone: why, or what to set instead
 };
 
 /// Specialize with `static constexpr std::array<std::pair<E, const char*>, N> values` to make E a
@@ -76,8 +96,37 @@ namespace detail {
 void check_range(double value, const FieldInfo& info, const std::string& path, Problems& problems);
 [[noreturn]] void throw_problems(const Problems& problems, const std::string& place);
 
+/// What a visitor may leave out.
+struct VisitorBase {
+  void require(bool /*holds*/, std::string_view /*name*/, std::string_view /*what*/,
+               std::string_view /*remedy*/) {}
+  void renamed(std::string_view /*old_name*/, std::string_view /*new_name*/) {}
+  void removed(std::string_view /*old_name*/, std::string_view /*reason*/) {}
+};
+
+/// The visitor behind `old_keys`.
+class OldKeyCollector : public VisitorBase {
+ public:
+  template <typename T>
+  void field(std::string_view /*name*/, const T& /*value*/, const FieldInfo& /*info*/) {}
+  template <typename Group>
+  void group(std::string_view /*name*/, const Group& /*group*/, const char* /*doc*/) {}
+  template <typename Item>
+  void list(std::string_view /*name*/, const std::vector<Item>& /*items*/, const char* /*doc*/) {}
+  void renamed(std::string_view old_name, std::string_view new_name) {
+    keys_.push_back({std::string(old_name), std::string(new_name), ""});
+  }
+  void removed(std::string_view old_name, std::string_view reason) {
+    keys_.push_back({std::string(old_name), "", std::string(reason)});
+  }
+  [[nodiscard]] std::vector<OldKey> take() && { return std::move(keys_); }
+
+ private:
+  std::vector<OldKey> keys_;
+};
+
 /// The visitor behind `validate`.
-class Validator {
+class Validator : public VisitorBase {
  public:
   explicit Validator(std::string path) : path_(std::move(path)) {}
 
@@ -118,6 +167,14 @@ class Validator {
 };
 
 }  // namespace detail
+
+/// The old keys of a struct, without those of its groups.
+template <typename Config>
+[[nodiscard]] std::vector<OldKey> old_keys(const Config& config) {
+  detail::OldKeyCollector collector;
+  Config::describe(config, collector);
+  return std::move(collector).take();
+}
 
 template <typename Config>
 Problems validate(const Config& config, std::string path) {

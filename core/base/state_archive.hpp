@@ -185,6 +185,12 @@ class StateReader {
     if (count > bytes_.size() / item_bytes) fail("claims more than it holds");
     return static_cast<std::size_t>(count);
   }
+  /// Throws InputError unless the next number is this.
+  void expect_version(std::uint64_t version) {
+    std::uint64_t found = 0;
+    (*this)(found);
+    if (found != version) refuse("is of another version");
+  }
   [[nodiscard]] bool is_at_end() const { return bytes_.empty(); }
   /// Throws DamageError unless everything was read.
   void expect_end() const {

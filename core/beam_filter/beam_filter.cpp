@@ -7,25 +7,9 @@
 #include <utility>
 
 #include "core/grid/count_scans.hpp"
-#include "core/grid/ray_traversal.hpp"
 
 namespace strata::beam_filter {
 namespace {
-
-/// The reflection that judges a beam end in `cell`: its own, or the greatest known one around it.
-/// NaN when unknown.
-template <typename T>
-T judging_reflection(const Grid<T>& map, const Cell& cell, bool tolerant) {
-  T best = map.get(cell);
-  if (!tolerant) return best;
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      const T value = map.get({cell.x + dx, cell.y + dy});
-      if (value > best || std::isnan(best)) best = value;
-    }
-  }
-  return best;
-}
 
 double clamp_for_log(double m) { return std::clamp(m, kLogMargin, 1.0 - kLogMargin); }
 
@@ -115,7 +99,8 @@ class CountsFilter {
   void judge() {
     for (std::size_t k = 0; k < hit_cells_.size(); ++k) {
       judged_[k] = config_.endpoint_tolerance
-                       ? judging_reflection(reflection_, reflection_.cell(hit_cells_[k]), true)
+                       ? judging_reflection(reflection_.cell(hit_cells_[k]), true,
+                                            [&](const Cell& cell) { return reflection_.get(cell); })
                        : reflection_.values()[hit_cells_[k]];
     }
   }
@@ -141,10 +126,11 @@ LabelCounts label_into(const Scan& scan, const Pose2& map_from_laser, const Refl
   for_each_ray(scan, map_from_laser, config.counting, [&](std::size_t beam, const Ray& ray) {
     if (!ray.is_hit) return;
     ++counts.hits;
-    const float m = judging_reflection(map, map.cell_at(ray.to_m), config.endpoint_tolerance);
+    const float m = judging_reflection(map.cell_at(ray.to_m), config.endpoint_tolerance,
+                                       [&](const Cell& cell) { return map.get(cell); });
     if (!is_known(m)) return;
     labels[beam] = static_cast<float>(expectation(static_cast<double>(m), config.prior));
-    if (labels[beam] < 0.5F) ++counts.dynamic;
+    if (is_dynamic(labels[beam])) ++counts.dynamic;
   });
   return counts;
 }
@@ -184,43 +170,6 @@ double label_all(std::span<PosedScan> scans, const ReflectionGrid& map,
   report_progress(progress, "label beams", scans.size(), scans.size());
   if (sum.hits == 0) return 0.0;
   return static_cast<double>(sum.dynamic) / static_cast<double>(sum.hits);
-}
-
-double incomplete_log_likelihood(const CountingMap& raw, const ReflectionGrid& map,
-                                 const BeamFilterConfig& config) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < raw.cells().size(); ++i) {
-    const CellCounts& counts = raw.cells().values()[i];
-    if (counts.hits == 0.0 && counts.misses == 0.0) continue;
-    const Cell cell = raw.cells().cell(i);
-    const float passed = map.get(cell);
-    if (is_known(passed)) sum += counts.misses * log_pass(static_cast<double>(passed));
-    const float end = judging_reflection(map, cell, config.endpoint_tolerance);
-    if (counts.hits != 0.0 && is_known(end)) {
-      sum += counts.hits * log_end(static_cast<double>(end), config.prior);
-    }
-  }
-  return sum;
-}
-
-double incomplete_log_likelihood(std::span<const PosedScan> scans, const ReflectionGrid& map,
-                                 const BeamFilterConfig& config) {
-  double sum = 0.0;
-  for (const PosedScan& scan : scans) {
-    for_each_ray(
-        scan.scan, scan.map_from_laser(), config.counting, [&](std::size_t, const Ray& ray) {
-          const Cell end = map.cell_at(ray.to_m);
-          traverse_ray(ray.from_m, ray.to_m, map.resolution_m(),
-                       [&](const Cell& cell, double inside) {
-                         const float m = map.get(cell);
-                         if ((ray.is_hit && cell == end) || !is_known(m)) return;
-                         sum += inside / map.resolution_m() * log_pass(static_cast<double>(m));
-                       });
-          const float m = judging_reflection(map, end, config.endpoint_tolerance);
-          if (ray.is_hit && is_known(m)) sum += log_end(static_cast<double>(m), config.prior);
-        });
-  }
-  return sum;
 }
 
 CountsResult filter_counts(const CountingMap& raw, const BeamFilterConfig& config) {

@@ -28,22 +28,13 @@ namespace strata::beam_filter {
 double label_all(std::span<PosedScan> scans, const ReflectionGrid& map,
                  const BeamFilterConfig& config, WorkerPool& pool, Progress* progress = nullptr);
 
-/// l = sum over beams of (1 - s) ln[(1 - p) + (2 p - 1) m_end] + sum_k l_k ln(1 - m_k), what EM
-/// raises at fixed poses (the paper's (1.7) depends on e and may fall). m is kept kLogMargin from 0
-/// and 1; unknown cells say nothing. raw: counts with every beam taken as static. [nats]. O(cells).
-[[nodiscard]] double incomplete_log_likelihood(const CountingMap& raw, const ReflectionGrid& map,
-                                               const BeamFilterConfig& config);
-/// The same from the scans, beam by beam; also for scans that the map was not made from.
-/// O(beams x cells a beam crosses).
-[[nodiscard]] double incomplete_log_likelihood(std::span<const PosedScan> scans,
-                                               const ReflectionGrid& map,
-                                               const BeamFilterConfig& config);
-
 /// The map of counts under EM; see `filter_counts`.
 struct CountsResult {
   ReflectionGrid filtered;
-  /// l after each round; the first entry is the map of round 0 (e = prior for all beams). In mode
-  /// closed_form: round 0 and the limit.
+  /// l = sum over beams of (1 - s) ln[(1 - p) + (2 p - 1) m_end] + sum_k l_k ln(1 - m_k), what EM
+  /// raises at fixed poses (the paper's (1.7) depends on e and may fall), after each round [nats].
+  /// m is kept kLogMargin from 0 and 1; unknown cells say nothing. The first entry is the map of
+  /// round 0 (e = prior for all beams). In mode closed_form: round 0 and the limit.
   std::vector<double> log_likelihood;
   /// Q of eq. (1.7), (1.9) once a beam, to plot: docs/theory/beam_filter.md, "Objective".
   std::vector<double> expected_log_likelihood;

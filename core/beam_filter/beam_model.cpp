@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/grid/ray_traversal.hpp"
-
 namespace strata::beam_filter {
 
 double expectation(double reflection, double prior) {
@@ -23,25 +21,6 @@ double closed_form(const CellCounts& counts_at_e1, double prior, double min_evid
   if (!(counts_at_e1.total() >= min_evidence)) return std::numeric_limits<double>::quiet_NaN();
   const double ratio = counts_at_e1.hits / counts_at_e1.total();
   return std::clamp((prior * ratio + prior - 1.0) / (2.0 * prior - 1.0), 0.0, 1.0);
-}
-
-double critical_ratio(double prior) { return (1.0 - prior) / prior; }
-
-double log_beam_likelihood(const Ray& ray, bool is_static, const ReflectionGrid& map) {
-  const double resolution = map.resolution_m();
-  const Cell end = map.cell_at(ray.to_m);
-  double sum = 0.0;
-  traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {
-    const float value = map.get(cell);
-    if (!is_known(value)) return;
-    const double m = std::clamp(static_cast<double>(value), kLogMargin, 1.0 - kLogMargin);
-    if (ray.is_hit && cell == end) {
-      sum += std::log(is_static ? m : 1.0 - m);
-    } else {
-      sum += length_m / resolution * std::log(1.0 - m);
-    }
-  });
-  return sum;
 }
 
 }  // namespace strata::beam_filter

@@ -2,6 +2,8 @@
 /// The formulas of one beam and one cell: which part of a reading is due to something static.
 #pragma once
 
+#include <cmath>
+
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
 
@@ -26,13 +28,20 @@ inline constexpr double kLogMargin = 1e-3;
 /// compare it with thousands of EM steps. Requires prior > 0.5.
 [[nodiscard]] double closed_form(const CellCounts& counts_at_e1, double prior, double min_evidence);
 
-/// (1 - p) / p: cells hit by at most this share of their beams become free.
-[[nodiscard]] double critical_ratio(double prior);
-
-/// ln p(z | c, x, m) of [stachniss2003chapter] eq. (1.1) with beams weighted by length,
-/// (1 - m)^l: unknown cells say nothing. The end cell of a ray without a hit says nothing if the
-/// ray stands for a maximum range reading of the paper; here such a ray stands for free space up to
-/// its end, so the end cell counts like the others. [nats]. O(cells the ray crosses).
-[[nodiscard]] double log_beam_likelihood(const Ray& ray, bool is_static, const ReflectionGrid& map);
+/// The reflection that judges a beam end in a cell: reflection_at(cell), or with `tolerant` the
+/// greatest known one of the 3 x 3 around it. NaN when unknown.
+template <typename ReflectionAt>
+[[nodiscard]] auto judging_reflection(const Cell& end, bool tolerant,
+                                      const ReflectionAt& reflection_at) {
+  auto best = reflection_at(end);
+  if (!tolerant) return best;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const auto value = reflection_at(Cell{end.x + dx, end.y + dy});
+      if (value > best || std::isnan(best)) best = value;
+    }
+  }
+  return best;
+}
 
 }  // namespace strata::beam_filter

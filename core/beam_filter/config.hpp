@@ -10,6 +10,11 @@
 
 namespace strata::beam_filter {
 
+/// p(c = 1) over a whole log.
+inline constexpr double kStaticPrior = 0.85;
+/// ... within one visit of a place, a stay of a minute or so: less moves in it.
+inline constexpr double kStaticPriorOfVisit = 0.9;
+
 /// How the map at fixed poses is found.
 enum class Mode {
   kClosedForm,  ///< the limit of EM at once (`closed_form`)
@@ -19,7 +24,7 @@ enum class Mode {
 struct BeamFilterConfig {
   Mode mode = Mode::kClosedForm;
   /// p(c = 1). Cells hit by a share of beams of at most (1 - p) / p become free.
-  double prior = 0.85;
+  double prior = kStaticPrior;
   double resolution_m = 0.05;
   /// Cells with less evidence stay unknown.
   double min_evidence = 0.5;
@@ -30,7 +35,8 @@ struct BeamFilterConfig {
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("mode", c.mode, {.doc = "how the map at fixed poses is found"});
+    v.field("mode", c.mode,
+            {.doc = "how the map at fixed poses is found", .preset = {"paper-em", "iterate"}});
     v.field("prior", c.prior,
             {.doc = "probability that a beam hits something static; cells hit by a share of at "
                     "most (1 - prior) / prior of their beams become free",
@@ -42,8 +48,13 @@ struct BeamFilterConfig {
     v.require(c.prior < 1.0, "prior",
               "is 1 or more, which rules dynamic objects out before looking",
               "choose a value below 1, such as 0.85");
-    v.field("resolution_m", c.resolution_m,
-            {.doc = "edge of a cell", .unit = "m", .min = 0.005, .max = 10.0});
+    v.field(
+        "resolution_m", c.resolution_m,
+        {.doc = "edge of a cell",
+         .unit = "m",
+         .min = 0.005,
+         .max = 10.0,
+         .when = "maps shall be finer or coarser; time and memory grow with the number of cells"});
     v.field("min_evidence", c.min_evidence,
             {.doc = "a cell with less evidence (beam ends plus cells passed) stays unknown",
              .unit = "beams",
@@ -52,7 +63,8 @@ struct BeamFilterConfig {
         "endpoint_tolerance", c.endpoint_tolerance,
         {.doc = "judge a beam end by the most reflecting cell of the 3 x 3 around it: noise puts "
                 "a part of a wall's beams into the cell before it, where most beams pass; "
-                "false: the paper's form"});
+                "false: the paper's form",
+         .preset = {"paper-em", "false"}});
     v.field("max_iterations", c.max_iterations,
             {.doc = "most rounds of EM in mode iterate", .unit = "1", .min = 1.0});
     v.field("min_gain", c.min_gain,

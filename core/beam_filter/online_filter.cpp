@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/beam_filter/beam_filter.hpp"
-#include "core/geometry/angle.hpp"
 #include "core/grid/grid_state.hpp"
 #include "core/scan/scan_state.hpp"
 
@@ -24,24 +23,10 @@ OnlineFilter::OnlineFilter(const BeamFilterConfig& filter, const WindowConfig& w
   require_valid(window, "window");
 }
 
-double OnlineFilter::judging_reflection(const Cell& end) const {
-  const int reach = filter_.endpoint_tolerance ? 1 : 0;
-  double best = std::numeric_limits<double>::quiet_NaN();
-  for (int dy = -reach; dy <= reach; ++dy) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      const CellCounts& counts = counts_.cells().get({end.x + dx, end.y + dy});
-      const double m = closed_form(counts, filter_.prior, filter_.min_evidence);
-      if (m > best || std::isnan(best)) best = m;
-    }
-  }
-  return best;
-}
-
 std::vector<float> OnlineFilter::add(const PosedScan& scan) {
   const Pose2& pose = scan.map_from_robot;
   const bool moved =
-      !last_key_ || translation_distance(*last_key_, pose) >= config_.key_distance_m ||
-      std::abs(angle_difference(pose.theta, last_key_->theta)) >= config_.key_turn_rad;
+      !last_key_ || has_moved(*last_key_, pose, config_.key_distance_m, config_.key_turn_rad);
   turns_.see(scan.scan, scan.run);
   const bool key = moved && turns_.has_turn();
   if (key) {
@@ -56,10 +41,14 @@ std::vector<float> OnlineFilter::add(const PosedScan& scan) {
     window_.pop_front();
   }
   std::vector<float> labels(scan.scan.size(), static_cast<float>(filter_.prior));
+  const auto reflection_at = [&](const Cell& cell) {
+    return closed_form(counts_.cells().get(cell), filter_.prior, filter_.min_evidence);
+  };
   for_each_ray(scan.scan, scan.map_from_laser(), filter_.counting,
                [&](std::size_t beam, const Ray& ray) {
                  if (!ray.is_hit) return;
-                 const double m = judging_reflection(cell_at(ray.to_m, filter_.resolution_m));
+                 const double m = judging_reflection(cell_at(ray.to_m, filter_.resolution_m),
+                                                     filter_.endpoint_tolerance, reflection_at);
                  if (std::isnan(m)) return;
                  labels[beam] = static_cast<float>(expectation(m, filter_.prior));
                });
@@ -78,9 +67,7 @@ std::vector<std::uint8_t> OnlineFilter::save_state() const {
 
 void OnlineFilter::restore_state(std::span<const std::uint8_t> bytes, const std::string& place) {
   StateReader reader(bytes, place);
-  std::uint64_t version = 0;
-  reader(version);
-  if (version != kVersion) reader.refuse("is of another version");
+  reader.expect_version(kVersion);
   reader(counts_.cells());
   if (counts_.resolution_m() != filter_.resolution_m) reader.refuse("is of another resolution");
   reader(window_);

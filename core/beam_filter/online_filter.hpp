@@ -79,7 +79,6 @@ class OnlineFilter {
       archive(self.key);
     }
   };
-  [[nodiscard]] double judging_reflection(const Cell& end) const;
 
   BeamFilterConfig filter_;
   WindowConfig config_;

@@ -42,6 +42,11 @@ double translation_distance(const Pose2& a, const Pose2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
+bool has_moved(const Pose2& a, const Pose2& b, double distance_m, double turn_rad) {
+  return translation_distance(a, b) >= distance_m ||
+         std::abs(angle_difference(b.theta, a.theta)) >= turn_rad;
+}
+
 double displacement_m(const Pose2& a, const Pose2& b, double lever_m) {
   return translation_distance(a, b) + lever_m * std::abs(angle_difference(b.theta, a.theta));
 }

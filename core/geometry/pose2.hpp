@@ -30,6 +30,9 @@ struct Pose2 {
 [[nodiscard]] Pose2 between(const Pose2& a_from_b, const Pose2& a_from_c);
 /// Distance of the two origins in metres.
 [[nodiscard]] double translation_distance(const Pose2& a, const Pose2& b);
+/// Whether b lies at least distance_m from a, or is turned by at least turn_rad: far enough for a
+/// scan from there to tell something new.
+[[nodiscard]] bool has_moved(const Pose2& a, const Pose2& b, double distance_m, double turn_rad);
 /// How far what is seen `lever_m` away moves at most when it is seen from b and not from a, in
 /// metres.
 [[nodiscard]] double displacement_m(const Pose2& a, const Pose2& b, double lever_m);

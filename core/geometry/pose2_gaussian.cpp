@@ -10,6 +10,11 @@
 
 namespace strata {
 
+Eigen::Matrix3d pose_covariance(double stddev_m, double stddev_rad) {
+  return Eigen::Vector3d(stddev_m * stddev_m, stddev_m * stddev_m, stddev_rad * stddev_rad)
+      .asDiagonal();
+}
+
 Pose2Gaussian operator*(const Pose2Gaussian& a_from_b, const Pose2Gaussian& b_from_c) {
   const Eigen::Matrix3d left = compose_jacobian_left(a_from_b.mean, b_from_c.mean);
   const Eigen::Matrix3d right = compose_jacobian_right(a_from_b.mean, b_from_c.mean);

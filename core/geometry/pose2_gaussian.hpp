@@ -17,6 +17,8 @@ struct Pose2Gaussian {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
+/// Covariance of a pose known so well in every direction, and its heading for itself.
+[[nodiscard]] Eigen::Matrix3d pose_covariance(double stddev_m, double stddev_rad);
 /// a_from_c to first order, for independent a_from_b and b_from_c.
 [[nodiscard]] Pose2Gaussian operator*(const Pose2Gaussian& a_from_b, const Pose2Gaussian& b_from_c);
 /// b_from_a to first order.

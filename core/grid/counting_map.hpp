@@ -31,7 +31,8 @@ struct CountingOptions {
     v.field("max_range_m", c.max_range_m,
             {.doc = "longer beams are cut here and only carve free space; 0: no limit",
              .unit = "m",
-             .min = 0.0});
+             .min = 0.0,
+             .when = "far readings of your scanner are not to be trusted"});
   }
 };
 

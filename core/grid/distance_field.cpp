@@ -100,36 +100,7 @@ DistanceField make_distance_field(const Grid<std::uint8_t>& occupied, double max
 }
 
 DistanceField make_distance_field(const ReflectionGrid& map, double max_distance_m) {
-  Grid<std::uint8_t> occupied(map.resolution_m(), map.rect(), 0);
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    occupied.values()[i] = is_occupied(map.values()[i]) ? 1 : 0;
-  }
-  return make_distance_field(occupied, max_distance_m);
-}
-
-double interpolate_distance(const DistanceField& field, const Eigen::Vector2d& point_m,
-                            Eigen::Vector2d* gradient) {
-  const double resolution = field.resolution_m();
-  const double u = point_m.x() / resolution - 0.5;
-  const double v = point_m.y() / resolution - 0.5;
-  const Cell low{static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v))};
-  const Cell high{low.x + 1, low.y + 1};
-  if (!field.contains(low) || !field.contains(high)) {
-    if (gradient != nullptr) gradient->setZero();
-    return std::numeric_limits<double>::infinity();
-  }
-  const double s = u - low.x;
-  const double t = v - low.y;
-  const double d00 = static_cast<double>(field.at(low));
-  const double d10 = static_cast<double>(field.at({high.x, low.y}));
-  const double d01 = static_cast<double>(field.at({low.x, high.y}));
-  const double d11 = static_cast<double>(field.at(high));
-  if (gradient != nullptr) {
-    *gradient = Eigen::Vector2d((1.0 - t) * (d10 - d00) + t * (d11 - d01),
-                                (1.0 - s) * (d01 - d00) + s * (d11 - d10)) /
-                resolution;
-  }
-  return (1.0 - t) * ((1.0 - s) * d00 + s * d10) + t * ((1.0 - s) * d01 + s * d11);
+  return make_distance_field(occupied_cells(map), max_distance_m);
 }
 
 }  // namespace strata

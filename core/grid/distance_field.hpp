@@ -21,10 +21,4 @@ using DistanceField = Grid<float>;
 [[nodiscard]] DistanceField make_distance_field(const ReflectionGrid& map,
                                                 double max_distance_m = 0.0);
 
-/// Distance at any point by bilinear interpolation between cell centres; +Inf when a neighbour is
-/// outside. `gradient`, when given, gets its derivative (per metre).
-[[nodiscard]] double interpolate_distance(const DistanceField& field,
-                                          const Eigen::Vector2d& point_m,
-                                          Eigen::Vector2d* gradient = nullptr);
-
 }  // namespace strata

@@ -36,6 +36,17 @@ struct Cell {
   return {(cell.x + 0.5) * resolution_m, (cell.y + 0.5) * resolution_m};
 }
 
+/// Whether holds(Cell) for a cell or one of the eight around it.
+template <typename Holds>
+[[nodiscard]] bool any_beside(const Cell& cell, const Holds& holds) {
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      if (holds(Cell{cell.x + dx, cell.y + dy})) return true;
+    }
+  }
+  return false;
+}
+
 /// A half-open rectangle of cells: min.x <= x < max.x. Empty when a side is not positive.
 struct CellRect {
   Cell min;

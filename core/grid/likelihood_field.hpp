@@ -16,7 +16,7 @@ struct LikelihoodFieldConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("hit_weight", c.hit_weight,
-            {.doc = "share of beams that the map explains; the rest is uniform",
+            {.doc = "share of beams that are inliers of the map; the rest is uniform",
              .unit = "1",
              .min = 0.0,
              .max = 1.0});

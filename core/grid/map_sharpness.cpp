@@ -32,15 +32,6 @@ double thickness_cells(const ReflectionGrid& map, const Cell& cell) {
   return std::min(static_cast<double>(straight), std::numbers::sqrt2 * slanted);
 }
 
-bool is_by_a_wall(const ReflectionGrid& map, const Cell& cell) {
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      if (is_occupied(map.get({cell.x + dx, cell.y + dy}))) return true;
-    }
-  }
-  return false;
-}
-
 }  // namespace
 
 MapSharpness map_sharpness(const ReflectionGrid& map) {

@@ -19,8 +19,8 @@ std::size_t next_cells_lanes(RayColumns& /*ray*/, RayCells& /*cells*/) { return 
 #else
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kMostLanes = 8;
-using Tag = hn::CappedTag<double, kMostLanes>;
+constexpr std::size_t kMaxLanes = 8;
+using Tag = hn::CappedTag<double, kMaxLanes>;
 using Lanes = hn::Vec<Tag>;
 
 /// Nearer than this to a corner, in cells, rounding may decide: far more than it amounts to among
@@ -30,7 +30,7 @@ constexpr double kNear = 1e-5;
 /// Entry 0 is where the first column is entered, entry k + 1 where column k is left: at `t` of the
 /// ray, after `crossed` lines of b.
 struct Columns {
-  static constexpr std::size_t kRoom = RayCells::kColumns + kMostLanes + 1;
+  static constexpr std::size_t kRoom = RayCells::kColumns + kMaxLanes + 1;
   double t[kRoom];
   double crossed[kRoom];
 };
@@ -74,8 +74,8 @@ HWY_INLINE bool leave_columns(const RayColumns& ray, std::size_t count, Columns&
 /// Lane n stands for column order[n] of a vector: then interleaving two vectors, which goes by
 /// blocks of two lanes, gives the columns in their order.
 struct Order {
-  HWY_ALIGN std::int64_t of[kMostLanes];
-  HWY_ALIGN double number[kMostLanes];
+  HWY_ALIGN std::int64_t of[kMaxLanes];
+  HWY_ALIGN double number[kMaxLanes];
   Order() {
     const std::size_t lanes = hn::Lanes(Tag());
     for (std::size_t n = 0; n < lanes; ++n) {

@@ -34,9 +34,9 @@ struct RayColumns {
 /// it in metres.
 struct RayCells {
   static constexpr std::size_t kColumns = 128;  ///< of one call
-  static constexpr std::size_t kMost = 2 * kColumns + 32;
-  double number[kMost];
-  double length_m[kMost];
+  static constexpr std::size_t kMax = 2 * kColumns + 32;
+  double number[kMax];
+  double length_m[kMax];
 };
 
 /// Fills `cells` with those of the next columns, moves `ray` on and returns how many they are. 0 at

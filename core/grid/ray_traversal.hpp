@@ -128,7 +128,7 @@ void walk_lines(const RayLines& lines, Cursor cursor, double t, Visit&& visit) {
 }
 
 /// Rays with fewer lines to cross are not worth the preparation.
-constexpr int kLeastColumns = 20;
+constexpr int kMinColumns = 20;
 
 /// The same cells and lengths as walk_lines, to the last bit.
 template <typename Visit>
@@ -188,7 +188,7 @@ void traverse_ray(const Grid<T>& grid, const Eigen::Vector2d& from_m, const Eige
                                    stride(course.minor())};
   if constexpr (std::is_void_v<decltype(visit(cursor.at, 0.0))>) {
     // A ray that is parallel to an axis but for a rounding has no finite inverse.
-    if (course.lines.left_a >= detail::kLeastColumns && std::isfinite(course.lines.inverse_b)) {
+    if (course.lines.left_a >= detail::kMinColumns && std::isfinite(course.lines.inverse_b)) {
       detail::walk_columns(course.lines, cursor, visit);
       return;
     }

@@ -12,6 +12,7 @@
 
 #include "core/base/error.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/pose_graph/edge_cost.hpp"
 
 namespace strata::pose_graph {
 namespace {
@@ -29,8 +30,8 @@ void write(const Eigen::Matrix3d& jacobian, double* row_major) {
 
 class EdgeCost final : public ceres::SizedCostFunction<3, 3, 3> {
  public:
-  explicit EdgeCost(const Edge& edge)
-      : a_from_b_(edge.from_from_to), whitener_(whitener(edge.information)) {}
+  EdgeCost(const Pose2& a_from_b, const Eigen::Matrix3d& root)
+      : a_from_b_(a_from_b), whitener_(root) {}
   bool Evaluate(const double* const* parameters, double* residuals,
                 double** jacobians) const override {
     const Pose2 a{parameters[0][0], parameters[0][1], parameters[0][2]};
@@ -91,6 +92,10 @@ Eigen::Vector3d edge_error(const Pose2& map_from_a, const Pose2& map_from_b, con
   if (by_b != nullptr) *by_b << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
   return {x - a_from_b.x, y - a_from_b.y,
           wrap_angle(map_from_b.theta - map_from_a.theta - a_from_b.theta)};
+}
+
+ceres::CostFunction* new_edge_cost(const Pose2& a_from_b, const Eigen::Matrix3d& root) {
+  return new EdgeCost(a_from_b, root);
 }
 
 PoseGraph::PoseGraph(const PoseGraphConfig& config) : config_(config) {
@@ -175,8 +180,8 @@ PoseGraphResult PoseGraph::optimize() {
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     if (!enabled_[i]) continue;
     const Edge& e = edges_[i];
-    problem.AddResidualBlock(new EdgeCost(e), loss(e.robust), values[e.from].data(),
-                             values[e.to].data());
+    problem.AddResidualBlock(new_edge_cost(e.from_from_to, whitener(e.information)), loss(e.robust),
+                             values[e.from].data(), values[e.to].data());
   }
   for (const Prior& prior : priors_) {
     problem.AddResidualBlock(new PriorCost(prior), loss(prior.robust), values[prior.node].data());

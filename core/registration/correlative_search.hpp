@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Exhaustive search for the pose that best lays a scan, or a whole sub-map, on a map: finds the
-/// optimum of its window however wrong the guess is, where gradient matching would stick.
+/// Exhaustive search for the pose that best registers a scan, or a whole local map, to a map: finds
+/// the optimum of its window however wrong the guess is, where gradient matching would stick.
 #pragma once
 
 #include <cstddef>

@@ -12,7 +12,7 @@ namespace strata::registration {
 namespace {
 
 /// A wall is never quite free to slide along: its ends and gaps carry some information.
-constexpr double kLeastTangential = 0.02;
+constexpr double kMinTangential = 0.02;
 constexpr int kNeighbourhood = 2;
 
 struct Moments {
@@ -51,9 +51,9 @@ constexpr double kFineRad = 0.035;
 
 /// Hits within this distance of each other belong together whatever lies between.
 double near_m(double beam_spacing_rad, double range_m) {
-  constexpr double kLeastGapM = 0.1;
+  constexpr double kMinGapM = 0.1;
   constexpr double kSpacings = 5.0;
-  return std::max(kLeastGapM, kSpacings * std::min(beam_spacing_rad, kFineRad) * range_m);
+  return std::max(kMinGapM, kSpacings * std::min(beam_spacing_rad, kFineRad) * range_m);
 }
 
 /// A hit by itself is a thing of its own where the beams beside it pass as near as this, or are
@@ -68,7 +68,7 @@ bool joined(const Endpoints& endpoints, std::size_t i) {
 /// The normal of the line through three hits of neighbouring beams, the middle one i; nothing where
 /// they are on no line.
 std::optional<NormalScatter> line_through(const Endpoints& endpoints, std::size_t i) {
-  constexpr double kMostSag = 0.1;  // of the shorter spacing, and in metres
+  constexpr double kMaxSag = 0.1;  // of the shorter spacing, and in metres
   if (i == 0 || !joined(endpoints, i - 1) || !joined(endpoints, i)) return std::nullopt;
   const double ax = endpoints.x_m[i] - endpoints.x_m[i - 1];
   const double ay = endpoints.y_m[i] - endpoints.y_m[i - 1];
@@ -77,7 +77,7 @@ std::optional<NormalScatter> line_through(const Endpoints& endpoints, std::size_
   if (ax * bx + ay * by <= 0.0) return std::nullopt;
   const double length = std::hypot(ax + bx, ay + by);
   const double sag = std::abs(ax * by - ay * bx) / length;
-  if (sag > kMostSag * std::min({1.0, std::hypot(ax, ay), std::hypot(bx, by)})) return std::nullopt;
+  if (sag > kMaxSag * std::min({1.0, std::hypot(ax, ay), std::hypot(bx, by)})) return std::nullopt;
   const double nx = -(ay + by) / length;
   const double ny = (ax + bx) / length;
   return NormalScatter{static_cast<float>(nx * nx), static_cast<float>(nx * ny),
@@ -143,7 +143,7 @@ void set_surface_direction(SurfacePoint& point, const NormalScatter& scatter) {
   const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
   point.normal_x = std::cos(angle);
   point.normal_y = std::sin(angle);
-  point.tangential = std::clamp((larger - 2.0 * root) / larger, kLeastTangential, 1.0);
+  point.tangential = std::clamp((larger - 2.0 * root) / larger, kMinTangential, 1.0);
 }
 
 void surfaces_in_sweep(const Endpoints& endpoints, double beam_spacing_rad,
@@ -205,9 +205,9 @@ MatchField::MatchField(const ReflectionGrid& map, const MatchFieldConfig& config
   }
 }
 
-void MatchField::reserve(const Eigen::Vector2d& least_m, const Eigen::Vector2d& most_m) {
-  const Cell least = cell_at(least_m, resolution_m());
-  const Cell most = cell_at(most_m, resolution_m());
+void MatchField::reserve(const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m) {
+  const Cell least = cell_at(min_m, resolution_m());
+  const Cell most = cell_at(max_m, resolution_m());
   const CellRect rect =
       nearest_.rect().united(CellRect{least, {most.x + 1, most.y + 1}}.inflated(reach_cells()));
   nearest_ = nearest_.cropped(rect);

@@ -41,7 +41,7 @@ struct alignas(64) SurfacePoint {
 
 struct MatchFieldConfig {
   double radius_m = 0.6;
-  double occupied_reflection = 0.1;
+  double occupied_reflection = kSurfaceReflection;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("radius_m", c.radius_m,
@@ -76,7 +76,7 @@ class MatchField {
 
   /// Makes room for points up to these corners at once, where many are to come: growing point by
   /// point copies the field again and again. O(area).
-  void reserve(const Eigen::Vector2d& least_m, const Eigen::Vector2d& most_m);
+  void reserve(const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m);
   /// Adds a point and takes over the cells that are nearest to it; returns its index.
   std::size_t add(const SurfacePoint& point);
   /// Changes a point in place; which cells are nearest to it stays as it was when it was added, so

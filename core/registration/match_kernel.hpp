@@ -26,7 +26,7 @@ struct MatchBeams {
 /// Sums over beams.
 struct MatchSums {
   double weight = 0.0;
-  double explained = 0.0;  ///< of weight x exp(-D^2 / 2 sigma_l^2)
+  double inlier_weight = 0.0;  ///< of weight x exp(-D^2 / 2 sigma_l^2)
   double log_mixture = 0.0;
   double gradient[3] = {0.0, 0.0, 0.0};
   double hessian[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};  ///< xx, xy, yy, xt, yt, tt

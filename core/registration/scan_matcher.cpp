@@ -9,7 +9,6 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/geometry/angle.hpp"
-#include "core/registration/ceres_solver.hpp"
 #include "core/registration/match_kernel.hpp"
 
 namespace strata::registration {
@@ -37,7 +36,7 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
   MatchCost result;
   result.cost = -sums.log_mixture;
   result.scan_cost = result.cost;
-  result.explained = sums.weight > 0.0 ? sums.explained / sums.weight : 0.0;
+  result.inlier_share = sums.weight > 0.0 ? sums.inlier_weight / sums.weight : 0.0;
   if constexpr (kDerivatives) {
     const double* h = sums.hessian;
     result.gradient = {sums.gradient[0], sums.gradient[1], sums.gradient[2]};
@@ -55,10 +54,16 @@ MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_
   return result;
 }
 
+struct LevelResult {
+  Pose2 pose;
+  bool converged = false;
+  int iterations = 0;
+};
+
 /// Levenberg-Marquardt over three parameters.
 /// first: the cost at `start`; last: set to the cost where it ends.
-LevelResult minimize_directly(const Problem& problem, const Pose2& start, double hit_stddev_m,
-                              int max_iterations, const MatchCost& first, MatchCost& last) {
+LevelResult minimize(const Problem& problem, const Pose2& start, double hit_stddev_m,
+                     int max_iterations, const MatchCost& first, MatchCost& last) {
   // Metres and radians: a thousandth of what a beam is trusted.
   const double step_tolerance = 1e-3 * hit_stddev_m;
   LevelResult result{start, false, 0};
@@ -173,18 +178,10 @@ MatchResult match(const Endpoints& endpoints, std::span<const float> beam_weight
   MatchCost there;
   for (int i = config.levels - 1; i >= 0; --i) {
     const double sigma = config.hit_stddev_m * std::pow(2.0, i);
-    if (config.solver == MatchSolver::kCeres) {
-      level = minimize_with_ceres(endpoints, beam_weights, field, level.pose, prior, sigma,
-                                  config.hit_weight, config.max_iterations);
-    } else {
-      const bool at_guess = i == 0 && config.levels == 1;
-      const MatchCost first = at_guess ? here : evaluate<true>(problem, level.pose, sigma);
-      level = minimize_directly(problem, level.pose, sigma, config.max_iterations, first, there);
-    }
+    const bool at_guess = i == 0 && config.levels == 1;
+    const MatchCost first = at_guess ? here : evaluate<true>(problem, level.pose, sigma);
+    level = minimize(problem, level.pose, sigma, config.max_iterations, first, there);
     result.iterations += level.iterations;
-  }
-  if (config.solver == MatchSolver::kCeres) {
-    there = evaluate<true>(problem, level.pose, config.hit_stddev_m);
   }
   const bool improved = there.cost <= here.cost;
   if (improved) {
@@ -193,11 +190,12 @@ MatchResult match(const Endpoints& endpoints, std::span<const float> beam_weight
     there = here;
   }
   result.cost = there.cost;
-  result.explained = there.explained;
+  result.inlier_share = there.inlier_share;
   result.covariance = covariance_of(problem, result.pose, there, config);
   const Eigen::Matrix2d position = result.covariance.topLeftCorner<2, 2>();
   const double worst = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position).eigenvalues()(1);
-  result.converged = level.converged && improved && result.explained >= config.min_explained &&
+  result.converged = level.converged && improved &&
+                     result.inlier_share >= config.min_inlier_share &&
                      worst <= config.max_condition_stddev_m * config.max_condition_stddev_m;
   return result;
 }

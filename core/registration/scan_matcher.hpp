@@ -2,11 +2,7 @@
 /// Scan-to-map matching with a robust mixture cost, covariance and an honest `converged`.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <span>
-#include <utility>
 
 #include <Eigen/Core>
 
@@ -17,25 +13,18 @@
 
 namespace strata::registration {
 
-/// Which minimizer runs; both minimize the same cost.
-enum class MatchSolver : std::uint8_t {
-  kGaussNewton,  ///< our own 3 x 3 normal equations: no set-up cost, for every scan of a log
-  kCeres,        ///< a Ceres problem, one residual block a beam
-};
-
 struct MatchConfig {
   double hit_weight = 0.95;
   double hit_stddev_m = 0.05;
   int levels = 3;
   int max_iterations = 20;
   double effective_beams = 30.0;
-  double min_explained = 0.35;
+  double min_inlier_share = 0.35;
   double max_condition_stddev_m = 0.5;
-  MatchSolver solver = MatchSolver::kGaussNewton;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("hit_weight", c.hit_weight,
-            {.doc = "w_h: share of beams that the map explains; the rest is uniform",
+            {.doc = "w_h: share of beams that are inliers of the map; the rest is uniform",
              .unit = "1",
              .min = 0.01,
              .max = 0.999});
@@ -51,8 +40,10 @@ struct MatchConfig {
     v.field("effective_beams", c.effective_beams,
             {.doc = "beams of one scan are correlated: the covariance counts them as this many",
              .min = 1.0});
-    v.field("min_explained", c.min_explained,
-            {.doc = "below this share of explained beams a match has not converged",
+    v.renamed("min_explained", "min_inlier_share");
+    v.removed("solver", "matching has one solver");
+    v.field("min_inlier_share", c.min_inlier_share,
+            {.doc = "below this share of inlier beams a match has not converged",
              .unit = "1",
              .min = 0.0,
              .max = 1.0});
@@ -61,8 +52,6 @@ struct MatchConfig {
                     "not converged (a bare corridor without a prior)",
              .unit = "m",
              .min = 0.01});
-    v.field("solver", c.solver,
-            {.doc = "gauss_newton (fast) or ceres; both minimize the same cost"});
   }
 };
 
@@ -71,8 +60,8 @@ struct MatchResult {
   Pose2 pose;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   bool converged = false;
-  double cost = 0.0;       ///< nats, cost at `pose` on the finest level; 0 for a perfect match
-  double explained = 0.0;  ///< weighted mean over hits of exp(-D^2 / 2 sigma_l^2), 0 ... 1
+  double cost = 0.0;          ///< nats, cost at `pose` on the finest level; 0 for a perfect match
+  double inlier_share = 0.0;  ///< weighted mean over hits of exp(-D^2 / 2 sigma_l^2), 0 ... 1
   int iterations = 0;
 
   [[nodiscard]] Pose2Gaussian gaussian() const { return {pose, covariance}; }
@@ -95,7 +84,7 @@ struct MatchResult {
 struct MatchCost {
   double cost = 0.0;
   double scan_cost = 0.0;  ///< the beams' part of it
-  double explained = 0.0;
+  double inlier_share = 0.0;
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
 };
@@ -105,10 +94,3 @@ struct MatchCost {
                                        double hit_stddev_m, double hit_weight);
 
 }  // namespace strata::registration
-
-template <>
-struct strata::EnumNames<strata::registration::MatchSolver> {
-  static constexpr std::array<std::pair<strata::registration::MatchSolver, const char*>, 2> values{
-      {{strata::registration::MatchSolver::kGaussNewton, "gauss_newton"},
-       {strata::registration::MatchSolver::kCeres, "ceres"}}};
-};

@@ -18,13 +18,13 @@
 namespace strata::registration {
 namespace {
 
-constexpr std::size_t kMostPairs = 24;
-constexpr std::size_t kLeastPairs = 8;
-constexpr double kLeastTurnRad = 0.03;
+constexpr std::size_t kMaxPairs = 24;
+constexpr std::size_t kMinPairs = 8;
+constexpr double kMinTurnRad = 0.03;
 constexpr double kLongestGapS = 1.0;
 constexpr int kDelaysPerSweep = 4;
-constexpr double kLeastGain = 0.1;
-constexpr std::size_t kMostBeams = 180;
+constexpr double kMinGain = 0.1;
+constexpr std::size_t kMaxBeams = 180;
 /// Odometry between two consecutive scans is good to this.
 constexpr double kOdometryStddevM = 0.02;
 constexpr double kOdometryStddevRad = 0.01;
@@ -46,11 +46,11 @@ std::vector<Pair> turning_pairs(std::span<const Scan> scans, const OdometryAt& o
     const double turn = angle_difference(next->theta, here->theta);
     const double signal = std::abs(turn) + std::abs(turn - last_turn);
     last_turn = turn;
-    if (std::abs(turn) >= kLeastTurnRad) pairs.push_back({i, signal});
+    if (std::abs(turn) >= kMinTurnRad) pairs.push_back({i, signal});
   }
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& a, const Pair& b) { return a.signal_rad > b.signal_rad; });
-  if (pairs.size() > kMostPairs) pairs.resize(kMostPairs);
+  if (pairs.size() > kMaxPairs) pairs.resize(kMaxPairs);
   return pairs;
 }
 
@@ -101,11 +101,9 @@ std::vector<double> costs_of(std::span<const Scan> scans, const std::vector<Pair
     const auto first = placed(scans[pair.first], odometry, timing);
     const auto second = placed(scans[pair.first + 1], odometry, timing);
     if (!first || !second) continue;
-    Pose2Gaussian prior{between(first->odom_from_robot, second->odom_from_robot),
-                        Eigen::Matrix3d::Zero()};
-    prior.covariance.diagonal() << kOdometryStddevM * kOdometryStddevM,
-        kOdometryStddevM * kOdometryStddevM, kOdometryStddevRad * kOdometryStddevRad;
-    const MatchResult result = match(thin(endpoints_in_robot(second->scan), kMostBeams), {},
+    const Pose2Gaussian prior{between(first->odom_from_robot, second->odom_from_robot),
+                              pose_covariance(kOdometryStddevM, kOdometryStddevRad)};
+    const MatchResult result = match(subsample(endpoints_in_robot(second->scan), kMaxBeams), {},
                                      field_of(first->scan), prior.mean, &prior);
     costs.back() = result.cost;
     sum += result.cost;
@@ -144,7 +142,7 @@ class TimingSearch {
   /// has one valley about a sweep wide. The better order goes first and lets the other stop early.
   void run() {
     for (const bool reversed : {false, true}) {
-      for (int step = kLeastStep; step <= kMostStep; step += kDelaysPerSweep) {
+      for (int step = kMinStep; step <= kMaxStep; step += kDelaysPerSweep) {
         const Step& lowest = lowest_[reversed ? 1 : 0];
         const bool is_known = step == 0 && lowest.step == 0 && std::isfinite(lowest.cost);
         if (!is_known) attempt(reversed, step, lowest.cost);
@@ -166,7 +164,7 @@ class TimingSearch {
   [[nodiscard]] std::optional<SweepTiming> timing() const {
     if (!improved_) return std::nullopt;
     SweepTiming timing = candidate(found_.reversed, found_.step);
-    if (found_.step > kLeastStep && found_.step < kMostStep) {
+    if (found_.step > kMinStep && found_.step < kMaxStep) {
       const auto beside = [&](int step) {
         return sum_of(costs_of(scans_, pairs_, odometry_, candidate(timing.reversed, step)));
       };
@@ -178,8 +176,8 @@ class TimingSearch {
   }
 
  private:
-  static constexpr int kLeastStep = -kDelaysPerSweep;
-  static constexpr int kMostStep = 2 * kDelaysPerSweep;
+  static constexpr int kMinStep = -kDelaysPerSweep;
+  static constexpr int kMaxStep = 2 * kDelaysPerSweep;
   struct Step {
     bool reversed = false;
     int step = 0;
@@ -191,7 +189,7 @@ class TimingSearch {
   }
 
   void attempt(bool reversed, int step, double limit) {
-    if (step < kLeastStep || step > kMostStep) return;
+    if (step < kMinStep || step > kMaxStep) return;
     std::vector<double> costs =
         costs_of(scans_, pairs_, odometry_, candidate(reversed, step), limit);
     const double cost = sum_of(costs);
@@ -224,7 +222,7 @@ SweepTimingEstimate estimate_sweep_timing(std::span<const Scan> scans, const Odo
   if (sweep_s <= 0.0) return result;
   const std::vector<Pair> pairs = turning_pairs(scans, odometry);
   result.pairs = pairs.size();
-  if (pairs.size() < kLeastPairs) return result;
+  if (pairs.size() < kMinPairs) return result;
 
   const auto count = static_cast<double>(pairs.size());
   const std::vector<double> stated = costs_of(scans, pairs, odometry, stated_timing);
@@ -235,7 +233,7 @@ SweepTimingEstimate estimate_sweep_timing(std::span<const Scan> scans, const Odo
   result.estimate_cost = sum_of(best) / count;
   std::size_t better = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) better += best[i] < stated[i] ? 1 : 0;
-  result.certain = result.estimate_cost < (1.0 - kLeastGain) * result.stated_cost &&
+  result.certain = result.estimate_cost < (1.0 - kMinGain) * result.stated_cost &&
                    4 * better >= 3 * pairs.size();
   if (result.certain) result.timing = search.timing().value_or(stated_timing);
   return result;

@@ -23,8 +23,13 @@ struct CloudSliceConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("min_height_m", c.min_height_m,
-            {.doc = "lowest point that counts, above the robot's frame: no floor", .unit = "m"});
-    v.field("max_height_m", c.max_height_m, {.doc = "highest point that counts", .unit = "m"});
+            {.doc = "lowest point that counts, above the robot's frame: no floor",
+             .unit = "m",
+             .when = "ramps, sills or an uneven floor show up as walls: raise it"});
+    v.field("max_height_m", c.max_height_m,
+            {.doc = "highest point that counts",
+             .unit = "m",
+             .when = "the scanner sits higher, or things above the robot show up as walls"});
     v.require(c.min_height_m < c.max_height_m, "max_height_m", "is not above min_height_m",
               "give a slice with some height");
     v.field("angle_increment_rad", c.angle_increment_rad,

@@ -24,7 +24,7 @@ Endpoints endpoints_in_robot(const Scan& scan) {
   return result;
 }
 
-Endpoints thin(const Endpoints& endpoints, std::size_t max_beams) {
+Endpoints subsample(const Endpoints& endpoints, std::size_t max_beams) {
   if (max_beams == 0 || endpoints.size() <= max_beams) return endpoints;
   Endpoints result;
   for (std::size_t i = 0; i < max_beams; ++i) {

@@ -25,6 +25,6 @@ struct Endpoints {
 
 /// At most max_beams hits, spread evenly over the hits (every k-th by index), same frame. max_beams
 /// 0 means all.
-[[nodiscard]] Endpoints thin(const Endpoints& endpoints, std::size_t max_beams);
+[[nodiscard]] Endpoints subsample(const Endpoints& endpoints, std::size_t max_beams);
 
 }  // namespace strata

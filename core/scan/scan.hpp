@@ -50,6 +50,9 @@ struct Observation {
   bool has_odometry = true;
 };
 
+/// Whether a beam of that static probability is held to have hit something that moves.
+[[nodiscard]] inline bool is_dynamic(float static_probability) { return static_probability < 0.5F; }
+
 /// A scan with the pose that mapping gave it and what the beam filter thinks of each beam.
 struct PosedScan {
   int run = 0;

@@ -9,7 +9,7 @@ namespace {
 /// A scanner that sent none of so many scans is off, or was never one: mountings may be measured
 /// anew, too.
 constexpr std::uint64_t kAliveScans = 40;
-constexpr std::size_t kMostScanners = 16;
+constexpr std::size_t kMaxScanners = 16;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ void ScannerTurns::see(const Scan& scan, int run) {
   });
   newest_ = static_cast<std::uint64_t>(found - scanners_.begin());
   if (found == scanners_.end()) {
-    if (scanners_.size() == kMostScanners) {
+    if (scanners_.size() == kMaxScanners) {
       scanners_.clear();
       newest_ = 0;
     }

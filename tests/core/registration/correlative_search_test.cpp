@@ -41,7 +41,7 @@ TEST(CorrelativeSearch, EqualsTryingEveryPose) {
   for (int i = 0; i < 8; ++i) {
     const Pose2 truth{random.uniform(4.0, 6.0), random.uniform(2.0, 4.0),
                       random.uniform(-3.0, 3.0)};
-    const Endpoints hits = thin(endpoints_in_robot(full_scan(truth, 60)), 30);
+    const Endpoints hits = subsample(endpoints_in_robot(full_scan(truth, 60)), 30);
     const Pose2 guess{truth.x + random.uniform(-0.4, 0.4), truth.y + random.uniform(-0.4, 0.4),
                       wrap_angle(truth.theta + random.uniform(-0.2, 0.2))};
     const SearchWindow window{0.5, 0.45, 0.25};
@@ -76,7 +76,7 @@ TEST(CorrelativeSearch, FindsAPoseThatIsMetresAndHalfATurnOff) {
   const Pose2 origin{5.0, 3.0, 0.0};
   const CorrelativeTables tables(field_from_scan(full_scan(origin, 720), origin), {});
   const Pose2 truth{5.6, 2.5, 2.8};
-  const Endpoints hits = thin(endpoints_in_robot(full_scan(truth, 180)), 120);
+  const Endpoints hits = subsample(endpoints_in_robot(full_scan(truth, 180)), 120);
   const SearchResult result =
       search(hits, tables, {3.5, 4.0, 0.0}, {3.0, 3.0, std::numbers::pi}, 0.5);
   ASSERT_TRUE(result.found);
@@ -87,7 +87,7 @@ TEST(CorrelativeSearch, FindsAPoseThatIsMetresAndHalfATurnOff) {
 TEST(CorrelativeSearch, FindsNothingBelowTheLeastScore) {
   const Pose2 origin{5.0, 3.0, 0.0};
   const CorrelativeTables tables(field_from_scan(full_scan(origin, 360), origin), {});
-  const Endpoints hits = thin(endpoints_in_robot(full_scan(origin, 180)), 60);
+  const Endpoints hits = subsample(endpoints_in_robot(full_scan(origin, 180)), 60);
   EXPECT_FALSE(search(hits, tables, {25.0, 3.0, 0.0}, {0.5, 0.5, 0.2}, 0.3).found);
   EXPECT_FALSE(search({}, tables, origin, {0.5, 0.5, 0.2}, 0.3).found);
 }

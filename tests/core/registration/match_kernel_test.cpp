@@ -72,7 +72,7 @@ MatchSums slow_sums(const Endpoints& endpoints, const std::vector<float>& weight
     const double iv = 1.0 / (kHitStddev_m * kHitStddev_m);
     const double kernel = std::exp(-0.5 * iv * (across * across + p->tangential * along * along));
     const double mixture = kHitWeight * kernel + 1.0 - kHitWeight;
-    sums.explained += e * kernel;
+    sums.inlier_weight += e * kernel;
     sums.log_mixture += e * std::log(mixture);
     const double w = e * iv * kHitWeight * kernel / mixture;
     const double wl = along == 0.0 ? 0.0 : w * p->tangential;
@@ -94,7 +94,7 @@ void expect_near(const MatchSums& one, const MatchSums& other) {
     EXPECT_NEAR(a, b, 1e-11 * (1.0 + std::abs(a) + std::abs(b)));
   };
   near(one.weight, other.weight);
-  near(one.explained, other.explained);
+  near(one.inlier_weight, other.inlier_weight);
   near(one.log_mixture, other.log_mixture);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(one.gradient[k], other.gradient[k], 1e-7);
   for (int k = 0; k < 6; ++k) EXPECT_NEAR(one.hessian[k], other.hessian[k], 1e-6);
@@ -131,7 +131,7 @@ TEST(MatchKernel, GivesTheSameBitsOnEveryTargetWithAndWithoutDerivatives) {
     EXPECT_EQ(std::memcmp(&here, &there, sizeof(MatchSums)), 0);
     const MatchSums cost_alone = sums(false);
     EXPECT_EQ(cost_alone.log_mixture, here.log_mixture);
-    EXPECT_EQ(cost_alone.explained, here.explained);
+    EXPECT_EQ(cost_alone.inlier_weight, here.inlier_weight);
   });
 }
 

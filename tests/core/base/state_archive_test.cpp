@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/state_archive.hpp"
+
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace strata {
+namespace {
+
+TEST(StateArchive, TakesNothingButZeroAndOneForABool) {
+  StateWriter writer;
+  writer(true);
+  writer(std::optional<int>(7));
+  std::vector<std::uint8_t> bytes = writer.take();
+  bool value = false;
+  std::optional<int> number;
+  StateReader reader(bytes, "state");
+  reader(value);
+  reader(number);
+  EXPECT_TRUE(value);
+  EXPECT_EQ(number, 7);
+  bytes[0] = 154;
+  EXPECT_THROW(StateReader(bytes, "state")(value), InputError);
+  bytes[1] = 2;
+  EXPECT_THROW(StateReader(std::span(bytes).subspan(1), "state")(number), InputError);
+}
+
+enum class Door : std::uint8_t { kOpen, kClosed };
+constexpr Door last_enumerator(Door /*of*/) { return Door::kClosed; }
+
+TEST(StateArchive, TakesNothingForAnEnumThatItDoesNotHave) {
+  StateWriter writer;
+  writer(Door::kClosed);
+  writer(std::vector<Door>{Door::kOpen, Door::kClosed});
+  std::vector<std::uint8_t> bytes = writer.take();
+  const auto read = [&] {
+    StateReader reader(bytes, "state");
+    Door door = Door::kOpen;
+    std::vector<Door> doors;
+    reader(door);
+    reader(doors);
+    return doors;
+  };
+  EXPECT_EQ(read().back(), Door::kClosed);
+  bytes.back() = 2;
+  EXPECT_THROW((void)read(), DamageError);
+  bytes.back() = 1;
+  bytes.front() = 255;
+  EXPECT_THROW((void)read(), DamageError);
+}
+
+TEST(StateArchive, FindsAByteThatIsNoBoolInAPlainStruct) {
+  struct Plain {
+    double number = 0.5;
+    bool flag = true;
+  };
+  StateWriter writer;
+  writer(Plain{});
+  std::vector<std::uint8_t> bytes = writer.take();
+  const auto read = [&] {
+    StateReader reader(bytes, "state");
+    Plain plain;
+    reader(plain);
+    reader.check_bool(plain.flag);
+  };
+  EXPECT_NO_THROW(read());
+  bytes[sizeof(double)] = 77;
+  EXPECT_THROW(read(), DamageError);
+}
+
+}  // namespace
+}  // namespace strata

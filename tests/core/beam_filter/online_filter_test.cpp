@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/beam_filter/online_filter.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/base/parallel.hpp"
+#include "core/grid/count_scans.hpp"
+
+namespace strata::beam_filter {
+namespace {
+
+constexpr std::size_t kBeams = 120;
+constexpr double kHall_m = 4.0;     // half a square hall
+constexpr double kPerson_m = 1.52;  // from the middle
+constexpr double kShoulder_rad = 0.15;
+
+/// The middle of a hall, 20 scans a second; a person may stand in the way of some beams at angle 0.
+PosedScan from_the_middle(int t, double x_m, bool with_person) {
+  PosedScan posed;
+  posed.map_from_robot = {x_m, 0.0, 0.0};
+  posed.scan.stamp = Stamp::from_seconds(0.05 * t);
+  posed.scan.angle_min_rad = static_cast<float>(-std::numbers::pi);
+  posed.scan.angle_increment_rad = static_cast<float>(2.0 * std::numbers::pi / kBeams);
+  posed.scan.range_max_m = 20.0F;
+  for (std::size_t n = 0; n < kBeams; ++n) {
+    const double angle = posed.scan.bearing_rad(n);
+    const double c = std::abs(std::cos(angle)) < 1e-9 ? 1e-9 : std::cos(angle);
+    const double s = std::abs(std::sin(angle)) < 1e-9 ? 1e-9 : std::sin(angle);
+    double range =
+        std::min(((c > 0.0 ? kHall_m : -kHall_m) - x_m) / c, (s > 0.0 ? kHall_m : -kHall_m) / s) +
+        0.02;
+    if (with_person && std::abs(angle) < kShoulder_rad) range = kPerson_m - x_m;
+    posed.scan.ranges_m.push_back(static_cast<float>(range));
+  }
+  return posed;
+}
+
+bool hits_person(const PosedScan& posed, std::size_t beam) {
+  return std::abs(posed.scan.bearing_rad(beam)) < kShoulder_rad;
+}
+
+TEST(OnlineFilter, LabelsAnUnknownHallStaticAndWhoComesLaterDynamic) {
+  OnlineFilter filter;
+  for (int t = 0; t < 30; ++t) {
+    for (const float e : filter.add(from_the_middle(t, 0.0, false))) EXPECT_GT(e, 0.5F);
+  }
+  const PosedScan scan = from_the_middle(30, 0.0, true);
+  const std::vector<float> labels = filter.add(scan);
+  for (std::size_t n = 0; n < kBeams; ++n) {
+    EXPECT_EQ(labels[n] < 0.5F, hits_person(scan, n)) << n;
+  }
+}
+
+TEST(OnlineFilter, StoppedAndRestoredItLabelsAsIfItHadNeverStopped) {
+  const WindowConfig window{.scans = 25};
+  OnlineFilter whole({}, window);
+  OnlineFilter stopped({}, window);
+  for (int t = 0; t < 120; ++t) {
+    const PosedScan scan = from_the_middle(t, 0.02 * (t % 60), t % 40 > 20);
+    ASSERT_EQ(stopped.add(scan), whole.add(scan)) << t;
+    if (t % 17 != 0) continue;
+    const std::vector<std::uint8_t> state = stopped.save_state();
+    stopped = OnlineFilter({}, window);
+    stopped.restore_state(state, "state");
+    EXPECT_THROW(OnlineFilter().restore_state(std::span(state).first(state.size() - 1), "state"),
+                 InputError);
+    BeamFilterConfig coarse;
+    coarse.resolution_m = 0.1;
+    EXPECT_THROW(OnlineFilter(coarse).restore_state(state, "state"), InputError);
+  }
+  EXPECT_EQ(stopped.scans_in_window(), 25U);
+}
+
+TEST(OnlineFilter, ForgetsWhoStoodBeforeAStandingRobotWithTheWindow) {
+  OnlineFilter filter({}, {.scans = 40});
+  CountingMap all(filter.counts().resolution_m());
+  const Eigen::Vector2d person(kPerson_m, 0.0);
+  auto see = [&](int t, bool with_person) {
+    const PosedScan scan = from_the_middle(t, 0.0, with_person);
+    all.add(scan);
+    return filter.add(scan);
+  };
+  for (int t = 0; t < 200; ++t) see(t, true);
+  const ReflectionGrid before = filter.map();
+  EXPECT_TRUE(is_occupied(before.get(before.cell_at(person))));
+  for (int t = 200; t < 240; ++t) see(t, false);
+  const ReflectionGrid after = filter.map();
+  EXPECT_TRUE(is_free(after.get(after.cell_at(person))));
+  // Counted for ever, she would still stand there.
+  const ReflectionGrid for_ever = all.reflection();
+  EXPECT_TRUE(is_occupied(for_ever.get(for_ever.cell_at(person))));
+  // And who comes back to that place is dynamic now.
+  const PosedScan back = from_the_middle(240, 0.0, true);
+  const std::vector<float> labels = filter.add(back);
+  for (std::size_t n = 0; n < kBeams; ++n) {
+    if (hits_person(back, n)) {
+      EXPECT_LT(labels[n], 0.5F);
+    }
+  }
+}
+
+TEST(OnlineFilter, HoldsTheWindowAndTheKeyScansAndNothingElse) {
+  const WindowConfig window{.scans = 25};
+  OnlineFilter filter({}, window);
+  std::vector<PosedScan> kept;
+  constexpr int kScans = 300;
+  double last_key_m = -1.0;
+  for (int t = 0; t < kScans; ++t) {
+    const double x_m = 0.003 * t;
+    const PosedScan scan = from_the_middle(t, x_m, t % 3 == 0);
+    filter.add(scan);
+    const bool key = last_key_m < 0.0 || x_m - last_key_m >= window.key_distance_m;
+    if (key) last_key_m = x_m;
+    if (key || t >= kScans - window.scans) kept.push_back(scan);
+  }
+  EXPECT_EQ(filter.scans_in_window(), 25U);
+  WorkerPool pool(1);
+  const CountingMap expected =
+      count_scans(kept, filter.counts().resolution_m(), {}, BeamWeights::kAllStatic, pool);
+  const Grid<CellCounts>& cells = filter.counts().cells();
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const CellCounts& other = expected.cells().get(cells.cell(i));
+    ASSERT_NEAR(cells.values()[i].hits, other.hits, 1e-9);
+    ASSERT_NEAR(cells.values()[i].misses, other.misses, 1e-9);
+  }
+}
+
+TEST(OnlineFilter, RefusesSettingsThatCannotWork) {
+  BeamFilterConfig filter;
+  filter.prior = 0.5;
+  EXPECT_THROW(OnlineFilter{filter}, ConfigError);
+  EXPECT_THROW(OnlineFilter({}, {.scans = 0}), ConfigError);
+}
+
+}  // namespace
+}  // namespace strata::beam_filter

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/grid/counting_map.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/grid/count_scans.hpp"
+#include "core/random/stream.hpp"
+#include "tests/core/grid/clip_reference.hpp"
+#include "tests/core/grid/log_odds_map.hpp"
+
+namespace strata {
+namespace {
+
+constexpr double kResolution = 0.1;
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+PosedScan random_scan(RandomStream& random, bool with_labels) {
+  PosedScan posed;
+  posed.map_from_robot = {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0),
+                          random.uniform(-3.0, 3.0)};
+  posed.scan.robot_from_laser = {0.2, 0.1, 0.3};
+  posed.scan.angle_min_rad = -2.0F;
+  posed.scan.angle_increment_rad = 0.13F;
+  posed.scan.range_min_m = 0.05F;
+  posed.scan.range_max_m = 5.0F;
+  for (int i = 0; i < 30; ++i) {
+    float range = static_cast<float>(random.uniform(0.0, 4.0));
+    if (random.bernoulli(0.1)) range = kInf;
+    if (random.bernoulli(0.1)) range = std::numeric_limits<float>::quiet_NaN();
+    if (random.bernoulli(0.05)) range = -kInf;
+    posed.scan.ranges_m.push_back(range);
+    if (with_labels) posed.static_probability.push_back(static_cast<float>(random.uniform()));
+  }
+  return posed;
+}
+
+/// The counting model beam by beam and cell by cell, straight from eqs. (1.12) to (1.15).
+void count_slowly(const PosedScan& posed, const CountingOptions& options,
+                  std::map<Cell, CellCounts>& cells) {
+  const Pose2 laser = posed.map_from_laser();
+  for (std::size_t n = 0; n < posed.scan.size(); ++n) {
+    const float reading = posed.scan.ranges_m[n];
+    if (std::isnan(reading) || reading < posed.scan.range_min_m) continue;
+    bool hit = reading < posed.scan.range_max_m;
+    double range = hit ? static_cast<double>(reading) : options.no_return_free_range_m;
+    if (hit && options.max_range_m > 0.0 && range > options.max_range_m) {
+      range = options.max_range_m;
+      hit = false;
+    }
+    if (range <= 0.0) continue;
+    const double angle = laser.theta + posed.scan.bearing_rad(n);
+    const Eigen::Vector2d from = laser.translation();
+    const Eigen::Vector2d to = from + range * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    const Cell end = cell_at(to, kResolution);
+    for (const auto& [cell, length] : test::clip_lengths(from, to, kResolution)) {
+      if (!(hit && cell == end)) cells[cell].misses += length / kResolution;
+    }
+    if (!hit) continue;
+    const double e =
+        posed.static_probability.empty() ? 1.0 : static_cast<double>(posed.static_probability[n]);
+    cells[end].hits += e;
+    cells[end].misses += 1.0 - e;
+  }
+}
+
+void expect_equal(const CountingMap& map, const std::map<Cell, CellCounts>& expected) {
+  for (const auto& [cell, counts] : expected) {
+    if (counts.total() > 1e-9) {
+      ASSERT_TRUE(map.cells().contains(cell));
+    }
+  }
+  for (std::size_t i = 0; i < map.cells().size(); ++i) {
+    const auto found = expected.find(map.cells().cell(i));
+    const CellCounts counts = found == expected.end() ? CellCounts{} : found->second;
+    ASSERT_NEAR(map.cells().values()[i].hits, counts.hits, 1e-9);
+    ASSERT_NEAR(map.cells().values()[i].misses, counts.misses, 1e-8);
+  }
+}
+
+TEST(CountingMap, EqualsTheSlowCountCellByCell) {
+  RandomStream random(1, StreamId::kTest);
+  for (const bool with_labels : {false, true}) {
+    for (const CountingOptions options :
+         {CountingOptions{}, CountingOptions{1.5, 0.0}, CountingOptions{0.0, 2.0}}) {
+      CountingMap map(kResolution);
+      std::map<Cell, CellCounts> expected;
+      for (int i = 0; i < 60; ++i) {
+        const PosedScan scan = random_scan(random, with_labels);
+        map.add(scan, options);
+        count_slowly(scan, options, expected);
+      }
+      expect_equal(map, expected);
+    }
+  }
+}
+
+TEST(CountingMap, TakesAScanOutAgain) {
+  RandomStream random(2, StreamId::kTest);
+  CountingMap map(kResolution);
+  std::map<Cell, CellCounts> expected;
+  const PosedScan kept = random_scan(random, true);
+  const PosedScan taken = random_scan(random, true);
+  map.add(kept);
+  map.add(taken);
+  map.add(taken, {}, -1.0);
+  count_slowly(kept, {}, expected);
+  expect_equal(map, expected);
+}
+
+TEST(CountingMap, CountsAllBeamsWhenLabelsAreToBeIgnored) {
+  RandomStream random(3, StreamId::kTest);
+  PosedScan scan = random_scan(random, true);
+  CountingMap map(kResolution);
+  map.add(scan, {}, 1.0, BeamWeights::kAllStatic);
+  scan.static_probability.clear();
+  std::map<Cell, CellCounts> expected;
+  count_slowly(scan, {}, expected);
+  expect_equal(map, expected);
+}
+
+TEST(CountingMap, ReflectionIsTheShareOfHitsAndUnknownWithoutEvidence) {
+  Grid<CellCounts> cells(kResolution, {{0, 0}, {4, 1}});
+  cells.values() = {{3.0, 1.0}, {0.0, 0.4}, {0.0, 0.5}, {2.0, 0.0}};
+  const ReflectionGrid map = CountingMap(cells).reflection();
+  EXPECT_EQ(map.values()[0], 0.75F);
+  EXPECT_FALSE(is_known(map.values()[1]));
+  EXPECT_EQ(map.values()[2], 0.0F);
+  EXPECT_EQ(map.values()[3], 1.0F);
+}
+
+TEST(CountScans, EqualsAddingOneScanAfterTheOther) {
+  RandomStream random(4, StreamId::kTest);
+  std::vector<PosedScan> scans;
+  for (int i = 0; i < 700; ++i) scans.push_back(random_scan(random, true));
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{127}, scans.size()}) {
+    const std::span<const PosedScan> some(scans.data(), count);
+    CountingMap expected(kResolution);
+    for (const PosedScan& scan : some) expected.add(scan);
+    WorkerPool one(1);
+    const CountingMap map =
+        count_scans(some, kResolution, {}, BeamWeights::kStaticProbability, one);
+    for (std::size_t i = 0; i < map.cells().size(); ++i) {
+      const CellCounts& counts = expected.cells().get(map.cells().cell(i));
+      // Stretches are added in another order than scans; short logs are one stretch.
+      const double tolerance = count < 128 ? 0.0 : 1e-9;
+      ASSERT_NEAR(map.cells().values()[i].hits, counts.hits, tolerance);
+      ASSERT_NEAR(map.cells().values()[i].misses, counts.misses, tolerance);
+    }
+    for (const int threads : {2, 8}) {
+      WorkerPool pool(threads);
+      const CountingMap again =
+          count_scans(some, kResolution, {}, BeamWeights::kStaticProbability, pool);
+      ASSERT_EQ(again.cells().rect(), map.cells().rect());
+      for (std::size_t i = 0; i < map.cells().size(); ++i) {
+        ASSERT_EQ(again.cells().values()[i].hits, map.cells().values()[i].hits);
+        ASSERT_EQ(again.cells().values()[i].misses, map.cells().values()[i].misses);
+      }
+    }
+  }
+}
+
+TEST(LogOddsMap, AddsLogOddsOfHitsAndOfPassedLengths) {
+  LogOddsConfig config;
+  config.clamp_log_odds = 1e6;
+  LogOddsMap map(kResolution, config);
+  CountingMap counts(kResolution);
+  RandomStream random(5, StreamId::kTest);
+  for (int i = 0; i < 40; ++i) {
+    const PosedScan scan = random_scan(random, false);
+    map.add(scan);
+    counts.add(scan);
+  }
+  const double hit = std::log(config.hit_probability / (1.0 - config.hit_probability));
+  const double miss = std::log(config.miss_probability / (1.0 - config.miss_probability));
+  for (std::size_t i = 0; i < counts.cells().size(); ++i) {
+    const CellCounts& cell = counts.cells().values()[i];
+    const double expected = cell.hits * hit + cell.misses * miss;
+    const float value = map.log_odds().get(counts.cells().cell(i));
+    ASSERT_NEAR(value, expected, 1e-4 * (1.0 + std::abs(expected)));
+  }
+}
+
+TEST(LogOddsMap, ClampsSoThatItCanChangeItsMind) {
+  LogOddsMap map(kResolution);
+  PosedScan near;
+  near.scan.range_max_m = 10.0F;
+  near.scan.ranges_m = {1.05F};
+  PosedScan far = near;
+  far.scan.ranges_m = {2.05F};
+  for (int i = 0; i < 1'000; ++i) map.add(near);
+  const Cell cell = cell_at({1.05, 0.0}, kResolution);
+  EXPECT_NEAR(map.log_odds().at(cell), 6.0, 1e-6);
+  EXPECT_TRUE(is_occupied(map.probability().at(cell)));
+  for (int i = 0; i < 30; ++i) map.add(far);
+  EXPECT_TRUE(is_free(map.probability().at(cell)));
+}
+
+TEST(LogOddsMap, RefusesProbabilitiesThatSayEverything) {
+  LogOddsConfig config;
+  config.hit_probability = 1.0;
+  EXPECT_THROW(LogOddsMap(kResolution, config), ConfigError);
+}
+
+TEST(CountScans, ReadingsThatNoScannerGivesDoNotGrowTheMap) {
+  PosedScan scan;
+  scan.scan.angle_increment_rad = 0.5F;
+  scan.scan.range_max_m = kInf;
+  scan.scan.ranges_m = {2.0F, 1e30F, 3e38F, 1e7F, kInf, std::numeric_limits<float>::quiet_NaN()};
+  CountingOptions options;
+  options.no_return_free_range_m = 3.0;
+  WorkerPool pool(1);
+  const CountingMap map = count_scans(std::vector<PosedScan>{scan}, kResolution, options,
+                                      BeamWeights::kStaticProbability, pool);
+  EXPECT_LE(map.cells().rect().width(), 70);
+  EXPECT_LE(map.cells().rect().height(), 70);
+  EXPECT_EQ(map.cells().get({20, 0}).hits, 1.0);
+}
+
+}  // namespace
+}  // namespace strata
