@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/grid/connected_cells.hpp"
 #include "core/patch/jitter.hpp"
 #include "core/patch/surface_spread.hpp"
 
@@ -115,32 +116,28 @@ bool was_seen_gone(const VisitTable& table, const Cell& cell, const Contradictio
 /// no component, but stay: they are company to others.
 void drop_grazed(const VisitTable& table, const ContradictionConfig& config,
                  std::span<const Cell> around, Grid<std::uint8_t>& mask) {
-  Grid<std::uint8_t> left = drop_lonely(mask, config.min_block_cells);
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    if (left.values()[i] == 0) continue;
-    const std::vector<Cell> component = take_component(left, left.cell(i));
-    const SurfaceSpread surface(component);
-    for (const Cell& cell : component) {
-      if (!was_seen_gone(table, cell, config, around, surface)) mask.at(cell) = 0;
-    }
-  }
+  for_each_component(drop_lonely(mask, config.min_block_cells), CellLink::kOverAGap,
+                     [&](const std::vector<Cell>& component) {
+                       const SurfaceSpread surface(component);
+                       for (const Cell& cell : component) {
+                         if (!was_seen_gone(table, cell, config, around, surface))
+                           mask.at(cell) = 0;
+                       }
+                     });
 }
 
 /// Clears the components of too few cells. few: of test_few_visits, which asks for fewer where the
 /// evidence is strong.
 void drop_small(const Grid<std::uint8_t>& few, const ContradictionConfig& config,
                 Grid<std::uint8_t>& mask) {
-  Grid<std::uint8_t> left = mask;
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    if (left.values()[i] == 0) continue;
-    const std::vector<Cell> component = take_component(left, left.cell(i));
-    if (component.size() >= static_cast<std::size_t>(config.min_component_cells)) continue;
+  for_each_component(mask, CellLink::kOverAGap, [&](const std::vector<Cell>& component) {
+    if (component.size() >= static_cast<std::size_t>(config.min_component_cells)) return;
     const auto strong = std::count_if(component.begin(), component.end(), [&](const Cell& cell) {
       return few.at(cell) == kStronglyContradictory;
     });
-    if (strong >= config.few_strong_cells) continue;
+    if (strong >= config.few_strong_cells) return;
     for (const Cell& cell : component) mask.at(cell) = 0;
-  }
+  });
 }
 
 }  // namespace

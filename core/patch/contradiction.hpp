@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "core/beam_filter/config.hpp"
 #include "core/grid/grid.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/patch/visits.hpp"
@@ -20,7 +21,7 @@
 namespace strata::patch {
 
 struct ContradictionConfig {
-  double prior = 0.9;
+  double prior = beam_filter::kStaticPriorOfVisit;
   double tolerance_m = 0.15;
   double min_across = 1.0;
   double displaced_reach_m = 0.25;

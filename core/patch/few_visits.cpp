@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/grid/connected_cells.hpp"
 #include "core/patch/contradiction.hpp"
 #include "core/patch/jitter.hpp"
 #include "core/patch/surface_spread.hpp"
@@ -34,10 +35,8 @@ class FewVisitsTest {
     for (const Cell& cell : table_.cells()) {
       if (has_pair(cell)) candidates_.at(cell) = 1;
     }
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      if (candidates_.values()[i] == 0) continue;
-      mark_coherent(take_component(candidates_, candidates_.cell(i)), mask);
-    }
+    for_each_component(candidates_, CellLink::kOverAGap,
+                       [&](const std::vector<Cell>& component) { mark_coherent(component, mask); });
     return mask;
   }
 

@@ -8,7 +8,7 @@
 namespace strata::patch {
 namespace {
 
-constexpr double kLeastSquaredDistance = 1e-9;
+constexpr double kMinSquaredDistance = 1e-9;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// mu_cj over the vectors that know entry j; the greatest move of a known entry.
@@ -77,7 +77,7 @@ std::vector<std::vector<double>> memberships_of(const VectorSet& vectors,
     double greatest = -std::numeric_limits<double>::infinity();
     for (std::size_t c = 0; c < centroids.size(); ++c) {
       const double d2 = squared_distance(vectors.row(i), centroids[c], config.epsilon);
-      row[c] = exponent * std::log(std::max(d2, kLeastSquaredDistance));
+      row[c] = exponent * std::log(std::max(d2, kMinSquaredDistance));
       greatest = std::max(greatest, row[c]);
     }
     double sum = 0.0;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/grid/connected_cells.hpp"
+
 namespace strata::patch {
 namespace {
 
@@ -57,30 +59,11 @@ bool was_hit_nearby(const VisitTable& table, const Cell& cell, const Visit& visi
   return false;
 }
 
-std::vector<Cell> take_component(Grid<std::uint8_t>& mask, const Cell& start) {
-  std::vector<Cell> component{start};
-  mask.at(start) = 0;
-  for (std::size_t i = 0; i < component.size(); ++i) {
-    for (int dy = -2; dy <= 2; ++dy) {
-      for (int dx = -2; dx <= 2; ++dx) {
-        const Cell next{component[i].x + dx, component[i].y + dy};
-        if (mask.get(next) == 0) continue;
-        mask.at(next) = 0;
-        component.push_back(next);
-      }
-    }
-  }
-  return component;
-}
-
 void drop_displaced_surfaces(const VisitTable& table, const ContradictionConfig& config,
                              Grid<std::uint8_t>& mask) {
   const std::vector<Cell> around = disc_offsets(config.displaced_reach_m, table.resolution_m());
   const std::vector<Cell> same = disc_offsets(config.tolerance_m, table.resolution_m());
-  Grid<std::uint8_t> left = mask;
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    if (left.values()[i] == 0) continue;
-    const std::vector<Cell> component = take_component(left, left.cell(i));
+  for_each_component(mask, CellLink::kOverAGap, [&](const std::vector<Cell>& component) {
     std::size_t free = 0;
     std::size_t near = 0;
     std::size_t beside = 0;
@@ -96,10 +79,10 @@ void drop_displaced_surfaces(const VisitTable& table, const ContradictionConfig&
     if (static_cast<double>(near) < config.max_displaced_share * static_cast<double>(free) &&
         static_cast<double>(beside) <
             config.max_displaced_share * static_cast<double>(component.size())) {
-      continue;
+      return;
     }
     for (const Cell& cell : component) mask.at(cell) = 0;
-  }
+  });
 }
 
 }  // namespace strata::patch

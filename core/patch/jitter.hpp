@@ -20,14 +20,12 @@ namespace strata::patch {
 [[nodiscard]] bool was_hit_nearby(const VisitTable& table, const Cell& cell, const Visit& visit,
                                   std::span<const Cell> offsets);
 
-/// Cells of the mask connected with `start` over gaps of one cell; they are cleared in the mask.
-[[nodiscard]] std::vector<Cell> take_component(Grid<std::uint8_t>& mask, const Cell& start);
-
-/// Clears the connected components that a displaced surface explains: where the component was free,
-/// the same visit hit something within displaced_reach_m, nearly all along it. An open door has its
-/// frame near, but only at its ends; a wall that moved with the pose is near everywhere. Likewise
-/// where nearly all of it lies that close to surfaces that several visits hit and none found free:
-/// a thin wall seen from its other side, or a corner passed at a grazing angle.
+/// Clears the components (CellLink::kOverAGap) that a displaced surface explains: where the
+/// component was free, the same visit hit something within displaced_reach_m, nearly all along it.
+/// An open door has its frame near, but only at its ends; a wall that moved with the pose is near
+/// everywhere. Likewise where nearly all of it lies that close to surfaces that several visits hit
+/// and none found free: a thin wall seen from its other side, or a corner passed at a grazing
+/// angle.
 void drop_displaced_surfaces(const VisitTable& table, const ContradictionConfig& config,
                              Grid<std::uint8_t>& mask);
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/log_sum.hpp"
+
 namespace strata::patch {
 namespace {
 
@@ -23,13 +25,6 @@ std::vector<double> mixture_weights(const FuzzyClusters& clusters) {
   }
   for (double& w : weights) w /= static_cast<double>(clusters.memberships.size());
   return weights;
-}
-
-double log_sum_exp(const std::vector<double>& terms) {
-  const double greatest = *std::max_element(terms.begin(), terms.end());
-  double sum = 0.0;
-  for (const double term : terms) sum += std::exp(term - greatest);
-  return greatest + std::log(sum);
 }
 
 std::vector<Fit> fit(const VectorSet& vectors, const FuzzyClusters& clusters, double cell_stddev) {

@@ -46,7 +46,8 @@ struct ModelSelectionConfig {
              .min = 0.01});
     v.field("theta_mode", c.theta_mode,
             {.doc = "cells: count every cell of every configuration as a parameter; clusters: only "
-                    "the configurations, as the paper says"});
+                    "the configurations, as the paper says",
+             .preset = {"paper-patch", "clusters"}});
     v.field("patience", c.patience,
             {.doc = "stop after this many decreases of the criterion in a row", .min = 1});
     v.field("min_features", c.min_features,

@@ -9,8 +9,8 @@
 namespace strata::patch {
 namespace {
 
-constexpr int kLeastSequences = 8;
-constexpr int kLeastVisits = 4;
+constexpr int kMinSequences = 8;
+constexpr int kMinVisits = 4;
 /// How much more than needed is forgotten at once, so that it does not happen at every scan.
 constexpr double kAtOnce = 0.1;
 
@@ -25,7 +25,7 @@ std::size_t likeliest(const std::vector<double>& membership) {
 /// left. Requires a sub-map just learned: its sequences are those kept.
 void OnlinePatchLearner::pool_surplus(Track& track) {
   std::vector<SequenceInfo>& infos = track.submap.sequences;
-  while (track.kept.size() > static_cast<std::size_t>(most_sequences_) &&
+  while (track.kept.size() > static_cast<std::size_t>(max_sequences_) &&
          infos.size() == track.kept.size()) {
     std::vector<std::vector<std::size_t>> of(track.submap.configurations.size());
     for (std::size_t i = 0; i < infos.size(); ++i) of[likeliest(infos[i].membership)].push_back(i);
@@ -133,11 +133,11 @@ void OnlinePatchLearner::hold_budget() {
   status_.is_over_budget = false;
   if (too_much() == 0) return;
   forget_scans(too_much() + static_cast<std::size_t>(kAtOnce * static_cast<double>(budget)));
-  while (too_much() > 0 && most_sequences_ > kLeastSequences) {
-    most_sequences_ = std::max(kLeastSequences, 3 * most_sequences_ / 4);
+  while (too_much() > 0 && max_sequences_ > kMinSequences) {
+    max_sequences_ = std::max(kMinSequences, 3 * max_sequences_ / 4);
     for (Track& track : tracks_) pool_surplus(track);
   }
-  while (too_much() > 0 && visits_.most() > kLeastVisits) visits_.trim(3 * visits_.most() / 4);
+  while (too_much() > 0 && visits_.most() > kMinVisits) visits_.trim(3 * visits_.most() / 4);
   for (std::size_t before = status_.forgotten_configurations; too_much() > 0; ++before) {
     forget_configuration();
     if (status_.forgotten_configurations == before) break;

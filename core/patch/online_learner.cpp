@@ -23,9 +23,9 @@ OnlinePatchLearner::OnlinePatchLearner(const PatchLearnerConfig& config, const O
       online_(online),
       pool_(threads),
       base_(std::move(base)),
-      visits_(base_.resolution_m(), config.visits, config.counting, online.most_visits),
+      visits_(base_.resolution_m(), config.visits, config.counting, online.max_visits),
       contradictory_(base_.resolution_m(), CellRect{}, 0),
-      most_sequences_(online.most_sequences) {
+      max_sequences_(online.max_sequences) {
   require_valid(config_, "patch_learner");
   require_valid(online_, "patch_learner.online");
 }

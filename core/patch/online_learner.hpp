@@ -30,8 +30,8 @@ namespace strata::patch {
 struct OnlineConfig {
   double check_every_s = 5.0;
   double memory_mb = 256.0;
-  int most_visits = 16;
-  int most_sequences = 40;
+  int max_visits = 16;
+  int max_sequences = 40;
   bool extend_base = true;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -44,11 +44,14 @@ struct OnlineConfig {
                     "sequences of one configuration become one, then visits and configurations "
                     "are forgotten",
              .unit = "MB",
-             .min = 1.0});
-    v.field("most_visits", c.most_visits,
+             .min = 1.0,
+             .when = "the robot has little memory, or a large building to remember"});
+    v.renamed("most_visits", "max_visits");
+    v.field("max_visits", c.max_visits,
             {.doc = "visits kept of a cell; of more, the oldest of the more frequent kind go",
              .min = 2});
-    v.field("most_sequences", c.most_sequences,
+    v.renamed("most_sequences", "max_sequences");
+    v.field("max_sequences", c.max_sequences,
             {.doc = "sequences kept of a sub-map; of more, two of one configuration become one",
              .min = 4});
     v.field(
@@ -84,7 +87,7 @@ class OnlinePatchLearner {
 
   /// Adds a scan (its static probabilities are not needed); a pose that is not finite is left out.
   /// True when the map changed. Most calls cost O(beams x cells a beam crosses); one that ends a
-  /// sequence also O(scans of the sequence x beams) and the clustering of at most most_sequences
+  /// sequence also O(scans of the sequence x beams) and the clustering of at most max_sequences
   /// vectors; a check O(cells of a window of 20 m and their visits); a new sub-map O(kept scans in
   /// reach x beams). None grows with the length of the run.
   bool add(PosedScan scan);
@@ -169,7 +172,7 @@ class OnlinePatchLearner {
   std::vector<float> reach_m_;    // of each
   std::uint32_t first_scan_ = 0;
   std::size_t scan_bytes_ = 0;
-  int most_sequences_;
+  int max_sequences_;
   bool is_checked_ = false;
   Stamp last_check_;
   int last_run_ = 0;

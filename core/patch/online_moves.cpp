@@ -13,14 +13,14 @@ constexpr double kLever_m = 10.0;
 }  // namespace
 
 void OnlinePatchLearner::begin_again() {
-  visits_ = VisitStore(base_.resolution_m(), config_.visits, config_.counting, online_.most_visits);
+  visits_ = VisitStore(base_.resolution_m(), config_.visits, config_.counting, online_.max_visits);
   contradictory_ = Grid<std::uint8_t>(base_.resolution_m(), CellRect{}, 0);
   tracks_.clear();
   scans_.clear();
   reach_m_.clear();
   first_scan_ = 0;
   scan_bytes_ = 0;
-  most_sequences_ = online_.most_sequences;
+  max_sequences_ = online_.max_sequences;
   is_checked_ = false;
   last_check_ = {};
   last_run_ = 0;

@@ -76,7 +76,7 @@ void OnlinePatchLearner::state(Self& self, Archive& archive) {
   archive(self.reach_m_);
   archive(self.first_scan_);
   archive(self.scan_bytes_);
-  archive(self.most_sequences_);
+  archive(self.max_sequences_);
   archive(self.is_checked_);
   archive(self.last_check_);
   archive(self.last_run_);
@@ -102,9 +102,7 @@ std::vector<std::uint8_t> OnlinePatchLearner::save_state() const {
 void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
                                        const std::string& place) {
   StateReader reader(bytes, place);
-  std::uint64_t version = 0;
-  reader(version);
-  if (version != kVersion) reader.refuse("is of another version");
+  reader.expect_version(kVersion);
   const double resolution_m = base_.resolution_m();
   reader(base_);
   if (base_.resolution_m() != resolution_m) reader.refuse("is of another resolution");
@@ -123,7 +121,7 @@ void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
 
 bool OnlinePatchLearner::has_sound_scans() const {
   return reach_m_.size() == scans_.size() && first_scan_ + scans_.size() == status_.scans_seen &&
-         most_sequences_ > 0;
+         max_sequences_ > 0;
 }
 
 bool OnlinePatchLearner::is_sound(const Track& track) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/config.hpp"
+#include "core/beam_filter/config.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/patch/contradiction.hpp"
 #include "core/patch/model_selection.hpp"
@@ -19,7 +20,7 @@ struct PatchLearnerConfig {
   RegionConfig regions;
   SequenceConfig sequences;
   ModelSelectionConfig clustering;
-  double prior = 0.9;
+  double prior = beam_filter::kStaticPriorOfVisit;
   double min_evidence = 0.5;
   bool keep_single_configuration = false;
 

@@ -60,11 +60,11 @@ int submap_in_reach(const PatchMap& map, const Eigen::Vector2d& point_m, double 
   };
   if (current >= 0 && away_m(static_cast<std::size_t>(current)) <= reach_m) return current;
   int best = -1;
-  double least_m = reach_m;
+  double min_m = reach_m;
   for (std::size_t s = 0; s < map.submaps.size(); ++s) {
     const double here_m = away_m(s);
-    if (here_m > least_m || (best >= 0 && here_m == least_m)) continue;
-    least_m = here_m;
+    if (here_m > min_m || (best >= 0 && here_m == min_m)) continue;
+    min_m = here_m;
     best = static_cast<int>(s);
   }
   return best;

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/grid/connected_cells.hpp"
 #include "core/grid/ray_traversal.hpp"
 
 namespace strata::patch {
@@ -86,31 +87,15 @@ struct Merge {
 
 std::vector<Region> grow_regions(const Grid<std::uint8_t>& contradictory,
                                  const RegionConfig& config) {
-  Grid<std::uint8_t> open = dilated(contradictory, config.dilation_m);
   std::vector<Region> regions;
-  std::vector<Cell> stack;
-  for (std::size_t i = 0; i < open.size(); ++i) {
-    if (open.values()[i] == 0) continue;
-    std::vector<Cell> cells;
-    stack.assign(1, open.cell(i));
-    open.values()[i] = 0;
-    while (!stack.empty()) {
-      const Cell cell = stack.back();
-      stack.pop_back();
-      if (contradictory.get(cell) != 0) cells.push_back(cell);
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          const Cell next{cell.x + dx, cell.y + dy};
-          if (open.get(next) == 0) continue;
-          open.at(next) = 0;
-          stack.push_back(next);
-        }
-      }
-    }
-    regions.push_back(make_region(std::move(cells), contradictory.resolution_m(), config));
-    regions.back().oversized =
-        area_m2(regions.back().rect, contradictory.resolution_m()) > config.max_area_m2;
-  }
+  for_each_component(
+      dilated(contradictory, config.dilation_m), CellLink::kNeighbours,
+      [&](std::vector<Cell> cells) {
+        std::erase_if(cells, [&](const Cell& cell) { return contradictory.get(cell) == 0; });
+        regions.push_back(make_region(std::move(cells), contradictory.resolution_m(), config));
+        regions.back().oversized =
+            area_m2(regions.back().rect, contradictory.resolution_m()) > config.max_area_m2;
+      });
   return regions;
 }
 

@@ -8,7 +8,6 @@
 
 namespace strata::patch {
 namespace {
-constexpr float kSurface = 0.5F;
 /// A surface this near may be the cell's own, displaced by the error of the poses.
 constexpr int kUnsureCells = 3;
 }  // namespace
@@ -32,15 +31,15 @@ std::vector<float> feature_vector(const ReflectionGrid& reflection, std::span<co
       for (int dx = -kUnsureCells; dx <= kUnsureCells; ++dx) {
         const float m = reflection.get({cell.x + dx, cell.y + dy});
         if (std::abs(dx) > 1 || std::abs(dy) > 1) {
-          is_unsure = is_unsure || (is_known(m) && m >= kSurface);
+          is_unsure = is_unsure || (is_known(m) && m >= kMostlyOccupied);
           continue;
         }
         if (is_known(m)) greatest = is_known(greatest) ? std::max(greatest, m) : m;
         is_unsure = is_unsure || (!is_known(m) && (dx == 0 || dy == 0));
       }
     }
-    const bool is_seen = !is_unsure || greatest >= kSurface;
-    result.push_back(is_seen ? std::min(1.0F, greatest / kSurface) : kUnknownReflection);
+    const bool is_seen = !is_unsure || greatest >= kMostlyOccupied;
+    result.push_back(is_seen ? std::min(1.0F, greatest / kMostlyOccupied) : kUnknownReflection);
   }
   return result;
 }

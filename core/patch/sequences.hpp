@@ -46,7 +46,8 @@ struct SequenceConfig {
   static void describe(Self& c, V& v) {
     v.field("mode", c.mode,
             {.doc = "visibility: a sequence is open while enough beams touch the sub-map; entered: "
-                    "while the robot is inside it, as in the paper"});
+                    "while the robot is inside it, as in the paper",
+             .preset = {"paper-patch", "entered"}});
     v.field("min_beams_per_scan", c.min_beams_per_scan,
             {.doc = "visibility: beams that must touch the sub-map", .unit = "beams", .min = 1});
     v.field("entry_margin_m", c.entry_margin_m,

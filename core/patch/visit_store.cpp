@@ -28,7 +28,7 @@ VisitStore::VisitStore(double resolution_m, const VisitConfig& config,
                        const CountingOptions& counting, int most)
     : config_(config),
       options_(visit_options(config, counting)),
-      most_(std::max(2, most)),
+      max_(std::max(2, most)),
       last_(resolution_m, CellRect{}, -1),
       touched_(resolution_m, CellRect{}, 0) {}
 
@@ -84,7 +84,7 @@ void VisitStore::add(const PosedScan& scan, std::uint32_t index) {
 }
 
 std::vector<CellRect> VisitStore::take_ended(double window_m) {
-  const int most_cells = static_cast<int>(window_m / last_.resolution_m());
+  const int max_cells = static_cast<int>(window_m / last_.resolution_m());
   std::vector<CellRect> tiles;
   CellRect window;
   for (std::size_t i = 0; i < touched_.size(); ++i) {
@@ -92,7 +92,7 @@ std::vector<CellRect> VisitStore::take_ended(double window_m) {
     if (touched == 0 || touched - 1 >= joins_from_) continue;
     const CellRect tile = cells_of_tile(touched_.cell(i));
     const CellRect united = window.united(tile);
-    if (!tiles.empty() && std::max(united.width(), united.height()) > most_cells) continue;
+    if (!tiles.empty() && std::max(united.width(), united.height()) > max_cells) continue;
     window = united;
     tiles.push_back(tile);
     touched = 0;
@@ -154,7 +154,7 @@ void VisitStore::forget_surplus(std::int32_t last) {
     ++count;
     if (n != last && is_occupied_in(node(n).visit)) ++occupied;
   }
-  for (; count > most_; --count) {
+  for (; count > max_; --count) {
     const bool drops_occupied = 2 * occupied >= count - 1;
     std::int32_t after = -1;  // the node whose previous one goes
     for (std::int32_t n = last; node(n).previous >= 0; n = node(n).previous) {
@@ -169,7 +169,7 @@ void VisitStore::forget_surplus(std::int32_t last) {
 }
 
 void VisitStore::trim(int most) {
-  most_ = std::max(2, most);
+  max_ = std::max(2, most);
   for (const std::int32_t last : last_.values()) {
     if (last >= 0) forget_surplus(last);
   }
@@ -206,7 +206,7 @@ bool VisitStore::is_sound(double resolution_m) const {
     }
     return i == -1;
   };
-  return most_ >= 2 && is_aligned && leads_to_new_nodes(free_) &&
+  return max_ >= 2 && is_aligned && leads_to_new_nodes(free_) &&
          std::all_of(last_.values().begin(), last_.values().end(), leads_to_new_nodes);
 }
 

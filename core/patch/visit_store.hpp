@@ -47,7 +47,7 @@ class VisitStore {
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
     const double resolution_m = self.last_.resolution_m();
-    archive(self.most_);
+    archive(self.max_);
     archive(self.last_);
     archive(self.nodes_);
     archive(self.free_);
@@ -61,7 +61,7 @@ class VisitStore {
   }
 
   [[nodiscard]] std::size_t bytes() const;
-  [[nodiscard]] int most() const { return most_; }
+  [[nodiscard]] int most() const { return max_; }
   /// Keeps at most so many visits of each cell from now on. O(cells and visits).
   void trim(int most);
 
@@ -73,7 +73,7 @@ class VisitStore {
   /// Whether every index of a node leads to one, and to none twice.
   [[nodiscard]] bool is_sound(double resolution_m) const;
   Visit& current(const Cell& cell, std::uint32_t index);
-  /// Down to most_ visits, the newest stays.
+  /// Down to max_ visits, the newest stays.
   void forget_surplus(std::int32_t last);
   [[nodiscard]] Node& node(std::int32_t i) { return nodes_[static_cast<std::size_t>(i)]; }
   [[nodiscard]] const Node& node(std::int32_t i) const {
@@ -82,7 +82,7 @@ class VisitStore {
 
   VisitConfig config_;
   CountingOptions options_;
-  int most_;
+  int max_;
   Grid<std::int32_t> last_;  // newest visit of each cell; -1: none
   std::deque<Node> nodes_;   // grows without a copy
   std::int32_t free_ = -1;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/beam_filter/beam_model.hpp"
+#include "core/grid/count_scans.hpp"
 
 namespace strata::patch {
 namespace {
@@ -16,22 +17,11 @@ struct LinkedVisit {
   std::int32_t previous = -1;
 };
 
-CellRect rect_of_rays(const PosedScan& scan, double resolution_m, const CountingOptions& options) {
-  CellRect rect;
-  for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {
-    const Cell a = cell_at(ray.from_m, resolution_m);
-    const Cell b = cell_at(ray.to_m, resolution_m);
-    rect = rect.united({{std::min(a.x, b.x), std::min(a.y, b.y)},
-                        {std::max(a.x, b.x) + 1, std::max(a.y, b.y) + 1}});
-  });
-  return rect;
-}
-
 /// A slot for each cell that a beam ended in; -1 elsewhere.
 Grid<std::int32_t> make_slots(std::span<const PosedScan> scans, double resolution_m,
                               const CountingOptions& options, std::size_t& count) {
   CellRect rect;
-  for (const PosedScan& scan : scans) rect = rect.united(rect_of_rays(scan, resolution_m, options));
+  for (const PosedScan& scan : scans) rect = rect.united(extent_of(scan, resolution_m, options));
   Grid<std::int32_t> slots(resolution_m, rect, -1);
   for (const PosedScan& scan : scans) {
     for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t, const Ray& ray) {

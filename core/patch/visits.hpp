@@ -68,7 +68,6 @@ class VisitTable {
   }
   [[nodiscard]] const CellRect& rect() const { return slots_.rect(); }
   [[nodiscard]] double resolution_m() const { return slots_.resolution_m(); }
-  [[nodiscard]] std::size_t visit_count() const { return visits_.size(); }
   /// The kept cells, in the order of the grid. O(area).
   [[nodiscard]] std::vector<Cell> cells() const;
 

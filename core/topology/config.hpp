@@ -26,9 +26,15 @@ struct LocationPriorConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("revisit_stddev_m", c.revisit_stddev_m,
-            {.doc = "how far two visits of one landmark lie apart", .unit = "m", .min = 0.01});
+            {.doc = "how far two visits of one landmark lie apart",
+             .unit = "m",
+             .min = 0.01,
+             .preset = {"paper-topology", "0.5"}});
     v.field("penalty_radius_m", c.penalty_radius_m,
-            {.doc = "distinct landmarks closer than this are penalized", .unit = "m", .min = 0.1});
+            {.doc = "distinct landmarks closer than this are penalized",
+             .unit = "m",
+             .min = 0.1,
+             .preset = {"paper-topology", "10"}});
     v.field("max_penalty", c.max_penalty,
             {.doc = "penalty of two landmarks at one place", .unit = "nats", .min = 0.0});
     v.field("area_margin_m", c.area_margin_m,
@@ -38,8 +44,8 @@ struct LocationPriorConfig {
   }
 };
 
-/// Matching of the local maps around two visits.
-struct PatchMatchConfig {
+/// Matching of the local clouds around two visits.
+struct CloudMatchConfig {
   double first_gate_m = 0.5;
   double last_gate_m = 0.1;
   double robust_scale_m = 0.05;
@@ -63,7 +69,7 @@ struct PatchMatchConfig {
     v.field("noise_m", c.noise_m,
             {.doc = "standard deviation of a point from its surface", .unit = "m", .min = 1e-3});
     v.field("effective_points", c.effective_points,
-            {.doc = "independent measurements that a whole patch counts as: its points are "
+            {.doc = "independent measurements that a whole cloud counts as: its points are "
                     "correlated",
              .min = 1.0});
     v.field("hit_share", c.hit_share,
@@ -107,7 +113,7 @@ struct TopologyConfig {
   double negligible = 20.0;
   OdometryNoiseConfig odometry = kLandmarkOdometryNoise;
   LocationPriorConfig location;
-  PatchMatchConfig match;
+  CloudMatchConfig match;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("particles", c.particles, {.doc = "topologies kept, at most", .min = 1});
@@ -115,17 +121,19 @@ struct TopologyConfig {
             {.doc = "c of the Dirichlet process: larger expects more landmarks", .min = 1e-6});
     v.field("proposal", c.proposal, {.doc = "labels drawn with the odometry, or blindly"});
     v.field("weighting", c.weighting,
-            {.doc = "corrected: with the proposal's normalizer; paper: as printed, without"});
+            {.doc = "corrected: with the proposal's normalizer; paper: as printed, without",
+             .preset = {"paper-topology", "paper"}});
     v.field("expansion", c.expansion,
             {.doc = "best: the most probable topologies, without chance; particles: drawn, as the "
-                    "paper does"});
+                    "paper does",
+             .preset = {"paper-topology", "particles"}});
     v.field("negligible", c.negligible,
             {.doc = "labels less probable than the likeliest by this are not followed",
              .unit = "nats",
              .min = 5.0});
     v.group("odometry", c.odometry, "noise between two landmarks");
     v.group("location", c.location, "where landmarks lie");
-    v.group("match", c.match, "matching of local maps");
+    v.group("match", c.match, "matching of local clouds");
   }
 };
 

@@ -27,12 +27,4 @@ double log_partition_prior(const Labels& labels, double concentration) {
   return log_prior;
 }
 
-double expected_landmarks(std::size_t n, double concentration) {
-  double expected = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    expected += concentration / (static_cast<double>(i) + concentration);
-  }
-  return expected;
-}
-
 }  // namespace strata::topology

@@ -18,7 +18,4 @@ namespace strata::topology {
 /// Log probability of the whole sequence: the sum of its steps. O(n).
 [[nodiscard]] double log_partition_prior(const Labels& labels, double concentration);
 
-/// Expected number of distinct landmarks after n visits: sum over i < n of c / (i + c). O(n).
-[[nodiscard]] double expected_landmarks(std::size_t n, double concentration);
-
 }  // namespace strata::topology

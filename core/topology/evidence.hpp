@@ -11,17 +11,17 @@
 #include <Eigen/Core>
 
 #include "core/geometry/pose2_gaussian.hpp"
+#include "core/topology/cloud_matcher.hpp"
 #include "core/topology/config.hpp"
 #include "core/topology/location_gaussian.hpp"
 #include "core/topology/partition.hpp"
-#include "core/topology/patch_matcher.hpp"
 
 namespace strata::topology {
 
 /// The way from one visit to the next: from_from_to with its covariance, (x, y, theta) in `from`.
 using OdometryFactor = Pose2Gaussian;
 
-/// Two visits of one landmark whose local maps were laid on each other.
+/// Two visits of one landmark whose local clouds were registered to each other.
 struct ScanFactor {
   std::size_t from = 0;
   std::size_t to = 0;
@@ -50,11 +50,11 @@ struct Evidence {
 /// - for a visit of a new landmark: a uniform density over the area, times exp(-penalty) for every
 ///   other landmark near it. The paper leaves the uniform density out; without it "new" and "known"
 ///   are not comparable;
-/// - the scan factors: exp(gain) times a Gaussian pull, not normalized.
+/// - the scan factors: exp(gain) times a Gaussian factor, not normalized.
 /// start: a first guess of the poses. labels: canonical, one a visit. Where the curvature of the
 /// penalties makes the Hessian indefinite it is left out (an error of at most 0.6 nats for position
-/// uncertainties below 2 m). Newton's method from the start, and Ceres where that does not settle.
-/// O(n^1.5 x iterations) about.
+/// uncertainties below 2 m). Newton's method from the start, and Ceres where that does not
+/// converge. O(n^1.5 x iterations) about.
 [[nodiscard]] Evidence evaluate(const Labels& labels, const Measurements& measurements,
                                 std::span<const ScanFactor> scans, const std::vector<Pose2>& start,
                                 const LocationPriorConfig& config);

@@ -10,6 +10,7 @@
 
 #include <Eigen/LU>
 
+#include "core/base/log_sum.hpp"
 #include "core/topology/dirichlet_process.hpp"
 #include "core/topology/location_prior.hpp"
 
@@ -20,7 +21,7 @@ namespace {
 /// no slope that could tell them apart.
 constexpr double kTooNearM = 0.5;
 constexpr double kDisplacementM = 2.0;
-/// Local maps of a landmark that a new one is matched to: the first and the latest ones.
+/// Local clouds of a landmark that a new one is matched to: the first and the latest ones.
 constexpr std::size_t kMaxPartners = 4;
 constexpr int kPushSteps = 20;
 /// Standard deviations of a revisit from which on two visits may be of two places.
@@ -34,32 +35,32 @@ struct Pushed {
   double log_factor = -std::numeric_limits<double>::infinity();
 };
 
-struct Hill {
+struct PenaltySum {
   double value = 0.0;
   Eigen::Vector2d slope{0.0, 0.0};
   Eigen::Matrix2d curve = Eigen::Matrix2d::Zero();
 };
 
 /// Sum of the penalties of a landmark at a place, with derivatives by it.
-Hill penalties_at(const Eigen::Vector2d& at, std::span<const Eigen::Vector2d> others,
-                  const LocationPriorConfig& config) {
-  Hill hill;
+PenaltySum penalties_at(const Eigen::Vector2d& at, std::span<const Eigen::Vector2d> others,
+                        const LocationPriorConfig& config) {
+  PenaltySum sum;
   for (const Eigen::Vector2d& other : others) {
     const Eigen::Vector2d apart = at - other;
     const double distance_m = apart.norm();
     const Penalty penalty = penalty_at(distance_m, config);
-    hill.value += penalty.value;
+    sum.value += penalty.value;
     if (distance_m < 1e-6) {
-      hill.curve += penalty.curve * Eigen::Matrix2d::Identity();
+      sum.curve += penalty.curve * Eigen::Matrix2d::Identity();
       continue;
     }
     const Eigen::Vector2d along = apart / distance_m;
     const Eigen::Matrix2d radial = along * along.transpose();
-    hill.slope += penalty.slope * along;
-    hill.curve += penalty.curve * radial +
-                  penalty.slope / distance_m * (Eigen::Matrix2d::Identity() - radial);
+    sum.slope += penalty.slope * along;
+    sum.curve += penalty.curve * radial +
+                 penalty.slope / distance_m * (Eigen::Matrix2d::Identity() - radial);
   }
-  return hill;
+  return sum;
 }
 
 /// Laplace's method in the plane: the Gaussian around `mean` times exp(-penalties), from `start`.
@@ -67,32 +68,32 @@ Pushed push(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance,
             const Eigen::Vector2d& start, std::span<const Eigen::Vector2d> others,
             const LocationPriorConfig& config) {
   const Eigen::Matrix2d information = covariance.inverse();
-  const auto cost = [&](const Eigen::Vector2d& at, const Hill& hill) {
-    return 0.5 * (at - mean).dot(information * (at - mean)) + hill.value;
+  const auto cost = [&](const Eigen::Vector2d& at, const PenaltySum& sum) {
+    return 0.5 * (at - mean).dot(information * (at - mean)) + sum.value;
   };
   Eigen::Vector2d at = start;
-  Hill hill = penalties_at(at, others, config);
+  PenaltySum sum = penalties_at(at, others, config);
   for (int i = 0; i < kPushSteps; ++i) {
-    const Eigen::Vector2d gradient = information * (at - mean) + hill.slope;
-    Eigen::Matrix2d curve = information + hill.curve;
+    const Eigen::Vector2d gradient = information * (at - mean) + sum.slope;
+    Eigen::Matrix2d curve = information + sum.curve;
     if (curve.determinant() <= 0.0 || curve.trace() <= 0.0) curve = information;
     const Eigen::Vector2d step = -curve.inverse() * gradient;
     double share = 1.0;
     Eigen::Vector2d next = at + step;
-    Hill next_hill = penalties_at(next, others, config);
-    while (share > 1e-3 && cost(next, next_hill) > cost(at, hill)) {
+    PenaltySum next_sum = penalties_at(next, others, config);
+    while (share > 1e-3 && cost(next, next_sum) > cost(at, sum)) {
       share *= 0.5;
       next = at + share * step;
-      next_hill = penalties_at(next, others, config);
+      next_sum = penalties_at(next, others, config);
     }
-    const bool settled = share * step.norm() < 1e-3;
-    if (cost(next, next_hill) > cost(at, hill)) break;
+    const bool converged = share * step.norm() < 1e-3;
+    if (cost(next, next_sum) > cost(at, sum)) break;
     at = next;
-    hill = next_hill;
-    if (settled) break;
+    sum = next_sum;
+    if (converged) break;
   }
-  const double bent = (Eigen::Matrix2d::Identity() + covariance * hill.curve).determinant();
-  return {at, -cost(at, hill) - (bent > 0.0 ? 0.5 * std::log(bent) : 0.0)};
+  const double bent = (Eigen::Matrix2d::Identity() + covariance * sum.curve).determinant();
+  return {at, -cost(at, sum) - (bent > 0.0 ? 0.5 * std::log(bent) : 0.0)};
 }
 
 /// ln of what a new landmark's penalties leave, and the poses then. The other landmarks are held:
@@ -136,18 +137,6 @@ double log_revisit_constant(const LocationPriorConfig& config) {
   return -2.0 * std::log(2.0 * std::numbers::pi * config.revisit_stddev_m);
 }
 
-double log_sum(const std::vector<Child>& children) {
-  double highest = -std::numeric_limits<double>::infinity();
-  for (const Child& child : children) {
-    highest = std::max(highest, child.log_prior + child.log_odometry);
-  }
-  double sum = 0.0;
-  for (const Child& child : children) {
-    sum += std::exp(child.log_prior + child.log_odometry - highest);
-  }
-  return highest + std::log(sum);
-}
-
 /// Whether the match shows another place from which the same walls are seen: their maps fit, well
 /// apart. One that fits in place looks the same, and either is the same or says nothing.
 bool is_neighbour(const PlaceMatch& match, const LocationPriorConfig& config) {
@@ -164,7 +153,7 @@ double penalty_of_newest(const Hypothesis& parent, std::span<const std::size_t> 
   return sum;
 }
 
-/// Visits of a landmark that the newest local map is matched to.
+/// Visits of a landmark that the newest local cloud is matched to.
 std::vector<std::size_t> partners(const Labels& labels, int label) {
   std::vector<std::size_t> visits;
   for (std::size_t i = 0; i < labels.size(); ++i) {
@@ -194,38 +183,36 @@ Children expand(const Hypothesis& parent, Prediction& prediction,
     const Eigen::Matrix2d bound =
         prediction.covariance_apart(first, newest_covariances[first]) + place;
     if (apart.dot(bound.inverse() * apart) > kReachSquared) continue;
-    const Pull pull = prediction.same_place(first, config.location);
-    Prediction::Pulled pulled = prediction.pulled_by({&pull, 1});
+    const LinearizedFactor factor = prediction.same_place_factor(first, config.location);
+    Prediction::Conditioned conditioned = prediction.conditioned_on({&factor, 1});
     result.children.push_back({static_cast<int>(label), std::log(prior[label]),
-                               pulled.log_factor + log_revisit_constant(config.location),
-                               std::move(pulled.poses)});
+                               conditioned.log_factor + log_revisit_constant(config.location),
+                               std::move(conditioned.poses)});
   }
   Child fresh = new_landmark(parent, prediction, firsts, config.location);
   fresh.label = static_cast<int>(firsts.size());
   fresh.log_prior = std::log(prior.back());
   fresh.log_odometry += log.measurements(newest + 1).log_new_density[newest];
   result.children.push_back(std::move(fresh));
+  const auto log_proposal = [](const Child& child) { return child.log_prior + child.log_odometry; };
   double best = -std::numeric_limits<double>::infinity();
-  for (const Child& child : result.children) {
-    best = std::max(best, child.log_prior + child.log_odometry);
-  }
-  std::erase_if(result.children, [&](const Child& child) {
-    return child.log_prior + child.log_odometry < best - config.negligible;
-  });
-  result.log_normalizer = log_sum(result.children);
+  for (const Child& child : result.children) best = std::max(best, log_proposal(child));
+  std::erase_if(result.children,
+                [&](const Child& child) { return log_proposal(child) < best - config.negligible; });
+  result.log_normalizer = log_sum_exp(result.children, log_proposal);
   return result;
 }
 
 std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& children,
                                    const Pose2& newest_pose, VisitLog& log,
-                                   const PatchMatchConfig& config) {
+                                   const CloudMatchConfig& config) {
   std::vector<Overlap> overlaps;
   const std::size_t newest = parent.labels.size();
-  if (log.visit(newest).patch.empty()) return overlaps;
+  if (log.visit(newest).cloud.empty()) return overlaps;
   for (const Child& child : children.children) {
     std::optional<ScanFactor> best;
     for (const std::size_t visit : partners(parent.labels, child.label)) {
-      if (log.visit(visit).patch.empty()) continue;
+      if (log.visit(visit).cloud.empty()) continue;
       PlaceMatch match = log.match(visit, newest, between(child.poses[visit], child.poses[newest]));
       if (match.gain < config.look_alike_gain) {
         const PlaceMatch other =
@@ -242,14 +229,15 @@ std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& chi
   return overlaps;
 }
 
-Sight look(const Hypothesis& parent, const Child& child, std::span<const Overlap> overlaps,
-           Prediction& prediction, const TopologyConfig& config, double log_new_density) {
+CandidateEvidence candidate_evidence(const Hypothesis& parent, const Child& child,
+                                     std::span<const Overlap> overlaps, Prediction& prediction,
+                                     const TopologyConfig& config, double log_new_density) {
   const std::vector<std::size_t> firsts = first_visits(parent.labels);
   const auto label = static_cast<std::size_t>(child.label);
   const bool is_new = label == firsts.size();
-  Sight unseen{std::nullopt, parent.log_evidence + child.log_odometry, child.poses};
+  CandidateEvidence unseen{std::nullopt, parent.log_evidence + child.log_odometry, child.poses};
   bool own_fits = false;
-  double misfit = 0.0;  // of its own landmark's map: counts wherever the newest one is laid
+  double misfit = 0.0;  // of its own landmark's map: counts wherever the newest one is registered
   for (const Overlap& overlap : overlaps) {
     if (overlap.label != child.label) continue;
     own_fits = overlap.scan.match.converged;
@@ -258,27 +246,27 @@ Sight look(const Hypothesis& parent, const Child& child, std::span<const Overlap
     unseen.scan = overlap.scan;
     unseen.log_evidence += misfit;
   }
-  std::optional<Sight> best;
+  std::optional<CandidateEvidence> best;
   for (const Overlap& overlap : overlaps) {
     const PlaceMatch& match = overlap.scan.match;
     if (!match.converged) continue;
     const bool own = overlap.label == child.label;
     if (!own && !is_neighbour(match, config.location)) continue;
-    std::vector<Pull> pulls{prediction.laid_on(overlap.scan.from, match)};
-    if (!is_new) pulls.push_back(prediction.same_place(firsts[label], config.location));
-    Sight sight{overlap.scan, parent.log_evidence, {}};
-    if (!own) sight.scan->match.gain += misfit;
-    sight.log_evidence += sight.scan->match.gain;
-    Prediction::Pulled pulled = prediction.pulled_by(pulls);
-    sight.log_evidence += pulled.log_factor;
-    sight.log_evidence +=
+    std::vector<LinearizedFactor> factors{prediction.registration_factor(overlap.scan.from, match)};
+    if (!is_new) factors.push_back(prediction.same_place_factor(firsts[label], config.location));
+    CandidateEvidence evidence{overlap.scan, parent.log_evidence, {}};
+    if (!own) evidence.scan->match.gain += misfit;
+    evidence.log_evidence += evidence.scan->match.gain;
+    Prediction::Conditioned conditioned = prediction.conditioned_on(factors);
+    evidence.log_evidence += conditioned.log_factor;
+    evidence.log_evidence +=
         is_new ? log_new_density -
-                     penalty_of_newest(parent, firsts, pulled.poses.back(), config.location)
+                     penalty_of_newest(parent, firsts, conditioned.poses.back(), config.location)
                : log_revisit_constant(config.location);
-    sight.poses = std::move(pulled.poses);
-    if (!best || sight.log_evidence > best->log_evidence) best = std::move(sight);
+    evidence.poses = std::move(conditioned.poses);
+    if (!best || evidence.log_evidence > best->log_evidence) best = std::move(evidence);
   }
-  // Its own landmark's map is always looked at; another's only where that explains more.
+  // Its own landmark's map is always looked at; another's only where that fits better.
   if (best && (own_fits || best->log_evidence > unseen.log_evidence)) return *best;
   return unseen;
 }

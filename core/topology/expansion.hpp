@@ -14,7 +14,7 @@
 
 namespace strata::topology {
 
-/// A topology after one more visit, before its scan was looked at.
+/// A topology after one more visit, before its scan is evaluated.
 struct Child {
   int label = 0;
   double log_prior = 0.0;     ///< of the label, by the Dirichlet process
@@ -28,9 +28,9 @@ struct Children {
   double log_normalizer = 0.0;
 };
 
-/// A child that has seen the newest visit's scan too, linearized: its evidence is to be had from
+/// A child with the newest visit's scan too, linearized: its evidence is to be had from
 /// `evaluate`, starting at these poses.
-struct Sight {
+struct CandidateEvidence {
   std::optional<ScanFactor> scan;
   double log_evidence = 0.0;  ///< about
   std::vector<Pose2> poses;
@@ -45,27 +45,31 @@ struct Sight {
                               std::span<const Eigen::Matrix3d> newest_covariances,
                               const VisitLog& log, const TopologyConfig& config);
 
-/// The newest local map laid on those of a known landmark: the best match, or a failed one.
+/// The newest local cloud registered to those of a known landmark: the best match, or a failed one.
 struct Overlap {
   int label = 0;
   ScanFactor scan;
 };
 
-/// One for every known landmark among the children whose local maps, and that of the newest visit,
-/// have points. newest_pose: where the odometry alone leads. Matching starts where the child is,
-/// and there if that says less than a match can: a match that begins only where the label puts the
-/// visit does not find that the maps fit a metre away, which says that the place is another one.
+/// One for every known landmark among the children whose local clouds, and that of the newest
+/// visit, have points. newest_pose: where the odometry alone leads. Matching starts where the child
+/// is, and there if that says less than a match can: a match that begins only where the label puts
+/// the visit does not find that the maps fit a metre away, which says that the place is another
+/// one.
 [[nodiscard]] std::vector<Overlap> find_overlaps(const Hypothesis& parent, const Children& children,
                                                  const Pose2& newest_pose, VisitLog& log,
-                                                 const PatchMatchConfig& config);
+                                                 const CloudMatchConfig& config);
 
-/// The child with its scan: matched to the local maps of its landmark, or of another one that lies
-/// so near that both see the same walls. The paper matches within a landmark only, its landmarks
-/// lying further apart than its maps reach; else two neighbours would be taken for one because
-/// their maps overlap, whichever metres apart the match puts them. That the map of the label's own
-/// landmark does not fit counts against the label, whichever map is then laid on it.
-[[nodiscard]] Sight look(const Hypothesis& parent, const Child& child,
-                         std::span<const Overlap> overlaps, Prediction& prediction,
-                         const TopologyConfig& config, double log_new_density);
+/// The child with its scan: matched to the local clouds of its landmark, or of another one that
+/// lies so near that both see the same walls. The paper matches within a landmark only, its
+/// landmarks lying further apart than its maps reach; else two neighbours would be taken for one
+/// because their maps overlap, whichever metres apart the match puts them. That the map of the
+/// label's own landmark does not fit counts against the label, whichever cloud is then registered
+/// to it.
+[[nodiscard]] CandidateEvidence candidate_evidence(const Hypothesis& parent, const Child& child,
+                                                   std::span<const Overlap> overlaps,
+                                                   Prediction& prediction,
+                                                   const TopologyConfig& config,
+                                                   double log_new_density);
 
 }  // namespace strata::topology

@@ -18,7 +18,7 @@ namespace {
 /// By so much linearizing may misjudge a topology against another one.
 constexpr double kLinearizationErrorNats = 5.0;
 /// Topologies that revise another one, tried after a visit, at most.
-constexpr std::size_t kMostRevisions = 12;
+constexpr std::size_t kMaxRevisions = 12;
 /// Topologies that are revised, the heaviest.
 constexpr std::size_t kRevisedParticles = 4;
 
@@ -74,13 +74,13 @@ std::vector<Revision> best_revisions(const Generation& generation, const VisitLo
   std::stable_sort(revisions.begin(), revisions.end(), [](const Revision& a, const Revision& b) {
     return a.log_weight > b.log_weight;
   });
-  if (revisions.size() > kMostRevisions) revisions.resize(kMostRevisions);
+  if (revisions.size() > kMaxRevisions) revisions.resize(kMaxRevisions);
   return revisions;
 }
 
 }  // namespace
 
-std::vector<Candidate> without_hopeless(std::vector<Candidate> candidates, std::size_t kept) {
+std::vector<Candidate> prune(std::vector<Candidate> candidates, std::size_t kept) {
   if (candidates.size() <= kept) return candidates;
   std::vector<std::size_t> order(candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -88,17 +88,18 @@ std::vector<Candidate> without_hopeless(std::vector<Candidate> candidates, std::
     return candidates[a].log_weight() > candidates[b].log_weight();
   });
   const double least = candidates[order[kept - 1]].log_weight() - kLinearizationErrorNats;
-  std::vector<Candidate> hopeful;
+  std::vector<Candidate> promising;
   for (const std::size_t i : order) {
-    if (hopeful.size() == 2 * kept || candidates[i].log_weight() < least) break;
-    hopeful.push_back(std::move(candidates[i]));
+    if (promising.size() == 2 * kept || candidates[i].log_weight() < least) break;
+    promising.push_back(std::move(candidates[i]));
   }
-  return hopeful;
+  return promising;
 }
 
-Generation settle(std::span<const Candidate> candidates, const Parents& parents,
-                  const VisitLog& log, const TopologyConfig& config, WorkerPool& pool) {
-  std::vector<std::optional<Particle>> settled(candidates.size());
+Generation evaluate_candidates(std::span<const Candidate> candidates, const Parents& parents,
+                               const VisitLog& log, const TopologyConfig& config,
+                               WorkerPool& pool) {
+  std::vector<std::optional<Particle>> evaluated(candidates.size());
   pool.for_chunks(candidates.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     const Candidate& candidate = candidates[i];
     const Hypothesis& parent = parents.hypotheses[candidate.parent];
@@ -106,22 +107,22 @@ Generation settle(std::span<const Candidate> candidates, const Parents& parents,
                       parents.newest_covariances[candidate.parent]};
     Hypothesis& next = particle.hypothesis;
     next.labels.push_back(candidate.label);
-    if (candidate.sight.scan) next.scans.push_back(*candidate.sight.scan);
-    if (!evaluate_from(candidate.sight.poses, log, config, next)) return;
+    if (candidate.evidence.scan) next.scans.push_back(*candidate.evidence.scan);
+    if (!evaluate_from(candidate.evidence.poses, log, config, next)) return;
     const std::size_t newest = log.size() - 1;
     particle.newest_covariances.push_back(block_of(next.gaussian->covariance_with(newest), newest));
-    settled[i] = std::move(particle);
+    evaluated[i] = std::move(particle);
   });
   Generation generation;
   generation.optimized = candidates.size();
-  for (std::size_t i = 0; i < settled.size(); ++i) {
+  for (std::size_t i = 0; i < evaluated.size(); ++i) {
     const double log_weight =
-        settled[i] ? candidates[i].log_factor + settled[i]->hypothesis.log_evidence : 0.0;
-    if (!settled[i] || !std::isfinite(log_weight)) {
+        evaluated[i] ? candidates[i].log_factor + evaluated[i]->hypothesis.log_evidence : 0.0;
+    if (!evaluated[i] || !std::isfinite(log_weight)) {
       ++generation.not_converged;
       continue;
     }
-    generation.particles.push_back(std::move(*settled[i]));
+    generation.particles.push_back(std::move(*evaluated[i]));
     generation.log_weights.push_back(log_weight);
   }
   return generation;
@@ -132,7 +133,7 @@ void add_revisions(Generation& generation, const VisitLog& log, const TopologyCo
   std::vector<Particle>& particles = generation.particles;
   const std::vector<Revision> revised = best_revisions(generation, log, config);
   generation.optimized += revised.size();
-  std::vector<std::optional<Particle>> settled(revised.size());
+  std::vector<std::optional<Particle>> evaluated(revised.size());
   std::vector<double> log_weights(revised.size(), 0.0);
   pool.for_chunks(revised.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     const Particle& from = particles[revised[i].parent];
@@ -144,11 +145,11 @@ void add_revisions(Generation& generation, const VisitLog& log, const TopologyCo
                      from.hypothesis.log_evidence +
                      log_partition_prior(next.labels, config.concentration) -
                      log_partition_prior(from.hypothesis.labels, config.concentration);
-    settled[i] = std::move(particle);
+    evaluated[i] = std::move(particle);
   });
   for (std::size_t i = 0; i < revised.size(); ++i) {
-    if (!settled[i] || !std::isfinite(log_weights[i])) continue;
-    particles.push_back(std::move(*settled[i]));
+    if (!evaluated[i] || !std::isfinite(log_weights[i])) continue;
+    particles.push_back(std::move(*evaluated[i]));
     generation.log_weights.push_back(log_weights[i]);
   }
 }

@@ -20,9 +20,9 @@ struct Candidate {
   std::size_t parent = 0;
   int label = 0;
   double log_factor = 0.0;
-  Sight sight;
+  CandidateEvidence evidence;
 
-  [[nodiscard]] double log_weight() const { return log_factor + sight.log_evidence; }
+  [[nodiscard]] double log_weight() const { return log_factor + evidence.log_evidence; }
 };
 
 /// The topologies before the newest visit; of each, the covariances of its visits when new.
@@ -39,13 +39,12 @@ struct Generation {
 };
 
 /// Without those that cannot be among the `kept` best even if linearizing did them wrong.
-[[nodiscard]] std::vector<Candidate> without_hopeless(std::vector<Candidate> candidates,
-                                                      std::size_t kept);
+[[nodiscard]] std::vector<Candidate> prune(std::vector<Candidate> candidates, std::size_t kept);
 
 /// Every candidate, optimized. O(candidates x optimization).
-[[nodiscard]] Generation settle(std::span<const Candidate> candidates, const Parents& parents,
-                                const VisitLog& log, const TopologyConfig& config,
-                                WorkerPool& pool);
+[[nodiscard]] Generation evaluate_candidates(std::span<const Candidate> candidates,
+                                             const Parents& parents, const VisitLog& log,
+                                             const TopologyConfig& config, WorkerPool& pool);
 
 /// Adds topologies that revise another one: two landmarks are one, or a visit belongs to another
 /// landmark. What was decided while the robot's place was uncertain may be wrong once a later loop

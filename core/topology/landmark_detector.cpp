@@ -8,18 +8,17 @@
 #include <numeric>
 #include <utility>
 
-#include "core/geometry/angle.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/grid/distance_field.hpp"
 
 namespace strata::topology {
 namespace {
 
-/// Scans kept for the local map, at most.
+/// Scans kept for the local cloud, at most.
 constexpr std::size_t kMaxScans = 60;
 constexpr double kTurnRad = 0.35;
 /// Poses that the robot has passed are kept this far apart ...
-constexpr double kThinM = 0.05;
+constexpr double kSubsampleM = 0.05;
 /// ... over so much way: more than across the free disc of any place and out of it.
 constexpr double kMemoryM = 20.0;
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
@@ -139,11 +138,11 @@ void LandmarkDetector::look_around(const Pose2& robot) {
 void LandmarkDetector::find_again(const OpenPlace& place) {
   Track found;
   found.place = place;
-  found.from_way_m = way_m_;
+  found.from_path_length_m = path_length_m_;
   for (const Track& track : tracks_) {
     if ((track.place.at_m - place.at_m).norm() > config_.same_m) continue;
     found.visited = found.visited || track.visited;
-    found.from_way_m = std::min(found.from_way_m, track.from_way_m);
+    found.from_path_length_m = std::min(found.from_path_length_m, track.from_path_length_m);
     if (track.reported) found = track;
     if (found.reported) break;
   }
@@ -152,17 +151,19 @@ void LandmarkDetector::find_again(const OpenPlace& place) {
   });
   found.nearest_m = std::numeric_limits<double>::infinity();
   for (const Passed& passed : passed_) {
-    if (passed.way_m >= found.from_way_m) pass(passed, found);
+    if (passed.path_length_m >= found.from_path_length_m) pass(passed, found);
   }
   tracks_.push_back(found);
 }
 
-/// The newest pose, and those of the last metres, thinned.
+/// The newest pose, and those of the last metres, subsampled.
 void LandmarkDetector::remember(const Passed& passed) {
   const std::size_t n = passed_.size();
-  if (n >= 2 && passed_[n - 1].way_m - passed_[n - 2].way_m < kThinM) passed_.pop_back();
+  if (n >= 2 && passed_[n - 1].path_length_m - passed_[n - 2].path_length_m < kSubsampleM) {
+    passed_.pop_back();
+  }
   passed_.push_back(passed);
-  while (passed.way_m - passed_.front().way_m > kMemoryM) passed_.pop_front();
+  while (passed.path_length_m - passed_.front().path_length_m > kMemoryM) passed_.pop_front();
 }
 
 void LandmarkDetector::pass(const Passed& passed, Track& track) {
@@ -171,19 +172,18 @@ void LandmarkDetector::pass(const Passed& passed, Track& track) {
   if (track.visited && distance_m >= track.nearest_m) return;
   track.visited = true;
   track.nearest_m = distance_m;
-  track.way_at_nearest_m = passed.way_m;
+  track.path_length_at_nearest_m = passed.path_length_m;
   track.nearest_stamp = passed.stamp;
 }
 
 std::vector<LandmarkEvent> LandmarkDetector::add(const PosedScan& scan) {
   const Pose2& robot = scan.map_from_robot;
-  if (started_) way_m_ += translation_distance(last_, robot);
-  const bool moved = !started_ || translation_distance(last_look_, robot) >= config_.step_m ||
-                     std::abs(angle_difference(robot.theta, last_look_.theta)) >= kTurnRad;
+  if (started_) path_length_m_ += translation_distance(last_, robot);
+  const bool moved = !started_ || has_moved(last_detection_, robot, config_.step_m, kTurnRad);
   last_ = robot;
   started_ = true;
   if (moved) {
-    last_look_ = robot;
+    last_detection_ = robot;
     recent_.push_back(scan);
     std::erase_if(recent_, [&](const PosedScan& other) {
       return translation_distance(other.map_from_robot, robot) > config_.radius_m;
@@ -191,12 +191,12 @@ std::vector<LandmarkEvent> LandmarkDetector::add(const PosedScan& scan) {
     if (recent_.size() > kMaxScans) recent_.erase(recent_.begin());
     look_around(robot);
   }
-  remember({scan.scan.stamp, robot.translation(), way_m_});
+  remember({scan.scan.stamp, robot.translation(), path_length_m_});
   for (Track& track : tracks_) pass(passed_.back(), track);
   std::vector<LandmarkEvent> events;
   for (Track& track : tracks_) {
     if (!track.visited || track.reported) continue;
-    if (way_m_ - track.way_at_nearest_m < config_.leave_m) continue;
+    if (path_length_m_ - track.path_length_at_nearest_m < config_.leave_m) continue;
     track.reported = true;
     events.push_back({track.nearest_stamp, track.place.at_m, track.place.clearance_m});
   }

@@ -89,15 +89,15 @@ class LandmarkDetector {
     OpenPlace place;
     bool visited = false;
     bool reported = false;
-    double from_way_m = 0.0;  // where it was first found
+    double from_path_length_m = 0.0;  // where it was first found
     double nearest_m = 0.0;
-    double way_at_nearest_m = 0.0;
+    double path_length_at_nearest_m = 0.0;
     Stamp nearest_stamp;
   };
   struct Passed {
     Stamp stamp;
     Eigen::Vector2d at_m{0.0, 0.0};
-    double way_m = 0.0;
+    double path_length_m = 0.0;
   };
   void look_around(const Pose2& robot);
   void find_again(const OpenPlace& place);
@@ -109,8 +109,8 @@ class LandmarkDetector {
   std::deque<Passed> passed_;
   bool started_ = false;
   Pose2 last_;
-  Pose2 last_look_;
-  double way_m_ = 0.0;
+  Pose2 last_detection_;
+  double path_length_m_ = 0.0;
 };
 
 }  // namespace strata::topology

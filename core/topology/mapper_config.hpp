@@ -11,20 +11,6 @@
 
 namespace strata::topology {
 
-/// How scan matching over a short way goes wrong over a long one; standard deviations per square
-/// root of a metre.
-struct WayNoiseConfig {
-  double per_root_metre_m = 0.01;
-  double per_root_metre_rad = 0.003;
-  template <class Self, class V>
-  static void describe(Self& c, V& v) {
-    v.field("per_root_metre_m", c.per_root_metre_m,
-            {.doc = "position noise of a metre", .unit = "m", .min = 1e-4});
-    v.field("per_root_metre_rad", c.per_root_metre_rad,
-            {.doc = "heading noise of a metre", .unit = "rad", .min = 1e-4});
-  }
-};
-
 /// Odometry between landmarks that scan matching has corrected.
 inline constexpr OdometryNoiseConfig kMatchedOdometryNoise{.floor_m = 0.05,
                                                            .per_metre_m = 0.015,
@@ -52,18 +38,21 @@ inline constexpr OdometryNoiseConfig kMatchedOdometryNoise{.floor_m = 0.05,
 
 /// What a robot that works for days keeps of its way: memory does not grow while it stands, and
 /// ends growing when the budget is used up. Of a log everything is kept.
-struct WayKeepConfig {
-  double thin_m = 0.0;
-  double thin_rad = 0.0;
+struct PathKeepConfig {
+  double subsample_m = 0.0;
+  double subsample_rad = 0.0;
   double memory_mb = 0.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("thin_m", c.thin_m,
+    v.renamed("thin_m", "subsample_m");
+    v.field("subsample_m", c.subsample_m,
             {.doc = "scans nearer than this to the last one kept, and turned by less than "
-                    "thin_rad, are matched but not kept",
+                    "subsample_rad, are matched but not kept",
              .unit = "m",
              .min = 0.0});
-    v.field("thin_rad", c.thin_rad, {.doc = "see thin_m", .unit = "rad", .min = 0.0});
+    v.renamed("thin_rad", "subsample_rad");
+    v.field("subsample_rad", c.subsample_rad,
+            {.doc = "see subsample_m", .unit = "rad", .min = 0.0});
     v.field("memory_mb", c.memory_mb,
             {.doc = "scans are kept up to this; then the map is complete and the mapper takes no "
                     "more. About 4 bytes a beam: 512 MB hold 6 km of scans of 1,080 beams every 5 "
@@ -77,19 +66,23 @@ struct TopologyMapperConfig {
   bool match_scans = true;
   double resolution_m = 0.05;
   slam::TrackingConfig tracking;
-  VisitConfig landmarks;
+  LandmarkVisitConfig landmarks;
   TopologyConfig topology = detected_landmarks();
   double node_distance_m = 0.25;
-  WayNoiseConfig way;
+  PathNoiseConfig way;
   pose_graph::PoseGraphConfig pose_graph;
-  slam::GivenPoseConfig tie{.refine_alone = true, .stddev_m = 0.2};
+  slam::GivenPoseConfig pose_prior{.refine_alone = true, .stddev_m = 0.2};
   slam::ClosureConfig closure;
-  slam::EmConfig refinement;
+  slam::RefinementConfig refinement;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("match_scans", c.match_scans,
             {.doc = "correct the odometry by matching each scan to the last metres; else raw"});
-    v.field("resolution_m", c.resolution_m, {.doc = "cells of the map", .unit = "m", .min = 0.01});
+    v.field("resolution_m", c.resolution_m,
+            {.doc = "cells of the map",
+             .unit = "m",
+             .min = 0.01,
+             .when = "the metric map shall be finer or coarser"});
     v.group("tracking", c.tracking, "scan matching");
     v.group("landmarks", c.landmarks, "where landmarks are");
     v.group("topology", c.topology, "the posterior over topologies");
@@ -97,13 +90,13 @@ struct TopologyMapperConfig {
             {.doc = "scans this far apart are poses of the graph", .unit = "m", .min = 0.05});
     v.group("way", c.way, "noise between two poses of the graph");
     v.group("pose_graph", c.pose_graph, "optimization of the metric map");
-    v.group(
-        "tie", c.tie,
-        "how far poses may be off once landmarks hold them, when passes are laid on each other");
-    v.group("closure", c.closure, "which passes are laid on each other");
+    v.renamed("tie", "pose_prior");
+    v.group("pose_prior", c.pose_prior,
+            "how far poses may be off once landmarks hold them, when passes are registered to each "
+            "other");
+    v.group("closure", c.closure, "which passes are registered to each other");
     v.group("refinement", c.refinement,
-            "matching every scan again to the metric map, as SLAM does; track_again means nothing "
-            "here");
+            "matching every scan again to the metric map, as SLAM does");
   }
 };
 

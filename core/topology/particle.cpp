@@ -2,7 +2,6 @@
 #include "core/topology/particle.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace strata::topology {
@@ -16,13 +15,6 @@ std::vector<std::size_t> by_weight(const std::vector<Particle>& particles,
     return particles[a].hypothesis.labels < particles[b].hypothesis.labels;
   });
   return order;
-}
-
-double log_sum_of(const std::vector<double>& logs) {
-  const double highest = *std::max_element(logs.begin(), logs.end());
-  double sum = 0.0;
-  for (const double value : logs) sum += std::exp(value - highest);
-  return highest + std::log(sum);
 }
 
 }  // namespace strata::topology

@@ -21,7 +21,4 @@ struct Particle {
 [[nodiscard]] std::vector<std::size_t> by_weight(const std::vector<Particle>& particles,
                                                  const std::vector<double>& log_weights);
 
-/// ln of the sum of exp. Requires a value.
-[[nodiscard]] double log_sum_of(const std::vector<double>& logs);
-
 }  // namespace strata::topology

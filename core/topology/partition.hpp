@@ -3,8 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace strata::topology {
@@ -21,10 +19,5 @@ using Labels = std::vector<int>;
 [[nodiscard]] int landmark_count(const Labels& labels);
 /// Index of the first visit of every landmark, by label. Requires canonical labels. O(n).
 [[nodiscard]] std::vector<std::size_t> first_visits(const Labels& labels);
-
-/// Calls visit with every partition of n visits, in lexicographic order; there are bell_number(n).
-void for_each_partition(std::size_t n, const std::function<void(const Labels&)>& visit);
-/// How many partitions n elements have. Requires n <= 25, beyond which 64 bits do not hold it.
-[[nodiscard]] std::uint64_t bell_number(std::size_t n);
 
 }  // namespace strata::topology

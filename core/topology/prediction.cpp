@@ -57,64 +57,65 @@ Eigen::Matrix2d Prediction::covariance_apart(std::size_t visit,
   return position(with_newest_.bottomRows<3>()) + position(bound) - across - across.transpose();
 }
 
-Pull Prediction::same_place(std::size_t visit, const LocationPriorConfig& config) const {
-  Pull pull;
-  pull.visit = visit;
-  pull.error.head<2>() = newest_.translation() - poses_[visit].translation();
-  pull.by_newest(0, 0) = pull.by_newest(1, 1) = 1.0;
-  pull.by_visit = -pull.by_newest;
-  pull.information(0, 0) = pull.information(1, 1) =
+LinearizedFactor Prediction::same_place_factor(std::size_t visit,
+                                               const LocationPriorConfig& config) const {
+  LinearizedFactor factor;
+  factor.visit = visit;
+  factor.error.head<2>() = newest_.translation() - poses_[visit].translation();
+  factor.by_newest(0, 0) = factor.by_newest(1, 1) = 1.0;
+  factor.by_visit = -factor.by_newest;
+  factor.information(0, 0) = factor.information(1, 1) =
       1.0 / (config.revisit_stddev_m * config.revisit_stddev_m);
-  return pull;
+  return factor;
 }
 
-Pull Prediction::laid_on(std::size_t visit, const PlaceMatch& match) const {
-  Pull pull;
-  pull.visit = visit;
-  pull.error = pose_graph::edge_error(poses_[visit], newest_, match.a_from_b, &pull.by_visit,
-                                      &pull.by_newest);
-  pull.information = match.information;
-  return pull;
+LinearizedFactor Prediction::registration_factor(std::size_t visit, const PlaceMatch& match) const {
+  LinearizedFactor factor;
+  factor.visit = visit;
+  factor.error = pose_graph::edge_error(poses_[visit], newest_, match.a_from_b, &factor.by_visit,
+                                        &factor.by_newest);
+  factor.information = match.information;
+  return factor;
 }
 
 /// With Q the covariance of the errors and W their information, the mean of exp(-e'We/2) is
 /// |I + WQ|^-1/2 exp(-h'(I + WQ)^-1 W h / 2), h the expected errors; W may be singular.
-Prediction::Pulled Prediction::pulled_by(std::span<const Pull> pulls) {
-  const auto size = 3 * static_cast<Eigen::Index>(pulls.size());
+Prediction::Conditioned Prediction::conditioned_on(std::span<const LinearizedFactor> factors) {
+  const auto size = 3 * static_cast<Eigen::Index>(factors.size());
   const auto rows = with_newest_.rows();
   Eigen::MatrixXd with_errors(rows, size);  // covariance of all poses with the errors
-  for (std::size_t k = 0; k < pulls.size(); ++k) {
+  for (std::size_t k = 0; k < factors.size(); ++k) {
     with_errors.middleCols<3>(3 * static_cast<Eigen::Index>(k)).noalias() =
-        with(pulls[k].visit) * pulls[k].by_visit.transpose() +
-        with_newest_ * pulls[k].by_newest.transpose();
+        with(factors[k].visit) * factors[k].by_visit.transpose() +
+        with_newest_ * factors[k].by_newest.transpose();
   }
   Stack covariance(size, size);
   Stack information = Stack::Zero(size, size);
   StackVector error(size);
-  for (std::size_t k = 0; k < pulls.size(); ++k) {
+  for (std::size_t k = 0; k < factors.size(); ++k) {
     const auto row = 3 * static_cast<Eigen::Index>(k);
     covariance.middleRows<3>(row) =
-        pulls[k].by_visit *
-            with_errors.middleRows<3>(3 * static_cast<Eigen::Index>(pulls[k].visit)) +
-        pulls[k].by_newest * with_errors.bottomRows<3>();
-    information.block<3, 3>(row, row) = pulls[k].information;
-    error.segment<3>(row) = pulls[k].error;
+        factors[k].by_visit *
+            with_errors.middleRows<3>(3 * static_cast<Eigen::Index>(factors[k].visit)) +
+        factors[k].by_newest * with_errors.bottomRows<3>();
+    information.block<3, 3>(row, row) = factors[k].information;
+    error.segment<3>(row) = factors[k].error;
   }
   const Stack both = Stack::Identity(size, size) + information * covariance;
   const Eigen::PartialPivLU<Stack> solver(both);
   const StackVector weighted_error = information * error;
   const StackVector force = solver.solve(weighted_error);
-  Pulled pulled;
-  pulled.log_factor = -0.5 * error.dot(force) - 0.5 * std::log(std::abs(solver.determinant()));
+  Conditioned conditioned;
+  conditioned.log_factor = -0.5 * error.dot(force) - 0.5 * std::log(std::abs(solver.determinant()));
   const Eigen::VectorXd shift = -(with_errors * force);
-  pulled.poses.assign(poses_.begin(), poses_.end());
-  pulled.poses.push_back(newest_);
-  for (std::size_t i = 0; i < pulled.poses.size(); ++i) {
-    Pose2& pose = pulled.poses[i];
+  conditioned.poses.assign(poses_.begin(), poses_.end());
+  conditioned.poses.push_back(newest_);
+  for (std::size_t i = 0; i < conditioned.poses.size(); ++i) {
+    Pose2& pose = conditioned.poses[i];
     const Eigen::Vector3d by = shift.segment<3>(3 * static_cast<Eigen::Index>(i));
     pose = {pose.x + by.x(), pose.y + by.y(), wrap_angle(pose.theta + by.z())};
   }
-  return pulled;
+  return conditioned;
 }
 
 }  // namespace strata::topology

@@ -15,7 +15,7 @@
 namespace strata::topology {
 
 /// One Gaussian factor between an older visit and the newest one, linearized.
-struct Pull {
+struct LinearizedFactor {
   std::size_t visit = 0;
   Eigen::Vector3d error = Eigen::Vector3d::Zero();  ///< at the predicted poses
   Eigen::Matrix3d by_visit = Eigen::Matrix3d::Zero();
@@ -40,16 +40,18 @@ class Prediction {
 
   /// The two visits are at one place up to the config's standard deviation; their headings say
   /// nothing about each other.
-  [[nodiscard]] Pull same_place(std::size_t visit, const LocationPriorConfig& config) const;
-  /// Their local maps lie on each other.
-  [[nodiscard]] Pull laid_on(std::size_t visit, const PlaceMatch& match) const;
+  [[nodiscard]] LinearizedFactor same_place_factor(std::size_t visit,
+                                                   const LocationPriorConfig& config) const;
+  /// Their local clouds are registered to each other.
+  [[nodiscard]] LinearizedFactor registration_factor(std::size_t visit,
+                                                     const PlaceMatch& match) const;
 
-  struct Pulled {
+  struct Conditioned {
     double log_factor = 0.0;   ///< ln of the mean of exp(-half the squared errors)
     std::vector<Pose2> poses;  ///< most probable then, of n + 1 visits
   };
-  /// All pulls at once; at most two. O(n + fill).
-  [[nodiscard]] Pulled pulled_by(std::span<const Pull> pulls);
+  /// All factors at once; at most two. O(n + fill).
+  [[nodiscard]] Conditioned conditioned_on(std::span<const LinearizedFactor> factors);
 
  private:
   [[nodiscard]] const Eigen::MatrixX3d& with(std::size_t visit);

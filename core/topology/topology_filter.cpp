@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/base/log_sum.hpp"
 #include "core/base/parallel.hpp"
 #include "core/topology/expansion.hpp"
 #include "core/topology/generation.hpp"
@@ -67,20 +68,20 @@ void TopologyFilter::State::begin() {
 void TopologyFilter::State::grow() {
   const std::vector<std::vector<double>> places =
       choose_parents(posterior, config, {seed, log.size()});
-  std::vector<std::vector<Candidate>> broods(posterior.size());
+  std::vector<std::vector<Candidate>> expanded(posterior.size());
   pool.for_chunks(posterior.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    if (!places[i].empty()) broods[i] = candidates_of(i, places[i]);
+    if (!places[i].empty()) expanded[i] = candidates_of(i, places[i]);
   });
   std::vector<Candidate> candidates;
-  for (std::vector<Candidate>& brood : broods) {
-    std::move(brood.begin(), brood.end(), std::back_inserter(candidates));
+  for (std::vector<Candidate>& part : expanded) {
+    std::move(part.begin(), part.end(), std::back_inserter(candidates));
   }
   const bool best = config.expansion == Expansion::kBest;
   if (best) {
-    candidates =
-        without_hopeless(std::move(candidates), static_cast<std::size_t>(config.particles));
+    candidates = prune(std::move(candidates), static_cast<std::size_t>(config.particles));
   }
-  Generation generation = settle(candidates, {posterior, newest_covariances}, log, config, pool);
+  Generation generation =
+      evaluate_candidates(candidates, {posterior, newest_covariances}, log, config, pool);
   counts.failed_matches = log.failed_matches();
   counts.not_converged += generation.not_converged;
   if (generation.particles.empty()) {
@@ -106,8 +107,9 @@ std::vector<Candidate> TopologyFilter::State::candidates_of(std::size_t parent,
   std::vector<Candidate> candidates;
   for (const Choice& choice : choose_children(hypothesis, children, places, config)) {
     const Child& child = children.children[choice.child];
-    candidates.push_back({parent, child.label, choice.log_factor,
-                          look(hypothesis, child, overlaps, prediction, config, log_new_density)});
+    candidates.push_back(
+        {parent, child.label, choice.log_factor,
+         candidate_evidence(hypothesis, child, overlaps, prediction, config, log_new_density)});
   }
   return candidates;
 }
@@ -122,7 +124,7 @@ void TopologyFilter::State::keep(Generation generation) {
   }
   std::vector<double> kept;
   for (const std::size_t i : order) kept.push_back(log_weights[i]);
-  const double log_total = log_sum_of(kept);
+  const double log_total = log_sum_exp(kept);
   posterior.clear();
   newest_covariances.clear();
   for (const std::size_t i : order) {
@@ -172,8 +174,8 @@ bool TopologyFilter::add(LandmarkVisit visit) {
     ++s.counts.late_visits;
     return false;
   }
-  if (!is_sound(visit.patch)) visit.patch = {};
-  s.counts.empty_patches += visit.patch.empty() ? 1 : 0;
+  if (!is_sound(visit.cloud)) visit.cloud = {};
+  s.counts.empty_clouds += visit.cloud.empty() ? 1 : 0;
   s.log.add(std::move(visit));
   if (s.log.size() == 1) {
     s.begin();

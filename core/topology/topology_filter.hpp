@@ -12,8 +12,8 @@
 #include "core/geometry/pose2_gaussian.hpp"
 #include "core/topology/config.hpp"
 #include "core/topology/evidence.hpp"
+#include "core/topology/local_cloud.hpp"
 #include "core/topology/partition.hpp"
-#include "core/topology/place_patch.hpp"
 #include "core/topology/topology_summary.hpp"
 
 namespace strata::topology {
@@ -21,9 +21,9 @@ namespace strata::topology {
 /// The robot has come to a landmark: some landmark, it does not know which.
 struct LandmarkVisit {
   Stamp stamp;
-  Pose2 odom_from_robot;  ///< odometry at the visit
-  double way_m = 0.0;     ///< path driven since the visit before
-  PlacePatch patch;       ///< local map in the frame of the robot; empty: only odometry counts
+  Pose2 odom_from_robot;       ///< odometry at the visit
+  double path_length_m = 0.0;  ///< path driven since the visit before
+  LocalCloud cloud;  ///< local cloud in the frame of the robot; empty: only odometry counts
 };
 
 /// One topology with its probability and what it says about the landmarks.
@@ -34,7 +34,7 @@ struct Hypothesis {
   /// Most probable pose of every visit, map_from_robot; the map frame is the odometry frame at the
   /// first visit.
   std::vector<Pose2> poses;
-  std::vector<ScanFactor> scans;  ///< local maps laid on each other
+  std::vector<ScanFactor> scans;  ///< local clouds registered to each other
   /// The Gaussian around the poses; never null.
   std::shared_ptr<const LocationGaussian> gaussian;
 };
@@ -43,8 +43,8 @@ struct Hypothesis {
 struct TopologyCounts {
   std::size_t late_visits = 0;     ///< skipped: not after the one before
   std::size_t broken_visits = 0;   ///< skipped: odometry or way that is not finite or negative
-  std::size_t empty_patches = 0;   ///< visits without a local map, or with one that is not finite
-  std::size_t failed_matches = 0;  ///< pairs of visits whose local maps did not fit
+  std::size_t empty_clouds = 0;    ///< visits without a local cloud, or with one that is not finite
+  std::size_t failed_matches = 0;  ///< pairs of visits whose local clouds did not fit
   std::size_t optimized = 0;       ///< topologies evaluated: what the visits cost
   std::size_t not_converged = 0;   ///< optimizations that did not converge; their label is dropped
   std::size_t near_landmarks =

@@ -18,14 +18,14 @@ constexpr double kRigid = 1e8;
 /// Added to the information of a match: a corridor leaves its length open.
 constexpr double kFloorInformation = 1e-3;
 
-Eigen::Matrix3d way_information(double way_m, const WayNoiseConfig& noise) {
-  const double root = std::sqrt(std::max(way_m, 0.05));
+Eigen::Matrix3d path_information(double path_length_m, const PathNoiseConfig& noise) {
+  const double root = std::sqrt(std::max(path_length_m, 0.05));
   const double m = 1.0 / (noise.per_root_metre_m * root);
   const double rad = 1.0 / (noise.per_root_metre_rad * root);
   return Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal();
 }
 
-/// The nodes of the graph: some scans, each tied to the one before.
+/// The nodes of the graph: some scans, each with an edge to the one before.
 struct Chain {
   std::vector<std::size_t> node_of;      ///< of each scan: its own node or the last before it
   std::map<Stamp, std::size_t> node_at;  ///< of the scans that visits belong to
@@ -47,8 +47,8 @@ Chain add_chain(const std::vector<PosedScan>& scans, std::span<const MadeVisit> 
     if (due) {
       const std::size_t node = graph.add_node(pose, i == 0);
       if (i > 0) {
-        const double way_m = step.translation().norm() + std::abs(step.theta);
-        graph.add_edge({node - 1, node, step, way_information(way_m, config.way), false});
+        const double path_length_m = step.translation().norm() + std::abs(step.theta);
+        graph.add_edge({node - 1, node, step, path_information(path_length_m, config.way), false});
       }
       if (visited != chain.node_at.end()) visited->second = node;
       chain.before.push_back(pose);
@@ -80,30 +80,29 @@ void add_visits(std::span<const MadeVisit> visits, const Hypothesis& hypothesis,
 }
 
 /// Loops are closed at landmarks only: between them the walls of two passes still lie apart, and
-/// behind the last landmark nothing holds the way. SLAM with these poses as given ones lays all
-/// passes on each other [lu1997globally], near where the topology puts them.
-void tie_passes(const TopologyMapperConfig& config, int threads, Progress* progress,
-                TopologyMap& result) {
-  slam::SlamConfig tie;
-  tie.tracking = config.tracking;
-  tie.closure = config.closure;
-  tie.given_poses = config.tie;
-  tie.em = config.refinement;
-  tie.em.track_again = false;
-  tie.beam_filter.resolution_m = config.resolution_m;
-  slam::Slam slam(tie, threads);
+/// behind the last landmark nothing holds the way. SLAM with these poses as given ones registers
+/// all passes to each other [lu1997globally], near where the topology puts them.
+void register_passes(const TopologyMapperConfig& config, int threads, Progress* progress,
+                     TopologyMap& result) {
+  slam::SlamConfig closing;
+  closing.tracking = config.tracking;
+  closing.closure = config.closure;
+  closing.given_poses = config.pose_prior;
+  closing.em = slam::EmConfig{config.refinement, false};
+  closing.beam_filter.resolution_m = config.resolution_m;
+  slam::Slam slam(closing, threads);
   for (const PosedScan& scan : result.scans) {
     slam.add({scan.run, scan.scan, scan.map_from_robot, true}, &scan.map_from_robot);
   }
-  slam::SlamResult tied = slam.finish(progress);
+  slam::SlamResult registered = slam.finish(progress);
   // It skips a scan that comes twice, and says so by leaving it out.
-  auto next = tied.scans.begin();
+  auto next = registered.scans.begin();
   for (PosedScan& scan : result.scans) {
-    if (next == tied.scans.end() || next->scan.stamp != scan.scan.stamp) continue;
+    if (next == registered.scans.end() || next->scan.stamp != scan.scan.stamp) continue;
     scan.map_from_robot = next->map_from_robot;
     ++next;
   }
-  result.map = std::move(tied.occupancy);
+  result.map = std::move(registered.occupancy);
 }
 
 }  // namespace
@@ -129,7 +128,7 @@ TopologyMap make_topology_map(const TopologyMapper& mapper, Progress* progress) 
     const std::size_t node = chain.node_of[i];
     scan.map_from_robot = graph.pose(node) * between(chain.before[node], scan.map_from_robot);
   }
-  tie_passes(config, mapper.threads(), progress, result);
+  register_passes(config, mapper.threads(), progress, result);
   return result;
 }
 

@@ -27,10 +27,10 @@ struct TopologyMap {
   ReflectionGrid map;
 };
 
-/// After `finish` and the updates that it asked for. Consecutive scans and the local maps that the
-/// likeliest topology laid on each other hold each other; then passes that overlap are laid on each
-/// other, and every scan is matched to the map of all. Throws Cancelled. O(rounds x scans x beams),
-/// and the closures of slam::SubmapGraph.
+/// After `finish` and the updates that it asked for. Consecutive scans and the local clouds that
+/// the likeliest topology registered to each other hold each other; then passes that overlap are
+/// registered to each other, and every scan is matched to the map of all. Throws Cancelled.
+/// O(rounds x scans x beams), and the closures of slam::LocalMapGraph.
 [[nodiscard]] TopologyMap make_topology_map(const TopologyMapper& mapper,
                                             Progress* progress = nullptr);
 

@@ -11,7 +11,7 @@ namespace strata::topology {
 
 struct TopologyMapper::State {
   State(const TopologyMapperConfig& mapper_config, std::uint64_t seed, int thread_count,
-        const WayKeepConfig& keep_config)
+        const PathKeepConfig& keep_config)
       : config(mapper_config),
         keep(keep_config),
         maker(mapper_config.landmarks),
@@ -19,7 +19,7 @@ struct TopologyMapper::State {
         threads(thread_count) {}
 
   TopologyMapperConfig config;
-  WayKeepConfig keep;
+  PathKeepConfig keep;
   std::optional<slam::Tracker> tracker;
   VisitMaker maker;
   TopologyFilter filter;
@@ -41,7 +41,8 @@ struct TopologyMapper::State {
   [[nodiscard]] bool is_beside_last(const Pose2& pose) const {
     if (scans.empty()) return false;
     const Pose2 step = between(scans.back().map_from_robot, pose);
-    return step.translation().norm() < keep.thin_m && std::abs(step.theta) < keep.thin_rad;
+    return step.translation().norm() < keep.subsample_m &&
+           std::abs(step.theta) < keep.subsample_rad;
   }
 
   [[nodiscard]] std::vector<MadeVisit> keep_scan(const PosedScan& scan) {
@@ -76,7 +77,7 @@ struct TopologyMapper::State {
 };
 
 TopologyMapper::TopologyMapper(const TopologyMapperConfig& config, std::uint64_t seed, int threads,
-                               const WayKeepConfig& keep) {
+                               const PathKeepConfig& keep) {
   require_valid(config, "topology mapping");
   require_valid(keep, "topology mapping: keep");
   state_ = std::make_unique<State>(config, seed, threads, keep);

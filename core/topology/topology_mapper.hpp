@@ -31,7 +31,7 @@ class TopologyMapper {
  public:
   /// keep: by default every scan. Throws ConfigError.
   explicit TopologyMapper(const TopologyMapperConfig& config, std::uint64_t seed = 1,
-                          int threads = 1, const WayKeepConfig& keep = {});
+                          int threads = 1, const PathKeepConfig& keep = {});
   ~TopologyMapper();
   TopologyMapper(const TopologyMapper&) = delete;
   TopologyMapper& operator=(const TopologyMapper&) = delete;
@@ -39,13 +39,13 @@ class TopologyMapper {
   /// The next scan of the run. given: its pose where one is known, used instead of odometry and
   /// scan matching. A scan of another run than the first, with a stamp not after the last one, or
   /// with odometry that is not finite is skipped and counted, as is every scan once `is_full`.
-  /// Returns the visits that are complete now. O(beams x iterations) but where a local map is made
-  /// or looked at.
+  /// Returns the visits that are complete now. O(beams x iterations) but where a local cloud is
+  /// made or looked at.
   [[nodiscard]] std::vector<MadeVisit> add(const Observation& observation,
                                            const Pose2* given = nullptr);
   /// The next scan of an earlier life of the mapper, with the pose that it gave it (`scans`):
   /// before any `add`, and with `mark` in between as it was then. Returns the visits that were
-  /// complete then, for `update`. O(1) about but where local maps are made or looked at.
+  /// complete then, for `update`. O(1) about but where local clouds are made or looked at.
   [[nodiscard]] std::vector<MadeVisit> restore(const PosedScan& tracked);
   /// After the last `restore`: the newest scan of that life, kept or not (`newest`). The robot is
   /// taken to be where it was then, and to have moved since as the odometry says; to have stood,

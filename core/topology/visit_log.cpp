@@ -28,7 +28,8 @@ std::array<Pose2, 7> starts_around(const Pose2& guess) {
 }  // namespace
 
 bool is_sound(const LandmarkVisit& visit) {
-  return is_finite(visit.odom_from_robot) && std::isfinite(visit.way_m) && visit.way_m >= 0.0;
+  return is_finite(visit.odom_from_robot) && std::isfinite(visit.path_length_m) &&
+         visit.path_length_m >= 0.0;
 }
 
 bool VisitLog::follows(Stamp stamp) const {
@@ -41,8 +42,8 @@ void VisitLog::add(LandmarkVisit visit) {
     min_ = max_ = at;
   } else {
     const Pose2 step = between(visits_.back().odom_from_robot, visit.odom_from_robot);
-    const double way_m = std::max(visit.way_m, step.translation().norm());
-    odometry_.push_back(odometry_step(step, way_m, config_.odometry));
+    const double path_length_m = std::max(visit.path_length_m, step.translation().norm());
+    odometry_.push_back(odometry_step(step, path_length_m, config_.odometry));
   }
   min_ = min_.cwiseMin(at);
   max_ = max_.cwiseMax(at);
@@ -51,7 +52,7 @@ void VisitLog::add(LandmarkVisit visit) {
       max_ - min_ + Eigen::Vector2d::Constant(2.0 * config_.location.area_margin_m);
   log_new_density_.push_back(-std::log(2.0 * std::numbers::pi * extent.x() * extent.y()));
   visits_.push_back(std::move(visit));
-  surfaces_.emplace_back(visits_.back().patch, config_.match.first_gate_m);
+  surfaces_.emplace_back(visits_.back().cloud, config_.match.first_gate_m);
 }
 
 Measurements VisitLog::measurements(std::size_t count) const {
@@ -70,7 +71,7 @@ PlaceMatch VisitLog::match(std::size_t a, std::size_t b, const Pose2& guess) {
                       static_cast<double>(key[3]) * kGuessStepM,
                       static_cast<double>(key[4]) * kGuessStepRad};
   const PlaceMatch match =
-      match_patches(surfaces_[a], visits_[b].patch, starts_around(rounded), config_.match);
+      match_clouds(surfaces_[a], visits_[b].cloud, starts_around(rounded), config_.match);
   const std::lock_guard lock(mutex_);
   matches_.emplace(key, match);
   return match;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// All visits so far with what is measured between them, and the matches of their local maps.
+/// All visits so far with what is measured between them, and the matches of their local clouds.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ class VisitLog {
 
   /// Whether a visit at that time comes after the ones before.
   [[nodiscard]] bool follows(Stamp stamp) const;
-  /// Requires is_sound(visit), is_sound(visit.patch) and follows(visit.stamp).
+  /// Requires is_sound(visit), is_sound(visit.cloud) and follows(visit.stamp).
   void add(LandmarkVisit visit);
 
   [[nodiscard]] std::size_t size() const { return visits_.size(); }
@@ -32,8 +32,9 @@ class VisitLog {
   /// Of the first `count` visits.
   [[nodiscard]] Measurements measurements(std::size_t count) const;
 
-  /// The local map of visit b laid on that of visit a from about the guess a_from_b. Guesses are
-  /// rounded, so that hypotheses that differ little share one match, whoever asks first.
+  /// The local cloud of visit b registered to that of visit a from about the guess a_from_b.
+  /// Guesses are rounded, so that hypotheses that differ little share one match, whoever asks
+  /// first.
   [[nodiscard]] PlaceMatch match(std::size_t a, std::size_t b, const Pose2& guess_a_from_b);
   /// How many different matches have failed.
   [[nodiscard]] std::size_t failed_matches() const;
@@ -42,7 +43,7 @@ class VisitLog {
   using Key = std::array<long, 5>;
   TopologyConfig config_;
   std::deque<LandmarkVisit> visits_;   // they stay where they are
-  std::deque<PlaceSurface> surfaces_;  // of the visits' patches
+  std::deque<PlaceSurface> surfaces_;  // of the visits' clouds
   std::vector<OdometryFactor> odometry_;
   std::vector<double> log_new_density_;
   Eigen::Vector2d min_{0.0, 0.0};

@@ -8,8 +8,8 @@
 namespace strata::topology {
 namespace {
 
-/// Scans this near to the one before are left out of local maps.
-constexpr double kThinM = 0.05;
+/// Scans this near to the one before are left out of local clouds.
+constexpr double kSubsampleM = 0.05;
 /// Way that is remembered behind the robot.
 constexpr double kMemoryM = 40.0;
 
@@ -19,12 +19,14 @@ std::vector<MadeVisit> VisitMaker::add(const PosedScan& scan) {
   if (!passed_.empty()) {
     const PosedScan& last = passed_.back().scan;
     if (scan.scan.stamp <= last.scan.stamp) return {};
-    way_m_ += translation_distance(last.map_from_robot, scan.map_from_robot);
+    path_length_m_ += translation_distance(last.map_from_robot, scan.map_from_robot);
     // The newest scan is always kept; the one before only if it is away from its predecessor.
     const std::size_t n = passed_.size();
-    if (n >= 2 && passed_[n - 1].way_m - passed_[n - 2].way_m < kThinM) passed_.pop_back();
+    if (n >= 2 && passed_[n - 1].path_length_m - passed_[n - 2].path_length_m < kSubsampleM) {
+      passed_.pop_back();
+    }
   }
-  passed_.push_back({scan, way_m_});
+  passed_.push_back({scan, path_length_m_});
   if (config_.source == LandmarkSource::kDetected) {
     for (const LandmarkEvent& event : detector_.add(scan)) {
       waiting_.push_back({event.stamp, event.center_m});
@@ -66,7 +68,7 @@ std::vector<MadeVisit> VisitMaker::make(bool all) {
     const Place place = waiting_.front();
     if (!all && passed_.back().scan.scan.stamp < place.stamp) break;
     const Passed& at = passed_[nearest(place.stamp)];
-    if (!all && way_m_ - at.way_m < config_.patch.path_radius_m) break;
+    if (!all && path_length_m_ - at.path_length_m < config_.cloud.path_radius_m) break;
     waiting_.erase(waiting_.begin());
     // The filter takes visits in order of time only.
     if (last_visit_ && at.scan.scan.stamp <= *last_visit_) {
@@ -77,17 +79,20 @@ std::vector<MadeVisit> VisitMaker::make(bool all) {
     if (place.center_m) pose = {place.center_m->x(), place.center_m->y(), pose.theta};
     std::vector<PosedScan> around;
     for (const Passed& passed : passed_) {
-      if (std::abs(passed.way_m - at.way_m) > 2.0 * config_.patch.path_radius_m) continue;
+      if (std::abs(passed.path_length_m - at.path_length_m) > 2.0 * config_.cloud.path_radius_m) {
+        continue;
+      }
       around.push_back(passed.scan);
     }
     MadeVisit made;
     made.visit.stamp = at.scan.scan.stamp;
     made.visit.odom_from_robot = pose;
-    made.visit.way_m = last_visit_way_m_ ? at.way_m - *last_visit_way_m_ : 0.0;
-    made.visit.patch = make_place_patch(around, pose, config_.patch);
+    made.visit.path_length_m =
+        last_visit_path_length_m_ ? at.path_length_m - *last_visit_path_length_m_ : 0.0;
+    made.visit.cloud = make_local_cloud(around, pose, config_.cloud);
     made.robot_from_visit = between(at.scan.map_from_robot, pose);
     last_visit_ = made.visit.stamp;
-    last_visit_way_m_ = at.way_m;
+    last_visit_path_length_m_ = at.path_length_m;
     visits.push_back(std::move(made));
   }
   return visits;
@@ -95,7 +100,7 @@ std::vector<MadeVisit> VisitMaker::make(bool all) {
 
 void VisitMaker::forget_far_scans() {
   const auto keep = std::find_if(passed_.begin(), passed_.end(), [&](const Passed& passed) {
-    return way_m_ - passed.way_m <= kMemoryM;
+    return path_length_m_ - passed.path_length_m <= kMemoryM;
   });
   if (keep - passed_.begin() < 200) return;  // seldom, since it moves all others
   passed_.erase(passed_.begin(), keep);

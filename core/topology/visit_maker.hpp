@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/topology/landmark_detector.hpp"
-#include "core/topology/place_patch.hpp"
+#include "core/topology/local_cloud.hpp"
 #include "core/topology/topology_filter.hpp"
 
 namespace strata::topology {
@@ -16,16 +16,17 @@ namespace strata::topology {
 /// Where landmarks come from.
 enum class LandmarkSource { kDetected, kGiven };
 
-struct VisitConfig {
+struct LandmarkVisitConfig {
   LandmarkSource source = LandmarkSource::kDetected;
   LandmarkConfig detector;
-  PlacePatchConfig patch;
+  LocalCloudConfig cloud;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("source", c.source,
             {.doc = "detected: junctions and rooms from the scans; given: by hand or by events"});
     v.group("detector", c.detector, "finding junctions and rooms");
-    v.group("patch", c.patch, "local maps around landmarks");
+    v.renamed("patch", "cloud");
+    v.group("cloud", c.cloud, "local clouds around landmarks");
   }
 };
 
@@ -38,12 +39,13 @@ struct MadeVisit {
 /// Makes the visits of one run. Not thread-safe; two objects are independent.
 class VisitMaker {
  public:
-  explicit VisitMaker(const VisitConfig& config) : config_(config), detector_(config.detector) {}
+  explicit VisitMaker(const LandmarkVisitConfig& config)
+      : config_(config), detector_(config.detector) {}
 
   /// The next scan; map_from_robot: by odometry, corrected by scan matching or not, in a frame that
   /// may drift but never jumps. A stamp not after the last one is left out. Returns the visits
-  /// whose surroundings are complete: the robot has gone on by the radius of their local map. O(1)
-  /// about but where the detector looks around and visits are made.
+  /// whose surroundings are complete: the robot has gone on by the radius of their local cloud.
+  /// O(1) about but where the detector looks around and visits are made.
   [[nodiscard]] std::vector<MadeVisit> add(const PosedScan& scan);
   /// The robot is (or was, a moment ago) at a landmark: of the scan nearest to that moment. Beside
   /// those that are found, or alone with `source: given`.
@@ -60,17 +62,17 @@ class VisitMaker {
   };
   struct Passed {
     PosedScan scan;
-    double way_m = 0.0;
+    double path_length_m = 0.0;
   };
   [[nodiscard]] std::vector<MadeVisit> make(bool all);
   [[nodiscard]] std::size_t nearest(Stamp stamp) const;
   void forget_far_scans();
-  VisitConfig config_;
+  LandmarkVisitConfig config_;
   LandmarkDetector detector_;
-  std::vector<Passed> passed_;  // of the last metres, thinned
+  std::vector<Passed> passed_;  // of the last metres, subsampled
   std::vector<Place> waiting_;  // in the order of their stamps
-  double way_m_ = 0.0;
-  std::optional<double> last_visit_way_m_;
+  double path_length_m_ = 0.0;
+  std::optional<double> last_visit_path_length_m_;
   std::optional<Stamp> last_visit_;
   std::size_t late_ = 0;
 };

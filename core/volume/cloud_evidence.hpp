@@ -10,8 +10,8 @@
 
 #include "core/base/parallel.hpp"
 #include "core/volume/brick_map.hpp"
+#include "core/volume/cloud_in_map.hpp"
 #include "core/volume/cloud_marks.hpp"
-#include "core/volume/volume_map.hpp"
 
 namespace strata::volume {
 

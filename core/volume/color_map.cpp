@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSurelyStatic = 0.95;
 /// A label of exactly 0 must not forbid a view that is the only one.
-constexpr double kLeastStatic = 1e-3;
+constexpr double kMinStatic = 1e-3;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ std::vector<MovingWitness> moving_witnesses(std::span<const PosedScan> scans) {
       if (e >= kSurelyStatic) continue;
       const Eigen::Vector2d in_robot(ends.x_m[i], ends.y_m[i]);
       witnesses.push_back(
-          {scan.scan.stamp, scan.map_from_robot * in_robot, std::log(std::max(e, kLeastStatic))});
+          {scan.scan.stamp, scan.map_from_robot * in_robot, std::log(std::max(e, kMinStatic))});
     }
   }
   std::stable_sort(witnesses.begin(), witnesses.end(),
@@ -120,7 +120,7 @@ bool ColorMap::offer(const CameraView& view, const Pose3& camera_from_map,
   const auto pixel = project(view.camera, camera_from_map * center);
   if (!pixel || !is_visible(from.cast<float>(), to.key)) return false;
   const double log_static = log_likelihood(from, center, witnesses);
-  if (log_static < std::log(config_.least_static)) return true;
+  if (log_static < std::log(config_.min_static)) return true;
   const auto likelihood =
       static_cast<std::int32_t>(std::ceil(std::max(log_static / config_.tie_nats, -1e9)));
   const auto frontality =

@@ -29,7 +29,7 @@ struct ColorConfig {
   double margin_m = 0.4;
   double highest_m = 2.2;
   double tie_nats = 0.5;
-  double least_static = 0.5;
+  double min_static = 0.5;
   double max_range_m = 15.0;
 
   template <class Self, class V>
@@ -47,7 +47,8 @@ struct ColorConfig {
             {.doc = "log likelihoods nearer than this are alike: then the most frontal view counts",
              .unit = "nats",
              .min = 1e-6});
-    v.field("least_static", c.least_static,
+    v.renamed("least_static", "min_static");
+    v.field("min_static", c.min_static,
             {.doc = "a view less likely than this to show static things only colours nothing; 0: "
                     "the best view always does, as in the paper",
              .min = 0.0,
@@ -92,7 +93,7 @@ struct ColoredVoxel {
 /// beams whose upright column, margin_m thick, its line of sight passes: the paper's choice for a
 /// polygon, made for a voxel, with columns in space instead of end points in the picture, since a
 /// person hides more than what a planar scanner sees of him. Among views alike, the most frontal.
-/// Unlike the paper, no view is better than one that likely shows a person (least_static).
+/// Unlike the paper, no view is better than one that likely shows a person (min_static).
 class ColorMap {
  public:
   /// Throws ConfigError. witnesses: by stamp.

@@ -24,7 +24,8 @@ std::vector<DynamicPoint> dynamic_points(std::span<const PosedScan> scans) {
     const Endpoints ends = endpoints_in_robot(scan.scan);
     for (std::size_t i = 0; i < ends.size(); ++i) {
       const std::size_t beam = ends.beam[i];
-      if (beam >= scan.static_probability.size() || scan.static_probability[beam] >= 0.5F) continue;
+      if (beam >= scan.static_probability.size() || !is_dynamic(scan.static_probability[beam]))
+        continue;
       const Eigen::Vector2d in_robot(ends.x_m[i], ends.y_m[i]);
       points.push_back({scan.scan.stamp, scan.map_from_robot * in_robot});
     }
@@ -68,7 +69,7 @@ std::vector<DynamicBox> DynamicBoxes::at(Stamp stamp, double longer_s) const {
   std::vector<DynamicBox> kept;
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(config_.margin_m);
   for (std::size_t i = 0; i < count; ++i) {
-    if (sizes[i] < config_.least_points) continue;
+    if (sizes[i] < config_.min_points) continue;
     kept.push_back({boxes[i].low_m - margin, boxes[i].high_m + margin});
   }
   return kept;

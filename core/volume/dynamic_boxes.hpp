@@ -19,7 +19,7 @@ namespace strata::volume {
 struct DynamicBoxConfig {
   double window_s = 0.25;
   double link_m = 0.3;
-  int least_points = 3;
+  int min_points = 3;
   double margin_m = 0.25;
   double lowest_m = 0.05;
   double highest_m = 2.2;
@@ -33,7 +33,8 @@ struct DynamicBoxConfig {
              .min = 0.0});
     v.field("link_m", c.link_m,
             {.doc = "points nearer than this belong together", .unit = "m", .min = 0.01});
-    v.field("least_points", c.least_points, {.doc = "fewer make no box", .unit = "1", .min = 1.0});
+    v.renamed("least_points", "min_points");
+    v.field("min_points", c.min_points, {.doc = "fewer make no box", .unit = "1", .min = 1.0});
     v.field("margin_m", c.margin_m,
             {.doc = "a box reaches this much beyond its points", .unit = "m", .min = 0.0});
     v.field("lowest_m", c.lowest_m,

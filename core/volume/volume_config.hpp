@@ -14,19 +14,25 @@ struct VolumeConfig {
   double max_range_m = 0.0;
   double probability_hit = 0.7;
   double probability_miss = 0.4;
-  double least_probability = 0.1192;
-  double most_probability = 0.971;
+  double min_probability = 0.1192;
+  double max_probability = 0.971;
   /// Empty: everywhere; otherwise x0, y0, z0, x1, y1, z1.
   std::vector<double> box_m;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("resolution_m", c.resolution_m,
-            {.doc = "edge of a voxel", .unit = "m", .min = 0.001, .max = 10.0});
+            {.doc = "edge of a voxel",
+             .unit = "m",
+             .min = 0.001,
+             .max = 10.0,
+             .when = "the 3-D map shall be finer or coarser; half the edge needs up to eight times "
+                     "the memory"});
     v.field("max_range_m", c.max_range_m,
             {.doc = "points further away only free the space up to this range; 0: no limit",
              .unit = "m",
-             .min = 0.0});
+             .min = 0.0,
+             .when = "far points are noisy, or time is short"});
     v.field("probability_hit", c.probability_hit,
             {.doc = "occupancy that one point in a voxel speaks for",
              .unit = "1",
@@ -37,9 +43,11 @@ struct VolumeConfig {
              .unit = "1",
              .min = 0.001,
              .max = 0.5});
-    v.field("least_probability", c.least_probability,
+    v.renamed("least_probability", "min_probability");
+    v.field("min_probability", c.min_probability,
             {.doc = "occupancy never falls below this", .unit = "1", .min = 0.001, .max = 0.499});
-    v.field("most_probability", c.most_probability,
+    v.renamed("most_probability", "max_probability");
+    v.field("max_probability", c.max_probability,
             {.doc = "occupancy never rises above this", .unit = "1", .min = 0.501, .max = 0.999});
     v.field("box_m", c.box_m,
             {.doc = "x0, y0, z0, x1, y1, z1 of the part of the map frame to keep; empty: all",

@@ -12,8 +12,7 @@
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/pose3.hpp"
-#include "core/volume/cloud.hpp"
-#include "core/volume/cloud_marks.hpp"
+#include "core/volume/cloud_in_map.hpp"
 #include "core/volume/volume_config.hpp"
 #include "core/volume/voxel.hpp"
 
@@ -45,17 +44,6 @@ struct VolumeSize {
   std::size_t leaves = 0;
   std::size_t bytes = 0;  ///< as OctoMap reckons: nodes and their arrays of children
 };
-
-/// How a config cuts rays.
-[[nodiscard]] RayLimits ray_limits(const VolumeConfig& config);
-
-/// A cloud in the map frame, rounded as OctoMap rounds it when it inserts a scan node.
-struct CloudInMap {
-  std::vector<RayOrigin> origins;  ///< one a part
-  std::vector<Eigen::Vector3f> ends_m;
-};
-/// Throws InputError when a pose is not finite.
-void bring_into_map(const Cloud& cloud, WorkerPool& pool, CloudInMap& in_map);
 
 class VolumeMap {
  public:

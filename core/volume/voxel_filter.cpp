@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/volume/volume_map.hpp"
+#include "core/volume/cloud_in_map.hpp"
 
 namespace strata::volume {
 namespace {

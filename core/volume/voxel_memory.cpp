@@ -70,7 +70,7 @@ std::vector<VolumeChange> VoxelMemory::changes() const {
     for (unsigned place = 0; place < kBrickVoxels; ++place) {
       if (brick.seen[place] == 0) continue;
       const double difference = (brick.share.front()[place] - brick.share.back()[place]) / kWhole;
-      if (std::abs(difference) < config_.least_change) continue;
+      if (std::abs(difference) < config_.min_change) continue;
       changed[difference > 0.0 ? 1 : 0].insert(voxel_of(bricks_.ids()[i], place));
     }
   }
@@ -97,7 +97,7 @@ std::vector<VolumeChange> VoxelMemory::changes() const {
           left.erase(found);
         }
       }
-      if (change.voxels.size() >= static_cast<std::size_t>(config_.least_voxels)) {
+      if (change.voxels.size() >= static_cast<std::size_t>(config_.min_voxels)) {
         std::sort(change.voxels.begin(), change.voxels.end());
         changes.push_back(std::move(change));
       }

@@ -26,8 +26,8 @@ struct VoxelMemoryConfig {
   double short_clouds = 2.0;
   double mid_clouds = 10.0;
   double long_clouds = 50.0;
-  double least_change = 0.4;
-  int least_voxels = 8;
+  double min_change = 0.4;
+  int min_voxels = 8;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -35,11 +35,13 @@ struct VoxelMemoryConfig {
             {.doc = "half-life of the short level, in clouds that saw the voxel", .min = 0.1});
     v.field("mid_clouds", c.mid_clouds, {.doc = "of the mid level", .min = 0.1});
     v.field("long_clouds", c.long_clouds, {.doc = "of the long level", .min = 0.1});
-    v.field("least_change", c.least_change,
+    v.renamed("least_change", "min_change");
+    v.field("min_change", c.min_change,
             {.doc = "a voxel changed when its short and long level differ by this",
              .min = 0.01,
              .max = 1.0});
-    v.field("least_voxels", c.least_voxels,
+    v.renamed("least_voxels", "min_voxels");
+    v.field("min_voxels", c.min_voxels,
             {.doc = "changes of fewer voxels that hang together are left out", .min = 1});
     v.require(c.short_clouds <= c.mid_clouds && c.mid_clouds <= c.long_clouds, "long_clouds",
               "is not the longest", "order them short, mid, long");

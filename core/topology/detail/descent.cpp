@@ -92,10 +92,10 @@ void add_revisits(const Terms& terms, std::span<const Pose2> poses,
                   const LocationPriorConfig& config, Quadratic& quadratic) {
   const double information = 1.0 / (config.revisit_stddev_m * config.revisit_stddev_m);
   for (const Pair& pair : terms.revisits) {
-    Eigen::Vector3d pull = Eigen::Vector3d::Zero();
-    pull.head<2>() = information * (poses[pair.b].translation() - poses[pair.a].translation());
-    quadratic.add_gradient(pair.b, pull);
-    quadratic.add_gradient(pair.a, -pull);
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    gradient.head<2>() = information * (poses[pair.b].translation() - poses[pair.a].translation());
+    quadratic.add_gradient(pair.b, gradient);
+    quadratic.add_gradient(pair.a, -gradient);
     if (!quadratic.with_curvature()) continue;
     quadratic.add_apart(pair, information * Eigen::Matrix2d::Identity());
   }

@@ -18,7 +18,7 @@ struct Optimum {
   std::shared_ptr<const LocationGaussian> gaussian;
 };
 
-/// Nothing when the cost does not settle within a few steps, or nothing is curved there.
+/// Nothing when the cost does not converge within a few steps, or nothing is curved there.
 [[nodiscard]] std::optional<Optimum> descend(const Terms& terms, const LocationPriorConfig& config,
                                              std::vector<Pose2> start);
 

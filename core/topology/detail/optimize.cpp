@@ -5,14 +5,13 @@
 #include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 
-#include "core/pose_graph/pose_graph.hpp"
+#include "core/pose_graph/edge_cost.hpp"
 #include "core/topology/detail/terms.hpp"
 #include "core/topology/location_prior.hpp"
 
 namespace strata::topology::detail {
 namespace {
 
-using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajor23 = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
 /// Up to this many visits a dense solver is faster.
 constexpr std::size_t kDenseVisits = 15;
@@ -28,34 +27,6 @@ Eigen::Matrix3d square_root(const Eigen::Matrix3d& information) {
   const Eigen::Vector3d roots = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   return roots.asDiagonal() * solver.eigenvectors().transpose();
 }
-
-/// Ceres wants Jacobians row by row, and asks only for some of them.
-void write(const Eigen::Matrix3d& jacobian, double* row_major) {
-  if (row_major == nullptr) return;
-  Eigen::Map<RowMajor3> target(row_major);
-  target = jacobian;
-}
-
-class LinkCost final : public ceres::SizedCostFunction<3, 3, 3> {
- public:
-  explicit LinkCost(const Link& link) : link_(link), whitener_(square_root(link.information)) {}
-  bool Evaluate(const double* const* x, double* residuals, double** jacobians) const override {
-    const Pose2 a{x[0][0], x[0][1], x[0][2]};
-    const Pose2 b{x[1][0], x[1][1], x[1][2]};
-    Eigen::Matrix3d by_a;
-    Eigen::Matrix3d by_b;
-    Eigen::Map<Eigen::Vector3d> whitened(residuals);
-    whitened = whitener_ * pose_graph::edge_error(a, b, link_.a_from_b, &by_a, &by_b);
-    if (jacobians == nullptr) return true;
-    write(whitener_ * by_a, jacobians[0]);
-    write(whitener_ * by_b, jacobians[1]);
-    return true;
-  }
-
- private:
-  Link link_;
-  Eigen::Matrix3d whitener_;
-};
 
 class RevisitCost final : public ceres::SizedCostFunction<2, 3, 3> {
  public:
@@ -112,7 +83,9 @@ bool solve(const Terms& terms, const std::vector<Pair>& penalties,
   problem.AddParameterBlock(block(0), 3);
   problem.SetParameterBlockConstant(block(0));
   for (const Link& link : terms.links) {
-    problem.AddResidualBlock(new LinkCost(link), nullptr, block(link.a), block(link.b));
+    problem.AddResidualBlock(
+        pose_graph::new_edge_cost(link.a_from_b, square_root(link.information)), nullptr,
+        block(link.a), block(link.b));
   }
   for (const Pair& pair : terms.revisits) {
     problem.AddResidualBlock(new RevisitCost(config.revisit_stddev_m), nullptr, block(pair.a),

@@ -22,22 +22,11 @@ using strata::test::same_bits;
 constexpr double kResolution = 0.05;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
-/// One drive along the corridor a visit, in one long run: a robot at work. 60 s lie between visits.
+/// One long run: a robot at work.
 std::vector<PosedScan> working_day(const std::vector<bool>& closed, double position_stddev_m,
                                    double heading_stddev_rad, std::uint64_t seed) {
-  std::vector<PosedScan> scans;
-  for (std::size_t v = 0; v < closed.size(); ++v) {
-    RandomStream random(seed, StreamId::kTest, v);
-    const Pose2 error = test::random_error(position_stddev_m, heading_stddev_rad, random);
-    const bool back = v % 2 != 0;
-    const double y = random.uniform(0.9, 1.5);
-    const Pose2 west{1.0, y, back ? 3.14159265 : 0.0};
-    const Pose2 east{10.0, y, back ? 3.14159265 : 0.0};
-    test::ToyRobot{}.drive(test::corridor_with_door(closed[v]), back ? east : west,
-                           back ? west : east, 0, 100.0 * static_cast<double>(v), error, random,
-                           scans);
-  }
-  return scans;
+  return test::drive_past_door(closed, position_stddev_m, heading_stddev_rad, seed,
+                               test::Visits::kOneRun);
 }
 
 std::vector<bool> now_and_then(std::size_t visits, std::uint64_t seed) {
@@ -54,8 +43,19 @@ PatchMap batch(const std::vector<PosedScan>& scans, const ReflectionGrid& base) 
   return learner.finish(base);
 }
 
-bool is_at_door(const Submap& submap) {
-  return submap.rect.inflated(4).contains(cell_at({5.5, 2.4}, kResolution));
+bool is_at_door(const Submap& submap) { return test::is_at_door(submap, kResolution); }
+
+/// The same configurations to the bit.
+void expect_same(const PatchMap& map, const PatchMap& expected) {
+  ASSERT_EQ(map.submaps.size(), expected.submaps.size());
+  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+    const auto& configurations = map.submaps[s].configurations;
+    ASSERT_EQ(configurations.size(), expected.submaps[s].configurations.size());
+    for (std::size_t k = 0; k < configurations.size(); ++k) {
+      EXPECT_TRUE(same_bits(configurations[k].reflection,
+                            expected.submaps[s].configurations[k].reflection));
+    }
+  }
 }
 
 /// How far two maps are apart: the number of sub-maps and configurations must agree, rectangles to
@@ -206,15 +206,7 @@ TEST(OnlinePatchLearner, ResultIsTheSameOnOneTwoAndEightThreads) {
   const PatchMap expected = one.finish();
   ASSERT_FALSE(expected.submaps.empty());
   for (OnlinePatchLearner* other : {&two, &eight}) {
-    const PatchMap map = other->finish();
-    ASSERT_EQ(map.submaps.size(), expected.submaps.size());
-    for (std::size_t s = 0; s < map.submaps.size(); ++s) {
-      ASSERT_EQ(map.submaps[s].configurations.size(), expected.submaps[s].configurations.size());
-      for (std::size_t k = 0; k < map.submaps[s].configurations.size(); ++k) {
-        EXPECT_TRUE(same_bits(map.submaps[s].configurations[k].reflection,
-                              expected.submaps[s].configurations[k].reflection));
-      }
-    }
+    expect_same(other->finish(), expected);
   }
 }
 
@@ -241,15 +233,10 @@ TEST(OnlinePatchLearner, GoesOnBitForBitFromItsSavedState) {
     const PatchMap expected = whole.finish();
     const PatchMap map = stopped->finish();
     ASSERT_FALSE(expected.submaps.empty());
-    ASSERT_EQ(map.submaps.size(), expected.submaps.size());
+    expect_same(map, expected);
     EXPECT_TRUE(same_bits(map.base, expected.base));
     for (std::size_t s = 0; s < map.submaps.size(); ++s) {
       EXPECT_EQ(map.submaps[s].sequences.size(), expected.submaps[s].sequences.size());
-      ASSERT_EQ(map.submaps[s].configurations.size(), expected.submaps[s].configurations.size());
-      for (std::size_t k = 0; k < map.submaps[s].configurations.size(); ++k) {
-        EXPECT_TRUE(same_bits(map.submaps[s].configurations[k].reflection,
-                              expected.submaps[s].configurations[k].reflection));
-      }
     }
   }
 }
@@ -295,7 +282,7 @@ TEST(OnlinePatchLearner, UnusableScansAndBadSettingsAreHarmlessOrRefused) {
   EXPECT_FALSE(online.add(scan)) << "no valid beams";
   EXPECT_TRUE(online.finish().submaps.empty());
   OnlineConfig bad;
-  bad.most_visits = 1;
+  bad.max_visits = 1;
   EXPECT_THROW(OnlinePatchLearner({}, bad, make_reflection_grid(kResolution, {})), ConfigError);
 }
 

@@ -27,30 +27,14 @@ PatchMap learn(const std::vector<PosedScan>& scans, const PatchLearnerConfig& co
   return learner.finish(test::map_of(scans));
 }
 
-/// Drives along the corridor, once a visit, with the door closed where `closed` says so. Each visit
-/// is a run of its own with its own error of pose.
+/// Each visit is a run of its own.
 std::vector<PosedScan> corridor_visits(const std::vector<bool>& closed, double position_stddev_m,
                                        double heading_stddev_rad, std::uint64_t seed) {
-  std::vector<PosedScan> scans;
-  for (std::size_t v = 0; v < closed.size(); ++v) {
-    RandomStream random(seed, StreamId::kTest, v);
-    const Pose2 error = test::random_error(position_stddev_m, heading_stddev_rad, random);
-    const bool back = v % 2 != 0;
-    const double y = random.uniform(0.9, 1.5);
-    const Pose2 west{1.0, y, back ? 3.14159265 : 0.0};
-    const Pose2 east{10.0, y, back ? 3.14159265 : 0.0};
-    test::ToyRobot{}.drive(test::corridor_with_door(closed[v]), back ? east : west,
-                           back ? west : east, static_cast<int>(v), 0.0, error, random, scans);
-  }
-  return scans;
+  return test::drive_past_door(closed, position_stddev_m, heading_stddev_rad, seed,
+                               test::Visits::kRuns);
 }
 
-/// The door of corridor_with_door lies on the segment (5.05, 2.4)-(5.95, 2.4); its leaf swings into
-/// x = 5.05, y up to 3.3.
-bool is_at_door(const Submap& submap) {
-  const Cell door = cell_at({5.5, 2.4}, kResolution);
-  return submap.rect.inflated(4).contains(door);
-}
+bool is_at_door(const Submap& submap) { return test::is_at_door(submap, kResolution); }
 
 /// Reflection in the middle of the door's opening, greatest over its thickness.
 float at_door(const ReflectionGrid& grid) {

@@ -4,10 +4,13 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "core/geometry/pose2.hpp"
+#include "core/patch/patch_map.hpp"
 #include "core/random/stream.hpp"
 #include "core/scan/scan.hpp"
 
@@ -109,6 +112,36 @@ inline ToyWorld corridor_with_door(bool is_closed) {
     world.walls.push_back({5.05, 2.4, 5.05, 3.3});  // the leaf, swung into the room
   }
   return world;
+}
+
+/// How visits follow each other: each a run of its own, or all in one run, 100 s apart.
+enum class Visits { kRuns, kOneRun };
+
+/// Drives along corridor_with_door to and fro, once a visit, with the door closed where `closed`
+/// says so, each with an error of pose of its own.
+inline std::vector<PosedScan> drive_past_door(const std::vector<bool>& closed,
+                                              double position_stddev_m, double heading_stddev_rad,
+                                              std::uint64_t seed, Visits visits) {
+  std::vector<PosedScan> scans;
+  for (std::size_t v = 0; v < closed.size(); ++v) {
+    RandomStream random(seed, StreamId::kTest, v);
+    const Pose2 error = random_error(position_stddev_m, heading_stddev_rad, random);
+    const bool back = v % 2 != 0;
+    const double y = random.uniform(0.9, 1.5);
+    const Pose2 west{1.0, y, back ? 3.14159265 : 0.0};
+    const Pose2 east{10.0, y, back ? 3.14159265 : 0.0};
+    const bool is_one_run = visits == Visits::kOneRun;
+    ToyRobot{}.drive(corridor_with_door(closed[v]), back ? east : west, back ? west : east,
+                     is_one_run ? 0 : static_cast<int>(v),
+                     is_one_run ? 100.0 * static_cast<double>(v) : 0.0, error, random, scans);
+  }
+  return scans;
+}
+
+/// The door lies on the segment (5.05, 2.4)-(5.95, 2.4); its leaf swings into x = 5.05, y up
+/// to 3.3.
+inline bool is_at_door(const Submap& submap, double resolution_m) {
+  return submap.rect.inflated(4).contains(cell_at({5.5, 2.4}, resolution_m));
 }
 
 }  // namespace strata::patch::test

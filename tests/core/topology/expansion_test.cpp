@@ -23,7 +23,7 @@ struct Seen {
       for (const Eigen::Vector2d& point : test_world::wall_points(15)) {
         walls.push_back(inverse(poses[i]) * point);
       }
-      visit.patch = with_normals(walls, 5);
+      visit.cloud = with_normals(walls, 5);
       log.add(std::move(visit));
       if (i + 1 < poses.size()) parent.labels.push_back(static_cast<int>(i));
     }
@@ -62,17 +62,18 @@ Overlap overlap_of(int label, std::size_t from, std::size_t to, const Pose2& at,
   return {label, {from, to, match}};
 }
 
-TEST(Sight, CountsThatItsOwnPlaceDoesNotFitThoughANeighboursMapDoes) {
+TEST(CandidateEvidence, CountsThatItsOwnPlaceDoesNotFitThoughANeighboursMapDoes) {
   Seen seen({{0.0, 0.0, 0.0}, {3.0, 0.0, 0.0}, {0.8, 0.0, 0.0}});
   Prediction prediction(seen.parent.poses, *seen.parent.gaussian, seen.last_way());
   const Child child{0, 0.0, 0.0, {Pose2{}, Pose2{3.0, 0.0, 0.0}, Pose2{0.4, 0.0, 0.0}}};
   const auto evidence_with = [&](double own_gain) {
     const std::vector<Overlap> overlaps{overlap_of(0, 0, 2, {0.8, 0.0, 0.0}, own_gain),
                                         overlap_of(1, 1, 2, {-2.2, 0.0, 0.0}, 20.0)};
-    return look(seen.parent, child, overlaps, prediction, seen.config, -9.0).log_evidence;
+    return candidate_evidence(seen.parent, child, overlaps, prediction, seen.config, -9.0)
+        .log_evidence;
   };
   EXPECT_NEAR(evidence_with(-3.0) - evidence_with(-8.0), 5.0, 1e-9);
-  EXPECT_NEAR(evidence_with(1.0), evidence_with(2.0), 1e-9);  // one map is laid on, not two
+  EXPECT_NEAR(evidence_with(1.0), evidence_with(2.0), 1e-9);  // one cloud is registered to, not two
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ inline Drive drive(const std::vector<Junction>& junctions, const std::vector<int
       odom = pose;
     } else {
       Pose2 step = between(result.poses.back(), pose);
-      visit.way_m = step.translation().norm();
-      const OdometryFactor factor = odometry_step(step, visit.way_m, noise);
+      visit.path_length_m = step.translation().norm();
+      const OdometryFactor factor = odometry_step(step, visit.path_length_m, noise);
       step.x += random.normal(0.0, std::sqrt(factor.covariance(0, 0)));
       step.y += random.normal(0.0, std::sqrt(factor.covariance(1, 1)));
       step.theta = wrap_angle(step.theta + random.normal(0.0, std::sqrt(factor.covariance(2, 2))));
@@ -81,7 +81,7 @@ inline Drive drive(const std::vector<Junction>& junctions, const std::vector<int
       seen.push_back(robot_from_junction * point +
                      Eigen::Vector2d(random.normal(0.0, 0.02), random.normal(0.0, 0.02)));
     }
-    visit.patch = with_normals(seen, 5);
+    visit.cloud = with_normals(seen, 5);
     result.visits.push_back(std::move(visit));
     result.poses.push_back(pose);
   }

@@ -10,6 +10,7 @@
 #include "core/random/stream.hpp"
 #include "core/topology/dirichlet_process.hpp"
 #include "core/topology/location_prior.hpp"
+#include "tests/core/topology/all_partitions.hpp"
 
 namespace strata::topology {
 namespace {

@@ -24,8 +24,8 @@ struct Reckoning {
       densities.push_back(-9.0);
       poses.push_back(drive.visits[i].odom_from_robot);
       if (i == 0) continue;
-      odometry.push_back(odometry_step(between(poses[i - 1], poses[i]), drive.visits[i].way_m,
-                                       kLandmarkOdometryNoise));
+      odometry.push_back(odometry_step(between(poses[i - 1], poses[i]),
+                                       drive.visits[i].path_length_m, kLandmarkOdometryNoise));
     }
   }
   [[nodiscard]] Measurements first(std::size_t visits) const {
@@ -57,23 +57,24 @@ TEST(Prediction, OfARevisitIsWithinANatOfTheOptimizedEvidence) {
         evaluate(before, way.first(4), {}, {way.poses.begin(), way.poses.begin() + 4}, config);
     ASSERT_TRUE(four.converged);
     Prediction prediction(four.poses, *four.gaussian, way.odometry[3]);
-    const Pull place = prediction.same_place(0, config);
+    const LinearizedFactor place = prediction.same_place_factor(0, config);
     const PlaceMatch match = some_match(between(way.poses[0], prediction.newest()));
     for (const bool with_scan : {false, true}) {
-      std::vector<Pull> pulls{place};
+      std::vector<LinearizedFactor> factors{place};
       std::vector<ScanFactor> scans;
       if (with_scan) {
-        pulls.push_back(prediction.laid_on(0, match));
+        factors.push_back(prediction.registration_factor(0, match));
         scans.push_back({0, 4, match});
       }
-      const Prediction::Pulled pulled = prediction.pulled_by(pulls);
-      const double linear = four.log_evidence + pulled.log_factor -
+      const Prediction::Conditioned conditioned = prediction.conditioned_on(factors);
+      const double linear = four.log_evidence + conditioned.log_factor -
                             2.0 * std::log(2.0 * std::numbers::pi * config.revisit_stddev_m);
-      const Evidence exact = evaluate({0, 1, 2, 3, 0}, way.first(5), scans, pulled.poses, config);
+      const Evidence exact =
+          evaluate({0, 1, 2, 3, 0}, way.first(5), scans, conditioned.poses, config);
       ASSERT_TRUE(exact.converged);
       EXPECT_NEAR(linear, exact.log_evidence, 1.0) << "seed " << seed << ' ' << with_scan;
       for (std::size_t i = 0; i < 5; ++i) {
-        EXPECT_LT(translation_distance(pulled.poses[i], exact.poses[i]), 0.3);
+        EXPECT_LT(translation_distance(conditioned.poses[i], exact.poses[i]), 0.3);
       }
     }
   }
@@ -86,13 +87,13 @@ TEST(Prediction, IsExactWhereEverythingIsLinear) {
   const std::vector<Pose2> poses{Pose2{}};
   const LocationGaussian certain;
   Prediction prediction(poses, certain, odometry);
-  const Pull place = prediction.same_place(0, config);
+  const LinearizedFactor place = prediction.same_place_factor(0, config);
   const Eigen::Matrix2d covariance =
       odometry.covariance.topLeftCorner<2, 2>() + 0.25 * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d apart(0.7, -0.4);
   const double expected = -0.5 * apart.dot(covariance.inverse() * apart) -
                           0.5 * std::log(covariance.determinant()) - std::log(4.0);
-  EXPECT_NEAR(prediction.pulled_by({&place, 1}).log_factor, expected, 1e-12);
+  EXPECT_NEAR(prediction.conditioned_on({&place, 1}).log_factor, expected, 1e-12);
   EXPECT_TRUE(prediction.covariance_apart(0).isApprox(odometry.covariance.topLeftCorner<2, 2>()));
 }
 

@@ -10,19 +10,13 @@
 #include "core/base/error.hpp"
 #include "core/topology/proposal.hpp"
 #include "tests/core/topology/junction_world.hpp"
+#include "tests/core/topology/posterior_of.hpp"
 
 namespace strata::topology {
 namespace {
 
 using test_world::Drive;
-
-std::vector<Hypothesis> posterior_of(const std::vector<LandmarkVisit>& visits,
-                                     const TopologyConfig& config, std::uint64_t seed = 1,
-                                     int threads = 1) {
-  TopologyFilter filter(config, seed, threads);
-  for (const LandmarkVisit& visit : visits) EXPECT_TRUE(filter.add(visit));
-  return filter.posterior();
-}
+using test_world::posterior_of;
 
 double total_variation(const std::vector<Hypothesis>& a, const std::vector<Hypothesis>& b) {
   std::map<Labels, double> difference;
@@ -60,7 +54,7 @@ Drive ambiguous_drive(std::uint64_t seed) {
       {0.0, 0.0, 15}, {12.0, 0.0, 15}, {12.0, 12.0, 15}, {0.0, 12.0, 15}};
   Drive drive =
       test_world::drive(junctions, {0, 1, 2, 3, 0, 1, 2}, with_bad_odometry().odometry, seed);
-  for (LandmarkVisit& visit : drive.visits) visit.patch = {};
+  for (LandmarkVisit& visit : drive.visits) visit.cloud = {};
   return drive;
 }
 
@@ -115,46 +109,6 @@ TEST(TopologyFilter, IsNearTheExactPosterior) {
   EXPECT_LT(corrected, plain);
 }
 
-struct Tally {
-  int truth_first = 0;
-  int above_80_percent = 0;
-};
-
-Tally tally(const std::vector<test_world::Junction>& junctions, const std::vector<int>& order,
-            const OdometryNoiseConfig& noise, const TopologyConfig& config, int seeds) {
-  Tally result;
-  for (int i = 0; i < seeds; ++i) {
-    const auto seed = static_cast<std::uint64_t>(100 + i);
-    const Drive drive = test_world::drive(junctions, order, noise, seed);
-    const std::vector<Hypothesis> posterior = posterior_of(drive.visits, config, seed, 2);
-    const bool first = posterior.front().labels == drive.truth;
-    result.truth_first += first ? 1 : 0;
-    result.above_80_percent += first && posterior.front().probability > 0.8 ? 1 : 0;
-  }
-  return result;
-}
-
-// Twelve visits over 120 m, three looks of three junctions each.
-TEST(TopologyFilter, FindsTheTruthAmongLookAlikes) {
-  const Tally result = tally(test_world::nine_junctions(), test_world::twelve_visits(),
-                             kLandmarkOdometryNoise, {}, 20);
-  EXPECT_GE(result.above_80_percent, 19);
-}
-
-// 60 m wide, twenty visits of fourteen junctions, odometry that is 8% off.
-TEST(TopologyFilter, FindsTheTruthInALargeBuildingWithFiftyBestOrDrawn) {
-  TopologyConfig config;
-  config.odometry.per_metre_m = 0.08;
-  const std::vector<test_world::Junction> junctions = test_world::fourteen_junctions();
-  const std::vector<int> order = test_world::twenty_visits();
-  EXPECT_GE(tally(junctions, order, config.odometry, config, 20).truth_first, 15);
-  config.expansion = Expansion::kParticles;
-  EXPECT_GE(tally(junctions, order, config.odometry, config, 20).truth_first, 15);
-  // A look-alike that outweighs any odometry: the truth dies out before the loop closes.
-  config.match.look_alike_gain = 1000.0;
-  EXPECT_EQ(tally(junctions, order, config.odometry, config, 2).truth_first, 0);
-}
-
 TEST(TopologyFilter, GivesTheSameBitsForAnyNumberOfThreads) {
   const Drive drive = test_world::drive(test_world::nine_junctions(), test_world::twelve_visits(),
                                         kLandmarkOdometryNoise, 5);
@@ -196,17 +150,17 @@ TEST(TopologyFilter, SkipsAndCountsVisitsThatCannotBe) {
   broken.odom_from_robot.x = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(filter.add(broken));
   broken = drive.visits[2];
-  broken.way_m = -1.0;
+  broken.path_length_m = -1.0;
   EXPECT_FALSE(filter.add(broken));
   broken = drive.visits[2];
-  broken.patch.points_m.front().x() = std::numeric_limits<double>::infinity();
+  broken.cloud.points_m.front().x() = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(filter.add(broken));
   broken.stamp.ns += 1;
-  broken.patch = {};
+  broken.cloud = {};
   EXPECT_TRUE(filter.add(broken));
   EXPECT_EQ(filter.counts().late_visits, 1U);
   EXPECT_EQ(filter.counts().broken_visits, 2U);
-  EXPECT_EQ(filter.counts().empty_patches, 2U);
+  EXPECT_EQ(filter.counts().empty_clouds, 2U);
   EXPECT_EQ(filter.visits(), 4U);
   EXPECT_NEAR(sum_of(filter.posterior()), 1.0, 1e-12);
 }
@@ -230,63 +184,6 @@ TEST(TopologyFilter, StaysNormalizedAndSaysThatTwoLandmarksLieWithinAMetre) {
     EXPECT_TRUE(std::isfinite(hypothesis.log_evidence));
     EXPECT_EQ(hypothesis.poses.size(), drive.visits.size());
   }
-}
-
-/// One room of 12 m by 8 m with a pillar, seen whole from two places 3 m apart.
-Drive room_with_two_places(const std::vector<int>& order) {
-  Drive drive;
-  drive.truth = canonical(order);
-  std::vector<Eigen::Vector2d> walls;
-  for (double t = 0.0; t <= 12.0; t += 0.1) {
-    walls.emplace_back(t, 0.0);
-    walls.emplace_back(t, 8.0);
-    if (t <= 8.0) walls.emplace_back(0.0, t);
-    if (t <= 8.0) walls.emplace_back(12.0, t);
-    if (t <= 1.0) walls.emplace_back(3.0 + t, 6.0);
-  }
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Pose2 pose{4.5 + 3.0 * order[i], 4.0 + 0.02 * static_cast<double>(i), 0.3 * order[i]};
-    LandmarkVisit visit;
-    visit.stamp = {static_cast<std::int64_t>(i + 1) * 1'000'000'000};
-    visit.odom_from_robot = pose;
-    visit.way_m = i == 0 ? 0.0 : 3.0;
-    std::vector<Eigen::Vector2d> seen;
-    for (const Eigen::Vector2d& wall : walls) seen.push_back(inverse(pose) * wall);
-    visit.patch = with_normals(seen, 5);
-    drive.visits.push_back(std::move(visit));
-  }
-  return drive;
-}
-
-TEST(TopologyFilter, DoesNotTakeTwoPlacesForOneBecauseTheySeeTheSameWalls) {
-  const Drive drive = room_with_two_places({0, 1, 0, 1});
-  TopologyConfig config;
-  config.location.penalty_radius_m = 1.5;
-  const std::vector<Hypothesis> posterior = posterior_of(drive.visits, config);
-  EXPECT_EQ(posterior.front().labels, drive.truth);
-  EXPECT_GT(posterior.front().probability, 0.9);
-}
-
-TEST(TopologyFilter, MakesOneLandmarkOfTwoThatALaterLoopBringsTogether) {
-  Hypothesis hypothesis;
-  hypothesis.labels = {0, 1, 2, 0};
-  hypothesis.poses = {{0, 0, 0}, {5, 0, 1}, {5.4, 0.3, 2}, {0, 0, 0}};
-  const LocationPriorConfig config;
-  EXPECT_EQ(mergers(hypothesis, config), (std::vector<Labels>{{0, 1, 1, 0}}));
-  hypothesis.poses[2].x = 7.0;
-  EXPECT_TRUE(mergers(hypothesis, config).empty());
-}
-
-TEST(TopologyFilter, MovesAVisitToTheLandmarkThatALaterLoopPutsItAt) {
-  Hypothesis hypothesis;
-  hypothesis.labels = {0, 1, 1, 0};
-  hypothesis.poses = {{0, 0, 0}, {5, 0, 1}, {0.3, 0, 2}, {0.2, 0, 0}};
-  const LocationPriorConfig config;
-  EXPECT_EQ(moved_visits(hypothesis, config), (std::vector<Labels>{{0, 1, 0, 0}, {0, 1, 2, 0}}));
-  hypothesis.poses[2] = {6.2, 0, 2};  // beyond its own landmark, and far from the other
-  EXPECT_EQ(moved_visits(hypothesis, config), (std::vector<Labels>{{0, 1, 2, 0}}));
-  hypothesis.poses[2].x = 5.8;
-  EXPECT_TRUE(moved_visits(hypothesis, config).empty());
 }
 
 /// However long the drive: as many topologies as are kept, twice, and the revisions.
@@ -327,14 +224,14 @@ TEST(TopologyFilter, StaysNormalizedAndSaysWhyWhateverComes) {
     std::size_t taken = 0;
     for (std::size_t i = 0; i < drive.visits.size(); ++i) {
       LandmarkVisit visit = drive.visits[i];
-      if (i == 4) visit.patch = {};
+      if (i == 4) visit.cloud = {};
       if (i == 6) visit.stamp = drive.visits[2].stamp;
       taken += filter.add(std::move(visit)) ? 1 : 0;
       EXPECT_NEAR(sum_of(filter.posterior()), 1.0, 1e-12) << i;
     }
     EXPECT_EQ(taken, drive.visits.size() - 1);
     EXPECT_EQ(filter.counts().late_visits, 1U);
-    EXPECT_EQ(filter.counts().empty_patches, 1U);
+    EXPECT_EQ(filter.counts().empty_clouds, 1U);
     EXPECT_GT(filter.counts().failed_matches, 0U);
     EXPECT_EQ(filter.posterior().front().labels.size(), taken);
   }

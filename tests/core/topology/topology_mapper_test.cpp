@@ -32,7 +32,7 @@ TEST(TopologyMapper, KeepsEveryScanUnlessItIsToldOtherwise) {
 
 TEST(TopologyMapper, KeepsScansThatLieApartAndTracksTheOthersToo) {
   const std::vector<Observation> log = drive_and_stand();
-  TopologyMapper mapper(TopologyMapperConfig{}, 1, 1, {.thin_m = 0.1, .thin_rad = 0.2});
+  TopologyMapper mapper(TopologyMapperConfig{}, 1, 1, {.subsample_m = 0.1, .subsample_rad = 0.2});
   for (std::size_t i = 0; i + kStands < log.size(); ++i) (void)mapper.add(log[i]);
   const std::size_t kept = mapper.scans().size();
   // Every fifth: what is rounded or turned may add or take one now and then.
@@ -82,7 +82,7 @@ TEST(TopologyMapper, OdometryThatComesLateOrIsMissedOnceMovesNothing) {
 TEST(TopologyMapper, TakesNoMoreOnceItsMemoryIsUsedUpAlsoAfterARestart) {
   const std::vector<Observation> log = drive_and_stand();
   const std::size_t bytes = sizeof(PosedScan) + log.front().scan.ranges_m.size() * sizeof(float);
-  const WayKeepConfig keep{.memory_mb = static_cast<double>(100 * bytes) * 1e-6};
+  const PathKeepConfig keep{.memory_mb = static_cast<double>(100 * bytes) * 1e-6};
   TopologyMapper mapper(TopologyMapperConfig{}, 1, 1, keep);
   for (const Observation& seen : log) (void)mapper.add(seen);
   EXPECT_EQ(mapper.scans().size(), 100U);

@@ -99,11 +99,11 @@ TEST(VisitMaker, VisitsACrossingOnceWhereItIsAndAPlainCorridorNever) {
   const Pose2& place = visits[0].visit.odom_from_robot;
   EXPECT_LT(place.translation().norm(), 0.3);
   EXPECT_NEAR(visits[0].visit.stamp.seconds(), 20.0, 1.5);
-  EXPECT_GT(visits[0].visit.patch.size(), 100U);
+  EXPECT_GT(visits[0].visit.cloud.size(), 100U);
   // Walls of all four corridors, in the frame of the crossing.
   int behind = 0;
   int aside = 0;
-  for (const Eigen::Vector2d& point : visits[0].visit.patch.points_m) {
+  for (const Eigen::Vector2d& point : visits[0].visit.cloud.points_m) {
     behind += point.x() < -2.0 ? 1 : 0;
     aside += std::abs(point.y()) > 2.0 ? 1 : 0;
   }
@@ -155,7 +155,7 @@ TEST(LandmarkDetector, FindsOneLandmarkWhereTwoFindingsLieTogether) {
 }
 
 TEST(VisitMaker, TakesLandmarksByHandInOrderOfTime) {
-  VisitConfig config;
+  LandmarkVisitConfig config;
   config.source = LandmarkSource::kGiven;
   VisitMaker maker(config);
   maker.mark(Stamp::from_seconds(30.0));
@@ -165,7 +165,7 @@ TEST(VisitMaker, TakesLandmarksByHandInOrderOfTime) {
   ASSERT_EQ(visits.size(), 2U);
   EXPECT_DOUBLE_EQ(visits[0].visit.stamp.seconds(), 10.0);
   EXPECT_DOUBLE_EQ(visits[1].visit.stamp.seconds(), 30.0);
-  EXPECT_NEAR(visits[1].visit.way_m, 8.0, 1e-9);
+  EXPECT_NEAR(visits[1].visit.path_length_m, 8.0, 1e-9);
   EXPECT_EQ(visits[0].robot_from_visit, Pose2{});
   EXPECT_EQ(maker.late(), 1U);
 }

@@ -82,7 +82,7 @@ TEST(ColorMap, TakesThePictureInWhichNoOneStandsBeforeTheVoxel) {
   EXPECT_GT(colors.add(looking(0.05, 0.05, 10.0, red), pool), 100U);
   EXPECT_FALSE(voxel_at(colors, 0.05).is_seen());
   ColorConfig paper;
-  paper.least_static = 0.0;
+  paper.min_static = 0.0;
   ColorMap any(paper, map, witnesses);
   any.add(looking(0.05, 0.05, 10.0, red), pool);
   EXPECT_EQ(voxel_at(any, 0.05).color, kRed);  // better than nothing

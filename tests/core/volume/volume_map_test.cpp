@@ -25,8 +25,8 @@ octomap::OcTree octomap_tree(const VolumeConfig& config) {
   octomap::OcTree tree(config.resolution_m);
   tree.setProbHit(config.probability_hit);
   tree.setProbMiss(config.probability_miss);
-  tree.setClampingThresMin(config.least_probability);
-  tree.setClampingThresMax(config.most_probability);
+  tree.setClampingThresMin(config.min_probability);
+  tree.setClampingThresMax(config.max_probability);
   return tree;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lays local maps on others [chen1992object]: docs/theory/topological_mapping.md, "Local maps".
+/// Registers local clouds to others [chen1992object]: docs/theory/topological_mapping.md, "Local
+/// clouds".
 #pragma once
 
 #include <span>
@@ -8,11 +9,11 @@
 
 #include "core/geometry/pose2.hpp"
 #include "core/topology/config.hpp"
-#include "core/topology/place_patch.hpp"
+#include "core/topology/local_cloud.hpp"
 
 namespace strata::topology {
 
-/// What two local maps say about their visits being at one landmark.
+/// What two local clouds say about their visits being at one landmark.
 struct PlaceMatch {
   bool converged = false;
   Pose2 a_from_b;
@@ -28,19 +29,19 @@ struct PlaceMatch {
 /// anywhere, but for the few places that look just the same. About the gain where it is small,
 /// never above the limit. Without it a look-alike outweighs any odometry, and a filter that draws
 /// few topologies loses the truth before a loop has told the two apart.
-[[nodiscard]] double gain_over_look_alikes(double gain, const PatchMatchConfig& config);
+[[nodiscard]] double gain_over_look_alikes(double gain, const CloudMatchConfig& config);
 
 /// The best of the alignments found from every start; deterministic. Not converged (with the
-/// config's failure gain) when the overlap stays too small, or a patch has too few points.
-/// The points of a patch are correlated: information and gain count as if it had
+/// config's failure gain) when the overlap stays too small, or a cloud has too few points.
+/// The points of a cloud are correlated: information and gain count as if it had
 /// config.effective_points. The surface's reach is to be
 /// config.first_gate_m. O(starts x iterations x points).
-[[nodiscard]] PlaceMatch match_patches(const PlaceSurface& a, const PlacePatch& b,
-                                       std::span<const Pose2> starts_a_from_b,
-                                       const PatchMatchConfig& config);
-/// The same for a patch that is used once.
-[[nodiscard]] PlaceMatch match_patches(const PlacePatch& a, const PlacePatch& b,
-                                       std::span<const Pose2> starts_a_from_b,
-                                       const PatchMatchConfig& config);
+[[nodiscard]] PlaceMatch match_clouds(const PlaceSurface& a, const LocalCloud& b,
+                                      std::span<const Pose2> starts_a_from_b,
+                                      const CloudMatchConfig& config);
+/// The same for a cloud that is used once.
+[[nodiscard]] PlaceMatch match_clouds(const LocalCloud& a, const LocalCloud& b,
+                                      std::span<const Pose2> starts_a_from_b,
+                                      const CloudMatchConfig& config);
 
 }  // namespace strata::topology

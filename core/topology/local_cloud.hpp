@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The local map around one visit of a landmark: surface points with normals.
+/// The local cloud around one visit of a landmark: surface points with normals.
 #pragma once
 
 #include <cstddef>
@@ -15,16 +15,17 @@
 
 namespace strata::topology {
 
-struct PlacePatchConfig {
+struct LocalCloudConfig {
   double path_radius_m = 3.0;
   double point_radius_m = 6.0;
   double cell_m = 0.1;
   int neighbours = 5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field(
-        "path_radius_m", c.path_radius_m,
-        {.doc = "scans taken this near the landmark make its local map", .unit = "m", .min = 0.1});
+    v.field("path_radius_m", c.path_radius_m,
+            {.doc = "scans taken this near the landmark make its local cloud",
+             .unit = "m",
+             .min = 0.1});
     v.field("point_radius_m", c.point_radius_m,
             {.doc = "points this near the landmark belong to it", .unit = "m", .min = 0.5});
     v.field("cell_m", c.cell_m,
@@ -34,7 +35,7 @@ struct PlacePatchConfig {
 };
 
 /// Points and unit normals (of either sign) in the frame of the visit; equal lengths.
-struct PlacePatch {
+struct LocalCloud {
   std::vector<Eigen::Vector2d> points_m;
   std::vector<Eigen::Vector2d> normals;
 
@@ -43,16 +44,16 @@ struct PlacePatch {
 };
 
 /// Whether it has a normal for each point, and all of them are finite. O(points).
-[[nodiscard]] bool is_sound(const PlacePatch& patch);
+[[nodiscard]] bool is_sound(const LocalCloud& cloud);
 
 /// Points with normals by principal axes of each point and its nearest neighbours. Points that are
 /// not finite or have no neighbour within a metre are left out. O(n log n) about.
-[[nodiscard]] PlacePatch with_normals(std::span<const Eigen::Vector2d> points_m, int neighbours);
+[[nodiscard]] LocalCloud with_normals(std::span<const Eigen::Vector2d> points_m, int neighbours);
 
-/// The hits of all scans within the radii of the config, thinned. scans: map_from_robot in any
+/// The hits of all scans within the radii of the config, subsampled. scans: map_from_robot in any
 /// common frame; landmark: the visit's pose in that frame.
-[[nodiscard]] PlacePatch make_place_patch(std::span<const PosedScan> scans, const Pose2& landmark,
-                                          const PlacePatchConfig& config);
+[[nodiscard]] LocalCloud make_local_cloud(std::span<const PosedScan> scans, const Pose2& landmark,
+                                          const LocalCloudConfig& config);
 
 /// Nearest points within a fixed reach, by buckets.
 class NearestPoint {
@@ -82,18 +83,18 @@ class NearestPoint {
   std::vector<std::size_t> order_;
 };
 
-/// A patch made ready to lay others on. Keeps a reference to it.
+/// A cloud made ready to register others to. Keeps a reference to it.
 class PlaceSurface {
  public:
   /// reach_m > 0: nothing further away counts.
-  PlaceSurface(const PlacePatch& patch, double reach_m);
-  [[nodiscard]] const PlacePatch& patch() const { return patch_; }
+  PlaceSurface(const LocalCloud& cloud, double reach_m);
+  [[nodiscard]] const LocalCloud& cloud() const { return cloud_; }
   /// Index of the nearest point within gate_m, or NearestPoint::kNone; the first of equals. The
   /// table tells where there is none.
   [[nodiscard]] std::size_t find(const Eigen::Vector2d& at, double gate_m) const {
     const std::size_t about = in_table(at);
     if (about == NearestPoint::kNone) return about;
-    const double no_nearer_m = (patch_.points_m[about] - at).norm() - kTableErrorM;
+    const double no_nearer_m = (cloud_.points_m[about] - at).norm() - kTableErrorM;
     return no_nearer_m > gate_m ? NearestPoint::kNone : exact_.find(at, gate_m, about);
   }
   /// Index of a point about as near as the nearest, within gate_m; NearestPoint::kNone: none. One
@@ -101,7 +102,7 @@ class PlaceSurface {
   [[nodiscard]] std::size_t find_about(const Eigen::Vector2d& at, double gate_m) const {
     const std::size_t about = in_table(at);
     if (about == NearestPoint::kNone) return about;
-    const bool near = (patch_.points_m[about] - at).squaredNorm() <= gate_m * gate_m;
+    const bool near = (cloud_.points_m[about] - at).squaredNorm() <= gate_m * gate_m;
     return near ? about : NearestPoint::kNone;
   }
 
@@ -117,7 +118,7 @@ class PlaceSurface {
                                     static_cast<std::size_t>(x)];
     return i < 0 ? NearestPoint::kNone : static_cast<std::size_t>(i);
   }
-  const PlacePatch& patch_;
+  const LocalCloud& cloud_;
   NearestPoint exact_;
   Eigen::Vector2d min_{0.0, 0.0};
   int width_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/topology/patch_matcher.hpp"
+#include "core/topology/cloud_matcher.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,10 +31,10 @@ struct Normal {
 };
 
 /// Normal equations of sum w (n' (T p - q))^2, Cauchy weights, at T = a_from_b.
-Normal normal_equations(const PlaceSurface& surface, const PlacePatch& b, const Pose2& a_from_b,
+Normal normal_equations(const PlaceSurface& surface, const LocalCloud& b, const Pose2& a_from_b,
                         double gate_m, double robust_scale_m) {
   Normal normal;
-  const PlacePatch& a = surface.patch();
+  const LocalCloud& a = surface.cloud();
   const double cosine = std::cos(a_from_b.theta);
   const double sine = std::sin(a_from_b.theta);
   for (const Eigen::Vector2d& point : b.points_m) {
@@ -55,8 +55,8 @@ Normal normal_equations(const PlaceSurface& surface, const PlacePatch& b, const 
   return normal;
 }
 
-Pose2 refine(const PlaceSurface& a, const PlacePatch& b, const Pose2& start, double first_gate_m,
-             const PatchMatchConfig& config) {
+Pose2 refine(const PlaceSurface& a, const LocalCloud& b, const Pose2& start, double first_gate_m,
+             const CloudMatchConfig& config) {
   Pose2 pose = start;
   double gate_m = first_gate_m;
   for (int i = 0; i < config.max_iterations; ++i) {
@@ -75,12 +75,12 @@ Pose2 refine(const PlaceSurface& a, const PlacePatch& b, const Pose2& start, dou
 }
 
 /// About `count` points, evenly taken.
-PlacePatch sample_of(const PlacePatch& patch, std::size_t count) {
-  const std::size_t stride = std::max<std::size_t>(1, patch.size() / count);
-  PlacePatch sample;
-  for (std::size_t i = 0; i < patch.size(); i += stride) {
-    sample.points_m.push_back(patch.points_m[i]);
-    sample.normals.push_back(patch.normals[i]);
+LocalCloud sample_of(const LocalCloud& cloud, std::size_t count) {
+  const std::size_t stride = std::max<std::size_t>(1, cloud.size() / count);
+  LocalCloud sample;
+  for (std::size_t i = 0; i < cloud.size(); i += stride) {
+    sample.points_m.push_back(cloud.points_m[i]);
+    sample.normals.push_back(cloud.normals[i]);
   }
   return sample;
 }
@@ -91,9 +91,9 @@ bool is_about(const Pose2& a, const Pose2& b) {
 }
 
 /// Gain, overlap and information at an alignment.
-PlaceMatch judge(const PlaceSurface& surface, const PlacePatch& b, const Pose2& pose,
-                 const PatchMatchConfig& config) {
-  const PlacePatch& a = surface.patch();
+PlaceMatch judge(const PlaceSurface& surface, const LocalCloud& b, const Pose2& pose,
+                 const CloudMatchConfig& config) {
+  const LocalCloud& a = surface.cloud();
   PlaceMatch match;
   match.a_from_b = pose;
   const double tempering = std::min(1.0, config.effective_points / static_cast<double>(b.size()));
@@ -126,19 +126,19 @@ PlaceMatch judge(const PlaceSurface& surface, const PlacePatch& b, const Pose2& 
 
 }  // namespace
 
-double gain_over_look_alikes(double gain, const PatchMatchConfig& config) {
+double gain_over_look_alikes(double gain, const CloudMatchConfig& config) {
   const double beyond = gain - config.look_alike_gain;
   // ln(1 + exp(beyond)), whose exponent must not overflow.
   return gain - (std::max(beyond, 0.0) + std::log1p(std::exp(-std::abs(beyond))));
 }
 
 /// Few points try every start; all points go on from where the best of them came to rest.
-PlaceMatch match_patches(const PlaceSurface& a, const PlacePatch& b,
-                         std::span<const Pose2> starts_a_from_b, const PatchMatchConfig& config) {
+PlaceMatch match_clouds(const PlaceSurface& a, const LocalCloud& b,
+                        std::span<const Pose2> starts_a_from_b, const CloudMatchConfig& config) {
   PlaceMatch best;
   best.gain = config.failure_gain;
-  if (a.patch().size() < kMinPoints || b.size() < kMinPoints) return best;
-  const PlacePatch sample = sample_of(b, kSamplePoints);
+  if (a.cloud().size() < kMinPoints || b.size() < kMinPoints) return best;
+  const LocalCloud sample = sample_of(b, kSamplePoints);
   std::vector<PlaceMatch> tried;
   for (const Pose2& start : starts_a_from_b) {
     const Pose2 pose = refine(a, sample, start, config.first_gate_m, config);
@@ -158,9 +158,9 @@ PlaceMatch match_patches(const PlaceSurface& a, const PlacePatch& b,
   return best;
 }
 
-PlaceMatch match_patches(const PlacePatch& a, const PlacePatch& b,
-                         std::span<const Pose2> starts_a_from_b, const PatchMatchConfig& config) {
-  return match_patches(PlaceSurface(a, config.first_gate_m), b, starts_a_from_b, config);
+PlaceMatch match_clouds(const LocalCloud& a, const LocalCloud& b,
+                        std::span<const Pose2> starts_a_from_b, const CloudMatchConfig& config) {
+  return match_clouds(PlaceSurface(a, config.first_gate_m), b, starts_a_from_b, config);
 }
 
 }  // namespace strata::topology

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/topology/place_patch.hpp"
+#include "core/topology/local_cloud.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,11 +11,11 @@
 
 namespace strata::topology {
 
-bool is_sound(const PlacePatch& patch) {
+bool is_sound(const LocalCloud& cloud) {
   const auto finite = [](const Eigen::Vector2d& vector) { return vector.allFinite(); };
-  return patch.points_m.size() == patch.normals.size() &&
-         std::all_of(patch.points_m.begin(), patch.points_m.end(), finite) &&
-         std::all_of(patch.normals.begin(), patch.normals.end(), finite);
+  return cloud.points_m.size() == cloud.normals.size() &&
+         std::all_of(cloud.points_m.begin(), cloud.points_m.end(), finite) &&
+         std::all_of(cloud.normals.begin(), cloud.normals.end(), finite);
 }
 
 NearestPoint::NearestPoint(const std::vector<Eigen::Vector2d>& points_m, double reach_m)
@@ -74,21 +74,21 @@ std::size_t NearestPoint::find(const Eigen::Vector2d& at, double gate_m, std::si
   std::size_t nearest = kNone;
   const std::optional<Eigen::Vector2i> cell = cell_of(at);
   if (!cell) return kNone;
-  const auto look = [&](std::size_t i) {
+  const auto try_point = [&](std::size_t i) {
     const double squared = (points_m_[i] - at).squaredNorm();
     if (squared > best || (squared == best && nearest != kNone && i > nearest)) return;
     best = squared;
     nearest = i;
   };
-  if (hint != kNone) look(hint);
+  if (hint != kNone) try_point(hint);
   // Ring after ring of cells, until the next one is further away than the best.
   for (int ring = 0; ring == 0 || (ring - 1) * cell_m_ * (ring - 1) * cell_m_ <= best; ++ring) {
     for (int y = cell->y() - ring; y <= cell->y() + ring; ++y) {
       if (y == cell->y() - ring || y == cell->y() + ring) {
-        for_row(y, cell->x() - ring, cell->x() + ring, look);
+        for_row(y, cell->x() - ring, cell->x() + ring, try_point);
       } else {
-        for_row(y, cell->x() - ring, cell->x() - ring, look);
-        for_row(y, cell->x() + ring, cell->x() + ring, look);
+        for_row(y, cell->x() - ring, cell->x() - ring, try_point);
+        for_row(y, cell->x() + ring, cell->x() + ring, try_point);
       }
     }
   }
@@ -107,13 +107,13 @@ void NearestPoint::within(const Eigen::Vector2d& at, std::vector<std::size_t>& f
   }
 }
 
-PlaceSurface::PlaceSurface(const PlacePatch& patch, double reach_m)
-    : patch_(patch), exact_(patch.points_m, reach_m) {
-  if (patch.empty()) return;
+PlaceSurface::PlaceSurface(const LocalCloud& cloud, double reach_m)
+    : cloud_(cloud), exact_(cloud.points_m, reach_m) {
+  if (cloud.empty()) return;
   const auto reach = static_cast<int>(std::ceil(reach_m / kCellM));
-  min_ = patch.points_m.front();
+  min_ = cloud.points_m.front();
   Eigen::Vector2d max = min_;
-  for (const Eigen::Vector2d& point : patch.points_m) {
+  for (const Eigen::Vector2d& point : cloud.points_m) {
     min_ = min_.cwiseMin(point);
     max = max.cwiseMax(point);
   }
@@ -123,8 +123,8 @@ PlaceSurface::PlaceSurface(const PlacePatch& patch, double reach_m)
   const std::size_t cells = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   nearest_.assign(cells, -1);
   std::vector<double> squared_m(cells, std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < patch.size(); ++i) {
-    const Eigen::Vector2d place = (patch.points_m[i] - min_) / kCellM;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector2d place = (cloud.points_m[i] - min_) / kCellM;
     const int x = static_cast<int>(place.x());
     const int y = static_cast<int>(place.y());
     for (int cy = std::max(0, y - reach); cy <= std::min(height_ - 1, y + reach); ++cy) {
@@ -140,14 +140,14 @@ PlaceSurface::PlaceSurface(const PlacePatch& patch, double reach_m)
   }
 }
 
-PlacePatch with_normals(std::span<const Eigen::Vector2d> points_m, int neighbours) {
+LocalCloud with_normals(std::span<const Eigen::Vector2d> points_m, int neighbours) {
   constexpr double kReachM = 1.0;
   std::vector<Eigen::Vector2d> finite;
   for (const Eigen::Vector2d& point : points_m) {
     if (point.allFinite()) finite.push_back(point);
   }
   const NearestPoint nearest(finite, kReachM);
-  PlacePatch patch;
+  LocalCloud cloud;
   std::vector<std::size_t> found;
   for (const Eigen::Vector2d& point : finite) {
     nearest.within(point, found);
@@ -169,14 +169,14 @@ PlacePatch with_normals(std::span<const Eigen::Vector2d> points_m, int neighbour
     }
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
     axes.computeDirect(scatter);
-    patch.points_m.push_back(point);
-    patch.normals.push_back(axes.eigenvectors().col(0));
+    cloud.points_m.push_back(point);
+    cloud.normals.push_back(axes.eigenvectors().col(0));
   }
-  return patch;
+  return cloud;
 }
 
-PlacePatch make_place_patch(std::span<const PosedScan> scans, const Pose2& landmark,
-                            const PlacePatchConfig& config) {
+LocalCloud make_local_cloud(std::span<const PosedScan> scans, const Pose2& landmark,
+                            const LocalCloudConfig& config) {
   struct Sum {
     Eigen::Vector2d total = Eigen::Vector2d::Zero();
     double count = 0.0;
