@@ -67,15 +67,25 @@ struct DecodingConfig {
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("edges", c.edges, {.doc = "joint, conditional or tolerant pair statistics, or scene"});
-    v.field("cost", c.cost, {.doc = "reciprocal (the paper) or neglog (the most likely path)"});
+    v.field("edges", c.edges,
+            {.doc = "joint, conditional or tolerant pair statistics, or scene",
+             .preset = {"paper-timescale", "joint"}});
+    v.field("cost", c.cost,
+            {.doc = "reciprocal (the paper) or neglog (the most likely path)",
+             .preset = {"paper-timescale", "reciprocal"}});
     v.field("smoothing", c.smoothing,
-            {.doc = "pseudo-count of the tolerant and scene weights", .min = 0.0, .max = 100.0});
+            {.doc = "pseudo-count of the tolerant and scene weights",
+             .min = 0.0,
+             .max = 100.0,
+             .preset = {"paper-timescale", "0"}});
     v.field("evidence", c.evidence,
             {.doc = "power of a range bin's share of samples in the scene weights",
              .min = 0.0,
-             .max = 1.0});
-    v.field("search", c.search, {.doc = "layered or dijkstra; both find the same cost"});
+             .max = 1.0,
+             .preset = {"paper-timescale", "0"}});
+    v.field("search", c.search,
+            {.doc = "layered or dijkstra; both find the same cost",
+             .preset = {"paper-timescale", "dijkstra"}});
   }
 };
 

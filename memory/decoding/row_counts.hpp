@@ -13,15 +13,15 @@
 namespace strata::memory::detail {
 
 /// Most states of a row: every range bin and the overflow bin.
-inline constexpr std::size_t kMostStates = 256;
+inline constexpr std::size_t kMaxStates = 256;
 inline constexpr std::uint8_t kNoState = 255;
 
 /// Where the samples of one angle bin lie.
 struct RowCounts {
   std::vector<std::uint8_t> states;  ///< range bins with samples, ascending
   // Only the level's range bins are filled, and one more.
-  std::array<std::uint8_t, kMostStates> place;   ///< of a range bin in `states`; kNoState
-  std::array<std::uint16_t, kMostStates> count;  ///< samples per range bin
+  std::array<std::uint8_t, kMaxStates> place;   ///< of a range bin in `states`; kNoState
+  std::array<std::uint16_t, kMaxStates> count;  ///< samples per range bin
   std::size_t total = 0;
 
   void fill(const NodeLevel& level, int angle_bin) {
@@ -44,7 +44,7 @@ struct RowCounts {
   /// The same; samples in range bins beside it count `beside`.
   [[nodiscard]] double weighted_share(std::uint8_t bin, double beside) const {
     const int around =
-        (bin > 0 ? count[bin - 1U] : 0) + (bin + 1U < kMostStates ? count[bin + 1U] : 0);
+        (bin > 0 ? count[bin - 1U] : 0) + (bin + 1U < kMaxStates ? count[bin + 1U] : 0);
     return (count[bin] + beside * around) / static_cast<double>(total);
   }
 };
@@ -53,7 +53,7 @@ struct RowCounts {
 template <typename Visit>
 void for_states_near(const RowCounts& row, int range_bin, int reach, Visit&& visit) {
   const int low = std::max(0, range_bin - reach);
-  const int high = std::min<int>(kMostStates - 1, range_bin + reach);
+  const int high = std::min<int>(kMaxStates - 1, range_bin + reach);
   for (int bin = low; bin <= high; ++bin) {
     if (const std::uint8_t state = row.place[static_cast<std::size_t>(bin)]; state != kNoState) {
       visit(std::size_t{state});

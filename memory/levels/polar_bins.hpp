@@ -15,10 +15,10 @@ namespace strata::memory {
 /// open space.
 struct PolarBins {
   int angle_bins = 360;
-  int range_bins = 50;  ///< without the overflow bin; at most kMostRangeBins
+  int range_bins = 50;  ///< without the overflow bin; at most kMaxRangeBins
   double max_range_m = 8.0;
 
-  static constexpr int kMostRangeBins = 254;
+  static constexpr int kMaxRangeBins = 254;
 
   friend bool operator==(const PolarBins&, const PolarBins&) = default;
   [[nodiscard]] double range_bin_m() const { return max_range_m / range_bins; }

@@ -93,7 +93,7 @@ void VirtualScanner::build_polygon(const PosedScan& posed, const Eigen::Vector2d
 }
 
 void VirtualScanner::join_surfaces(const Eigen::Vector2d& laser_m) {
-  const double least_sine = std::sin(config_.least_incidence_rad);
+  const double min_sine = std::sin(config_.min_incidence_rad);
   for (std::size_t i = 0; i < polygon_.size(); ++i) {
     Vertex& p = polygon_[i];
     const Vertex& q = polygon_[i + 1 == polygon_.size() ? 0 : i + 1];
@@ -104,7 +104,7 @@ void VirtualScanner::join_surfaces(const Eigen::Vector2d& laser_m) {
     const Eigen::Vector2d to_q = Eigen::Vector2d(q.x_m, q.y_m) - laser_m;
     const Eigen::Vector2d& beam = to_p.squaredNorm() > to_q.squaredNorm() ? to_p : to_q;
     const double area = std::abs(edge.x() * beam.y() - edge.y() * beam.x());
-    p.joins_next = area >= least_sine * edge.norm() * beam.norm();
+    p.joins_next = area >= min_sine * edge.norm() * beam.norm();
   }
 }
 

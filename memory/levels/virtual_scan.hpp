@@ -21,11 +21,11 @@ struct VisibilityConfig {
   /// Beams further apart than this leave the ground between them unknown.
   double max_gap_rad = 0.06;
   /// A bin between two neighbouring beams takes the range of the line between their points, if
-  /// both lie on one surface: the beams would meet the line at no less than `least_incidence_rad`.
+  /// both lie on one surface: the beams would meet the line at no less than `min_incidence_rad`.
   /// Without it a scanner with wider gaps than an angle bin would leave the bins between its beams
   /// empty, and would never give a pair of neighbours. [kessler2010what] has a beam for each bin.
   bool fill_between_beams = true;
-  double least_incidence_rad = 0.175;
+  double min_incidence_rad = 0.175;
   /// A beam without return says that nothing is there up to the scanner's greatest range.
   bool trust_no_return = true;
   /// Beams that the beam filter gives a smaller probability of being static are left out; 0: none.
@@ -44,8 +44,10 @@ struct VisibilityConfig {
              .unit = "rad",
              .min = 0.0});
     v.field("fill_between_beams", c.fill_between_beams,
-            {.doc = "bins between two beams on one surface take the range in between"});
-    v.field("least_incidence_rad", c.least_incidence_rad,
+            {.doc = "bins between two beams on one surface take the range in between",
+             .preset = {"paper-timescale", "false"}});
+    v.renamed("least_incidence_rad", "min_incidence_rad");
+    v.field("min_incidence_rad", c.min_incidence_rad,
             {.doc = "... unless beams would graze that surface at less than this",
              .unit = "rad",
              .min = 0.001,

@@ -31,7 +31,7 @@ struct ChangeConfig {
   /// A surface of the other level within this is the same one: nodes differ a little about it.
   double same_within_m = 0.25;
   /// Smaller changes are taken for noise.
-  double least_length_m = 0.25;
+  double min_length_m = 0.25;
 };
 
 /// Surfaces of one level that the other contradicts, joined over gaps of one cell; largest first.

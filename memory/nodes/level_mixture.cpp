@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "core/base/config.hpp"
@@ -14,7 +13,7 @@
 namespace strata::memory {
 namespace {
 
-constexpr std::size_t kMostBeams = 60;
+constexpr std::size_t kMaxBeams = 60;
 
 }  // namespace
 
@@ -76,7 +75,7 @@ int LevelMixture::update(const NodeMap& map, const Pose2& map_from_laser, const 
   auto& [bearings, measured, expected, score] = scratch_;
   bearings.clear();
   measured.clear();
-  const std::size_t step = std::max<std::size_t>(1, scan.size() / kMostBeams);
+  const std::size_t step = std::max<std::size_t>(1, scan.size() / kMaxBeams);
   for (std::size_t beam = 0; beam < scan.size(); beam += step) {
     const BeamKind kind = scan.kind(beam);
     if (kind != BeamKind::kHit && kind != BeamKind::kNoReturn) continue;
@@ -105,27 +104,6 @@ int LevelMixture::update(const NodeMap& map, const Pose2& map_from_laser, const 
         (1.0 - config_.forgetting) * score[level] / total + config_.forgetting * even_[level];
   }
   return node;
-}
-
-void LevelMixture::expected_ranges_m(const NodeMap& map, const Pose2& map_from_laser,
-                                     std::span<const double> bearings_rad,
-                                     std::span<float> ranges_m, std::vector<float>& scratch) const {
-  const std::span<const double> weights = this->weights(node_at(map, map_from_laser.translation()));
-  std::vector<std::size_t> order(weights.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return weights[a] > weights[b]; });
-  std::fill(ranges_m.begin(), ranges_m.end(), std::numeric_limits<float>::quiet_NaN());
-  scratch.resize(ranges_m.size());
-  for (const std::size_t level : order) {
-    const bool complete = std::none_of(ranges_m.begin(), ranges_m.end(),
-                                       [](float range) { return std::isnan(range); });
-    if (complete) return;
-    map.expected_ranges_m(static_cast<int>(level), map_from_laser, bearings_rad, scratch);
-    for (std::size_t i = 0; i < ranges_m.size(); ++i) {
-      if (std::isnan(ranges_m[i])) ranges_m[i] = scratch[i];
-    }
-  }
 }
 
 }  // namespace strata::memory

@@ -54,12 +54,6 @@ class LevelMixture {
   /// has more beams than any before.
   int update(const NodeMap& map, const Pose2& map_from_laser, const Scan& scan);
 
-  /// Expected ranges of the most trusted level at the laser's node; beams that this level does not
-  /// know come from the next trusted one. scratch is overwritten.
-  void expected_ranges_m(const NodeMap& map, const Pose2& map_from_laser,
-                         std::span<const double> bearings_rad, std::span<float> ranges_m,
-                         std::vector<float>& scratch) const;
-
  private:
   [[nodiscard]] double log_likelihood(std::span<const float> expected_m,
                                       std::span<const float> measured_m, double max_m) const;

@@ -17,7 +17,7 @@ constexpr int kOldestLookup = 100;
 constexpr double kAgreement_m = 0.3;
 /// A beam that leaves a node's sight goes on from this far behind, at most so many times.
 constexpr double kStepOut_m = 0.1;
-constexpr int kMostHops = 3;
+constexpr int kMaxHops = 3;
 
 using Reach = NodeOutline::Reach;
 using Edge = NodeOutline::Edge;
@@ -122,11 +122,11 @@ void NodeMap::enter(std::int32_t node, Grid<Around>& lookup) const {
       };
       Around& list = lookup.at({x, y});
       const double distance = distance_squared(node);
-      std::size_t place = kMostAround;
+      std::size_t place = kMaxAround;
       while (place > 0 && (list[place - 1] < 0 || distance_squared(list[place - 1]) > distance)) {
         --place;
       }
-      if (place == kMostAround || !sees(own, center)) continue;
+      if (place == kMaxAround || !sees(own, center)) continue;
       std::move_backward(list.begin() + static_cast<std::ptrdiff_t>(place), list.end() - 1,
                          list.end());
       list[place] = node;
@@ -173,7 +173,7 @@ NodeMap::View NodeMap::view(int level, const Eigen::Vector2d& point_m) const {
     double distance_squared;
     std::int32_t node;
   };
-  std::array<Candidate, kMostAround> candidates;
+  std::array<Candidate, kMaxAround> candidates;
   std::size_t count = 0;
   for (const std::int32_t node : lookup_->at(cell)) {
     if (node < 0) break;
@@ -185,7 +185,7 @@ NodeMap::View NodeMap::view(int level, const Eigen::Vector2d& point_m) const {
     }
     candidates[place] = {distance_squared, node};
   }
-  for (std::size_t i = 0; i < count && result.size_ < View::kMost; ++i) {
+  for (std::size_t i = 0; i < count && result.size_ < View::kMax; ++i) {
     const std::int32_t node = candidates[i].node;
     const Level& decoded = this->level(level, node);
     if (decoded.insertions == 0) continue;
@@ -197,15 +197,15 @@ NodeMap::View NodeMap::view(int level, const Eigen::Vector2d& point_m) const {
   return result;
 }
 
-template <std::size_t kMost>
+template <std::size_t kMax>
 void NodeMap::reach_in_sight(const View& view, std::span<const Eigen::Vector2d> directions,
                              std::span<Reach> reach) {
   std::fill(reach.begin(), reach.end(), Reach());
   // The beams whose end no node has seen yet.
-  std::array<std::uint8_t, kMost> open;
-  static_assert(kMost <= 256);
-  std::array<Eigen::Vector2d, kMost> asked;
-  std::array<Reach, kMost> found;
+  std::array<std::uint8_t, kMax> open;
+  static_assert(kMax <= 256);
+  std::array<Eigen::Vector2d, kMax> asked;
+  std::array<Reach, kMax> found;
   std::size_t count = directions.size();
   for (std::size_t k = 0; k < count; ++k) open[k] = static_cast<std::uint8_t>(k);
   for (std::size_t i = 0; i < view.size_ && count > 0; ++i) {
@@ -238,16 +238,15 @@ NodeOutline::Reach NodeMap::reach(const View& view, const Eigen::Vector2d& direc
 
 void NodeMap::reach(const View& view, std::span<const Eigen::Vector2d> directions,
                     std::span<Reach> reach) const {
-  for (std::size_t begin = 0; begin < directions.size(); begin += kMostAtOnce) {
-    const std::size_t count = std::min(kMostAtOnce, directions.size() - begin);
-    reach_in_sight<kMostAtOnce>(view, directions.subspan(begin, count),
-                                reach.subspan(begin, count));
+  for (std::size_t begin = 0; begin < directions.size(); begin += kMaxAtOnce) {
+    const std::size_t count = std::min(kMaxAtOnce, directions.size() - begin);
+    reach_in_sight<kMaxAtOnce>(view, directions.subspan(begin, count), reach.subspan(begin, count));
   }
   for (std::size_t i = 0; i < directions.size(); ++i) go_on(view, directions[i], reach[i]);
 }
 
 void NodeMap::go_on(const View& view, const Eigen::Vector2d& direction, Reach& reach) const {
-  for (int hop = 0; hop < kMostHops; ++hop) {
+  for (int hop = 0; hop < kMaxHops; ++hop) {
     const bool ends = reach.end == Edge::kSurface || reach.end == Edge::kUnseen;
     const double left_m = reach.range_m + kStepOut_m;
     if (ends || left_m >= bins_.max_range_m) break;
@@ -283,10 +282,10 @@ void NodeMap::expected_ranges_m(int level, const Pose2& map_from_laser,
                                 std::span<const double> bearings_rad,
                                 std::span<float> ranges_m) const {
   const View from = view(level, map_from_laser.translation());
-  std::array<Eigen::Vector2d, kMostAtOnce> directions;
-  std::array<Reach, kMostAtOnce> found;
-  for (std::size_t begin = 0; begin < ranges_m.size(); begin += kMostAtOnce) {
-    const std::size_t count = std::min(kMostAtOnce, ranges_m.size() - begin);
+  std::array<Eigen::Vector2d, kMaxAtOnce> directions;
+  std::array<Reach, kMaxAtOnce> found;
+  for (std::size_t begin = 0; begin < ranges_m.size(); begin += kMaxAtOnce) {
+    const std::size_t count = std::min(kMaxAtOnce, ranges_m.size() - begin);
     for (std::size_t k = 0; k < count; ++k) {
       const double angle = map_from_laser.theta + bearings_rad[begin + k];
       directions[k] = {std::cos(angle), std::sin(angle)};

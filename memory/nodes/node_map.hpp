@@ -75,10 +75,10 @@ class NodeMap {
       const NodeOutline* outline = nullptr;
       NodeOutline::Viewpoint from;
     };
-    static constexpr std::size_t kMost = 4;
+    static constexpr std::size_t kMax = 4;
     Eigen::Vector2d place_m_ = Eigen::Vector2d::Zero();
     int level_ = 0;
-    std::array<Seen, kMost> seen_;
+    std::array<Seen, kMax> seen_;
     std::size_t size_ = 0;
   };
   /// Empty where no node sees the place. O(1). Valid as long as this map.
@@ -119,15 +119,15 @@ class NodeMap {
 
  private:
   /// Nodes that see something of a look-up cell, nearest first, as many as fit; the rest is -1.
-  static constexpr std::size_t kMostAround = 8;
-  using Around = std::array<std::int32_t, kMostAround>;
+  static constexpr std::size_t kMaxAround = 8;
+  using Around = std::array<std::int32_t, kMaxAround>;
 
   [[nodiscard]] const Level& level(int level, int node) const {
     return *nodes_[static_cast<std::size_t>(node)].levels[static_cast<std::size_t>(level)];
   }
-  static constexpr std::size_t kMostAtOnce = 64;
-  /// At most kMost beams.
-  template <std::size_t kMost>
+  static constexpr std::size_t kMaxAtOnce = 64;
+  /// At most kMax beams.
+  template <std::size_t kMax>
   static void reach_in_sight(const View& view, std::span<const Eigen::Vector2d> directions,
                              std::span<NodeOutline::Reach> reach);
   /// Where a beam leaves the nodes' sight, from there.

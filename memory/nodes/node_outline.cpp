@@ -10,7 +10,7 @@ namespace strata::memory {
 namespace {
 
 /// Two corners belong to one surface unless a beam from the node would graze it at less than this.
-constexpr double kLeastIncidence_rad = 4.0 * std::numbers::pi / 180.0;
+constexpr double kMinIncidence_rad = 4.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kLongestGap = 3;
 constexpr std::size_t kBlock = 8;
 
@@ -91,7 +91,7 @@ void NodeOutline::bridge_gaps(std::vector<bool>& known) {
     const auto from = static_cast<double>(radius_m_[a]);
     const auto to = static_cast<double>(radius_m_[end]);
     const double span = step * static_cast<double>(gap + 1);
-    if (std::abs(from - to) > std::min(from, to) * span / std::tan(kLeastIncidence_rad)) continue;
+    if (std::abs(from - to) > std::min(from, to) * span / std::tan(kMinIncidence_rad)) continue;
     for (std::size_t k = 1; k <= gap; ++k) {
       // Where the bin's centre meets the straight line between the two corners.
       const double angle = step * static_cast<double>(k);
@@ -104,7 +104,7 @@ void NodeOutline::bridge_gaps(std::vector<bool>& known) {
 }
 
 void NodeOutline::classify_edges(const std::vector<bool>& known, const std::vector<bool>& open) {
-  const double slope = 1.0 / (bins_per_rad_ * std::tan(kLeastIncidence_rad));
+  const double slope = 1.0 / (bins_per_rad_ * std::tan(kMinIncidence_rad));
   for (std::size_t a = 0; a < size(); ++a) {
     const std::size_t b = next(a);
     const auto from = static_cast<double>(radius_m_[a]);

@@ -49,9 +49,16 @@ struct TimescaleConfig {
   static void describe(Self& c, V& v) {
     v.field("angle_bins", c.angle_bins, {.doc = "angle bins a node", .min = 3, .max = 3600});
     v.field("range_bins", c.range_bins,
-            {.doc = "range bins an angle bin, without the overflow bin", .min = 1, .max = 254});
+            {.doc = "range bins an angle bin, without the overflow bin",
+             .min = 1,
+             .max = 254,
+             .preset = {"paper-timescale", "20"}});
     v.field("max_range_m", c.max_range_m,
-            {.doc = "ranges from here on share the overflow bin", .unit = "m", .min = 0.01});
+            {.doc = "ranges from here on share the overflow bin",
+             .unit = "m",
+             .min = 0.01,
+             .when = "rooms are larger than 16 m across, or only the near shall be remembered",
+             .preset = {"paper-timescale", "1.5"}});
     v.field("node_spacing_m", c.node_spacing_m,
             {.doc = "a node is made where none is seen within this", .unit = "m", .min = 0.01});
     v.field(
@@ -68,9 +75,11 @@ struct TimescaleConfig {
     v.field("turn_rad", c.turn_rad,
             {.doc = "... or one per this much turning", .unit = "rad", .min = 1e-3});
     v.field("warm_up", c.warm_up,
-            {.doc = "slow levels fill from the first observations of a node"});
+            {.doc = "slow levels fill from the first observations of a node",
+             .preset = {"paper-timescale", "false"}});
     v.field("coupled_eviction", c.coupled_eviction,
-            {.doc = "a sample that leaves takes a pair along, as in the paper"});
+            {.doc = "a sample that leaves takes a pair along, as in the paper",
+             .preset = {"paper-timescale", "true"}});
     v.group("visibility", c.visibility, "what of a scan a node can see");
     v.list("levels", c.levels, "time levels, the first forgets fastest");
     require_consistent(c, v);

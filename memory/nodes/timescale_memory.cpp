@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <limits>
 
-#include "core/geometry/angle.hpp"
 #include "core/random/stream.hpp"
 
 namespace strata::memory {
@@ -44,7 +43,7 @@ void TimescaleMemory::find_near(const Eigen::Vector2d& point_m) {
   std::sort(near_.begin(), near_.end());
 }
 
-void TimescaleMemory::furnish(MemoryNode& node) const {
+void TimescaleMemory::allocate(MemoryNode& node) const {
   int day_samples = 0;
   for (const LevelConfig& level : config_.levels) {
     node.levels.emplace_back(config_.bins(), level.samples, config_.coupled_eviction);
@@ -56,7 +55,7 @@ void TimescaleMemory::furnish(MemoryNode& node) const {
 int TimescaleMemory::add_node(const Eigen::Vector2d& position_m) {
   MemoryNode node;
   node.position_m = position_m;
-  furnish(node);
+  allocate(node);
   nodes_.push_back(std::move(node));
   return static_cast<int>(nodes_.size()) - 1;
 }
@@ -75,9 +74,7 @@ bool TimescaleMemory::is_due(const MemoryNode& node, const PosedScan& scan, int 
   const std::int64_t elapsed_ns = std::abs((scan.scan.stamp - node.last_stamp).ns);
   if (Duration{elapsed_ns}.seconds() >= config_.period_s) return true;
   if (robot != node.last_robot) return false;  // where the other stands tells nothing of motion
-  if (translation_distance(node.last_pose, scan.map_from_robot) >= config_.travel_m) return true;
-  const double turn = angle_difference(node.last_pose.theta, scan.map_from_robot.theta);
-  return std::abs(turn) >= config_.turn_rad;
+  return has_moved(node.last_pose, scan.map_from_robot, config_.travel_m, config_.turn_rad);
 }
 
 bool TimescaleMemory::is_certain(const Eigen::Matrix3d& covariance) const {
@@ -118,7 +115,7 @@ void TimescaleMemory::close_day() {
   const bool any = std::any_of(config_.levels.begin(), config_.levels.end(),
                                [](const LevelConfig& level) { return level.learns_by_days(); });
   for (std::size_t n = 0; any && n < nodes_.size(); ++n) {
-    wake(static_cast<int>(n));
+    load(static_cast<int>(n));
     MemoryNode& node = nodes_[n];
     if (node.today && !node.today->empty()) absorb_day(node, static_cast<int>(n));
   }
@@ -153,7 +150,7 @@ Observed TimescaleMemory::observe(const PosedScan& scan, const Eigen::Matrix3d* 
   const Observed result = choose_node(scan, robot);
   if (result.outcome != ObserveOutcome::kTaken) return result;
   turns_.use();
-  wake(result.node);
+  load(result.node);
   MemoryNode& node = nodes_[static_cast<std::size_t>(result.node)];
   insert(node, result.node, scan);
   ++observations_;

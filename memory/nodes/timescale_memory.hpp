@@ -32,7 +32,7 @@ namespace strata::memory {
 /// A place with its levels, in the order of the configuration.
 struct MemoryNode {
   Eigen::Vector2d position_m;
-  /// Empty while the node is asleep: only what follows below `today` is in memory then.
+  /// Empty while the node is evicted: only what follows below `today` is in memory then.
   std::vector<NodeLevel> levels;
   std::optional<DayBatch> today;   ///< when a level learns by days
   std::uint64_t observations = 0;  ///< scans that passed the gate
@@ -42,12 +42,12 @@ struct MemoryNode {
   Stamp last_stamp;
   Pose2 last_pose;
   std::uint64_t last_used = 0;  ///< observations of the whole memory when it was last needed
-  /// revisions() when it was last read from where it lies or fell asleep; empty: never.
+  /// revisions() when it was last read from where it lies or evicted; empty: never.
   std::vector<std::uint64_t> stored_revisions;
 
-  [[nodiscard]] bool is_asleep() const { return levels.empty(); }
+  [[nodiscard]] bool is_evicted() const { return levels.empty(); }
   /// Numbers that change with the content: observations, insertions of each level, and the day's.
-  /// Requires that it is awake.
+  /// Requires that it is not evicted.
   [[nodiscard]] std::vector<std::uint64_t> revisions() const;
 };
 
@@ -81,9 +81,9 @@ class TimescaleMemory {
   /// within half of node_spacing_m. covariance: of map_from_robot as (x, y, theta) in the map
   /// frame; null when the pose is known. robot: who took it, from 0, where several feed one memory
   /// in whatever order; their scans then have one clock and one run. A node between two robots
-  /// takes a scan of the other when its period is over: it forgets as if one robot were there. A
-  /// node asleep is read first: throws InputError, without any change, when that fails. O(nodes +
-  /// beams + levels x angle bins).
+  /// takes a scan of the other when its period is over: it forgets as if one robot were there. An
+  /// evicted node is loaded first: throws InputError, without any change, when that fails. O(nodes
+  /// + beams + levels x angle bins).
   Observed observe(const PosedScan& scan, const Eigen::Matrix3d* covariance = nullptr,
                    int robot = 0);
 
@@ -95,21 +95,23 @@ class TimescaleMemory {
   /// since `previous` (a snapshot of this memory with the same configuration) are not decoded
   /// again. With `unsettled_s`, nodes that took a scan of the newest scan's run less than this
   /// before it stay as they were: a robot must not localize by what it has learned a moment ago.
-  /// Nodes asleep that `previous` lacks are read, decoded and forgotten again, at most
-  /// `most_asleep` of them, those nearest to the place of the last scan; the others are pending and
+  /// Evicted nodes that `previous` lacks are read, decoded and forgotten again, at most
+  /// `max_loaded` of them, those nearest to the place of the last scan; the others are pending and
   /// expect nothing until a later snapshot has them.
   [[nodiscard]] std::shared_ptr<const NodeMap> decode(
       const DecodingConfig& decoding = {}, const NodeMap* previous = nullptr,
       double unsettled_s = 0.0,
-      std::size_t most_asleep = std::numeric_limits<std::size_t>::max()) const;
+      std::size_t max_loaded = std::numeric_limits<std::size_t>::max()) const;
 
   /// Nodes whose levels are in memory.
-  [[nodiscard]] std::size_t awake() const;
-  /// Lets the nodes that were needed longest ago fall asleep until at most `most_awake` are awake.
-  /// `source` must hold what they are at this moment. They wake when a scan is for them. O(nodes).
-  void let_sleep(std::size_t most_awake, std::shared_ptr<const NodeSource> source);
+  [[nodiscard]] std::size_t resident() const;
+  /// Evicts the nodes that were needed longest ago until at most `max_resident` are in memory.
+  /// `source` must hold what they are at this moment. They are loaded when a scan is for them.
+  /// O(nodes).
+  void evict(std::size_t max_resident, std::shared_ptr<const NodeSource> source);
 
-  /// Size of the whole state, as stored before compression; of nodes asleep only what is in memory.
+  /// Size of the whole state, as stored before compression; of evicted nodes only what is in
+  /// memory.
   [[nodiscard]] std::size_t bytes() const;
   /// The whole state; two memories are equal when these are.
   [[nodiscard]] std::vector<std::byte> state() const;
@@ -122,14 +124,14 @@ class TimescaleMemory {
   };
   [[nodiscard]] std::vector<std::byte> head_state() const;
   [[nodiscard]] NodeState node_state(std::size_t node) const;
-  /// A node asleep as it would be awake. Throws InputError when it cannot be read.
-  [[nodiscard]] MemoryNode awakened(std::size_t node) const;
+  /// An evicted node as it would be when loaded. Throws InputError when it cannot be read.
+  [[nodiscard]] MemoryNode loaded(std::size_t node) const;
   /// Throws InputError{place} when the parts do not fit together.
   [[nodiscard]] static TimescaleMemory restore(std::span<const std::byte> head,
                                                std::span<const NodeState> nodes,
                                                const std::string& place);
-  /// The same with all nodes asleep: of each only its head is read. O(nodes).
-  [[nodiscard]] static TimescaleMemory restore_asleep(
+  /// The same with all nodes evicted: of each only its head is read. O(nodes).
+  [[nodiscard]] static TimescaleMemory restore_evicted(
       std::span<const std::byte> head, std::span<const std::vector<std::byte>> node_heads,
       std::shared_ptr<const NodeSource> source);
 
@@ -140,12 +142,12 @@ class TimescaleMemory {
   Observed choose_node(const PosedScan& scan, int robot);
   int add_node(const Eigen::Vector2d& position_m);
   /// Empty levels, and the day's when one learns by days.
-  void furnish(MemoryNode& node) const;
-  /// Requires a node that is awake, new or just furnished.
+  void allocate(MemoryNode& node) const;
+  /// Requires a node that was just allocated.
   void read_levels(MemoryNode& node, std::span<const std::vector<std::byte>> levels,
                    const std::string& place) const;
-  void wake(int index);
-  /// Which nodes asleep `decode` may read: nearest to the last scan's node first.
+  void load(int index);
+  /// Which evicted nodes `decode` may read: nearest to the last scan's node first.
   [[nodiscard]] std::vector<bool> to_read(const NodeMap* previous, std::size_t most) const;
   struct DecodeRules {
     const DecodingConfig& decoding;
@@ -167,7 +169,7 @@ class TimescaleMemory {
   int newest_run_ = 0;
   Stamp newest_stamp_;
   std::size_t newest_node_ = 0;
-  std::shared_ptr<const NodeSource> source_;   ///< of the nodes asleep
+  std::shared_ptr<const NodeSource> source_;   ///< of the evicted nodes
   std::vector<double> insertion_probability_;  ///< per level, after warming up
   std::vector<MemoryNode> nodes_;
   ScannerTurns turns_;  ///< of several scanners at the gate of the nodes

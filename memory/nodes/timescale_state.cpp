@@ -111,7 +111,7 @@ TimescaleMemory::NodeState TimescaleMemory::node_state(std::size_t index) const 
   head(node.last_pose);
   head(node.last_used);
   NodeState state{head.take_bytes(), {}};
-  if (node.is_asleep()) {
+  if (node.is_evicted()) {
     state.levels = source_->levels_of(index);
     return state;
   }
@@ -176,9 +176,9 @@ TimescaleMemory TimescaleMemory::restore(std::span<const std::byte> head,
   return memory;
 }
 
-TimescaleMemory TimescaleMemory::restore_asleep(std::span<const std::byte> head,
-                                                std::span<const std::vector<std::byte>> node_heads,
-                                                std::shared_ptr<const NodeSource> source) {
+TimescaleMemory TimescaleMemory::restore_evicted(std::span<const std::byte> head,
+                                                 std::span<const std::vector<std::byte>> node_heads,
+                                                 std::shared_ptr<const NodeSource> source) {
   const std::string place = source->place();
   Head read = read_head(head, node_heads.size(), place);
   TimescaleMemory memory(std::move(read.config), read.seed);

@@ -84,12 +84,6 @@ std::optional<std::string> Store::find_text(const std::string& key) const {
   return statement.text(0);
 }
 
-void Store::remove_text(const std::string& key) {
-  transaction([&] {
-    detail::Statement(impl_->database, "DELETE FROM text WHERE key = ?").bind(key).run();
-  });
-}
-
 std::vector<std::string> Store::text_keys(const std::string& prefix) const {
   detail::Statement statement(impl_->database, "SELECT key FROM text ORDER BY key");
   std::vector<std::string> keys;

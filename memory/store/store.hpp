@@ -46,7 +46,7 @@ struct TrajectoryPose {
 struct SavedTimescale {
   bool is_known = false;  ///< the rest says what the store holds
   std::uint64_t observations = 0;
-  /// Per node its revisions; none for one that was asleep.
+  /// Per node its revisions; none for one that was evicted.
   std::vector<std::vector<std::uint64_t>> nodes;
 };
 
@@ -74,7 +74,6 @@ class Store {
   /// Texts by key, e.g. "summary/em" or "config/learn". Keys are the caller's.
   void save_text(const std::string& key, const std::string& value);
   [[nodiscard]] std::optional<std::string> find_text(const std::string& key) const;
-  void remove_text(const std::string& key);
   /// Keys that begin with `prefix`, sorted.
   [[nodiscard]] std::vector<std::string> text_keys(const std::string& prefix = "") const;
 
@@ -95,12 +94,12 @@ class Store {
   /// The timescale memory; what is loaded goes on exactly as what was saved would have.
   void save_timescale(const TimescaleMemory& memory, const std::string& name = "timescale");
   [[nodiscard]] TimescaleMemory load_timescale(const std::string& name = "timescale") const;
-  /// The same memory with all its nodes asleep: each is read when it is needed, through this
+  /// The same memory with all its nodes evicted: each is read when it is needed, through this
   /// store's connection, which stays open until the memory is gone too (one thread for both).
-  /// Damage in a node is found, as an InputError, when it wakes. O(nodes), a few milliseconds for
-  /// 10,000.
+  /// Damage in a node is found, as an InputError, when it is loaded. O(nodes), a few milliseconds
+  /// for 10,000.
   [[nodiscard]] TimescaleMemory open_timescale(const std::string& name = "timescale") const;
-  /// What nodes may fall asleep upon (TimescaleMemory::let_sleep) right after they were saved.
+  /// Where nodes may be evicted to (TimescaleMemory::evict) right after they were saved.
   [[nodiscard]] std::shared_ptr<const NodeSource> timescale_nodes(
       const std::string& name = "timescale") const;
   /// Brings what the store holds of the memory up to date: one transaction with the nodes and
@@ -136,7 +135,7 @@ class Store {
   void require_writable() const;
 
   std::filesystem::path path_;
-  std::shared_ptr<Impl> impl_;  // a memory whose nodes are asleep holds on to it
+  std::shared_ptr<Impl> impl_;  // a memory whose nodes are evicted holds on to it
 };
 
 }  // namespace strata::memory

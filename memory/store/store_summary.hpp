@@ -35,7 +35,7 @@ struct StoreSummary {
     std::int64_t samples = 0;
     std::int64_t pairs = 0;
     std::int64_t bytes = 0;
-    std::int64_t most_bytes_a_node = 0;
+    std::int64_t max_bytes_a_node = 0;
   };
   struct Timescale {
     std::string name;

@@ -50,7 +50,7 @@ void write_level(Database& database, const std::string& map, std::size_t node, s
       .run();
 }
 
-/// Writes what differs from the revisions; empty: everything. node: that of the index, awake.
+/// Writes what differs from the revisions; empty: everything. node: that of the index, loaded.
 /// Returns whether anything did.
 bool write_node(Database& database, const std::string& map, const TimescaleMemory& memory,
                 const MemoryNode& node, std::size_t index,
@@ -90,14 +90,14 @@ void Store::save_timescale(const TimescaleMemory& memory, const std::string& nam
   transaction([&] {
     Database& database = impl_->database;
     write_head(database, name, memory);
-    // Over what is there, which may be where nodes asleep are read from; what is too much goes
+    // Over what is there, which may be where evicted nodes are read from; what is too much goes
     // last.
     Statement surplus(database,
                       "DELETE FROM timescale_level WHERE map = ? AND node = ? AND level >= ?");
     for (std::size_t n = 0; n < memory.nodes().size(); ++n) {
-      std::optional<MemoryNode> woken;
-      if (memory.nodes()[n].is_asleep()) woken = memory.awakened(n);
-      const MemoryNode& node = woken ? *woken : memory.nodes()[n];
+      std::optional<MemoryNode> loaded;
+      if (memory.nodes()[n].is_evicted()) loaded = memory.loaded(n);
+      const MemoryNode& node = loaded ? *loaded : memory.nodes()[n];
       write_node(database, name, memory, node, n, {});
       surplus.bind(name)
           .bind(static_cast<std::int64_t>(n))
@@ -114,7 +114,7 @@ void Store::save_timescale(const TimescaleMemory& memory, const std::string& nam
 SavedTimescale Store::all_saved(const TimescaleMemory& memory) {
   SavedTimescale saved{true, memory.observations(), {}};
   for (const MemoryNode& node : memory.nodes()) {
-    saved.nodes.push_back(node.is_asleep() ? std::vector<std::uint64_t>() : node.revisions());
+    saved.nodes.push_back(node.is_evicted() ? std::vector<std::uint64_t>() : node.revisions());
   }
   return saved;
 }
@@ -136,7 +136,7 @@ std::size_t Store::save_timescale_changes(const TimescaleMemory& memory, SavedTi
     write_head(database, name, memory);
     for (std::size_t n = 0; n < memory.nodes().size(); ++n) {
       const MemoryNode& node = memory.nodes()[n];
-      if (node.is_asleep()) continue;  // it was saved before it fell asleep, or came from here
+      if (node.is_evicted()) continue;  // it was saved before it was evicted, or came from here
       std::vector<std::uint64_t> there;
       if (n < saved.nodes.size()) {
         there = saved.nodes[n].empty() ? node.stored_revisions : saved.nodes[n];
@@ -208,7 +208,7 @@ TimescaleMemory Store::open_timescale(const std::string& name) const {
   Statement rows(database, "SELECT data FROM timescale_node WHERE map = ? ORDER BY node");
   rows.bind(name);
   while (rows.step()) nodes.push_back(rows.blob(0));
-  return TimescaleMemory::restore_asleep(head, nodes, timescale_nodes(name));
+  return TimescaleMemory::restore_evicted(head, nodes, timescale_nodes(name));
 }
 
 bool Store::has_timescale(const std::string& name) const {

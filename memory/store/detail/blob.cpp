@@ -11,7 +11,7 @@ namespace strata::memory::detail {
 namespace {
 
 /// Larger contents are not ours: a damaged length must not ask for all memory.
-constexpr unsigned long long kMostBytes = 1ULL << 36U;
+constexpr unsigned long long kMaxBytes = 1ULL << 36U;
 
 [[noreturn]] void throw_damaged(const std::string& place) {
   throw DamageError(place, "its content is damaged",
@@ -37,7 +37,7 @@ std::vector<std::byte> compress(std::span<const std::byte> bytes) {
 std::vector<std::byte> decompress(std::span<const std::byte> blob, const std::string& place) {
   const unsigned long long stated = ZSTD_getFrameContentSize(blob.data(), blob.size());
   if (stated == ZSTD_CONTENTSIZE_ERROR || stated == ZSTD_CONTENTSIZE_UNKNOWN ||
-      stated > kMostBytes) {
+      stated > kMaxBytes) {
     throw_damaged(place);
   }
   std::vector<std::byte> bytes(static_cast<std::size_t>(stated));

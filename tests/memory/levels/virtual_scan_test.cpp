@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "memory/levels/virtual_scan.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,7 +11,6 @@
 
 #include "core/geometry/angle.hpp"
 #include "core/random/stream.hpp"
-#include "memory/levels/virtual_scan.hpp"
 
 namespace strata::memory {
 namespace {

@@ -54,15 +54,15 @@ TimescaleMemory after(int scans) {
   return memory;
 }
 
-TimescaleMemory fall_asleep(const TimescaleMemory& memory) {
+TimescaleMemory evict_all(const TimescaleMemory& memory) {
   const auto source = std::make_shared<const Snapshot>(memory);
-  return TimescaleMemory::restore_asleep(memory.head_state(), source->heads(), source);
+  return TimescaleMemory::restore_evicted(memory.head_state(), source->heads(), source);
 }
 
-std::vector<bool> sleepers(const TimescaleMemory& memory) {
-  std::vector<bool> asleep;
-  for (const MemoryNode& node : memory.nodes()) asleep.push_back(node.is_asleep());
-  return asleep;
+std::vector<bool> evicted_nodes(const TimescaleMemory& memory) {
+  std::vector<bool> evicted;
+  for (const MemoryNode& node : memory.nodes()) evicted.push_back(node.is_evicted());
+  return evicted;
 }
 
 TEST(SleepingNodes, OfAMemoryThatWasRestoredAreThoseThatWereNeededLongestAgo) {
@@ -72,22 +72,22 @@ TEST(SleepingNodes, OfAMemoryThatWasRestoredAreThoseThatWereNeededLongestAgo) {
   for (std::size_t n = 0; n < memory.nodes().size(); ++n) nodes.push_back(memory.node_state(n));
   TimescaleMemory restored = TimescaleMemory::restore(memory.head_state(), nodes, "test");
   const auto source = std::make_shared<const Snapshot>(memory);
-  for (std::size_t awake = memory.nodes().size() - 1; awake > 0; --awake) {
-    memory.let_sleep(awake, source);
-    restored.let_sleep(awake, source);
-    EXPECT_EQ(sleepers(restored), sleepers(memory)) << awake;
+  for (std::size_t resident = memory.nodes().size() - 1; resident > 0; --resident) {
+    memory.evict(resident, source);
+    restored.evict(resident, source);
+    EXPECT_EQ(evicted_nodes(restored), evicted_nodes(memory)) << resident;
   }
 }
 
 TEST(SleepingNodes, AreReadFirstWhereTheRobotWasLastThoughTheMemoryWasRestored) {
   const TimescaleMemory memory = after(150);
-  const TimescaleMemory restored = fall_asleep(memory);
-  TimescaleMemory slept = memory;
-  slept.let_sleep(0, std::make_shared<const Snapshot>(memory));
+  const TimescaleMemory restored = evict_all(memory);
+  TimescaleMemory evicted = memory;
+  evicted.evict(0, std::make_shared<const Snapshot>(memory));
   const auto of_restored = restored.decode({}, nullptr, 0.0, 1);
-  const auto of_slept = slept.decode({}, nullptr, 0.0, 1);
+  const auto of_evicted = evicted.decode({}, nullptr, 0.0, 1);
   for (std::size_t n = 0; n < memory.nodes().size(); ++n) {
-    EXPECT_EQ(of_restored->nodes()[n].is_pending, of_slept->nodes()[n].is_pending) << n;
+    EXPECT_EQ(of_restored->nodes()[n].is_pending, of_evicted->nodes()[n].is_pending) << n;
   }
 }
 
@@ -127,17 +127,17 @@ TEST(SleepingNodes, LearnAsIfTheyHadNeverSlept) {
   TimescaleMemory memory(small_config(), 7);
   for (int k = 0; k < scans; ++k) {
     memory.observe(scan_of(k));
-    if (k % 7 == 0) memory.let_sleep(2, std::make_shared<const Snapshot>(memory));
+    if (k % 7 == 0) memory.evict(2, std::make_shared<const Snapshot>(memory));
   }
   const TimescaleMemory truth = after(scans);
   ASSERT_GT(truth.nodes().size(), 6U);
-  EXPECT_LT(memory.awake(), truth.nodes().size());
+  EXPECT_LT(memory.resident(), truth.nodes().size());
   EXPECT_EQ(memory.state(), truth.state());
 }
 
 TEST(SleepingNodes, EndTheirDayToo) {
   TimescaleMemory truth = after(100);
-  TimescaleMemory memory = fall_asleep(truth);
+  TimescaleMemory memory = evict_all(truth);
   truth.close_day();
   memory.close_day();
   EXPECT_EQ(memory.state(), truth.state());
@@ -147,24 +147,24 @@ TEST(SleepingNodes, AreTheOnesNeededLongestAgo) {
   TimescaleMemory memory = after(150);
   const int last = memory.observe(scan_of(150)).node;
   ASSERT_GE(last, 0);
-  memory.let_sleep(1, std::make_shared<const Snapshot>(memory));
-  EXPECT_EQ(memory.awake(), 1U);
-  EXPECT_FALSE(memory.nodes()[static_cast<std::size_t>(last)].is_asleep());
+  memory.evict(1, std::make_shared<const Snapshot>(memory));
+  EXPECT_EQ(memory.resident(), 1U);
+  EXPECT_FALSE(memory.nodes()[static_cast<std::size_t>(last)].is_evicted());
 }
 
 TEST(SleepingNodes, AreDecodedWithoutWaking) {
   const TimescaleMemory truth = after(150);
-  const TimescaleMemory memory = fall_asleep(truth);
+  const TimescaleMemory memory = evict_all(truth);
   const auto map = memory.decode();
   expect_same(*map, *truth.decode());
-  EXPECT_EQ(memory.awake(), 0U);
+  EXPECT_EQ(memory.resident(), 0U);
 }
 
 TEST(SleepingNodes, AreReadOnceForManySnapshots) {
   const TimescaleMemory truth = after(150);
   const auto source = std::make_shared<const Snapshot>(truth);
   TimescaleMemory memory =
-      TimescaleMemory::restore_asleep(truth.head_state(), source->heads(), source);
+      TimescaleMemory::restore_evicted(truth.head_state(), source->heads(), source);
   auto map = memory.decode();
   EXPECT_EQ(source->reads, static_cast<int>(truth.nodes().size()));
   map = memory.decode({}, map.get());
@@ -173,7 +173,7 @@ TEST(SleepingNodes, AreReadOnceForManySnapshots) {
 
 TEST(SleepingNodes, ComeAFewASnapshotTheNearestFirst) {
   const TimescaleMemory truth = after(150);
-  TimescaleMemory memory = fall_asleep(truth);
+  TimescaleMemory memory = evict_all(truth);
   const int here = memory.observe(scan_of(150)).node;
   ASSERT_GE(here, 0);
   std::shared_ptr<const NodeMap> map;
@@ -192,25 +192,25 @@ TEST(SleepingNodes, ComeAFewASnapshotTheNearestFirst) {
     EXPECT_GE(furthest_m, before_m);
     before_m = furthest_m;
   }
-  TimescaleMemory awake = after(150);
-  awake.observe(scan_of(150));
-  expect_same(*map, *awake.decode());
+  TimescaleMemory resident = after(150);
+  resident.observe(scan_of(150));
+  expect_same(*map, *resident.decode());
   // What is expected at a place is the same too, by whichever way the snapshot came about.
   for (int i = 0; i < 100; ++i) {
     const Pose2 laser{-2.0 + 0.05 * i, 0.5, 0.1 * i};
     const float expected = map->expected_range_m(0, laser, 0.3);
     EXPECT_THAT(expected,
-                testing::NanSensitiveFloatEq(awake.decode()->expected_range_m(0, laser, 0.3)));
+                testing::NanSensitiveFloatEq(resident.decode()->expected_range_m(0, laser, 0.3)));
   }
 }
 
 TEST(SleepingNodes, ThatLearnedSinceTheLastSnapshotAreDecodedAnew) {
   TimescaleMemory memory = after(100);
-  memory.let_sleep(0, std::make_shared<const Snapshot>(memory));
+  memory.evict(0, std::make_shared<const Snapshot>(memory));
   const auto before = memory.decode();
   for (int k = 100; k < 140; ++k) memory.observe(scan_of(k));
-  memory.let_sleep(0, std::make_shared<const Snapshot>(memory));
-  EXPECT_EQ(memory.awake(), 0U);
+  memory.evict(0, std::make_shared<const Snapshot>(memory));
+  EXPECT_EQ(memory.resident(), 0U);
   expect_same(*memory.decode({}, before.get()), *after(140).decode());
 }
 
@@ -218,11 +218,11 @@ TEST(SleepingNodes, ThatCannotBeReadAreToldOf) {
   const TimescaleMemory truth = after(100);
   auto states = std::make_shared<Snapshot>(truth);
   auto heads = states->heads();
-  TimescaleMemory memory = TimescaleMemory::restore_asleep(
+  TimescaleMemory memory = TimescaleMemory::restore_evicted(
       truth.head_state(), heads, std::make_shared<const Snapshot>(TimescaleMemory(small_config())));
   EXPECT_THROW(memory.observe(scan_of(100)), std::exception);
   heads.pop_back();
-  EXPECT_THROW((void)TimescaleMemory::restore_asleep(truth.head_state(), heads, states),
+  EXPECT_THROW((void)TimescaleMemory::restore_evicted(truth.head_state(), heads, states),
                InputError);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Nodes that are not in memory: how they fall asleep and wake, and how a snapshot is decoded in
+/// Nodes that are not in memory: how they are evicted and loaded, and how a snapshot is decoded in
 /// spite of them.
 #include <algorithm>
 
@@ -15,35 +15,35 @@ std::vector<std::uint64_t> MemoryNode::revisions() const {
   return result;
 }
 
-std::size_t TimescaleMemory::awake() const {
+std::size_t TimescaleMemory::resident() const {
   return static_cast<std::size_t>(std::count_if(
-      nodes_.begin(), nodes_.end(), [](const auto& node) { return !node.is_asleep(); }));
+      nodes_.begin(), nodes_.end(), [](const auto& node) { return !node.is_evicted(); }));
 }
 
-MemoryNode TimescaleMemory::awakened(std::size_t index) const {
+MemoryNode TimescaleMemory::loaded(std::size_t index) const {
   MemoryNode node = nodes_[index];
-  furnish(node);
+  allocate(node);
   read_levels(node, source_->levels_of(index), source_->place());
   node.stored_revisions = node.revisions();
   return node;
 }
 
-void TimescaleMemory::wake(int index) {
+void TimescaleMemory::load(int index) {
   const auto n = static_cast<std::size_t>(index);
-  if (nodes_[n].is_asleep()) nodes_[n] = awakened(n);
+  if (nodes_[n].is_evicted()) nodes_[n] = loaded(n);
 }
 
-void TimescaleMemory::let_sleep(std::size_t most_awake, std::shared_ptr<const NodeSource> source) {
+void TimescaleMemory::evict(std::size_t max_resident, std::shared_ptr<const NodeSource> source) {
   std::vector<std::size_t> up;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    if (!nodes_[n].is_asleep()) up.push_back(n);
+    if (!nodes_[n].is_evicted()) up.push_back(n);
   }
-  if (up.size() <= most_awake) return;
+  if (up.size() <= max_resident) return;
   source_ = std::move(source);
   std::stable_sort(up.begin(), up.end(), [this](std::size_t a, std::size_t b) {
     return nodes_[a].last_used < nodes_[b].last_used;
   });
-  up.resize(up.size() - most_awake);
+  up.resize(up.size() - max_resident);
   for (const std::size_t n : up) {
     MemoryNode& node = nodes_[n];
     node.stored_revisions = node.revisions();
@@ -57,7 +57,7 @@ std::vector<bool> TimescaleMemory::to_read(const NodeMap* previous, std::size_t 
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const bool is_known =
         previous != nullptr && n < previous->nodes().size() && !previous->nodes()[n].is_pending;
-    if (nodes_[n].is_asleep() && !is_known) missing.push_back(n);
+    if (nodes_[n].is_evicted() && !is_known) missing.push_back(n);
   }
   if (missing.size() > most) {
     const Eigen::Vector2d here = nodes_[newest_node_].position_m;
@@ -83,8 +83,10 @@ NodeMap::Node TimescaleMemory::decode_node(std::size_t index, const NodeMap::Nod
   const auto is_up_to_date = [&](std::size_t level) {
     if (old == nullptr) return false;
     if (!settled) return true;
-    if (!node.is_asleep()) return old->levels[level]->insertions == node.levels[level].insertions();
-    // Without a revision it has not been awake since `old` was read from where it lies.
+    if (!node.is_evicted()) {
+      return old->levels[level]->insertions == node.levels[level].insertions();
+    }
+    // Without a revision it has not been loaded since `old` was read from where it lies.
     return node.stored_revisions.empty() ||
            old->levels[level]->insertions == node.stored_revisions[level + 1];
   };
@@ -92,9 +94,9 @@ NodeMap::Node TimescaleMemory::decode_node(std::size_t index, const NodeMap::Nod
   bool is_complete = true;
   for (std::size_t level = 0; level < levels; ++level) is_complete &= is_up_to_date(level);
   std::optional<MemoryNode> read;
-  if (node.is_asleep() && !is_complete) {
+  if (node.is_evicted() && !is_complete) {
     result.is_pending = !settled || (old == nullptr && !may_read);
-    if (!result.is_pending) read = awakened(index);
+    if (!result.is_pending) read = loaded(index);
   }
   const std::vector<NodeLevel>& source = read ? read->levels : node.levels;
   for (std::size_t level = 0; level < levels; ++level) {
@@ -113,9 +115,9 @@ NodeMap::Node TimescaleMemory::decode_node(std::size_t index, const NodeMap::Nod
 
 std::shared_ptr<const NodeMap> TimescaleMemory::decode(const DecodingConfig& decoding,
                                                        const NodeMap* previous, double unsettled_s,
-                                                       std::size_t most_asleep) const {
+                                                       std::size_t max_loaded) const {
   const bool reusable = previous != nullptr && previous->decoding() == decoding;
-  const std::vector<bool> may_read = to_read(reusable ? previous : nullptr, most_asleep);
+  const std::vector<bool> may_read = to_read(reusable ? previous : nullptr, max_loaded);
   const DecodeRules rules{
       decoding, unsettled_s,
       NodeMap::make_level(config_.bins(), config_.visibility.own_place_m, 0,

@@ -49,7 +49,7 @@ class Reference {
   TimescaleMemory memory_{small_config()};
 };
 
-/// Goes on where the store stopped and saves each scan, with one node awake at a time; tells the
+/// Goes on where the store stopped and saves each scan, with one node loaded at a time; tells the
 /// pipe how many are safe. Never returns.
 [[noreturn]] void run_robot(const std::filesystem::path& path, int pipe) {
   Store store(path, kQuick);
@@ -59,7 +59,7 @@ class Reference {
   while (true) {
     memory.observe(scan_of(memory.observations()));
     store.save_timescale_changes(memory, saved);
-    memory.let_sleep(1, store.timescale_nodes());
+    memory.evict(1, store.timescale_nodes());
     const std::uint64_t safe = memory.observations();
     if (write(pipe, &safe, sizeof safe) != sizeof safe) _exit(1);
   }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "memory/nodes/timescale_memory.hpp"
+
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
-#include "memory/nodes/timescale_memory.hpp"
 #include "tests/memory/nodes/room_world.hpp"
 
 namespace strata::memory {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "memory/decoding/decode.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -6,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "core/random/stream.hpp"
-#include "memory/decoding/decode.hpp"
 
 namespace strata::memory {
 namespace {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "memory/decoding/graph.hpp"
+
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/random/stream.hpp"
-#include "memory/decoding/graph.hpp"
 #include "tests/memory/decoding/textbook_dijkstra.hpp"
 
 namespace strata::memory {
@@ -27,13 +28,13 @@ ClosedPath search_brute_force(const LayeredGraph& graph) {
   }
 }
 
-LayeredGraph random_graph(RandomStream& random, int most_rows, std::uint32_t most_states,
+LayeredGraph random_graph(RandomStream& random, int max_rows, std::uint32_t max_states,
                           double missing) {
   LayeredGraph graph;
-  const int rows = 1 + static_cast<int>(random.below(static_cast<std::uint32_t>(most_rows)));
+  const int rows = 1 + static_cast<int>(random.below(static_cast<std::uint32_t>(max_rows)));
   for (int row = 0; row < rows; ++row) {
     std::vector<std::uint8_t> states;
-    const std::uint32_t width = 1 + random.below(most_states);
+    const std::uint32_t width = 1 + random.below(max_states);
     for (std::uint32_t i = 0; i < width; ++i) states.push_back(static_cast<std::uint8_t>(i));
     graph.add_row(states);
   }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "memory/nodes/changed_places.hpp"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "memory/nodes/changed_places.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 #include "tests/memory/nodes/room_world.hpp"
 

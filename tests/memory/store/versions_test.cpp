@@ -76,7 +76,7 @@ TEST_F(OldStore, IsSummarizedWithoutBeingLoaded) {
   EXPECT_EQ(mid.name, "mid");
   EXPECT_EQ(mid.half_life_s, 20.0);
   EXPECT_EQ(mid.samples, 19 + 19 + 7);
-  EXPECT_EQ(mid.most_bytes_a_node, 144);
+  EXPECT_EQ(mid.max_bytes_a_node, 144);
   ASSERT_EQ(summary.runs.size(), 1U);
   EXPECT_EQ(summary.runs[0].poses, 21);
   ASSERT_FALSE(summary.grids.empty());

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tests/memory/decoding/level_life.hpp"
+
 #include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "memory/levels/level_config.hpp"
-#include "tests/memory/decoding/level_life.hpp"
 
 namespace strata::memory::level_life {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "memory/levels/node_level.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +10,6 @@
 
 #include "core/base/config.hpp"
 #include "memory/levels/level_config.hpp"
-#include "memory/levels/node_level.hpp"
 
 namespace strata::memory {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/base/damage.hpp"
+
 #include <fstream>
 #include <functional>
 #include <string>
@@ -8,7 +10,6 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "core/base/damage.hpp"
 #include "memory/store/store.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -36,10 +37,7 @@ class StoreFile : public testing::Test {
     ASSERT_EQ(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr), SQLITE_OK);
     sqlite3_close(handle);
   }
-  [[nodiscard]] std::string read_file() const {
-    std::ifstream in(path(), std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  }
+  [[nodiscard]] std::string read_file() const { return test::bytes_of(path()); }
   void write_file(const std::string& bytes) const {
     std::ofstream(path(), std::ios::binary | std::ios::trunc) << bytes;
   }

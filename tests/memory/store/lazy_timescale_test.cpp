@@ -84,7 +84,7 @@ TEST_F(LargeBuilding, OpensWithoutReadingItsNodes) {
   const Store store(path(), {.read_only = true, .check = false});
   const TimescaleMemory opened = store.open_timescale();
   EXPECT_EQ(opened.nodes().size(), kNodes);
-  EXPECT_EQ(opened.awake(), 0U);
+  EXPECT_EQ(opened.resident(), 0U);
   EXPECT_EQ(opened.observations(), memory().observations());
   EXPECT_EQ(opened.head_state(), memory().head_state());
 }
@@ -106,10 +106,10 @@ TEST_F(LargeBuilding, WakesTheNodesThatScansAreForAndSavesThoseOnly) {
       ASSERT_EQ(opened.observe(scan_at(node, 100)).node, static_cast<int>(node));
       truth.observe(scan_at(node, 100));
       EXPECT_EQ(store.save_timescale_changes(opened, saved), 1U);
-      opened.let_sleep(10, store.timescale_nodes());
-      EXPECT_LE(opened.awake(), 10U);
+      opened.evict(10, store.timescale_nodes());
+      EXPECT_LE(opened.resident(), 10U);
     }
-    // Back to nodes that have slept since.
+    // Back to nodes that were evicted since.
     for (std::size_t n = 0; n < 50; ++n) {
       opened.observe(scan_at(37 * n, 200));
       truth.observe(scan_at(37 * n, 200));
@@ -128,10 +128,10 @@ TEST_F(LargeBuilding, OutlivesTheStoreItWasOpenedFrom) {
     opened = store.open_timescale();
   }
   EXPECT_EQ(opened->observe(scan_at(7, 100)).node, 7);
-  EXPECT_EQ(opened->awake(), 1U);
+  EXPECT_EQ(opened->resident(), 1U);
 }
 
-TEST_F(LargeBuilding, IsSavedAsAWholeThoughItsNodesAreAsleepInTheSameStore) {
+TEST_F(LargeBuilding, IsSavedAsAWholeThoughItsNodesAreEvictedToTheSameStore) {
   Store store(copy("whole.db"), {.check = false});
   TimescaleMemory opened = store.open_timescale();
   opened.observe(scan_at(7, 100));

@@ -8,12 +8,13 @@
 #include "core/base/error.hpp"
 #include "core/random/stream.hpp"
 #include "memory/store/store.hpp"
-#include "tests/support/same_bits.hpp"
+#include "tests/support/same_scan.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::memory {
 namespace {
 
+using strata::test::expect_same_scan;
 using strata::test::same_bits;
 
 using test::TemporaryDirectory;
@@ -68,20 +69,11 @@ TEST(StoredScans, ComeBackBitForBit) {
   const std::vector<PosedScan> loaded = store.load_scans(4);
   ASSERT_EQ(loaded.size(), saved.size());
   for (std::size_t i = 0; i < saved.size(); ++i) {
-    const Scan& a = saved[i].scan;
-    const Scan& b = loaded[i].scan;
+    SCOPED_TRACE("scan " + std::to_string(i));
+    expect_same_scan(saved[i].scan, loaded[i].scan);
     EXPECT_EQ(loaded[i].run, 4);
-    EXPECT_EQ(a.stamp, b.stamp);
     EXPECT_EQ(saved[i].map_from_robot, loaded[i].map_from_robot);
-    EXPECT_EQ(a.robot_from_laser, b.robot_from_laser);
-    EXPECT_EQ(a.angle_min_rad, b.angle_min_rad);
-    EXPECT_EQ(a.angle_increment_rad, b.angle_increment_rad);
-    EXPECT_EQ(a.time_increment_s, b.time_increment_s);
-    EXPECT_EQ(a.scan_time_s, b.scan_time_s);
-    EXPECT_EQ(a.range_min_m, b.range_min_m);
-    EXPECT_EQ(a.range_max_m, b.range_max_m);
-    EXPECT_TRUE(same_bits(a.ranges_m, b.ranges_m)) << "scan " << i;
-    EXPECT_TRUE(same_bits(saved[i].static_probability, loaded[i].static_probability)) << i;
+    EXPECT_TRUE(same_bits(saved[i].static_probability, loaded[i].static_probability));
   }
 }
 
