@@ -31,7 +31,7 @@ void BeamFilter::on_configure() {
 }
 
 void BeamFilter::open_store() {
-  if (config_.store.file.empty() || context().only_explained) return;
+  if (config_.store.file.empty() || context().dry_run) return;
   store_.emplace(config_.store);
   const bool is_whole = restored(store_->file(), [&] {
     if (const auto state = store_->load()) online_->restore_state(*state, store_->file());
@@ -70,7 +70,7 @@ void BeamFilter::publish_classes(const PosedScan& scan) {
                                             convert::to_message(scan.scan, "laser")};
   for (std::size_t beam = 0; beam < scan.scan.size(); ++beam) {
     if (scan.scan.kind(beam) != BeamKind::kHit) continue;
-    const std::size_t other = scan.static_probability[beam] >= 0.5F ? 1 : 0;
+    const std::size_t other = is_dynamic(scan.static_probability[beam]) ? 0 : 1;
     classes[other].ranges()[beam] = std::numeric_limits<float>::quiet_NaN();
   }
   publish_static_(classes[0]);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "components/log/state_store.hpp"
+#include "components/runtime/common_settings.hpp"
 #include "core/beam_filter/online_filter.hpp"
 
 namespace strata::beam_filter {
@@ -19,7 +20,7 @@ struct BeamFilterComponentConfig {
   static void describe(Self& c, V& v) {
     v.group("filter", c.filter, "what makes a beam static");
     v.group("window", c.window, "which scans beams are judged by");
-    v.field("map_frame", c.map_frame, {.doc = "frame of the maps out"});
+    v.field("map_frame", c.map_frame, runtime::kMapFrame);
     v.field(
         "map_every_scans", c.map_every_scans,
         {.doc = "the filtered map is published anew after so many scans; 0: never, where a scan "

@@ -12,11 +12,11 @@ constexpr std::size_t kHeaderBytes = 4;
 constexpr std::size_t kPrefixBytes = 16;
 constexpr auto kReplyWaits = std::chrono::seconds(2);
 /// What is longer goes out once, when the client listens for sure.
-constexpr std::size_t kMostRepeatedBytes = 16'384;
+constexpr std::size_t kMaxRepeatedBytes = 16'384;
 /// How long Cyclone may take from saying that a reader is matched until it hears the writer.
 constexpr auto kSettling = std::chrono::milliseconds(150);
 /// Clients that ask and never listen must not fill the memory, nor the time of the others.
-constexpr std::size_t kMostWaiting = 256;
+constexpr std::size_t kMaxWaiting = 256;
 constexpr auto kSettlingStep = std::chrono::milliseconds(10);
 
 RawWriter make_writer(const std::shared_ptr<Participant>& participant, const std::string& name,
@@ -105,7 +105,7 @@ void ServiceServer::reply(const ServiceRequest& request, const std::vector<std::
     later.not_before = settled(request.client);
     const bool is_new = now < later.not_before;
     // At once, and again.
-    if (is_new && later.bytes.size() <= kMostRepeatedBytes) hold(std::move(waiting));
+    if (is_new && later.bytes.size() <= kMaxRepeatedBytes) hold(std::move(waiting));
     hold(std::move(later));
   } else {
     hold(std::move(waiting));
@@ -119,7 +119,7 @@ void ServiceServer::reply(const ServiceRequest& request, const std::vector<std::
 }
 
 void ServiceServer::hold(Waiting waiting) {
-  if (waiting_.size() >= kMostWaiting) waiting_.pop_front();
+  if (waiting_.size() >= kMaxWaiting) waiting_.pop_front();
   waiting_.push_back(std::move(waiting));
 }
 

@@ -44,14 +44,14 @@ std::uintmax_t remove_unless_held(const fs::path& lock, const fs::path& segment)
 }  // namespace
 
 SweptMemory remove_orphaned_segments(const fs::path& folder,
-                                     std::chrono::seconds least_age) noexcept {
+                                     std::chrono::seconds min_age) noexcept {
   SweptMemory swept;
   try {
     const auto now = fs::file_time_type::clock::now();
     for (const auto& entry : fs::directory_iterator(folder)) {
       const std::string segment = segment_of(entry.path().filename().string());
       std::error_code error;
-      if (segment.empty() || now - entry.last_write_time(error) < least_age || error) continue;
+      if (segment.empty() || now - entry.last_write_time(error) < min_age || error) continue;
       const std::uintmax_t bytes = remove_unless_held(entry.path(), folder / segment);
       swept.segments += bytes > 0 ? 1 : 0;
       swept.bytes += bytes;

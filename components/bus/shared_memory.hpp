@@ -19,11 +19,11 @@ inline constexpr const char* kSharedMemoryFolder = "/dev/shm";
 
 /// Removes segments whose process has died: half a megabyte to 64 MB each, under names that nobody
 /// takes again. A living process holds a lock on its segment's `_el` file. What is younger than
-/// `least_age` is left alone, since its owner may be about to take that lock; so are the small
+/// `min_age` is left alone, since its owner may be about to take that lock; so are the small
 /// files of ports, which Fast DDS itself mends when it opens them, and what other users own. Never
 /// throws.
 SweptMemory remove_orphaned_segments(
     const std::filesystem::path& folder = kSharedMemoryFolder,
-    std::chrono::seconds least_age = std::chrono::seconds(10)) noexcept;
+    std::chrono::seconds min_age = std::chrono::seconds(10)) noexcept;
 
 }  // namespace strata::bus

@@ -50,6 +50,13 @@ Quaternion to_quaternion(double theta_rad) {
 }
 
 template <typename Vector, typename Quaternion>
+void put(const Pose2& pose, Vector& translation, Quaternion& rotation) {
+  translation.x(pose.x);
+  translation.y(pose.y);
+  rotation = to_quaternion<Quaternion>(pose.theta);
+}
+
+template <typename Vector, typename Quaternion>
 Pose3 make_pose3(const Vector& t, const Quaternion& q) {
   Pose3 pose;
   pose.translation = {t.x(), t.y(), t.z()};
@@ -94,17 +101,13 @@ std_msgs::msg::Header make_header(Stamp stamp, const std::string& frame) {
 
 geometry_msgs::msg::Pose to_pose(const Pose2& pose) {
   geometry_msgs::msg::Pose message;
-  message.position().x(pose.x);
-  message.position().y(pose.y);
-  message.orientation(to_quaternion<geometry_msgs::msg::Quaternion>(pose.theta));
+  put(pose, message.position(), message.orientation());
   return message;
 }
 
 geometry_msgs::msg::Transform to_transform(const Pose2& pose) {
   geometry_msgs::msg::Transform message;
-  message.translation().x(pose.x);
-  message.translation().y(pose.y);
-  message.rotation(to_quaternion<geometry_msgs::msg::Quaternion>(pose.theta));
+  put(pose, message.translation(), message.rotation());
   return message;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 // So far out, and no farther, the sides of a rectangle are ints too.
 constexpr int kFarthestCell = (1 << 30) - 1;
-constexpr float kMostProbability = 1.0F + 1e-5F;  // sums of shares may round up
+constexpr float kMaxProbability = 1.0F + 1e-5F;  // sums of shares may round up
 
 /// Cells from a hair to a house.
 void require_resolution(double resolution_m, const char* place) {
@@ -121,7 +121,7 @@ ReflectionGrid from_message(const strata_msgs::msg::ReflectionGrid& message) {
   const CellRect rect = from_message(message.rect());
   require_size(message.reflection().size(), rect, message.resolution());
   require_each(message.reflection(), "probability", [](float value) {
-    return !is_known(value) || (value >= 0.0F && value <= kMostProbability);
+    return !is_known(value) || (value >= 0.0F && value <= kMaxProbability);
   });
   ReflectionGrid grid = make_reflection_grid(message.resolution(), rect);
   grid.values() = message.reflection();

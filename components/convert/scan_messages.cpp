@@ -11,7 +11,7 @@ namespace strata::convert {
 namespace {
 
 /// No scanner has as many; what follows a scan takes time by the beam.
-constexpr std::size_t kMostBeams = 100'000;
+constexpr std::size_t kMaxBeams = 100'000;
 /// A map that held what lies further away would take all memory.
 constexpr double kFarthest_m = 1e5;
 /// No robot is larger. A map grows at once by as much as the scanner lies off its robot.
@@ -50,7 +50,7 @@ sensor_msgs::msg::LaserScan to_message(const Scan& scan, const std::string& fram
 }
 
 Scan from_message(const sensor_msgs::msg::LaserScan& message, const Pose2& robot_from_laser) {
-  if (message.ranges().size() > kMostBeams) {
+  if (message.ranges().size() > kMaxBeams) {
     throw InputError("LaserScan", "has " + std::to_string(message.ranges().size()) + " beams",
                      "check what publishes it");
   }
@@ -99,6 +99,15 @@ PosedScan from_message(const strata_msgs::msg::LabeledScan& message) {
   value.map_from_robot = from_message(message.pose().map_from_robot().mean());
   value.static_probability = message.static_probability();
   return value;
+}
+
+std::optional<Pose2> take_given(const std::optional<strata_msgs::msg::ScanPose>& given,
+                                Observation& observation) {
+  if (!given || from_message(given->header().stamp()) != observation.scan.stamp) return {};
+  observation.run = given->run();
+  const Pose2 map_from_robot = from_message(given->map_from_robot().mean());
+  if (!is_finite(map_from_robot)) return {};
+  return map_from_robot;
 }
 
 }  // namespace strata::convert

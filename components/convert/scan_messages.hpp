@@ -2,6 +2,7 @@
 /// Scans: every float keeps its bits both ways.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "strata_idl/sensor_msgs.h"
@@ -21,5 +22,10 @@ namespace strata::convert {
                                                        const std::string& frame,
                                                        const std::string& laser_frame);
 [[nodiscard]] PosedScan from_message(const strata_msgs::msg::LabeledScan& message);
+
+/// The pose that `given` says of the scan of its stamp, which gets its run; nothing for another
+/// scan, or when the pose is not known.
+[[nodiscard]] std::optional<Pose2> take_given(
+    const std::optional<strata_msgs::msg::ScanPose>& given, Observation& observation);
 
 }  // namespace strata::convert

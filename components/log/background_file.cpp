@@ -9,25 +9,12 @@
 namespace strata::log {
 
 BackgroundFile::BackgroundFile(std::filesystem::path file, Write write)
-    : file_(std::move(file)), write_(std::move(write)) {}
-
-BackgroundFile::~BackgroundFile() {
-  {
-    const std::lock_guard lock(mutex_);
-    ends_ = true;
-  }
-  changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
-}
+    : file_(std::move(file)),
+      write_(std::move(write)),
+      work_([this](const Bytes& content) { put_into_file(content); }) {}
 
 void BackgroundFile::write(Bytes content) {
-  // First: what waits without a thread would be waited for without end.
-  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
-  {
-    const std::lock_guard lock(mutex_);
-    waiting_ = std::move(content);
-  }
-  changed_.notify_all();
+  work_.put([&](std::optional<Bytes>& waiting) { waiting = std::move(content); });
 }
 
 void BackgroundFile::check() {
@@ -43,34 +30,21 @@ void BackgroundFile::check() {
 }
 
 void BackgroundFile::flush() {
-  {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !waiting_ && !writes_; });
-  }
+  work_.wait();
   check();
 }
 
-void BackgroundFile::work() {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    changed_.wait(lock, [this] { return waiting_ || ends_; });
-    if (!waiting_) return;
-    const Bytes content = std::move(*std::exchange(waiting_, std::nullopt));
-    writes_ = true;
-    lock.unlock();
-    std::optional<std::string> error;
-    try {
-      write_(file_, content);
-    } catch (const Error& reason) {
-      error = reason.problem();
-    } catch (const std::exception& reason) {  // too little memory to compress
-      error = reason.what();
-    }
-    lock.lock();
-    writes_ = false;
-    if (error) error_ = std::move(error);
-    changed_.notify_all();
+void BackgroundFile::put_into_file(const Bytes& content) {
+  std::string error;
+  try {
+    return write_(file_, content);
+  } catch (const Error& reason) {
+    error = reason.problem();
+  } catch (const std::exception& reason) {  // too little memory to compress
+    error = reason.what();
   }
+  const std::lock_guard lock(mutex_);
+  error_ = std::move(error);
 }
 
 void write_whole_file(const std::filesystem::path& file, View content) {

@@ -2,30 +2,25 @@
 /// A file that is written behind the back of who fills it: a robot must not wait for its disk.
 #pragma once
 
-#include <condition_variable>
 #include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "components/log/compression.hpp"
+#include "components/log/newest_work.hpp"
 
 namespace strata::log {
 
-/// The newest content in a file, whole or not at all. One thread at a time may call it.
+/// The newest content in a file, whole or not at all; what waits is written before it goes. One
+/// thread at a time may call it.
 class BackgroundFile {
  public:
   using Write = std::function<void(const std::filesystem::path&, View)>;
 
   /// write: puts the bytes into the file; what it throws is kept for `check`.
   BackgroundFile(std::filesystem::path file, Write write);
-  /// Writes what waits.
-  ~BackgroundFile();
-  BackgroundFile(const BackgroundFile&) = delete;
-  BackgroundFile& operator=(const BackgroundFile&) = delete;
-
   [[nodiscard]] const std::filesystem::path& path() const { return file_; }
   /// Returns at once. What waits to be written gives way to something newer.
   void write(Bytes content);
@@ -35,17 +30,13 @@ class BackgroundFile {
   void flush();
 
  private:
-  void work();
+  void put_into_file(const Bytes& content);
 
   std::filesystem::path file_;
   Write write_;
   std::mutex mutex_;
-  std::condition_variable changed_;
-  std::optional<Bytes> waiting_;      // under mutex_
-  bool writes_ = false;               // under mutex_
-  bool ends_ = false;                 // under mutex_
   std::optional<std::string> error_;  // under mutex_
-  std::thread thread_;                // from the first write on
+  NewestWork<Bytes> work_;            // last: it uses the others
 };
 
 /// A Write: the bytes as they are.

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/interface.hpp"
 #include "core/base/time.hpp"
 
 namespace strata::log {
@@ -42,13 +43,8 @@ struct BagDamage {
 
 /// Messages in order of their stamps, from a bag folder (with or without metadata.yaml), a .db3 or
 /// a .mcap file; told by content.
-class BagReader {
+class BagReader : public Interface {
  public:
-  BagReader() = default;
-  BagReader(const BagReader&) = delete;
-  BagReader& operator=(const BagReader&) = delete;
-  virtual ~BagReader() = default;
-
   /// Throws InputError when there is nothing to read at all. What rosbag2 compressed (whole files
   /// or single messages, zstd or lz4) is unpacked, told by content.
   [[nodiscard]] static std::unique_ptr<BagReader> open(const std::filesystem::path& path);
@@ -117,12 +113,8 @@ class BagWriter {
   [[nodiscard]] BagGap gap() const;
 
   /// One storage file; implemented for SQLite and MCAP.
-  class File {
+  class File : public Interface {
    public:
-    File() = default;
-    File(const File&) = delete;
-    File& operator=(const File&) = delete;
-    virtual ~File() = default;
     virtual void add_topic(const BagTopic& topic) = 0;
     virtual void write(std::size_t topic, Stamp stamp, std::span<const std::uint8_t> cdr) = 0;
     virtual void flush() = 0;

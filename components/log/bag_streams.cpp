@@ -15,6 +15,16 @@
 namespace strata::log {
 namespace {
 
+/// Unless it is blank; counts what is wrong with it.
+void append(SensedScan scan, ScanStream& stream, ReadReport& report) {
+  if (is_blank(scan.scan)) {
+    ++report.scans_without_beams;
+    return;
+  }
+  if (!stream.empty() && scan.scan.stamp < stream.back().scan.stamp) ++report.scans_out_of_order;
+  stream.push_back(std::move(scan));
+}
+
 class StreamReader {
  public:
   StreamReader(const std::filesystem::path& path, const ReadOptions& options, ReadReport& report)
@@ -80,15 +90,7 @@ class StreamReader {
   void take_scan(const std::string& topic, const sensor_msgs::msg::LaserScan& message,
                  const std::string& place) {
     SensedScan framed = sensed(message, place);
-    ScanStream& stream = streams_.scans[topic];
-    if (is_blank(framed.scan)) {
-      ++report_.scans_without_beams;
-      return;
-    }
-    if (!stream.empty() && framed.scan.stamp < stream.back().scan.stamp) {
-      ++report_.scans_out_of_order;
-    }
-    stream.push_back(std::move(framed));
+    append(std::move(framed), streams_.scans[topic], report_);
   }
 
   void add_sample(OdometryStream& stream, Stamp stamp, const Pose2& pose,
@@ -144,14 +146,7 @@ ScanStream read_bag_clouds_as_scans(const std::filesystem::path& path, const std
       SensedScan cloud =
           sensed(convert::from_cdr<sensor_msgs::msg::PointCloud2>(message.data, place));
       mount_cloud(cloud);
-      if (is_blank(cloud.scan)) {
-        ++report.scans_without_beams;
-        continue;
-      }
-      if (!stream.empty() && cloud.scan.stamp < stream.back().scan.stamp) {
-        ++report.scans_out_of_order;
-      }
-      stream.push_back(std::move(cloud));
+      append(std::move(cloud), stream, report);
     } catch (const InputError& error) {
       if (report.bad_lines++ == 0) report.first_bad = place + ": " + error.what();
     }

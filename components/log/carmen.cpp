@@ -18,7 +18,7 @@
 namespace strata::log {
 namespace {
 
-constexpr std::size_t kMostBeams = 100'000;
+constexpr std::size_t kMaxBeams = 100'000;
 
 /// The words of one line with a cursor; every failure is remembered, not thrown.
 class Fields {
@@ -37,7 +37,7 @@ class Fields {
   }
   std::size_t count() {
     const auto value = at_ < words_.size() ? parse_integer(words_[at_++]) : std::nullopt;
-    if (!value || *value < 0 || *value > static_cast<long long>(kMostBeams)) {
+    if (!value || *value < 0 || *value > static_cast<long long>(kMaxBeams)) {
       ok_ = false;
       return 0;
     }
@@ -235,8 +235,9 @@ class CarmenParser {
 }  // namespace
 
 void set_flaser_geometry(Scan& scan, double field_of_view_deg) {
-  // n odd (181, 361): the first and last beam are the ends of the field; n even: half a step
-  // inside, 180 beams at -89.5 ... +89.5 (which of the two is stated nowhere, see CONTRACTS).
+  // The format states no angles. n odd (181, 361): the first and last beam are the ends of the
+  // field and one looks ahead; n even: half a step inside, 180 beams at -89.5 ... +89.5, as
+  // CARMEN's robots had one a degree. Either way the scan is symmetric.
   const auto n = static_cast<double>(scan.size());
   const bool odd = scan.size() % 2 == 1;
   const double step_deg =

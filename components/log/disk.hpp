@@ -5,16 +5,13 @@
 
 #include <filesystem>
 
+#include "core/base/interface.hpp"
+
 namespace strata::log {
 
 /// Virtual, so that a test sees the order of the steps and can stop between two. Thread-safe.
-class Disk {
+class Disk : public Interface {
  public:
-  Disk() = default;
-  Disk(const Disk&) = delete;
-  Disk& operator=(const Disk&) = delete;
-  virtual ~Disk() = default;
-
   /// Afterwards the file's content, or the names in the folder, outlast a power cut. Throws
   /// OutputError.
   virtual void sync(const std::filesystem::path& path) const;

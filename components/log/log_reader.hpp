@@ -39,7 +39,7 @@ struct ReadOptions {
   CloudSliceConfig cloud;
   std::string odom_topic;
   std::string odom_frame = "odom";  ///< when odometry comes from tf
-  /// What poses are of. Odometry of another frame that tf ties to it is carried over; where tf
+  /// What poses are of. Odometry of another frame that tf connects to it is transformed; where tf
   /// does not know this one, poses are of odometry's child frame.
   std::string robot_frame = "base_link";
   /// A scan further than this from any odometry is skipped.

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kLargestSide = 50'000;
 /// A PNG may promise far more than it has bytes.
-constexpr std::size_t kMostPngPixels = 100'000'000;
+constexpr std::size_t kMaxPngPixels = 100'000'000;
 
 using Refuse = std::function<InputError(const std::string&)>;
 
@@ -87,7 +87,7 @@ MapImage read_png(const std::string& bytes, const Refuse& refuse) {
     throw refuse(std::string("is a damaged PNG: ") + png.image.message);
   }
   const auto size = static_cast<std::size_t>(png.image.width) * png.image.height;
-  if (png.image.width > kLargestSide || png.image.height > kLargestSide || size > kMostPngPixels) {
+  if (png.image.width > kLargestSide || png.image.height > kLargestSide || size > kMaxPngPixels) {
     throw refuse("has too many pixels");
   }
   const bool has_alpha = (png.image.format & PNG_FORMAT_FLAG_ALPHA) != 0;

@@ -12,7 +12,7 @@ Pose2 moved_by(const Pose2& odom_from_child, const Pose2& child_from_robot) {
 }
 
 std::string missing_mounting(const std::string& sensor_frame, const std::string& robot_frame) {
-  return "tf_static does not tie " + sensor_frame + " to " + robot_frame +
+  return "tf_static does not connect " + sensor_frame + " to " + robot_frame +
          "; the laser is taken to sit at its origin";
 }
 

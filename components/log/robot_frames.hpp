@@ -23,15 +23,15 @@ class RobotFrames {
   /// Of /tf, without what hangs on the odometry frame: taken to hold until the next one.
   bool add_moving(const geometry_msgs::msg::TransformStamped& transform);
 
-  /// Whether tf ties the frame to the robot's. True for the robot's own and for no name at all.
+  /// Whether tf connects the frame to the robot's. True for the robot's own and for no name at all.
   [[nodiscard]] bool is_robots(const std::string& frame) const;
   /// child_from_robot in the plane, for odometry of another frame of the robot, such as its
-  /// footprint. A frame that is not tied to the robot's is taken for it.
+  /// footprint. A frame that is not connected to the robot's is taken for it.
   [[nodiscard]] Pose2 robot_in(const std::string& child) const;
   /// The frame that poses are of: the robot's, or that of its odometry where tf does not know the
   /// robot's.
   [[nodiscard]] std::string pose_frame(const std::string& odometry_child) const;
-  /// robot_from_sensor by /tf_static; nothing when they are not tied. O(frames).
+  /// robot_from_sensor by /tf_static; nothing when they are not connected. O(frames).
   [[nodiscard]] std::optional<Pose3> mounting(const std::string& sensor_frame,
                                               const std::string& odometry_child) const;
 

@@ -12,7 +12,7 @@
 namespace strata::log {
 namespace {
 
-constexpr double kLeastPeriods = 2.5;
+constexpr double kMinPeriods = 2.5;
 /// Neighbours nearer than this many periods have no message missing between them.
 constexpr double kNoHole = 1.5;
 
@@ -54,14 +54,14 @@ SetBackClock mend_set_back_clock(std::vector<Stamp>& stamps,
   SetBackClock result;
   if (std::is_sorted(stamps.begin(), stamps.end())) return result;
   const Duration period = median_period(stamps);
-  const double least_s = std::max(kLeastSetBackS, kLeastPeriods * period.seconds());
+  const double min_s = std::max(kMinSetBackS, kMinPeriods * period.seconds());
   const Stamp begin = stamps.front();
   Recorded recorded;
   Duration ahead;
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     Stamp stamp = stamps[i] + ahead;
     const Stamp latest = recorded.empty() ? stamp : recorded.rbegin()->first;
-    const bool back = (latest - stamp).seconds() > least_s && i + 1 < stamps.size() &&
+    const bool back = (latest - stamp).seconds() > min_s && i + 1 < stamps.size() &&
                       stamps[i + 1] + ahead < latest && stamps[i + 1] >= stamps[i];
     const auto copy = back ? recorded.find(stamp) : recorded.end();
     const bool repeated = copy != recorded.end() && same(i, copy->second);

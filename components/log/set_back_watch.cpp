@@ -9,7 +9,7 @@ SetBackWatch::Verdict SetBackWatch::add(Stamp stamp) {
     suspect_.reset();
     return Verdict::kOn;
   }
-  if ((*newest_ - stamp).seconds() <= kLeastSetBackS) {
+  if ((*newest_ - stamp).seconds() <= kMinSetBackS) {
     suspect_.reset();  // the clock is not set back: this one goes by it
     return Verdict::kLate;
   }

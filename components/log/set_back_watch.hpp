@@ -9,7 +9,7 @@
 namespace strata::log {
 
 /// A stamp further back than this is no mere disorder.
-inline constexpr double kLeastSetBackS = 1.0;
+inline constexpr double kMinSetBackS = 1.0;
 
 /// For one stream of a running robot. A whole log is mended by mend_set_back_clock, which sees what
 /// comes after.

@@ -30,7 +30,8 @@ struct StateStoreConfig {
   static void describe(Self& c, V& v) {
     v.field("file", c.file,
             {.doc = "live: keep what was learned in this file, and go on from it when it exists; "
-                    "empty: in RAM only"});
+                    "empty: in RAM only",
+             .when = "learning shall go on after a restart"});
     v.field("period_s", c.period_s,
             {.doc = "written this often, by the stamps of the scans, and when the component is "
                     "deactivated; what a crash may lose at most",

@@ -16,7 +16,8 @@ struct MapSaverConfig {
   static void describe(Self& c, V& v) {
     v.field("folder", c.folder,
             {.doc = "where maps go that are asked for by a name without a folder; empty: the "
-                    "folder the process runs in"});
+                    "folder the process runs in",
+             .when = "maps are saved by bare names, as nav2 asks for them"});
     v.field("topic", c.topic, {.doc = "saved when the request names no topic"});
     v.field("save_map_timeout_s", c.save_map_timeout_s,
             {.doc = "how long a request waits for a map", .unit = "s", .min = 0.0, .max = 60.0});

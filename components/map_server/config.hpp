@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "components/runtime/common_settings.hpp"
 #include "core/base/config.hpp"
 
 namespace strata::map_server {
@@ -14,10 +15,10 @@ struct MapServerConfig {
   std::string map_frame = "map";
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("map", c.map, {.doc = "the YAML file of a map_server map"});
+    v.field("map", c.map, {.doc = "the YAML file of a map_server map", .when = "always"});
     v.require(!c.map.empty(), "map", "is missing", "name a map, as in map: MAPS/filtered.yaml");
     v.field("topic", c.topic, {.doc = "nav_msgs/OccupancyGrid out, latched"});
-    v.field("map_frame", c.map_frame, {.doc = "frame of the map"});
+    v.field("map_frame", c.map_frame, runtime::kMapFrame);
   }
 };
 

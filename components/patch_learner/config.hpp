@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "components/runtime/common_settings.hpp"
 #include "core/patch/online_learner.hpp"
 #include "core/patch/patch_learner.hpp"
 
@@ -18,7 +19,8 @@ struct LearnerStoreConfig {
   static void describe(Self& c, V& v) {
     v.field("folder", c.folder,
             {.doc = "live: keep what is learned in this folder while the robot runs, and go on "
-                    "with what it holds; empty: in RAM only"});
+                    "with what it holds; empty: in RAM only",
+             .when = "learning shall go on after a restart"});
     v.field("state_period_s", c.state_period_s,
             {.doc = "all of it is written this often, by the stamps of the scans; what a start has "
                     "to learn again is no longer than this",
@@ -57,7 +59,8 @@ struct OnlineLearningConfig {
                     "taken since a loop was closed; empty: scans stay where they came"});
     v.field("maps", c.maps,
             {.doc = "folder to go on from: its filtered map, and the scans it was learned from; "
-                    "empty: begin with nothing, on the map from reflection_filtered"});
+                    "empty: begin with nothing, on the map from reflection_filtered",
+             .when = "the robot works in a map that strata learn made"});
     v.field("publish_every_s", c.publish_every_s,
             {.doc = "a changed map is published no more often than this, or as seldom as keeps it "
                     "to a twentieth of the time",
@@ -76,7 +79,7 @@ struct PatchLearnerComponentConfig {
   static void describe(Self& c, V& v) {
     v.group("patch", c.patch, "sub-maps and their configurations");
     v.group("online", c.online, "learning while the robot works");
-    v.field("map_frame", c.map_frame, {.doc = "frame of the map out"});
+    v.field("map_frame", c.map_frame, runtime::kMapFrame);
     v.field("learn_every_scans", c.learn_every_scans,
             {.doc = "live and not online: learn anew from all scans after so many; 0: never. Takes "
                     "seconds",

@@ -36,10 +36,10 @@ bool is_near(const Pose2& pose, const ReflectionGrid& map) {
 }
 
 /// Less of the walls that were learned on are not gone, but in another frame.
-constexpr double kLeastShared = 0.5;
+constexpr double kMinShared = 0.5;
 
 /// Scans that wait for the first map.
-constexpr std::size_t kMostEarly = 200;
+constexpr std::size_t kMaxEarly = 200;
 
 }  // namespace
 
@@ -87,11 +87,11 @@ void PatchLearner::on_base(ReflectionGrid filtered) {
 void PatchLearner::begin_online(const ReflectionGrid& base) {
   const OnlineLearningConfig& online = config_.online;
   online_.emplace(config_.patch, online.learner, base, context().threads);
-  const bool keeps = !lockstep() && !online.store.folder.empty() && !context().only_explained;
+  const bool keeps = !lockstep() && !online.store.folder.empty() && !context().dry_run;
   if (keeps) store_.emplace(online.store.folder, online.store.state_period_s);
   bool is_stored = store_ && store_->has_state();
   bool is_restored = is_stored && restore(base);
-  if (is_restored && online.maps.empty() && shared_walls(online_->base(), base) < kLeastShared) {
+  if (is_restored && online.maps.empty() && shared_walls(online_->base(), base) < kMinShared) {
     set_other_map_aside(base);
     is_stored = is_restored = false;
   }
@@ -159,7 +159,7 @@ void PatchLearner::on_scan(const strata_msgs::msg::LabeledScan& message) {
 void PatchLearner::learn_online(PosedScan scan) {
   if (!online_) {
     early_.push_back(std::move(scan));
-    if (early_.size() <= kMostEarly) return;
+    if (early_.size() <= kMaxEarly) return;
     early_.pop_front();
     ++scans_without_map_;
     return;

@@ -39,7 +39,7 @@ struct PlayerConfig {
   bool paused = false;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("log", c.log, {.doc = "the log to play: CARMEN, rosbag2 or MCAP"});
+    v.field("log", c.log, {.doc = "the log to play: CARMEN, rosbag2 or MCAP", .when = "always"});
     v.require(!c.log.empty(), "log", "is missing", "name a log, as in log: office.clf");
     v.field(
         "mode", c.mode,
@@ -53,7 +53,8 @@ struct PlayerConfig {
             {.doc = "1: as fast as recorded; 2: twice; may be changed while it plays",
              .unit = "1",
              .min = 1e-3,
-             .max = 1e6});
+             .max = 1e6,
+             .when = "a log shall play faster or slower than it was recorded"});
     v.field("start_s", c.start_s, {.doc = "begin there", .unit = "s", .min = 0.0, .max = 4e9});
     v.field("loop", c.loop, {.doc = "begin again at the end"});
     v.field("paused", c.paused, {.doc = "begin when resumed; may be changed while it plays"});

@@ -18,7 +18,7 @@ constexpr const char* kLaser = "laser";
 constexpr const char* kMap = "map";
 
 /// More frames than a robot has scanners: then it is the mounting of one that changes.
-constexpr std::size_t kMostFrames = 16;
+constexpr std::size_t kMaxFrames = 16;
 
 tf2_msgs::msg::TFMessage single(const geometry_msgs::msg::TransformStamped& transform) {
   tf2_msgs::msg::TFMessage message;
@@ -41,7 +41,7 @@ std::string LogPlayer::frame_of(const Scan& scan) {
     return i == 0 ? std::string(kLaser) : std::string(kLaser) + "_" + std::to_string(i);
   };
   if (place != mountings_.end()) return name(number);
-  if (mountings_.size() >= kMostFrames) mountings_.clear();
+  if (mountings_.size() >= kMaxFrames) mountings_.clear();
   mountings_.push_back(scan.robot_from_laser);
   tf2_msgs::msg::TFMessage all;
   for (std::size_t i = 0; i < mountings_.size(); ++i) {

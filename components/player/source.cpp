@@ -20,8 +20,8 @@ constexpr std::size_t kHeaderBytes = 4;  // of every message
 Duration since(Stamp begin, Stamp stamp) {
   Duration result;
   if (!__builtin_sub_overflow(stamp.ns, begin.ns, &result.ns)) return result;
-  constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
-  return {stamp > begin ? kMost : -kMost};
+  constexpr auto kMax = std::numeric_limits<std::int64_t>::max();
+  return {stamp > begin ? kMax : -kMax};
 }
 
 bool ScanSource::peek(Duration& since_begin) {

@@ -15,17 +15,13 @@
 #include "components/bus/endpoint.hpp"
 #include "components/log/bag.hpp"
 #include "components/player/log_player.hpp"
+#include "core/base/interface.hpp"
 
 namespace strata::player {
 
 /// Used by one thread at a time.
-class Source {
+class Source : public Interface {
  public:
-  Source() = default;
-  Source(const Source&) = delete;
-  Source& operator=(const Source&) = delete;
-  virtual ~Source() = default;
-
   /// When the next step is due, since the beginning; false at the end. May read for long.
   [[nodiscard]] virtual bool peek(Duration& since_begin) = 0;
   /// Publishes the step that peek announced.

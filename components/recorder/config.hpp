@@ -38,7 +38,7 @@ struct RecorderConfig {
   int latched_depth = 1;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("out", c.out, {.doc = "bag folder to write"});
+    v.field("out", c.out, {.doc = "bag folder to write", .when = "always"});
     v.require(!c.out.empty(), "out", "is missing", "name a folder, as in out: bag");
     v.field(
         "number_if_exists", c.number_if_exists,
@@ -46,7 +46,8 @@ struct RecorderConfig {
                 "beside it; else that is an error"});
     v.field("topics", c.topics,
             {.doc = "topics to record, as /scan or, for one that nobody publishes yet, as "
-                    "/scan:sensor_msgs/msg/LaserScan; empty: every topic there is"});
+                    "/scan:sensor_msgs/msg/LaserScan; empty: every topic there is",
+             .when = "not everything is wanted, or disk space is short"});
     v.field("storage", c.storage, {.doc = "rosbag2's storage"});
     v.field("compression", c.compression, {.doc = "of the chunks of mcap"});
     v.require(c.storage == log::BagStorage::kMcap || c.compression == log::BagCompression::kNone,

@@ -60,7 +60,7 @@ void Recorder::on_configure() {
   config_ = read_parameters<RecorderConfig>();
   recorded_.clear();
   log_time_.reset();
-  if (!context().only_explained) {
+  if (!context().dry_run) {
     // Configured again, it finds its own bag there; another's is left alone.
     const std::filesystem::path out = normal_form(config_.out);
     const bool may_number = config_.number_if_exists || own_outs_.contains(out);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "components/runtime/component.hpp"
-
 #include <algorithm>
 #include <utility>
+
+#include "components/runtime/component_subscription.hpp"
 
 namespace strata::runtime {
 namespace {
@@ -224,7 +224,7 @@ std::string Component::parameters_place() const {
   return context_.place + " (parameters of " + context_.name + ")";
 }
 
-void Component::adopt_common_parameters(const std::vector<std::string>& keys) {
+void Component::adopt_common_parameters() {
   YAML::Node& given = context_.parameters;
   if (!context_.common_parameters.IsMap()) return;
   // Not YAML::Clone, which forgets the lines; a copy, since another host may be made of the same.
@@ -232,10 +232,27 @@ void Component::adopt_common_parameters(const std::vector<std::string>& keys) {
   for (const auto& item : given) own.force_insert(item.first, item.second);
   for (const auto& item : std::as_const(context_.common_parameters)) {
     const std::string& key = item.first.Scalar();
-    const bool is_known = std::find(keys.begin(), keys.end(), key) != keys.end();
-    if (is_known && !std::as_const(own)[key].IsDefined()) own.force_insert(item.first, item.second);
+    const settings::KeyTree& keys = parameter_model_.keys;
+    if (!settings::is_key(key, keys)) continue;
+    const bool is_given = std::any_of(given.begin(), given.end(), [&](const auto& other) {
+      return other.first.IsScalar() &&
+             settings::present_key(other.first.Scalar(), keys) == settings::present_key(key, keys);
+    });
+    if (!is_given) own.force_insert(item.first, item.second);
   }
   given.reset(own);
+}
+
+void Component::take_present_keys() {
+  settings::Notes notes;
+  const YAML::Node present = settings::with_present_keys(context_.parameters, parameters_place(),
+                                                         parameter_model_.keys, notes);
+  if (notes.empty()) return;
+  context_.parameters.reset(present);
+  for (const std::string& note : notes) {
+    warnings_.push_back(one_line(note));
+    if (context_.on_error) context_.on_error(full_name_ + ": " + warnings_.back());
+  }
 }
 
 }  // namespace strata::runtime

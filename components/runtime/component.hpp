@@ -2,14 +2,13 @@
 /// What every component is: a named thing with a lifecycle, topics and parameters.
 ///
 /// A component works on its own mailbox, one callback at a time. Live, a callback runs when its
-/// message comes. In lockstep, messages wait until the conductor asks for a step and all of the
+/// message comes. In lockstep, messages wait until the coordinator asks for a step and all of the
 /// announced ones are there; then callbacks run topic by topic in the order of `subscribe`, so that
 /// the same log gives the same calls whatever the threads, processes and network do.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -19,75 +18,20 @@
 #include <utility>
 #include <vector>
 
-#include <yaml-cpp/yaml.h>
-
 #include "components/bus/endpoint.hpp"
-#include "components/bus/names.hpp"
 #include "components/bus/node.hpp"
 #include "components/runtime/bond.hpp"
 #include "components/runtime/clock.hpp"
+#include "components/runtime/component_context.hpp"
 #include "components/runtime/diagnostics.hpp"
-#include "components/runtime/executor.hpp"
 #include "components/runtime/lifecycle.hpp"
 #include "components/runtime/parameters.hpp"
 #include "components/runtime/rosout.hpp"
 #include "components/runtime/service_hub.hpp"
 #include "components/runtime/told_errors.hpp"
 #include "components/settings/config_reader.hpp"
-#include "core/base/progress.hpp"
 
 namespace strata::runtime {
-
-class Component;
-
-enum class FeedMode { kLive, kLockstep };
-
-/// Topics on which the conductor and the components talk in lockstep.
-inline constexpr const char* kStepTopic = "/strata_lockstep/step";
-inline constexpr const char* kAckTopic = "/strata_lockstep/ack";
-
-/// Everything a component is given.
-struct ComponentContext {
-  std::shared_ptr<bus::Participant> participant;
-  std::shared_ptr<Mailbox> mailbox;
-  std::string name;
-  std::string node_namespace = "/";
-  /// Folder of its own below the folder that all save into; empty: that folder itself.
-  std::filesystem::path out_folder;
-  bus::Remappings remappings;
-  YAML::Node parameters;
-  YAML::Node common_parameters;  ///< for all components: each takes those that it knows
-  std::string place;             ///< the composition file, for errors
-  FeedMode mode = FeedMode::kLive;
-  std::uint64_t seed = 1;
-  int threads = 1;
-  bool use_sim_time = false;     ///< unless the parameters say otherwise
-  Progress* progress = nullptr;  ///< cancels long work when the process ends
-  /// Makes another component of the same type; null: parameters cannot be tried out.
-  std::function<std::unique_ptr<Component>(ComponentContext)> make;
-  /// Only configured to be looked at: writes no files.
-  bool only_explained = false;
-  /// Told of an error in a live callback; called on the component's thread.
-  std::function<void(const std::string&)> on_error;
-};
-
-/// A topic that a component reads or writes.
-struct TopicUse {
-  std::string topic;  ///< full name
-  std::string type;
-  bus::QosProfile qos;
-  bool writes = false;
-};
-
-/// Every message is counted once: what is received and nowhere else yet, waits.
-struct MessageCounts {
-  std::uint64_t received = 0;
-  std::uint64_t processed = 0;
-  std::uint64_t skipped = 0;  ///< were no messages, or the callback threw
-  std::uint64_t dropped = 0;  ///< came faster than they were worked on
-  std::uint64_t ignored = 0;  ///< came while the component was not active
-  [[nodiscard]] std::uint64_t done() const { return processed + skipped + dropped + ignored; }
-};
 
 class Component {
  public:
@@ -118,8 +62,6 @@ class Component {
   [[nodiscard]] LifecycleState state() const { return state_; }
   /// What it reads and writes; once configured.
   [[nodiscard]] const std::vector<TopicUse>& topics() const { return topics_; }
-  /// Live: messages that came faster than they were worked on and were dropped.
-  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
   /// What became of the messages that came, of all topics since the beginning; thread safe.
   [[nodiscard]] MessageCounts counts() const;
 
@@ -145,24 +87,24 @@ class Component {
   /// others are asked again at the end.
   [[nodiscard]] virtual bool learns() const { return false; }
 
-  /// least_waiting: live, as many messages may wait while the component is busy, where the profile
+  /// min_waiting: live, as many messages may wait while the component is busy, where the profile
   /// says fewer.
   template <typename T>
   void subscribe(const std::string& topic, const std::string& qos,
-                 std::function<void(const T&)> callback, int least_waiting = 0) {
+                 std::function<void(const T&)> callback, int min_waiting = 0) {
     const std::string full = resolve(topic);
     subscribe_raw(
         full, bus::MessageType<T>::name, bus::qos_profile(qos),
         [full, callback = std::move(callback)](const bus::RawMessage& message) {
           callback(convert::from_cdr<T>(message.cdr, full));
         },
-        least_waiting);
+        min_waiting);
   }
   /// topic: resolved. Callbacks of a topic see its messages in the order they were written. All or
   /// nothing: when it throws, nothing is subscribed.
   void subscribe_raw(const std::string& full_topic, const std::string& type,
                      const bus::QosProfile& qos,
-                     std::function<void(const bus::RawMessage&)> callback, int least_waiting = 0);
+                     std::function<void(const bus::RawMessage&)> callback, int min_waiting = 0);
 
   /// What is returned publishes until cleanup, and does nothing afterwards. All or nothing.
   template <typename T>
@@ -197,9 +139,7 @@ class Component {
   template <typename S>
   void offer_later(const std::string& name, ServiceHub::LateHandler<S> handler) {
     if (lockstep()) return;
-    if (!own_services_) {
-      own_services_ = make_service_hub();
-    }
+    if (!own_services_) own_services_ = make_service_hub();
     own_services_->serve_later<S>(
         resolve(name), "default",
         [this, handler = std::move(handler)](const auto& request, auto reply) {
@@ -210,11 +150,10 @@ class Component {
   /// The parameters are this struct's: that is what others may ask for and set over DDS.
   template <typename Config>
   void declare_parameters() {
-    settings::detail::KeyCollector keys;
-    const Config defaults{};
-    Config::describe(defaults, keys);
-    adopt_common_parameters(keys.names());
     parameter_model_ = {};
+    parameter_model_.keys = settings::key_tree<Config>();
+    adopt_common_parameters();
+    take_present_keys();
     parameter_model_.read = [place = parameters_place()](const YAML::Node& node) {
       return parameter_table(settings::read_config<Config>(node, place));
     };
@@ -229,10 +168,7 @@ class Component {
   /// again, on the component's own thread. The others wait for the next configure.
   template <typename Config>
   void keep_live(Config& config, std::vector<std::string> names) {
-    parameter_model_.live_names = std::move(names);
-    parameter_model_.apply_live = [&config, place = parameters_place()](const YAML::Node& node) {
-      config = settings::read_config<Config>(node, place);
-    };
+    keep_live<Config>(std::move(names), [&config](const Config& changed) { config = changed; });
   }
   /// As above for a component that has to do something about the change: `apply` is given all of
   /// the parameters.
@@ -271,17 +207,7 @@ class Component {
   [[nodiscard]] bool lockstep() const { return context_.mode == FeedMode::kLockstep; }
 
  private:
-  struct Subscription {
-    std::string topic;
-    std::size_t depth = 0;  // live: as many messages may wait; 0: all
-    bool latched = false;   // live: messages wait until the component is active
-    std::function<void(const bus::RawMessage&)> callback;
-    std::mutex mutex;
-    std::deque<bus::RawMessage> waiting;  // under mutex
-    std::size_t waiting_bytes = 0;        // under mutex
-    std::uint64_t received = 0;           // under mutex
-    std::unique_ptr<bus::RawReader> reader;
-  };
+  struct Subscription;  // component_subscription.hpp
 
   [[nodiscard]] bool is_active() const { return state_ == LifecycleState::kActive; }
   /// On the mailbox: does the transition out of the present state; throws what the hook throws, and
@@ -293,8 +219,10 @@ class Component {
   void do_shutdown();
   void release();
   [[nodiscard]] std::string parameters_place() const;
-  /// Those of the common parameters that are `keys` become this component's, below its own.
-  void adopt_common_parameters(const std::vector<std::string>& keys);
+  /// Those of the common parameters that it knows become this component's, below its own.
+  void adopt_common_parameters();
+  /// The parameters under the names they have now; warns of old ones.
+  void take_present_keys();
   /// Works on the message that waits longest; false when none does.
   bool take_live(Subscription& subscription);
   /// Puts a message where it waits; whether it needs a task of its own, no other's will take it.
@@ -316,6 +244,8 @@ class Component {
   [[nodiscard]] bool try_transition(std::uint8_t id, const std::string& label);
   void tell_transition(const LifecycleTransition& transition);
   [[nodiscard]] ParameterTable parameters() const;
+  /// Of a parameter that may have been asked for by its old name.
+  [[nodiscard]] std::string present_name(const std::string& name) const;
   // (component_parameters.cpp)
   struct ParameterRequest;
   void work_on(const std::shared_ptr<ParameterRequest>& request);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The part of a component that works step by step, as the conductor asks.
+/// The part of a component that works step by step, as the coordinator asks.
 #include <algorithm>
 
-#include "components/runtime/component.hpp"
+#include "components/runtime/component_subscription.hpp"
+#include "components/runtime/topic_count.hpp"
 
 namespace strata::runtime {
 namespace {
@@ -10,13 +11,6 @@ namespace {
 using strata_msgs::msg::Ack;
 using strata_msgs::msg::Step;
 using strata_msgs::msg::TopicCount;
-
-TopicCount topic_count(const std::string& topic, std::uint64_t count) {
-  TopicCount result;
-  result.topic(topic);
-  result.count(count);
-  return result;
-}
 
 }  // namespace
 

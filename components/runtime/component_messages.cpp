@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "components/runtime/component.hpp"
+#include "components/runtime/component_subscription.hpp"
 
 namespace strata::runtime {
 namespace {
 
 /// Live: as many bytes of one topic may wait for a component that does not keep up.
-constexpr std::size_t kMostWaitingBytes = 256U << 20U;
+constexpr std::size_t kMaxWaitingBytes = 256U << 20U;
 
 /// For one more element, so that adding it cannot fail.
 template <typename T>
@@ -22,13 +22,13 @@ void make_room(std::vector<T>& list) {
 void Component::subscribe_raw(const std::string& full_topic, const std::string& type,
                               const bus::QosProfile& qos,
                               std::function<void(const bus::RawMessage&)> callback,
-                              int least_waiting) {
+                              int min_waiting) {
   const auto subscription = std::make_shared<Subscription>();
   subscription->topic = full_topic;
   TopicUse use{full_topic, type, qos, false};
   subscription->callback = std::move(callback);
   const bus::QosProfile used = lockstep() ? qos.lossless() : qos;
-  const int depth = used.depth > 0 ? std::max(used.depth, least_waiting) : used.depth;
+  const int depth = used.depth > 0 ? std::max(used.depth, min_waiting) : used.depth;
   subscription->depth = static_cast<std::size_t>(depth);
   subscription->latched = used.transient_local;
   // The reader is the subscription's, so its callback holds it weakly.
@@ -63,7 +63,7 @@ bool Component::keep(Subscription& subscription, bus::RawMessage message) {
   const auto is_too_much = [&] {
     const std::size_t count = subscription.waiting.size();
     return (subscription.depth > 0 && count > subscription.depth) ||
-           (count > 1 && subscription.waiting_bytes > kMostWaitingBytes);
+           (count > 1 && subscription.waiting_bytes > kMaxWaitingBytes);
   };
   bool has_dropped = false;
   while (is_too_much()) {

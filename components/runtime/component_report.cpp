@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "components/log/damaged_file.hpp"
-#include "components/runtime/component.hpp"
+#include "components/runtime/component_subscription.hpp"
 
 namespace strata::runtime {
 
@@ -33,7 +33,7 @@ void Component::warn(const std::exception& error) {
 }
 
 bool Component::restored(const std::filesystem::path& file, const std::function<void()>& restore) {
-  if (context_.only_explained) {  // leaves files as they are
+  if (context_.dry_run) {  // leaves files as they are
     try {
       restore();
       return true;

@@ -136,7 +136,7 @@ void Component::serve_parameters() {
         rcl_interfaces::srv::GetParameters_Response response;
         const ParameterTable table = parameters();
         for (const std::string& wanted : request.names()) {
-          const ParameterEntry* entry = find_parameter(table, wanted);
+          const ParameterEntry* entry = find_parameter(table, present_name(wanted));
           response.values().push_back(entry != nullptr ? entry->value
                                                        : rcl_interfaces::msg::ParameterValue());
         }
@@ -147,7 +147,7 @@ void Component::serve_parameters() {
         rcl_interfaces::srv::GetParameterTypes_Response response;
         const ParameterTable table = parameters();
         for (const std::string& wanted : request.names()) {
-          const ParameterEntry* entry = find_parameter(table, wanted);
+          const ParameterEntry* entry = find_parameter(table, present_name(wanted));
           response.types().push_back(entry != nullptr ? entry->value.type() : 0);
         }
         return response;
@@ -159,7 +159,7 @@ void Component::serve_parameters() {
         for (const std::string& wanted : request.names()) {
           rcl_interfaces::msg::ParameterDescriptor descriptor;
           descriptor.name(wanted);
-          if (const ParameterEntry* entry = find_parameter(table, wanted)) {
+          if (const ParameterEntry* entry = find_parameter(table, present_name(wanted))) {
             descriptor = entry->descriptor;
           }
           response.descriptors().push_back(descriptor);
@@ -169,11 +169,16 @@ void Component::serve_parameters() {
   serve_changes();
 }
 
+std::string Component::present_name(const std::string& name) const {
+  return settings::present_key(name, parameter_model_.keys);
+}
+
 ParameterTable Component::parameters() const {
   ParameterTable table;
   if (parameter_model_.read) table = parameter_model_.read(context_.parameters);
   table.push_back(detail::make_entry("use_sim_time", parameter_value(clock_.uses_sim_time()),
-                                     {.doc = "time comes from /clock"}, ""));
+                                     {.doc = "time comes from /clock", .when = "a log is played"},
+                                     ""));
   return table;
 }
 

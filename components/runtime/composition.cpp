@@ -6,6 +6,7 @@
 
 #include "components/bus/environment.hpp"
 #include "components/bus/node.hpp"
+#include "components/runtime/composition_section.hpp"
 #include "components/runtime/composition_settings.hpp"
 #include "components/security/enclave.hpp"
 #include "components/settings/config_reader.hpp"
@@ -14,71 +15,6 @@
 
 namespace strata::runtime {
 namespace {
-
-using settings::detail::ReadContext;
-
-/// Reads one map with known keys, and says where things are.
-class Section {
- public:
-  Section(const YAML::Node& node, std::string place, std::string path,
-          const std::vector<std::string>& known)
-      : node_(node), place_(std::move(place)), path_(std::move(path)) {
-    settings::detail::check_keys(node_, ReadContext{place_, {}}, path_, known);
-  }
-
-  [[nodiscard]] YAML::Node find(const std::string& key) const { return node_[key]; }
-  [[nodiscard]] std::string path_of(const std::string& key) const {
-    return path_.empty() ? key : path_ + "." + key;
-  }
-  [[nodiscard]] std::string place_of(const std::string& key) const {
-    const YAML::Node child = node_[key];
-    return settings::place_of(child.IsDefined() ? child : node_, place_, path_of(key));
-  }
-  template <typename T>
-  [[nodiscard]] T get(const std::string& key, T value) const {
-    if (const YAML::Node child = node_[key]; child.IsDefined()) {
-      settings::detail::read_value(child, place_, path_of(key), value);
-    }
-    return value;
-  }
-  [[nodiscard]] std::string require(const std::string& key, const std::string& example) const {
-    const auto value = get<std::string>(key, "");
-    if (value.empty()) {
-      throw ConfigError(settings::place_of(node_, place_, path_), "'" + key + "' is missing",
-                        "add " + key + ": " + example);
-    }
-    return value;
-  }
-  /// The list below `key`; empty when absent.
-  [[nodiscard]] std::vector<YAML::Node> items(const std::string& key) const {
-    const YAML::Node child = node_[key];
-    if (!child.IsDefined()) return {};
-    settings::detail::require_sequence(child, place_, path_of(key));
-    return {child.begin(), child.end()};
-  }
-  [[nodiscard]] std::vector<std::string> texts(const std::string& key) const {
-    std::vector<std::string> result;
-    for (const YAML::Node& item : items(key)) {
-      const std::string path = path_of(key) + "[" + std::to_string(result.size()) + "]";
-      settings::detail::read_value(item, place_, path, result.emplace_back());
-    }
-    return result;
-  }
-  /// Runs `body`; its ConfigError gets the place of `key`.
-  template <typename Body>
-  auto located(const std::string& key, Body&& body) const {
-    try {
-      return body();
-    } catch (const ConfigError& error) {
-      throw ConfigError(place_of(key), error.problem(), error.remedy());
-    }
-  }
-
- private:
-  const YAML::Node node_;  // const: looking a key up must not make it
-  std::string place_;
-  std::string path_;
-};
 
 bus::Remappings read_remappings(const YAML::Node& node, const std::string& place,
                                 const std::string& path) {
@@ -102,13 +38,10 @@ struct Inherited {
 
 Start read_start(const Section& section, Start usual) {
   if (!section.find("start").IsDefined()) return usual;
-  const auto name = section.get<std::string>("start", "");
-  if (name == "active") return Start::kActive;
-  if (name == "inactive") return Start::kInactive;
-  if (name == "unconfigured") return Start::kUnconfigured;
-  throw ConfigError(
-      section.place_of("start"), "a component cannot start '" + name + "'",
-      settings::detail::suggestion(name, {"active", "inactive", "unconfigured"}, "states"));
+  return read_choice<Start>(section, "start", "a component cannot start", "states",
+                            {{"active", Start::kActive},
+                             {"inactive", Start::kInactive},
+                             {"unconfigured", Start::kUnconfigured}});
 }
 
 ComponentEntry read_component(const YAML::Node& node, const std::string& place,
@@ -145,13 +78,11 @@ ComponentEntry read_component(const YAML::Node& node, const std::string& place,
 }
 
 Restart read_restart(const Section& section) {
-  const auto name = section.get<std::string>("restart", "never");
-  if (name == "never") return Restart::kNever;
-  if (name == "on_failure") return Restart::kOnFailure;
-  if (name == "always") return Restart::kAlways;
-  throw ConfigError(
-      section.place_of("restart"), "unknown restart policy '" + name + "'",
-      settings::detail::suggestion(name, {"never", "on_failure", "always"}, "policies"));
+  if (!section.find("restart").IsDefined()) return Restart::kNever;
+  return read_choice<Restart>(section, "restart", "unknown restart policy", "policies",
+                              {{"never", Restart::kNever},
+                               {"on_failure", Restart::kOnFailure},
+                               {"always", Restart::kAlways}});
 }
 
 ProcessEntry read_process(const YAML::Node& node, const std::string& place, const std::string& path,

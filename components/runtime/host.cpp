@@ -52,8 +52,8 @@ Host::Host(const Composition& composition, const ProcessEntry& process, const Re
       participant_(std::move(participant)),
       executor_(process.executor) {
   make(composition, process, registry, options);
-  // Nobody leads a component through a replay or an explanation but the conductor.
-  const bool is_managed = options.mode == FeedMode::kLive && !options.only_explained;
+  // Nobody leads a component through a replay or a dry run but the coordinator.
+  const bool is_managed = options.mode == FeedMode::kLive && !options.dry_run;
   try {
     for (std::size_t i = 0; i < components_.size(); ++i) {
       if (is_managed && starts_[i] == Start::kUnconfigured) {
@@ -82,7 +82,7 @@ void Host::make(const Composition& composition, const ProcessEntry& process,
     context.parameters = entry.parameters;
     context.common_parameters = entry.common_parameters;
     context.make = factory;
-    context.only_explained = options.only_explained;
+    context.dry_run = options.dry_run;
     context.place = composition.place;
     context.mode = options.mode;
     context.seed = options.seed;

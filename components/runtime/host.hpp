@@ -18,7 +18,7 @@ namespace strata::runtime {
 
 struct HostOptions {
   FeedMode mode = FeedMode::kLive;
-  bool only_explained = false;  ///< configure, to be looked at: no file is written
+  bool dry_run = false;  ///< configure, to be looked at: no file is written
   std::uint64_t seed = 1;
   int threads = 1;
 };
@@ -44,7 +44,7 @@ class Host {
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// Live: those that start active begin to work. In lockstep the conductor activates.
+  /// Live: those that start active begin to work. In lockstep the coordinator activates.
   void activate();
   /// To be called several times a second.
   void tick();

@@ -36,10 +36,10 @@ void add_range(const FieldInfo& info, ParameterType type, ParameterDescriptor& d
     range.to_value(std::min(info.max, std::numeric_limits<double>::max()));
     descriptor.floating_point_range().push_back(range);
   } else if (type == ParameterType::kInteger || type == ParameterType::kIntegers) {
-    constexpr double kMost = 9.0e18;
+    constexpr double kMax = 9.0e18;
     rcl_interfaces::msg::IntegerRange range;
-    range.from_value(static_cast<std::int64_t>(std::max(info.min, -kMost)));
-    range.to_value(static_cast<std::int64_t>(std::min(info.max, kMost)));
+    range.from_value(static_cast<std::int64_t>(std::max(info.min, -kMax)));
+    range.to_value(static_cast<std::int64_t>(std::min(info.max, kMax)));
     descriptor.integer_range().push_back(range);
   }
 }
@@ -188,7 +188,9 @@ ParameterEntry detail::make_entry(const std::string& name, ParameterValue value,
   entry.descriptor.name(name);
   entry.descriptor.type(value.type());
   const std::string unit = *info.unit != '\0' ? std::string(" [") + info.unit + "]" : "";
-  entry.descriptor.description(info.doc + unit);
+  const std::string tier = *info.when != '\0' ? std::string("; touch it when: ") + info.when
+                                              : std::string("; an expert setting");
+  entry.descriptor.description(info.doc + unit + tier);
   entry.descriptor.additional_constraints(constraint);
   add_range(info, static_cast<ParameterType>(value.type()), entry.descriptor);
   entry.value = std::move(value);
@@ -197,20 +199,22 @@ ParameterEntry detail::make_entry(const std::string& name, ParameterValue value,
 
 ParameterPlan plan_changes(const ParameterModel& model, const std::vector<Parameter>& changes,
                            const YAML::Node& parameters) {
-  if (!model.read) return {{}, false, "the component has not been configured yet"};
-  ParameterPlan plan{YAML::Clone(parameters), true, ""};
+  if (!model.read) return {{}, false, "the component has not been configured yet", ""};
+  ParameterPlan plan{YAML::Clone(parameters), true, "", ""};
   try {
     const ParameterTable table = model.read(parameters);
     for (const Parameter& change : changes) {
-      const ParameterEntry* entry = find_parameter(table, change.name());
-      if (entry == nullptr) return {{}, false, "there is no parameter '" + change.name() + "'"};
-      set_in_yaml(plan.parameters, change.name(), to_yaml(typed(change, *entry)));
+      const std::string name = settings::present_key(change.name(), model.keys);
+      const ParameterEntry* entry = find_parameter(table, name);
+      if (entry == nullptr) return {{}, false, "there is no parameter '" + change.name() + "'", ""};
+      if (name != change.name()) plan.note += change.name() + " is called " + name + " now; ";
+      set_in_yaml(plan.parameters, name, to_yaml(typed(change, *entry)));
       plan.is_live = plan.is_live && std::find(model.live_names.begin(), model.live_names.end(),
-                                               change.name()) != model.live_names.end();
+                                               name) != model.live_names.end();
     }
     (void)model.read(plan.parameters);
   } catch (const Error& error) {
-    return {{}, false, reason_of(error)};
+    return {{}, false, reason_of(error), ""};
   }
   return plan;
 }
@@ -218,13 +222,15 @@ ParameterPlan plan_changes(const ParameterModel& model, const std::vector<Parame
 ParameterChange make_changes(const ParameterModel& model, const ParameterPlan& plan,
                              YAML::Node& parameters) {
   parameters.reset(plan.parameters);
-  if (!plan.is_live) return {true, "takes effect when the component is configured again"};
+  if (!plan.is_live) {
+    return {true, plan.note + "takes effect when the component is configured again"};
+  }
   try {
     model.apply_live(plan.parameters);
   } catch (const Error& error) {
-    return {true, "is set, but not all of it could be done: " + reason_of(error)};
+    return {true, plan.note + "is set, but not all of it could be done: " + reason_of(error)};
   }
-  return {true, ""};
+  return {true, plan.note};
 }
 
 ParameterChange change_parameters(const ParameterModel& model,

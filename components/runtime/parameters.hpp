@@ -67,7 +67,7 @@ namespace detail {
                                         const FieldInfo& info, const std::string& constraint);
 
 /// The visitor behind parameter_table.
-class ParameterCollector {
+class ParameterCollector : public strata::detail::VisitorBase {
  public:
   ParameterCollector(ParameterTable& table, std::string path)
       : table_(table), path_(std::move(path)) {}
@@ -98,7 +98,6 @@ class ParameterCollector {
   }
   template <typename Item>
   void list(std::string_view /*name*/, const std::vector<Item>& /*items*/, const char* /*doc*/) {}
-  void require(bool, std::string_view, const std::string&, const std::string&) {}
 
  private:
   ParameterTable& table_;
@@ -123,6 +122,7 @@ struct ParameterModel {
   /// Takes over the parameters that may change while the component is active.
   std::function<void(const YAML::Node&)> apply_live;
   std::vector<std::string> live_names;  ///< changed by apply_live, the rest by configure
+  settings::KeyTree keys;               ///< by which old names are found
 };
 
 /// Outcome of a change; reason: why not, or when it takes effect.
@@ -136,10 +136,11 @@ struct ParameterPlan {
   YAML::Node parameters;
   bool is_live = false;  ///< all of them change while the component is active
   std::string refusal;   ///< why they cannot be made; empty: they can
+  std::string note;      ///< of old names that were used; empty: none
 };
 
 /// Checks the changes together. Values must have the parameter's type; a whole number may stand for
-/// a double.
+/// a double. Old names stand for the present ones.
 [[nodiscard]] ParameterPlan plan_changes(const ParameterModel& model,
                                          const std::vector<rcl_interfaces::msg::Parameter>& changes,
                                          const YAML::Node& parameters);

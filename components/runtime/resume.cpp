@@ -4,18 +4,21 @@
 namespace strata::runtime {
 namespace {
 
-bool is_recent(const KeptMoment& kept, const Observation& first, const CarryConfig& config) {
+bool is_recent(const KeptMoment& kept, const Observation& first,
+               const DeadReckoningConfig& config) {
   const double since_s = (first.scan.stamp - kept.stamp).seconds();
-  return kept.has_odometry && since_s >= 0.0 && since_s <= config.carry_s;
+  return kept.has_odometry && since_s >= 0.0 && since_s <= config.dead_reckoning_s;
 }
 
 }  // namespace
 
-bool is_carried(const KeptMoment& kept, const Observation& first, const CarryConfig& config) {
+bool is_dead_reckoned(const KeptMoment& kept, const Observation& first,
+                      const DeadReckoningConfig& config) {
   return first.has_odometry && is_recent(kept, first, config);
 }
 
-bool needs_odometry(const KeptMoment& kept, const Observation& first, const CarryConfig& config) {
+bool needs_odometry(const KeptMoment& kept, const Observation& first,
+                    const DeadReckoningConfig& config) {
   return !first.has_odometry && is_recent(kept, first, config);
 }
 

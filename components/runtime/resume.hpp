@@ -8,12 +8,13 @@
 
 namespace strata::runtime {
 
-struct CarryConfig {
-  double carry_s = 10.0;
+struct DeadReckoningConfig {
+  double dead_reckoning_s = 10.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
+    v.renamed("carry_s", "dead_reckoning_s");
     v.field(
-        "carry_s", c.carry_s,
+        "dead_reckoning_s", c.dead_reckoning_s,
         {.doc = "when the first scan is at most this much younger than the newest one kept, the "
                 "odometry has gone on and says how far the robot has moved; later it may have "
                 "begun anew, and the robot is taken to be where it was: remove the file when "
@@ -30,12 +31,12 @@ struct KeptMoment {
 };
 
 /// The odometry of both scans is of one frame. A clock that was set back tells nothing.
-[[nodiscard]] bool is_carried(const KeptMoment& kept, const Observation& first,
-                              const CarryConfig& config);
+[[nodiscard]] bool is_dead_reckoned(const KeptMoment& kept, const Observation& first,
+                                    const DeadReckoningConfig& config);
 
 /// It would be, had odometry come with the scan: a later one may have it, since scans may be heard
 /// before odometry is.
 [[nodiscard]] bool needs_odometry(const KeptMoment& kept, const Observation& first,
-                                  const CarryConfig& config);
+                                  const DeadReckoningConfig& config);
 
 }  // namespace strata::runtime

@@ -10,7 +10,7 @@ namespace {
 
 /// Scanners do not turn evenly: the next scan may come after so much of a period.
 constexpr double kEarliest = 0.8;
-constexpr double kMostPeriodsWaited = 2.0;
+constexpr double kMaxPeriodsWaited = 2.0;
 /// A longer step is a hole, no period.
 constexpr double kHole = 3.0;
 
@@ -43,7 +43,7 @@ std::size_t ScanQueue::scanner_of(std::size_t topic, const std::string& frame) {
 void ScanQueue::put(WaitingScan waiting) {
   const double late_s = newest_gone_ ? (*newest_gone_ - waiting.stamp()).seconds() : 0.0;
   // What went on before a clock was set back says nothing of what is late now.
-  if (late_s > 0.0 && late_s <= log::kLeastSetBackS) {
+  if (late_s > 0.0 && late_s <= log::kMinSetBackS) {
     ++late_;
     return;
   }
@@ -108,7 +108,7 @@ bool ScanQueue::is_next() {
     const Stamp expected = *other.watch.newest() + times(*period, kEarliest);
     if (expected > oldest.stamp()) continue;
     const Duration longer = own ? std::max(*own, *period) : *period;
-    if (newest - expected <= times(longer, kMostPeriodsWaited)) return false;
+    if (newest - expected <= times(longer, kMaxPeriodsWaited)) return false;
     other.is_silent = true;
   }
   return true;

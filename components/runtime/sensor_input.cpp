@@ -10,7 +10,7 @@
 namespace strata::runtime {
 namespace {
 
-/// While something may still come for the first time, as many times most_waiting_scans may wait.
+/// While something may still come for the first time, as many times max_waiting_scans may wait.
 constexpr std::size_t kMoreAtFirst = 10;
 
 }  // namespace
@@ -70,7 +70,7 @@ void SensorInput::add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2&
   // What waits by the old clock goes on with what was known then.
   const auto set_back = [&](Stamp first) {
     if (!waits_ || source().odometry != &odometry) return;
-    const Stamp latest = first + Duration::from_seconds(log::kLeastSetBackS);
+    const Stamp latest = first + Duration::from_seconds(log::kMinSetBackS);
     if (queue_.size() == 0 || queue_.front().stamp() <= latest) return;
     while (queue_.size() > 0) release();
   };
@@ -89,7 +89,7 @@ void SensorInput::add_sensed(log::SensedScan sensed, std::size_t topic) {
   queue_.add(topic, std::move(sensed), [this](Stamp first) {
     while (queue_.size() > 0) release();
     // Odometry by the old clock would answer for moments of long ago.
-    const Stamp old = first + Duration::from_seconds(log::kLeastSetBackS);
+    const Stamp old = first + Duration::from_seconds(log::kMinSetBackS);
     if (topic_odometry_.reaches(old)) topic_odometry_.begin_anew();
     for (auto& [child, odometry] : moving_) {
       if (odometry.reaches(old)) odometry.begin_anew();
@@ -129,7 +129,7 @@ bool SensorInput::lacks_odometry(const Source& source) const {
 
 bool SensorInput::has_waited_long(const WaitingScan& oldest) const {
   const std::size_t most =
-      static_cast<std::size_t>(config_.most_waiting_scans) * queue_.scanners().size();
+      static_cast<std::size_t>(config_.max_waiting_scans) * queue_.scanners().size();
   if (queue_.size() <= most) return false;
   const Source from = source();
   if (has_mounting(oldest, from) && !lacks_odometry(from)) return true;

@@ -20,39 +20,51 @@ struct SensorInputConfig {
   std::string robot_frame = "base_link";
   bool use_odometry = true;
   double max_odometry_gap_s = 1.0;
-  int most_waiting_scans = 20;
+  int max_waiting_scans = 20;
   double first_wait_s = 5.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("scan_topic", c.scan_topic, {.doc = "sensor_msgs/LaserScan in"});
+    v.field(
+        "scan_topic", c.scan_topic,
+        {.doc = "sensor_msgs/LaserScan in", .when = "your scanner publishes under another name"});
     v.field("scan_topics", c.scan_topics,
             {.doc = "several scanners, each with its frame, rate and mounting, in place of "
-                    "scan_topic"});
+                    "scan_topic",
+             .when = "the robot has several planar scanners"});
     v.field("cloud_topics", c.cloud_topics,
             {.doc = "sensor_msgs/PointCloud2 in: slices of them are taken for scans, with those of "
-                    "scan_topics, or in place of scan_topic"});
+                    "scan_topics, or in place of scan_topic",
+             .when = "the robot has a 3-D scanner or a depth camera"});
     v.group("cloud", c.cloud, "which points of a cloud a scan is made of");
-    v.field("odometry_topic", c.odometry_topic, {.doc = "nav_msgs/Odometry in"});
+    v.field(
+        "odometry_topic", c.odometry_topic,
+        {.doc = "nav_msgs/Odometry in",
+         .when =
+             "your odometry has another name, or a filter such as robot_localization makes it"});
     v.field("tf_odometry_frame", c.tf_odometry_frame,
             {.doc = "live, while nobody publishes odometry_topic: odometry is this frame to "
                     "robot_frame on /tf; empty: never"});
     v.field("robot_frame", c.robot_frame,
-            {.doc = "frame that poses are of; odometry of another frame that tf ties to it is "
-                    "carried over"});
-    v.field("use_odometry", c.use_odometry, {.doc = "false: scans only"});
+            {.doc = "frame that poses are of; odometry of another frame that tf connects to it is "
+                    "carried over",
+             .when = "your robot's frame has another name"});
+    v.field(
+        "use_odometry", c.use_odometry,
+        {.doc = "false: scans only", .when = "the robot has no odometry, or one that misleads"});
     v.field("max_odometry_gap_s", c.max_odometry_gap_s,
             {.doc = "a scan further than this from any odometry is passed over, as the log "
                     "readers do it",
              .unit = "s",
              .min = 0.0});
-    v.field("most_waiting_scans", c.most_waiting_scans,
+    v.renamed("most_waiting_scans", "max_waiting_scans");
+    v.field("max_waiting_scans", c.max_waiting_scans,
             {.doc = "a scan waits for odometry, mounting and older scans of other scanners until "
                     "so many of each scanner have come after it",
              .unit = "scans",
              .min = 0.0});
     v.field("first_wait_s", c.first_wait_s,
             {.doc = "odometry and mountings that nobody has published yet are waited for at least "
-                    "this long by the scans' stamps, or until ten times most_waiting_scans wait: "
+                    "this long by the scans' stamps, or until ten times max_waiting_scans wait: "
                     "at a start scans may be heard before the rest is",
              .unit = "s",
              .min = 0.0});

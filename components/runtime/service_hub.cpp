@@ -4,7 +4,7 @@
 namespace strata::runtime {
 namespace {
 
-constexpr std::size_t kMostWaiting = 1000;  // requests of one service
+constexpr std::size_t kMaxWaiting = 1000;  // requests of one service
 
 }  // namespace
 
@@ -17,7 +17,7 @@ void ServiceHub::serve_raw(const std::string& name, const std::string& type,
                            counts = counts_](bus::ServiceRequest request) {
     const auto held = weak.lock();
     if (!held) return;
-    if (held->waiting >= kMostWaiting) {
+    if (held->waiting >= kMaxWaiting) {
       ++counts->dropped;
       return;
     }

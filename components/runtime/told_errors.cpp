@@ -8,7 +8,7 @@ namespace strata::runtime {
 namespace {
 
 constexpr const char* kOthers = "errors of further kinds";
-constexpr std::size_t kMostBytes = 1000;
+constexpr std::size_t kMaxBytes = 1000;
 
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
@@ -39,7 +39,7 @@ std::size_t character_bytes(std::string_view text) {
 std::optional<std::string> ToldErrors::take(const std::string& text, Clock::time_point now) {
   auto found = kinds_.find(text);
   const bool is_new = found == kinds_.end();
-  if (is_new && kinds_.size() >= kMostKinds) {
+  if (is_new && kinds_.size() >= kMaxKinds) {
     const auto [others, is_first] = kinds_.try_emplace(kOthers, Kind{now, 0});
     ++others->second.since;
     if (!is_first) return std::nullopt;
@@ -76,7 +76,7 @@ std::vector<std::string> ToldErrors::due(Clock::time_point now) {
 
 std::string one_line(std::string_view text) {
   std::string line;
-  while (!text.empty() && line.size() < kMostBytes) {
+  while (!text.empty() && line.size() < kMaxBytes) {
     const std::size_t bytes = character_bytes(text);
     if (bytes == 0) {
       line += text.front() == '\n' ? ' ' : '?';

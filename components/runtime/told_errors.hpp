@@ -19,7 +19,7 @@ class ToldErrors {
   /// After its first time an error is told once so often, with how many there were.
   static constexpr auto kPeriod = std::chrono::seconds(30);
   /// As many kinds are known by their words; what is beyond is told together.
-  static constexpr std::size_t kMostKinds = 16;
+  static constexpr std::size_t kMaxKinds = 16;
 
   /// What to say of this error now, if anything.
   [[nodiscard]] std::optional<std::string> take(const std::string& text, Clock::time_point now);

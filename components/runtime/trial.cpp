@@ -10,7 +10,7 @@ Trial::Trial(const ComponentContext& context) : context_(context) {
   // YAML nodes are handles: the component may change what they lead to.
   context_.parameters = YAML::Clone(context.parameters);
   context_.common_parameters = YAML::Clone(context.common_parameters);
-  context_.only_explained = true;
+  context_.dry_run = true;
   context_.on_error = nullptr;
 }
 

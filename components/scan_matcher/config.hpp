@@ -5,6 +5,7 @@
 #include <string>
 
 #include "components/log/state_store.hpp"
+#include "components/runtime/common_settings.hpp"
 #include "components/runtime/resume.hpp"
 #include "components/runtime/sensor_input.hpp"
 #include "core/slam/keep_config.hpp"
@@ -15,15 +16,15 @@ namespace strata::scan_matcher {
 /// What a scan matcher that was stopped goes on with.
 struct SlamStoreConfig {
   log::StateStoreConfig state;
-  runtime::CarryConfig carry;
+  runtime::DeadReckoningConfig dead_reckoning;
   double stddev_m = 0.3;
   double stddev_rad = 0.2;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     log::StateStoreConfig::describe(c.state, v);
-    runtime::CarryConfig::describe(c.carry, v);
+    runtime::DeadReckoningConfig::describe(c.dead_reckoning, v);
     v.field("stddev_m", c.stddev_m,
-            {.doc = "how well a robot that is not carried is where it was, per axis",
+            {.doc = "how well a robot that is not dead reckoned is where it was, per axis",
              .unit = "m",
              .min = 0.01});
     v.field("stddev_rad", c.stddev_rad, {.doc = "the same, heading", .unit = "rad", .min = 0.001});
@@ -43,11 +44,13 @@ struct LiveMapsConfig {
                     "as the map grows, or as seldom as keeps it to a twentieth of the time; 0: "
                     "never",
              .unit = "s",
-             .min = 0.0});
+             .min = 0.0,
+             .when = "maps are needed more often, or the network is slow"});
     v.field("folder", c.folder,
             {.doc = "live: a MAPS folder, as `strata learn` writes it, is kept here, replaced as a "
                     "whole by ~/save, when the component is deactivated and every save_every_s; "
-                    "empty: none"});
+                    "empty: none",
+             .when = "the robot shall keep its maps for a localizer without strata learn"});
     v.field("save_every_s", c.save_every_s,
             {.doc = "the folder is written this often while the map grows, or as seldom as keeps "
                     "it to a twentieth of the time; 0: only when asked, and at the end",
@@ -76,10 +79,9 @@ struct ScanMatcherConfig {
             "what a running robot keeps of its past; in lockstep everything is kept until the end");
     v.group("store", c.store, "going on after the process was stopped");
     v.group("maps", c.maps, "maps for others while the robot is mapping");
-    v.field("map_frame", c.map_frame, {.doc = "frame of all poses and maps out"});
-    v.field("odometry_frame", c.odometry_frame, {.doc = "child of map_frame in /tf"});
-    v.field("publish_tf", c.publish_tf,
-            {.doc = "broadcast map_frame -> odometry_frame; switch off beside a localizer"});
+    v.field("map_frame", c.map_frame, runtime::kMapFrame);
+    v.field("odometry_frame", c.odometry_frame, runtime::kOdometryFrame);
+    v.field("publish_tf", c.publish_tf, runtime::kPublishTf);
     v.field("sensor_qos", c.sensor_qos, {.doc = "QoS profile of scan and odometry"});
   }
 };

@@ -12,7 +12,7 @@ namespace strata::scan_matcher {
 namespace {
 
 /// Where a closure moves more, the rest waits for the next turn: scans must not wait long.
-constexpr std::size_t kMostMoved = 200;
+constexpr std::size_t kMaxMoved = 200;
 /// The trajectory goes out when it has grown by so much, or when poses in it have moved.
 constexpr double kLonger = 1.1;
 
@@ -40,7 +40,7 @@ MapPublisher::MapPublisher(double every_s, const beam_filter::BeamFilterConfig& 
 void MapPublisher::update(const slam::Slam& slam, Stamp stamp) {
   const Clock::time_point begin = Clock::now();
   if (every_s_ <= 0.0 || begin < due_) return;
-  const bool is_done = map_.update(slam, kMostMoved);
+  const bool is_done = map_.update(slam, kMaxMoved);
   if (map_.take_news()) publish(slam, stamp);
   const std::chrono::duration<double> every(is_done ? every_s_ : 0.0);
   due_ = std::max(runtime::next_turn(begin),

@@ -94,7 +94,10 @@ class MapsSaver::UntilItEnds : public Progress {
 };
 
 MapsSaver::MapsSaver(const fs::path& folder, slam::SlamConfig config, slam::KeepConfig keep)
-    : folder_(fs::weakly_canonical(fs::absolute(folder))), config_(std::move(config)), keep_(keep) {
+    : folder_(fs::weakly_canonical(fs::absolute(folder))),
+      config_(std::move(config)),
+      keep_(keep),
+      work_([this](const Job& job) { work_on(job); }) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   log::put_back(log::real_disk(), folder_);
   remove_leftovers(folder_);
@@ -107,27 +110,16 @@ bool MapsSaver::has_maps() const {
 }
 
 MapsSaver::~MapsSaver() {
-  {
-    const std::lock_guard lock(mutex_);
-    ends_ = true;
-  }
-  changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  work_.drop();
+  ends_ = true;
 }
 
 void MapsSaver::save(Snapshot snapshot, Done done) {
-  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
-  {
-    const std::lock_guard lock(mutex_);
-    waiting_ = std::move(snapshot);
-    if (done) done_.push_back(std::move(done));
-  }
-  changed_.notify_all();
-}
-
-bool MapsSaver::is_busy() const {
-  const std::lock_guard lock(mutex_);
-  return writes_ || waiting_.has_value();
+  work_.put([&](std::optional<Job>& waiting) {
+    if (!waiting) waiting.emplace();
+    waiting->snapshot = std::move(snapshot);
+    if (done) waiting->done.push_back(std::move(done));
+  });
 }
 
 void MapsSaver::check() {
@@ -142,41 +134,27 @@ void MapsSaver::check() {
 }
 
 void MapsSaver::flush() {
-  {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !waiting_ && !writes_; });
-  }
+  work_.wait();
   check();
 }
 
-void MapsSaver::work() {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    changed_.wait(lock, [this] { return waiting_ || ends_; });
-    if (ends_) return;
-    const Snapshot snapshot = std::move(*std::exchange(waiting_, std::nullopt));
-    const std::vector<Done> done = std::exchange(done_, {});
-    writes_ = true;
-    lock.unlock();
-    const auto begin = std::chrono::steady_clock::now();
-    std::string error;
-    try {
-      write(snapshot);
-    } catch (const std::exception& reason) {
-      error = reason.what();
-    }
-    last_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    for (const Done& tell : done) {
-      try {
-        tell(error);
-      } catch (const std::exception&) {  // too little memory to answer
-      }
-    }
-    lock.lock();
-    writes_ = false;
-    error_ = error;
-    changed_.notify_all();
+void MapsSaver::work_on(const Job& job) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::string error;
+  try {
+    write(job.snapshot);
+  } catch (const std::exception& reason) {
+    error = reason.what();
   }
+  last_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  for (const Done& tell : job.done) {
+    try {
+      tell(error);
+    } catch (const std::exception&) {  // too little memory to answer
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  error_ = std::move(error);
 }
 
 void MapsSaver::write(const Snapshot& snapshot) {

@@ -3,17 +3,16 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "strata_idl/strata_msgs.h"
 
+#include "components/log/newest_work.hpp"
 #include "components/log/state_store.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/slam/slam.hpp"
@@ -53,7 +52,7 @@ class MapsSaver {
   /// something newer, and is done when that is.
   void save(Snapshot snapshot, Done done);
   /// Whether something is written or waits.
-  [[nodiscard]] bool is_busy() const;
+  [[nodiscard]] bool is_busy() const { return work_.is_busy(); }
   /// How long the last one took; 0 before the first.
   [[nodiscard]] double last_s() const { return last_s_; }
   /// Throws OutputError when maps could not be written: once.
@@ -63,21 +62,21 @@ class MapsSaver {
 
  private:
   class UntilItEnds;
-  void work();
+  struct Job {
+    Snapshot snapshot;
+    std::vector<Done> done;
+  };
+  void work_on(const Job& job);
   void write(const Snapshot& snapshot);
 
   std::filesystem::path folder_;
   slam::SlamConfig config_;
   slam::KeepConfig keep_;
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  std::optional<Snapshot> waiting_;  // under mutex_
-  std::vector<Done> done_;           // under mutex_: of what waits
-  bool writes_ = false;              // under mutex_
-  std::string error_;                // under mutex_: of the last one
+  std::mutex mutex_;
+  std::string error_;  // under mutex_: of the last one
   std::atomic<bool> ends_ = false;
   std::atomic<double> last_s_ = 0.0;
-  std::thread thread_;  // from the first one on
+  log::NewestWork<Job> work_;  // last: it uses the others
 };
 
 }  // namespace strata::scan_matcher

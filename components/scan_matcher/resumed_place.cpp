@@ -9,7 +9,7 @@
 namespace strata::scan_matcher {
 namespace {
 
-/// By so much the better place must explain more than the other.
+/// By so much the better place must have more inliers than the other.
 constexpr double kClearly = 0.15;
 
 bool is_near_zero(const Pose2& pose) {
@@ -36,18 +36,18 @@ slam::FitReach reach_after(double moved_m) {
 ResumedPlace resumed_place(const slam::Slam::Newest& kept, const Observation& first, bool is_recent,
                            const ReflectionGrid& map) {
   const slam::ScanFit stayed = slam::fit_near(map, first.scan, kept.map_from_robot);
-  ResumedPlace where_it_was{false, stayed.map_from_robot, stayed.explained()};
+  ResumedPlace where_it_was{false, stayed.map_from_robot, stayed.inlier_share()};
   if (!where_it_was.fits()) where_it_was.map_from_robot = kept.map_from_robot;
   if (!kept.odom_from_robot || !first.has_odometry) return where_it_was;
   const Pose2 step = between(*kept.odom_from_robot, first.odom_from_robot);
-  const slam::ScanFit carried = slam::fit_near(map, first.scan, kept.map_from_robot * step,
-                                               reach_after(step.translation().norm()));
+  const slam::ScanFit dead_reckoned = slam::fit_near(map, first.scan, kept.map_from_robot * step,
+                                                     reach_after(step.translation().norm()));
   const double since_s = (first.scan.stamp - kept.stamp).seconds();
-  const bool seems_carried =
+  const bool seems_continuous =
       is_recent || may_have_gone_on(*kept.odom_from_robot, first.odom_from_robot, since_s);
-  const double ahead = carried.explained() - stayed.explained();
-  if (seems_carried ? ahead < -kClearly : ahead <= kClearly) return where_it_was;
-  return {true, carried.map_from_robot, carried.explained()};
+  const double ahead = dead_reckoned.inlier_share() - stayed.inlier_share();
+  if (seems_continuous ? ahead < -kClearly : ahead <= kClearly) return where_it_was;
+  return {true, dead_reckoned.map_from_robot, dead_reckoned.inlier_share()};
 }
 
 }  // namespace strata::scan_matcher

@@ -11,19 +11,19 @@ namespace strata::scan_matcher {
 struct ResumedPlace {
   /// The odometry has gone on meanwhile, and says how far the robot has moved; else it began anew,
   /// and the robot is where it was.
-  bool is_carried = false;
+  bool is_dead_reckoned = false;
   /// Where the scan fits best about there, if it fits.
   Pose2 map_from_robot;
-  /// Share of the first scan's hits that the map explains there.
-  double explained = 0.0;
+  /// Share of the first scan's hits that are inliers of the map there.
+  double inlier_share = 0.0;
   /// Whether that is enough to believe the place.
-  [[nodiscard]] bool fits() const { return explained >= 0.5; }
+  [[nodiscard]] bool fits() const { return inlier_share >= 0.5; }
 };
 
-/// Whether odometry went on nobody says, so the scan is laid on the map at both places. Where it
-/// fits both alike, odometry of a scan that is_recent has gone on, and later where it has neither
-/// begun at zero again nor moved faster than a robot does. first: with odometry if kept has some,
-/// or nothing is carried. O(cells of the map).
+/// Whether odometry went on nobody says, so the scan is registered to the map at both places. Where
+/// it fits both alike, odometry of a scan that is_recent has gone on, and later where it has
+/// neither begun at zero again nor moved faster than a robot does. first: with odometry if kept has
+/// some, or nothing is dead reckoned. O(cells of the map).
 [[nodiscard]] ResumedPlace resumed_place(const slam::Slam::Newest& kept, const Observation& first,
                                          bool is_recent, const ReflectionGrid& map);
 

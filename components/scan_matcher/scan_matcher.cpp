@@ -48,7 +48,7 @@ void ScanMatcher::make_slam() {
 }
 
 void ScanMatcher::open_store() {
-  if (config_.store.state.file.empty() || context().only_explained) return;
+  if (config_.store.state.file.empty() || context().dry_run) return;
   store_.emplace(config_.store.state);
   const bool is_whole = restored(store_->file(), [&] {
     if (const auto state = store_->load()) slam_->restore_state(*state, store_->file());
@@ -60,8 +60,8 @@ void ScanMatcher::open_store() {
 bool ScanMatcher::resume(const Observation& first) {
   const slam::Slam::Newest kept = *slam_->newest();
   const runtime::KeptMoment moment{kept.stamp, kept.odom_from_robot.has_value()};
-  waits_for_odometry_ =
-      config_.input.use_odometry && runtime::needs_odometry(moment, first, config_.store.carry);
+  waits_for_odometry_ = config_.input.use_odometry &&
+                        runtime::needs_odometry(moment, first, config_.store.dead_reckoning);
   if (waits_for_odometry_) return false;
   is_restored_ = false;
   if (!kept.is_placed) {
@@ -70,9 +70,9 @@ bool ScanMatcher::resume(const Observation& first) {
   }
   slam::LiveMap map(config_.slam.beam_filter);
   (void)map.update(*slam_, std::numeric_limits<std::size_t>::max());
-  const bool is_recent = runtime::is_carried(moment, first, config_.store.carry);
+  const bool is_recent = runtime::is_dead_reckoned(moment, first, config_.store.dead_reckoning);
   const ResumedPlace place = resumed_place(kept, first, is_recent, map.filtered());
-  const bool goes_on = is_recent && place.is_carried;  // the run, with its odometry
+  const bool goes_on = is_recent && place.is_dead_reckoned;  // the run, with its odometry
   first_run_ = goes_on ? kept.run : kept.run + 1;
   if (!place.fits()) {
     tell(InputError(full_name(),
@@ -85,9 +85,8 @@ bool ScanMatcher::resume(const Observation& first) {
   }
   // Where it is not known, the run is looked for in the map as a whole.
   if (goes_on || !place.fits()) return true;
-  const double m2 = config_.store.stddev_m * config_.store.stddev_m;
-  const double rad2 = config_.store.stddev_rad * config_.store.stddev_rad;
-  slam_->begin_next_run_at({place.map_from_robot, Eigen::Vector3d(m2, m2, rad2).asDiagonal()});
+  slam_->begin_next_run_at(
+      {place.map_from_robot, pose_covariance(config_.store.stddev_m, config_.store.stddev_rad)});
   return true;
 }
 
@@ -114,12 +113,7 @@ void ScanMatcher::on_deactivate() {
 
 void ScanMatcher::on_observation(const Observation& scanned) {
   Observation observation = scanned;
-  std::optional<Pose2> given;
-  if (given_ && convert::from_message(given_->header().stamp()) == observation.scan.stamp) {
-    observation.run = given_->run();
-    given = convert::from_message(given_->map_from_robot().mean());
-    if (!is_finite(*given)) given.reset();
-  }
+  const std::optional<Pose2> given = convert::take_given(given_, observation);
   if (is_restored_ && !resume(observation)) return;
   observation.run += first_run_;
   const Pose2Gaussian pose = slam_->add(observation, given ? &*given : nullptr);
@@ -183,7 +177,7 @@ void ScanMatcher::on_diagnose(runtime::Health& health) const {
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   if (is_lost_) health.warn("looks for its place in the map of the earlier runs");
   health.add("scans kept", static_cast<std::uint64_t>(slam_->kept_scans()));
-  health.add("sub-maps kept", static_cast<std::uint64_t>(slam_->kept_submaps()));
+  health.add("local maps kept", static_cast<std::uint64_t>(slam_->kept_local_maps()));
   if (!saver_) return;
   health.add("seconds the last saving of maps took", saver_->last_s());
 }

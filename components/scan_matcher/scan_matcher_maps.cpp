@@ -30,7 +30,7 @@ void ScanMatcher::open_live_maps() {
       reply(response);
     });
   });
-  if (config_.maps.folder.empty() || context().only_explained) return;
+  if (config_.maps.folder.empty() || context().dry_run) return;
   saver_.emplace(config_.maps.folder, config_.slam, config_.live);
   saved_ = std::chrono::steady_clock::now();
   subscribe<strata_msgs::msg::PatchMap>(config_.maps.patch_topic, "latched",

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "components/runtime/common_settings.hpp"
 #include "memory/decoding/decoding_config.hpp"
 #include "memory/nodes/timescale_config.hpp"
 
@@ -26,7 +27,7 @@ struct TimescaleMemoryConfig {
   static void describe(Self& c, V& v) {
     v.group("timescale", c.timescale, "the timescale memory");
     v.group("decoding", c.decoding, "how levels become expected scans");
-    v.field("map_frame", c.map_frame, {.doc = "frame of the map out"});
+    v.field("map_frame", c.map_frame, runtime::kMapFrame);
     v.field(
         "publish_period_s", c.publish_period_s,
         {.doc = "live: node_map and expected scans go out at most this often; levels are decoded "
@@ -35,7 +36,8 @@ struct TimescaleMemoryConfig {
          .min = 0.0});
     v.field("store", c.store,
             {.doc = "live: keep the memory in this strata.db while the robot runs, and go on with "
-                    "what it holds; empty: in RAM only"});
+                    "what it holds; empty: in RAM only",
+             .when = "the memory shall outlive the process"});
     v.field("save_period_s", c.save_period_s,
             {.doc = "live: what a crash may lose at most", .unit = "s", .min = 0.0, .max = 60.0});
     v.field(
@@ -55,7 +57,8 @@ struct TimescaleMemoryConfig {
     v.field("robots", c.robots,
             {.doc = "live: namespaces of the robots that feed this memory, such as [/robot1, "
                     "/robot2], all in one map frame and with one clock; empty: the one in this "
-                    "namespace"});
+                    "namespace",
+             .when = "several robots share one memory"});
   }
 };
 

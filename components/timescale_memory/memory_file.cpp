@@ -38,7 +38,7 @@ void MemoryFile::save(memory::TimescaleMemory& memory, bool force) {
   last_save_ = now;
   if (saved_.is_known && saved_.observations == memory.observations()) return;
   store_.save_timescale_changes(memory, saved_);
-  memory.let_sleep(resident_nodes_, store_.timescale_nodes());
+  memory.evict(resident_nodes_, store_.timescale_nodes());
 }
 
 }  // namespace strata::timescale_memory

@@ -19,13 +19,13 @@ class MemoryFile {
   /// InputError and OutputError.
   MemoryFile(const std::string& path, double save_period_s, std::size_t resident_nodes);
 
-  /// The memory to go on with: what the store holds, its nodes asleep until they are needed, else a
-  /// new one. Throws ConfigError when the store's was made with other settings, DamageError when it
-  /// is damaged; its file stays as it is.
+  /// The memory to go on with: what the store holds, its nodes evicted until they are needed, else
+  /// a new one. Throws ConfigError when the store's was made with other settings, DamageError when
+  /// it is damaged; its file stays as it is.
   [[nodiscard]] memory::TimescaleMemory resume(const memory::TimescaleConfig& config,
                                                std::uint64_t seed);
   /// Saves what has changed when the last save is save_period_s ago, or at once with `force`, and
-  /// lets nodes beyond resident_nodes fall asleep. Throws OutputError; the next call tries again.
+  /// evicts nodes beyond resident_nodes. Throws OutputError; the next call tries again.
   void save(memory::TimescaleMemory& memory, bool force);
 
  private:

@@ -18,7 +18,7 @@ namespace {
 
 /// Nodes on disk that one published map reads and decodes, nearest first: a large building comes
 /// in parts instead of keeping the robot waiting.
-constexpr std::size_t kMostReadAtOnce = 50;
+constexpr std::size_t kMaxReadAtOnce = 50;
 /// After publishing for t, nothing is published for so many t: at most a twentieth of a core.
 constexpr int kRestsAWork = 19;
 
@@ -46,7 +46,7 @@ void TimescaleMemory::on_configure() {
   require_level(config_, "changes_before", config_.changes_before);
   require_level(config_, "changes_now", config_.changes_now);
   keep_live(config_, {"publish_period_s", "changes_period_s"});
-  if (!lockstep() && !config_.store.empty() && !context().only_explained) {
+  if (!lockstep() && !config_.store.empty() && !context().dry_run) {
     open_store();
   } else {
     memory_.emplace(config_.timescale, context().seed);
@@ -83,7 +83,7 @@ void TimescaleMemory::open_store() {
 void TimescaleMemory::on_diagnose(runtime::Health& health) const {
   if (!memory_) return;
   health.add("nodes", std::uint64_t{memory_->nodes().size()});
-  health.add("nodes in RAM", std::uint64_t{memory_->awake()});
+  health.add("nodes in RAM", std::uint64_t{memory_->resident()});
   health.add("observations", memory_->observations());
 }
 
@@ -113,15 +113,15 @@ void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message, int 
   memory_->observe(scan, nullptr, robot);
   if (!is_time_to_publish(scan.scan.stamp)) return;
   const auto begin = std::chrono::steady_clock::now();
-  publish_map(scan.scan.stamp, kMostReadAtOnce);
+  publish_map(scan.scan.stamp, kMaxReadAtOnce);
   publish_expected(scan, message.scan().header().frame_id());
   publish_changes(scan.scan.stamp);
   const auto end = std::chrono::steady_clock::now();
   rest_until_ = end + kRestsAWork * (end - begin);
 }
 
-void TimescaleMemory::publish_map(Stamp stamp, std::size_t most_read) {
-  decoded_ = memory_->decode(config_.decoding, decoded_.get(), 0.0, most_read);
+void TimescaleMemory::publish_map(Stamp stamp, std::size_t max_read) {
+  decoded_ = memory_->decode(config_.decoding, decoded_.get(), 0.0, max_read);
   publish_map_(maps::to_message(*memory_, *decoded_, stamp, config_.map_frame));
 }
 

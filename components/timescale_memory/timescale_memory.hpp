@@ -42,8 +42,8 @@ class TimescaleMemory final : public runtime::Component {
   void open_store();
   void on_scan(const strata_msgs::msg::LabeledScan& message, int robot = 0);
   [[nodiscard]] bool is_time_to_publish(Stamp stamp);
-  /// most_read: nodes that may be read from the store for it.
-  void publish_map(Stamp stamp, std::size_t most_read);
+  /// max_read: nodes that may be read from the store for it.
+  void publish_map(Stamp stamp, std::size_t max_read);
   void publish_changes(Stamp stamp);
   void publish_expected(const PosedScan& scan, const std::string& frame);
 

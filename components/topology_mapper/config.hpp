@@ -15,15 +15,16 @@ namespace strata::topology_mapper {
 struct MapperStoreConfig {
   std::string file;
   double save_period_s = 1.0;
-  runtime::CarryConfig carry;
+  runtime::DeadReckoningConfig dead_reckoning;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("file", c.file,
             {.doc = "live: keep the scans and their poses in this file, and go on from it when it "
-                    "exists; about a byte a beam; empty: in RAM only"});
+                    "exists; about a byte a beam; empty: in RAM only",
+             .when = "mapping shall go on after a restart"});
     v.field("save_period_s", c.save_period_s,
             {.doc = "what a crash may lose at most", .unit = "s", .min = 0.0, .max = 60.0});
-    runtime::CarryConfig::describe(c.carry, v);
+    runtime::DeadReckoningConfig::describe(c.dead_reckoning, v);
   }
 };
 
@@ -38,7 +39,7 @@ struct TopologyMapperComponentConfig {
   std::string sensor_qos = "sensor_data";
   std::string out_subfolder = "topology";
   std::string save;
-  topology::WayKeepConfig keep{.thin_m = 0.05, .thin_rad = 0.05, .memory_mb = 512.0};
+  topology::PathKeepConfig keep{.subsample_m = 0.05, .subsample_rad = 0.05, .memory_mb = 512.0};
   MapperStoreConfig store;
   template <class Self, class V>
   static void describe(Self& c, V& v) {

@@ -6,9 +6,10 @@
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
-#include "components/convert/topology_messages.hpp"
+#include "components/convert/scan_messages.hpp"
 #include "components/log/whole_folder.hpp"
-#include "components/maps/topology_files.hpp"
+#include "components/topologies/topology_files.hpp"
+#include "components/topologies/topology_messages.hpp"
 #include "core/topology/topology_map.hpp"
 
 namespace strata::topology_mapper {
@@ -22,13 +23,13 @@ void TopologyMapper::on_configure() {
   subscribe<strata_msgs::msg::ScanPose>("given_pose", "default",
                                         [this](const auto& message) { given_ = message; });
   subscribe_sensors(config_.input, config_.sensor_qos);
-  if (!lockstep() && !config_.store.file.empty() && !context().only_explained) open_store();
+  if (!lockstep() && !config_.store.file.empty() && !context().dry_run) open_store();
 }
 
 void TopologyMapper::make_mapper() {
   mapper_ = std::make_unique<topology::TopologyMapper>(
       config_.mapping, context().seed, context().threads,
-      lockstep() ? topology::WayKeepConfig{} : config_.keep);
+      lockstep() ? topology::PathKeepConfig{} : config_.keep);
 }
 
 void TopologyMapper::open_store() {
@@ -57,10 +58,12 @@ bool TopologyMapper::resume(const Observation& first) {
                     "it, scans are left out"));
   }
   const runtime::KeptMoment kept{restored_->stamp, restored_->odom_from_robot.has_value()};
-  waits_for_odometry_ =
-      config_.input.use_odometry && runtime::needs_odometry(kept, first, config_.store.carry);
+  waits_for_odometry_ = config_.input.use_odometry &&
+                        runtime::needs_odometry(kept, first, config_.store.dead_reckoning);
   if (waits_for_odometry_) return false;
-  if (!runtime::is_carried(kept, first, config_.store.carry)) restored_->odom_from_robot.reset();
+  if (!runtime::is_dead_reckoned(kept, first, config_.store.dead_reckoning)) {
+    restored_->odom_from_robot.reset();
+  }
   mapper_->resume_from(*restored_);
   restored_.reset();
   return true;
@@ -83,12 +86,7 @@ void TopologyMapper::on_landmark(const geometry_msgs::msg::PointStamped& message
 
 void TopologyMapper::on_observation(const Observation& scanned) {
   Observation observation = scanned;
-  std::optional<Pose2> given;
-  if (given_ && convert::from_message(given_->header().stamp()) == observation.scan.stamp) {
-    observation.run = given_->run();
-    given = convert::from_message(given_->map_from_robot().mean());
-    if (!is_finite(*given)) given.reset();
-  }
+  const std::optional<Pose2> given = convert::take_given(given_, observation);
   if (!last_scan_) {
     for (const double time_s : config_.landmark_times_s) {
       mark(observation.scan.stamp + Duration::from_seconds(time_s));
@@ -109,7 +107,7 @@ void TopologyMapper::update(std::vector<topology::MadeVisit> visits) {
     const auto begin = std::chrono::steady_clock::now();
     grown = mapper_->update(std::move(visit)) || grown;
     update_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    most_update_s_ = std::max(most_update_s_, update_s_);
+    max_update_s_ = std::max(max_update_s_, update_s_);
   }
   if (grown) publish();
 }
@@ -151,7 +149,7 @@ void TopologyMapper::write(const std::filesystem::path& folder, Progress* progre
     throw OutputError(folder.string(), "cannot be made: " + error.message(),
                       "check the folder and its permissions");
   }
-  maps::write_topology_files(folder, map, maps::topologies_json(map));
+  topologies::write_topology_files(folder, map, topologies::topologies_json(map));
 }
 
 void TopologyMapper::on_diagnose(runtime::Health& health) const {
@@ -177,13 +175,13 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
   health.add("scans left out", std::uint64_t{mapper_->skipped_scans()});
   health.add("landmarks out of order", std::uint64_t{counts.late_visits});
   health.add("landmarks with broken odometry", std::uint64_t{counts.broken_visits});
-  health.add("landmarks without points around", std::uint64_t{counts.empty_patches});
-  health.add("local maps that did not fit", std::uint64_t{counts.failed_matches});
+  health.add("landmarks without points around", std::uint64_t{counts.empty_clouds});
+  health.add("local clouds that did not fit", std::uint64_t{counts.failed_matches});
   health.add("topologies tried", std::uint64_t{counts.optimized});
   health.add("topologies that did not converge", std::uint64_t{counts.not_converged});
   health.add("landmarks nearly at one place", std::uint64_t{counts.near_landmarks});
   health.add("update_time_s", update_s_);
-  health.add("longest_update_time_s", most_update_s_);
+  health.add("longest_update_time_s", max_update_s_);
 }
 
 void TopologyMapper::on_cleanup() {
@@ -194,7 +192,7 @@ void TopologyMapper::on_cleanup() {
   given_.reset();
   last_scan_.reset();
   update_s_ = 0.0;
-  most_update_s_ = 0.0;
+  max_update_s_ = 0.0;
 }
 
 }  // namespace strata::topology_mapper

@@ -55,8 +55,8 @@ class TopologyMapper final : public runtime::SensorComponent {
   std::optional<topology::TrackedMoment> restored_;  ///< until the first scan comes
   bool waits_for_odometry_ = false;                  ///< to go on from there
   std::chrono::steady_clock::time_point flushed_;
-  double update_s_ = 0.0;       ///< wall clock of the last landmark
-  double most_update_s_ = 0.0;  ///< ... and of the slowest
+  double update_s_ = 0.0;      ///< wall clock of the last landmark
+  double max_update_s_ = 0.0;  ///< ... and of the slowest
   std::function<void(const strata_msgs::msg::Topologies&)> publish_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "components/runtime/common_settings.hpp"
 #include "core/volume/dynamic_boxes.hpp"
 #include "core/volume/volume_config.hpp"
 
@@ -33,7 +34,7 @@ struct VolumeMapperConfig {
     v.field("wait_for_labels", c.wait_for_labels,
             {.doc = "a cloud also waits until labeled_scan has come past its moment; for robots "
                     "that have a 2-D scanner and a beam filter"});
-    v.field("map_frame", c.map_frame, {.doc = "frame of the map; tf must tie it to the clouds'"});
+    v.field("map_frame", c.map_frame, runtime::kMapFrame);
     v.field("topic", c.topic, {.doc = "octomap_msgs/Octomap out, binary, latched"});
     v.field("points_qos", c.points_qos,
             {.doc = "QoS profile of points: sensor_data, or lossless for clouds that must not be "

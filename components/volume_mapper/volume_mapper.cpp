@@ -17,7 +17,7 @@
 namespace strata::volume_mapper {
 namespace {
 
-/// How long tf and labels are remembered; clouds that wait longer are hopeless.
+/// How long tf and labels are remembered; clouds that wait longer are given up.
 constexpr double kRemembered_s = 10.0;
 
 }  // namespace

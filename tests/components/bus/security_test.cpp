@@ -59,8 +59,7 @@ class Security : public testing::Test {
     replace(rule, "<topic_expression>*<", "<topic_expression>rt/scan<");
     replace(rule, "write_access_control>true<", "write_access_control>false<");
     const auto content = [this](const char* name) {
-      std::ifstream in(std::filesystem::path(place_) / name);
-      return std::string(std::istreambuf_iterator<char>(in), {});
+      return test::bytes_of(std::filesystem::path(place_) / name);
     };
     const std::filesystem::path file = security::enclave_in(place_, enclave).governance();
     std::filesystem::remove(file);  // it points to the keystore's

@@ -20,7 +20,9 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using test::read_text;
+using test::BagContent;
+using test::bytes_of;
+using test::read_bag;
 using test::write_text;
 
 using Messages = std::vector<std::pair<std::int64_t, Bytes>>;
@@ -34,22 +36,6 @@ Messages some_messages() {
     messages.emplace_back(1000 * i, data);
   }
   return messages;
-}
-
-struct Content {
-  Messages messages;
-  BagDamage damage;
-  std::string description;
-};
-
-Content read_all(const fs::path& path) {
-  const auto reader = BagReader::open(path);
-  Content content;
-  BagMessage message;
-  while (reader->next(message)) content.messages.emplace_back(message.stamp.ns, message.data);
-  content.damage = reader->damage();
-  content.description = reader->description();
-  return content;
 }
 
 class Packing : public ::testing::TestWithParam<std::tuple<BagStorage, BagPacking>> {
@@ -70,11 +56,11 @@ class Packing : public ::testing::TestWithParam<std::tuple<BagStorage, BagPackin
 
 TEST_P(Packing, AMessageComesOutAsItWentIn) {
   const fs::path bag = write(some_messages());
-  const Content content = read_all(bag);
+  const BagContent content = read_bag(bag);
   EXPECT_EQ(content.messages, some_messages());
   EXPECT_EQ(content.damage.count, 0U) << content.damage.first;
   EXPECT_THAT(content.description, ::testing::HasSubstr("packed"));
-  const std::string metadata = read_text(bag / "metadata.yaml");
+  const std::string metadata = bytes_of(bag / "metadata.yaml");
   EXPECT_THAT(metadata, ::testing::HasSubstr("compression_format: \"zstd\""));
   EXPECT_THAT(metadata, ::testing::HasSubstr(whole_file() ? "compression_mode: \"FILE\""
                                                           : "compression_mode: \"MESSAGE\""));
@@ -83,9 +69,9 @@ TEST_P(Packing, AMessageComesOutAsItWentIn) {
 TEST_P(Packing, IsKnownByContentWhereMetadataIsLostOrAFileIsGivenAlone) {
   const fs::path bag = write(some_messages());
   fs::remove(bag / "metadata.yaml");
-  EXPECT_EQ(read_all(bag).messages, some_messages());
+  EXPECT_EQ(read_bag(bag).messages, some_messages());
   const std::string name = std::string("bag_0") + (mcap() ? ".mcap" : ".db3");
-  EXPECT_EQ(read_all(bag / (whole_file() ? name + ".zstd" : name)).messages, some_messages());
+  EXPECT_EQ(read_bag(bag / (whole_file() ? name + ".zstd" : name)).messages, some_messages());
 }
 
 TEST_P(Packing, LeavesNoUnpackedCopyBehind) {
@@ -103,7 +89,7 @@ TEST_P(Packing, LeavesNoUnpackedCopyBehind) {
   const char* before = std::getenv("TMPDIR");
   const std::string old = before == nullptr ? "" : before;
   setenv("TMPDIR", own.c_str(), 1);
-  EXPECT_EQ(read_all(bag).messages.size(), some_messages().size());
+  EXPECT_EQ(read_bag(bag).messages.size(), some_messages().size());
   EXPECT_EQ(copies(), 0U);
   old.empty() ? unsetenv("TMPDIR") : setenv("TMPDIR", old.c_str(), 1);
 }
@@ -132,19 +118,19 @@ Bytes as_is(const Bytes& data) { return data; }
 TEST_F(PackedBag, Lz4ReadsAsWell) {
   const fs::path messages =
       write("messages", [](const Bytes& data) { return compress(data, BagCompression::kLz4); });
-  EXPECT_EQ(read_all(messages).messages, some_messages());
+  EXPECT_EQ(read_bag(messages).messages, some_messages());
   const fs::path bag = write("files", as_is);
-  const std::string plain = read_text(bag / "files_0.db3");
+  const std::string plain = bytes_of(bag / "files_0.db3");
   const Bytes packed = compress({reinterpret_cast<const std::uint8_t*>(plain.data()), plain.size()},
                                 BagCompression::kLz4);
   fs::remove(bag / "files_0.db3");
   write_text(bag / "files_0.db3.lz4", {packed.begin(), packed.end()});
-  EXPECT_EQ(read_all(bag).messages, some_messages()) << "metadata.yaml names files_0.db3";
+  EXPECT_EQ(read_bag(bag).messages, some_messages()) << "metadata.yaml names files_0.db3";
 }
 
 TEST_F(PackedBag, ACompressionThatIsNotKnownIsRefusedByName) {
   const fs::path bag = write("bag", as_is);
-  std::string metadata = read_text(bag / "metadata.yaml");
+  std::string metadata = bytes_of(bag / "metadata.yaml");
   const auto set = [&](const std::string& key, const std::string& value) {
     const std::string old = key + ": \"\"";
     metadata.replace(metadata.find(old), old.size(), key + ": \"" + value + "\"");
@@ -168,7 +154,7 @@ TEST_F(PackedBag, ADamagedMessageIsLeftOutAndCounted) {
     if (++written % 10 == 0) packed.resize(packed.size() / 2);
     return packed;
   });
-  const Content content = read_all(bag);
+  const BagContent content = read_bag(bag);
   EXPECT_EQ(content.messages.size(), some_messages().size() - 4);
   EXPECT_EQ(content.damage.count, 4U);
   EXPECT_THAT(content.damage.first, ::testing::HasSubstr("message 10"));
@@ -190,9 +176,9 @@ TEST_F(PackedBag, APackedFileThatIsCutReadsInPartOrIsRefusedByName) {
     }
   }
   const fs::path file = bag / "bag_0.mcap.zstd";
-  const std::string whole = read_text(file);
+  const std::string whole = bytes_of(file);
   write_text(file, whole.substr(0, whole.size() / 2));
-  const Content content = read_all(bag);
+  const BagContent content = read_bag(bag);
   EXPECT_GT(content.messages.size(), 10U);
   EXPECT_LT(content.messages.size(), 64U);
   EXPECT_THAT(content.damage.first, ::testing::HasSubstr("bag_0.mcap.zstd"));

@@ -17,61 +17,16 @@
 #include "components/convert/type_hash.hpp"
 #include "components/log/bag.hpp"
 #include "core/base/error.hpp"
+#include "tests/components/log/bag_files.hpp"
 #include "tests/components/log/log_fixture.hpp"
-#include "tests/support/test_data.hpp"
 
 namespace fs = std::filesystem;
 
 namespace strata::log {
 namespace {
 
-struct Content {
-  std::vector<std::int64_t> stamps;
-  std::vector<BagTopic> topics;
-  BagDamage damage;
-  std::string description;
-};
-
-Content read_all(const fs::path& path) {
-  const auto reader = BagReader::open(path);
-  Content content;
-  BagMessage message;
-  while (reader->next(message)) content.stamps.push_back(message.stamp.ns);
-  content.topics = reader->topics();
-  content.damage = reader->damage();
-  content.description = reader->description();
-  return content;
-}
-
-std::vector<std::int64_t> numbers(std::int64_t count) {
-  std::vector<std::int64_t> all;
-  for (std::int64_t i = 0; i < count; ++i) all.push_back(i);
-  return all;
-}
-
-class BagFilesTest : public ::testing::Test {
- protected:
-  void execute(const fs::path& file, const std::string& sql) {
-    sqlite3* database = nullptr;
-    ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-    char* error = nullptr;
-    sqlite3_exec(database, sql.c_str(), nullptr, nullptr, &error);
-    EXPECT_EQ(error, nullptr) << error;
-    sqlite3_free(error);
-    sqlite3_close(database);
-  }
-  /// `count` messages of 1,000 bytes, one a nanosecond.
-  fs::path write(const BagOptions& options, std::int64_t count, const std::string& name = "bag") {
-    const fs::path bag = folder_.path() / name;
-    BagWriter writer(bag, options);
-    const auto topic = writer.add_topic({"/a", "std_msgs/msg/String", "cdr", ""});
-    const std::vector<std::uint8_t> data(1000, 0);
-    for (std::int64_t i = 0; i < count; ++i) writer.write(topic, {i}, data);
-    writer.close();
-    return bag;
-  }
-  strata::test::TemporaryDirectory folder_;
-};
+using test::BagContent;
+using test::read_bag;
 
 constexpr const char* kTopicsBefore4 =
     "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,"
@@ -111,7 +66,7 @@ TEST_F(BagFilesTest, MetadataIsOfTheReleaseThatTheStorageIsOf) {
                 "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18");
       EXPECT_TRUE(metadata["custom_data"].IsMap());
     }
-    EXPECT_EQ(read_all(bag).stamps, numbers(3));
+    EXPECT_EQ(read_bag(bag).stamps(), numbers(3));
     fs::remove_all(bag);
   }
 }
@@ -136,8 +91,8 @@ TEST_F(BagFilesTest, TheSchemasOfEveryReleaseRead) {
     const fs::path file = folder_.path() / "bag.db3";
     fs::remove(file);
     execute(file, sql + kMessages);
-    const Content content = read_all(file);
-    EXPECT_THAT(content.stamps, ::testing::ElementsAre(10, 20)) << description;
+    const BagContent content = read_bag(file);
+    EXPECT_THAT(content.stamps(), ::testing::ElementsAre(10, 20)) << description;
     ASSERT_EQ(content.topics.size(), 1U);
     EXPECT_EQ(content.topics[0].name, "/a");
     EXPECT_EQ(content.topics[0].offered_qos_profiles, "- history: 3");
@@ -156,7 +111,7 @@ TEST_F(BagFilesTest, SchemaFourCarriesTheDefinitionOfEachTypeOnce) {
   writer.add_topic({"/a", "std_msgs/msg/String", "cdr", ""});
   writer.add_topic({"/b", "std_msgs/msg/String", "cdr", ""});
   writer.close();
-  EXPECT_THAT(read_all(bag).description, ::testing::HasSubstr("schema 4"));
+  EXPECT_THAT(read_bag(bag).description, ::testing::HasSubstr("schema 4"));
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open((bag / "bag_0.db3").c_str(), &database), SQLITE_OK);
   sqlite3_stmt* rows = nullptr;
@@ -188,7 +143,7 @@ TEST_F(BagFilesTest, TypesKeepTheirHashesInSchemaFourAndMcap) {
     writer.add_topic(foreign);
     writer.add_topic({"/unknown", "foreign_msgs/msg/Other"});
     writer.close();
-    const Content content = read_all(bag);
+    const BagContent content = read_bag(bag);
     ASSERT_EQ(content.topics.size(), 3U);
     EXPECT_EQ(content.topics[0].type_hash, convert::type_hash("std_msgs/msg/String"));
     EXPECT_EQ(content.topics[1].type_hash, "RIHS01_00");
@@ -200,9 +155,9 @@ TEST_F(BagFilesTest, OneThatWasClosedBeforeAnythingCameIsEmptyAndNotDamaged) {
   for (const auto storage : {BagStorage::kSqlite3, BagStorage::kMcap}) {
     const fs::path bag = folder_.path() / (storage == BagStorage::kMcap ? "mcap" : "sqlite");
     BagWriter(bag, BagOptions{.storage = storage}).close();
-    const Content content = read_all(bag);
+    const BagContent content = read_bag(bag);
     EXPECT_TRUE(content.topics.empty());
-    EXPECT_TRUE(content.stamps.empty());
+    EXPECT_TRUE(content.stamps().empty());
     EXPECT_EQ(content.damage.count, 0U);
   }
 }
@@ -213,13 +168,13 @@ TEST_F(BagFilesTest, ABagOfManyFilesIsOneBag) {
     const char* ending = storage == BagStorage::kMcap ? ".mcap" : ".db3";
     EXPECT_TRUE(fs::exists(bag / (std::string("bag_11") + ending)));
     EXPECT_FALSE(fs::exists(bag / (std::string("bag_12") + ending)));
-    const Content content = read_all(bag);
-    EXPECT_EQ(content.stamps, numbers(120));
+    const BagContent content = read_bag(bag);
+    EXPECT_EQ(content.stamps(), numbers(120));
     EXPECT_EQ(content.topics.size(), 1U);
     EXPECT_THAT(content.description, ::testing::HasSubstr("12 files"));
     // Without metadata.yaml the numbers in the names say the order: 2 before 10.
     fs::remove(bag / "metadata.yaml");
-    EXPECT_EQ(read_all(bag).stamps, numbers(120));
+    EXPECT_EQ(read_bag(bag).stamps(), numbers(120));
     fs::remove_all(bag);
   }
 }
@@ -240,7 +195,7 @@ TEST_F(BagFilesTest, WhereTheNextFileCannotBeMadeMessagesWaitUntilItCan) {
     fs::remove(next);
     writer.write(topic, {3}, data);
     writer.close();
-    EXPECT_EQ(read_all(bag).stamps, numbers(4));
+    EXPECT_EQ(read_bag(bag).stamps(), numbers(4));
     fs::remove_all(bag);
   }
 }
@@ -249,16 +204,16 @@ TEST_F(BagFilesTest, ABagIsSplitByTimeToo) {
   const fs::path bag = write({.storage = BagStorage::kMcap, .split_after = Duration{30}}, 90);
   EXPECT_TRUE(fs::exists(bag / "bag_2.mcap"));
   EXPECT_FALSE(fs::exists(bag / "bag_3.mcap"));
-  EXPECT_EQ(read_all(bag).stamps, numbers(90));
-  EXPECT_EQ(read_all(bag / "bag_1.mcap").stamps.front(), 30);
+  EXPECT_EQ(read_bag(bag).stamps(), numbers(90));
+  EXPECT_EQ(read_bag(bag / "bag_1.mcap").stamps().front(), 30);
 }
 
 TEST_F(BagFilesTest, AFileThatIsMissingOrDestroyedCostsItselfAndIsCounted) {
   const fs::path bag = write({.storage = BagStorage::kMcap, .split_bytes = 10'000}, 40);
   fs::remove(bag / "bag_1.mcap");
   test::write_text(bag / "bag_2.mcap", "not a bag at all");
-  const Content content = read_all(bag);
-  EXPECT_EQ(content.stamps.size(), 20U);
+  const BagContent content = read_bag(bag);
+  EXPECT_EQ(content.stamps().size(), 20U);
   EXPECT_EQ(content.damage.count, 2U);
   EXPECT_THAT(content.damage.first, ::testing::HasSubstr("bag_1.mcap"));
 }
@@ -269,7 +224,7 @@ TEST_F(BagFilesTest, ABrokenOrForeignMetadataFileCostsNothing) {
        {"rosbag2_bagfile_information: [", "", "- 1\n- 2\n",
         "rosbag2_bagfile_information:\n  relative_file_paths: [renamed_0.mcap]\n"}) {
     test::write_text(bag / "metadata.yaml", text);
-    EXPECT_EQ(read_all(bag).stamps, numbers(5)) << text;
+    EXPECT_EQ(read_bag(bag).stamps(), numbers(5)) << text;
   }
 }
 
@@ -295,7 +250,7 @@ TEST_F(BagFilesTest, SomebodyWhoLooksIntoItDoesNotEndTheRecording) {
     }
   });
   for (; number < 50; ++number) {
-    EXPECT_EQ(read_all(write({}, 5, name())).stamps, numbers(5)) << number;
+    EXPECT_EQ(read_bag(write({}, 5, name())).stamps(), numbers(5)) << number;
   }
   EXPECT_GT(looks, 0);
 }
@@ -310,10 +265,10 @@ TEST_F(BagFilesTest, WhatWasFlushedSurvivesACrash) {
     writer.flush();
     const fs::path copy = bag.string() + "_copy";
     fs::copy(bag, copy);  // what a crash would leave
-    EXPECT_EQ(read_all(copy).stamps, numbers(3));
+    EXPECT_EQ(read_bag(copy).stamps(), numbers(3));
     writer.write(topic, {3}, data);
     writer.close();
-    EXPECT_EQ(read_all(bag).stamps, numbers(4));
+    EXPECT_EQ(read_bag(bag).stamps(), numbers(4));
   }
 }
 

@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
+using test::bytes_of;
 using test::make_log;
-using test::read_text;
 using test::write_text;
 
 class Bag : public ::testing::Test {
@@ -83,7 +83,7 @@ TEST_F(Bag, AFlippedByteInAChunkCostsThatChunkAndIsReported) {
        {BagCompression::kNone, BagCompression::kZstd, BagCompression::kLz4}) {
     fs::remove_all(folder_.path() / "bag");
     const fs::path file = write(BagStorage::kMcap, compression, 2000);
-    std::string bytes = read_text(file);
+    std::string bytes = bytes_of(file);
     const std::size_t whole = read_log(file).observations.size();
     bytes[bytes.size() / 3] = static_cast<char>(bytes[bytes.size() / 3] ^ 0x10);
     write_text(file, bytes);
@@ -98,7 +98,7 @@ TEST_F(Bag, AFlippedByteInAChunkCostsThatChunkAndIsReported) {
 
 TEST_F(Bag, ACutMcapReadsUpToTheCut) {
   const fs::path file = write(BagStorage::kMcap, BagCompression::kNone, 2000);
-  const std::string bytes = read_text(file);
+  const std::string bytes = bytes_of(file);
   write_text(file, bytes.substr(0, bytes.size() * 3 / 4));
   ReadReport report;
   const auto content = read_log(file, {}, &report);
@@ -110,7 +110,7 @@ TEST_F(Bag, ACutMcapReadsUpToTheCut) {
 
 TEST_F(Bag, ACutDatabaseIsReadInPartOrRefusedByName) {
   const fs::path file = write(BagStorage::kSqlite3, BagCompression::kNone, 1000);
-  const std::string bytes = read_text(file);
+  const std::string bytes = bytes_of(file);
   for (const double share : {0.01, 0.3, 0.9}) {
     write_text(file, bytes.substr(0, static_cast<std::size_t>(share * bytes.size())));
     ReadReport report;

@@ -29,8 +29,7 @@ class DamagedFile : public ::testing::Test {
     std::ofstream(file(name), std::ios::binary | std::ios::trunc) << content;
   }
   [[nodiscard]] std::string read(const std::string& name) const {
-    std::ifstream in(file(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
+    return test::bytes_of(file(name));
   }
   static void fail() { throw DamageError("kept.db: chunk 3", "is damaged", "mend it"); }
 

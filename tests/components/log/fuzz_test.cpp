@@ -59,7 +59,7 @@ class Mutator {
 /// Returns how many of the damaged files were still read.
 int read_damaged(const fs::path& file, int times,
                  const std::function<void(const fs::path&)>& read) {
-  const std::string original = test::read_text(file);
+  const std::string original = test::bytes_of(file);
   int good = 0;
   for (int i = 0; i < times; ++i) {
     test::write_text(file, Mutator(static_cast<std::uint64_t>(i)).damage(original));

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "core/geometry/angle.hpp"
 
@@ -53,11 +52,21 @@ LogContent make_log(std::size_t scans, std::size_t beams, std::uint64_t seed) {
   return content;
 }
 
-std::string read_text(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+std::vector<std::int64_t> BagContent::stamps() const {
+  std::vector<std::int64_t> result;
+  for (const auto& [stamp, data] : messages) result.push_back(stamp);
+  return result;
+}
+
+BagContent read_bag(const std::filesystem::path& path) {
+  const auto reader = BagReader::open(path);
+  BagContent content;
+  BagMessage message;
+  while (reader->next(message)) content.messages.emplace_back(message.stamp.ns, message.data);
+  content.topics = reader->topics();
+  content.damage = reader->damage();
+  content.description = reader->description();
+  return content;
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {

@@ -15,7 +15,7 @@
 namespace strata::log {
 namespace {
 
-using test::read_text;
+using test::bytes_of;
 using test::write_text;
 
 TEST(MapFile, AMapReadsBackCellByCell) {
@@ -91,7 +91,7 @@ TEST(MapFile, ReadsBackWhatItWroteInEveryModeAndFormat) {
       // Thresholds that a scale begins and ends at.
       write_map(yaml, grid, {image, mode, mode == MapMode::kScale ? 1.0 : 0.65, 0.0});
       const bool is_png = image == MapImageFormat::kPng;
-      EXPECT_THAT(read_text(yaml), ::testing::HasSubstr(is_png ? "m.png" : "m.pgm"));
+      EXPECT_THAT(bytes_of(yaml), ::testing::HasSubstr(is_png ? "m.png" : "m.pgm"));
       if (mode == MapMode::kTrinary) write_map(yaml, grid, {image, mode});
       const ReflectionGrid back = read_map(yaml);
       ASSERT_EQ(back.rect(), grid.rect());

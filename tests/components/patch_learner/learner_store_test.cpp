@@ -124,8 +124,7 @@ TEST_F(LearnerStoreTest, RefusesDamagedFilesAndLeavesThemAsTheyAre) {
 TEST_F(LearnerStoreTest, FindsEveryFlippedBitOfAState) {
   live(0, 40, 1e6);
   const fs::path file = folder() / "learner.state";
-  std::ifstream in(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::string bytes = test::bytes_of(file);
   RandomStream random(5, StreamId::kTest, 0);
   for (int i = 0; i < 40; ++i) {
     std::string damaged = bytes;

@@ -21,15 +21,13 @@
 #include "components/log/trajectory_file.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/patch_learner/register.hpp"
-#include "components/player/log_player.hpp"
 #include "components/runtime/composition.hpp"
-#include "components/runtime/conductor.hpp"
-#include "components/runtime/host.hpp"
 #include "components/settings/yaml_document.hpp"
 #include "tests/components/bus/domain.hpp"
+#include "tests/components/player/lockstep_replay.hpp"
 #include "tests/support/test_data.hpp"
+#include "tests/tools/simulate/two_days.hpp"
 #include "tools/pipeline/learn.hpp"
-#include "tools/simulate/simulation.hpp"
 
 namespace fs = std::filesystem;
 
@@ -38,13 +36,6 @@ namespace {
 
 constexpr std::uint64_t kSeed = 7;
 constexpr double kDoorsX[] = {3.05, 9.05, 15.05};
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 /// A hall with three doors: all closed on the day that the maps were learned on, all open on the
 /// next, when the robot drives past them and back.
@@ -57,20 +48,11 @@ struct Hall {
 const Hall& hall() {
   static const std::unique_ptr<const Hall> made = [] {
     auto hall = std::make_unique<Hall>();
-    const simulate::Simulation simulation =
-        simulate::simulate(simulate::load_scenario(STRATA_SCENARIO_DIR "/three_doors.yaml"), 101);
-    std::vector<Observation> before;
-    std::vector<std::optional<Pose2>> poses;
-    for (const auto& scan : simulation.days[0].scans) {
-      before.push_back(scan.observation);
-      poses.emplace_back(scan.map_from_robot);
-    }
-    for (const auto& scan : simulation.days[1].scans) {
-      hall->observations.push_back(scan.observation);
-      hall->truth.push_back(scan.map_from_robot);
-    }
+    const test::TwoDays days = test::two_days(STRATA_SCENARIO_DIR "/three_doors.yaml", 101);
+    hall->observations = days.second;
+    hall->truth = days.second_poses;
     const pipeline::LearnResult learned =
-        pipeline::learn(before, poses, {}, {.patch = true}, kSeed, 1, nullptr);
+        pipeline::learn(days.first, days.first_poses, {}, {.patch = true}, kSeed, 1, nullptr);
     EXPECT_TRUE(learned.patches.submaps.empty()) << "one day shows one state";
     maps::write_grid_maps(hall->maps.path(), learned.slam);
     maps::write_patch_map(hall->maps.path(), learned.patches);
@@ -140,35 +122,16 @@ struct Outcome {
 };
 
 Outcome replay(const fs::path& out, int threads) {
-  const runtime::Composition what = composition();
-  const auto participant = runtime::make_participant(what);
-  runtime::Registry registry;
-  localizer::register_component(registry);
-  register_component(registry);
-  runtime::Host host(what, what.processes[0], registry, participant,
-                     {.mode = runtime::FeedMode::kLockstep, .seed = kSeed, .threads = threads});
-  runtime::Conductor conductor(participant, {"/localizer", "/patch_learner"},
-                               [](const std::string&, double) { return true; });
-  player::Outputs outputs;
-  outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
-  outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");
-  outputs.tf = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf");
-  outputs.odometry = conductor.advertise<nav_msgs::msg::Odometry>("/odom");
-  outputs.scan = conductor.advertise<sensor_msgs::msg::LaserScan>("/scan");
-  player::LogPlayer player(hall().observations, outputs);
-  Listener listener(participant);
-  conductor.expect_reader("/patch_map");
-  conductor.expect_reader("/localization_health");
-  conductor.connect();
-  for (std::size_t i = 0; i < hall().observations.size(); ++i) {
-    player.publish(i);
-    conductor.cycle();
-  }
+  test::LockstepReplay replay(composition(), {localizer::register_component, register_component},
+                              kSeed, threads);
+  Listener listener(replay.participant);
+  replay.coordinator().expect_reader("/patch_map");
+  replay.coordinator().expect_reader("/localization_health");
+  replay.play(hall().observations);
   Outcome outcome;
   outcome.lost = listener.lost_of(hall().observations.size());
   outcome.maps = listener.maps();
-  conductor.finish(out);
-  host.stop();
+  replay.finish(out);
   return outcome;
 }
 
@@ -242,22 +205,22 @@ TEST(OnlineLearning, OpenedDoorsBecomeConfigurationsAndTheRobotStaysLocalized) {
   const auto trajectory = log::read_trajectory(one.path() / "trajectory.tum");
   ASSERT_EQ(trajectory.size(), hall().truth.size());
   double sum_m = 0.0;
-  double most_m = 0.0;
+  double max_m = 0.0;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     const double error_m = translation_distance(trajectory[i].pose, hall().truth[i]);
     sum_m += error_m;
-    most_m = std::max(most_m, error_m);
+    max_m = std::max(max_m, error_m);
   }
   // The bars: 3 cm and half a cell where nothing changes, 0.15 m where something does.
   EXPECT_LE(sum_m / static_cast<double>(trajectory.size()), 0.055);
-  EXPECT_LE(most_m, 0.15);
+  EXPECT_LE(max_m, 0.15);
   // The same bytes with two threads.
   const test::TemporaryDirectory two;
   (void)replay(two.path(), 2);
   for (const char* file : {"trajectory.tum", "states.csv", "patches.pgm"}) {
-    const std::string expected = bytes_of(one.path() / file);
+    const std::string expected = test::bytes_of(one.path() / file);
     EXPECT_FALSE(expected.empty()) << file;
-    EXPECT_EQ(bytes_of(two.path() / file), expected) << file;
+    EXPECT_EQ(test::bytes_of(two.path() / file), expected) << file;
   }
 }
 

@@ -28,6 +28,7 @@ struct DoorConfig {
   static void describe(Self& c, V& v) {
     v.field("width_cm", c.width_cm, {.doc = "how wide it is", .min = 1.0, .max = 200.0});
     v.field("jams", c.jams, {.doc = "cannot be configured"});
+    v.renamed("breadth_cm", "width_cm");
   }
 };
 
@@ -123,6 +124,24 @@ TEST_F(Managed, GoThroughTheirLivesAsOftenAsTheyAreLed) {
   EXPECT_EQ(lead(5), "finalized");
   EXPECT_EQ(lead(1), "refused: finalized");
   EXPECT_TRUE(host_->take_errors().empty());
+}
+
+TEST_F(Managed, KnowTheOldNamesOfTheirParametersAndWarn) {
+  start("start: unconfigured, parameters: {breadth_cm: 70}");
+  EXPECT_THAT(host_->take_errors(),
+              ElementsAre(HasSubstr("breadth_cm is called width_cm now; the next version")));
+  rcl_interfaces::srv::GetParameters_Request request;
+  request.names({"width_cm", "breadth_cm"});
+  const auto values = call<bus::srv::GetParameters>("get_parameters", request).values();
+  ASSERT_EQ(values.size(), 2U);
+  EXPECT_EQ(values[0].integer_value(), 70);
+  EXPECT_EQ(values[1].integer_value(), 70);
+  EXPECT_THAT(set("breadth_cm", parameter_value(std::int64_t{80})).reason(),
+              HasSubstr("breadth_cm is called width_cm now"));
+  EXPECT_EQ(lead(1), "inactive");
+  EXPECT_EQ(call<bus::srv::GetParameters>("get_parameters", request).values()[0].integer_value(),
+            80);
+  EXPECT_TRUE(host_->take_errors().empty()) << "told once";
 }
 
 TEST_F(Managed, AreShutDownFromEveryState) {

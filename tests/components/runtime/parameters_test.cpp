@@ -55,6 +55,9 @@ struct Sample {
     v.field("colour", c.colour, {});
     v.group("inner", c.inner, "");
     v.require(c.count != 13, "count", "is 13", "choose another");
+    v.renamed("amount", "count");
+    v.renamed("within", "inner");
+    v.removed("shape", "there is one only");
   }
 };
 
@@ -75,7 +78,8 @@ struct Holder {
         return parameter_table(settings::read_config<Sample>(node, "test"));
       },
       [this](const YAML::Node& node) { active = settings::read_config<Sample>(node, "test"); },
-      {"on", "inner.weight_kg"}};
+      {"on", "inner.weight_kg"},
+      settings::key_tree<Sample>()};
   ParameterChange set(const std::vector<Parameter>& changes) {
     return change_parameters(model, changes, yaml);
   }
@@ -96,7 +100,7 @@ TEST(Parameters, AreTheFieldsOfTheConfigWithTypesRangesAndWords) {
             "one of red, green");
   const ParameterEntry& weight = *find_parameter(table, "inner.weight_kg");
   EXPECT_EQ(weight.value.double_value(), 1.5);
-  EXPECT_EQ(weight.descriptor.description(), "how heavy [kg]");
+  EXPECT_EQ(weight.descriptor.description(), "how heavy [kg]; an expert setting");
   EXPECT_EQ(weight.descriptor.floating_point_range()[0].to_value(), 9.0);
   EXPECT_THAT(find_parameter(table, "inner.limits")->value.double_array_value(),
               ElementsAre(1.0, 2.0));
@@ -175,6 +179,19 @@ TEST(Parameters, RefuseWhatTheConfigRefusesAndStayAsTheyWere) {
   EXPECT_TRUE(holder.configured().on);
   EXPECT_TRUE(holder.active.on);
   EXPECT_EQ(holder.configured().count, 3);
+}
+
+TEST(Parameters, AreSetByTheirOldNamesAndSaySo) {
+  Holder holder;
+  const ParameterChange later = holder.set({change("amount", std::int64_t{7})});
+  EXPECT_TRUE(later.ok);
+  EXPECT_THAT(later.reason, HasSubstr("amount is called count now"));
+  EXPECT_EQ(holder.configured().count, 7);
+  const ParameterChange live = holder.set({change("within.weight_kg", 2.0)});
+  EXPECT_TRUE(live.ok);
+  EXPECT_THAT(live.reason, HasSubstr("inner.weight_kg now"));
+  EXPECT_EQ(holder.active.inner.weight_kg, 2.0);
+  EXPECT_FALSE(holder.set({change("shape", std::string("round"))}).ok);
 }
 
 TEST(Parameters, OfARealComponentHaveDescriptors) {

@@ -153,7 +153,8 @@ TEST_F(Services, ListDescribeAndGetParameters) {
   request.names({"answer"});
   const auto described = call<bus::srv::DescribeParameters>("describe_parameters", request);
   ASSERT_EQ(described.descriptors().size(), 1U);
-  EXPECT_EQ(described.descriptors()[0].description(), "what is said when active");
+  EXPECT_EQ(described.descriptors()[0].description(),
+            "what is said when active; an expert setting");
   EXPECT_EQ(described.descriptors()[0].integer_range()[0].to_value(), 100);
   rcl_interfaces::srv::GetParameterTypes_Request types;
   types.names({"loud", "answer"});

@@ -36,7 +36,7 @@ TEST(ToldErrors, IsNotFloodedByErrorsThatAreAllDifferent) {
   for (int i = 0; i < 1000; ++i) {
     if (told.take("error " + std::to_string(i), kBegin)) ++lines;
   }
-  EXPECT_EQ(lines, ToldErrors::kMostKinds + 1);
+  EXPECT_EQ(lines, ToldErrors::kMaxKinds + 1);
   EXPECT_THAT(told.due(kBegin + ToldErrors::kPeriod), ElementsAre(HasSubstr("further kinds (984")));
 }
 

@@ -58,7 +58,7 @@ TEST(PoseWatch, DoubtsOnePoseFarAwayAndGoesOnWithThoseThatFollow) {
   EXPECT_THROW(watch.require({1e4, 2.0, 0.0}, "/scan"), InputError);
 }
 
-TEST(PoseWatch, BelievesTheSecondWhereARobotWasCarried) {
+TEST(PoseWatch, BelievesTheSecondWhereARobotWasMovedByHand) {
   PoseWatch watch;
   watch.require({1.0, 2.0, 0.0}, "/scan");
   EXPECT_NO_THROW(watch.require({90.0, 2.0, 0.0}, "/scan"));

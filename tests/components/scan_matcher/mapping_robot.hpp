@@ -16,6 +16,7 @@
 #include "components/scan_matcher/register.hpp"
 #include "core/slam/slam.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
+#include "tests/components/runtime/laser_mounting.hpp"
 #include "tests/components/runtime/status_watch.hpp"
 #include "tests/core/slam/ring_world.hpp"
 #include "tests/support/test_data.hpp"
@@ -31,10 +32,7 @@ class MappingRobot : public ::testing::Test {
         scans_(participant_, "/scan", bus::qos_profile("lossless")),
         odometry_(participant_, "/odom", bus::qos_profile("lossless")),
         tf_static_(participant_, "/tf_static", bus::qos_profile("tf_static")) {
-    tf2_msgs::msg::TFMessage mounting;
-    mounting.transforms().push_back(
-        convert::to_transform_stamped({}, Pose2{}, "base_link", "laser"));
-    tf_static_.publish(mounting);
+    tf_static_.publish(test::laser_mounting());
     register_component(registry_);
   }
   /// parameters: further ones, YAML.

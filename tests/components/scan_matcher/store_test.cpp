@@ -22,26 +22,34 @@ class StoredScanMatcher : public MappingRobot {
     slam.restore_state(log::read_state_file(file()), file().string());
     return slam.kept_scans();
   }
+  /// A process that ends in the middle of the way.
+  std::vector<ScanPose> drive_half() {
+    begin();
+    auto told = drive({way_.log.begin(), way_.log.begin() + middle()});
+    end();
+    return told;
+  }
+  [[nodiscard]] std::ptrdiff_t middle() const {
+    return static_cast<std::ptrdiff_t>(way_.log.size() / 2);
+  }
+
+  const Drive way_;
 };
 
 TEST_F(StoredScanMatcher, GoesOnInItsMapWithTheOdometryThatWentOn) {
-  const Drive way;
-  const std::vector<Observation>& log = way.log;
-  const std::size_t half = log.size() / 2;
-  begin();
-  const auto first = drive({log.begin(), log.begin() + static_cast<std::ptrdiff_t>(half)});
+  const std::vector<Observation>& log = way_.log;
+  const auto first = drive_half();
   ASSERT_FALSE(first.empty());
-  end();
   const std::size_t kept_before = kept_scans();
   EXPECT_GT(kept_before, 0U);
   begin();
-  // Some scans were missed while it was away.
-  constexpr std::size_t kMissed = 10;
-  const auto second = drive({log.begin() + static_cast<std::ptrdiff_t>(half + kMissed), log.end()});
+  // Some scans were missed while it was away_.
+  constexpr std::ptrdiff_t kMissed = 10;
+  const auto second = drive({log.begin() + middle() + kMissed, log.end()});
   end();
   ASSERT_GT(second.size(), 50U);
   for (const ScanPose& pose : second) {
-    const Pose2 truth = between(way.truth(first.front()), way.truth(pose));
+    const Pose2 truth = between(way_.truth(first.front()), way_.truth(pose));
     const Pose2 found = between(pose_of(first.front()), pose_of(pose));
     ASSERT_EQ(pose.run(), 0);
     ASSERT_LT(translation_distance(found, truth), 0.3) << pose.index();
@@ -50,17 +58,16 @@ TEST_F(StoredScanMatcher, GoesOnInItsMapWithTheOdometryThatWentOn) {
 }
 
 // Who restarts it an hour later, or takes the robot for a ride meanwhile, has not reset odometry.
-TEST_F(StoredScanMatcher, IsCarriedByOdometryForHoursWhereTheScanSaysSo) {
-  const Drive way;
-  const std::vector<Observation>& log = way.log;
-  const auto half = log.begin() + static_cast<std::ptrdiff_t>(log.size() / 2);
+TEST_F(StoredScanMatcher, IsDeadReckonedForHoursWhereTheScanSaysSo) {
+  const std::vector<Observation>& log = way_.log;
+  const auto half = log.begin() + middle();
   const auto two_thirds = log.begin() + static_cast<std::ptrdiff_t>(2 * log.size() / 3);
   begin();
   const auto first = drive({log.begin(), two_thirds});
   ASSERT_FALSE(first.empty());
   end();
   begin();
-  // It drove back while the process was away.
+  // It drove back while the process was away_.
   constexpr double kHour_s = 3600.0;
   std::vector<Observation> later{half, two_thirds};
   for (Observation& observation : later) {
@@ -71,7 +78,7 @@ TEST_F(StoredScanMatcher, IsCarriedByOdometryForHoursWhereTheScanSaysSo) {
   ASSERT_GT(second.size(), 50U);
   for (const ScanPose& pose : second) {
     ASSERT_EQ(pose.run(), 1);
-    const Pose2 truth = between(way.truth(first.front()), way.truth(pose, kHour_s));
+    const Pose2 truth = between(way_.truth(first.front()), way_.truth(pose, kHour_s));
     const Pose2 found = between(pose_of(first.front()), pose_of(pose));
     ASSERT_LT(translation_distance(found, truth), 0.3) << pose.index();
   }
@@ -80,15 +87,11 @@ TEST_F(StoredScanMatcher, IsCarriedByOdometryForHoursWhereTheScanSaysSo) {
 constexpr double kDay_s = 86'400.0;
 
 TEST_F(StoredScanMatcher, BeginsWhereItWasWhenTheOdometryMayHaveBegunAnew) {
-  const Drive way;
-  const std::vector<Observation>& log = way.log;
-  const std::size_t half = log.size() / 2;
-  begin();
-  const auto first = drive({log.begin(), log.begin() + static_cast<std::ptrdiff_t>(half)});
+  const std::vector<Observation>& log = way_.log;
+  const auto first = drive_half();
   ASSERT_FALSE(first.empty());
-  end();
   begin();
-  std::vector<Observation> next_day{log.begin() + static_cast<std::ptrdiff_t>(half), log.end()};
+  std::vector<Observation> next_day{log.begin() + middle(), log.end()};
   const Pose2 start = next_day.front().odom_from_robot;
   for (Observation& observation : next_day) {
     observation.scan.stamp = observation.scan.stamp + Duration::from_seconds(kDay_s);
@@ -98,7 +101,7 @@ TEST_F(StoredScanMatcher, BeginsWhereItWasWhenTheOdometryMayHaveBegunAnew) {
   ASSERT_FALSE(second.empty());
   EXPECT_EQ(second.front().run(), 1);
   EXPECT_LT(translation_distance(pose_of(second.front()), pose_of(first.back())), 0.2);
-  const Pose2 truth = between(way.truth(first.front()), way.truth(second.back(), kDay_s));
+  const Pose2 truth = between(way_.truth(first.front()), way_.truth(second.back(), kDay_s));
   EXPECT_LT(translation_distance(between(pose_of(first.front()), pose_of(second.back())), truth),
             0.5);
 }
@@ -108,8 +111,7 @@ TEST_F(StoredScanMatcher, MapsAnewAndKeepsThatWhenItsFileIsDamaged) {
   begin();
   EXPECT_THAT(host_->take_errors(),
               testing::Contains(testing::HasSubstr(file().string() + ".damaged")));
-  const Drive way;
-  ASSERT_FALSE(drive({way.log.begin(), way.log.begin() + 20}).empty());
+  ASSERT_FALSE(drive({way_.log.begin(), way_.log.begin() + 20}).empty());
   end();
   EXPECT_EQ(std::filesystem::file_size(file().string() + ".damaged"), 11U);
   EXPECT_GT(kept_scans(), 0U);

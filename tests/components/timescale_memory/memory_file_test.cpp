@@ -64,11 +64,11 @@ TEST_F(MemoryFileTest, KeepsNoMoreNodesInRamThanItIsTold) {
   for (int part = 0; part < 2; ++part) {
     MemoryFile file(path(), 0.0, 1);
     memory::TimescaleMemory memory = file.resume({}, 3);
-    EXPECT_EQ(memory.awake(), 0U);
+    EXPECT_EQ(memory.resident(), 0U);
     for (int t = 60 * part; t < 60 * (part + 1); ++t) {
       take_in(memory, t, t + 1);
       file.save(memory, true);
-      EXPECT_EQ(memory.awake(), 1U);
+      EXPECT_EQ(memory.resident(), 1U);
     }
   }
   EXPECT_EQ(MemoryFile(path(), 0.0, 1).resume({}, 3).state(), unbounded.state());

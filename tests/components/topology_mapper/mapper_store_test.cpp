@@ -22,7 +22,7 @@ using test::Moment;
 
 constexpr std::size_t kDriven = 10;
 constexpr int kStood = 5;
-constexpr topology::WayKeepConfig kKeep{0.05, 0.05, 0.0};
+constexpr topology::PathKeepConfig kKeep{0.05, 0.05, 0.0};
 /// Where the odometry's frame lies: an older version's store holds a pose of its own.
 const Pose2 kOdomFromMap{3.0, -1.0, 0.7};
 

@@ -15,13 +15,9 @@
 #include <gtest/gtest.h>
 
 #include "components/convert/geometry_messages.hpp"
-#include "components/convert/scan_messages.hpp"
-#include "components/convert/topology_messages.hpp"
-#include "components/topology_mapper/register.hpp"
+#include "components/topologies/topology_messages.hpp"
 #include "memory/store/store.hpp"
-#include "tests/components/runtime/host_fixture.hpp"
-#include "tests/components/runtime/status_watch.hpp"
-#include "tests/components/topology_mapper/niche_room.hpp"
+#include "tests/components/topology_mapper/mapped_robot.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::topology_mapper {
@@ -30,105 +26,11 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-using geometry_msgs::msg::PointStamped;
-using strata_msgs::msg::Topologies;
-
 using test::kStepM;
 using test::kStepS;
 using test::Moment;
 using test::scan_at;
 using test::there_and_back;
-
-PointStamped landmark_at(double time_s) {
-  PointStamped message;
-  message.header(convert::make_header(Stamp::from_seconds(time_s), "base_link"));
-  return message;
-}
-
-/// A robot that publishes, and what the component answers.
-class Robot {
- public:
-  explicit Robot(const std::string& parameters)
-      : participant_(test::make_participant()),
-        watch_(participant_),
-        topologies_(participant_, "/topologies", "lossless"),
-        scans_(participant_, "/scan", bus::qos_profile("lossless")),
-        odometry_(participant_, "/odom", bus::qos_profile("lossless")),
-        landmarks_(participant_, "/landmark", bus::qos_profile("default")),
-        tf_static_(participant_, "/tf_static", bus::qos_profile("tf_static")) {
-    tf2_msgs::msg::TFMessage mounting;
-    mounting.transforms().push_back(
-        convert::to_transform_stamped({}, Pose2{}, "base_link", "laser"));
-    tf_static_.publish(mounting);
-    register_component(registry_);
-    host_ = test::make_host(
-        "{type: strata::TopologyMapper, name: mapper, parameters: {sensor_qos: lossless, " +
-            parameters + "}}",
-        registry_, test::make_participant());
-    host_->activate();
-    const std::chrono::seconds patience(20);
-    EXPECT_TRUE(scans_.raw().wait_for_readers(1, patience));
-    EXPECT_TRUE(odometry_.raw().wait_for_readers(1, patience));
-    EXPECT_TRUE(landmarks_.raw().wait_for_readers(1, patience));
-    // The writer knows of a match before the reader does: of a drive that comes in one moment the
-    // first seconds would be over before their odometry, for which scans do not wait longer.
-    odometry_.publish(convert::to_odometry({}, {}, "odom", "base_link"));
-    EXPECT_TRUE(says("received /odom", "1"));
-  }
-  void drive(const std::vector<Moment>& moments) {
-    for (const Moment& moment : moments) {
-      const Scan scan = scan_at(moment);
-      odometry_.publish(convert::to_odometry(scan.stamp, moment.pose, "odom", "base_link"));
-      scans_.publish(convert::to_message(scan, "laser"));
-    }
-  }
-  void mark(double time_s) { landmarks_.publish(landmark_at(time_s)); }
-  /// The value of a status that has it, with the given value.
-  [[nodiscard]] bool says(const std::string& key, const std::string& value) {
-    return test::value_of(watch_.wait_for(*host_,
-                                          [&](const auto& status) {
-                                            return test::value_of(status, key) == value;
-                                          }),
-                          key) == value;
-  }
-  /// What a status warns of.
-  [[nodiscard]] std::string warning() {
-    return watch_
-        .wait_for(*host_,
-                  [](const auto& status) {
-                    return status.level() == static_cast<std::uint8_t>(runtime::HealthLevel::kWarn);
-                  })
-        .message();
-  }
-  /// Whether a status has it with another value than 0.
-  [[nodiscard]] bool counts(const std::string& key) {
-    const auto is_some = [&](const auto& status) {
-      const std::string value = test::value_of(status, key);
-      return !value.empty() && value != "0";
-    };
-    return is_some(watch_.wait_for(*host_, is_some));
-  }
-  [[nodiscard]] std::vector<Topologies> wait_for(std::size_t count) {
-    return topologies_.wait_for(count);
-  }
-  [[nodiscard]] std::vector<Topologies> seen_by_a_late_joiner() {
-    test::Collector<Topologies> late(test::make_participant(), "/topologies", "latched");
-    return late.wait_for(1);
-  }
-  void end() { host_.reset(); }
-  [[nodiscard]] runtime::Host& host() { return *host_; }
-
- private:
-  std::shared_ptr<bus::Participant> participant_;
-  test::StatusWatch watch_;
-  test::Collector<Topologies> topologies_;
-  bus::Writer<sensor_msgs::msg::LaserScan> scans_;
-  bus::Writer<nav_msgs::msg::Odometry> odometry_;
-  bus::Writer<PointStamped> landmarks_;
-  bus::Writer<tf2_msgs::msg::TFMessage> tf_static_;
-  runtime::Registry registry_;
-  std::unique_ptr<runtime::Host> host_;
-};
 
 void expect_sound(const Topologies& message) {
   const std::vector<topology::TopologySummary> topologies = convert::from_message(message);
@@ -230,10 +132,10 @@ TEST(TopologyMapper, IsDeactivatedOnAFullDiskAndKeepsWhatItHeardWhenThereIsRoom)
 TEST(TopologyMapper, KeepsNothingWhileItStandsAndKnowsAfterARestartThatItStoodThereTillNow) {
   const test::TemporaryDirectory folder;
   const std::string parameters =
-      "store: {file: '" + (folder.path() / "way.db").string() + "', carry_s: 1.0}";
+      "store: {file: '" + (folder.path() / "way.db").string() + "', dead_reckoning_s: 1.0}";
   std::vector<Moment> drive = there_and_back();
   drive.resize(10);
-  for (int i = 0; i < 30; ++i) {  // longer than carry_s
+  for (int i = 0; i < 30; ++i) {  // longer than dead_reckoning_s
     drive.push_back({drive.back().time_s + kStepS, drive.back().pose});
   }
   {
@@ -304,7 +206,7 @@ TEST(TopologyMapper, NamesMatchesThatFailPatchesWithoutPointsAndLandmarksWithinA
   EXPECT_TRUE(robot.says("visits of landmarks", "4"));
   EXPECT_TRUE(robot.says("landmarks without points around", "1"));
   EXPECT_TRUE(robot.says("landmarks nearly at one place", "1"));
-  EXPECT_TRUE(robot.counts("local maps that did not fit"));
+  EXPECT_TRUE(robot.counts("local clouds that did not fit"));
   EXPECT_TRUE(robot.counts("topologies tried"));
 }
 

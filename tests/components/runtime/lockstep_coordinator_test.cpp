@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The conductor against a component of the test's own, whose answers it withholds.
-#include "components/runtime/conductor.hpp"
+/// The coordinator against a component of the test's own, whose answers it withholds.
+#include "components/runtime/lockstep_coordinator.hpp"
 
 #include <atomic>
 
@@ -47,44 +47,47 @@ class Forgetful {
   bus::Reader<Step> steps_;  // last: its callback uses the others
 };
 
-// The answer to a first step is lost when the component's writer does not know the conductor's
+// The answer to a first step is lost when the component's writer does not know the coordinator's
 // reader yet; the replay would wait for it for ever.
-TEST(Conductor, GreetsAgainAComponentWhoseFirstAnswerWasLost) {
+TEST(LockstepCoordinator, GreetsAgainAComponentWhoseFirstAnswerWasLost) {
   const auto participant = test::make_participant();
   const Forgetful component(participant, 2);
-  Conductor conductor(participant, {"/forgetful"}, [](const std::string&, double) { return true; });
-  conductor.connect();
+  LockstepCoordinator coordinator(participant, {"/forgetful"},
+                                  [](const std::string&, double) { return true; });
+  coordinator.connect();
   EXPECT_GE(component.hellos(), 3);
-  conductor.cycle();
-  conductor.cycle();
+  coordinator.cycle();
+  coordinator.cycle();
   EXPECT_EQ(component.cycles(), 2) << "work is asked for once";
 }
 
-TEST(Conductor, LeavesOutWhatIsNoAnswer) {
+TEST(LockstepCoordinator, LeavesOutWhatIsNoAnswer) {
   const auto participant = test::make_participant();
   const Forgetful component(participant, 0);
-  Conductor conductor(participant, {"/forgetful"}, [](const std::string&, double) { return true; });
+  LockstepCoordinator coordinator(participant, {"/forgetful"},
+                                  [](const std::string&, double) { return true; });
   bus::RawWriter broken(participant, kAckTopic, "strata_msgs/msg/Ack",
                         bus::qos_profile("lossless"));
   ASSERT_TRUE(broken.wait_for_readers(1, std::chrono::seconds(20)));
-  conductor.connect();
+  coordinator.connect();
   broken.publish({0, 1, 0, 0, 1});
   broken.publish({0, 7, 0, 0});
-  conductor.cycle();
+  coordinator.cycle();
   EXPECT_EQ(component.cycles(), 1);
 }
 
-TEST(Conductor, NamesWhoDoesNotAnswerAndEndsAWaitWhenItIsToldTo) {
+TEST(LockstepCoordinator, NamesWhoDoesNotAnswerAndEndsAWaitWhenItIsToldTo) {
   const auto participant = test::make_participant();
   const Forgetful component(participant, 1'000'000);
   std::string waited_for;
   double longest_s = 0.0;
-  Conductor conductor(participant, {"/forgetful"}, [&](const std::string& what, double waited_s) {
-    waited_for = what;
-    longest_s = waited_s;
-    return component.hellos() < 2;
-  });
-  EXPECT_THROW(conductor.connect(), Cancelled);
+  LockstepCoordinator coordinator(participant, {"/forgetful"},
+                                  [&](const std::string& what, double waited_s) {
+                                    waited_for = what;
+                                    longest_s = waited_s;
+                                    return component.hellos() < 2;
+                                  });
+  EXPECT_THROW(coordinator.connect(), Cancelled);
   EXPECT_EQ(waited_for, "/forgetful");
   EXPECT_GE(longest_s, 0.5) << "it was asked a second time";
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "components/runtime/conductor.hpp"
+#include "components/runtime/lockstep_coordinator.hpp"
 
 #include <chrono>
 
 #include "components/runtime/component.hpp"
+#include "components/runtime/topic_count.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::runtime {
@@ -18,17 +19,11 @@ namespace {
 /// Once one has come, the reliable topics lose nothing.
 constexpr auto kReminder = std::chrono::milliseconds(500);
 
-TopicCount topic_count(const std::string& topic, std::uint64_t count) {
-  TopicCount result;
-  result.topic(topic);
-  result.count(count);
-  return result;
-}
-
 }  // namespace
 
-Conductor::Conductor(std::shared_ptr<bus::Participant> participant,
-                     std::vector<std::string> components, KeepWaiting keep_waiting)
+LockstepCoordinator::LockstepCoordinator(std::shared_ptr<bus::Participant> participant,
+                                         std::vector<std::string> components,
+                                         KeepWaiting keep_waiting)
     : participant_(std::move(participant)),
       components_(std::move(components)),
       keep_waiting_(std::move(keep_waiting)) {
@@ -45,16 +40,16 @@ Conductor::Conductor(std::shared_ptr<bus::Participant> participant,
       });
 }
 
-std::shared_ptr<bus::RawWriter> Conductor::advertise(const std::string& full_topic,
-                                                     const std::string& type) {
+std::shared_ptr<bus::RawWriter> LockstepCoordinator::advertise(const std::string& full_topic,
+                                                               const std::string& type) {
   auto writer = std::make_shared<bus::RawWriter>(participant_, full_topic, type,
                                                  bus::qos_profile("lossless"));
   writers_.push_back(writer);
   return writer;
 }
 
-void Conductor::wait(const std::function<bool()>& condition, const std::string& what,
-                     const std::function<void()>& remind) {
+void LockstepCoordinator::wait(const std::function<bool()>& condition, const std::string& what,
+                               const std::function<void()>& remind) {
   std::unique_lock lock(mutex_);
   const auto begin = std::chrono::steady_clock::now();
   auto reminded = begin;
@@ -71,7 +66,7 @@ void Conductor::wait(const std::function<bool()>& condition, const std::string& 
   }
 }
 
-void Conductor::connect() {
+void LockstepCoordinator::connect() {
   const auto count = static_cast<int>(components_.size());
   wait([&] { return step_writer_->matched() >= count && ack_reader_->raw().matched() >= count; },
        "the components");
@@ -107,13 +102,13 @@ void Conductor::connect() {
   }
 }
 
-void Conductor::cycle() { ask_all(strata_msgs::msg::STEP_CYCLE, ""); }
+void LockstepCoordinator::cycle() { ask_all(strata_msgs::msg::STEP_CYCLE, ""); }
 
-void Conductor::finish(const std::filesystem::path& out_dir) {
+void LockstepCoordinator::finish(const std::filesystem::path& out_dir) {
   ask_all(strata_msgs::msg::STEP_FINISH, out_dir.string());
 }
 
-Conductor::Counts Conductor::published_so_far() const {
+LockstepCoordinator::Counts LockstepCoordinator::published_so_far() const {
   Counts total;
   for (const auto& writer : writers_) total[writer->topic()] += writer->count();
   for (const auto& [component, topics] : published_) {
@@ -122,7 +117,7 @@ Conductor::Counts Conductor::published_so_far() const {
   return total;
 }
 
-void Conductor::ask_all(strata_msgs::msg::StepKind kind, const std::string& out_dir) {
+void LockstepCoordinator::ask_all(strata_msgs::msg::StepKind kind, const std::string& out_dir) {
   for (const std::string& component : components_) {
     Step step;
     step.kind(kind);
@@ -137,7 +132,7 @@ void Conductor::ask_all(strata_msgs::msg::StepKind kind, const std::string& out_
   }
 }
 
-void Conductor::require_no_stranger(const Ack& ack) const {
+void LockstepCoordinator::require_no_stranger(const Ack& ack) const {
   const Counts published = published_so_far();
   for (const auto& writer : writers_) {
     const std::uint64_t sent = published.at(writer->topic());
@@ -151,7 +146,7 @@ void Conductor::require_no_stranger(const Ack& ack) const {
   }
 }
 
-Ack Conductor::ask(Step step) {
+Ack LockstepCoordinator::ask(Step step) {
   {
     const std::lock_guard lock(mutex_);
     step.sequence_number(++sequence_);

@@ -20,17 +20,17 @@
 
 namespace strata::runtime {
 
-class Conductor {
+class LockstepCoordinator {
  public:
   /// Whether to wait on for this: a component, or a topic whose ends are not matched yet.
   using KeepWaiting = std::function<bool(const std::string& what, double waited_s)>;
 
   /// components: full names in the order of work. keep_waiting: asked several times a second while
   /// waiting; false, or an exception, ends the wait (interrupt, a process that died).
-  Conductor(std::shared_ptr<bus::Participant> participant, std::vector<std::string> components,
-            KeepWaiting keep_waiting);
+  LockstepCoordinator(std::shared_ptr<bus::Participant> participant,
+                      std::vector<std::string> components, KeepWaiting keep_waiting);
 
-  /// A topic that the conductor's side publishes; all of them before connect().
+  /// A topic that the coordinator's side publishes; all of them before connect().
   [[nodiscard]] std::shared_ptr<bus::RawWriter> advertise(const std::string& full_topic,
                                                           const std::string& type);
   template <typename T>
@@ -54,7 +54,7 @@ class Conductor {
   using Counts = std::map<std::string, std::uint64_t>;
   strata_msgs::msg::Ack ask(strata_msgs::msg::Step step);
   [[nodiscard]] Counts published_so_far() const;
-  /// Throws Error when a component heard more of the conductor's topics than was sent: what comes
+  /// Throws Error when a component heard more of the coordinator's topics than was sent: what comes
   /// out would not be what the log says.
   void require_no_stranger(const strata_msgs::msg::Ack& ack) const;
   void ask_all(strata_msgs::msg::StepKind kind, const std::string& out_dir);

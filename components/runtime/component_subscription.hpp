@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A topic that a component reads, and what waits of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "components/runtime/component.hpp"
+
+namespace strata::runtime {
+
+struct Component::Subscription {
+  std::string topic;
+  std::size_t depth = 0;  // live: as many messages may wait; 0: all
+  bool latched = false;   // live: messages wait until the component is active
+  std::function<void(const bus::RawMessage&)> callback;
+  std::mutex mutex;
+  std::deque<bus::RawMessage> waiting;  // under mutex
+  std::size_t waiting_bytes = 0;        // under mutex
+  std::uint64_t received = 0;           // under mutex
+  std::unique_ptr<bus::RawReader> reader;
+};
+
+}  // namespace strata::runtime
