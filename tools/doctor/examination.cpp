@@ -172,8 +172,8 @@ class Examiner {
       if (heard.messages == 0) continue;
       for (const bus::DiscoveredParticipant& participant : observed_.view.participants) {
         if (!bus::same_participant(writer, participant.guid)) continue;
-        const auto [entry, is_first] = least.insert({participant.guid, heard.least_delay_s});
-        if (!is_first) entry->second = std::min(entry->second, heard.least_delay_s);
+        const auto [entry, is_first] = least.insert({participant.guid, heard.min_delay_s});
+        if (!is_first) entry->second = std::min(entry->second, heard.min_delay_s);
       }
     }
     for (const auto& [guid, delay] : least) {

@@ -19,7 +19,7 @@ struct Heard {
   std::uint64_t bytes = 0;
   /// Least of (our clock when it came - the writer's clock when it left), s. What a message needs
   /// to get here is in it, so below zero the writer's clock is surely ahead.
-  double least_delay_s = 0.0;
+  double min_delay_s = 0.0;
   std::int64_t first_number = 0;  ///< the writer's, of the first and the last that came
   std::int64_t last_number = 0;
   bool has_latched = false;  ///< asked for what was published before, some came

@@ -77,7 +77,7 @@ class Ear {
     const double delay_s = wall_seconds() - static_cast<double>(message.source_stamp_ns) * 1e-9;
     const std::lock_guard lock(mutex_);
     Heard& heard = heard_[message.identity.writer];
-    heard.least_delay_s = heard.messages == 0 ? delay_s : std::min(heard.least_delay_s, delay_s);
+    heard.min_delay_s = heard.messages == 0 ? delay_s : std::min(heard.min_delay_s, delay_s);
     if (heard.messages == 0) heard.first_number = message.identity.sequence_number;
     heard.last_number = message.identity.sequence_number;
     ++heard.messages;

@@ -10,22 +10,13 @@
 #include "components/log/relations_file.hpp"
 #include "components/log/trajectory_file.hpp"
 #include "core/geometry/pose2.hpp"
+#include "tools/statistics/error_summary.hpp"
 #include "tools/statistics/statistics.hpp"
 
 namespace strata::tools {
 
-/// Mean, median, 95th percentile (nearest rank), maximum and root mean square of absolute values.
-struct ErrorSummary {
-  double mean = 0.0;
-  double mean_squared = 0.0;
-  double stddev = 0.0;
-  double median = 0.0;
-  double p95 = 0.0;
-  double max = 0.0;
-  double rmse = 0.0;
-};
-/// All zero for no values. O(n log n).
-[[nodiscard]] ErrorSummary summarize(std::vector<double> values);
+using statistics::ErrorSummary;
+using statistics::summarize;
 
 struct TrajectoryErrors {
   std::size_t matched = 0;    ///< poses or relations that entered

@@ -26,10 +26,11 @@ std::vector<StateTrace> traces_of(const std::vector<maps::StateRow>& rows, Stamp
 
 }  // namespace
 
-std::vector<maps::MapModel> make_models(const maps::Maps& maps, const CompareConfig& config) {
+std::vector<maps::MapModel> make_models(const maps::Maps& maps, const CompareConfig& config,
+                                        const CompareJob& job) {
   std::vector<maps::MapModel> models;
   for (const std::string& name : config.protocol.models) {
-    models.push_back(maps::make_map_model(maps, name, config.sensor));
+    models.push_back(maps::make_map_model(maps, name, config.sensor, *job.map_models));
   }
   return models;
 }

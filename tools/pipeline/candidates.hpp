@@ -48,7 +48,8 @@ class SharedProgress : public Progress {
 
 /// The models that the configuration names.
 [[nodiscard]] std::vector<maps::MapModel> make_models(const maps::Maps& maps,
-                                                      const CompareConfig& config);
+                                                      const CompareConfig& config,
+                                                      const CompareJob& job);
 
 /// The library itself, in this process.
 [[nodiscard]] LocalizationRun localize_here(const LocalizeJob& job);

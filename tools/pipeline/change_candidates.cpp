@@ -4,19 +4,19 @@
 #include <algorithm>
 #include <span>
 
-#include "core/patch/jitter.hpp"
+#include "core/grid/connected_cells.hpp"
 
 namespace strata::pipeline {
 namespace {
 
-constexpr std::size_t kLeastChangedCells = 4;
+constexpr std::size_t kMinChangedCells = 4;
 /// An old state: this share of the changed cells that an earlier visit knows were as they are now.
 constexpr double kSameState = 0.8;
 
 CellState state_of(double hits, double misses, const patch::ContradictionConfig& config) {
   const double total = hits + misses;
   if (total < config.few_min_beams) return CellState::kUnknown;
-  if (hits >= 0.5 * total) return CellState::kOccupied;
+  if (hits >= static_cast<double>(kMostlyOccupied) * total) return CellState::kOccupied;
   return hits <= config.few_free_share * total ? CellState::kFree : CellState::kUnknown;
 }
 
@@ -92,7 +92,7 @@ void append_changes(const std::vector<Cell>& cells, const std::vector<PlaceVisit
     candidate.first_scan = visits[v].first_scan;
     candidate.last_scan = visits[v].last_scan;
     candidate.is_tested =
-        visits[v].first_scan >= learned_scans && changed.size() >= kLeastChangedCells;
+        visits[v].first_scan >= learned_scans && changed.size() >= kMinChangedCells;
     if (candidate.is_tested) {
       candidate.is_old_state = was_seen_before(std::span(visits).first(v), now, changed);
     }
@@ -147,15 +147,13 @@ Grid<std::uint8_t> find_places(const patch::VisitTable& table, double resolution
 }
 
 std::vector<ChangeCandidate> find_candidates(const patch::VisitTable& table,
-                                             Grid<std::uint8_t> mask,
+                                             const Grid<std::uint8_t>& mask,
                                              const patch::ContradictionConfig& config,
                                              std::size_t learned_scans) {
   std::vector<ChangeCandidate> candidates;
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    if (mask.values()[i] == 0) continue;
-    const std::vector<Cell> cells = patch::take_component(mask, mask.cell(i));
+  for_each_component(mask, CellLink::kOverAGap, [&](const std::vector<Cell>& cells) {
     append_changes(cells, visits_of_place(cells, table, config), learned_scans, candidates);
-  }
+  });
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const ChangeCandidate& a, const ChangeCandidate& b) {
                      return a.first_scan < b.first_scan;

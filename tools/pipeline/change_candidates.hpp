@@ -33,7 +33,7 @@ struct ChangeCandidate {
 /// Goes through the visits of each place (a component of the mask) in time; in the order in which
 /// they begin. O(visits x cells).
 [[nodiscard]] std::vector<ChangeCandidate> find_candidates(const patch::VisitTable& table,
-                                                           Grid<std::uint8_t> mask,
+                                                           const Grid<std::uint8_t>& mask,
                                                            const patch::ContradictionConfig& config,
                                                            std::size_t learned_scans);
 

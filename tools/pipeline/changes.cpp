@@ -11,7 +11,7 @@
 namespace strata::pipeline {
 namespace {
 
-using localization::RayCaster;
+using rays::RayCaster;
 
 double limit_of(const Scan& scan, double r_max_m) {
   const auto own_m = static_cast<double>(scan.range_max_m);
@@ -123,7 +123,7 @@ std::vector<ChangeEvent> make_events(const std::vector<ChangeCandidate>& candida
     for (std::size_t i = candidate.first_scan; i <= candidate.last_scan; ++i) {
       const std::size_t scan = test_scan_of[i];
       ChangeView view = viewer.telling_beams(scan, *before, *event.oracle);
-      if (view.beams.size() >= kLeastChangedBeams) event.views.push_back(std::move(view));
+      if (view.beams.size() >= kMinChangedBeams) event.views.push_back(std::move(view));
     }
     before = event.oracle;
     if (!event.views.empty()) events.push_back(std::move(event));
@@ -142,7 +142,7 @@ RayCaster caster_of_marked(const Grid<std::uint8_t>& marked) {
 }  // namespace
 
 bool Changes::sees_change(std::size_t scan) const {
-  return scan < place_beams.size() && place_beams[scan].size() >= kLeastChangedBeams;
+  return scan < place_beams.size() && place_beams[scan].size() >= kMinChangedBeams;
 }
 
 Changes find_changes(std::span<const PosedScan> learned, std::span<const Observation> tested,

@@ -14,9 +14,9 @@
 
 #include "core/grid/grid.hpp"
 #include "core/grid/reflection_grid.hpp"
-#include "core/localization/ray_caster.hpp"
-#include "core/localization/scan_beams.hpp"
 #include "core/patch/patch_learner.hpp"
+#include "core/rays/ray_caster.hpp"
+#include "core/rays/scan_beams.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata::pipeline {
@@ -42,7 +42,7 @@ struct ChangeEvent {
   std::vector<Cell> changed;           ///< the cells ...
   std::vector<std::uint8_t> occupied;  ///< ... and whether each is occupied now
   /// The map as it is now: what the best possible map would predict.
-  std::shared_ptr<const localization::RayCaster> oracle;
+  std::shared_ptr<const rays::RayCaster> oracle;
 };
 
 struct Changes {
@@ -56,8 +56,9 @@ struct Changes {
 };
 
 /// A scan tells of a change from this many beams on.
-inline constexpr std::size_t kLeastChangedBeams = 3;
-/// A bin is predicted when the prediction is this close to the measurement (CONTRACTS).
+inline constexpr std::size_t kMinChangedBeams = 3;
+/// A bin is predicted when the prediction is this close to the measurement: a smaller difference
+/// may be noise and pose error (docs/theory/evaluation.md, "Changes").
 inline constexpr double kBinTolerance_m = 0.15;
 
 /// Finds places by the contradiction test of patch maps over all visits, learned and tested

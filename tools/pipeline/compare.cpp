@@ -51,6 +51,7 @@ std::vector<Prepared> prepare(const Runs& runs, std::span<const Split> splits, c
 CompareOutcome compare(const Runs& runs, const CompareConfig& config, const CompareJob& asked) {
   require_valid(config, "compare");
   for (const Split& split : asked.splits) require_parts(split, asked);
+  for (const std::string& model : config.protocol.models) (void)asked.map_models->at(model);
   // Localizing takes most of the time, so that the time left is about that of the whole job.
   const std::size_t models = config.protocol.models.size() + asked.peers.size();
   SharedProgress progress(asked.progress, "compare",
@@ -90,7 +91,7 @@ CompareOutcome compare(const Runs& runs, const CompareConfig& config, const Comp
                       same_for_all, job, pool);
     }
     auto& [learned, parts] = group[s % at_once];
-    const std::vector<maps::MapModel> map_models = make_models(learned.maps, same_for_all);
+    const std::vector<maps::MapModel> map_models = make_models(learned.maps, same_for_all, job);
     const LocalizeFunction localize_one = job.localize_with
                                               ? job.localize_with(learned.result, same_for_all)
                                               : LocalizeFunction(localize_here);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "components/maps/map_models.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/progress.hpp"
 #include "tools/pipeline/compare_config.hpp"
@@ -56,6 +57,8 @@ struct CompareJob {
   std::vector<std::uint64_t> seeds;
   /// A map for the model `map`, in the frame of the truth, or of the poses when there is no truth.
   ReflectionGrid given_map;
+  /// What the models of the configuration are looked up in.
+  const maps::MapModels* map_models = &maps::map_models();
   int threads = 1;  ///< for learning
   int jobs = 0;     ///< runs of the localizer at once; 0: as threads. Results do not depend on it
   Progress* progress = nullptr;
@@ -68,7 +71,8 @@ struct CompareJob {
 /// and seed. Errors are measured against, in this order: given truths (in the map frame by one
 /// rigid alignment over the learning part), given poses, or the trajectory that SLAM gives to the
 /// whole log at once, which is labelled as such. With several splits learning takes the poses
-/// given, else those of SLAM over everything. Throws InputError when a part is empty.
+/// given, else those of SLAM over everything. Throws InputError when a part is empty,
+/// and ConfigError for a model that there is not.
 [[nodiscard]] CompareOutcome compare(const Runs& runs, const CompareConfig& config,
                                      const CompareJob& job);
 

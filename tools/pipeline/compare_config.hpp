@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "components/maps/learn_config.hpp"
+#include "components/maps/map_models.hpp"
 #include "core/localization/localizer_config.hpp"
-#include "core/localization/patch_beam_model.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
 #include "core/topology/mapper_config.hpp"
 #include "memory/decoding/decoding_config.hpp"
 
@@ -15,7 +16,7 @@ namespace strata::pipeline {
 
 /// How runs begin, and what is compared.
 struct CompareProtocol {
-  std::vector<std::string> models = {"occupancy", "filtered", "patch", "timescale"};
+  std::vector<std::string> models = maps::map_models().compared();
   double train_share = 0.6;
   double start_stddev_m = 0.1;
   double start_stddev_rad = 0.05;
@@ -64,7 +65,7 @@ struct CompareConfig {
   maps::LearnConfig learn = learn_at_given_poses();
   memory::DecodingConfig decoding;
   localization::LocalizerConfig localizer;
-  localization::PatchBeamModelConfig sensor;
+  patch_beams::PatchBeamModelConfig sensor;
   topology::TopologyMapperConfig topology;
   template <class Self, class V>
   static void describe(Self& c, V& v) {

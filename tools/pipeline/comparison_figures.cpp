@@ -84,15 +84,15 @@ LinePlot error_histogram(const Comparison& comparison) {
                 .y_label = "share of scans",
                 .from_zero = true,
                 .log_x = true};
-  constexpr double kLeast_m = 1e-3;
+  constexpr double kMin_m = 1e-3;
   double smallest_m = std::numeric_limits<double>::infinity();
-  double largest_m = kLeast_m;
+  double largest_m = kMin_m;
   std::vector<std::vector<double>> errors;
   for (const ModelResult& model : comparison.models) {
     errors.push_back(sorted_errors(model));
     if (errors.back().empty()) continue;
     const auto first_percent = errors.back().size() / 100;  // below it, all in the first bin
-    smallest_m = std::min(smallest_m, std::max(kLeast_m, errors.back()[first_percent]));
+    smallest_m = std::min(smallest_m, std::max(kMin_m, errors.back()[first_percent]));
     largest_m = std::max(largest_m, errors.back().back());
   }
   smallest_m = std::min(smallest_m, 0.5 * largest_m);

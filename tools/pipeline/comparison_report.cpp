@@ -107,6 +107,12 @@ void write_report(const CompareOutcome& outcome, const std::string& settings,
   add_patches(outcome, page);
   add_states(comparison, page);
   add_timescale(outcome, page);
+  finish_report(comparison, result, settings, folder, page);
+}
+
+void finish_report(const Comparison& comparison, const nlohmann::json& result,
+                   const std::string& settings, const std::filesystem::path& folder,
+                   report::HtmlReport& page) {
   page.heading("Fine print");
   add_more_measures(comparison, result["models"], page);
   add_robustness(comparison, result["models"], page);

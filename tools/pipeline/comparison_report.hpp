@@ -5,7 +5,10 @@
 #include <filesystem>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "tools/pipeline/compare.hpp"
+#include "tools/report/html_report.hpp"
 
 namespace strata::pipeline {
 
@@ -13,6 +16,12 @@ namespace strata::pipeline {
 /// an existing folder. settings: the configuration as text, for the fine print. Throws OutputError.
 void write_report(const CompareOutcome& outcome, const std::string& settings,
                   const std::filesystem::path& folder);
+
+/// What every report ends with: the fine print, errors.csv and predictions.csv, and `result` as
+/// comparison.json. Throws OutputError.
+void finish_report(const Comparison& comparison, const nlohmann::json& result,
+                   const std::string& settings, const std::filesystem::path& folder,
+                   report::HtmlReport& page);
 
 /// Writes errors.csv (every scan of every run) and predictions.csv (the held-out fit, scan by
 /// scan).

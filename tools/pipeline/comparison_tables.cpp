@@ -218,7 +218,7 @@ void add_more_measures(const Comparison& comparison, const json& models, HtmlRep
   table.caption =
       "Errors in metres, means over drives and seeds. Recovered: lost runs that came back below "
       "0.5 m for 5 s, and the median of the time it took. Prediction error: median over the beams "
-      "of scans not used in learning. In memory: grids, the distances that rays leap by, and the "
+      "of scans not used in learning. In memory: grids, the distances that rays skip by, and the "
       "timescale memory with what was decoded. Update: the median; a scan is skipped while the "
       "robot has hardly moved. Query: to expect the beams of one scan.";
   const auto cells = [](const ModelResult& model, const json& m) {

@@ -46,8 +46,6 @@ std::vector<Learned> learn_steps(const Runs& runs, const FullMemory& full,
   return learned;
 }
 
-bool is_learned(const std::string& model) { return model != "map"; }
-
 /// Of each drive, so that all drives together have as many runs as the configuration says.
 std::size_t memory_seeds(const Runs& runs, const CompareConfig& config, const CompareJob& job) {
   const std::size_t drives = std::max<std::size_t>(1, count_drives(runs, job.splits));
@@ -77,8 +75,8 @@ maps::LearnConfig with_less_memory(const maps::LearnConfig& config, int step) {
   return less;
 }
 
-std::string memory_setting(const std::string& model, const maps::LearnConfig& config) {
-  if (!model.starts_with("timescale")) {
+std::string memory_setting(const maps::MapModelDescriptor& model, const maps::LearnConfig& config) {
+  if (!model.needs_part(maps::MapPart::kTimescale)) {
     char text[32];
     std::snprintf(text, sizeof text, "%.2f m cells", config.slam.beam_filter.resolution_m);
     return text;
@@ -96,9 +94,11 @@ std::string memory_setting(const std::string& model, const maps::LearnConfig& co
 std::size_t count_memory_runs(const Runs& runs, const CompareConfig& config,
                               const CompareJob& job) {
   const std::vector<std::string>& models = config.protocol.models;
+  const auto learned = std::count_if(models.begin(), models.end(), [&](const std::string& model) {
+    return job.map_models->at(model)->is_learned();
+  });
   return static_cast<std::size_t>(config.protocol.memory_steps) * count_drives(runs, job.splits) *
-         static_cast<std::size_t>(std::count_if(models.begin(), models.end(), is_learned)) *
-         memory_seeds(runs, config, job);
+         static_cast<std::size_t>(learned) * memory_seeds(runs, config, job);
 }
 
 void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareConfig& config,
@@ -109,14 +109,15 @@ void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareCo
   const std::size_t count = memory_seeds(runs, config, job);
   const std::span<const std::uint64_t> seeds = std::span(job.seeds).first(count);
   CompareConfig less = config;
-  std::erase_if(less.protocol.models, [](const auto& model) { return !is_learned(model); });
+  std::erase_if(less.protocol.models,
+                [&](const auto& model) { return !job.map_models->at(model)->is_learned(); });
   const std::size_t first_part = results.front().scores.size() - full.parts.size();
   const std::vector<Learned> learned = learn_steps(runs, full, config, less, job, pool);
   for (int step = 0; step <= steps; ++step) {
     less.learn = with_less_memory(config.learn, step);
     const Learned* own = step > 0 ? &learned[static_cast<std::size_t>(step - 1)] : nullptr;
     std::vector<maps::MapModel> models;
-    if (own != nullptr) models = make_models(own->maps, less);
+    if (own != nullptr) models = make_models(own->maps, less, job);
     for (std::size_t p = 0; p < full.parts.size(); ++p) {
       std::vector<ModelResult> fresh(models.size());
       if (own != nullptr) {
@@ -125,9 +126,10 @@ void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareCo
       }
       std::size_t next = 0;
       for (std::size_t m = 0; m < config.protocol.models.size(); ++m) {
-        if (!is_learned(config.protocol.models[m])) continue;
+        const auto model = job.map_models->at(config.protocol.models[m]);
+        if (!model->is_learned()) continue;
         MemoryPoint& point = point_of(results[m], static_cast<std::size_t>(step));
-        point.setting = memory_setting(results[m].model, less.learn);
+        point.setting = memory_setting(*model, less.learn);
         if (step == 0) {
           point.bytes = results[m].map_bytes;
           add_runs(results[m].runs, first_part + p, count, point);

@@ -5,7 +5,7 @@
 /// A step halves the resolution of the grids, which quarters the bytes of occupancy, filtered and
 /// patch maps. Of the timescale memory, which is some fifty times as large, it halves the angle
 /// bins and the samples of each level and doubles the space between nodes: about a tenth.
-/// Everything is learned anew from the same scans at the same poses; nothing is thinned out
+/// Everything is learned anew from the same scans at the same poses; nothing is subsampled
 /// afterwards.
 #pragma once
 
@@ -26,7 +26,8 @@ namespace strata::pipeline {
 [[nodiscard]] maps::LearnConfig with_less_memory(const maps::LearnConfig& config, int step);
 /// What they are for a model, for people: "0.10 m cells", "180 bins, 2/10/25
 /// samples, nodes 2 m apart".
-[[nodiscard]] std::string memory_setting(const std::string& model, const maps::LearnConfig& config);
+[[nodiscard]] std::string memory_setting(const maps::MapModelDescriptor& model,
+                                         const maps::LearnConfig& config);
 
 /// A split whose maps and test parts are there already, at full memory.
 struct FullMemory {
@@ -40,8 +41,9 @@ struct FullMemory {
                                             const CompareJob& job);
 
 /// Learns the split again at each step, localizes in it with the first seeds, and adds the errors
-/// to the curves of the results (one a model of the configuration; `map` and peers stay as they
-/// are). The first point of a curve is the map at full memory, from the runs that are there.
+/// to the curves of the results (one a model of the configuration; maps that were given, and peers,
+/// stay as they are). The first point of a curve is the map at full memory, from the runs that are
+/// there.
 void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareConfig& config,
                        const CompareJob& job, WorkerPool& pool, SharedProgress& progress,
                        std::vector<ModelResult>& results);

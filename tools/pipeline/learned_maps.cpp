@@ -68,7 +68,10 @@ maps::Maps maps_of(const LearnResult& result, const memory::DecodingConfig& deco
 
 void add_place_patches(const CompareConfig& config, const CompareJob& job, LearnResult& result) {
   const std::vector<std::string>& models = config.protocol.models;
-  if (std::find(models.begin(), models.end(), "patch_places") == models.end()) return;
+  const bool is_needed = std::any_of(models.begin(), models.end(), [&](const std::string& model) {
+    return job.map_models->at(model)->needs_part(maps::MapPart::kPlacePatches);
+  });
+  if (!is_needed) return;
   if (result.places.empty()) {
     result.places = topology_places(result.slam.scans, config.topology, job.seeds.front(),
                                     job.threads, job.progress);

@@ -31,7 +31,7 @@ using Poses = std::vector<std::optional<Pose2>>;
 /// What was learned, ready to localize in; `decoding` as memory::decode.
 [[nodiscard]] maps::Maps maps_of(const LearnResult& result, const memory::DecodingConfig& decoding);
 
-/// For the model patch_places, when it is among those compared; places known already are kept.
+/// When a model that is compared needs them; places known already are kept.
 void add_place_patches(const CompareConfig& config, const CompareJob& job, LearnResult& result);
 
 struct Learned {

@@ -41,28 +41,6 @@ std::optional<std::size_t> lost_index(std::span<const ScanError> errors, double 
 
 }  // namespace
 
-ErrorSummary summarize(std::vector<double> values) {
-  ErrorSummary summary;
-  if (values.empty()) return summary;
-  std::sort(values.begin(), values.end());
-  const auto n = static_cast<double>(values.size());
-  double squares = 0.0;
-  for (const double value : values) {
-    summary.mean += value / n;
-    squares += value * value / n;
-  }
-  const auto rank = [&](double share) {
-    const auto place = static_cast<std::size_t>(std::ceil(share * n));
-    return values[std::clamp<std::size_t>(place, 1, values.size()) - 1];
-  };
-  const std::size_t half = values.size() / 2;
-  summary.median = values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-  summary.p95 = rank(0.95);
-  summary.max = values.back();
-  summary.rmse = std::sqrt(squares);
-  return summary;
-}
-
 LocalizationMetrics evaluate_run(std::span<const ScanError> errors) {
   LocalizationMetrics metrics;
   if (errors.empty()) return metrics;

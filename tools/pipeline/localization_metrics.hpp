@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a localization run was worth, in the words of the contracts: error, failure, lost,
-/// converged.
+/// What a localization run was worth, in the words of docs/theory/evaluation.md: error, failure,
+/// lost, converged.
 #pragma once
 
 #include <optional>
@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "core/base/time.hpp"
+#include "tools/statistics/error_summary.hpp"
 
 namespace strata::pipeline {
 
-/// A scan further than this from the truth has failed (CONTRACTS).
+/// A scan further than this from the truth has failed.
 inline constexpr double kFailureDistance_m = 0.5;
 
 /// Error of one scan: the weighted mean distance of all particles from the truth
@@ -22,13 +23,8 @@ struct ScanError {
   double error_rad = 0.0;
 };
 
-struct ErrorSummary {
-  double mean = 0.0;
-  double median = 0.0;
-  double p95 = 0.0;
-  double max = 0.0;
-  double rmse = 0.0;
-};
+using statistics::ErrorSummary;
+using statistics::summarize;
 
 struct LocalizationMetrics {
   ErrorSummary error_m;
@@ -45,9 +41,6 @@ struct LocalizationMetrics {
   /// 0.5 m for 5 s again; nothing when it never does.
   std::optional<double> recovered_after_s;
 };
-
-/// Mean, median, 95th percentile (nearest rank), maximum and root mean square. All zero when empty.
-[[nodiscard]] ErrorSummary summarize(std::vector<double> values);
 
 /// Requires errors in the order of their stamps. Warm-up is not excluded from the error summaries:
 /// the paper's figure counts every scan. O(n log n).

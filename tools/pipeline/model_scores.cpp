@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "tools/pipeline/online_predictor.hpp"
 #include "tools/pipeline/scan_prediction.hpp"
-#include "tools/pipeline/watcher.hpp"
 
 namespace strata::pipeline {
 namespace {
@@ -15,21 +15,17 @@ namespace {
 /// Own poses of this many seeds are predicted from: one alone may be lost by bad luck.
 constexpr std::size_t kOwnPoseSeeds = 3;
 
-/// timescale_frozen stays as it was learned.
-bool follows_timescale(const std::string& model) {
-  return model.starts_with("timescale") && model != "timescale_frozen";
-}
-
 /// The timescale memory goes on learning for adaptation, as it would on the robot; grids are what
 /// they are, and patch models follow by beliefs.
 void follow_with_memory(const maps::MapModel& model, const TestScans& test, const maps::Maps& maps,
                         const CompareConfig& config, PredictionScore& score) {
-  if (!follows_timescale(model.name) || test.changes->events.empty()) return;
-  const auto followed = follow_timescale(test, maps, {model.name}, config.sensor);
+  if (model.descriptor->learns != maps::MapLearning::kMemory) return;
+  if (test.changes->events.empty()) return;
+  const auto followed = follow_memory(test, maps, model, config.sensor);
   for (std::size_t e = 0; e < score.events.size(); ++e) {
-    score.events[e].adapted_after_scans = followed[0][e].adapted_after_scans;
-    score.events[e].adapted_after_s = followed[0][e].adapted_after_s;
-    score.events[e].mixed_share = followed[0][e].mixed_share;
+    score.events[e].adapted_after_scans = followed[e].adapted_after_scans;
+    score.events[e].adapted_after_s = followed[e].adapted_after_s;
+    score.events[e].mixed_share = followed[e].mixed_share;
   }
 }
 
@@ -74,13 +70,13 @@ void score_models(const std::vector<maps::MapModel>& models, const TestPart& par
     follow_with_memory(models[m], test, maps, config, scores[m].prediction);
   };
   const auto be_fooled = [&](std::size_t m) {
-    const auto undisturbed = make_watcher(maps, models[m], config.sensor);
-    const auto disturbed = make_watcher(maps, models[m], config.sensor);
+    const auto undisturbed = make_online_predictor(maps, models[m], config.sensor);
+    const auto disturbed = make_online_predictor(maps, models[m], config.sensor);
     scores[m].false_adaptation =
         follow_transients(test, transients, r_max_m, *undisturbed, *disturbed);
   };
   const auto plan = [&](std::size_t m) {
-    const auto watcher = make_watcher(maps, models[m], config.sensor);
+    const auto watcher = make_online_predictor(maps, models[m], config.sensor);
     scores[m].planning = judge_planning(test, tasks, found, *watcher);
   };
   const auto predict_own = [&](std::size_t m) {

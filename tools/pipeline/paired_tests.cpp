@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kAlpha = 0.05;
 /// Half a cell of the default map: smaller differences are real at most in the statistical sense.
-constexpr double kLeastThatMatters_m = 0.025;
+constexpr double kMinThatMatters_m = 0.025;
 
 /// The pair without its adjusted p-values.
 PairedTest compare_pair(const ModelResult& better, const ModelResult& worse,
@@ -109,7 +109,7 @@ std::string verdict(const Comparison& comparison, const std::vector<PairedTest>&
       return t.better == best->model && t.worse == model.model;
     });
     const bool significant = test != tests.end() && test->significant;
-    const bool matters = significant && test->mean_difference_m >= kLeastThatMatters_m;
+    const bool matters = significant && test->mean_difference_m >= kMinThatMatters_m;
     std::string& list = matters ? beaten : (significant ? alike : tied);
     list += (list.empty() ? "" : ", ") + model.model + " (" + metres(mean_error_m(model)) + ")";
   }
@@ -137,9 +137,9 @@ std::string verdict(const Comparison& comparison, const std::vector<PairedTest>&
                 " runs: above 1 m for 5 s or longer.";
   }
   // The least p that a signed-rank test can reach, times the pairs that Holm's correction counts.
-  const double least_p = std::ldexp(2.0, -static_cast<int>(units)) *
-                         static_cast<double>(std::max<std::size_t>(1, tests.size()));
-  if (least_p >= kAlpha) {
+  const double min_p = std::ldexp(2.0, -static_cast<int>(units)) *
+                       static_cast<double>(std::max<std::size_t>(1, tests.size()));
+  if (min_p >= kAlpha) {
     sentence += " With so few seeds no difference can be significant; use --seeds 20 to decide.";
   }
   return sentence;

@@ -12,14 +12,13 @@ namespace strata::pipeline {
 namespace {
 
 constexpr double kRobotRadius_m = 0.25;
-constexpr double kLeastWay_m = 2.0;
-constexpr float kFoundOccupied = 0.5F;
+constexpr double kMinPathLength_m = 2.0;
 
 bool is_blocked(const Path& path, const ReflectionGrid& found) {
   for (std::size_t i = 1; i < path.size(); ++i) {
     for (const double share : {0.0, 0.5}) {
       const Eigen::Vector2d point = path[i - 1] + share * (path[i] - path[i - 1]);
-      if (found.get(found.cell_at(point)) >= kFoundOccupied) return true;
+      if (found.get(found.cell_at(point)) >= kMostlyOccupied) return true;
     }
   }
   return false;
@@ -62,7 +61,7 @@ std::vector<PlanningTask> planning_tasks(const TestScans& test) {
         std::max_element(places.begin(), places.end(), [&](const auto& a, const auto& b) {
           return (a - start).squaredNorm() < (b - start).squaredNorm();
         });
-    if ((*goal - start).norm() >= kLeastWay_m) tasks.push_back({start, *goal});
+    if ((*goal - start).norm() >= kMinPathLength_m) tasks.push_back({start, *goal});
   }
   return tasks;
 }
@@ -77,7 +76,8 @@ ReflectionGrid map_of_drive(const TestScans& test, double resolution_m) {
 }
 
 PlanningScore judge_planning(const TestScans& test, const std::vector<PlanningTask>& tasks,
-                             const ReflectionGrid& found, Watcher& watcher, std::size_t times) {
+                             const ReflectionGrid& found, OnlinePredictor& predictor,
+                             std::size_t times) {
   PlanningScore score;
   std::vector<Answers> answers(tasks.size());
   std::shared_ptr<const ReflectionGrid> planned_in;
@@ -85,9 +85,9 @@ PlanningScore judge_planning(const TestScans& test, const std::vector<PlanningTa
   const std::size_t every = std::max<std::size_t>(1, test.observations.size() / times);
   for (std::size_t i = 0; i < test.observations.size() && !tasks.empty(); ++i) {
     if (!test.truths[i]) continue;
-    watcher.go_to(*test.truths[i], test.observations[i].scan.stamp);
+    predictor.go_to(*test.truths[i], test.observations[i].scan.stamp);
     if (i % every == 0) {
-      const std::shared_ptr<const ReflectionGrid> map = watcher.map();
+      const std::shared_ptr<const ReflectionGrid> map = predictor.map();
       if (!map) return {};
       if (map != planned_in) {
         const PathPlanner planner(*map, kRobotRadius_m);
@@ -104,7 +104,7 @@ PlanningScore judge_planning(const TestScans& test, const std::vector<PlanningTa
         answers[t].add(paths[t]);
       }
     }
-    watcher.learn(test.observations[i], *test.truths[i]);
+    predictor.learn(test.observations[i], *test.truths[i]);
   }
   std::vector<double> variations;
   std::vector<double> steps_m;

@@ -10,9 +10,9 @@
 #include <Eigen/Core>
 
 #include "core/grid/reflection_grid.hpp"
+#include "tools/pipeline/online_predictor.hpp"
 #include "tools/pipeline/path_planner.hpp"
 #include "tools/pipeline/scan_prediction.hpp"
-#include "tools/pipeline/watcher.hpp"
 
 namespace strata::pipeline {
 
@@ -39,10 +39,10 @@ struct PlanningScore {
   std::optional<double> frechet_m;
 };
 
-/// Asks the watcher, which goes along, for a plan `times` times, evenly over the drive.
+/// Asks the predictor, which goes along, for a plan `times` times, evenly over the drive.
 [[nodiscard]] PlanningScore judge_planning(const TestScans& test,
                                            const std::vector<PlanningTask>& tasks,
-                                           const ReflectionGrid& found, Watcher& watcher,
+                                           const ReflectionGrid& found, OnlinePredictor& predictor,
                                            std::size_t times = 15);
 
 }  // namespace strata::pipeline

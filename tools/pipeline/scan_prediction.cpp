@@ -7,21 +7,21 @@
 #include <limits>
 #include <utility>
 
-#include "core/localization/scan_beams.hpp"
-#include "tools/pipeline/onlooker.hpp"
+#include "core/rays/scan_beams.hpp"
+#include "tools/pipeline/known_pose_predictor.hpp"
 #include "tools/statistics/statistics.hpp"
 
 namespace strata::pipeline {
 namespace {
 
-using localization::ScanBeams;
+using rays::ScanBeams;
 
 constexpr std::size_t kRecallScans = 10;
 
 /// Sums of a ScanPrediction.
 class Fit {
  public:
-  void add(const Onlooker::Likelihood& likelihood) {
+  void add(const KnownPosePredictor::Likelihood& likelihood) {
     nats_ += likelihood.nats;
     beams_ += likelihood.beams;
   }
@@ -58,10 +58,10 @@ Scan only_beams(const Scan& scan, const std::vector<std::uint32_t>& beams) {
 
 /// The scan without the beams that a localizer would choose of it, but moved by half a step: as
 /// many others.
-Scan without_chosen_beams(const Scan& scan, const localization::BeamSelectionConfig& config) {
+Scan without_chosen_beams(const Scan& scan, const rays::BeamSelectionConfig& config) {
   const double step_rad = std::abs(static_cast<double>(scan.angle_increment_rad));
   const auto every = static_cast<std::size_t>(
-      std::max(1.0, std::ceil(config.least_angle_rad / std::max(step_rad, 1e-9) - 0.01)));
+      std::max(1.0, std::ceil(config.min_angle_rad / std::max(step_rad, 1e-9) - 0.01)));
   Scan result = scan;
   const std::size_t shift = every / 2;
   if (shift == 0) return only_beams(scan, {});  // the localizer looks at every beam
@@ -92,12 +92,12 @@ class Recall {
          const localization::BeamModelConfig& config, std::size_t events)
       : test_(test), model_(model), config_(config), sums_(events, 0.0), counts_(events, 0) {}
 
-  void see(std::size_t scan, const Onlooker& onlooker, EventFollower& follower) {
+  void see(std::size_t scan, const KnownPosePredictor& predictor, EventFollower& follower) {
     const Scan& seen = test_.observations[scan].scan;
     for (const auto& [e, v] : follower.views_of(scan)) {
       const ChangeEvent& event = test_.changes->events[e];
       if (!event.is_old_state || v >= kRecallScans) continue;
-      const Onlooker::Likelihood likelihood = onlooker.likelihood(seen);
+      const KnownPosePredictor::Likelihood likelihood = predictor.likelihood(seen);
       if (likelihood.beams == 0) continue;
       sums_[e] += likelihood.nats / static_cast<double>(likelihood.beams) -
                   oracle_fit(event, seen, *test_.truths[scan], config_);
@@ -105,13 +105,14 @@ class Recall {
       follower.outcome(e).recall = sums_[e] / static_cast<double>(counts_[e]);
     }
   }
-  void learned(std::size_t scan, const Onlooker& onlooker, EventFollower& follower) const {
+  void learned(std::size_t scan, const KnownPosePredictor& predictor,
+               EventFollower& follower) const {
     const localization::PatchStates* states = model_.sensor->patch_states();
     if (states == nullptr) return;
     for (const auto& [e, v] : follower.views_of(scan)) {
       const ChangeEvent& event = test_.changes->events[e];
       if (!event.is_old_state || v >= kRecallScans) continue;
-      const auto belief = belief_in_state(event, states->map(), onlooker.beliefs());
+      const auto belief = belief_in_state(event, states->map(), predictor.beliefs());
       if (belief) follower.outcome(e).true_state_probability = belief;
     }
   }
@@ -129,7 +130,7 @@ class Recall {
 PredictionScore score_predictions(const TestScans& test, const maps::MapModel& model,
                                   const localization::BeamModelConfig& config,
                                   const PredictionChoice& choice) {
-  Onlooker onlooker(model);
+  KnownPosePredictor predictor(model);
   EventFollower follower(test, config.beams.max_range_m);
   Recall recall(test, model, config, test.changes ? test.changes->events.size() : 0);
   Fit overall;
@@ -139,34 +140,34 @@ PredictionScore score_predictions(const TestScans& test, const maps::MapModel& m
   for (std::size_t i = 0; i < test.observations.size(); ++i) {
     if (!test.truths[i]) continue;
     const Scan& scan = test.observations[i].scan;
-    onlooker.go_to(*test.truths[i], scan.stamp);
+    predictor.go_to(*test.truths[i], scan.stamp);
     const bool is_due = i % static_cast<std::size_t>(choice.every) == 0;
     const bool sees_change = test.changes != nullptr && test.changes->sees_change(i);
     if (is_due || sees_change || !follower.views_of(i).empty()) {
       const auto begin = Clock::now();
-      const maps::RangeFunction expected_range = onlooker.expected_range();
+      const maps::RangeFunction expected_range = predictor.expected_range();
       if (is_due) {
         const Scan judged = choice.unseen_beams ? without_chosen_beams(scan, config.beams) : scan;
-        overall.add_deviations(localization::select_beams(judged, config.beams), *test.truths[i],
+        overall.add_deviations(rays::select_beams(judged, config.beams), *test.truths[i],
                                expected_range);
         const std::chrono::duration<double, std::milli> took = Clock::now() - begin;
         score.query_ms.push_back(took.count());
-        const Onlooker::Likelihood fit = onlooker.likelihood(judged);
+        const KnownPosePredictor::Likelihood fit = predictor.likelihood(judged);
         overall.add(fit);
         score.series.push_back(
             {(scan.stamp - test.observations.front().scan.stamp).seconds(), fit.nats, fit.beams});
       }
       if (sees_change) {
         const Scan reaching = only_beams(scan, test.changes->place_beams[i]);
-        changed.add(onlooker.likelihood(reaching));
-        changed.add_deviations(localization::select_beams(reaching, config.beams), *test.truths[i],
+        changed.add(predictor.likelihood(reaching));
+        changed.add_deviations(rays::select_beams(reaching, config.beams), *test.truths[i],
                                expected_range);
       }
       follower.see(i, expected_range);
-      recall.see(i, onlooker, follower);
+      recall.see(i, predictor, follower);
     }
-    onlooker.learn(scan);
-    recall.learned(i, onlooker, follower);
+    predictor.learn(scan);
+    recall.learned(i, predictor, follower);
   }
   score.overall = overall.result();
   score.changed = changed.result();
@@ -174,31 +175,25 @@ PredictionScore score_predictions(const TestScans& test, const maps::MapModel& m
   return score;
 }
 
-std::vector<std::vector<EventOutcome>> follow_timescale(
-    const TestScans& test, const maps::Maps& maps, const std::vector<std::string>& names,
-    const localization::PatchBeamModelConfig& sensor) {
+std::vector<EventOutcome> follow_memory(const TestScans& test, const maps::Maps& maps,
+                                        const maps::MapModel& model,
+                                        const patch_beams::PatchBeamModelConfig& sensor) {
   // A copy that goes on learning.
   auto live = std::make_shared<memory::TimescaleMemory>(*maps.timescale);
   maps::Maps now;
   now.timescale = live;
   now.decoding = maps.decoding;
-  std::vector<EventFollower> followers(names.size(),
-                                       EventFollower(test, sensor.beam.beams.max_range_m));
-  for (std::size_t i = 0; i < test.observations.size() && !names.empty(); ++i) {
+  EventFollower follower(test, sensor.beam.beams.max_range_m);
+  for (std::size_t i = 0; i < test.observations.size(); ++i) {
     if (!test.truths[i]) continue;
     const Observation& observation = test.observations[i];
-    if (!followers.front().views_of(i).empty()) {
+    if (!follower.views_of(i).empty()) {
       now.nodes = live->decode(now.decoding, now.nodes.get());
-      for (std::size_t m = 0; m < names.size(); ++m) {
-        const maps::MapModel model = maps::make_map_model(now, names[m], sensor);
-        followers[m].see(i, model.best_prediction({}));
-      }
+      follower.see(i, maps::make_map_model(now, model, sensor).best_prediction({}));
     }
     live->observe({observation.run, observation.scan, *test.truths[i], {}});
   }
-  std::vector<std::vector<EventOutcome>> outcomes;
-  for (EventFollower& follower : followers) outcomes.push_back(follower.take());
-  return outcomes;
+  return follower.take();
 }
 
 }  // namespace strata::pipeline

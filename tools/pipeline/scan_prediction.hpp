@@ -10,7 +10,7 @@
 
 #include "components/maps/map_model.hpp"
 #include "components/maps/maps_folder.hpp"
-#include "core/localization/patch_beam_model.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
 #include "core/scan/scan.hpp"
 #include "tools/pipeline/event_follower.hpp"
 
@@ -52,11 +52,11 @@ struct PredictionChoice {
                                                 const localization::BeamModelConfig& config,
                                                 const PredictionChoice& choice);
 
-/// The adaptation of timescale models while the memory goes on learning at the true poses: each
-/// scan is predicted before the memory observes it. One entry a name, one outcome an event; recall
-/// and state probability stay empty.
-[[nodiscard]] std::vector<std::vector<EventOutcome>> follow_timescale(
-    const TestScans& test, const maps::Maps& maps, const std::vector<std::string>& names,
-    const localization::PatchBeamModelConfig& sensor);
+/// The adaptation of a timescale model while its memory, a copy of that in the maps, goes on
+/// learning at the true poses: each scan is predicted before the memory observes it. One outcome an
+/// event; recall and state probability stay empty.
+[[nodiscard]] std::vector<EventOutcome> follow_memory(
+    const TestScans& test, const maps::Maps& maps, const maps::MapModel& model,
+    const patch_beams::PatchBeamModelConfig& sensor);
 
 }  // namespace strata::pipeline

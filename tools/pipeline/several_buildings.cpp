@@ -127,14 +127,7 @@ void write_joint_report(const std::vector<Building>& buildings, const std::strin
   add_pair_table(tests, page);
   add_drives(joint, page);
   add_changed_places(joint, result["models"], page);
-  page.heading("Fine print");
-  add_more_measures(joint, result["models"], page);
-  add_robustness(joint, result["models"], page);
-  add_without_truth(joint, result["models"], page);
-  page.details("Every parameter", settings);
-  write_series(joint, folder);
-  report::write_file(folder / "comparison.json", result.dump(2) + "\n");
-  page.write();
+  finish_report(joint, result, settings, folder, page);
 }
 
 }  // namespace strata::pipeline

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "components/maps/topology_files.hpp"
+#include "components/topologies/topology_files.hpp"
 #include "core/grid/counting_map.hpp"
 #include "tools/report/map_picture.hpp"
 
@@ -43,7 +43,7 @@ void write_map_picture(const std::filesystem::path& path, const ReflectionGrid& 
 nlohmann::json write_topology(const std::filesystem::path& dir, const std::string& log,
                               const TopologyMap& result, const Cost& cost,
                               const std::optional<TopologyAgreement>& agreement) {
-  nlohmann::json json = maps::topologies_json(result);
+  nlohmann::json json = topologies::topologies_json(result);
   json["log"] = log;
   json["cost"] = {
       {"wall_s", cost.wall_s},
@@ -65,7 +65,7 @@ nlohmann::json write_topology(const std::filesystem::path& dir, const std::strin
                          {"far", agreement->far},
                          {"far_merged", agreement->far_merged}};
   }
-  maps::write_topology_files(dir, result, json);
+  topologies::write_topology_files(dir, result, json);
   std::vector<Pose2> poses;
   for (const PosedScan& scan : result.scans) poses.push_back(scan.map_from_robot);
   write_map_picture(dir / "map.png", result.map, poses);

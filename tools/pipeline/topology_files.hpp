@@ -21,7 +21,7 @@ nlohmann::json write_topology(const std::filesystem::path& dir, const std::strin
                               const std::optional<TopologyAgreement>& agreement = {});
 
 /// Pictures as SVG: the likeliest topologies with their probabilities; the landmarks of the
-/// likeliest with its local maps and covariance ellipses.
+/// likeliest with its local clouds and covariance ellipses.
 [[nodiscard]] std::string draw_topologies(const TopologyMap& result, std::size_t count);
 [[nodiscard]] std::string draw_landmarks(const TopologyMap& result);
 

@@ -141,7 +141,7 @@ std::string draw_landmarks(const TopologyMap& result) {
   const topology::Hypothesis& hypothesis = result.posterior.front();
   std::vector<Eigen::Vector2d> points;
   for (std::size_t i = 0; i < result.visits.size(); ++i) {
-    for (const Eigen::Vector2d& point : result.visits[i].visit.patch.points_m) {
+    for (const Eigen::Vector2d& point : result.visits[i].visit.cloud.points_m) {
       points.push_back(hypothesis.poses[i] * point);
     }
     points.push_back(hypothesis.poses[i].translation());

@@ -13,9 +13,9 @@ constexpr double kDistance_m = 1.5;
 constexpr double kClearance_m = 0.8;
 constexpr double kPause_s = 30.0;
 constexpr double kTryAgain_s = 2.0;
-constexpr std::size_t kLeastDuring = 10;
-constexpr std::size_t kLeastAfter = 3;
-constexpr std::size_t kMostAfter = 10;
+constexpr std::size_t kMinDuring = 10;
+constexpr std::size_t kMinAfter = 3;
+constexpr std::size_t kMaxAfter = 10;
 
 /// Where a beam enters the obstacle; nothing when it passes.
 std::optional<double> entry_into(const Eigen::Vector2d& laser_m, double angle_rad,
@@ -63,15 +63,15 @@ bool fits(const TestScans& test, double r_max_m, std::size_t first, Transient& t
     transient.last_scan = i;
     if (!test.truths[i]) continue;
     if ((test.truths[i]->translation() - transient.center_m).norm() < kClearance_m) return false;
-    during += beams_through(scan, *test.truths[i], transient, r_max_m).size() >= kLeastChangedBeams;
+    during += beams_through(scan, *test.truths[i], transient, r_max_m).size() >= kMinChangedBeams;
   }
-  if (during < kLeastDuring) return false;
-  for (; i < test.observations.size() && transient.views.size() < kMostAfter; ++i) {
+  if (during < kMinDuring) return false;
+  for (; i < test.observations.size() && transient.views.size() < kMaxAfter; ++i) {
     if (!test.truths[i]) continue;
     auto beams = beams_through(test.observations[i].scan, *test.truths[i], transient, r_max_m);
-    if (beams.size() >= kLeastChangedBeams) transient.views.emplace_back(i, std::move(beams));
+    if (beams.size() >= kMinChangedBeams) transient.views.emplace_back(i, std::move(beams));
   }
-  return transient.views.size() >= kLeastAfter;
+  return transient.views.size() >= kMinAfter;
 }
 
 /// To the left or right of a scan's robot, where the way is free.
@@ -125,7 +125,8 @@ Scan with_obstacle(const Scan& scan, const Pose2& map_from_robot, const Transien
 }
 
 FalseAdaptation follow_transients(const TestScans& test, const std::vector<Transient>& transients,
-                                  double r_max_m, Watcher& undisturbed, Watcher& disturbed) {
+                                  double r_max_m, OnlinePredictor& undisturbed,
+                                  OnlinePredictor& disturbed) {
   FalseAdaptation result;
   const double limit_m = r_max_m > 0.0 ? r_max_m : 100.0;
   for (std::size_t i = 0; i < test.observations.size(); ++i) {

@@ -12,8 +12,8 @@
 
 #include <Eigen/Core>
 
+#include "tools/pipeline/online_predictor.hpp"
 #include "tools/pipeline/scan_prediction.hpp"
-#include "tools/pipeline/watcher.hpp"
 
 namespace strata::pipeline {
 
@@ -45,10 +45,10 @@ struct FalseAdaptation {
   std::size_t wrong = 0;  ///< of those, not any more by the model that did
 };
 
-/// undisturbed, disturbed: two watchers of one model, which go along.
+/// undisturbed, disturbed: two predictors of one model, which go along.
 [[nodiscard]] FalseAdaptation follow_transients(const TestScans& test,
                                                 const std::vector<Transient>& transients,
-                                                double r_max_m, Watcher& undisturbed,
-                                                Watcher& disturbed);
+                                                double r_max_m, OnlinePredictor& undisturbed,
+                                                OnlinePredictor& disturbed);
 
 }  // namespace strata::pipeline

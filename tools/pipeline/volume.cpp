@@ -63,8 +63,8 @@ std::string name_of(const VolumeSources& sources) {
 
 void color(const fs::path& log, const VolumeJobConfig& config, const VolumeSources& sources,
            VolumeResult& result, WorkerPool& pool, Progress* progress) {
-  log::BagImageReader reader(log, sources.reading);
-  log::PosedImage image;
+  clouds::BagImageReader reader(log, sources.reading);
+  clouds::PosedImage image;
   while (reader.next(image)) {
     if (!result.colors) {
       result.colors.emplace(config.colors, result.map, volume::moving_witnesses(sources.scans));
@@ -75,7 +75,7 @@ void color(const fs::path& log, const VolumeJobConfig& config, const VolumeSourc
   result.images = reader.report();
 }
 
-void require_clouds(const fs::path& log, const log::CloudReport& report) {
+void require_clouds(const fs::path& log, const clouds::CloudReport& report) {
   if (report.clouds > 0) return;
   throw InputError(log.string(),
                    "holds no cloud with a pose" +
@@ -112,13 +112,13 @@ VolumeResult make_volume(const fs::path& log, const std::string& poses,
   volume::Cloud cloud;
   std::size_t total = 0;
   if (volume::VoxelFilter* moving = labels.voxels()) {
-    const auto reader = log::CloudReader::open(log, sources.reading);
+    const auto reader = clouds::CloudReader::open(log, sources.reading);
     while (reader->next(cloud)) {
       moving->count(cloud, pool);
       report_progress(progress, "find what moves", ++total, 0);
     }
   }
-  const auto reader = log::CloudReader::open(log, sources.reading);
+  const auto reader = clouds::CloudReader::open(log, sources.reading);
   while (reader->next(cloud)) {
     cloud.sweep_s = config.sweep_s;
     const std::vector<std::uint8_t> is_dynamic = labels.of(cloud, pool);
@@ -131,7 +131,7 @@ VolumeResult make_volume(const fs::path& log, const std::string& poses,
   result.report = reader->report();
   require_clouds(log, result.report);
   result.score = truth.score(result.map);
-  if (log::is_bag(log)) color(log, config, sources, result, pool, progress);
+  if (clouds::is_bag(log)) color(log, config, sources, result, pool, progress);
   return result;
 }
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "components/log/bag_images.hpp"
-#include "components/log/cloud_reader.hpp"
+#include "components/clouds/bag_images.hpp"
+#include "components/clouds/cloud_reader.hpp"
 #include "core/base/progress.hpp"
 #include "core/volume/color_map.hpp"
 #include "core/volume/dynamic_boxes.hpp"
@@ -63,7 +63,7 @@ struct VolumeResult {
   explicit VolumeResult(const volume::VolumeConfig& config) : map(config) {}
 
   volume::VolumeMap map;
-  log::CloudReport report;
+  clouds::CloudReport report;
   volume::CloudCounts counts;
   bool is_filtered = false;
   std::string moving;  ///< "boxes", "voxels", "boxes and voxels", "nothing"
@@ -73,7 +73,7 @@ struct VolumeResult {
   std::optional<VolumeScore> score;           ///< where clouds had truth
   std::optional<volume::VoxelMemory> memory;  ///< with `remember`
   std::optional<volume::ColorMap> colors;     ///< where there were images
-  log::ImageReport images;
+  clouds::ImageReport images;
 };
 
 /// Reads the log once, more often with the filter on voxels (the first time to learn what moves)

@@ -47,7 +47,7 @@ VolumeSources find_volume_sources(const fs::path& log, const std::string& poses,
                                   Progress* progress) {
   VolumeSources sources;
   const bool wants_boxes = asked == MovingKind::kBoxes || asked == MovingKind::kBoth;
-  if (!fs::exists(log) || !log::is_bag(log)) {
+  if (!fs::exists(log) || !clouds::is_bag(log)) {
     if (!poses.empty()) {
       throw InputError("--poses " + poses, "does not go with a log whose clouds have poses",
                        "leave --poses out");
@@ -60,7 +60,7 @@ VolumeSources find_volume_sources(const fs::path& log, const std::string& poses,
     sources.uses_voxels = asked != MovingKind::kNone;
     return sources;
   }
-  const log::BagPoses bag(log, {});
+  const clouds::BagPoses bag(log, {});
   const bool has_scans = !bag.topics_of("sensor_msgs/msg/LaserScan").empty();
   if (wants_boxes && !has_scans) {
     throw InputError(log.string(), "has no planar scans to make boxes from", "use --moving voxels");

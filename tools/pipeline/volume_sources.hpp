@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "components/log/cloud_reader.hpp"
+#include "components/clouds/cloud_reader.hpp"
 #include "core/base/config.hpp"
 #include "core/base/progress.hpp"
 #include "core/slam/slam.hpp"
@@ -40,8 +40,8 @@ struct strata::EnumNames<strata::pipeline::MovingKind> {
 namespace strata::pipeline {
 
 struct VolumeSources {
-  log::CloudReadOptions reading;  ///< with the robot's poses, where they are not tf's
-  std::string pose_source;        ///< "poses", "tf", "slam" or "log"
+  clouds::CloudReadOptions reading;  ///< with the robot's poses, where they are not tf's
+  std::string pose_source;           ///< "poses", "tf", "slam" or "log"
   bool uses_voxels = false;
   bool uses_boxes = false;
   /// Planar scans with poses and labels; empty unless boxes or colours are made from them.

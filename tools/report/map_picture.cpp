@@ -57,7 +57,7 @@ void mark_dynamic_beams(MapPicture& picture, std::span<const PosedScan> scans, C
   for (const PosedScan& scan : scans) {
     if (scan.static_probability.empty()) continue;
     for_each_ray(scan.scan, scan.map_from_laser(), {}, [&](std::size_t beam, const Ray& ray) {
-      if (!ray.is_hit || scan.static_probability[beam] >= 0.5F) return;
+      if (!ray.is_hit || !is_dynamic(scan.static_probability[beam])) return;
       const Eigen::Vector2i at = picture.pixel(ray.to_m);
       picture.image.dot(at.x(), at.y(), picture.pixels_per_cell > 2 ? 1 : 0, color);
     });
@@ -108,24 +108,6 @@ Image draw_submap(const patch::Submap& submap, int pixels_per_cell) {
     row.frame(left, 0, left + width - 1, height - 1, kFrame);
   }
   return row;
-}
-
-Image draw_configurations(const patch::PatchMap& map, int pixels_per_cell) {
-  std::vector<Image> rows;
-  int width = 1;
-  int height = 0;
-  for (const patch::Submap& submap : map.submaps) {
-    rows.push_back(draw_submap(submap, pixels_per_cell));
-    width = std::max(width, rows.back().width());
-    height += rows.back().height() + kGap;
-  }
-  Image sheet(width, std::max(1, height - kGap), kPaper);
-  int top = 0;
-  for (const Image& row : rows) {
-    sheet.paste(row, 0, top);
-    top += row.height() + kGap;
-  }
-  return sheet;
 }
 
 }  // namespace strata::report

@@ -44,11 +44,8 @@ void mark_points(MapPicture& picture, std::span<const Eigen::Vector2d> points_m,
 /// Outlines of all sub-maps.
 void mark_submaps(MapPicture& picture, const patch::PatchMap& map, Color color);
 
-/// One row a sub-map, one column a configuration, as figures 1.11 and 1.12 of
-/// [stachniss2003chapter]; all at one scale. An empty map gives a picture of one pixel.
-[[nodiscard]] Image draw_configurations(const patch::PatchMap& map, int pixels_per_cell);
-
-/// The configurations of one sub-map side by side.
+/// The configurations of one sub-map side by side, as in figures 1.11 and 1.12 of
+/// [stachniss2003chapter].
 [[nodiscard]] Image draw_submap(const patch::Submap& submap, int pixels_per_cell);
 
 }  // namespace strata::report

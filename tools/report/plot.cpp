@@ -10,52 +10,10 @@
 #include <utility>
 
 #include "tools/report/image.hpp"
+#include "tools/report/plot_frame.hpp"
 
 namespace strata::report {
 namespace {
-
-constexpr double kLeft = 78.0;
-constexpr double kRight = 16.0;
-constexpr double kTop = 34.0;
-constexpr double kBottom = 46.0;
-constexpr double kLegendRow = 18.0;
-constexpr double kLegendColumns = 4.0;
-constexpr std::size_t kColors = 8;
-constexpr std::size_t kEventDashes = 3;
-
-struct Range {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-  void add(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  void settle() {
-    if (!(low <= high)) *this = {0.0, 1.0};
-    if (high - low < 1e-12) {
-      low -= 0.5;
-      high += 0.5;
-    }
-  }
-  [[nodiscard]] double span() const { return high - low; }
-};
-
-struct Frame {
-  Range x;
-  Range y;
-  double left = kLeft;
-  double top = kTop;
-  double width = 0.0;
-  double height = 0.0;
-  bool log_x = false;  ///< x holds powers of ten
-  [[nodiscard]] double px(double value) const {
-    return left + ((log_x ? std::log10(value) : value) - x.low) / x.span() * width;
-  }
-  [[nodiscard]] double py(double value) const {
-    return top + height - (value - y.low) / y.span() * height;
-  }
-};
 
 std::string number(double value) {
   std::ostringstream out;
@@ -64,86 +22,7 @@ std::string number(double value) {
   return out.str();
 }
 
-/// What events there are, in order of appearance.
-std::vector<std::string> event_labels(const LinePlot& plot) {
-  std::vector<std::string> labels;
-  for (const PlotEvent& event : plot.events) {
-    if (std::find(labels.begin(), labels.end(), event.label) == labels.end()) {
-      labels.push_back(event.label);
-    }
-  }
-  return labels;
-}
-
-/// Colours repeat; the second round is dashed.
-std::string line_class(std::size_t series) {
-  return "line s" + std::to_string(series % kColors) + (series >= kColors ? " dashed" : "");
-}
-
-std::string event_class(std::size_t label) {
-  return "event e" + std::to_string(label % kEventDashes);
-}
-
-struct LegendEntry {
-  std::string line_class;
-  std::string name;
-};
-
-/// A line that is alone needs no name.
-std::vector<LegendEntry> legend_of(const LinePlot& plot) {
-  std::vector<LegendEntry> legend;
-  const std::size_t named = plot.series.size() > 1 ? plot.series.size() : 0;
-  for (std::size_t s = 0; s < named; ++s) {
-    legend.push_back({line_class(s), plot.series[s].name});
-  }
-  const std::vector<std::string> labels = event_labels(plot);
-  for (std::size_t e = 0; e < labels.size(); ++e) {
-    legend.push_back({event_class(e), labels[e]});
-  }
-  return legend;
-}
-
-Frame make_frame(const LinePlot& plot) {
-  Frame frame;
-  for (const Series& series : plot.series) {
-    for (const double x : series.x) frame.x.add(plot.log_x ? std::log10(x) : x);
-    for (const double y : series.y) frame.y.add(y);
-  }
-  if (plot.from_zero) frame.y.add(0.0);
-  frame.log_x = plot.log_x;
-  if (plot.points && !plot.log_x) frame.x.add(0.0);
-  frame.x.settle();
-  if (plot.log_x) frame.x = {frame.x.low - 0.05, frame.x.high + 0.05};
-  frame.y.settle();
-  if (plot.y_max > 0.0) frame.y.high = plot.y_max;
-  const auto entries = static_cast<double>(legend_of(plot).size());
-  frame.top = kTop + kLegendRow * std::ceil(entries / kLegendColumns);
-  frame.width = plot.width - kLeft - kRight;
-  frame.height = plot.height - frame.top - kBottom;
-  if (plot.equal_axes) {
-    // Widen the axis that has room to spare.
-    const double per_pixel = std::max(frame.x.span() / frame.width, frame.y.span() / frame.height);
-    const double grow_x = 0.5 * (per_pixel * frame.width - frame.x.span());
-    const double grow_y = 0.5 * (per_pixel * frame.height - frame.y.span());
-    frame.x = {frame.x.low - grow_x, frame.x.high + grow_x};
-    frame.y = {frame.y.low - grow_y, frame.y.high + grow_y};
-  }
-  return frame;
-}
-
-/// 1, 2 and 5 of every power of ten.
-std::vector<double> log_ticks(const Range& powers) {
-  std::vector<double> result;
-  for (double power = std::floor(powers.low); power <= powers.high; power += 1.0) {
-    for (const double digit : {1.0, 2.0, 5.0}) {
-      const double tick = digit * std::pow(10.0, power);
-      if (std::log10(tick) >= powers.low && std::log10(tick) <= powers.high) result.push_back(tick);
-    }
-  }
-  return result;
-}
-
-void draw_axes(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
+void draw_axes(const LinePlot& plot, const PlotFrame& frame, std::ostringstream& out) {
   const double right = frame.left + frame.width;
   const double bottom = frame.top + frame.height;
   for (const double tick : plot.log_x ? log_ticks(frame.x) : ticks(frame.x.low, frame.x.high, 8)) {
@@ -167,7 +46,7 @@ void draw_axes(const LinePlot& plot, const Frame& frame, std::ostringstream& out
       << ") rotate(-90)'>" << escape(plot.y_label) << "</text>\n";
 }
 
-void draw_points(const Series& series, const Frame& frame, std::size_t color,
+void draw_points(const Series& series, const PlotFrame& frame, std::size_t color,
                  std::ostringstream& out) {
   for (std::size_t i = 0; i < series.x.size(); ++i) {
     if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) continue;
@@ -177,11 +56,11 @@ void draw_points(const Series& series, const Frame& frame, std::size_t color,
   }
 }
 
-void draw_series(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
+void draw_series(const LinePlot& plot, const PlotFrame& frame, std::ostringstream& out) {
   for (std::size_t s = 0; s < plot.series.size(); ++s) {
     const Series& series = plot.series[s];
     if (plot.points) {
-      draw_points(series, frame, s % kColors, out);
+      draw_points(series, frame, s % kPlotColors, out);
     }
     out << "<path class='" << line_class(s) << "' d='";
     bool pen_down = false;
@@ -198,12 +77,12 @@ void draw_series(const LinePlot& plot, const Frame& frame, std::ostringstream& o
   }
 }
 
-void draw_legend(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
+void draw_legend(const LinePlot& plot, const PlotFrame& frame, std::ostringstream& out) {
   const double column = frame.width / kLegendColumns;
   double place = 0.0;
   for (const LegendEntry& entry : legend_of(plot)) {
     const double x = frame.left + column * std::fmod(place, kLegendColumns);
-    const double y = kTop + kLegendRow * std::floor(place / kLegendColumns);
+    const double y = kPlotTop + kLegendRow * std::floor(place / kLegendColumns);
     out << "<line class='" << entry.line_class << "' x1='" << x << "' x2='" << x + 18.0 << "' y1='"
         << y << "' y2='" << y << "'/><text class='tick' x='" << x + 23.0 << "' y='" << y + 4.0
         << "'>" << escape(entry.name) << "</text>\n";
@@ -211,7 +90,7 @@ void draw_legend(const LinePlot& plot, const Frame& frame, std::ostringstream& o
   }
 }
 
-void draw_events(const LinePlot& plot, const Frame& frame, std::ostringstream& out) {
+void draw_events(const LinePlot& plot, const PlotFrame& frame, std::ostringstream& out) {
   const std::vector<std::string> labels = event_labels(plot);
   for (const PlotEvent& event : plot.events) {
     if (event.x < frame.x.low || event.x > frame.x.high) continue;
@@ -224,23 +103,6 @@ void draw_events(const LinePlot& plot, const Frame& frame, std::ostringstream& o
 }
 
 }  // namespace
-
-std::vector<double> ticks(double low, double high, int count) {
-  const double raw = (high - low) / count;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  double step = 10.0 * power;
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= raw) {
-      step = factor * power;
-      break;
-    }
-  }
-  std::vector<double> result;
-  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0) {
-    result.push_back(k * step);
-  }
-  return result;
-}
 
 std::string fixed(double value, int digits) {
   std::ostringstream out;
@@ -278,8 +140,8 @@ std::string escape(const std::string& text) {
 
 std::string plot_style() {
   // Okabe and Ito's palette, which colour-blind readers can tell apart.
-  constexpr std::array<const char*, kColors> kPalette{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                                      "#e69f00", "#56b4e9", "#8a7a00", "#777777"};
+  constexpr std::array<const char*, kPlotColors> kPalette{
+      "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a7a00", "#777777"};
   std::ostringstream out;
   out << ".plot text{font-family:'DejaVu Sans',sans-serif;fill:var(--ink,#222)}"
          ".plot .tick{font-size:11px}.plot .label{font-size:12px}"
@@ -291,14 +153,14 @@ std::string plot_style() {
          ".plot .e2{stroke-dasharray:9 3 2 3}"
          ".plot .line{fill:none;stroke-width:1.8}.plot .dashed{stroke-dasharray:6 3}.plot "
          ".dot{fill:none;stroke-width:3}";
-  for (std::size_t i = 0; i < kColors; ++i) {
+  for (std::size_t i = 0; i < kPlotColors; ++i) {
     out << ".plot .s" << i << "{stroke:" << kPalette[i] << "}";
   }
   return out.str();
 }
 
 std::string to_svg(const LinePlot& plot, bool standalone) {
-  const Frame frame = make_frame(plot);
+  const PlotFrame frame = make_frame(plot);
   std::ostringstream out;
   out.precision(6);
   out << "<svg xmlns='http://www.w3.org/2000/svg' class='plot' role='img' aria-label='"

@@ -189,7 +189,8 @@ struct RobotConfig {
   double turn_scale_stddev = 0.02;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("route", c.route, {.doc = "x0, y0, x1, y1, ... waypoints of a lap", .unit = "m"});
+    v.field("route", c.route,
+            {.doc = "x0, y0, x1, y1, ... waypoints of a lap", .unit = "m", .when = "always"});
     v.field("laps", c.laps, {.doc = "laps a day", .min = 1});
     v.field("speed_mps", c.speed_mps, {.doc = "driving speed", .unit = "m/s", .min = 0.01});
     v.field("turn_rate_rps", c.turn_rate_rps,
@@ -232,7 +233,11 @@ struct LaserConfig {
   double mount_theta_deg = 0.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("beams", c.beams, {.doc = "a scan", .min = 1, .max = 100000});
+    v.field("beams", c.beams,
+            {.doc = "a scan",
+             .min = 1,
+             .max = 100000,
+             .when = "the scan shall be as that of your scanner"});
     v.field("field_of_view_deg", c.field_of_view_deg,
             {.doc = "split into one equal wedge a beam, measured in the wedge's middle",
              .unit = "deg",

@@ -34,10 +34,11 @@ Pose2 pose_at(const std::vector<Pose2>& steps, double time_s) {
 
 }  // namespace
 
-ScenarioConfig load_scenario(const std::string& file, const std::vector<std::string>& overrides) {
+ScenarioConfig load_scenario(const std::string& file, const std::vector<std::string>& overrides,
+                             std::vector<std::string>* notes) {
   YAML::Node document = settings::load_document(file);
   settings::apply_overrides(document, overrides);
-  return settings::read_config<ScenarioConfig>(document, file);
+  return settings::read_config<ScenarioConfig>(document, file, {}, notes);
 }
 
 struct Simulator::State {

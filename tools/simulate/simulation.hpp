@@ -66,8 +66,10 @@ class Simulator {
 [[nodiscard]] Simulation simulate(const ScenarioConfig& scenario, std::uint64_t seed,
                                   Progress* progress = nullptr);
 
-/// The scenario of a file (version: 1) with --set options on top. Throws InputError, ConfigError.
+/// The scenario of a file (version: 1) with --set options on top; notes: what to tell the user of
+/// its keys. Throws InputError, ConfigError.
 [[nodiscard]] ScenarioConfig load_scenario(const std::string& file,
-                                           const std::vector<std::string>& overrides = {});
+                                           const std::vector<std::string>& overrides = {},
+                                           std::vector<std::string>* notes = nullptr);
 
 }  // namespace strata::simulate

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <string>
 
+#include "components/clouds/image_messages.hpp"
 #include "components/convert/cdr.hpp"
 #include "components/convert/cloud_messages.hpp"
-#include "components/convert/image_messages.hpp"
 
 namespace strata::simulate {
 namespace {

@@ -11,7 +11,7 @@
 namespace strata::statistics {
 namespace {
 
-constexpr std::size_t kMostExact = 25;
+constexpr std::size_t kMaxExact = 25;
 
 double normal_cdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
@@ -142,7 +142,7 @@ double wilcoxon_signed_rank(std::span<const double> differences) {
   if (n == 0) return 1.0;
   const int total = std::accumulate(ranks.doubled_ranks.begin(), ranks.doubled_ranks.end(), 0);
   const int smaller = std::min(ranks.doubled_positive, total - ranks.doubled_positive);
-  if (n <= kMostExact) {
+  if (n <= kMaxExact) {
     // ways[s]: sign patterns whose positive (doubled) ranks sum to s.
     std::vector<double> ways(static_cast<std::size_t>(total) + 1, 0.0);
     ways[0] = 1.0;

@@ -109,7 +109,7 @@ class Listener {
   void add(const strata_msgs::msg::LocalizationHealth& message) {
     const std::lock_guard lock(mutex_);
     run_.update_ms.push_back(message.update_time() * 1e3);
-    run_.most_particles = std::max<std::size_t>(run_.most_particles, message.particles());
+    run_.max_particles = std::max<std::size_t>(run_.max_particles, message.particles());
     changed_.notify_all();
   }
 
@@ -124,15 +124,18 @@ class Listener {
   mutable bus::Reader<strata_msgs::msg::LocalizationHealth> health_;
 };
 
-constexpr const char* kPlacePatches = "patch_places";
+/// Its map is written as the patch map of a folder of its own.
+bool is_by_places(const maps::MapModel& model) {
+  return model.descriptor->needs_part(maps::MapPart::kPlacePatches);
+}
 
 localizer::LocalizerComponentConfig config_of(const pipeline::LocalizeJob& job,
                                               const std::filesystem::path& maps,
                                               const pipeline::CompareConfig& compared) {
   localizer::LocalizerComponentConfig config;
   config.maps = maps.string();
-  // Its folder holds the patch map by places as the patch map.
-  config.model = job.model.name == kPlacePatches ? "patch" : job.model.name;
+  const std::string& in_own_folder = job.model.descriptor->in_own_folder;
+  config.model = in_own_folder.empty() ? job.model.name : in_own_folder;
   config.start.pose = {job.start.mean.x, job.start.mean.y, job.start.mean.theta};
   config.start.stddev_m = compared.protocol.start_stddev_m;
   config.start.stddev_rad = compared.protocol.start_stddev_rad;
@@ -145,8 +148,8 @@ localizer::LocalizerComponentConfig config_of(const pipeline::LocalizeJob& job,
 pipeline::LocalizationRun localize(VerbContext& context, const pipeline::LocalizeJob& job,
                                    const std::filesystem::path& maps,
                                    const pipeline::CompareConfig& compared) {
-  if (job.model.name == "map") {
-    throw ConfigError("--via dds", "the model `map` is in no MAPS folder",
+  if (!job.model.descriptor->is_learned()) {
+    throw ConfigError("--via dds", "the model `" + job.model.name + "` is in no MAPS folder",
                       "leave out --map, or compare without --via dds");
   }
   pipeline::Runs runs;
@@ -189,8 +192,8 @@ pipeline::MakeLocalize localize_over_dds(VerbContext& context, const std::string
     const auto one_at_a_time = std::make_shared<std::mutex>();
     return [&context, maps, place_maps, compared, one_at_a_time](const pipeline::LocalizeJob& job) {
       const std::lock_guard lock(*one_at_a_time);
-      const bool by_places = job.model.name == kPlacePatches;
-      return localize(context, job, (by_places ? place_maps : maps)->path(), compared);
+      const auto& folder = is_by_places(job.model) ? place_maps : maps;
+      return localize(context, job, folder->path(), compared);
     };
   };
 }

@@ -127,7 +127,7 @@ ExplainedHosts explained_hosts(const runtime::Composition& composition) {
   runtime::Registry registry = all_components();
   result.libraries = runtime::load_component_libraries(composition, registry);
   runtime::HostOptions options;
-  options.only_explained = true;
+  options.dry_run = true;
   for (const runtime::ProcessEntry& process : composition.processes) {
     result.hosts.push_back(std::make_unique<runtime::Host>(composition, process, registry,
                                                            result.participant, options));
@@ -153,6 +153,9 @@ void explain(const runtime::Composition& composition) {
     }
   }
   print_warnings(topics);
+  for (const auto& host : hosts) {
+    for (const std::string& error : host->take_errors()) std::cout << "warning: " << error << '\n';
+  }
 }
 
 }  // namespace strata::tools

@@ -48,7 +48,7 @@ Json describe(const std::string& path, const memory::StoreSummary& store) {
                         {"samples", level.samples},
                         {"pairs", level.pairs},
                         {"bytes", level.bytes},
-                        {"most_bytes_a_node", level.most_bytes_a_node}});
+                        {"most_bytes_a_node", level.max_bytes_a_node}});
     }
     info["timescale"].push_back({{"name", memory.name},
                                  {"nodes", memory.nodes},
@@ -102,7 +102,7 @@ void print(const std::string& path, const memory::StoreSummary& store) {
       std::cout << "    level    " << level.name;
       if (level.half_life_s > 0.0) std::cout << ", half-life " << duration(level.half_life_s);
       std::cout << ", " << level.samples << " samples, " << level.pairs << " pairs, "
-                << kilobytes(level.bytes) << ", at most " << kilobytes(level.most_bytes_a_node)
+                << kilobytes(level.bytes) << ", at most " << kilobytes(level.max_bytes_a_node)
                 << " a node\n";
     }
   }

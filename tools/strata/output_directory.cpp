@@ -39,7 +39,7 @@ void StagedPaths::remove_all() noexcept {
 namespace {
 
 /// More in a folder that is not ours is not carried into another.
-constexpr std::size_t kMostCarried = 1000;
+constexpr std::size_t kMaxCarried = 1000;
 
 fs::path without_links(const fs::path& target) {
   fs::path whole = fs::weakly_canonical(fs::absolute(target));
@@ -66,10 +66,10 @@ std::optional<std::size_t> count_others(const fs::path& old, const fs::path& fre
     if (entry.is_symlink() || !entry.is_directory()) continue;
     for (const auto& below : fs::recursive_directory_iterator(entry.path())) {
       const bool is_plain = below.is_symlink() || below.is_directory() || below.is_regular_file();
-      if (!is_plain || ++count > kMostCarried) return std::nullopt;
+      if (!is_plain || ++count > kMaxCarried) return std::nullopt;
     }
   }
-  return count <= kMostCarried ? std::optional(count) : std::nullopt;
+  return count <= kMaxCarried ? std::optional(count) : std::nullopt;
 }
 
 /// The same files under another name; where they cannot have two names, copies.

@@ -5,9 +5,9 @@
 
 #include "strata_idl/nav_msgs.h"
 
+#include "components/clouds/bag_poses.hpp"
 #include "components/convert/cdr.hpp"
 #include "components/convert/geometry_messages.hpp"
-#include "components/log/bag_poses.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -20,8 +20,8 @@ constexpr const char* kRobot = "base_link";
 }  // namespace
 
 std::unique_ptr<ReplayClouds> ReplayClouds::open(const fs::path& path, Outputs outputs) {
-  if (!log::is_bag(path)) return nullptr;
-  const auto topics = log::BagPoses(path, {}).topics_of("sensor_msgs/msg/PointCloud2");
+  if (!clouds::is_bag(path)) return nullptr;
+  const auto topics = clouds::BagPoses(path, {}).topics_of("sensor_msgs/msg/PointCloud2");
   if (topics.empty()) return nullptr;
   return std::unique_ptr<ReplayClouds>(new ReplayClouds(path, *topics.begin(), std::move(outputs)));
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "components/log/bag.hpp"
+#include "components/player/conducted_outputs.hpp"
 #include "core/base/error.hpp"
 #include "tools/all_components/all_components.hpp"
 #include "tools/strata/verbs.hpp"
@@ -47,23 +48,6 @@ std::vector<std::string> component_names(const runtime::Composition& composition
     }
   }
   return names;
-}
-
-player::Outputs make_outputs(runtime::Conductor& conductor, const std::string& scope,
-                             bool with_poses) {
-  const auto named = [&](const std::string& topic) {
-    return bus::expand_name(topic, scope, "player");
-  };
-  player::Outputs outputs;
-  outputs.clock = conductor.advertise<rosgraph_msgs::msg::Clock>("/clock");
-  outputs.tf_static = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf_static");
-  outputs.tf = conductor.advertise<tf2_msgs::msg::TFMessage>("/tf");
-  outputs.odometry = conductor.advertise<nav_msgs::msg::Odometry>(named("odom"));
-  outputs.scan = conductor.advertise<sensor_msgs::msg::LaserScan>(named("scan"));
-  if (with_poses) {
-    outputs.given_pose = conductor.advertise<strata_msgs::msg::ScanPose>(named("given_pose"));
-  }
-  return outputs;
 }
 
 runtime::HostOptions host_options(const SessionOptions& session) {
@@ -144,6 +128,7 @@ ReplaySession::ReplaySession(VerbContext& context, runtime::Composition composit
 void ReplaySession::host_all() {
   host_ = std::make_unique<runtime::Host>(composition_, composition_.processes[0], registry_,
                                           participant_, host_options(options_));
+  for (const std::string& warning : host_->take_errors()) context_.note("warning: " + warning);
 }
 
 bool ReplaySession::keep_waiting() { return !context_.interrupt().requested() && group_.all_run(); }
@@ -194,18 +179,19 @@ void ReplaySession::record(const std::vector<std::string>& topics,
 void ReplaySession::connect(const pipeline::Runs& runs, bool with_poses,
                             const std::optional<std::filesystem::path>& bag) {
   elapsed_s_ = pipeline::elapsed_seconds(runs.observations);
-  conductor_ = std::make_unique<runtime::Conductor>(
+  coordinator_ = std::make_unique<runtime::LockstepCoordinator>(
       participant_, names_,
       [this](const std::string& what, double waited_s) { return wait_for(what, waited_s); });
-  player::Outputs outputs = make_outputs(*conductor_, composition_.node_namespace, with_poses);
+  player::Outputs outputs =
+      player::conducted_outputs(*coordinator_, composition_.node_namespace, with_poses);
   if (bag && maps_clouds(composition_)) {
     const std::string topic = bus::expand_name("points", composition_.node_namespace, "player");
     clouds_ = ReplayClouds::open(
-        *bag, {outputs.tf_static, conductor_->advertise<sensor_msgs::msg::PointCloud2>(topic)});
+        *bag, {outputs.tf_static, coordinator_->advertise<sensor_msgs::msg::PointCloud2>(topic)});
   }
   player_ = std::make_unique<player::LogPlayer>(runs.observations, std::move(outputs), runs.poses);
-  for (const std::string& topic : other_readers_) conductor_->expect_reader(topic);
-  conductor_->connect();
+  for (const std::string& topic : other_readers_) coordinator_->expect_reader(topic);
+  coordinator_->connect();
 }
 
 void ReplaySession::play(std::size_t begin, std::size_t end, double rate) {
@@ -214,13 +200,13 @@ void ReplaySession::play(std::size_t begin, std::size_t end, double rate) {
     pace.wait_for(elapsed_s_[i] - elapsed_s_[begin]);
     if (clouds_) clouds_->publish_until(player_->observations()[i].scan.stamp);
     player_->publish(i);
-    conductor_->cycle();
+    coordinator_->cycle();
     report_progress(options_.progress, "replay", i + 1, elapsed_s_.size());
   }
 }
 
 void ReplaySession::finish(const std::filesystem::path& out) {
-  conductor_->finish(std::filesystem::absolute(out));
+  coordinator_->finish(std::filesystem::absolute(out));
 }
 
 void ReplaySession::stop() {

@@ -15,8 +15,8 @@
 #include "components/bus/domain_claim.hpp"
 #include "components/player/log_player.hpp"
 #include "components/runtime/composition.hpp"
-#include "components/runtime/conductor.hpp"
 #include "components/runtime/host.hpp"
+#include "components/runtime/lockstep_coordinator.hpp"
 #include "core/base/progress.hpp"
 #include "tools/pipeline/runs_input.hpp"
 #include "tools/strata/process_group.hpp"
@@ -89,7 +89,7 @@ class ReplaySession {
   std::vector<std::string> names_;  ///< of the components, in the order of work
   std::vector<std::string> other_readers_;
   std::set<std::string> told_waits_;
-  std::unique_ptr<runtime::Conductor> conductor_;
+  std::unique_ptr<runtime::LockstepCoordinator> coordinator_;
   std::unique_ptr<player::LogPlayer> player_;
   std::unique_ptr<ReplayClouds> clouds_;  ///< null without
   std::vector<double> elapsed_s_;         ///< of each scan since the first

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLongestDelay_s = 60.0;
 /// More make no delay longer, but 2 to their power endless.
-constexpr int kMostDoublings = 64;
+constexpr int kMaxDoublings = 64;
 /// Having run for so long, a process starts with a clean record.
 constexpr auto kGoodRun = std::chrono::minutes(1);
 
@@ -24,7 +24,7 @@ std::optional<std::chrono::duration<double>> Restarts::plan(const runtime::Proce
   if (now - state.started > kGoodRun) state.ends = 0;
   const double delay_s =
       std::min(kLongestDelay_s, process.restart_delay_s * std::pow(2.0, state.ends));
-  state.ends = std::min(state.ends + 1, kMostDoublings);
+  state.ends = std::min(state.ends + 1, kMaxDoublings);
   const std::chrono::duration<double> delay(delay_s);
   state.due = now + std::chrono::duration_cast<Clock::duration>(delay);
   return delay;

@@ -70,8 +70,7 @@ void print_paths(const pipeline::LevelChanges& changes, const pipeline::LevelCha
 }
 
 void run(Options options, VerbContext& context) {
-  const auto config = settings::read_config<ChangesConfig>(load_config(context.options),
-                                                           config_place(context.options));
+  const auto config = read_config<ChangesConfig>(context);
   for (std::size_t i = 0; i + 3 < options.ends_m.size(); i += 4) {
     const double* p = &options.ends_m[i];
     options.task.paths.push_back({{p[0], p[1]}, {p[2], p[3]}});
@@ -100,11 +99,9 @@ void run(Options options, VerbContext& context) {
 }  // namespace
 
 void add_changes(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      add_verb(app, context, "changes", "what has changed lately, by the levels of a memory",
-               "strata changes maps --before long --now short --path 1,6,18,6 --out changes",
-               [options, &context] { run(*options, context); });
+  const auto [verb, options] = add_verb<Options>(
+      app, context, "changes", "what has changed lately, by the levels of a memory",
+      "strata changes maps --before long --now short --path 1,6,18,6 --out changes", run);
   verb->add_option("MAPS", options->maps, "folder of maps, or a strata.db")->required();
   verb->add_option("--before", options->task.before,
                    "level that still shows the old state; the one that forgets slowest");

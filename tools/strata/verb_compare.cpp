@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "components/log/map_file.hpp"
+#include "components/maps/map_models.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/compare.hpp"
@@ -84,12 +85,13 @@ std::vector<pipeline::Split> make_splits(const Options& options, const pipeline:
                                   options.train_until_s.value_or(protocol.train_share * length_s))};
 }
 
-pipeline::CompareConfig config_of(const Options& options, const VerbContext& context) {
-  auto config = settings::read_config<pipeline::CompareConfig>(load_config(context.options),
-                                                               config_place(context.options));
+pipeline::CompareConfig config_of(const Options& options, VerbContext& context) {
+  auto config = read_config<pipeline::CompareConfig>(context);
   if (!options.models.empty()) config.protocol.models = options.models;
   if (!options.map.empty() && options.models.empty()) {
-    config.protocol.models.emplace_back("map");
+    for (const auto& model : maps::map_models().all()) {
+      if (!model->is_learned()) config.protocol.models.push_back(model->shown_name());
+    }
   }
   return config;
 }
@@ -178,16 +180,17 @@ void run_compare(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_compare(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "compare", "which map localizes best in this building?",
-                            "strata compare week.clf --seeds 20 --out comparison",
-                            [options, &context] { run_compare(*options, context); });
+  const auto [verb, options] =
+      add_verb<Options>(app, context, "compare", "which map localizes best in this building?",
+                        "strata compare week.clf --seeds 20 --out comparison", run_compare);
   verb->add_option("LOG", options->input.logs, "learn on the first part, localize on the rest");
   verb->add_option("--train", options->train, "logs to learn from");
   verb->add_option("--test", options->test, "logs to localize in");
   verb->add_option("--out", options->out, "folder for report.html, comparison.json and figures")
       ->required();
-  verb->add_option("--models", options->models, "models to compare (comma separated)")
+  verb->add_option("--models", options->models,
+                   "models to compare (comma separated)\n" +
+                       maps::map_models().help([](const auto&) { return true; }))
       ->delimiter(',');
   verb->add_option("--train-until", options->train_until_s, "seconds that belong to learning");
   verb->add_option("--folds", options->folds,

@@ -6,6 +6,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "components/settings/config_reader.hpp"
 #include "components/settings/yaml_document.hpp"
 #include "core/base/error.hpp"
 #include "tools/strata/verb_context.hpp"
@@ -23,6 +24,17 @@ namespace strata::tools {
 /// What to call that document in errors.
 [[nodiscard]] inline std::string config_place(const CommonOptions& options) {
   return options.config_file.empty() ? std::string("--set") : options.config_file;
+}
+
+/// The settings of a verb, read and validated; what is to be told of them goes to the user. Throws
+/// ConfigError or InputError.
+template <typename Config>
+[[nodiscard]] Config read_config(VerbContext& context) {
+  settings::Notes notes;
+  auto config = settings::read_config<Config>(load_config(context.options),
+                                              config_place(context.options), {}, &notes);
+  for (const std::string& note : notes) context.note("note: " + note);
+  return config;
 }
 
 /// For verbs whose settings are elsewhere; remedy: where. Throws ConfigError when --config is

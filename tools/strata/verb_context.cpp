@@ -31,7 +31,9 @@ CLI::App* add_verb(CLI::App& app, VerbContext& context, const std::string& name,
   CommonOptions& options = context.options;
   verb->add_option("--config", options.config_file, "settings as YAML (version: 1)")
       ->group("Common");
-  verb->add_option("--set", options.overrides, "one setting, key.path=value; may be repeated")
+  verb->add_option("--set", options.overrides,
+                   "one setting, key.path=value, or preset=NAME; may be repeated. "
+                   "docs/reference lists first what users touch, then what is for experts")
       ->take_all()
       ->allow_extra_args(false)
       ->group("Common");

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -18,7 +19,7 @@
 
 namespace strata::tools {
 
-/// The common options of CONTRACTS; filled in before a verb runs.
+/// What every verb takes; filled in before one runs.
 struct CommonOptions {
   std::string config_file;             ///< --config; empty: defaults
   std::vector<std::string> overrides;  ///< --set key.path=value, in order
@@ -53,5 +54,22 @@ class VerbContext {
 CLI::App* add_verb(CLI::App& app, VerbContext& context, const std::string& name,
                    const std::string& description, const std::string& example,
                    std::function<void()> run);
+
+/// The same for a verb whose options are a struct of its own: it lives as long as the verb, and
+/// `run` is given it.
+template <class Options>
+struct VerbOf {
+  CLI::App* verb;
+  std::shared_ptr<Options> options;
+};
+template <class Options>
+VerbOf<Options> add_verb(CLI::App& app, VerbContext& context, const std::string& name,
+                         const std::string& description, const std::string& example,
+                         std::function<void(Options&, VerbContext&)> run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, context, name, description, example,
+                            [options, run = std::move(run), &context] { run(*options, context); });
+  return {verb, std::move(options)};
+}
 
 }  // namespace strata::tools

@@ -197,10 +197,9 @@ void run(Options& options, VerbContext& context) {
 }  // namespace
 
 void add_convert(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "convert", "a log into another format",
-                            "strata convert office.clf.gz office.mcap",
-                            [options, &context] { run(*options, context); });
+  const auto [verb, options] =
+      add_verb<Options>(app, context, "convert", "a log into another format",
+                        "strata convert office.clf.gz office.mcap", run);
   verb->add_option("IN", options->in, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
   verb->add_option("OUT", options->out,
                    "file (.clf, .log, .db3, .mcap), or a folder for a bag with --to")

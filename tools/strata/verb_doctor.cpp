@@ -46,10 +46,9 @@ void examine(const DoctorOptions& options, VerbContext& context) {
 }  // namespace
 
 void add_doctor(CLI::App& app, VerbContext& context) {
-  auto options = std::make_shared<DoctorOptions>();
-  CLI::App* verb =
-      add_verb(app, context, "doctor", "show what is on the DDS domain and what does not match",
-               "strata doctor --domain 7", [options, &context] { examine(*options, context); });
+  const auto [verb, options] = add_verb<DoctorOptions>(
+      app, context, "doctor", "show what is on the DDS domain and what does not match",
+      "strata doctor --domain 7", examine);
   verb->add_option("--domain", options->domain, "ROS_DOMAIN_ID when left out")
       ->check(CLI::Range(0, 232));
   verb->add_option("--transport", options->transport,

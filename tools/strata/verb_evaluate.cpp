@@ -142,7 +142,7 @@ void print_row(const char* name, const Json& errors) {
   row(errors["error_rad"], "rad");
 }
 
-void run(const Options& options) {
+void run(const Options& options, VerbContext& /*context*/) {
   const Json result = evaluate(options);
   if (options.json) {
     std::cout << result.dump(2) << "\n";
@@ -169,12 +169,11 @@ void run(const Options& options) {
 }  // namespace
 
 void add_evaluate(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      add_verb(app, context, "evaluate", "errors of a trajectory",
-               "strata evaluate maps/trajectory.tum --relations intel.relations --frame laser "
-               "--log intel.clf.gz",
-               [options] { run(*options); });
+  const auto [verb, options] = add_verb<Options>(
+      app, context, "evaluate", "errors of a trajectory",
+      "strata evaluate maps/trajectory.tum --relations intel.relations --frame laser "
+      "--log intel.clf.gz",
+      run);
   verb->add_option("TRAJECTORY", options->trajectory, "TUM, `t x y theta` or corrected CARMEN log")
       ->required();
   verb->add_option("--truth", options->truth, "poses to compare with, same formats");

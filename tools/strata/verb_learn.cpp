@@ -80,8 +80,7 @@ std::string joined(const std::vector<std::string>& texts) {
 
 void run_learn(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
-  const auto config = settings::read_config<maps::LearnConfig>(load_config(context.options),
-                                                               config_place(context.options));
+  const auto config = read_config<maps::LearnConfig>(context);
   const pipeline::LearnParts parts = parts_of(options.only);
   std::optional<maps::EarlierRuns> earlier;
   std::optional<FolderLock> lock;
@@ -128,11 +127,9 @@ void run_learn(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_learn(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      add_verb(app, context, "learn", "learn all maps from one or several runs in one building",
-               "strata learn monday.clf tuesday.clf --out maps",
-               [options, &context] { run_learn(*options, context); });
+  const auto [verb, options] = add_verb<Options>(
+      app, context, "learn", "learn all maps from one or several runs in one building",
+      "strata learn monday.clf tuesday.clf --out maps", run_learn);
   verb->add_option("LOG", options->input.logs,
                    "CARMEN log, rosbag2 folder, .db3 or .mcap; in order")
       ->required();

@@ -36,15 +36,13 @@ struct Options {
 struct LocalizeConfig {
   localization::LocalizerConfig localizer;
   maps::SensorModelKind sensor_model = maps::SensorModelKind::kBeam;
-  localization::PatchBeamModelConfig sensor;
+  patch_beams::PatchBeamModelConfig sensor;
   localization::LikelihoodFieldModelConfig likelihood_field;
   memory::DecodingConfig decoding;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("localizer", c.localizer, "the particle filter");
-    v.field("sensor_model", c.sensor_model,
-            {.doc = "trace each beam, or look up its end point: faster, for occupancy and filtered "
-                    "only"});
+    v.field("sensor_model", c.sensor_model, {.doc = maps::sensor_model_doc()});
     v.group("sensor", c.sensor, "what beams measure in a map");
     v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
     v.group("decoding", c.decoding, "how levels of the timescale memory become expected scans");
@@ -87,8 +85,7 @@ pipeline::LocalizationStart start_of(const Options& options,
 
 void run_localize(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
-  const auto config = settings::read_config<LocalizeConfig>(load_config(context.options),
-                                                            config_place(context.options));
+  const auto config = read_config<LocalizeConfig>(context);
   pipeline::RunsInput input = options.input;
   input.logs = {options.log};
   maps::Maps maps = maps::read_maps(options.maps);
@@ -117,15 +114,13 @@ void run_localize(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_localize(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "localize", "localize a recorded robot in learned maps",
-                            "strata localize friday.clf --maps maps --model patch --out friday",
-                            [options, &context] { run_localize(*options, context); });
+  const auto [verb, options] = add_verb<Options>(
+      app, context, "localize", "localize a recorded robot in learned maps",
+      "strata localize friday.clf --maps maps --model patch --out friday", run_localize);
   verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
   verb->add_option("--maps", options->maps, "folder that `strata learn` wrote")->required();
   verb->add_option("--model", options->model,
-                   "occupancy, filtered, patch, patch_paper, patch_shared, patch_per_particle, "
-                   "timescale, timescale_mixture, timescale_LEVEL")
+                   maps::map_models().help(&maps::MapModelDescriptor::is_in_folder))
       ->capture_default_str();
   verb->add_option("--out", options->out, "folder for trajectory.tum, states.csv, metrics.json")
       ->required();

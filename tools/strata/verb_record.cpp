@@ -96,10 +96,9 @@ void record(const RecordOptions& options, VerbContext& context) {
 }  // namespace
 
 void add_record(CLI::App& app, VerbContext& context) {
-  auto options = std::make_shared<RecordOptions>();
-  CLI::App* verb = add_verb(app, context, "record", "record topics into a rosbag2 bag until Ctrl-C",
-                            "strata record --out bag --topics /scan /odom",
-                            [options, &context] { record(*options, context); });
+  const auto [verb, options] = add_verb<RecordOptions>(
+      app, context, "record", "record topics into a rosbag2 bag until Ctrl-C",
+      "strata record --out bag --topics /scan /odom", record);
   verb->add_option("--out", options->out, "bag folder to write")->required();
   verb->add_option("--topics", options->topics, "topics; all when left out");
   verb->add_option("--storage", options->storage, "sqlite3 or mcap");

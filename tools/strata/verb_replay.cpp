@@ -211,12 +211,11 @@ void replay(ReplayOptions options, VerbContext& context) {
 }  // namespace
 
 void add_replay(CLI::App& app, VerbContext& context) {
-  auto options = std::make_shared<ReplayOptions>();
-  CLI::App* verb = add_verb(
+  const auto [verb, options] = add_verb<ReplayOptions>(
       app, context, "replay", "send recorded logs through the components, in lockstep over DDS",
       "strata replay office.clf --composition components/config/mapping.yaml --out maps\n"
       "  strata replay office.clf --composition localize.yaml --expect tests/office",
-      [options, &context] { replay(*options, context); });
+      replay);
   verb->add_option("log", options->input.logs, "CARMEN logs, rosbag2 or MCAP; in order")
       ->required();
   verb->add_option("--composition", options->composition, "composition file")->required();

@@ -52,8 +52,10 @@ void run(const Options& options, VerbContext& context) {
     throw ConfigError("--config", "does not go with a scenario",
                       "put the settings into " + options.scenario + ", or use --set");
   }
+  std::vector<std::string> notes;
   const simulate::ScenarioConfig scenario =
-      simulate::load_scenario(options.scenario, context.options.overrides);
+      simulate::load_scenario(options.scenario, context.options.overrides, &notes);
+  for (const std::string& note : notes) context.note("note: " + note);
   const auto storage =
       options.storage == "mcap" ? log::BagStorage::kMcap : log::BagStorage::kSqlite3;
   OutputDirectory out(options.out, context.staged());
@@ -80,12 +82,10 @@ void run(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_simulate(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      add_verb(app, context, "simulate",
-               "a log with ground truth from a world with people, doors, moved boxes",
-               "strata simulate tools/simulate/scenarios/office.yaml --out office --seed 3",
-               [options, &context] { run(*options, context); });
+  const auto [verb, options] = add_verb<Options>(
+      app, context, "simulate",
+      "a log with ground truth from a world with people, doors, moved boxes",
+      "strata simulate tools/simulate/scenarios/office.yaml --out office --seed 3", run);
   verb->add_option("SCENARIO", options->scenario, "YAML file (version: 1)")->required();
   verb->add_option("--out", options->out,
                    "folder for log.clf, bag/, truth.tum, states.json, world.png")

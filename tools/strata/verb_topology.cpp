@@ -43,8 +43,7 @@ void print_agreement(const pipeline::TopologyAgreement& agreement, double precis
 
 void run_topology(Options options, VerbContext& context) {
   const pipeline::CostMeter meter;
-  const auto config = settings::read_config<topology::TopologyMapperConfig>(
-      load_config(context.options), config_place(context.options));
+  const auto config = read_config<topology::TopologyMapperConfig>(context);
   std::vector<double> times_s;
   if (!options.landmarks.empty()) times_s = pipeline::read_landmark_times(options.landmarks);
   options.input.logs = {options.log};
@@ -77,11 +76,9 @@ void run_topology(Options options, VerbContext& context) {
 }  // namespace
 
 void add_topology(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      add_verb(app, context, "topology", "find the topologies that a run may have, with their odds",
-               "strata topology office.clf --out topology",
-               [options, &context] { run_topology(*options, context); });
+  const auto [verb, options] = add_verb<Options>(
+      app, context, "topology", "find the topologies that a run may have, with their odds",
+      "strata topology office.clf --out topology", run_topology);
   verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
   verb->add_option("--out", options->out, "folder for the results")->required();
   verb->add_option("--landmarks", options->landmarks,

@@ -36,7 +36,7 @@ pipeline::MovingKind parse_moving(const std::string& text) {
 }
 
 void note_skipped(const pipeline::VolumeResult& result, VerbContext& context) {
-  const log::CloudReport& report = result.report;
+  const clouds::CloudReport& report = result.report;
   for (const std::string& warning : result.warnings) context.note("warning: " + warning);
   if (report.bad_lines > 0) {
     context.note("warning: " + std::to_string(report.bad_lines) +
@@ -59,8 +59,7 @@ void note_skipped(const pipeline::VolumeResult& result, VerbContext& context) {
 
 void run_volume(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
-  auto config = settings::read_config<pipeline::VolumeJobConfig>(load_config(context.options),
-                                                                 config_place(context.options));
+  auto config = read_config<pipeline::VolumeJobConfig>(context);
   if (options.resolution_m) config.map.resolution_m = *options.resolution_m;
   if (!options.moving.empty()) config.moving = parse_moving(options.moving);
   if (options.no_filter) config.moving = pipeline::MovingKind::kNone;
@@ -89,10 +88,9 @@ void run_volume(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_volume(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "volume", "a 3-D map of what stands still (OctoMap)",
-                            "strata volume hallway.log.gz --out hallway --resolution 0.05",
-                            [options, &context] { run_volume(*options, context); });
+  const auto [verb, options] =
+      add_verb<Options>(app, context, "volume", "a 3-D map of what stands still (OctoMap)",
+                        "strata volume hallway.log.gz --out hallway --resolution 0.05", run_volume);
   verb->add_option(
           "LOG3D", options->log,
           "OctoMap log (plain or gzipped), scan graph, a bag with PointCloud2, or a .bt or .ot "

@@ -106,7 +106,7 @@ std::vector<EventOutcome> outcomes_of(const ReflectionGrid& map, const Tested& t
                                       const Changes& changes) {
   maps::Maps maps;
   maps.occupancy = map;
-  localization::PatchBeamModelConfig sensor;
+  patch_beams::PatchBeamModelConfig sensor;
   sensor.beam.beams.max_range_m = 8.0;
   const TestScans scans{test.observations, test.truths, &changes};
   return score_predictions(scans, maps::make_map_model(maps, "occupancy", sensor), sensor.beam, {})

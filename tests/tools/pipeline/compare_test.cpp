@@ -2,7 +2,6 @@
 #include "tools/pipeline/compare.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <sstream>
 
@@ -31,13 +30,6 @@ CompareOutcome compare_room(const Runs& runs, int threads) {
   CompareConfig config;
   config.protocol.memory_steps = 0;
   return compare(runs, config, job);
-}
-
-std::string read_text(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 struct Row {
@@ -93,9 +85,9 @@ TEST(Compare, WritesAReportWhoseMeansFollowFromItsErrors) {
   const test::TemporaryDirectory dir;
   write_report(outcome, "protocol:\n  train_share: 0.6\n", dir.path());
 
-  const std::string page = read_text(dir.path() / "report.html");
-  const auto json = nlohmann::json::parse(read_text(dir.path() / "comparison.json"));
-  const std::vector<Row> rows = read_errors(read_text(dir.path() / "errors.csv"));
+  const std::string page = test::bytes_of(dir.path() / "report.html");
+  const auto json = nlohmann::json::parse(test::bytes_of(dir.path() / "comparison.json"));
+  const std::vector<Row> rows = read_errors(test::bytes_of(dir.path() / "errors.csv"));
   const std::map<std::string, double> means = means_of(rows);
   ASSERT_EQ(means.size(), 4U);
   std::size_t errors = 0;
@@ -162,8 +154,7 @@ TEST(Compare, RefusesASplitThatLeavesNothing) {
 }
 
 TEST(Compare, CountsScansTakenWhereNothingWasLearned) {
-  Runs runs = test_room::simulate_runs(2, 2);
-  runs.poses = runs.truths;
+  Runs runs = test_room::simulate_located_runs(2, 2);
   runs.truths.assign(runs.truths.size(), std::nullopt);
   CompareConfig config;
   config.protocol.models = {"occupancy"};
@@ -199,8 +190,7 @@ TEST(Folds, TestEachScanOnceOnMapsOfTheOthers) {
 }
 
 TEST(Folds, GiveOneUnitAFoldAndSeed) {
-  Runs runs = test_room::simulate_runs(2, 2);
-  runs.poses = runs.truths;
+  const Runs runs = test_room::simulate_located_runs(2, 2);
   CompareConfig config;
   config.protocol.models = {"occupancy", "timescale_mixture"};
   config.protocol.memory_steps = 0;

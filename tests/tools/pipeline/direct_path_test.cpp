@@ -33,13 +33,7 @@ struct TestPart {
 
 /// The last day, its truth brought into the learned map by one rigid motion over the other days.
 TestPart test_part(const Runs& runs, const LearnResult& learned) {
-  std::vector<Pose2> truth;
-  std::vector<Pose2> map;
-  for (std::size_t i = 0; i < learned.slam.scans.size(); ++i) {
-    truth.push_back(*runs.truths[i]);
-    map.push_back(learned.slam.scans[i].map_from_robot);
-  }
-  const Pose2 map_from_truth = align(truth, map);
+  const Pose2 map_from_truth = test_room::map_from_truth(runs, learned.slam.scans);
   TestPart part;
   for (std::size_t i = learned.slam.scans.size(); i < runs.observations.size(); ++i) {
     part.observations.push_back(runs.observations[i]);

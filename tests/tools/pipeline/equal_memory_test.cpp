@@ -46,8 +46,7 @@ struct OneCount : Progress {
 };
 
 TEST(EqualMemory, CurvesBeginWithTheRunsAtFullMemoryAndShrink) {
-  Runs runs = test_room::simulate_runs(2, 2);
-  runs.poses = runs.truths;
+  const Runs runs = test_room::simulate_located_runs(2, 2);
   CompareConfig config;
   config.protocol.models = {"occupancy", "timescale_mixture"};
   config.protocol.memory_seeds = 3;

@@ -29,11 +29,6 @@ slam::SlamResult learn_room() {
   return slam.finish();
 }
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 TEST(LearnPictures, ShowTheMapAfterEachRoundOfEm) {
   const test::TemporaryDirectory folder;
   const slam::SlamResult result = learn_room();
@@ -56,11 +51,11 @@ TEST(LearnPictures, ShowTheMapAfterEachRoundOfEm) {
       occupied += is_occupied(m) ? 1 : 0;
     }
     EXPECT_GT(occupied, 100U);
-    EXPECT_THAT(text_of(folder.path() / "pictures" / (name + ".png")), HasSubstr("PNG"));
+    EXPECT_THAT(test::bytes_of(folder.path() / "pictures" / (name + ".png")), HasSubstr("PNG"));
   }
-  const std::string page = text_of(folder.path() / "pictures" / "report.html");
+  const std::string page = test::bytes_of(folder.path() / "pictures" / "report.html");
   EXPECT_THAT(page, HasSubstr("all beams, dynamic ones in red"));
-  const std::string trace = text_of(folder.path() / "pictures" / "log_likelihood.csv");
+  const std::string trace = test::bytes_of(folder.path() / "pictures" / "log_likelihood.csv");
   const auto lines = static_cast<std::size_t>(std::count(trace.begin(), trace.end(), '\n'));
   EXPECT_EQ(lines, 1 + result.log_likelihood.size());
 }
@@ -68,7 +63,7 @@ TEST(LearnPictures, ShowTheMapAfterEachRoundOfEm) {
 TEST(LearnPictures, OfNothingAreAPageThatSaysSo) {
   const test::TemporaryDirectory folder;
   write_learn_pictures(folder.path(), slam::Slam(slam::SlamConfig{}).finish(), {});
-  EXPECT_THAT(text_of(folder.path() / "report.html"), HasSubstr("No scan was mapped"));
+  EXPECT_THAT(test::bytes_of(folder.path() / "report.html"), HasSubstr("No scan was mapped"));
 }
 
 TEST(LearnPictures, RefuseAFolderThatCannotBe) {

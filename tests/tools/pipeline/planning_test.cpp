@@ -99,7 +99,7 @@ TEST(Frechet, OfShiftedLinesIsTheShift) {
 }
 
 /// Knows one map until a scan is learned, and another from there on.
-class Changeable final : public Watcher {
+class Changeable final : public OnlinePredictor {
  public:
   Changeable(ReflectionGrid before, ReflectionGrid after, int change_after)
       : maps_{std::make_shared<const ReflectionGrid>(std::move(before)),

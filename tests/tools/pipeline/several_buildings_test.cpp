@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/several_buildings.hpp"
 
-#include <fstream>
-#include <sstream>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -60,11 +57,9 @@ TEST(SeveralBuildings, StandInOneTableWithAVerdictEach) {
   const std::vector<Building> two{building("1_office", 0.10, 0.30), building("2_hall", 0.50, 0.10)};
   const test::TemporaryDirectory dir;
   write_joint_report(two, "settings: here\n", dir.path());
-  std::ifstream in(dir.path() / "report.html");
-  std::ostringstream page;
-  page << in.rdbuf();
-  EXPECT_THAT(page.str(), testing::HasSubstr("1_office: occupancy has the lowest mean error"));
-  EXPECT_THAT(page.str(), testing::HasSubstr("2_hall: patch has the lowest mean error"));
+  const std::string page = test::bytes_of(dir.path() / "report.html");
+  EXPECT_THAT(page, testing::HasSubstr("1_office: occupancy has the lowest mean error"));
+  EXPECT_THAT(page, testing::HasSubstr("2_hall: patch has the lowest mean error"));
   const auto json = joint_json(two);
   EXPECT_EQ(json["buildings"].size(), 2U);
   EXPECT_EQ(json["buildings"][1]["folder"], "2_hall");

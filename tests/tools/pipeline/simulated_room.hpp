@@ -2,8 +2,10 @@
 /// The scenario `empty_room`, simulated: a run a day, with the truth.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/pipeline/runs_input.hpp"
 #include "tools/simulate/simulation.hpp"
@@ -26,6 +28,24 @@ inline Runs simulate_runs(std::uint64_t seed, int days) {
       runs.poses.emplace_back(std::nullopt);
     }
   }
+  return runs;
+}
+
+/// The rigid motion from the truth's frame to the one of these scans, the runs' first.
+inline Pose2 map_from_truth(const Runs& runs, const std::vector<PosedScan>& scans) {
+  std::vector<Pose2> truth;
+  std::vector<Pose2> map;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    truth.push_back(*runs.truths[i]);
+    map.push_back(scans[i].map_from_robot);
+  }
+  return align(truth, map);
+}
+
+/// Runs whose truths are taken for their poses.
+inline Runs simulate_located_runs(std::uint64_t seed, int days) {
+  Runs runs = simulate_runs(seed, days);
+  runs.poses = runs.truths;
   return runs;
 }
 

@@ -84,7 +84,7 @@ TEST(Transients, ShortenJustTheBeamsThatMeetThem) {
 }
 
 /// Expects what the last learned scan measured, as long as that was at this pose; or the truth.
-class Gullible final : public Watcher {
+class Gullible final : public OnlinePredictor {
  public:
   Gullible(const Drive& drive, bool learns) : drive_(drive), learns_(learns) {}
   void go_to(const Pose2& robot, Stamp /*stamp*/) override { robot_ = robot; }

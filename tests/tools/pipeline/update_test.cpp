@@ -62,13 +62,7 @@ TEST_F(Update, KeepsEarlierPosesAndPlacesTheNewRunInTheirMap) {
   for (std::size_t i = 0; i < before.slam.scans.size(); ++i) {
     ASSERT_EQ(after.slam.scans[i].map_from_robot, before.slam.scans[i].map_from_robot) << i;
   }
-  std::vector<Pose2> truth;
-  std::vector<Pose2> map;
-  for (std::size_t i = 0; i < before.slam.scans.size(); ++i) {
-    truth.push_back(*runs.truths[i]);
-    map.push_back(before.slam.scans[i].map_from_robot);
-  }
-  const Pose2 map_from_truth = align(truth, map);
+  const Pose2 map_from_truth = test_room::map_from_truth(runs, before.slam.scans);
   for (std::size_t i = before.slam.scans.size(); i < after.slam.scans.size(); ++i) {
     ASSERT_LT(
         translation_distance(after.slam.scans[i].map_from_robot, map_from_truth * *runs.truths[i]),

@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -87,9 +85,7 @@ TEST(LinePlot, IsSavedAsAPictureOrSaysThatItCannotBe) {
   const test::TemporaryDirectory folder;
   const auto file = folder.path() / "plot.png";
   save_png(plot, file);
-  std::ostringstream bytes;
-  bytes << std::ifstream(file, std::ios::binary).rdbuf();
-  EXPECT_EQ(decode(bytes.str()).width(), plot.width * 3 / 2);
+  EXPECT_EQ(decode(test::bytes_of(file)).width(), plot.width * 3 / 2);
   EXPECT_THROW(save_png(plot, folder.path() / "missing" / "plot.png"), OutputError);
 }
 

@@ -149,19 +149,19 @@ TEST(People, KeepTheirDistanceAndComeBack) {
   person.path = {0, 0, 10, 0};
   scenario.people = {person};
   const People people(scenario, 1, 1);
-  double least_x = 1e9;
-  double most_x = -1e9;
+  double min_x = 1e9;
+  double max_x = -1e9;
   for (double t = 0.0; t < 60.0; t += 0.1) {
     const Eigen::Vector2d robot(5.0, 0.05);
     const auto legs = people.legs_at(t, robot);
     ASSERT_EQ(legs.size(), 2U);
     const Eigen::Vector2d middle = 0.5 * (legs[0].center + legs[1].center);
     EXPECT_GE((middle - robot).norm(), scenario.robot.personal_space_m - 1e-9);
-    least_x = std::min(least_x, middle.x());
-    most_x = std::max(most_x, middle.x());
+    min_x = std::min(min_x, middle.x());
+    max_x = std::max(max_x, middle.x());
   }
-  EXPECT_NEAR(least_x, 0.0, 0.2);
-  EXPECT_NEAR(most_x, 10.0, 0.2);
+  EXPECT_NEAR(min_x, 0.0, 0.2);
+  EXPECT_NEAR(max_x, 10.0, 0.2);
 }
 
 TEST(Truth, RecordsEveryStateOverTime) {

@@ -2,8 +2,6 @@
 /// The program itself: what `strata simulate` writes is what was simulated.
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -29,20 +27,13 @@ int run_simulate(const std::string& arguments, const fs::path& errors) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 TEST(VerbSimulate, WritesLogBagAndTruthOfTheSameScans) {
   const test::TemporaryDirectory folder;
   const fs::path out = folder.path() / "out";
   ASSERT_EQ(run_simulate(kScenario + " --seed 5 --per-day --out '" + out.string() + "'",
                          folder.path() / "errors"),
             0)
-      << text_of(folder.path() / "errors");
+      << test::bytes_of(folder.path() / "errors");
   EXPECT_TRUE(fs::exists(out / "states.json"));
   EXPECT_TRUE(fs::exists(out / "world.png"));
 
@@ -84,7 +75,7 @@ TEST(VerbSimulate, LeavesNothingBehindWhenTheScenarioIsWrong) {
   const fs::path errors = folder.path() / "errors";
   EXPECT_EQ(run_simulate(kScenario + " --set laser.beems=3 --out '" + out.string() + "'", errors),
             2);
-  EXPECT_EQ(text_of(errors),
+  EXPECT_EQ(test::bytes_of(errors),
             "strata simulate: error: --set laser.beems: laser.beems is an unknown key; did you "
             "mean 'beams'?\n");
   EXPECT_FALSE(fs::exists(out));
@@ -92,7 +83,7 @@ TEST(VerbSimulate, LeavesNothingBehindWhenTheScenarioIsWrong) {
       run_simulate("'" + (folder.path() / "none.yaml").string() + "' --out '" + out.string() + "'",
                    errors),
       2);
-  EXPECT_THAT(text_of(errors), testing::HasSubstr("none.yaml: cannot be read; check that"));
+  EXPECT_THAT(test::bytes_of(errors), testing::HasSubstr("none.yaml: cannot be read; check that"));
   EXPECT_FALSE(fs::exists(out));
 }
 

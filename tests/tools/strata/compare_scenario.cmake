@@ -2,13 +2,7 @@
 # Simulates SCENARIO, learns from all days but the last, compares the models on the last one, and
 # lets an independent script recompute the result.
 #   cmake -DPROGRAM=strata -DSCENARIO=F -DDAYS=n -DSEED=n -DSCRIPT=recompute_comparison.py -DOUT=DIR -P F
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
-  message("${out}")
-  if(NOT code EQUAL 0)
-    message(FATAL_ERROR "${ARGN}: exit code ${code}")
-  endif()
-endfunction()
+include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 
 file(REMOVE_RECURSE "${OUT}")
 run("${PROGRAM}" simulate "${SCENARIO}" --per-day --seed ${SEED} --out "${OUT}/world" --quiet)

@@ -13,7 +13,7 @@
 namespace strata::tools {
 namespace {
 
-using test::content;
+using test::bytes_of;
 using test::quoted;
 
 class CompareVia : public test::ReplayFixture {
@@ -29,8 +29,9 @@ TEST_F(CompareVia, DdsGivesEveryErrorOfTheDirectCall) {
   ASSERT_EQ(compare("direct_errors", models).code, 0);
   const test::Outcome outcome = compare("dds_errors", models + "--via dds --jobs 2");
   ASSERT_EQ(outcome.code, 0) << outcome.out;
-  EXPECT_EQ(content(at("direct_errors") / "errors.csv"), content(at("dds_errors") / "errors.csv"));
-  const auto result = nlohmann::json::parse(content(at("dds_errors") / "comparison.json"));
+  EXPECT_EQ(bytes_of(at("direct_errors") / "errors.csv"),
+            bytes_of(at("dds_errors") / "errors.csv"));
+  const auto result = nlohmann::json::parse(bytes_of(at("dds_errors") / "comparison.json"));
   EXPECT_EQ(result["via"], "dds");
   EXPECT_FALSE(std::filesystem::exists(at("dds_errors_maps"))) << "the maps were for the runs only";
   EXPECT_FALSE(std::filesystem::exists(at("dds_errors_place_maps")));
@@ -44,7 +45,7 @@ TEST_F(CompareVia, LocalizeDecodesTheMemoryAsToldToo) {
   };
   ASSERT_EQ(localize("exact", "").code, 0);
   ASSERT_EQ(localize("joint", " --set decoding.edges=joint").code, 0);
-  EXPECT_NE(content(at("exact") / "trajectory.tum"), content(at("joint") / "trajectory.tum"));
+  EXPECT_NE(bytes_of(at("exact") / "trajectory.tum"), bytes_of(at("joint") / "trajectory.tum"));
   const test::Outcome unknown = localize("unknown", " --set decoding.edges=guess");
   EXPECT_EQ(unknown.code, 2);
   EXPECT_THAT(unknown.out, testing::HasSubstr("decoding.edges"));
@@ -57,13 +58,13 @@ TEST_F(CompareVia, DecodesTheMemoryAsToldInBothWays) {
         " --seeds 1 --models timescale_frozen --set protocol.memory_steps=0 --quiet --out " +
         quoted(at(out)) + more + " 2>&1");
     EXPECT_EQ(outcome.code, 0) << outcome.out;
-    return content(at(out) / "errors.csv");
+    return bytes_of(at(out) / "errors.csv");
   };
   const std::string joint = " --set decoding.edges=joint";
   const std::string direct = errors("direct_joint", joint);
   EXPECT_EQ(direct, errors("dds_joint", joint + " --via dds"));
   EXPECT_TRUE(direct != errors("exact", ""));
-  EXPECT_THAT(content(at("direct_joint") / "report.html"), testing::HasSubstr("edges: joint"));
+  EXPECT_THAT(bytes_of(at("direct_joint") / "report.html"), testing::HasSubstr("edges: joint"));
 }
 
 TEST_F(CompareVia, DdsRefusesAMapThatNoComponentReads) {

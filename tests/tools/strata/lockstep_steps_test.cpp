@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,13 +18,14 @@
 #include "components/bus/participant_state.hpp"
 #include "components/bus/raw_type.hpp"
 #include "components/runtime/component.hpp"
-#include "components/runtime/conductor.hpp"
+#include "components/runtime/lockstep_coordinator.hpp"
 #include "core/base/error.hpp"
+#include "tests/across/every_component/mutator.hpp"
 #include "tests/components/bus/domain.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/comes_true.hpp"
 #include "tests/support/test_data.hpp"
-#include "tests/tools/every_component/mutator.hpp"
+#include "tests/tools/strata/filter_composition.hpp"
 
 namespace strata::tools {
 namespace {
@@ -101,16 +101,12 @@ std::vector<Bytes> no_messages(const Bytes& good) {
 class LockstepSteps : public testing::Test {
  protected:
   LockstepSteps() {
-    std::ofstream(folder_.path() / "one.yaml")
-        << "version: 1\ndomain: " << test::own_domain()
-        << "\ntransport: loopback\nprocesses: [{name: p, components: [{type: strata::BeamFilter, "
-           "name: filter}]}]\n";
+    const std::filesystem::path file = test::write_filter_composition(folder_.path());
     child_ = std::make_unique<test::ChildProcess>(
-        std::vector<std::string>{STRATA_PROGRAM, "run", (folder_.path() / "one.yaml").string(),
-                                 "--process", "p", "--child", std::to_string(getpid()),
-                                 "--lockstep"},
+        std::vector<std::string>{STRATA_PROGRAM, "run", file.string(), "--process", "p", "--child",
+                                 std::to_string(getpid()), "--lockstep"},
         std::vector<std::string>{}, test::ChildProcess::Errors::kMerged);
-    conductor_ = std::make_unique<runtime::Conductor>(
+    coordinator_ = std::make_unique<runtime::LockstepCoordinator>(
         participant_, std::vector<std::string>{"/filter"},
         [this](const std::string&, double) { return child_->runs(); });
   }
@@ -120,16 +116,16 @@ class LockstepSteps : public testing::Test {
     Stranger stranger(topic, type);
     ASSERT_TRUE(stranger.is_heard());
     stranger.send({0, 1});
-    conductor_->connect();
+    coordinator_->connect();
     for (const Bytes& bytes : no_messages(good)) stranger.send(bytes);
     ASSERT_TRUE(stranger.is_delivered());
-    conductor_->cycle();
+    coordinator_->cycle();
     stranger.send({});
-    conductor_->cycle();
+    coordinator_->cycle();
     EXPECT_TRUE(child_->runs()) << child_->rest();
   }
   void expect_good_end() {
-    conductor_->finish(folder_.path() / "out");
+    coordinator_->finish(folder_.path() / "out");
     child_->send(SIGTERM);
     EXPECT_EQ(child_->wait(), 0) << child_->rest();
   }
@@ -137,7 +133,7 @@ class LockstepSteps : public testing::Test {
   test::TemporaryDirectory folder_;
   std::shared_ptr<bus::Participant> participant_ = test::make_participant();
   std::unique_ptr<test::ChildProcess> child_;
-  std::unique_ptr<runtime::Conductor> conductor_;
+  std::unique_ptr<runtime::LockstepCoordinator> coordinator_;
 };
 
 TEST_F(LockstepSteps, ThatAreNoMessagesEndNoProcess) {

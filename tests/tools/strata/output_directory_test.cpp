@@ -24,10 +24,6 @@ namespace strata::tools {
 namespace {
 
 void write(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
-std::string read(const fs::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 std::size_t entries(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
 }
@@ -44,7 +40,7 @@ TEST(OutputDirectory, AppearsWholeOrNotAtAll) {
   OutputDirectory out(folder.path() / "maps", staged);
   write(out.path() / "a", "1");
   out.commit();
-  EXPECT_EQ(read(folder.path() / "maps" / "a"), "1");
+  EXPECT_EQ(test::bytes_of(folder.path() / "maps" / "a"), "1");
   EXPECT_EQ(entries(folder.path()), 1U);
 }
 
@@ -59,8 +55,8 @@ TEST(OutputDirectory, ReplacesItsOwnEntriesAndLeavesOthersAlone) {
   write(out.path() / "a", "new");
   fs::create_directory(out.path() / "patches");
   out.commit();
-  EXPECT_EQ(read(folder.path() / "maps" / "mine.txt"), "mine");
-  EXPECT_EQ(read(folder.path() / "maps" / "a"), "new");
+  EXPECT_EQ(test::bytes_of(folder.path() / "maps" / "mine.txt"), "mine");
+  EXPECT_EQ(test::bytes_of(folder.path() / "maps" / "a"), "new");
   EXPECT_EQ(entries(folder.path() / "maps" / "patches"), 0U);
   EXPECT_EQ(entries(folder.path()), 1U);
 }
@@ -87,7 +83,7 @@ TEST(OutputDirectory, AHardEndWaitsUntilWhatIsBeingPutInPlaceIsThere) {
     fs::rename(path, folder.path() / "there");
   });
   hard_end.get();
-  EXPECT_EQ(read(folder.path() / "there"), "1");
+  EXPECT_EQ(test::bytes_of(folder.path() / "there"), "1");
 }
 
 /// A target with an entry of its own, one that is to be replaced, and a folder of each kind.
@@ -110,11 +106,11 @@ void write_new(const OutputDirectory& out) {
 
 /// "old" or "new"; a mixture fails.
 std::string state_of(const fs::path& target) {
-  const std::string state = read(target / "a");
-  EXPECT_EQ(read(target / "b"), state);
-  EXPECT_EQ(read(target / "patches" / state), state);
+  const std::string state = test::bytes_of(target / "a");
+  EXPECT_EQ(test::bytes_of(target / "b"), state);
+  EXPECT_EQ(test::bytes_of(target / "patches" / state), state);
   EXPECT_EQ(entries(target / "patches"), 1U);
-  EXPECT_EQ(read(target / "link" / "note"), "mine");
+  EXPECT_EQ(test::bytes_of(target / "link" / "note"), "mine");
   EXPECT_EQ(entries(target), 5U);
   return state;
 }
@@ -139,32 +135,28 @@ bool replace_killed_before(std::size_t step, const fs::path& target, bool can_ex
   return WIFSIGNALED(status);
 }
 
-TEST(OutputDirectory, AKillLeavesTheOldFolderOrTheNewOne) {
+/// What is there after a kill before each step, the next run having put back what it finds.
+std::set<std::string> states_after_kills(bool can_exchange) {
   std::size_t step = 0;
   std::set<std::string> states;
   for (bool is_killed = true; is_killed; ++step) {
     const test::TemporaryDirectory folder;
     const fs::path target = folder.path() / "maps";
     make_old(target);
-    is_killed = replace_killed_before(step, target, true);
+    is_killed = replace_killed_before(step, target, can_exchange);
+    if (!fs::exists(target)) states.insert("without a name");
+    if (!can_exchange) OutputDirectory::put_back(target);
     states.insert(state_of(target));
   }
-  EXPECT_EQ(states, (std::set<std::string>{"old", "new"}));
+  return states;
+}
+
+TEST(OutputDirectory, AKillLeavesTheOldFolderOrTheNewOne) {
+  EXPECT_EQ(states_after_kills(true), (std::set<std::string>{"old", "new"}));
 }
 
 TEST(OutputDirectory, AKillWhereTwoNamesCannotBeExchangedIsMendedByTheNextOne) {
-  std::size_t step = 0;
-  std::set<std::string> states;
-  for (bool is_killed = true; is_killed; ++step) {
-    const test::TemporaryDirectory folder;
-    const fs::path target = folder.path() / "maps";
-    make_old(target);
-    is_killed = replace_killed_before(step, target, false);
-    if (!fs::exists(target)) states.insert("without a name");
-    OutputDirectory::put_back(target);
-    states.insert(state_of(target));
-  }
-  EXPECT_EQ(states, (std::set<std::string>{"old", "without a name", "new"}));
+  EXPECT_EQ(states_after_kills(false), (std::set<std::string>{"old", "without a name", "new"}));
 }
 
 TEST(OutputDirectory, IsOnTheDiskBeforeItTakesItsNameAndTheOldOneGoesAfterThat) {
@@ -215,7 +207,7 @@ TEST(OutputDirectory, AFileInTheWayIsNamed) {
   StagedPaths staged;
   write(folder.path() / "maps", "a file");
   EXPECT_THROW(OutputDirectory(folder.path() / "maps", staged), OutputError);
-  EXPECT_EQ(read(folder.path() / "maps"), "a file");
+  EXPECT_EQ(test::bytes_of(folder.path() / "maps"), "a file");
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+#include "components/maps/map_models.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace fs = std::filesystem;
@@ -81,6 +82,17 @@ TEST(Program, HelpHasAnExampleForEveryVerb) {
   }
 }
 
+TEST(Program, HelpSaysWhatEveryMapModelIs) {
+  const std::string localize = run("localize --help").out;
+  const std::string compare = run("compare --help").out;
+  for (const auto& model : maps::map_models().all()) {
+    const auto said = ::testing::HasSubstr(model->shown_name() + ": " + model->description);
+    EXPECT_THAT(compare, said);
+    if (!model->is_in_folder()) continue;
+    EXPECT_THAT(localize, said);
+  }
+}
+
 TEST(Program, MessagesWritesAPackageAndReplacesAnOlderOne) {
   const strata::test::TemporaryDirectory folder;
   const fs::path package = folder.path() / "src" / "strata_msgs";
@@ -135,6 +147,21 @@ TEST(Program, BadInputEndsWithTwoAndSaysWhere) {
   const Outcome outcome = run("info /no/such/log 2>&1");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(outcome.out, "strata info: error: /no/such/log: does not exist; check the path\n");
+}
+
+TEST(Program, KnowsPresetsAndTellsOfSettingsThatAreGone) {
+  const Outcome unknown = run("learn /no/log --out /no/maps --set preset=paper-emm 2>&1");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_EQ(unknown.out,
+            "strata learn: error: --set preset: preset 'paper-emm' sets nothing here; known "
+            "presets are: paper-em, paper-patch, paper-timescale\n");
+  const Outcome known = run("learn /no/log --out /no/maps --set preset=paper-em 2>&1");
+  EXPECT_THAT(known.out, ::testing::HasSubstr("/no/log")) << "that is what is wrong";
+  const Outcome gone =
+      run("localize /no/log --maps /no/maps --out /no/out --initial-pose 0,0,0 "
+          "--set sensor.states.reach_m=2 2>&1");
+  EXPECT_THAT(gone.out, ::testing::HasSubstr("note: --set sensor.states.reach_m: "
+                                             "sensor.states.reach_m is gone and is left out"));
 }
 
 TEST(Program, InfoStatesCountsAndGeometryAsJson) {

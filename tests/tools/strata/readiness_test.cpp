@@ -21,34 +21,29 @@ class Readiness : public test::ManagedRun {
     EXPECT_EQ(process.wait(), 0);
     EXPECT_EQ(manager_.receive(), "") << "nothing is told twice";
   }
+  void expect_ready_behind_the_gate(test::ChildProcess& process) {
+    ASSERT_TRUE(appears("waiting"));
+    EXPECT_EQ(manager_.receive(), "") << "it is not active yet";
+    open_gate();
+    EXPECT_EQ(manager_.receive(kPatience), "READY=1");
+    expect_good_end(process);
+  }
 };
 
 TEST_F(Readiness, OfSeveralProcessesIsToldWhenTheLastIsActive) {
   const auto process = run(kActiveAtOnce + ("  - name: second\n" + component("Gate")));
   ASSERT_NE(process->wait_for_line("process first runs", kPatience), "");
-  ASSERT_TRUE(appears("waiting"));
-  EXPECT_EQ(manager_.receive(), "") << "the second is not active yet";
-  open_gate();
-  EXPECT_EQ(manager_.receive(kPatience), "READY=1");
-  expect_good_end(*process);
+  expect_ready_behind_the_gate(*process);
 }
 
 TEST_F(Readiness, OfOneProcessThatMayRestartIsToldWhenItIsActive) {
   const auto process = run("  - name: only\n    restart: on_failure\n" + component("Gate"));
-  ASSERT_TRUE(appears("waiting"));
-  EXPECT_EQ(manager_.receive(), "");
-  open_gate();
-  EXPECT_EQ(manager_.receive(kPatience), "READY=1");
-  expect_good_end(*process);
+  expect_ready_behind_the_gate(*process);
 }
 
 TEST_F(Readiness, OfOneProcessIsToldWhenItIsActive) {
   const auto process = run("  - name: only\n" + component("Gate"));
-  ASSERT_TRUE(appears("waiting"));
-  EXPECT_EQ(manager_.receive(), "");
-  open_gate();
-  EXPECT_EQ(manager_.receive(kPatience), "READY=1");
-  expect_good_end(*process);
+  expect_ready_behind_the_gate(*process);
 }
 
 TEST_F(Readiness, IsNotToldOfACompositionInWhichAProcessCannotStart) {

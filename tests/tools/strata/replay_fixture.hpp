@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <string>
@@ -22,24 +21,19 @@ namespace fs = std::filesystem;
 inline const fs::path kSource = STRATA_SOURCE_DIR;
 inline const fs::path kCompositions = kSource / "components" / "config";
 
-inline std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// Every file below a folder except summary.json, which tells the cost. strata.db is compared as
 /// the file it is: both ways make the same saves in the same order.
 inline std::map<std::string, std::string> contents(const fs::path& folder) {
   std::map<std::string, std::string> result;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file() || entry.path().filename() == "summary.json") continue;
-    result[entry.path().lexically_relative(folder).string()] = content(entry.path());
+    result[entry.path().lexically_relative(folder).string()] = bytes_of(entry.path());
   }
   return result;
 }
 
 inline nlohmann::json summary_without_cost(const fs::path& folder) {
-  nlohmann::json summary = nlohmann::json::parse(content(folder / "summary.json"));
+  nlohmann::json summary = nlohmann::json::parse(bytes_of(folder / "summary.json"));
   summary.erase("cost");
   return summary;
 }
@@ -63,15 +57,15 @@ inline void expect_same_maps(const fs::path& a, const fs::path& b) {
 /// What `strata topology` leaves and what a replay does, which draws no pictures and does not know
 /// what the log is called and what it cost.
 inline void expect_same_topologies(const fs::path& direct, const fs::path& replayed) {
-  auto expected = nlohmann::json::parse(content(direct / "topologies.json"));
+  auto expected = nlohmann::json::parse(bytes_of(direct / "topologies.json"));
   expected.erase("log");
   expected.erase("cost");
   EXPECT_GT(expected["visits"].size(), 1U);
-  EXPECT_EQ(nlohmann::json::parse(content(replayed / "topologies.json")), expected);
+  EXPECT_EQ(nlohmann::json::parse(bytes_of(replayed / "topologies.json")), expected);
   for (const char* file :
        {"topology.graphml", "occupancy.yaml", "occupancy.pgm", "trajectory.tum"}) {
-    EXPECT_FALSE(content(direct / file).empty()) << file;
-    EXPECT_TRUE(content(replayed / file) == content(direct / file)) << file << " differs";
+    EXPECT_FALSE(bytes_of(direct / file).empty()) << file;
+    EXPECT_TRUE(bytes_of(replayed / file) == bytes_of(direct / file)) << file << " differs";
   }
 }
 

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
-using test::content;
+using test::bytes_of;
 using test::expect_same_maps;
 using test::kCompositions;
 using test::Outcome;
@@ -73,8 +73,8 @@ TEST_P(LearnAndLocalize, InOneCompositionGivesTheMapsAndPosesOfTheDirectCalls) {
   ASSERT_EQ(outcome.code, 0) << outcome.out;
   const fs::path localized = at("both") / "localization";
   for (const char* file : {"trajectory.tum", "states.csv"}) {
-    EXPECT_FALSE(content(localized / file).empty());
-    EXPECT_EQ(content(localized / file), content(at("l") / file)) << file;
+    EXPECT_FALSE(bytes_of(localized / file).empty());
+    EXPECT_EQ(bytes_of(localized / file), bytes_of(at("l") / file)) << file;
   }
   fs::remove_all(localized);
   expect_same_maps(at("m"), at("both"));
@@ -109,8 +109,8 @@ TEST_F(ReplayOptions, TruthGivesTheErrorsOfTheDirectCall) {
              quoted(kCompositions / "localize.yaml") + " --set localizer.maps=" + at("m").string() +
              " --set localizer.start.pose=[0,0,0] --out " + quoted(at("r")));
   ASSERT_EQ(outcome.code, 0) << outcome.out;
-  const auto expected = nlohmann::json::parse(content(at("l") / "metrics.json"));
-  const auto got = nlohmann::json::parse(content(at("r") / "metrics.json"));
+  const auto expected = nlohmann::json::parse(bytes_of(at("l") / "metrics.json"));
+  const auto got = nlohmann::json::parse(bytes_of(at("r") / "metrics.json"));
   for (const char* key : {"mean", "median", "p95", "max", "rmse"}) {
     EXPECT_GT(expected["error_m"][key].get<double>(), 0.0);
     EXPECT_NEAR(got["error_m"][key].get<double>(), expected["error_m"][key].get<double>(), 1e-9);
@@ -122,7 +122,7 @@ TEST_F(ReplayOptions, TruthGivesTheErrorsOfTheDirectCall) {
 
 /// Puts another text into a file, once.
 void replace_in(const fs::path& file, std::size_t at, const std::string& with) {
-  std::string text = content(file);
+  std::string text = bytes_of(file);
   text.replace(at, with.size(), with);
   std::ofstream(file, std::ios::binary) << text;
 }
@@ -144,7 +144,7 @@ TEST_F(ReplayOptions, ExpectAcceptsComparesAndNamesTheFirstDifference) {
   EXPECT_TRUE(fs::exists(at("again") / "topics"));
 
   const fs::path trajectory = at("expected") / "localization" / "trajectory.tum";
-  const std::string rows = content(trajectory);
+  const std::string rows = bytes_of(trajectory);
   const std::size_t second_row = rows.find('\n') + 1;
   const std::size_t x = rows.find(' ', second_row) + 1;
   const std::string time = rows.substr(second_row, x - second_row - 1);
@@ -158,16 +158,16 @@ TEST_F(ReplayOptions, ExpectAcceptsComparesAndNamesTheFirstDifference) {
 
   std::ofstream(at("expected") / "tolerances.yaml", std::ios::app)
       << "rules:\n  - {match: '*trajectory.tum:x', absolute: 1.0}\n";
-  std::string tolerances = content(at("expected") / "tolerances.yaml");
+  std::string tolerances = bytes_of(at("expected") / "tolerances.yaml");
   tolerances.erase(tolerances.find("rules: []"), std::string("rules: []").size());
   std::ofstream(at("expected") / "tolerances.yaml") << tolerances;
   const Outcome tolerated = strata(command);
   EXPECT_EQ(tolerated.code, 0) << tolerated.out;
 
   ASSERT_EQ(strata(command + " --accept").code, 0);
-  EXPECT_EQ(content(trajectory), rows);
+  EXPECT_EQ(bytes_of(trajectory), rows);
   EXPECT_TRUE(fs::exists(at("expected") / "topics")) << "what was recorded is recorded again";
-  EXPECT_EQ(content(at("expected") / "tolerances.yaml"), tolerances);
+  EXPECT_EQ(bytes_of(at("expected") / "tolerances.yaml"), tolerances);
 }
 
 TEST_F(ReplayOptions, AcceptDoesNotWipeAFolderOfOtherThings) {
@@ -177,7 +177,7 @@ TEST_F(ReplayOptions, AcceptDoesNotWipeAFolderOfOtherThings) {
       strata("replay " + quoted(log()) + domain() + " --composition " +
              quoted(kCompositions / "mapping.yaml") + " --accept --expect " + quoted(at("home")));
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_EQ(content(at("home") / "letter.txt"), "dear");
+  EXPECT_EQ(bytes_of(at("home") / "letter.txt"), "dear");
 }
 
 TEST_F(ReplayOptions, ConfigTakesComponentsByNameAndRosParameterFiles) {
@@ -189,7 +189,7 @@ TEST_F(ReplayOptions, ConfigTakesComponentsByNameAndRosParameterFiles) {
     const Outcome outcome =
         strata(command + " --config " + quoted(at(file)) + " --out " + quoted(at("o")));
     ASSERT_EQ(outcome.code, 0) << outcome.out;
-    const std::string bag = content(at("o") / "topics" / "topics_0.mcap");
+    const std::string bag = bytes_of(at("o") / "topics" / "topics_0.mcap");
     EXPECT_NE(bag.find("floor"), std::string::npos) << file;
   }
   std::ofstream(at("typo.yaml")) << "version: 1\npatch_lerner: {map_frame: floor}\n";

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
-using test::content;
+using test::bytes_of;
 using test::expect_same_maps;
 using test::kCompositions;
 using test::quoted;
@@ -50,7 +50,7 @@ TEST_F(Replay, DoesNotDependOnItsSpeed) {
       replay(log(), kCompositions / "mapping.yaml", "paced", "--rate " + std::to_string(kRate));
   ASSERT_EQ(outcome.code, 0) << outcome.out;
   expect_same_maps(at("direct"), at("paced"));
-  const auto summary = nlohmann::json::parse(content(at("paced") / "summary.json"));
+  const auto summary = nlohmann::json::parse(bytes_of(at("paced") / "summary.json"));
   const double duration_s = summary["duration_s"].get<double>();
   EXPECT_GT(duration_s, 0.0);
   EXPECT_GE(summary["cost"]["wall_s"].get<double>(), duration_s / kRate) << "it kept the pace";
@@ -58,7 +58,7 @@ TEST_F(Replay, DoesNotDependOnItsSpeed) {
 
 TEST_F(Replay, MeasuresWhatItCost) {
   ASSERT_EQ(replay(log(), kCompositions / "mapping_processes.yaml", "out").code, 0);
-  const auto cost = nlohmann::json::parse(content(at("out") / "summary.json"))["cost"];
+  const auto cost = nlohmann::json::parse(bytes_of(at("out") / "summary.json"))["cost"];
   for (const char* key : {"wall_s", "cpu_s", "peak_rss_mb", "real_time_factor"}) {
     EXPECT_GT(cost[key].get<double>(), 0.0) << key;
   }

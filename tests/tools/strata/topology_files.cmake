@@ -1,13 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Landmarks given by their times on the command line; another program opens what comes out.
 #   cmake -DPROGRAM=strata -DSCENARIO=F -DPYTHON=python3 -DSCRIPT=read_topology.py -DOUT=DIR -P F
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
-  message("${out}")
-  if(NOT code EQUAL 0)
-    message(FATAL_ERROR "${ARGN}: exit code ${code}")
-  endif()
-endfunction()
+include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 
 file(REMOVE_RECURSE "${OUT}")
 run("${PROGRAM}" simulate "${SCENARIO}" --per-day --seed 3 --out "${OUT}/world" --quiet)

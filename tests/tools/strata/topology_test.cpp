@@ -12,7 +12,7 @@
 namespace strata::tools {
 namespace {
 
-using test::content;
+using test::bytes_of;
 
 struct Agreement {
   nlohmann::json places;
@@ -31,15 +31,15 @@ Agreement map_topology(const std::string& log, const std::string& truth,
       test::run_strata("evaluate --quiet --json " + test::quoted(out / "trajectory.tum") +
                        " --relations " + test::quoted(relations));
   EXPECT_EQ(evaluated.code, 0);
-  return {nlohmann::json::parse(content(out / "topologies.json"))["agreement"],
+  return {nlohmann::json::parse(bytes_of(out / "topologies.json"))["agreement"],
           nlohmann::json::parse(evaluated.out)["relations"]["error_m"]["mean"].get<double>()};
 }
 
 /// Places within a metre of each other are one landmark, others not, as far as the reference can
 /// tell; the map is as good as the noise of the relations lets full SLAM's be.
-void expect_one_map(const Agreement& agreement, double most_relation_error_m) {
+void expect_one_map(const Agreement& agreement, double max_relation_error_m) {
   const auto count = [&](const char* key) { return agreement.places[key].get<int>(); };
-  EXPECT_LT(agreement.relation_error_m, most_relation_error_m);
+  EXPECT_LT(agreement.relation_error_m, max_relation_error_m);
   EXPECT_GT(count("near"), 50);
   EXPECT_EQ(count("near_merged"), count("near"));
   EXPECT_GT(count("between"), 20);

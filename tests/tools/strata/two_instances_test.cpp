@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
-using test::content;
+using test::bytes_of;
 using test::quoted;
 
 class TwoInstances : public test::ReplayFixture {
@@ -86,8 +86,8 @@ TEST_F(TwoInstances, OfEveryComponentInOneProcessDoWhatOneDoesAlone) {
   for (const std::string scope : {"a", "b"}) {
     const fs::path localized = at("two") / scope / "localization";
     for (const char* file : {"trajectory.tum", "states.csv"}) {
-      EXPECT_EQ(content(localized / file), content(at("localized") / file)) << scope << file;
-      EXPECT_FALSE(content(localized / file).empty());
+      EXPECT_EQ(bytes_of(localized / file), bytes_of(at("localized") / file)) << scope << file;
+      EXPECT_FALSE(bytes_of(localized / file).empty());
     }
     fs::remove_all(localized);
     test::expect_same_topologies(at("topology"), at("two") / scope / "topology");

@@ -210,7 +210,7 @@ TEST_F(VolumePeople, CloudsOutsideTheGivenPosesAreLeftOutAndCounted) {
   EXPECT_EQ(summary["clouds"], 20);
   EXPECT_GT(summary["skipped"]["clouds_without_pose"], 15);
   EXPECT_THAT(summary["skipped"]["first_bad"].get<std::string>(),
-              testing::HasSubstr("nothing ties scanner3 to map"));
+              testing::HasSubstr("nothing connects scanner3 to map"));
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/error.hpp"
+#include "tools/laboratory/experiments/among_people.hpp"
+#include "tools/laboratory/experiments/few_beams.hpp"
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/real_scans_report.hpp"
@@ -154,6 +156,11 @@ void look_at_place(const Options& options) {
 void run(const std::string& name, const Options& options) {
   if (name == "year") return live_a_year(options);
   if (name == "place") return look_at_place(options);
+  if (name == "people") return report_people(options.scenarios, options.first, options.seeds);
+  if (name == "filter") {
+    return report_filter_against_none(options.scenarios, options.first, options.seeds);
+  }
+  if (name == "few_beams") return report_few_beams(options.scenarios, options.first, options.seeds);
   if (name == "wean" && options.runs.empty()) {
     throw strata::InputError("--runs", "is missing",
                              "name the folder with run1.clf.gz to run3.clf.gz");
@@ -217,7 +224,7 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
                              "box_in_corridor", "global_start", "offices", "year", "place",
-                             "decoders", "wean", "verdicts"}));
+                             "decoders", "wean", "verdicts", "people", "filter", "few_beams"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::PositiveNumber);
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,

@@ -14,7 +14,7 @@ namespace strata::experiments {
 [[nodiscard]] Judgement three_doors(const std::string& scenario, std::uint64_t seed,
                                     const PoseNoise& noise);
 
-/// Figure 8: `days` passes by one place in four states make as many local maps. scenario:
+/// Figure 8: `days` passes by one place in four states make as many configurations. scenario:
 /// four_states.yaml (17 days).
 [[nodiscard]] Judgement local_maps(const std::string& scenario, std::uint64_t seed,
                                    const PoseNoise& noise);

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "core/localization/localizer.hpp"
-#include "core/localization/patch_beam_model.hpp"
 #include "core/localization/range_provider_model.hpp"
-#include "core/localization/ray_caster.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
+#include "core/rays/ray_caster.hpp"
 #include "tools/simulate/random_office.hpp"
 #include "tools/simulate/truth.hpp"
 
@@ -25,14 +25,14 @@ constexpr int kRecognitionUpdates = 20;
 constexpr double kRecognized = 0.9;
 
 Model grid_model(const ReflectionGrid& map) {
-  return std::make_shared<const localization::RangeProviderModel<localization::RayCaster>>(
-      std::make_shared<const localization::RayCaster>(map));
+  return std::make_shared<const localization::RangeProviderModel<rays::RayCaster>>(
+      std::make_shared<const rays::RayCaster>(map));
 }
 
 Model patch_model(const std::shared_ptr<const patch::PatchMap>& map, PatchMemory memory) {
-  localization::PatchBeamModelConfig config;
+  patch_beams::PatchBeamModelConfig config;
   config.states.memory = memory;
-  return std::make_shared<const localization::PatchBeamModel>(map, config);
+  return std::make_shared<const patch_beams::PatchBeamModel>(map, config);
 }
 
 Model model_named(const std::string& name, const StaticMaps& maps,
@@ -205,7 +205,7 @@ Outcomes global_start(const std::string& scenario, std::uint64_t seed, bool is_o
   config.doors[0].states.schedule = {{1, 0.0, is_open ? "open" : "closed"}};
   const simulate::Simulation tested = simulate::simulate(config, seed + 1000);
   LocalizerConfig localizer;
-  localizer.global_start.most_particles = 20000;
+  localizer.global_start.max_particles = 20000;
   DayTask task{&tested, 1, patches.get(), {}, &maps.filtered, 0.0, 0.0};
   task.truth = true_configurations(learned, *patches, tested, 1);
   Outcomes outcomes;

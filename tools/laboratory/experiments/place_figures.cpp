@@ -66,7 +66,7 @@ SwitchResult switch_states(const TwoStates& states, const NamedDecoder& decoder,
       const double share = sample_share(states, level);
       result.first_scan += t;
       result.share += share;
-      result.least_share = std::min(result.least_share, share);
+      result.min_share = std::min(result.min_share, share);
       result.greatest_share = std::max(result.greatest_share, share);
     }
     switched += has_switched ? 1 : 0;

@@ -32,9 +32,9 @@ struct PlaceFigures {
 
 /// Figure 6: after 2 x samples views of the first state come 60 of the second.
 struct SwitchResult {
-  double first_scan = 0.0;   ///< after which at least 95% of the object's bins show it, mean
-  double share = 0.0;        ///< of the object's samples that show it by then, mean ...
-  double least_share = 1.0;  ///< ... and over the seeds
+  double first_scan = 0.0;  ///< after which at least 95% of the object's bins show it, mean
+  double share = 0.0;       ///< of the object's samples that show it by then, mean ...
+  double min_share = 1.0;   ///< ... and over the seeds
   double greatest_share = 0.0;
   double mixed = 0.0;         ///< scans decoded on the way that show 5 to 95% of it, mean
   int never = 0;              ///< seeds in which it never shows

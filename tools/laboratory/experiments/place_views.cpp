@@ -131,7 +131,7 @@ double TwoStates::share_after(std::span<const float> range_m,
 }
 
 TwoStates tell_apart(std::vector<VirtualScan> before, std::vector<VirtualScan> after,
-                     const PolarBins& bins, double least_difference_m, bool all_bins) {
+                     const PolarBins& bins, double min_difference_m, bool all_bins) {
   TwoStates result{std::move(before), std::move(after), {}, {}, {}};
   const auto count = static_cast<std::size_t>(bins.angle_bins);
   if (result.before.size() < kFewestViews || result.after.size() < kFewestViews) return result;
@@ -140,7 +140,7 @@ TwoStates tell_apart(std::vector<VirtualScan> before, std::vector<VirtualScan> a
   std::vector<bool> differs;
   for (std::size_t a = 0; a < count; ++a) {
     const double apart = within(result.before_m[a], bins) - within(result.after_m[a], bins);
-    differs.push_back(std::abs(apart) > least_difference_m &&  // false for NaN
+    differs.push_back(std::abs(apart) > min_difference_m &&  // false for NaN
                       share_showing(result, result.before, a) <= kOdd &&
                       share_showing(result, result.after, a) >= 1.0 - kOdd);
   }
@@ -174,7 +174,7 @@ const VirtualScan& draw(std::span<const VirtualScan> views, RandomStream& random
 }
 
 ChangedPlace find_changed_place(std::span<const PosedScan> before, std::span<const PosedScan> after,
-                                double radius_m, const PolarBins& bins, double least_difference_m) {
+                                double radius_m, const PolarBins& bins, double min_difference_m) {
   std::vector<Eigen::Vector2d> tried;
   ChangedPlace best;
   for (const PosedScan& scan : after) {
@@ -187,7 +187,7 @@ ChangedPlace find_changed_place(std::span<const PosedScan> before, std::span<con
     tried.push_back(node_m);
     TwoStates states =
         tell_apart(views_from(before, node_m, radius_m, bins),
-                   views_from(after, node_m, radius_m, bins), bins, least_difference_m);
+                   views_from(after, node_m, radius_m, bins), bins, min_difference_m);
     if (states.bins.size() > best.states.bins.size()) best = {node_m, std::move(states)};
   }
   if (best.states.bins.empty()) {

@@ -55,14 +55,14 @@ struct TwoStates {
 };
 
 /// The longest run of angle bins (gaps of up to two) whose medians differ by more than
-/// least_difference_m, each state shown
+/// min_difference_m, each state shown
 /// by at least 85% of its views; views that do not know at least two thirds of it are left out.
 /// `bins` is empty where there is none, or where fewer than five views of a state are left. With
 /// all_bins all bins that differ, not one run. Ranges beyond the outermost bin count as
 /// max_range_m.
 [[nodiscard]] TwoStates tell_apart(std::vector<memory::VirtualScan> before,
                                    std::vector<memory::VirtualScan> after,
-                                   const memory::PolarBins& bins, double least_difference_m,
+                                   const memory::PolarBins& bins, double min_difference_m,
                                    bool all_bins = false);
 
 /// Takes out bins that fewer than two thirds as many of the views before know as of those after. A
@@ -83,6 +83,6 @@ struct ChangedPlace {
 [[nodiscard]] ChangedPlace find_changed_place(std::span<const PosedScan> before,
                                               std::span<const PosedScan> after, double radius_m,
                                               const memory::PolarBins& bins,
-                                              double least_difference_m);
+                                              double min_difference_m);
 
 }  // namespace strata::experiments

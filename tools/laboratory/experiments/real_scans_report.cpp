@@ -32,7 +32,7 @@ void figure_6(const TwoStates& states, const PlaceFigures& figures,
   for (const NamedDecoder& decoder : paper_decoders()) {
     const SwitchResult result = switch_states(states, decoder, figures);
     std::printf("| %s | %.1f | %.2f (%.2f to %.2f) | %.1f of 60 | %d of %d |\n",
-                decoder.name.c_str(), result.first_scan, result.share, result.least_share,
+                decoder.name.c_str(), result.first_scan, result.share, result.min_share,
                 result.greatest_share, result.mixed, result.never, figures.seeds);
     Series series{decoder.name, {}, result.shown};
     for (std::size_t t = 0; t < result.shown.size(); ++t) {
@@ -140,9 +140,9 @@ void report_place(const PlaceOptions& options) {
   if (place_m) {
     place = {*place_m, tell_apart(views_from(before, *place_m, options.radius_m, bins),
                                   views_from(after, *place_m, options.radius_m, bins), bins,
-                                  options.least_difference_m)};
+                                  options.min_difference_m)};
   } else {
-    place = find_changed_place(before, after, options.radius_m, bins, options.least_difference_m);
+    place = find_changed_place(before, after, options.radius_m, bins, options.min_difference_m);
   }
   const TwoStates& states = place.states;
   if (states.bins.empty()) {

@@ -24,7 +24,7 @@ struct PlaceOptions {
   /// Put into the second occasion's scans, before where the first of them was taken; the node then
   /// stands there unless place_m says otherwise.
   std::optional<Board> object;
-  double least_difference_m = 0.5;
+  double min_difference_m = 0.5;
   int seeds = 20;
   std::uint64_t first_seed = 1;
   std::filesystem::path out;

@@ -24,7 +24,7 @@ constexpr double kWrong_m = 1.0;
 constexpr int kSoon = 20;
 constexpr int kAWhile = 10;
 constexpr std::size_t kTracked = 150;
-constexpr std::size_t kCarried = 150;
+constexpr std::size_t kKidnapped = 150;
 constexpr double kLearnedShare = 0.6;
 constexpr double kJump_m = 1.5;
 constexpr double kScan_s = 0.1;
@@ -109,14 +109,14 @@ void count_tracked(const VerdictWorld& world, Splicer splicer, VerdictCounts& co
   });
 }
 
-void count_carried(const VerdictWorld& world, Splicer splicer, std::size_t from, std::size_t to,
-                   VerdictCounts& counts) {
+void count_kidnapped(const VerdictWorld& world, Splicer splicer, std::size_t from, std::size_t to,
+                     VerdictCounts& counts) {
   start(splicer, *world.truths[from]);
   splicer.drive(from, from + kTracked, [](const auto&, double) { return true; });
   int scans = 0;
   std::optional<int> doubtful;
   std::optional<int> lost;
-  splicer.drive(to, to + kCarried, [&](const auto& result, double error_m) {
+  splicer.drive(to, to + kKidnapped, [&](const auto& result, double error_m) {
     if (error_m < kWrong_m) return false;
     if (!doubtful && result.health.is_in_doubt) doubtful = scans;
     if (!lost && result.health.state == localization::HealthState::kLost) lost = scans;
@@ -124,7 +124,7 @@ void count_carried(const VerdictWorld& world, Splicer splicer, std::size_t from,
     return true;
   });
   if (scans < kAWhile) return;
-  ++counts.carried;
+  ++counts.kidnapped;
   counts.doubtful_soon += doubtful && *doubtful < kSoon ? 1 : 0;
   counts.lost_soon += lost && *lost < kSoon ? 1 : 0;
   counts.doubtful_ever += doubtful ? 1 : 0;
@@ -133,10 +133,10 @@ void count_carried(const VerdictWorld& world, Splicer splicer, std::size_t from,
 
 void print(const std::string& name, const VerdictCounts& c) {
   std::printf(
-      "%s: right pose: doubtful %zu, lost %zu of %zu scans; carried away: doubtful within %d scans "
+      "%s: right pose: doubtful %zu, lost %zu of %zu scans; kidnapped: doubtful within %d scans "
       "%zu, ever %zu, lost within %d scans %zu, ever %zu, of %zu\n",
       name.c_str(), c.doubtful, c.lost, c.scans, kSoon, c.doubtful_soon, c.doubtful_ever, kSoon,
-      c.lost_soon, c.lost_ever, c.carried);
+      c.lost_soon, c.lost_ever, c.kidnapped);
   std::fflush(stdout);
 }
 
@@ -171,7 +171,7 @@ void report_runs(const std::filesystem::path& folder, std::uint64_t seed) {
 VerdictCounts& VerdictCounts::operator+=(const VerdictCounts& other) {
   for (std::size_t VerdictCounts::*count :
        {&VerdictCounts::scans, &VerdictCounts::doubtful, &VerdictCounts::lost,
-        &VerdictCounts::carried, &VerdictCounts::doubtful_soon, &VerdictCounts::lost_soon,
+        &VerdictCounts::kidnapped, &VerdictCounts::doubtful_soon, &VerdictCounts::lost_soon,
         &VerdictCounts::doubtful_ever, &VerdictCounts::lost_ever}) {
     this->*count += other.*count;
   }
@@ -185,13 +185,13 @@ VerdictCounts count_verdicts(const VerdictWorld& world, const std::string& model
   count_tracked(world, Splicer(world, sensor, seed), counts);
   const std::size_t n = world.observations.size();
   const auto parts = static_cast<std::size_t>(times);
-  if (n <= kCarried) return counts;
+  if (n <= kKidnapped) return counts;
   for (std::size_t k = 0; k < parts; ++k) {
     const std::size_t from = known_from(world, k * n / parts);
     // Elsewhere, and not always as far along the drive.
-    const std::size_t to = (from + 5 * n / 12 + 37 * k) % (n - kCarried);
+    const std::size_t to = (from + 5 * n / 12 + 37 * k) % (n - kKidnapped);
     if (from + kTracked >= n) continue;
-    count_carried(world, Splicer(world, sensor, seed + k + 1), from, to, counts);
+    count_kidnapped(world, Splicer(world, sensor, seed + k + 1), from, to, counts);
   }
   return counts;
 }

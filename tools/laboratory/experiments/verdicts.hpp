@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the localizer says of itself where the world has changed, and where it was carried away.
+/// What the localizer says of itself where the world has changed, and where it was kidnapped.
 #pragma once
 
 #include <cstddef>
@@ -21,13 +21,13 @@ struct VerdictWorld {
   pipeline::Poses truths;  ///< one an observation
 };
 
-/// What was said in weighed scans. Doubtful: the map explains less of the beams than lost_share of
+/// What was said in weighed scans. Doubtful: fewer beams are inliers of the map than lost_share of
 /// the usual, which alone is not the verdict "lost".
 struct VerdictCounts {
   std::size_t scans = 0;  ///< tracked, within 0.5 m of the truth
   std::size_t doubtful = 0;
   std::size_t lost = 0;
-  std::size_t carried = 0;  ///< times that the robot was carried away, and stayed wrong for a while
+  std::size_t kidnapped = 0;  ///< times that the robot was kidnapped, and stayed wrong for a while
   std::size_t doubtful_soon = 0;  ///< of those: within 20 weighed scans
   std::size_t lost_soon = 0;
   std::size_t doubtful_ever = 0;  ///< ... before the drive ended or the pose was right again

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kAtDoor_m = 0.5;
 constexpr double kAroundDoor_m = 0.6;
-constexpr double kLeastDifferent = 0.8;
+constexpr double kMinDifferent = 0.8;
 
 constexpr DoorState kUnseen = DoorState::kUnseen;
 constexpr DoorState kOpen = DoorState::kOpen;
@@ -112,7 +112,7 @@ bool has_both_states(const patch::Submap& submap, const WeanDoor& door, int run_
     return is_occupied_near(submap.configurations[*a].reflection, cell) !=
            is_occupied_near(submap.configurations[*b].reflection, cell);
   });
-  return static_cast<double>(differ) > kLeastDifferent * static_cast<double>(cells.size());
+  return static_cast<double>(differ) > kMinDifferent * static_cast<double>(cells.size());
 }
 
 }  // namespace strata::experiments

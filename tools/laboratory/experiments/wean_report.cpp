@@ -49,18 +49,18 @@ void print_submaps(const patch::PatchMap& map, const WeanDoors& doors) {
 
 void print_error(const char* name, const std::vector<WeanOutcome>& outcomes,
                  WeanError WeanOutcome::*which) {
-  double least_m = 1e9;
+  double min_m = 1e9;
   double greatest_m = 0.0;
   WeanError mean;
   for (const WeanOutcome& outcome : outcomes) {
     const WeanError& error = outcome.*which;
     mean.mean_m += error.mean_m / static_cast<double>(outcomes.size());
     mean.near_doors_m += error.near_doors_m / static_cast<double>(outcomes.size());
-    least_m = std::min(least_m, error.mean_m);
+    min_m = std::min(min_m, error.mean_m);
     greatest_m = std::max(greatest_m, error.mean_m);
   }
   std::printf(" against %s %.3f m (seeds %.3f to %.3f), near doors %.3f m;", name, mean.mean_m,
-              least_m, greatest_m, mean.near_doors_m);
+              min_m, greatest_m, mean.near_doors_m);
 }
 
 void print_outcomes(const std::string& name, const std::vector<WeanOutcome>& outcomes) {

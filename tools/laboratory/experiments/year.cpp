@@ -35,7 +35,7 @@ constexpr std::size_t kResidentNodes = 500;
 constexpr double kPatchCheck_s = 20.0;
 constexpr double kPatchBudget_mb = 48.0;
 /// Of the poses that a learner takes a scan from.
-constexpr double kMostStddev_m = 0.1;
+constexpr double kMaxStddev_m = 0.1;
 
 double cpu_s() {
   timespec now{};
@@ -155,7 +155,7 @@ class MemoryTrack final : public Track {
   }
   void renew(double unsettled_s) {
     store_.save_timescale_changes(memory_, saved_);
-    memory_.let_sleep(kResidentNodes, store_.timescale_nodes());
+    memory_.evict(kResidentNodes, store_.timescale_nodes());
     maps::Maps maps;
     nodes_ = memory_.decode(decoding_, nodes_.get(), unsettled_s);
     maps.nodes = nodes_;
@@ -210,7 +210,7 @@ class PatchTrack final : public Track {
   void after_scan(const simulate::SimulatedScan& scan, const Pose2Gaussian& pose) override {
     const double stddev_m = std::sqrt(std::max(pose.covariance(0, 0), pose.covariance(1, 1)));
     // A sequence of scans needs no twelve a second: one every 0.4 m of way.
-    if (stddev_m > kMostStddev_m || ++count_ % 6 != 0) return;
+    if (stddev_m > kMaxStddev_m || ++count_ % 6 != 0) return;
     has_changed_ = learner_.add(posed(scan, pose.mean)) || has_changed_;
   }
 

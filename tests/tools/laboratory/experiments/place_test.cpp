@@ -76,7 +76,7 @@ TEST(PlaceFigures, SwitchAsAWholeAndCompleteTheHiddenHalf) {
     const SwitchResult whole = switch_states(states, decoder, figures);
     EXPECT_EQ(whole.never, 0) << decoder.name;
     EXPECT_EQ(whole.mixed, 0.0) << decoder.name;
-    EXPECT_GT(whole.least_share, 0.35) << decoder.name;
+    EXPECT_GT(whole.min_share, 0.35) << decoder.name;
     EXPECT_LT(whole.greatest_share, 0.65) << decoder.name;
     EXPECT_EQ(complete_half(states, decoder, figures).complete, 5) << decoder.name;
     EXPECT_EQ(wrong_bins(states, decoder, 0.0, figures), 0.0) << decoder.name;
@@ -166,7 +166,7 @@ TEST_P(RobotThatStands, MeetsFigures6To8OnRealScans) {
     const SwitchResult whole = switch_states(states, scene, figures);
     EXPECT_EQ(whole.never, 0);
     EXPECT_EQ(whole.mixed, 0.0);
-    EXPECT_GT(whole.least_share, 0.35);
+    EXPECT_GT(whole.min_share, 0.35);
     EXPECT_LT(whole.greatest_share, 0.65);
     EXPECT_GE(10 * complete_half(states, scene, figures).complete, 9 * figures.seeds);
     EXPECT_GT(switch_states(states, decoders.back(), figures).mixed, 1.0);

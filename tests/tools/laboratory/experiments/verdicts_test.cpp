@@ -8,16 +8,16 @@
 namespace strata::experiments {
 namespace {
 
-TEST(Verdicts, CountsARightPoseAsNotLostAndACarriedRobotAsLost) {
+TEST(Verdicts, CountsARightPoseAsNotLostAndAKidnappedRobotAsLost) {
   const VerdictWorld world = world_of_office(101);
   const VerdictCounts counts = count_verdicts(world, "patch", 4, 1);
   EXPECT_GT(counts.scans, 100U);
   EXPECT_LE(counts.scans, world.observations.size());
   EXPECT_EQ(counts.lost, 0U);
-  EXPECT_GE(counts.carried, 1U);
-  EXPECT_LE(counts.carried, 4U);
+  EXPECT_GE(counts.kidnapped, 1U);
+  EXPECT_LE(counts.kidnapped, 4U);
   EXPECT_GE(counts.lost_ever, 1U);
-  EXPECT_EQ(count_verdicts(world, "patch", 0, 1).carried, 0U);
+  EXPECT_EQ(count_verdicts(world, "patch", 0, 1).kidnapped, 0U);
 }
 
 TEST(Verdicts, OnlyScansNearTheTruthCountAsRight) {

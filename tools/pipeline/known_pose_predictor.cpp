@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/pipeline/onlooker.hpp"
+#include "tools/pipeline/known_pose_predictor.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -19,7 +19,7 @@ constexpr std::size_t kDraws = 100;
 
 }  // namespace
 
-Onlooker::Onlooker(const maps::MapModel& model)
+KnownPosePredictor::KnownPosePredictor(const maps::MapModel& model)
     : model_(model), states_(model.sensor->patch_states()) {
   const bool is_sampled = states_ != nullptr && states_->memory() == PatchMemory::kNone;
   particles_.resize(is_sampled ? kDraws : 1);
@@ -30,7 +30,7 @@ Onlooker::Onlooker(const maps::MapModel& model)
   for (std::size_t i = 0; i < particles_.size(); ++i) states_->draw(particles_, i, random);
 }
 
-void Onlooker::go_to(const Pose2& map_from_robot, Stamp stamp) {
+void KnownPosePredictor::go_to(const Pose2& map_from_robot, Stamp stamp) {
   for (std::size_t i = 0; i < particles_.size(); ++i) particles_.set_pose(i, map_from_robot);
   ++step_;
   if (states_ != nullptr) {
@@ -40,9 +40,11 @@ void Onlooker::go_to(const Pose2& map_from_robot, Stamp stamp) {
   last_ = stamp;
 }
 
-maps::RangeFunction Onlooker::expected_range() const { return model_.best_prediction(particles_); }
+maps::RangeFunction KnownPosePredictor::expected_range() const {
+  return model_.best_prediction(particles_);
+}
 
-Onlooker::Likelihood Onlooker::likelihood(const Scan& scan) const {
+KnownPosePredictor::Likelihood KnownPosePredictor::likelihood(const Scan& scan) const {
   ParticleSet copy = particles_;  // a sensor model may update the beliefs that particles carry
   std::vector<double> values(copy.size());
   Likelihood result;
@@ -51,7 +53,7 @@ Onlooker::Likelihood Onlooker::likelihood(const Scan& scan) const {
   return result;
 }
 
-void Onlooker::learn(const Scan& scan) {
+void KnownPosePredictor::learn(const Scan& scan) {
   if (states_ == nullptr) return;
   std::vector<double> values(particles_.size());
   model_.sensor->log_likelihoods(scan, {model_.sensor->tempering()}, particles_, values, pool_);
@@ -61,7 +63,7 @@ void Onlooker::learn(const Scan& scan) {
   if (localization::effective_sample_size(particles_) < 0.5 * n) resample();
 }
 
-void Onlooker::resample() {
+void KnownPosePredictor::resample() {
   std::vector<std::uint32_t> drawn;
   RandomStream random(kSeed, StreamId::kResample, step_);
   localization::draw_low_variance(particles_.weight, particles_.size(), random.uniform(), drawn);
@@ -71,7 +73,7 @@ void Onlooker::resample() {
   particles_ = std::move(resampled);
 }
 
-std::vector<localization::SubmapBelief> Onlooker::beliefs() const {
+std::vector<localization::SubmapBelief> KnownPosePredictor::beliefs() const {
   if (states_ == nullptr) return {};
   return states_->posterior(particles_);
 }

@@ -1,34 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/pipeline/watcher.hpp"
+#include "tools/pipeline/online_predictor.hpp"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "tools/pipeline/onlooker.hpp"
+#include "tools/pipeline/known_pose_predictor.hpp"
 
 namespace strata::pipeline {
 namespace {
 
 /// A grid that stays, or sub-maps that are believed.
-class BeliefWatcher final : public Watcher {
+class BeliefWatcher final : public OnlinePredictor {
  public:
   BeliefWatcher(const maps::Maps& maps, const maps::MapModel& model)
-      : onlooker_(model), states_(model.sensor->patch_states()) {
-    if (model.name == "occupancy") map_ = std::make_shared<const ReflectionGrid>(maps.occupancy);
-    if (model.name == "filtered") map_ = std::make_shared<const ReflectionGrid>(maps.filtered);
+      : predictor_(model), states_(model.sensor->patch_states()) {
+    const ReflectionGrid* grid = maps::grid_of(*model.descriptor, maps);
+    if (grid != nullptr) map_ = std::make_shared<const ReflectionGrid>(*grid);
   }
   void go_to(const Pose2& map_from_robot, Stamp stamp) override {
-    onlooker_.go_to(map_from_robot, stamp);
+    predictor_.go_to(map_from_robot, stamp);
   }
-  maps::RangeFunction expected_range() override { return onlooker_.expected_range(); }
+  maps::RangeFunction expected_range() override { return predictor_.expected_range(); }
   void learn(const Observation& observation, const Pose2& /*map_from_robot*/) override {
-    onlooker_.learn(observation.scan);
+    predictor_.learn(observation.scan);
   }
   std::shared_ptr<const ReflectionGrid> map() override {
     if (states_ == nullptr) return map_;
     std::vector<int> chosen;
-    for (const localization::SubmapBelief& belief : onlooker_.beliefs()) {
+    for (const localization::SubmapBelief& belief : predictor_.beliefs()) {
       const auto best = std::max_element(belief.probability.begin(), belief.probability.end());
       chosen.push_back(static_cast<int>(best - belief.probability.begin()));
     }
@@ -40,8 +40,8 @@ class BeliefWatcher final : public Watcher {
   }
 
  private:
-  Onlooker onlooker_;
-  const localization::PatchStates* states_;  // the onlooker's model has them
+  KnownPosePredictor predictor_;
+  const localization::PatchStates* states_;  // the predictor's model has them
   std::vector<int> chosen_;
   std::shared_ptr<const ReflectionGrid> map_;
 };
@@ -68,11 +68,11 @@ ReflectionGrid vote(const memory::NodeMap& nodes, double resolution_m) {
   return map;
 }
 
-class MemoryWatcher final : public Watcher {
+class MemoryWatcher final : public OnlinePredictor {
  public:
-  MemoryWatcher(const maps::Maps& maps, std::string name,
-                const localization::PatchBeamModelConfig& sensor)
-      : name_(std::move(name)),
+  MemoryWatcher(const maps::Maps& maps, const maps::MapModel& model,
+                const patch_beams::PatchBeamModelConfig& sensor)
+      : model_(model),
         sensor_(sensor),
         memory_(std::make_shared<memory::TimescaleMemory>(*maps.timescale)),
         resolution_m_(maps.filtered.resolution_m()) {
@@ -82,10 +82,10 @@ class MemoryWatcher final : public Watcher {
   void go_to(const Pose2& /*map_from_robot*/, Stamp /*stamp*/) override {}
   maps::RangeFunction expected_range() override {
     decode();
-    return maps::make_map_model(now_, name_, sensor_).best_prediction({});
+    return maps::make_map_model(now_, model_, sensor_).best_prediction({});
   }
   void learn(const Observation& observation, const Pose2& map_from_robot) override {
-    if (name_ == "timescale_frozen") return;
+    if (model_.descriptor->learns != maps::MapLearning::kMemory) return;
     memory_->observe({observation.run, observation.scan, map_from_robot, {}});
     is_decoded_ = false;
   }
@@ -95,7 +95,7 @@ class MemoryWatcher final : public Watcher {
     mapped_ = now_.nodes;
     const auto& names = now_.nodes->level_names();
     const auto level = std::find_if(names.begin(), names.end(), [&](const std::string& level_name) {
-      return name_ == "timescale_" + level_name;
+      return model_.name == model_.descriptor->name + level_name;
     });
     map_ = std::make_shared<const ReflectionGrid>(
         level == names.end()
@@ -110,8 +110,8 @@ class MemoryWatcher final : public Watcher {
     is_decoded_ = true;
   }
 
-  std::string name_;
-  localization::PatchBeamModelConfig sensor_;
+  maps::MapModel model_;
+  patch_beams::PatchBeamModelConfig sensor_;
   std::shared_ptr<memory::TimescaleMemory> memory_;
   double resolution_m_;
   maps::Maps now_;
@@ -122,10 +122,11 @@ class MemoryWatcher final : public Watcher {
 
 }  // namespace
 
-std::unique_ptr<Watcher> make_watcher(const maps::Maps& maps, const maps::MapModel& model,
-                                      const localization::PatchBeamModelConfig& sensor) {
-  if (model.name.starts_with("timescale") && maps.timescale) {
-    return std::make_unique<MemoryWatcher>(maps, model.name, sensor);
+std::unique_ptr<OnlinePredictor> make_online_predictor(
+    const maps::Maps& maps, const maps::MapModel& model,
+    const patch_beams::PatchBeamModelConfig& sensor) {
+  if (model.descriptor->needs_part(maps::MapPart::kTimescale) && maps.timescale) {
+    return std::make_unique<MemoryWatcher>(maps, model, sensor);
   }
   return std::make_unique<BeliefWatcher>(maps, model);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/pipeline/watcher.hpp"
+#include "tools/pipeline/online_predictor.hpp"
 
 #include <memory>
 #include <vector>
@@ -22,7 +22,8 @@ TEST(MemoryWatcher, ExpectsWhatTheChosenDecoderDecodes) {
     maps.nodes = nullptr;
     maps::MapModel model;
     model.name = "timescale";
-    const auto watcher = make_watcher(maps, model, {});
+    model.descriptor = maps::map_models().at(model.name);
+    const auto watcher = make_online_predictor(maps, model, {});
     maps::Maps decoded = maps;
     decoded.nodes = maps.timescale->decode(decoding);
     const auto reference = maps::make_map_model(decoded, "timescale", {}).best_prediction({});

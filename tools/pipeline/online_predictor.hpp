@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Someone who goes along at the true poses with one map model that learns as it would on the
-/// robot, and can be asked what it expects and where it would plan.
+/// The predictions of one map model that learns at the true poses as it would on the robot: what
+/// it expects, and the grid to plan in.
 #pragma once
 
 #include <memory>
 
 #include "components/maps/map_model.hpp"
 #include "components/maps/maps_folder.hpp"
-#include "core/localization/patch_beam_model.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata::pipeline {
 
-class Watcher {
+class OnlinePredictor {
  public:
-  virtual ~Watcher() = default;
+  virtual ~OnlinePredictor() = default;
   /// Goes to a pose; configurations may have changed since the last stamp.
   virtual void go_to(const Pose2& map_from_robot, Stamp stamp) = 0;
   /// The single best prediction from what is known now. Valid until the next call.
@@ -27,10 +27,10 @@ class Watcher {
 };
 
 /// Grids stay as learned, patch models follow by their beliefs, and timescale memories (a copy) go
-/// on learning, but timescale_frozen. model: made of maps, which must stay. sensor: as for
+/// on learning, where the model does. model: made of maps, which must stay. sensor: as for
 /// make_map_model.
-[[nodiscard]] std::unique_ptr<Watcher> make_watcher(
+[[nodiscard]] std::unique_ptr<OnlinePredictor> make_online_predictor(
     const maps::Maps& maps, const maps::MapModel& model,
-    const localization::PatchBeamModelConfig& sensor);
+    const patch_beams::PatchBeamModelConfig& sensor);
 
 }  // namespace strata::pipeline

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Someone who stands at the true pose and looks through one map model: what it expects, how likely
-/// a scan is, and what it believes of the sub-maps after the scans so far.
+/// The predictions of one map model at known poses: what it expects, how likely a scan is, and
+/// what it believes of the sub-maps after the scans so far.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,9 @@
 namespace strata::pipeline {
 
 /// The belief side of a localizer, without its doubts about the pose. Deterministic.
-class Onlooker {
+class KnownPosePredictor {
  public:
-  explicit Onlooker(const maps::MapModel& model);
+  explicit KnownPosePredictor(const maps::MapModel& model);
 
   /// Goes to a pose; configurations may have changed since the last stamp.
   void go_to(const Pose2& map_from_robot, Stamp stamp);
