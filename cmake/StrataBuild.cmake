@@ -21,7 +21,7 @@ add_library(strata::flags ALIAS strata_flags)
 # makes one depends on the target; runs must be the same bits on every machine.
 target_compile_options(strata_flags INTERFACE -ffp-contract=off)
 target_include_directories(strata_flags INTERFACE
-  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/strata>)
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
 target_compile_features(strata_flags INTERFACE cxx_std_20)
 
 add_library(strata_warnings INTERFACE)

@@ -69,8 +69,6 @@ foreach(component core memory components)
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(EXPORT strata_${component} NAMESPACE strata:: FILE strata-${component}.cmake
     DESTINATION ${package_dir})
-  install(DIRECTORY ${component} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strata
-    FILES_MATCHING PATTERN "*.hpp")
   foreach(target strata_${component} ${${component}_rooms})
     string(REGEX REPLACE "^strata_" "" name ${target})
     strata_links_of(${target} ${name} lines)
@@ -79,9 +77,33 @@ foreach(component core memory components)
 endforeach()
 file(WRITE ${CMAKE_BINARY_DIR}/strata-rooms.cmake "${room_links}")
 install(FILES ${CMAKE_BINARY_DIR}/strata-rooms.cmake DESTINATION ${package_dir})
+
+# <strata/ROOM/NAME.hpp>: made by the build, as headers change without CMake (public_headers.cmake).
+get_property(declared GLOBAL PROPERTY STRATA_PUBLIC_HEADERS)
+set(headers_list ${CMAKE_BINARY_DIR}/public_headers.txt)
+string(REPLACE ";" "\n" declared_lines "${declared}")
+file(CONFIGURE OUTPUT ${headers_list} CONTENT "${declared_lines}\n")
+file(GLOB_RECURSE all_headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}
+  core/*.hpp memory/*.hpp components/*.hpp)
+foreach(header ${declared})
+  if(NOT header IN_LIST all_headers)
+    message(FATAL_ERROR "PUBLIC_HEADERS: there is no ${header}")
+  endif()
+endforeach()
+set(headers_made ${CMAKE_BINARY_DIR}/public_headers)
+set(headers_script ${CMAKE_CURRENT_LIST_DIR}/public_headers.cmake)
+add_custom_command(OUTPUT ${headers_made}.stamp
+  COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -DDECLARED=${headers_list}
+    -DOUT=${headers_made} -P ${headers_script}
+  COMMAND ${CMAKE_COMMAND} -E touch ${headers_made}.stamp
+  DEPENDS ${all_headers} ${headers_list} ${headers_script}
+  COMMENT "Making the headers that are installed" VERBATIM)
+add_custom_target(strata_public_headers ALL DEPENDS ${headers_made}.stamp)
+install(DIRECTORY ${headers_made}/strata DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 if(STRATA_COMPONENTS)
-  install(DIRECTORY ${CMAKE_BINARY_DIR}/idl/include/strata_idl
-    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strata)
+  install(DIRECTORY ${CMAKE_BINARY_DIR}/idl/include/strata_idl/
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strata/idl
+    FILES_MATCHING PATTERN "*PubSubTypes.h" EXCLUDE PATTERN "*.h")
 endif()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/strataConfig.cmake.in

@@ -10,12 +10,15 @@ endfunction()
 # One room = one folder = one library target. A room links exactly what it may include.
 #
 #   strata_room(core_grid SOURCES a.cpp b.cpp LINKS core_base core_geometry PACKAGES Eigen3::Eigen
-#               PRIVATE_PACKAGES Ceres::ceres)
+#               PRIVATE_PACKAGES Ceres::ceres PUBLIC_HEADERS a.hpp)
 #
-# LINKS names rooms; PACKAGES are imported targets that its headers need; PRIVATE_PACKAGES only its
-# .cpp files. A room without SOURCES is header-only.
+# LINKS names rooms; HEADERS_OF rooms whose types it takes without calling what lies in their
+# libraries, so that a program is not linked with them either; PACKAGES are imported targets that its headers need; PRIVATE_PACKAGES only its
+# .cpp files. PUBLIC_HEADERS are what users of the library include; they are installed with what
+# they include themselves, nothing else is. A room without SOURCES is header-only.
 function(strata_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS;PACKAGES;PRIVATE_PACKAGES" ${ARGN})
+  cmake_parse_arguments(ROOM "" ""
+    "SOURCES;LINKS;HEADERS_OF;PACKAGES;PRIVATE_PACKAGES;PUBLIC_HEADERS" ${ARGN})
   set(target strata_${name})
   list(TRANSFORM ROOM_LINKS PREPEND strata_)
   if(ROOM_SOURCES)
@@ -31,12 +34,15 @@ function(strata_room name)
   add_library(strata::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   set_property(GLOBAL APPEND PROPERTY STRATA_ROOMS ${target})
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  list(TRANSFORM ROOM_PUBLIC_HEADERS PREPEND ${folder}/)
+  set_property(GLOBAL APPEND PROPERTY STRATA_PUBLIC_HEADERS ${ROOM_PUBLIC_HEADERS})
 endfunction()
 
 # A room whose register.hpp has register_component(): compositions can name it, and tests and pages
 # of all components have it (tools/all_components).
 function(strata_component name)
-  strata_room(${name} ${ARGN})
+  strata_room(${name} ${ARGN} PUBLIC_HEADERS register.hpp)
   set_property(GLOBAL APPEND PROPERTY STRATA_COMPONENT_ROOMS ${name})
 endfunction()
 

@@ -67,7 +67,7 @@ file(GLOB_RECURSE lists ${SOURCE_DIR}/core/CMakeLists.txt ${SOURCE_DIR}/memory/C
   ${SOURCE_DIR}/components/CMakeLists.txt ${SOURCE_DIR}/idl/CMakeLists.txt
   ${SOURCE_DIR}/tools/CMakeLists.txt ${SOURCE_DIR}/tests/CMakeLists.txt ${SOURCE_DIR}/cmake/*.cmake)
 list(APPEND lists ${SOURCE_DIR}/CMakeLists.txt)
-list(FILTER lists EXCLUDE REGEX "/consumer/")
+list(FILTER lists EXCLUDE REGEX "/(consumer|every_header)/")
 set(names "")
 foreach(file ${lists})
   file(READ ${file} text)

@@ -1,36 +1,31 @@
 # cmake -DBINARY_DIR=.. -DSOURCE_DIR=.. -DWITH_COMPONENTS=ON|OFF -P install_test.cmake
-# Installs the build to a fresh prefix, then builds and runs a program outside the tree with it.
-include(${CMAKE_CURRENT_LIST_DIR}/script.cmake)
-string(RANDOM LENGTH 8 suffix)
-set(work ${BINARY_DIR}/install-test-${suffix})
+# Builds and runs programs outside the tree with the installed package.
+include(${CMAKE_CURRENT_LIST_DIR}/installed.cmake)
+set(work ${BINARY_DIR}/install-test/programs)
+file(REMOVE_RECURSE ${work})
 # Builds a copy of examples/NAME with the installed package; ARGN: for CMake.
 function(build_example name)
   run(${CMAKE_COMMAND} -E copy_directory ${EXAMPLES_DIR}/${name} ${work}/${name})
-  run(${CMAKE_COMMAND} -G Ninja -S ${work}/${name} -B ${work}/${name}/build
-    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH=${work}/prefix
-    -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_CXX_FLAGS=${FLAGS} ${ARGN})
+  configure(${work}/${name} ${work}/${name}/build ${ARGN})
   run(${CMAKE_COMMAND} --build ${work}/${name}/build)
 endfunction()
 # The mean distance from the poses of `truth` is below 0.1 m. kind: absolute or aligned.
 function(expect_near kind poses truth)
-  run(${work}/prefix/bin/strata evaluate ${poses} --truth ${truth} --json --quiet)
+  run(${prefix}/bin/strata evaluate ${poses} --truth ${truth} --json --quiet)
   string(JSON matched GET "${output}" ${kind} matched)
   string(JSON mean_m GET "${output}" ${kind} error_m mean)
   if(NOT matched GREATER 400 OR NOT mean_m LESS 0.1)
     message(FATAL_ERROR "${matched} poses of ${poses} are ${mean_m} m from ${truth}")
   endif()
 endfunction()
-run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${work}/prefix)
 run(${CMAKE_COMMAND} -E copy_directory ${SOURCE_DIR}/consumer ${work}/source)
-run(${CMAKE_COMMAND} -G Ninja -S ${work}/source -B ${work}/build -DWITH_COMPONENTS=${WITH_COMPONENTS}
-  -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH=${work}/prefix -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
-  -DCMAKE_CXX_FLAGS=${FLAGS})
+configure(${work}/source ${work}/build -DWITH_COMPONENTS=${WITH_COMPONENTS})
 run(${CMAKE_COMMAND} --build ${work}/build)
 run(${work}/build/consumer)
 if(WITH_COMPONENTS)
   run(${work}/build/component_consumer)
-  run(${work}/prefix/bin/strata messages ${work}/strata_msgs --quiet)
-  run(diff -r ${work}/strata_msgs ${work}/prefix/share/strata/strata_msgs)
+  run(${prefix}/bin/strata messages ${work}/strata_msgs --quiet)
+  run(diff -r ${work}/strata_msgs ${prefix}/share/strata/strata_msgs)
 
   # A component library, loaded by the installed program.
   build_example(obstacle_alarm)
@@ -41,11 +36,11 @@ FLASER 3 1 2 3 0 0 0 0 0 0 1.4 h 1.4
 ")
   set(ENV{STRATA_LIBRARY_PATH} ${work}/obstacle_alarm/build)
   set(composition ${work}/obstacle_alarm/composition.yaml)
-  run(${work}/prefix/bin/strata run --check ${composition})
+  run(${prefix}/bin/strata run --check ${composition})
   if(NOT output MATCHES "example::ObstacleAlarm" OR NOT output MATCHES "libobstacle_alarm.so")
     message(FATAL_ERROR "run --check does not explain the component of the library:\n${output}")
   endif()
-  run(${work}/prefix/bin/strata replay ${work}/log.clf --composition ${composition}
+  run(${prefix}/bin/strata replay ${work}/log.clf --composition ${composition}
     --out ${work}/maps --quiet)
   file(READ ${work}/maps/obstacle_alarm.json alarms)
   if(NOT alarms STREQUAL "{\"scans\": 3, \"alarms\": 1}\n")
@@ -53,9 +48,11 @@ FLASER 3 1 2 3 0 0 0 0 0 0 1.4 h 1.4
   endif()
 
   # Programs that call the library, with the packages of their rooms only.
-  build_example(learn_from_scans -DCMAKE_DISABLE_FIND_PACKAGE_fastrtps=ON)
-  build_example(localize_in_a_map -DCMAKE_DISABLE_FIND_PACKAGE_fastrtps=ON)
-  run(${work}/prefix/bin/strata simulate ${work}/prefix/share/strata/scenarios/office.yaml
+  build_example(learn_from_scans -DCMAKE_DISABLE_FIND_PACKAGE_fastrtps=ON
+    -DCMAKE_DISABLE_FIND_PACKAGE_octomap=ON)
+  build_example(localize_in_a_map -DCMAKE_DISABLE_FIND_PACKAGE_fastrtps=ON
+    -DCMAKE_DISABLE_FIND_PACKAGE_octomap=ON -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON)
+  run(${prefix}/bin/strata simulate ${prefix}/share/strata/scenarios/office.yaml
     --per-day --out ${work}/drive --quiet)
   set(day ${work}/drive/day_1)
   run(${work}/learn_from_scans/build/learn_from_scans ${day}/log.clf ${work}/map.yaml)
@@ -78,7 +75,7 @@ project(no_room LANGUAGES CXX)
 find_package(strata REQUIRED COMPONENTS core_slam cellar)
 ")
   execute_process(COMMAND ${CMAKE_COMMAND} -G Ninja -S ${work}/no_room -B ${work}/no_room/build
-    -DCMAKE_PREFIX_PATH=${work}/prefix RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE errors)
+    -DCMAKE_PREFIX_PATH=${prefix} RESULT_VARIABLE result OUTPUT_QUIET ERROR_VARIABLE errors)
   if(result EQUAL 0)
     message(FATAL_ERROR "find_package finds a room that is none")
   endif()

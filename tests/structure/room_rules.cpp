@@ -20,25 +20,30 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"core/geometry", {"core/base"}},
       {"core/scan", {"core/random", "core/geometry"}},
       {"core/grid", {"core/scan"}},
+      {"core/rays", {"core/grid"}},
       {"core/registration", {"core/grid"}},
       {"core/beam_filter", {"core/grid"}},
       {"core/patch", {"core/beam_filter"}},
-      {"core/localization", {"core/patch"}},
-      {"core/pose_graph", {"core/registration"}},
+      {"core/localization", {"core/patch", "core/rays"}},
+      {"core/patch_beams", {"core/localization"}},
+      {"core/pose_graph", {"core/geometry"}},
       {"core/topology", {"core/slam"}},
-      {"core/slam", {"core/beam_filter", "core/pose_graph"}},
+      {"core/slam", {"core/beam_filter", "core/pose_graph", "core/registration"}},
       {"core/volume", {"core/grid"}},
-      {"memory/levels", {"core/grid", "core/patch"}},
+      {"memory/levels", {"core/scan"}},
       {"memory/decoding", {"memory/levels"}},
-      {"memory/nodes", {"memory/decoding"}},
-      {"memory/store", {"memory/nodes"}},
+      {"memory/nodes", {"memory/decoding", "core/grid"}},
+      {"memory/store", {"memory/nodes", "core/patch"}},
       {"components/settings", {"core"}},
       {"components/convert", {"core", "memory", "idl"}},
       {"components/log", {"components/convert"}},
+      {"components/clouds", {"components/log"}},
       {"components/maps", {"core", "memory", "components/log", "components/settings"}},
+      {"components/topologies", {"components/maps"}},
       {"components/security", {"core"}},
       {"components/bus", {"core/base", "components/convert", "components/security"}},
-      {"components/runtime", {"components/bus", "components/log", "components/maps"}},
+      {"components/runtime",
+       {"components/bus", "components/clouds", "components/maps", "components/topologies"}},
   };
   return table;
 }
@@ -47,7 +52,7 @@ bool is_or_is_below(const std::string& room, const std::string& group) {
   return room == group || starts_with(room, group + "/");
 }
 
-/// "core_grid" -> "core/grid"; "log" -> "components/log"; "idl" and "idl_dds" -> "idl".
+/// "core_grid" -> "core/grid"; "log" -> "components/log"; "idl" -> "idl".
 std::string target_to_room(const std::string& target, const std::vector<RoomTarget>& rooms) {
   if (starts_with(target, "idl")) return "idl";
   for (const RoomTarget& room : rooms) {

@@ -58,13 +58,14 @@ std::vector<RoomTarget> rooms_of(const std::string& folder, const std::string& t
     std::istringstream words((*it)[1].str());
     std::string section = "NAME";
     for (std::string word; words >> word;) {
-      const bool is_keyword =
-          word == "SOURCES" || word == "LINKS" || word == "PACKAGES" || word == "PRIVATE_PACKAGES";
+      const bool is_keyword = word == "SOURCES" || word == "LINKS" || word == "PACKAGES" ||
+                              word == "HEADERS_OF" || word == "PRIVATE_PACKAGES" ||
+                              word == "PUBLIC_HEADERS";
       if (is_keyword) {
         section = word;
       } else if (section == "NAME") {
         room.name = word;
-      } else if (section == "LINKS") {
+      } else if (section == "LINKS" || section == "HEADERS_OF") {
         room.links.push_back(word);
       }
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <components/settings/config_reader.hpp>
-#include <core/grid/likelihood_field.hpp>
+#include <strata/grid/likelihood_field.hpp>
+#include <strata/settings/config_reader.hpp>
 
 int main() {
   const auto config = strata::settings::read_config<strata::LikelihoodFieldConfig>(

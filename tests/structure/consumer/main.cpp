@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <core/beam_filter/beam_filter.hpp>
-#include <core/registration/scan_matcher.hpp>
-#include <memory/store/store.hpp>
+#include <strata/beam_filter/beam_filter.hpp>
+#include <strata/registration/scan_matcher.hpp>
+#include <strata/store/store.hpp>
 
 int main() {
   strata::WorkerPool pool(2);

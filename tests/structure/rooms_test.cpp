@@ -48,6 +48,9 @@ TEST(RoomRules, FollowTheArrowsOfThePage) {
   EXPECT_TRUE(may_include("core/slam", "core/registration"));
   EXPECT_FALSE(may_include("core/patch", "core/slam"));
   EXPECT_FALSE(may_include("core/localization", "memory/nodes"));
+  EXPECT_TRUE(may_include("core/patch_beams", "core/rays"));
+  EXPECT_FALSE(may_include("core/localization", "core/patch_beams"));
+  EXPECT_FALSE(may_include("core/rays", "core/localization"));
   EXPECT_TRUE(may_include("memory/store", "core/patch"));
   EXPECT_FALSE(may_include("memory/nodes", "components/log"));
   EXPECT_TRUE(may_include("components/log", "idl"));
