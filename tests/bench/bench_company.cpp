@@ -45,7 +45,7 @@ double wanted_hours() {
 /// What a process holds.
 struct Held {
   double resident_mb = 0.0;
-  double most_resident_mb = 0.0;
+  double max_resident_mb = 0.0;
   double threads = 0.0;
   double files = 0.0;
 };
@@ -56,11 +56,11 @@ Held held_by(pid_t pid) {
   std::ifstream status(process / "status");
   for (std::string word; status >> word;) {
     if (word == "VmRSS:") status >> held.resident_mb;
-    if (word == "VmHWM:") status >> held.most_resident_mb;
+    if (word == "VmHWM:") status >> held.max_resident_mb;
     if (word == "Threads:") status >> held.threads;
   }
   held.resident_mb /= 1024.0;
-  held.most_resident_mb /= 1024.0;
+  held.max_resident_mb /= 1024.0;
   std::error_code gone;
   const std::filesystem::directory_iterator files(process / "fd", gone);
   held.files = static_cast<double>(std::distance(files, {}));
@@ -157,7 +157,7 @@ void localizing_in_company(benchmark::State& state) {
   listeners.end();
   const Held held = held_by(child.pid());
   tell(state, "at_the_end", held);
-  state.counters["most_mb"] = held.most_resident_mb;
+  state.counters["most_mb"] = held.max_resident_mb;
   state.counters["nodes_came"] = nodes.came();
   state.counters["listeners_came"] = listeners.came();
   state.counters["heard_nothing"] = nodes.deaf() + listeners.deaf();

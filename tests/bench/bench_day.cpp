@@ -120,7 +120,7 @@ void drive_with(benchmark::State& state, runtime::Host& host, bench::EndlessDriv
   }
   course.tell(state);
   state.counters["scans"] = static_cast<double>(drive.count());
-  state.counters["dropped"] = static_cast<double>(host.components().front()->dropped());
+  state.counters["dropped"] = static_cast<double>(host.components().front()->counts().dropped);
 }
 
 /// A component that takes scans whose poses are known, here the true ones.

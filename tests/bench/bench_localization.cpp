@@ -71,7 +71,7 @@ void weights(benchmark::State& state, bool is_scalar) {
   const auto count = static_cast<std::size_t>(state.range(0));
   const LikelihoodField field(scenario().map, {});
   const Grid<float>& table = field.log_likelihood();
-  const Endpoints points = thin(endpoints_in_robot(scenario().observations[40].scan), 180);
+  const Endpoints points = subsample(endpoints_in_robot(scenario().observations[40].scan), 180);
   std::vector<float> px, py, x, y, c, s;
   std::vector<std::uint32_t> sums(count);
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -139,7 +139,7 @@ BENCHMARK(BM_resampling)->Arg(2000)->Arg(100000)->Unit(benchmark::kMicrosecond);
 
 void BM_ray_query(benchmark::State& state) {
   if (!scenario().found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
-  const RayCaster caster(scenario().map, 10.0);
+  const rays::RayCaster caster(scenario().map, 10.0);
   std::size_t n = 0;
   for (auto _ : state) {
     const Pose2& pose = scenario().truth[n % scenario().truth.size()];

@@ -220,7 +220,7 @@ void second_among_10000_nodes(benchmark::State& state) {
   for (auto _ : state) {
     memory.observe(corridor_scan({0.2, 0.1, 0.0}, ++second));
     store.save_timescale_changes(memory, saved);
-    memory.let_sleep(500, store.timescale_nodes());
+    memory.evict(500, store.timescale_nodes());
     map = memory.decode({}, map.get(), 0.0, 100);
   }
 }

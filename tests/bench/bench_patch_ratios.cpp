@@ -7,8 +7,8 @@
 #include <benchmark/benchmark.h>
 
 #include "core/localization/localizer.hpp"
-#include "core/localization/patch_beam_model.hpp"
 #include "core/localization/range_provider_model.hpp"
+#include "core/patch_beams/patch_beam_model.hpp"
 #include "core/random/stream.hpp"
 #include "tests/bench/peers_scenario.hpp"
 #include "tests/bench/ratios.hpp"
@@ -54,9 +54,9 @@ std::shared_ptr<const patch::PatchMap> patched_map() {
 void patch_state(benchmark::State& state) {
   const auto& scenario = peers_scenario();
   if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
-  localization::PatchBeamModelConfig config;
+  patch_beams::PatchBeamModelConfig config;
   config.states.memory = static_cast<localization::PatchMemory>(state.range(0));
-  const localization::PatchBeamModel model(patched_map(), config);
+  const patch_beams::PatchBeamModel model(patched_map(), config);
   const auto grid = localization::make_grid_beam_model(scenario.map);
   auto sets = clouds();
   auto patched = sets;
@@ -75,13 +75,13 @@ BENCHMARK(patch_state)->ArgName("memory")->DenseRange(0, 2);
 void patch_update(benchmark::State& state) {
   const auto& scenario = peers_scenario();
   if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
-  localization::PatchBeamModelConfig config;
+  patch_beams::PatchBeamModelConfig config;
   config.states.memory = static_cast<localization::PatchMemory>(state.range(0));
   const auto particles = static_cast<std::size_t>(state.range(1));
-  config.beam.beams.least_angle_rad = 6.283 / static_cast<double>(state.range(2));
+  config.beam.beams.min_angle_rad = 6.283 / static_cast<double>(state.range(2));
   const localization::LocalizerConfig fixed = bench::fixed_particles(static_cast<int>(particles));
   localization::Localizer patched(
-      fixed, std::make_shared<localization::PatchBeamModel>(patched_map(), config), 1);
+      fixed, std::make_shared<patch_beams::PatchBeamModel>(patched_map(), config), 1);
   localization::Localizer plain(fixed,
                                 localization::make_grid_beam_model(scenario.map, config.beam), 1);
   bench::Ratios drives;
@@ -97,7 +97,7 @@ void patch_update(benchmark::State& state) {
     }
   }
   const auto beams = static_cast<double>(
-      localization::select_beams(scenario.observations[0].scan, config.beam.beams).size());
+      rays::select_beams(scenario.observations[0].scan, config.beam.beams).size());
   drives.report(state, static_cast<double>(particles) * beams *
                            static_cast<double>(scenario.observations.size()));
 }

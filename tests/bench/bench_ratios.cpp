@@ -32,7 +32,7 @@ using bench::weigh;
 struct CellPoints {
   std::vector<float> x, y;
   explicit CellPoints(const Scan& scan, std::size_t most) {
-    const Endpoints points = thin(endpoints_in_robot(scan), most);
+    const Endpoints points = subsample(endpoints_in_robot(scan), most);
     for (std::size_t k = 0; k < points.size(); ++k) {
       x.push_back(static_cast<float>(points.x_m[k] / 0.05));
       y.push_back(static_cast<float>(points.y_m[k] / 0.05));
@@ -175,10 +175,10 @@ void traversal(benchmark::State& state) {
 BENCHMARK(traversal);
 
 /// Directions of the scenario's beams.
-struct Fan {
+struct Bundle {
   std::vector<double> cosine, sine;
   std::vector<float> cosine_f, sine_f;
-  Fan() {
+  Bundle() {
     for (std::size_t i = 0; i < 360; ++i) {
       const double angle = 0.0174532925 * static_cast<double>(i);
       cosine.push_back(std::cos(angle));
@@ -196,11 +196,11 @@ class BareCaster {
       : distances_(make_distance_field(map)), x_(360), y_(360), ranges_(360) {
     for (float& distance : distances_.values()) distance /= 0.05F;
   }
-  void cast(const Pose2& pose, const Fan& fan) {
+  void cast(const Pose2& pose, const Bundle& bundle) {
     std::fill(x_.begin(), x_.end(), static_cast<float>(pose.x / 0.05));
     std::fill(y_.begin(), y_.end(), static_cast<float>(pose.y / 0.05));
-    limit::cast(limit_field(distances_), x_.data(), y_.data(), fan.cosine_f.data(),
-                fan.sine_f.data(), 352, 200.0F, ranges_.data());
+    limit::cast(limit_field(distances_), x_.data(), y_.data(), bundle.cosine_f.data(),
+                bundle.sine_f.data(), 352, 200.0F, ranges_.data());
     benchmark::DoNotOptimize(ranges_.data());
   }
 
@@ -213,21 +213,21 @@ class BareCaster {
 void ray_query(benchmark::State& state) {
   const auto& scenario = peers_scenario();
   if (!scenario.found) return state.SkipWithError("no peers_scenario in STRATA_DATA_DIR");
-  const localization::RayCaster caster(scenario.map, 10.0);
-  const Fan fan;
+  const rays::RayCaster caster(scenario.map, 10.0);
+  const Bundle bundle;
   BareCaster bare_caster(scenario.map);
   std::vector<double> ranges(352);
   std::vector<std::int32_t> cells(352);
   const auto ours = [&] {
     for (const Pose2& pose : scenario.truth) {
       caster.expected_ranges_m(
-          {pose.x, pose.y, 1.0, 0.0, fan.cosine.data(), fan.sine.data(), 352, 10.0}, ranges.data(),
-          cells.data());
+          {pose.x, pose.y, 1.0, 0.0, bundle.cosine.data(), bundle.sine.data(), 352, 10.0},
+          ranges.data(), cells.data());
       benchmark::DoNotOptimize(ranges.data());
     }
   };
   const auto bare = [&] {
-    for (const Pose2& pose : scenario.truth) bare_caster.cast(pose, fan);
+    for (const Pose2& pose : scenario.truth) bare_caster.cast(pose, bundle);
   };
   compare(state, static_cast<double>(352 * scenario.truth.size()), ours, bare);
 }
@@ -240,12 +240,12 @@ void beam_model(benchmark::State& state) {
   const auto model = localization::make_grid_beam_model(scenario.map);
   auto sets = clouds();
   const double pairs = weigh(*model, sets);
-  const Fan fan;
+  const Bundle bundle;
   BareCaster bare_caster(scenario.map);
-  const auto fans = static_cast<std::size_t>(pairs / 352.0);
+  const auto bundles = static_cast<std::size_t>(pairs / 352.0);
   const auto bare = [&] {
-    for (std::size_t n = 0; n < fans; ++n) {
-      bare_caster.cast(scenario.truth[n % scenario.truth.size()], fan);
+    for (std::size_t n = 0; n < bundles; ++n) {
+      bare_caster.cast(scenario.truth[n % scenario.truth.size()], bundle);
     }
   };
   compare(

@@ -37,7 +37,7 @@ std::deque<Task> tasks(std::size_t beams) {
                                scenario.observations[t].odom_from_robot);
     const Endpoints hits = endpoints_in_robot(scenario.observations[t].scan);
     all.push_back({slam::SurfaceMap(scenario.map.resolution_m(), {}),
-                   thin(hits, beams == 0 ? hits.size() : beams), scenario.truth[t - 1] * step,
+                   subsample(hits, beams == 0 ? hits.size() : beams), scenario.truth[t - 1] * step,
                    scenario.truth[t]});
     for (std::size_t k = t - kMapScans; k < t; ++k) {
       const Scan& scan = scenario.observations[k].scan;

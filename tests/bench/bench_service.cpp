@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <fstream>
+#include <filesystem>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -17,6 +17,7 @@
 #include "tests/components/bus/domain.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/test_data.hpp"
+#include "tests/tools/strata/filter_composition.hpp"
 #ifdef STRATA_CYCLONE_PEER
 #include "tests/interop/cyclone/process.hpp"
 #endif
@@ -33,13 +34,10 @@ constexpr int kCallsEach = 50;
 class Server {
  public:
   Server() {
-    std::ofstream(folder_.path() / "filter.yaml")
-        << "version: 1\ndomain: " << test::own_domain()
-        << "\ntransport: loopback\nprocesses: [{name: p, components: [{type: strata::BeamFilter, "
-           "name: filter}]}]\n";
+    const std::filesystem::path file = test::write_filter_composition(folder_.path());
     child_ = std::make_unique<test::ChildProcess>(
-        std::vector<std::string>{STRATA_PROGRAM, "run", (folder_.path() / "filter.yaml").string()},
-        std::vector<std::string>{}, test::ChildProcess::Errors::kMerged);
+        std::vector<std::string>{STRATA_PROGRAM, "run", file.string()}, std::vector<std::string>{},
+        test::ChildProcess::Errors::kMerged);
     runs_ = !child_->wait_for_line("process p runs").empty();
   }
   [[nodiscard]] bool runs() const { return runs_; }

@@ -19,11 +19,11 @@ using report::Series;
 constexpr int kSeeds = 20;
 
 Series over_half_lives(const std::string& name, const std::vector<double>& share, double half_life,
-                       double most_half_lives) {
+                       double max_half_lives) {
   Series series{name, {}, {}};
   for (std::size_t t = 0; t < share.size(); ++t) {
     const double x = static_cast<double>(t) / half_life;
-    if (x > most_half_lives) break;
+    if (x > max_half_lives) break;
     series.x.push_back(x);
     series.y.push_back(share[t]);
   }

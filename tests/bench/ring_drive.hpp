@@ -18,6 +18,7 @@
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "tests/components/bus/domain.hpp"
+#include "tests/components/runtime/laser_mounting.hpp"
 #include "tests/core/slam/ring_world.hpp"
 
 namespace strata::bench {
@@ -52,12 +53,7 @@ struct Robot {
   bus::Writer<tf2_msgs::msg::TFMessage> mounting{participant, "/tf_static",
                                                  bus::qos_profile("latched")};
   /// Where the laser sits; publish it before the first scan.
-  void tell_mounting() {
-    tf2_msgs::msg::TFMessage tf;
-    tf.transforms().push_back(
-        convert::to_transform_stamped(Stamp{}, Pose2{}, "base_link", "laser"));
-    mounting.publish(tf);
-  }
+  void tell_mounting() { mounting.publish(test::laser_mounting()); }
   [[nodiscard]] bool is_heard() {
     return scans.raw().wait_for_readers(1, std::chrono::seconds(20)) &&
            odometry.raw().wait_for_readers(1, std::chrono::seconds(20));

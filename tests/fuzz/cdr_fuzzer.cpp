@@ -8,15 +8,15 @@
 #include "components/bus/graph_message.hpp"
 #include "components/bus/message_types.hpp"
 #include "components/bus/service.hpp"
+#include "components/clouds/image_messages.hpp"
 #include "components/convert/cdr.hpp"
 #include "components/convert/cloud_messages.hpp"
 #include "components/convert/geometry_messages.hpp"
-#include "components/convert/image_messages.hpp"
 #include "components/convert/map_messages.hpp"
 #include "components/convert/patch_messages.hpp"
 #include "components/convert/scan_messages.hpp"
-#include "components/convert/topology_messages.hpp"
 #include "components/maps/node_map_message.hpp"
+#include "components/topologies/topology_messages.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace {

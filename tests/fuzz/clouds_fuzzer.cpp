@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// 3-D logs, told by content: OctoMap's text logs and scan graphs, and the clouds and pictures of
 /// bags with what their tf says.
-#include "components/log/bag_images.hpp"
-#include "components/log/cloud_reader.hpp"
+#include "components/clouds/bag_images.hpp"
+#include "components/clouds/cloud_reader.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace {
@@ -27,7 +27,7 @@ void check(const volume::Cloud& cloud) {
   if (!is_sound) __builtin_trap();
 }
 
-void check(const log::PosedImage& posed) {
+void check(const clouds::PosedImage& posed) {
   const volume::ColorImage& image = posed.image;
   const auto pixels =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
@@ -40,12 +40,12 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const fuzz::ScratchFolder scratch;
   const auto file = scratch.write("log", {data, size});
   fuzz::expect_value_or_error([&] {
-    const auto reader = log::CloudReader::open(file);
+    const auto reader = clouds::CloudReader::open(file);
     for (volume::Cloud cloud; reader->next(cloud);) check(cloud);
   });
   return fuzz::expect_value_or_error([&] {
-    if (!log::is_bag(file)) return;
-    log::BagImageReader reader(file, {});
-    for (log::PosedImage image; reader.next(image);) check(image);
+    if (!clouds::is_bag(file)) return;
+    clouds::BagImageReader reader(file, {});
+    for (clouds::PosedImage image; reader.next(image);) check(image);
   });
 }

@@ -67,9 +67,9 @@ TEST(SavedState, OfTheCorpusIsOneThatThisVersionTakes) {
 /// Where sizes and indices are likely: most of the rest are the cells of maps.
 std::size_t place_in(std::size_t size, std::mt19937& random) {
   constexpr std::size_t kVersion = 8;
-  constexpr std::size_t kMost = 6000;
+  constexpr std::size_t kMax = 6000;
   const std::size_t last = size - 8;
-  const std::size_t near = kVersion + random() % std::min(last - kVersion, kMost);
+  const std::size_t near = kVersion + random() % std::min(last - kVersion, kMax);
   switch (random() % 3) {
     case 0:
       return near;

@@ -20,13 +20,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 #include <yaml-cpp/yaml.h>
 
 #include "components/convert/cdr.hpp"
 #include "components/log/bag.hpp"
 #include "components/log/log_reader.hpp"
 #include "components/log/log_writer.hpp"
+#include "tests/support/command.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace fs = std::filesystem;
@@ -35,38 +35,21 @@ namespace strata::log {
 namespace {
 
 using Json = nlohmann::json;
-
-struct Outcome {
-  int code = -1;
-  std::string out;
-};
-
-Outcome run(const std::string& command) {
-  Outcome outcome;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  char buffer[4096];
-  for (std::size_t got = 0; (got = fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
-    outcome.out.append(buffer, got);
-  }
-  const int status = pclose(pipe);
-  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
-}
-
-std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+using test::Outcome;
+using test::quoted;
+using test::run_command;
 
 class BagInterop : public ::testing::Test {
  protected:
   void SetUp() override {
-    const Outcome ready =
-        run(quoted(fs::path(STRATA_INTEROP_SOURCE) / "prepare") + " " + quoted(STRATA_INTEROP_DIR));
+    const Outcome ready = run_command(quoted(fs::path(STRATA_INTEROP_SOURCE) / "prepare") + " " +
+                                      quoted(STRATA_INTEROP_DIR));
     if (ready.code == 3) GTEST_SKIP() << ready.out;
     ASSERT_EQ(ready.code, 0) << ready.out;
   }
   Json tool(const std::string& arguments) {
-    const Outcome outcome =
-        run("node " + quoted(fs::path(STRATA_INTEROP_DIR) / "bag_tool.mjs") + " " + arguments);
+    const Outcome outcome = run_command(
+        "node " + quoted(fs::path(STRATA_INTEROP_DIR) / "bag_tool.mjs") + " " + arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.out;
     return outcome.code == 0 ? Json::parse(outcome.out) : Json::object();
   }

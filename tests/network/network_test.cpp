@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Two and three hosts that see each other through a network only, good or bad.
 #include <chrono>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -76,24 +75,6 @@ TEST_F(Network, BringsALargeMapThoughItLosesATenthOfAllFrames) {
   const auto client = peer(1, {"get-map"}, "wifi");
   EXPECT_THAT(client->wait_for_line("map", kPatience), HasSubstr("map 2000 "));
   EXPECT_GT(network_->hub().lost(), 200U);
-}
-
-// The figures in docs/networks.md.
-TEST_F(Network, DISABLED_ShowsHowLongALargeMapTakes) {
-  for (const char* transport : {"default", "wifi"}) {
-    for (const double loss : {0.0, 0.01, 0.02, 0.05, 0.1}) {
-      STRATA_MAKE_HOSTS(2);
-      network_->hub().set({loss, milliseconds(50)});
-      const auto server = peer(0, {"map", "2000"}, transport);
-      const auto begin = std::chrono::steady_clock::now();
-      const auto client = peer(1, {"get-map"}, transport);
-      const bool is_there = !client->wait_for_line("map", kPatience).empty();
-      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-      std::cout << transport << ", " << 100.0 * loss
-                << "% lost: " << (is_there ? "there after " : "not there after ") << took.count()
-                << " s\n";
-    }
-  }
 }
 
 TEST_F(Network, LetsTheDoctorAdviseSmallDatagramsForAMapThatDoesNotArrive) {

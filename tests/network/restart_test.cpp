@@ -124,26 +124,26 @@ long scans_at_start(const fs::path& learned) {
 class Growing {
  public:
   explicit Growing(std::function<std::size_t()> count) : count_(std::move(count)) {}
-  void look() { most_ = std::max(most_, count_()); }
+  void look() { max_ = std::max(max_, count_()); }
   [[nodiscard]] bool comes_to(std::size_t enough) const {
     return comes_true([&] { return count_() >= enough; });
   }
   /// Whether more is added to what there was, and nothing begins anew. After a look.
   [[nodiscard]] bool grows_on() {
-    const std::size_t seen = most_;
+    const std::size_t seen = max_;
     std::size_t least = count_();
     look();  // what was written between the first look and the kill
     const bool grew = comes_true([&] {
       const std::size_t now = count_();
       least = std::min(least, now);
-      return now > most_;
+      return now > max_;
     });
     return grew && least >= seen;
   }
 
  private:
   std::function<std::size_t()> count_;
-  std::size_t most_ = 0;
+  std::size_t max_ = 0;
 };
 
 class RobotThatIsKilled : public KilledRobot {

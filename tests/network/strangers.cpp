@@ -5,29 +5,6 @@
 #include <utility>
 
 namespace strata::test {
-namespace {
-
-std::string configuration(CycloneNetwork where, const std::vector<std::string>& devices) {
-  std::string general;
-  std::string discovery;
-  if (where == CycloneNetwork::kUnicast) {
-    general = "<AllowMulticast>false</AllowMulticast>";
-    discovery =
-        "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
-        "<Peers><Peer address=\"localhost\"/></Peers>";
-  } else {
-    for (const std::string& device : devices) {
-      general += "<NetworkInterface name=\"" + device + "\"" +
-                 (device == "lo" ? " multicast=\"true\"" : "") + "/>";
-    }
-    general = "<Interfaces>" + general + "</Interfaces>";
-  }
-  return "CYCLONEDDS_URI=<CycloneDDS><Domain><General>" + general +
-         "</General><Discovery><ParticipantIndex>auto</ParticipantIndex>" + discovery +
-         "</Discovery></Domain></CycloneDDS>";
-}
-
-}  // namespace
 
 std::unique_ptr<ChildProcess> Strangers::cyclone(std::size_t host,
                                                  const std::vector<std::string>& arguments,
@@ -35,10 +12,7 @@ std::unique_ptr<ChildProcess> Strangers::cyclone(std::size_t host,
                                                  const std::vector<std::string>& devices) const {
   std::vector<std::string> command = {STRATA_CYCLONE_PEER, "0"};
   command.insert(command.end(), arguments.begin(), arguments.end());
-  auto process = network_->run(
-      host, command,
-      {configuration(
-          where, where == CycloneNetwork::kLoopback ? std::vector<std::string>{"lo"} : devices)});
+  auto process = network_->run(host, command, {cyclone_configuration(where, devices)});
   EXPECT_EQ(process->wait_for_line("ready", kPatience), "ready");
   return process;
 }
@@ -59,6 +33,16 @@ std::unique_ptr<ChildProcess> Strangers::robot(std::size_t host, const std::stri
   auto process = network_->run(host, command, std::move(environment));
   EXPECT_NE(process->wait_for_line("process mapping runs", kPatience), "");
   return process;
+}
+
+void Strangers::expect_to_outlive_visits(ChildProcess& robot, int rounds) const {
+  for (int round = 0; round < rounds; ++round) {
+    const auto first = cyclone(0, {"ros_node", "/", "first"});
+    const auto second = cyclone(0, {"ros_node", "/", "second"});
+    ASSERT_NE(second->wait_for_line("node / first", kPatience), "");
+    ASSERT_TRUE(robot.runs()) << robot.rest();
+  }
+  expect_good_end(robot);
 }
 
 void Strangers::expect_good_end(ChildProcess& process) {

@@ -6,16 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "tests/network/cyclone_configuration.hpp"
 #include "tests/network/network_fixture.hpp"
 
 namespace strata::test {
-
-/// How Cyclone DDS finds others there.
-enum class CycloneNetwork {
-  kLoopback,  ///< lo, which must multicast
-  kUnicast,   ///< as rmw_cyclonedds does for the range LOCALHOST: no multicast, asks localhost
-  kDevices,   ///< eth0, or the devices that are named
-};
 
 class Strangers : public Network {
  protected:
@@ -32,6 +26,8 @@ class Strangers : public Network {
   [[nodiscard]] std::unique_ptr<ChildProcess> robot(
       std::size_t host, const std::string& transport,
       std::vector<std::string> environment = {}) const;
+  /// Two ROS 2 nodes come and go beside it so many times; then it is ended.
+  void expect_to_outlive_visits(ChildProcess& robot, int rounds) const;
   /// Ends it as Ctrl-C does; what it said is shown where it does not end well.
   static void expect_good_end(ChildProcess& process);
 };

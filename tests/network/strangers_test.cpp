@@ -3,7 +3,6 @@
 #include "tests/network/strangers.hpp"
 
 #include <cstdlib>
-#include <iostream>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -69,23 +68,6 @@ INSTANTIATE_TEST_SUITE_P(
                     Place{"OfALocalhost", CycloneNetwork::kUnicast, 1, "localhost"}),
     kNameOf);
 
-// The figures in docs/networks.md: each reader gets a copy of its own.
-TEST_F(Strangers, DISABLED_ShowsWhatSeveralReadersCost) {
-  for (const std::size_t readers : {1U, 2U, 3U, 4U}) {
-    STRATA_MAKE_HOSTS(2);
-    std::vector<std::unique_ptr<ChildProcess>> listeners;
-    for (std::size_t i = 0; i < readers; ++i) {
-      listeners.push_back(cyclone(1, {"hear", "200"}));
-    }
-    const std::uint64_t before = network_->hub().carried_bytes();
-    const auto talker = peer(0, {"scans", "200", "20", "tf_static"});
-    for (const auto& listener : listeners) EXPECT_NE(listener->wait_for_line("heard"), "");
-    std::cout << readers << " readers on another host: "
-              << static_cast<double>(network_->hub().carried_bytes() - before) / 200.0
-              << " bytes a scan of 1,080 beams\n";
-  }
-}
-
 TEST_F(Strangers, OfCycloneDoNotEndARobotThatStartsLast) {
   STRATA_MAKE_HOSTS(1);
   const auto first = cyclone(0, {"ros_node", "/", "first"});
@@ -105,13 +87,7 @@ TEST_F(Strangers, OfCycloneDoNotEndARobotAtADiscoveryServer) {
   const auto robot = this->robot(0, "discovery_server",
                                  {"ROS_DISCOVERY_SERVER=" + VirtualNetwork::address(0) + ":11811"});
   // Nobody is told of them, but their announcements reach every socket of the domain.
-  for (int round = 0; round < rounds(); ++round) {
-    const auto first = cyclone(0, {"ros_node", "/", "first"});
-    const auto second = cyclone(0, {"ros_node", "/", "second"});
-    ASSERT_NE(second->wait_for_line("node / first", kPatience), "");
-    ASSERT_TRUE(robot->runs()) << robot->rest();
-  }
-  expect_good_end(*robot);
+  expect_to_outlive_visits(*robot, rounds());
 }
 
 TEST_F(Strangers, OfCycloneDoNotEndARobotWithDdsSecurity) {
@@ -124,13 +100,7 @@ TEST_F(Strangers, OfCycloneDoNotEndARobotWithDdsSecurity) {
       this->robot(0, "default",
                   {"ROS_SECURITY_ENABLE=true", "ROS_SECURITY_STRATEGY=Enforce",
                    "ROS_SECURITY_KEYSTORE=" + keystore, "ROS_SECURITY_ENCLAVE_OVERRIDE=/robot"});
-  for (int round = 0; round < rounds(); ++round) {
-    const auto first = cyclone(0, {"ros_node", "/", "first"});
-    const auto second = cyclone(0, {"ros_node", "/", "second"});
-    ASSERT_NE(second->wait_for_line("node / first", kPatience), "");
-    ASSERT_TRUE(robot->runs()) << robot->rest();
-  }
-  expect_good_end(*robot);
+  expect_to_outlive_visits(*robot, rounds());
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include "tests/support/test_data.hpp"
 
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <vector>
 
@@ -14,6 +16,11 @@ std::optional<std::filesystem::path> find_data(const std::string& relative) {
   std::filesystem::path path = root / relative;
   if (!std::filesystem::exists(path)) return std::nullopt;
   return path;
+}
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 bool data_is_required() { return std::getenv("CI") != nullptr; }

@@ -17,6 +17,9 @@ namespace strata::test {
 /// Whether a missing folder of logs is a failure: with CI set it is.
 [[nodiscard]] bool data_is_required();
 
+/// What a file holds; nothing when it cannot be read.
+[[nodiscard]] std::string bytes_of(const std::filesystem::path& path);
+
 /// A fresh directory that is removed at the end of the scope.
 class TemporaryDirectory {
  public:

@@ -157,6 +157,23 @@ bool take(dds_entity_t reader, void** sample) {
   }
 }
 
+void use_all(dds_entity_t reader, void (*use)(const void* sample, void* context), void* context) {
+  attach(reader, 0);
+  say("ready");
+  for (;;) {
+    dds_attach_t tags[2];
+    const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
+    for (int i = 0; i < count; ++i) {
+      if (tags[i] != 0) return;
+    }
+    void* sample = NULL;
+    while (take(reader, &sample)) {
+      use(sample, context);
+      dds_return_loan(reader, &sample, 1);
+    }
+  }
+}
+
 static void echo(void) {
   dds_entity_t readers[kTypeCount];
   dds_entity_t writers[kTypeCount];
@@ -188,6 +205,10 @@ static void echo(void) {
   }
 }
 
+static void answer(const void* sample, void* writer) {
+  require(dds_write(*(const dds_entity_t*)writer, sample), "best effort");
+}
+
 /* Best effort as sensors are, which a reliable endpoint of the other side may not be. */
 static void echo_best_effort(void) {
   const char* const type = "sensor_msgs::msg::dds_::LaserScan_";
@@ -202,30 +223,19 @@ static void echo_best_effort(void) {
   dds_delete_qos(qos);
   require(writer, "best-effort writer");
   require(reader, "best-effort reader");
-  attach(reader, 0);
-  say("ready");
-  for (;;) {
-    dds_attach_t tags[2];
-    const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
-    for (int i = 0; i < count; ++i) {
-      if (tags[i] != 0) return;
-    }
-    void* sample = NULL;
-    while (take(reader, &sample)) {
-      require(dds_write(writer, sample), "best effort");
-      dds_return_loan(reader, &sample, 1);
-    }
-  }
+  use_all(reader, answer, (void*)&writer);
 }
 
 /* The graph's message has one name and two layouts. */
 #define GRAPH(package)                                                                       \
-  static void print_nodes_of_##package(const void* sample) {                                 \
+  static void print_nodes_of_##package(const void* sample, void* unused) {                   \
+    (void)unused;                                                                            \
     const package##_msg_ParticipantEntitiesInfo* info = sample;                              \
     for (uint32_t i = 0; i < info->node_entities_info_seq._length; ++i) {                    \
       const package##_msg_NodeEntitiesInfo* node = &info->node_entities_info_seq._buffer[i]; \
       printf("node %s %s\n", node->node_namespace, node->node_name);                         \
     }                                                                                        \
+    fflush(stdout);                                                                          \
   }                                                                                          \
   static void announce_in_##package(dds_entity_t writer, char* scope, char* name) {          \
     dds_guid_t own;                                                                          \
@@ -261,21 +271,8 @@ static dds_entity_t make_graph_topic(bool is_long) {
 }
 
 static void print_nodes(dds_entity_t reader, bool is_long) {
-  attach(reader, 0);
-  say("ready");
-  for (;;) {
-    dds_attach_t tags[2];
-    const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
-    for (int i = 0; i < count; ++i) {
-      if (tags[i] != 0) return;
-    }
-    void* sample = NULL;
-    while (take(reader, &sample)) {
-      (is_long ? print_nodes_of_rmw_dds_common_24 : print_nodes_of_rmw_dds_common)(sample);
-      fflush(stdout);
-      dds_return_loan(reader, &sample, 1);
-    }
-  }
+  use_all(reader, is_long ? print_nodes_of_rmw_dds_common_24 : print_nodes_of_rmw_dds_common,
+          NULL);
 }
 
 static void nodes(bool is_long) {

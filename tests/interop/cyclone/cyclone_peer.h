@@ -22,6 +22,8 @@ dds_entity_t make_keep_all_writer(dds_entity_t topic);
 void attach(dds_entity_t reader, dds_attach_t tag);
 /* The next message, lent; false when none is there. */
 bool take(dds_entity_t reader, void** sample);
+/* Says "ready", then gives every message to `use` until standard input ends. */
+void use_all(dds_entity_t reader, void (*use)(const void* sample, void* context), void* context);
 
 /* What every ROS 2 process makes besides ros_discovery_info, and a topic of scans; cyclone_ros.c. */
 void make_ros_endpoints(void);

@@ -54,29 +54,26 @@ void publish_scans(int count, double hertz) {
   wait_for_input_to_end();
 }
 
+struct Heard {
+  int count;
+  int heard;
+  int in_order;
+};
+
+static void hear_scan(const void* sample, void* context) {
+  struct Heard* so_far = context;
+  const sensor_msgs_msg_LaserScan* scan = sample;
+  const int number = scan->header.stamp.sec;
+  if (number == so_far->heard && scan->ranges._length == kBeams) ++so_far->in_order;
+  ++so_far->heard;
+  if (number != so_far->count - 1) return;
+  printf("heard %d of %d, %d in order\n", so_far->heard, so_far->count, so_far->in_order);
+  fflush(stdout);
+}
+
 void hear_scans(int count) {
   /* Cyclone tells the writer of a match before it listens: what comes in between is asked for. */
   const dds_entity_t reader = make_reader(make_scan_topic(), true, 0);
-  attach(reader, 0);
-  say("ready");
-  int heard = 0;
-  int in_order = 0;
-  for (;;) {
-    dds_attach_t tags[2];
-    const int woken = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
-    for (int i = 0; i < woken; ++i) {
-      if (tags[i] != 0) return;
-    }
-    void* sample = NULL;
-    while (take(reader, &sample)) {
-      const sensor_msgs_msg_LaserScan* scan = sample;
-      const int number = scan->header.stamp.sec;
-      if (number == heard && scan->ranges._length == kBeams) ++in_order;
-      ++heard;
-      dds_return_loan(reader, &sample, 1);
-      if (number != count - 1) continue;
-      printf("heard %d of %d, %d in order\n", heard, count, in_order);
-      fflush(stdout);
-    }
-  }
+  struct Heard so_far = {count, 0, 0};
+  use_all(reader, hear_scan, &so_far);
 }

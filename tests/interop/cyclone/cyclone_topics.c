@@ -15,32 +15,18 @@
 
 static const char* const kPoseType = "geometry_msgs::msg::dds_::PoseWithCovarianceStamped_";
 
-static void print_pose(const void* sample) {
+static void print_pose(const void* sample, void* unused) {
+  (void)unused;
   const geometry_msgs_msg_PoseWithCovarianceStamped* message = sample;
   printf("pose %.3f %.3f\n", message->pose.pose.position.x, message->pose.pose.position.y);
+  fflush(stdout);
 }
 
-static void print_log(const void* sample) {
+static void print_log(const void* sample, void* unused) {
+  (void)unused;
   const rcl_interfaces_msg_Log* log = sample;
   printf("log %d %s %s\n", log->level, log->name, log->msg);
-}
-
-static void read_all(dds_entity_t reader, void (*print)(const void*)) {
-  attach(reader, 0);
-  say("ready");
-  for (;;) {
-    dds_attach_t tags[2];
-    const int count = dds_waitset_wait(g_waitset, tags, 2, DDS_INFINITY);
-    for (int i = 0; i < count; ++i) {
-      if (tags[i] != 0) return;
-    }
-    void* sample = NULL;
-    while (take(reader, &sample)) {
-      print(sample);
-      fflush(stdout);
-      dds_return_loan(reader, &sample, 1);
-    }
-  }
+  fflush(stdout);
 }
 
 static void set_pose(const char* topic, char** arguments) {
@@ -66,16 +52,14 @@ static void set_pose(const char* topic, char** arguments) {
 
 void use_topic(const char* name, char* topic, char** arguments) {
   if (strcmp(name, "late_pose") == 0) {
-    read_all(make_reader(make_topic(&geometry_msgs_msg_PoseWithCovarianceStamped_desc, topic,
-                                    kPoseType),
-                         true, 1),
-             print_pose);
+    const dds_entity_t pose =
+        make_topic(&geometry_msgs_msg_PoseWithCovarianceStamped_desc, topic, kPoseType);
+    use_all(make_reader(pose, true, 1), print_pose, NULL);
   } else if (strcmp(name, "set_pose") == 0) {
     set_pose(topic, arguments);
   } else if (strcmp(name, "rosout") == 0) {
-    read_all(make_reader(make_topic(&rcl_interfaces_msg_Log_desc, topic,
-                                    "rcl_interfaces::msg::dds_::Log_"),
-                         true, 1000),
-             print_log);
+    const dds_entity_t log =
+        make_topic(&rcl_interfaces_msg_Log_desc, topic, "rcl_interfaces::msg::dds_::Log_");
+    use_all(make_reader(log, true, 1000), print_log, NULL);
   }
 }

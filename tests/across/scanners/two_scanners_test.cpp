@@ -107,11 +107,21 @@ struct Outcome {
   double error_rad = 0.0;
   std::size_t weighed_front = 0;
   std::size_t weighed_back = 0;
+  std::size_t poses = 0;
+
+  void add(const Pose2& off) {
+    error_m += std::hypot(off.x, off.y);
+    error_rad += std::abs(off.theta);
+    ++poses;
+  }
+  void average() {
+    error_m /= static_cast<double>(poses);
+    error_rad /= static_cast<double>(poses);
+  }
 };
 
 Outcome localize(const std::shared_ptr<const localization::SensorModel>& model, Rig rig) {
   Outcome outcome;
-  std::size_t count = 0;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Log log = record(rig, seed);
     localization::Localizer localizer({}, model, seed);
@@ -124,13 +134,10 @@ Outcome localize(const std::shared_ptr<const localization::SensorModel>& model, 
       }
       if (i < 100) continue;
       const Pose2 off = between(log.truths[i], result.pose.mean);
-      outcome.error_m += std::hypot(off.x, off.y);
-      outcome.error_rad += std::abs(off.theta);
-      ++count;
+      outcome.add(off);
     }
   }
-  outcome.error_m /= static_cast<double>(count);
-  outcome.error_rad /= static_cast<double>(count);
+  outcome.average();
   return outcome;
 }
 
@@ -177,7 +184,6 @@ Pose2 alignment(const std::vector<PosedScan>& scans, const std::vector<Pose2>& t
 
 Outcome map(Rig rig) {
   Outcome outcome;
-  std::size_t count = 0;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     const Log log = record(rig, seed);
     slam::Slam slam({});
@@ -189,13 +195,10 @@ Outcome map(Rig rig) {
       EXPECT_EQ(result.scans[i].static_probability.size(), result.scans[i].scan.size());
       EXPECT_EQ(result.scans[i].scan.robot_from_laser, log.observations[i].scan.robot_from_laser);
       const Pose2 off = between(log.truths[i], truth_from_map * result.scans[i].map_from_robot);
-      outcome.error_m += std::hypot(off.x, off.y);
-      outcome.error_rad += std::abs(off.theta);
-      ++count;
+      outcome.add(off);
     }
   }
-  outcome.error_m /= static_cast<double>(count);
-  outcome.error_rad /= static_cast<double>(count);
+  outcome.average();
   return outcome;
 }
 

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How long scans wait for what has not been heard yet, above all of a robot that has just started.
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "components/runtime/sensor_input.hpp"
+#include "tests/across/sensor_input/recorded_robot.hpp"
+
+namespace strata::runtime {
+namespace {
+
+using test::at;
+using test::link;
+using test::odometry;
+using test::scan;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+TEST(SensorInput, WhenTooManyScansWaitTheOldestGoesWithoutOdometry) {
+  SensorInputConfig config;
+  config.max_waiting_scans = 2;
+  SensorInput input(config, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  input.add(odometry(0.5, {}));
+  for (int i = 0; i < 3; ++i) input.add(scan(1.0 + i));
+  const auto taken = input.take();
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0].scan.stamp, at(1.0));
+  EXPECT_FALSE(taken[0].has_odometry);
+  EXPECT_THAT(input.take_warnings(), IsEmpty());
+}
+
+TEST(SensorInput, OdometryThatNeverCameIsToldOnceAndWaitedForAgainWhenItComes) {
+  SensorInputConfig config;
+  config.max_waiting_scans = 2;
+  config.first_wait_s = 0.0;
+  SensorInput input(config, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  input.add(scan(1.0));
+  input.add(scan(2.0));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(scan(3.0));
+  EXPECT_THAT(input.take(), SizeIs(3));
+  EXPECT_THAT(input.take_warnings(), ElementsAre(HasSubstr("no odometry comes on odom or /tf")));
+  input.add(scan(4.0));
+  EXPECT_THAT(input.take(), SizeIs(1));
+  EXPECT_THAT(input.take_warnings(), IsEmpty());
+  input.add(odometry(4.5, {1.0, 0.0, 0.0}));
+  input.add(scan(5.0));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(odometry(5.0, {2.0, 0.0, 0.0}));
+  const auto taken = input.take();
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0].odom_from_robot.x, 2.0);
+}
+
+TEST(SensorInput, AMissingMountingIsWaitedForOnceAndTakenWhenItComes) {
+  SensorInputConfig config;
+  config.max_waiting_scans = 2;
+  config.first_wait_s = 0.0;
+  SensorInput input(config, true);
+  for (int i = 0; i < 50; ++i) input.add(odometry(0.1 * i, {}));
+  input.add(scan(1.0));
+  input.add(scan(2.0));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(scan(3.0));
+  EXPECT_THAT(input.take(), SizeIs(3));
+  EXPECT_THAT(
+      input.take_warnings(),
+      ElementsAre("tf_static does not connect laser to base_link; the laser is taken to sit "
+                  "at its origin"));
+  Health health;
+  input.diagnose(health);
+  EXPECT_EQ(health.level(), HealthLevel::kWarn);
+  EXPECT_THAT(health.message(), HasSubstr("tf_static does not connect laser to base_link"));
+  input.add(scan(4.0));
+  EXPECT_THAT(input.take(), SizeIs(1)) << "at once";
+  input.add(link(0.0, "base_link", "laser", {0.3, 0.0, 0.0}));
+  input.add(scan(4.5));
+  const auto taken = input.take();
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0].scan.robot_from_laser, (Pose2{0.3, 0.0, 0.0}));
+  EXPECT_THAT(input.take_warnings(), IsEmpty());
+  Health mended;
+  input.diagnose(mended);
+  EXPECT_EQ(mended.level(), HealthLevel::kOk) << mended.message();
+}
+
+// At a start the reader of odometry may meet its writer later than the scans' reader theirs.
+TEST(FirstScans, OfAFastScannerInABurstWaitForTheirOdometry) {
+  SensorInput input({}, true);
+  input.add(link(0.0, "base_link", "laser", {}));
+  for (int i = 0; i < 40; ++i) {
+    input.add(scan(1.0 + 0.025 * i));
+    EXPECT_THAT(input.take(), IsEmpty()) << i;
+  }
+  for (int i = 0; i <= 30; ++i) input.add(odometry(0.9 + 0.05 * i, {0.9 + 0.05 * i, 0.0, 0.0}));
+  const auto taken = input.take();
+  ASSERT_THAT(taken, SizeIs(40));
+  for (const Observation& observation : taken) {
+    EXPECT_TRUE(observation.has_odometry);
+    EXPECT_NEAR(observation.odom_from_robot.x, observation.scan.stamp.seconds(), 1e-9);
+  }
+  EXPECT_THAT(input.take_warnings(), IsEmpty());
+}
+
+TEST(FirstScans, OfAFastScannerInABurstWaitForItsMounting) {
+  SensorInput input({}, true);
+  for (int i = 0; i <= 40; ++i) input.add(odometry(0.9 + 0.05 * i, {}));
+  for (int i = 0; i < 40; ++i) input.add(scan(1.0 + 0.025 * i));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(link(0.0, "base_link", "laser", {0.3, 0.0, 0.0}));
+  const auto taken = input.take();
+  ASSERT_THAT(taken, SizeIs(40));
+  EXPECT_EQ(taken.front().scan.robot_from_laser, (Pose2{0.3, 0.0, 0.0}));
+}
+
+TEST(FirstScans, WaitForWhatNobodyPublishesSoManySecondsOfStampsAndSoManyScans) {
+  SensorInputConfig config;
+  config.first_wait_s = 3.0;
+  for (const double period_s : {0.1, 0.025}) {
+    SensorInput input(config, true);
+    input.add(link(0.0, "base_link", "laser", {}));
+    int waiting = 0;
+    for (; input.take().empty(); ++waiting) input.add(scan(1.0 + period_s * waiting));
+    EXPECT_EQ(waiting, static_cast<int>(std::lround(3.0 / period_s)) + 1);
+    EXPECT_THAT(input.take_warnings(), ElementsAre(HasSubstr("no odometry comes")));
+  }
+  SensorInput slow(config, true);
+  slow.add(link(0.0, "base_link", "laser", {}));
+  for (int i = 0; i < 20; ++i) slow.add(scan(1.0 + i));
+  EXPECT_THAT(slow.take(), IsEmpty());
+  slow.add(scan(21.0));
+  EXPECT_THAT(slow.take(), SizeIs(21));
+}
+
+TEST(FirstScans, WhoseStampsStandStillDoNotFillTheMemory) {
+  SensorInput input({}, true);
+  for (int i = 0; i < 200; ++i) input.add(scan(1.0));
+  EXPECT_THAT(input.take(), IsEmpty());
+  input.add(scan(1.0));
+  EXPECT_THAT(input.take(), SizeIs(201));
+}
+
+}  // namespace
+}  // namespace strata::runtime
