@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <string>
 
-#include <components/log/log_reader.hpp>
-#include <components/log/map_file.hpp>
-#include <core/base/error.hpp>
-#include <core/slam/slam.hpp>
+#include <strata/base/error.hpp>
+#include <strata/log/log_reader.hpp>
+#include <strata/log/map_file.hpp>
+#include <strata/slam/slam.hpp>
 
 void learn(const std::filesystem::path& log, const std::filesystem::path& map) {
   strata::slam::Slam slam({}, /*threads=*/0);

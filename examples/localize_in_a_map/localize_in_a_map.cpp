@@ -11,11 +11,11 @@
 #include <filesystem>
 #include <optional>
 
-#include <components/log/log_reader.hpp>
-#include <components/log/map_file.hpp>
-#include <components/maps/map_model.hpp>
-#include <core/base/error.hpp>
-#include <core/localization/localizer.hpp>
+#include <strata/base/error.hpp>
+#include <strata/localization/localizer.hpp>
+#include <strata/log/log_reader.hpp>
+#include <strata/log/map_file.hpp>
+#include <strata/maps/map_model.hpp>
 
 void localize(const std::filesystem::path& map, const std::filesystem::path& log,
               const std::optional<strata::Pose2>& start) {

@@ -9,8 +9,8 @@
 #include <functional>
 #include <optional>
 
-#include <components/runtime/component_library.hpp>
-#include <core/base/error.hpp>
+#include <strata/base/error.hpp>
+#include <strata/runtime/component_library.hpp>
 
 namespace example {
 
