@@ -13,6 +13,7 @@
 #include <octomap/octomap_types.h>
 
 #include "components/clouds/bag_clouds.hpp"
+#include "components/log/spooled_input.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
 
@@ -117,7 +118,9 @@ class TextLogReader final : public CloudReader {
 class ScanGraphReader final : public CloudReader {
  public:
   explicit ScanGraphReader(const fs::path& path)
-      : place_(path.string()), size_(fs::file_size(path)), in_(path, std::ios::binary) {
+      : place_(path.string()),
+        size_(fs::file_size(log::readable_path(path))),
+        in_(log::readable_path(path), std::ios::binary) {
     report_.format = "OctoMap scan graph";
     left_ = number().value_or(0);
   }
@@ -211,7 +214,7 @@ bool is_text_log(const fs::path& path) {
 
 /// Whether the first cloud of a scan graph can lie in the file as its numbers say.
 bool is_scan_graph(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
+  std::ifstream in(log::readable_path(path), std::ios::binary);
   std::uint32_t head[3] = {};
   char bytes[sizeof head];
   if (!in.read(bytes, sizeof bytes)) return false;
@@ -223,7 +226,7 @@ bool is_scan_graph(const fs::path& path) {
 
 std::unique_ptr<CloudReader> CloudReader::open(const fs::path& path,
                                                const CloudReadOptions& options) {
-  if (!fs::exists(path)) throw InputError(path.string(), "does not exist", "check the path");
+  log::require_reachable(path);
   if (!fs::is_directory(path)) {
     if (is_scan_graph(path)) return std::make_unique<ScanGraphReader>(path);
     if (is_text_log(path)) return std::make_unique<TextLogReader>(path);

@@ -10,6 +10,7 @@
 #include "components/convert/message_definitions.hpp"
 #include "components/convert/type_hash.hpp"
 #include "components/log/bag_storage.hpp"
+#include "components/log/spooled_input.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
 
@@ -19,7 +20,7 @@ namespace strata::log {
 namespace {
 
 bool begins_with(const fs::path& file, std::string_view magic) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in(readable_path(file), std::ios::binary);
   std::string head(magic.size(), '\0');
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   return in && head == magic;
@@ -112,8 +113,13 @@ bool is_mcap(const fs::path& file) { return begins_with(file, "\x89MCAP0\r\n"); 
 BagFolderFiles bag_files(const fs::path& folder) {
   BagFolderFiles found = files_of_metadata(folder);
   if (found.files.empty()) {
-    for (const auto& entry : fs::directory_iterator(folder)) {
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
       if (is_storage_file(entry.path())) found.files.push_back(entry.path());
+    }
+    if (error) {
+      throw InputError(folder.string(), "cannot be read: " + error.message(),
+                       "check the folder's permissions");
     }
     std::sort(found.files.begin(), found.files.end(), by_number);
   }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "components/log/bag_streams.hpp"
+#include "components/log/equal_stamps.hpp"
 #include "components/log/joined_scan.hpp"
 #include "components/log/odometry_track.hpp"
 #include "components/log/set_back_clock.hpp"
@@ -185,6 +186,8 @@ class BagParser {
     }
     std::stable_sort(scans.begin(), scans.end(),
                      [](const auto& a, const auto& b) { return a.scan.stamp < b.scan.stamp; });
+    note_equal_stamps(
+        scans, [](const SensedScan& framed) { return framed.scan.stamp; }, where, report_);
     const Pose2 child_from_robot = streams_.frames.robot_in(odometry_child_);
     OdometryAt odometry;
     if (!track.empty()) {

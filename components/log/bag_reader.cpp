@@ -7,6 +7,7 @@
 #include "components/log/bag.hpp"
 #include "components/log/bag_storage.hpp"
 #include "components/log/compression.hpp"
+#include "components/log/spooled_input.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -81,17 +82,19 @@ class BagFiles : public BagReader {
   };
 
   void open_file(const fs::path& file) {
-    if (!fs::exists(file)) throw InputError(file.string(), "does not exist", "check the path");
+    require_reachable(file);
     const BagCompression compression = compression_of_file(file);
-    if (compression == BagCompression::kNone) {
-      parts_.push_back({file, open_plain(file, file), {}});
+    // SQLite opens only what has a name.
+    const bool has_name = !is_pipe(file) || !is_sqlite(file);
+    if (compression == BagCompression::kNone && has_name) {
+      parts_.push_back({file, open_plain(readable_path(file), file), {}});
       return;
     }
     // The readers keep the unpacked file open, so its name can go at once.
     const UnpackedFile unpacked(file);
     if (!unpacked.damage().empty()) damage_.add(unpacked.damage());
     parts_.push_back({file, open_plain(unpacked.path(), file), {}});
-    packed_file_ = compression;
+    if (compression != BagCompression::kNone) packed_file_ = compression;
   }
 
   void map_topics(Part& part) {

@@ -55,6 +55,11 @@ class StreamReader {
       report_.bad_lines += damage.count;
       report_.warnings.push_back("the bag is damaged: " + damage.first);
     }
+    if (unset_rotations_ > 0) {
+      report_.warnings.push_back(
+          std::to_string(unset_rotations_) +
+          " poses of the odometry have a quaternion of zeros, which is taken for no turn");
+    }
     return std::move(streams_);
   }
 
@@ -76,6 +81,7 @@ class StreamReader {
       OdometryStream& stream = streams_.odometry[topic.name];
       stream.frame = frame_name(odometry.header().frame_id());
       stream.child = frame_name(odometry.child_frame_id());
+      note_rotation(odometry.pose().pose().orientation());
       add_sample(stream, convert::from_message(odometry.header().stamp()),
                  planar(convert::from_message(odometry.pose().pose())), place());
     } else if (topic.type == "tf2_msgs/msg/TFMessage") {
@@ -85,6 +91,10 @@ class StreamReader {
         take_transform(transform, is_static, place());
       }
     }
+  }
+
+  void note_rotation(const geometry_msgs::msg::Quaternion& q) {
+    if (q.x() == 0.0 && q.y() == 0.0 && q.z() == 0.0 && q.w() == 0.0) ++unset_rotations_;
   }
 
   void take_scan(const std::string& topic, const sensor_msgs::msg::LaserScan& message,
@@ -113,6 +123,7 @@ class StreamReader {
     } else if (options_.use_odometry) {
       const Pose3 pose = convert::from_message(transform.transform());
       if (!is_sound(pose)) return not_finite();
+      note_rotation(transform.transform().rotation());
       OdometryStream& stream = streams_.moving[child];
       stream.frame = parent;
       stream.child = child;
@@ -124,6 +135,7 @@ class StreamReader {
   const ReadOptions& options_;
   ReadReport& report_;
   BagStreams streams_;
+  std::size_t unset_rotations_ = 0;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "components/log/carmen_scan.hpp"
+#include "components/log/equal_stamps.hpp"
 #include "components/log/odometry_track.hpp"
 #include "components/log/set_back_clock.hpp"
 #include "components/log/text.hpp"
@@ -20,25 +21,28 @@ namespace {
 
 constexpr std::size_t kMaxBeams = 100'000;
 
-/// The words of one line with a cursor; every failure is remembered, not thrown.
+/// Different first words that are counted apart; no log has as many.
+constexpr std::size_t kMaxKeywords = 1000;
+
+/// The words of one line with a cursor; the first failure is remembered, not thrown.
 class Fields {
  public:
   explicit Fields(const std::vector<std::string_view>& words) : words_(words) {}
   [[nodiscard]] std::size_t left() const { return words_.size() - at_; }
   double number() {
     const auto value = at_ < words_.size() ? parse_double(words_[at_++]) : std::nullopt;
-    if (!value || !std::isfinite(*value)) ok_ = false;
+    if (!value || !std::isfinite(*value)) fail("is no number that can be used");
     return value.value_or(0.0);
   }
   float range() {
     const auto value = at_ < words_.size() ? parse_float(words_[at_++]) : std::nullopt;
-    if (!value) ok_ = false;
+    if (!value) fail("is no number that can be used");
     return value.value_or(0.0F);
   }
   std::size_t count() {
     const auto value = at_ < words_.size() ? parse_integer(words_[at_++]) : std::nullopt;
     if (!value || *value < 0 || *value > static_cast<long long>(kMaxBeams)) {
-      ok_ = false;
+      fail("is no number of readings from 0 to " + std::to_string(kMaxBeams));
       return 0;
     }
     return static_cast<std::size_t>(*value);
@@ -50,15 +54,29 @@ class Fields {
   }
   Stamp stamp() {
     const auto value = at_ < words_.size() ? parse_stamp(words_[at_++]) : std::nullopt;
-    if (!value) ok_ = false;
+    if (!value) fail("is no stamp in seconds");
     return value.value_or(Stamp{});
   }
-  [[nodiscard]] bool ok() const { return ok_; }
+  [[nodiscard]] bool ok() const { return problem_.empty(); }
+  /// Of the first field that could not be read; empty when there is none.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:
+  /// Of the field before the cursor.
+  void fail(const std::string& why) {
+    if (!problem_.empty()) return;
+    if (at_ > words_.size()) {
+      problem_ = "the line is too short";
+      return;
+    }
+    constexpr std::size_t kShown = 40;
+    problem_ = "field " + std::to_string(at_) + ", '" +
+               std::string(words_[at_ - 1].substr(0, kShown)) + "', " + why;
+  }
+
   const std::vector<std::string_view>& words_;
   std::size_t at_ = 1;
-  bool ok_ = true;
+  std::string problem_;
 };
 
 class CarmenParser {
@@ -75,6 +93,7 @@ class CarmenParser {
     mend_clock();
     std::stable_sort(scans_.begin(), scans_.end(),
                      [](const CarmenScan& a, const CarmenScan& b) { return stamp(a) < stamp(b); });
+    note_equal_stamps(scans_, stamp, "", report_);
     mark_no_returns(scans_, report_);
     find_mounting(scans_, front_laser_offset_, report_);
     std::stable_sort(content_.odometry.begin(), content_.odometry.end(),
@@ -139,7 +158,9 @@ class CarmenParser {
         report_progress(options_.progress, "read log", lines.line_number(), 0);
       }
     }
-    if (!lines.damage().empty()) bad(lines.place(), "the gzip stream is damaged from here on");
+    if (lines.damage().empty()) return;
+    if (scans_.empty()) throw lines.damage_error();
+    report_.warnings.push_back(lines.damage_error().what());
   }
 
   void count(std::string_view keyword) {
@@ -148,7 +169,9 @@ class CarmenParser {
         keyword.size() <= 40 && std::all_of(keyword.begin(), keyword.end(), [](char c) {
           return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
         });
-    ++report_.messages[is_word ? std::string(keyword) : std::string("(not a message)")];
+    const std::string key = is_word ? std::string(keyword) : std::string("(not a message)");
+    const bool is_known = report_.messages.size() < kMaxKeywords || report_.messages.contains(key);
+    ++report_.messages[is_known ? key : std::string("(others)")];
   }
 
   void flaser(const std::vector<std::string_view>& words, bool cut, const LineReader& lines) {
@@ -159,13 +182,14 @@ class CarmenParser {
     // Behind the beams: two poses and the ipc stamp; host and logger stamp may be missing, but not
     // where the file is cut.
     const std::size_t least = beams + (cut ? 9 : 7);
-    if (!fields.ok() || fields.left() < least) return bad(lines.place(), "the line is too short");
+    if (!fields.ok()) return bad(lines.place(), fields.problem());
+    if (fields.left() < least) return bad(lines.place(), "the line is too short");
     scan.ranges_m.reserve(beams);
     for (std::size_t i = 0; i < beams; ++i) scan.ranges_m.push_back(fields.range());
     raw.laser_pose = fields.pose();
     raw.observation.odom_from_robot = fields.pose();
     scan.stamp = fields.stamp();
-    if (!fields.ok()) return bad(lines.place(), "a field is not a number");
+    if (!fields.ok()) return bad(lines.place(), fields.problem());
     set_flaser_geometry(scan, options_.flaser_field_of_view_deg);
     keep(std::move(raw));
   }
@@ -183,12 +207,12 @@ class CarmenParser {
     fields.number();  // accuracy
     fields.number();  // remission mode
     const std::size_t beams = fields.count();
-    if (!fields.ok() || fields.left() < beams + 1) {
-      return bad(lines.place(), "the line is too short");
-    }
+    if (!fields.ok()) return bad(lines.place(), fields.problem());
+    if (fields.left() < beams + 1) return bad(lines.place(), "the line is too short");
     for (std::size_t i = 0; i < beams; ++i) scan.ranges_m.push_back(fields.range());
     const std::size_t remissions = fields.count();
-    if (!fields.ok() || fields.left() < remissions + (cut ? 14 : 12)) {
+    if (!fields.ok()) return bad(lines.place(), fields.problem());
+    if (fields.left() < remissions + (cut ? 14 : 12)) {
       return bad(lines.place(), "the line is too short");
     }
     for (std::size_t i = 0; i < remissions; ++i) fields.range();
@@ -196,9 +220,10 @@ class CarmenParser {
     raw.observation.odom_from_robot = fields.pose();
     for (int i = 0; i < 5; ++i) fields.number();  // velocities, safety distances, turn axis
     scan.stamp = fields.stamp();
-    if (!fields.ok() || !(scan.range_max_m > 0.0F) || !std::isfinite(scan.angle_min_rad) ||
+    if (!fields.ok()) return bad(lines.place(), fields.problem());
+    if (!(scan.range_max_m > 0.0F) || !std::isfinite(scan.angle_min_rad) ||
         !std::isfinite(scan.angle_increment_rad)) {
-      return bad(lines.place(), "a field is not a number");
+      return bad(lines.place(), "its angles or its greatest range make no sense");
     }
     keep(std::move(raw));
   }
@@ -210,7 +235,7 @@ class CarmenParser {
     sample.odom_from_robot = fields.pose();
     for (int i = 0; i < 3; ++i) fields.number();
     sample.stamp = fields.stamp();
-    if (!fields.ok()) return bad(lines.place(), "a field is not a number");
+    if (!fields.ok()) return bad(lines.place(), fields.problem());
     content_.odometry.push_back(sample);
   }
 

@@ -12,6 +12,7 @@
 #include <unistd.h>
 #include <zstd.h>
 
+#include "components/log/spooled_input.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -77,6 +78,10 @@ class FrameDecoder {
 
 /// Unpacks all frames of `in` behind one another into `out`; returns why it ends early.
 std::string unpack(std::istream& in, BagCompression compression, std::ostream& out) {
+  if (compression == BagCompression::kNone) {
+    out << in.rdbuf();
+    return "";
+  }
   FrameDecoder decoder(compression);
   Bytes packed(kBlockBytes);
   Bytes plain(kBlockBytes);
@@ -111,7 +116,7 @@ BagCompression compression_of(View bytes) {
 }
 
 BagCompression compression_of_file(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in(readable_path(file), std::ios::binary);
   Bytes head(4);
   in.read(reinterpret_cast<char*>(head.data()), 4);
   return in ? compression_of(head) : BagCompression::kNone;
@@ -166,7 +171,7 @@ Bytes decompress(View packed, BagCompression compression, std::uint64_t limit, s
 }
 
 UnpackedFile::UnpackedFile(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in(readable_path(file), std::ios::binary);
   if (!in) throw InputError(file.string(), "cannot be opened", "check its permissions");
   std::string pattern = (fs::temp_directory_path() / "strata-unpacked-XXXXXX").string();
   const int descriptor = mkstemp(pattern.data());

@@ -29,8 +29,8 @@ using View = std::span<const std::uint8_t>;
 [[nodiscard]] Bytes decompress(View packed, BagCompression compression, std::uint64_t limit,
                                std::string& error);
 
-/// The content of a compressed file in a temporary file, which goes with the object; what was
-/// opened before stays readable.
+/// The content of a compressed file, or of a pipe, in a temporary file, which goes with the object;
+/// what was opened before stays readable.
 class UnpackedFile {
  public:
   /// Throws InputError when the file cannot be read, or its content put into the temporary folder.

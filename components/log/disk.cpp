@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <string>
 #include <system_error>
@@ -116,6 +118,22 @@ void put_back(const Disk& disk, const fs::path& old) {
 
 fs::path staged_name(const fs::path& path) {
   return path.parent_path() / ("." + path.filename().string() + kMark + std::to_string(getpid()));
+}
+
+void remove_left_over(const fs::path& path) {
+  if (is_staged(path)) return;  // its folder is new
+  const std::string prefix = "." + path.filename().string() + kMark;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder_of(path), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix)) continue;
+    const char* const end = name.data() + name.size();
+    pid_t process = 0;
+    const auto parsed = std::from_chars(name.data() + prefix.size(), end, process);
+    if (parsed.ec != std::errc{} || parsed.ptr != end || process <= 0) continue;
+    std::error_code ignored;
+    if (kill(process, 0) != 0 && errno == ESRCH) fs::remove_all(entry.path(), ignored);
+  }
 }
 
 bool is_staged(const fs::path& path) {

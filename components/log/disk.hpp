@@ -45,6 +45,9 @@ void put_back(const Disk& disk, const std::filesystem::path& old);
 
 /// The name under which something is written until it is whole: beside `path`, ".NAME.partial-PID".
 [[nodiscard]] std::filesystem::path staged_name(const std::filesystem::path& path);
+/// Removes what processes that are gone left beside `path` under such names: those killed while
+/// they saved. One of another machine or container that shares the folder counts as gone.
+void remove_left_over(const std::filesystem::path& path);
 /// Whether the path lies in a folder that is still under such a name: that is synced as a whole.
 [[nodiscard]] bool is_staged(const std::filesystem::path& path);
 

@@ -10,6 +10,7 @@
 #include "components/log/bag_storage.hpp"
 #include "components/log/carmen.hpp"
 #include "components/log/compression.hpp"
+#include "components/log/spooled_input.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
 
@@ -40,6 +41,7 @@ LogFormat detect_text(const fs::path& path) {
                        "this verb takes planar scans; 3D logs are for `strata volume`");
     }
   }
+  if (!lines.damage().empty()) throw lines.damage_error();
   throw InputError(path.string(), "is no log that is known here",
                    "give a CARMEN log, a rosbag2 folder, .db3 or .mcap");
 }
@@ -60,9 +62,7 @@ void cut(LogContent& content, const ReadOptions& options) {
 
 LogFormat detect_format(const fs::path& path) {
   std::error_code error;
-  if (!fs::exists(path, error)) {
-    throw InputError(path.string(), "does not exist", "check the path");
-  }
+  require_reachable(path);
   if (fs::is_directory(path, error)) return LogFormat::kBagFolder;
   if (is_mcap(path)) return LogFormat::kMcap;
   if (is_sqlite(path)) return LogFormat::kSqlite3;

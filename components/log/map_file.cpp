@@ -11,6 +11,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "components/log/map_image.hpp"
+#include "components/log/spooled_input.hpp"
 #include "components/log/text.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
@@ -32,10 +33,13 @@ struct MapInfo {
 
 MapInfo read_info(const fs::path& path) {
   const std::string place = path.string();
-  if (!fs::exists(path)) throw InputError(place, "does not exist", "check the path");
+  require_reachable(path);
+  if (fs::is_directory(path)) {
+    throw InputError(place, "is a folder, not a file", "name the map's YAML file in it");
+  }
   MapInfo info;
   try {
-    const YAML::Node node = YAML::LoadFile(place);
+    const YAML::Node node = YAML::LoadFile(readable_path(path).string());
     if (!node.IsMap() || !node["image"] || !node["resolution"] || !node["origin"]) {
       throw InputError(place, "lacks image, resolution or origin", "give a map_server YAML file");
     }
@@ -46,8 +50,9 @@ MapInfo read_info(const fs::path& path) {
     info.yaw = node["origin"][2].as<double>(0.0);
     const auto negate = node["negate"].as<std::string>("0");
     info.negate = negate == "1" || negate == "true";
-    info.occupied = node["occupied_thresh"].as<double>(info.occupied);
-    info.free = node["free_thresh"].as<double>(info.free);
+    // Without its value: what is there and no number is not overlooked.
+    if (node["occupied_thresh"]) info.occupied = node["occupied_thresh"].as<double>();
+    if (node["free_thresh"]) info.free = node["free_thresh"].as<double>();
     const auto mode = node["mode"].as<std::string>("trinary");
     const std::optional<MapMode> known = map_mode(mode);
     if (!known) {
@@ -62,6 +67,12 @@ MapInfo read_info(const fs::path& path) {
   if (!(info.resolution_m > 0.0) || !std::isfinite(info.x) || !std::isfinite(info.y) ||
       std::abs(info.x / info.resolution_m) > 1e8 || std::abs(info.y / info.resolution_m) > 1e8) {
     throw InputError(place, "its resolution or origin makes no sense", "check the file");
+  }
+  if (!(info.free >= 0.0 && info.free <= info.occupied && info.occupied <= 1.0)) {
+    throw InputError(place,
+                     "free_thresh " + format_number(info.free) + " and occupied_thresh " +
+                         format_number(info.occupied) + " leave nothing between them",
+                     "give 0 <= free_thresh <= occupied_thresh <= 1, as 0.25 and 0.65");
   }
   if (std::abs(info.yaw) > 1e-6) {
     throw InputError(place + ": origin", "is turned", "turn the image instead; yaw must be 0");

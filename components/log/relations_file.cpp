@@ -33,6 +33,7 @@ std::vector<Relation> read_relations(const std::filesystem::path& path) {
     }
     relations.push_back({*first, *second, {values[0], values[1], wrap_angle(values[5])}});
   }
+  if (!lines.damage().empty()) throw lines.damage_error();
   if (relations.empty()) {
     throw InputError(path.string(), "holds no relation", "rows are `t1 t2 x y z roll pitch yaw`");
   }

@@ -10,6 +10,7 @@
 
 #include <zlib.h>
 
+#include "components/log/spooled_input.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::log {
@@ -39,13 +40,11 @@ std::string shortest(T value) {
 
 LineReader::LineReader(const std::filesystem::path& path) : path_(path), buffer_(1 << 16) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    throw InputError(path.string(), "does not exist", "check the path");
-  }
+  require_reachable(path);
   if (std::filesystem::is_directory(path, error)) {
     throw InputError(path.string(), "is a folder, not a file", "name a file in it");
   }
-  file_ = gzopen(path.c_str(), "rb");
+  file_ = gzopen(readable_path(path).c_str(), "rb");
   if (file_ == nullptr) {
     throw InputError(path.string(), "cannot be opened", "check its permissions");
   }
@@ -55,6 +54,11 @@ LineReader::~LineReader() { gzclose(handle(file_)); }
 
 std::string LineReader::place() const {
   return path_.string() + ":" + std::to_string(line_number_);
+}
+
+InputError LineReader::damage_error() const {
+  return {place(), "the compressed file is cut or damaged behind this line; the rest is missing",
+          "copy it again (" + damage_ + ")"};
 }
 
 bool LineReader::fill() {

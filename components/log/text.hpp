@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/error.hpp"
 #include "core/base/time.hpp"
 
 namespace strata::log {
@@ -31,6 +32,8 @@ class LineReader {
   [[nodiscard]] bool ended_without_newline() const { return ended_without_newline_; }
   /// Why reading stopped early (a damaged gzip stream); empty when it did not.
   [[nodiscard]] const std::string& damage() const { return damage_; }
+  /// The same for people, with the place.
+  [[nodiscard]] InputError damage_error() const;
 
  private:
   bool fill();

@@ -119,6 +119,7 @@ std::vector<StampedPose> read_trajectory(const std::filesystem::path& path, doub
     }
     poses.push_back(*row);
   }
+  if (!lines.damage().empty()) throw lines.damage_error();
   if (poses.empty()) {
     throw InputError(path.string(), "holds no usable pose",
                      "give TUM, `t x y theta` rows or a corrected CARMEN log");

@@ -14,6 +14,7 @@ WholeFile::WholeFile(std::filesystem::path path, const Disk& disk)
       path_(std::move(path)),
       aside_(staged_name(path_)),
       stream_(aside_, std::ios::binary | std::ios::trunc) {
+  remove_left_over(path_);
   if (!stream_) {
     throw OutputError(path_.string(), "cannot be written",
                       "check that its folder exists and may be written");

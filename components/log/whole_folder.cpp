@@ -20,6 +20,7 @@ WholeFolder::WholeFolder(const fs::path& folder, const Disk& disk, Existing exis
       (!fs::is_directory(folder_) || (!may_hold && !fs::is_empty(folder_)))) {
     throw OutputError(folder.string(), "exists already", "choose another name or remove it");
   }
+  remove_left_over(folder_);
   aside_ = staged_name(folder_);
   fs::remove_all(aside_, error);
 }

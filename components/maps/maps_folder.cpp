@@ -156,6 +156,7 @@ void write_map_from_truth(const fs::path& dir, const Pose2& map_from_truth) {
 json write_summary(const fs::path& dir, const std::string& log, const JobCost& cost) {
   const memory::Store store(dir / kStoreFile, {.read_only = true, .check = false});
   json summary = part(store, kSlamKey, json::object());
+  summary["kind"] = "maps";
   summary["log"] = log;
   summary["submaps"] = part(store, kPatchKey, json::array());
   summary["timescale"] = part(store, kTimescaleKey, nullptr);
@@ -173,7 +174,8 @@ const MapPartInfo& info_of(MapPart part) { return row_of(part).info; }
 bool has(const Maps& maps, MapPart part) { return row_of(part).is_in(maps); }
 
 memory::Store open_for_reading(const fs::path& dir) {
-  if (!fs::exists(dir / kStoreFile)) {
+  std::error_code error;
+  if (!fs::exists(dir / kStoreFile, error)) {
     throw InputError((dir / kStoreFile).string(), "is missing",
                      "give a folder that `strata learn` wrote");
   }

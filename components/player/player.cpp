@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "components/log/log_reader.hpp"
+#include "components/log/ros_stamps.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::player {
@@ -61,8 +62,9 @@ std::unique_ptr<Source> Player::make_source() {
   outputs.scan = advertise<sensor_msgs::msg::LaserScan>("scan", "default");
   log::ReadOptions reading;
   reading.scan_topics = config_.scan_topics;
-  return std::make_unique<ScanSource>(
-      LogPlayer(log::read_observations(config_.log, reading), std::move(outputs)));
+  std::vector<Observation> observations = log::read_observations(config_.log, reading);
+  log::require_ros_stamps(observations, {}, config_.log);
+  return std::make_unique<ScanSource>(LogPlayer(std::move(observations), std::move(outputs)));
 }
 
 void Player::on_activate() { set_stopped(false); }

@@ -157,7 +157,8 @@ std::string place_of(const YAML::Node& node, const std::string& place,
   // Only copies of ours have no mark; in a file such a tag is anybody's.
   const std::string tag = node.IsDefined() ? node.Tag() : std::string();
   if (tag.starts_with(kPlaceTag)) return tag.substr(std::string_view(kPlaceTag).size());
-  return "--set " + key_path;
+  // A document that was never written: there is nothing that --set could have given.
+  return key_path.empty() ? place : "--set " + key_path;
 }
 
 bool has_place(const YAML::Node& node) {

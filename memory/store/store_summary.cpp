@@ -7,6 +7,7 @@
 #include <map>
 #include <string_view>
 
+#include "core/base/error.hpp"
 #include "memory/store/detail/database.hpp"
 #include "memory/store/detail/schema.hpp"
 
@@ -86,6 +87,18 @@ std::int64_t size_of(const std::filesystem::path& path) {
   return missing ? 0 : static_cast<std::int64_t>(size);
 }
 
+/// A store that is being written may have all it holds, its id too, in its write-ahead log.
+bool is_store_by_its_log(const std::filesystem::path& path) {
+  if (size_of(path.string() + "-wal") == 0) return false;
+  try {
+    Database database(path, true, kBusyTimeoutMs);
+    database.leave_log();  // it may be somebody else's
+    return database.query_integer("PRAGMA application_id") == detail::kApplicationId;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 bool is_store(const std::filesystem::path& path) {
@@ -93,11 +106,12 @@ bool is_store(const std::filesystem::path& path) {
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
   std::array<char, 72> head{};
   std::ifstream in(path, std::ios::binary);
-  if (!in.read(head.data(), head.size())) return false;
-  if (std::string_view(head.data(), kMagic.size()) != kMagic) return false;
+  in.read(head.data(), head.size());
+  if (!in && in.gcount() > 0) return false;
+  if (in && std::string_view(head.data(), kMagic.size()) != kMagic) return false;
   std::int64_t id = 0;
   for (std::size_t i = 68; i < 72; ++i) id = id * 256 + static_cast<unsigned char>(head[i]);
-  return id == detail::kApplicationId;
+  return id == detail::kApplicationId || is_store_by_its_log(path);
 }
 
 StoreSummary summarize_store(const std::filesystem::path& path) {

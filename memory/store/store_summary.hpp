@@ -53,7 +53,8 @@ struct StoreSummary {
   std::vector<Timescale> timescales;
 };
 
-/// Whether a file is a store, told by its first bytes. False for what cannot be read.
+/// Whether a file is a store, told by its first bytes, or, of one that a program is writing, by its
+/// write-ahead log. False for what cannot be read.
 [[nodiscard]] bool is_store(const std::filesystem::path& path);
 
 /// Reads a store of any version up to the present one, changing nothing. Throws InputError.

@@ -2,10 +2,12 @@
 #include "tools/pipeline/runs_input.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <utility>
 
+#include "components/log/ros_stamps.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::pipeline {
@@ -13,6 +15,8 @@ namespace {
 
 constexpr std::int64_t kSameStamp_ns = 1'000'000;
 constexpr double kLongestGap_s = 1.0;
+constexpr double kLargestBuilding_m = 1e5;
+constexpr double kFarOrigin_m = 1e7;
 
 void require_one_a_log(const std::vector<std::string>& files, std::size_t logs,
                        const char* option) {
@@ -23,9 +27,15 @@ void require_one_a_log(const std::vector<std::string>& files, std::size_t logs,
       "give it once per log, in the order of the logs");
 }
 
+void require_near(const Pose2& pose, const std::string& file, const char* option) {
+  if (std::hypot(pose.x, pose.y) <= kFarOrigin_m) return;
+  throw InputError(file, "has poses more than 10,000 km from the origin",
+                   std::string("give ") + option + " in metres, in a frame near the building");
+}
+
 void append_poses(const std::vector<std::string>& files, std::size_t log, double offset_s,
                   std::span<const Observation> observations,
-                  std::vector<std::optional<Pose2>>& poses) {
+                  std::vector<std::optional<Pose2>>& poses, const char* option) {
   if (files.empty()) {
     poses.resize(poses.size() + observations.size());
     return;
@@ -35,6 +45,7 @@ void append_poses(const std::vector<std::string>& files, std::size_t log, double
   for (const Observation& observation : observations) {
     poses.push_back(pose_at(trajectory, observation.scan.stamp));
     found += poses.back() ? 1 : 0;
+    if (poses.back()) require_near(*poses.back(), files[log], option);
   }
   if (found == 0) {
     throw InputError(files[log], "has no pose at the time of any scan",
@@ -43,6 +54,27 @@ void append_poses(const std::vector<std::string>& files, std::size_t log, double
 }
 
 }  // namespace
+
+void bring_near(std::vector<Observation>& run, const std::string& log, log::ReadReport& report) {
+  if (run.empty() || !run.front().has_odometry) return;
+  const Pose2 begin = run.front().odom_from_robot;
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    const Pose2& pose = run[i].odom_from_robot;
+    if (std::hypot(pose.x - begin.x, pose.y - begin.y) <= kLargestBuilding_m) continue;
+    throw InputError(log + ": scan " + std::to_string(i + 1),
+                     "its odometry is more than 100 km from that of the first scan",
+                     "mend the log, cut it with --from and --to, or leave odometry out with "
+                     "--no-odometry");
+  }
+  if (std::hypot(begin.x, begin.y) <= kFarOrigin_m) return;
+  for (Observation& observation : run) {
+    observation.odom_from_robot.x -= begin.x;
+    observation.odom_from_robot.y -= begin.y;
+  }
+  report.warnings.push_back(
+      "odometry begins more than 10,000 km from its origin: positions are taken from the first "
+      "scan's");
+}
 
 std::optional<Pose2> pose_at(std::span<const log::StampedPose> trajectory, Stamp stamp) {
   const auto after = std::lower_bound(
@@ -74,8 +106,10 @@ Runs read_runs(const RunsInput& input, Progress* progress, int first_run) {
     options.progress = progress;
     log::ReadReport report;
     std::vector<Observation> run = log::read_observations(input.logs[i], options, &report);
-    append_poses(input.poses, i, 0.0, run, runs.poses);
-    append_poses(input.truths, i, input.truth_offset_s, run, runs.truths);
+    bring_near(run, input.logs[i], report);
+    if (input.needs_ros_stamps) log::require_ros_stamps(run, {}, input.logs[i]);
+    append_poses(input.poses, i, 0.0, run, runs.poses, "--poses");
+    append_poses(input.truths, i, input.truth_offset_s, run, runs.truths, "--truth");
     runs.reports.push_back(std::move(report));
     for (Observation& observation : run) runs.observations.push_back(std::move(observation));
   }

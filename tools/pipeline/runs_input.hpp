@@ -26,7 +26,8 @@ struct RunsInput {
   bool use_odometry = true;
   /// Topics of the robot's scanners in bags; empty: the only one, or /scan.
   std::vector<std::string> scan_topics;
-  CloudSliceConfig cloud;  ///< how scans are made of those with point clouds
+  bool needs_ros_stamps = false;  ///< the scans are to become messages
+  CloudSliceConfig cloud;         ///< how scans are made of those with point clouds
 };
 
 /// Observations of all runs one after the other; poses and truths have one entry an observation.
@@ -40,6 +41,12 @@ struct Runs {
 /// Reads everything; run ids count from first_run. Throws InputError, also when the number of pose
 /// or truth files does not fit the logs.
 [[nodiscard]] Runs read_runs(const RunsInput& input, Progress* progress, int first_run = 0);
+
+/// Cells of maps count from the origin: odometry that begins more than 10,000 km from it is moved
+/// there, so that it begins with 0, 0, and the report says so. Localizing and matching need only
+/// the differences. log: its name. Throws InputError where it leads more than 100 km away from its
+/// begin, which no building is large enough for.
+void bring_near(std::vector<Observation>& run, const std::string& log, log::ReadReport& report);
 
 /// The pose at a stamp: an entry within 1 ms, else between two entries at most 1 s apart; nothing
 /// outside. Requires stamps in order. O(log n).

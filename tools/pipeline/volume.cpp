@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "components/log/spooled_input.hpp"
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
 
@@ -44,8 +45,10 @@ class Labels {
 
 /// Nothing when the file is no map of OctoMap.
 std::optional<volume::VolumeMap> read_octomap(const fs::path& path) {
-  if (!fs::is_regular_file(path)) return std::nullopt;
-  std::ifstream in(path, std::ios::binary);
+  log::require_reachable(path);
+  const fs::path readable = log::readable_path(path);
+  if (!fs::is_regular_file(readable)) return std::nullopt;
+  std::ifstream in(readable, std::ios::binary);
   std::string start(14, '\0');
   in.read(start.data(), static_cast<std::streamsize>(start.size()));
   if (start != "# Octomap OcTr") return std::nullopt;

@@ -6,6 +6,7 @@
 #include "components/log/log_reader.hpp"
 #include "components/log/trajectory_file.hpp"
 #include "core/base/error.hpp"
+#include "tools/pipeline/runs_input.hpp"
 
 namespace fs = std::filesystem;
 
@@ -47,7 +48,7 @@ VolumeSources find_volume_sources(const fs::path& log, const std::string& poses,
                                   Progress* progress) {
   VolumeSources sources;
   const bool wants_boxes = asked == MovingKind::kBoxes || asked == MovingKind::kBoth;
-  if (!fs::exists(log) || !clouds::is_bag(log)) {
+  if (!clouds::is_bag(log)) {
     if (!poses.empty()) {
       throw InputError("--poses " + poses, "does not go with a log whose clouds have poses",
                        "leave --poses out");
@@ -74,7 +75,10 @@ VolumeSources find_volume_sources(const fs::path& log, const std::string& poses,
   if (has_scans) {
     log::ReadOptions reading;
     reading.progress = progress;
+    log::ReadReport report;
     content = log::read_log(log, reading);
+    bring_near(content.observations, log.string(), report);
+    sources.warnings = std::move(report.warnings);
     robot_frame = content.robot_frame;
   }
   volume::SensorPoses known;
@@ -94,7 +98,7 @@ VolumeSources find_volume_sources(const fs::path& log, const std::string& poses,
 
   slam::SlamResult plane = map_plane(content.observations, known, slam, threads, progress);
   sources.scans = std::move(plane.scans);
-  sources.warnings = std::move(plane.warnings);
+  sources.warnings.insert(sources.warnings.end(), plane.warnings.begin(), plane.warnings.end());
   if (sources.pose_source == "slam") {
     log::TransformHistory history;
     for (const PosedScan& scan : sources.scans) {

@@ -3,6 +3,7 @@
 /// code: 0 done, 1 failed while running, 2 bad usage or bad input.
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -54,6 +55,10 @@ int fail(const std::string& verb, const std::string& message, int code) {
 }
 
 std::string plain(const std::exception& error) {
+  if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
+    return file->path1().string() + ": " + file->code().message() +
+           "; check the path, its permissions and free space";
+  }
   const std::string shortage = describe_shortage(error);
   return shortage.empty() ? error.what() : shortage;
 }
@@ -83,6 +88,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", STRATA_VERSION);
   app.require_subcommand(1);
   for (const AddVerb add : kVerbs) add(app, context);
+  refuse_odd_numbers(app);
 
   const auto verb = [&] { return verb_of(app, argc, argv); };
   // Before --help is read, which would answer for any word.

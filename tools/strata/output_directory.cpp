@@ -2,10 +2,13 @@
 #include "tools/strata/output_directory.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
+
+#include <unistd.h>
 
 #include "core/base/error.hpp"
 
@@ -88,35 +91,66 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
   }
 }
 
+[[noreturn]] void refuse(const fs::path& target, const std::error_code& error) {
+  throw OutputError(target.string(), "cannot be written: " + error.message(),
+                    "choose another --out or mend its permissions");
+}
+
 }  // namespace
 
 OutputDirectory::OutputDirectory(fs::path target, StagedPaths& staged, const log::Disk& disk)
     : disk_(disk), target_(std::move(target)), staged_(staged) {
   if (target_.empty()) throw OutputError("--out", "is empty", "name a folder");
   if (!target_.has_filename()) target_ = target_.parent_path();
+  try {
+    find_place();
+  } catch (const fs::filesystem_error& error) {
+    refuse(target_, error.code());
+  }
+  make_folder();
+}
+
+void OutputDirectory::find_place() {
   put_back(target_, disk_);
   if (fs::exists(target_) && !fs::is_directory(target_)) {
     throw OutputError(target_.string(), "exists and is not a folder", "choose another --out");
   }
   // "." and ".." have no usable name of their own to stand beside.
   whole_ = without_links(target_);
+  if (fs::exists(whole_) && access(whole_.c_str(), W_OK | X_OK) != 0) {
+    refuse(target_, {errno, std::generic_category()});
+  }
+  log::remove_left_over(whole_);
   path_ = log::staged_name(whole_);
-  staged_.add(path_);
+}
+
+void OutputDirectory::make_folder() {
   std::error_code error;
+  for (fs::path above = path_.parent_path(); !fs::exists(above, error) && above.has_filename();
+       above = above.parent_path()) {
+    made_ = above;
+  }
+  staged_.add(path_);
   fs::remove_all(path_, error);
   fs::create_directories(path_, error);
-  if (error) {
-    staged_.forget(path_);
-    throw OutputError(target_.string(), "cannot be written: " + error.message(),
-                      "choose another --out or mend its permissions");
-  }
+  if (!error) return;
+  remove_what_was_made();
+  refuse(target_, error);
 }
 
 OutputDirectory::~OutputDirectory() {
-  if (committed_) return;
+  if (!committed_) remove_what_was_made();
+}
+
+void OutputDirectory::remove_what_was_made() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
   staged_.forget(path_);
+  if (made_.empty()) return;
+  // Only while they are empty: somebody else may have put something there.
+  for (fs::path above = path_.parent_path(); fs::remove(above, ignored) && above != made_;) {
+    above = above.parent_path();
+  }
 }
 
 void OutputDirectory::commit() {

@@ -34,10 +34,12 @@ class StagedPaths {
 /// old one is called ".NAME.before" for a moment; the next OutputDirectory, or `put_back`, gives it
 /// its name again. A folder that programs stand in (`--out .`), or with much that is not ours
 /// (`--out ~`), is kept, and its entries are replaced one by one. Without commit the new folder is
-/// removed.
+/// removed, and the folders above it that had to be made. What a process that was killed left of
+/// its own goes, too. Made before the work, so that one that cannot be written is told at once.
 class OutputDirectory {
  public:
-  /// Throws OutputError when the folder cannot be made or the target is not a folder.
+  /// Throws OutputError when the folder cannot be made, the target is not a folder, or may not be
+  /// written.
   OutputDirectory(std::filesystem::path target, StagedPaths& staged,
                   const log::Disk& disk = log::real_disk());
   ~OutputDirectory();
@@ -53,6 +55,9 @@ class OutputDirectory {
                        const log::Disk& disk = log::real_disk());
 
  private:
+  void find_place();
+  void make_folder();
+  void remove_what_was_made();
   void put_in_place() const;
   void replace_entries() const;
   void replace_folder() const;
@@ -60,6 +65,7 @@ class OutputDirectory {
   std::filesystem::path target_;
   std::filesystem::path whole_;  ///< the target without links
   std::filesystem::path path_;
+  std::filesystem::path made_;  ///< the uppermost folder above it that had to be made, or empty
   StagedPaths& staged_;
   bool committed_ = false;
 };

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "memory/store/store.hpp"
 #include "tools/pipeline/level_changes.hpp"
 #include "tools/report/image.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -71,7 +73,13 @@ void print_paths(const pipeline::LevelChanges& changes, const pipeline::LevelCha
 
 void run(Options options, VerbContext& context) {
   const auto config = read_config<ChangesConfig>(context);
-  for (std::size_t i = 0; i + 3 < options.ends_m.size(); i += 4) {
+  if (options.ends_m.size() % 4 != 0) {
+    throw InputError("--path", "has " + std::to_string(options.ends_m.size()) + " numbers, not 4",
+                     "give x0,y0,x1,y1, in metres");
+  }
+  std::optional<ResultDirectory> out;
+  if (!options.out.empty()) out.emplace(options.out, "changes", context);
+  for (std::size_t i = 0; i < options.ends_m.size(); i += 4) {
     const double* p = &options.ends_m[i];
     options.task.paths.push_back({{p[0], p[1]}, {p[2], p[3]}});
   }
@@ -81,11 +89,10 @@ void run(Options options, VerbContext& context) {
   const auto map = memory.decode(config.decoding);
   const pipeline::LevelChanges changes = pipeline::level_changes(memory, *map, options.task);
   const auto json = to_json(changes, options.task);
-  if (!options.out.empty()) {
-    OutputDirectory out(options.out, context.staged());
-    pipeline::draw_level_changes(out.path(), *map, changes);
-    report::write_file(out.path() / "changes.json", json.dump(2) + "\n");
-    out.commit();
+  if (out) {
+    pipeline::draw_level_changes(out->path(), *map, changes);
+    report::write_file(out->path() / "changes.json", json.dump(2) + "\n");
+    out->commit();
   }
   if (options.json) {
     std::cout << json.dump(2) << "\n";
@@ -117,6 +124,7 @@ void add_changes(CLI::App& app, VerbContext& context) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   verb->add_option("--out", options->out, "folder for changes.json and pictures");
+  add_force(*verb, context);
   verb->add_flag("--json", options->json, "as JSON on stdout");
 }
 

@@ -17,6 +17,7 @@
 #include "tools/pipeline/several_buildings.hpp"
 #include "tools/strata/dds_localize.hpp"
 #include "tools/strata/peer_localize.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -99,7 +100,9 @@ pipeline::CompareConfig config_of(const Options& options, VerbContext& context) 
 /// Reads the logs and compares in them.
 pipeline::CompareOutcome compare_logs(const Options& options, const pipeline::RunsInput& input,
                                       const pipeline::CompareConfig& config, VerbContext& context) {
-  const pipeline::Runs runs = pipeline::read_runs(input, context.progress());
+  pipeline::RunsInput reading = input;
+  reading.needs_ros_stamps = options.via == "dds";
+  const pipeline::Runs runs = pipeline::read_runs(reading, context.progress());
   note_reports(context, runs);
   if (runs.observations.empty()) {
     throw InputError(join(input.logs), "holds no scan in that time", "check --from and --to");
@@ -122,7 +125,7 @@ pipeline::CompareOutcome compare_logs(const Options& options, const pipeline::Ru
 void compare_buildings(const Options& options, const pipeline::CompareConfig& config,
                        VerbContext& context) {
   const std::string settings = settings::write_yaml(config);
-  OutputDirectory out(options.out, context.staged());
+  ResultDirectory out(options.out, "comparison", context);
   std::vector<pipeline::Building> buildings;
   for (std::size_t i = 0; i < options.input.logs.size(); ++i) {
     pipeline::RunsInput input = options.input;
@@ -159,12 +162,12 @@ void run_compare(const Options& options, VerbContext& context) {
   if (options.buildings) {
     compare_buildings(options, config, context);
   } else {
+    ResultDirectory out(options.out, "comparison", context);
     pipeline::RunsInput input = options.input;
     for (const auto* logs : {&options.train, &options.test}) {
       input.logs.insert(input.logs.end(), logs->begin(), logs->end());
     }
     const pipeline::CompareOutcome outcome = compare_logs(options, input, config, context);
-    OutputDirectory out(options.out, context.staged());
     pipeline::write_report(outcome, settings::write_yaml(config), out.path());
     out.commit();
     const auto tests = pipeline::paired_tests(outcome.comparison);
@@ -188,6 +191,7 @@ void add_compare(CLI::App& app, VerbContext& context) {
   verb->add_option("--test", options->test, "logs to localize in");
   verb->add_option("--out", options->out, "folder for report.html, comparison.json and figures")
       ->required();
+  add_force(*verb, context);
   verb->add_option("--models", options->models,
                    "models to compare (comma separated)\n" +
                        maps::map_models().help([](const auto&) { return true; }))

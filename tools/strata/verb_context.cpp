@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/strata/verb_context.hpp"
 
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
 #include <iostream>
 #include <utility>
 
@@ -22,6 +25,48 @@ void VerbContext::note(std::string_view line) {
   if (options.quiet) return;
   if (progress_) progress_->clear();
   std::cerr << line << std::endl;
+}
+
+namespace {
+
+/// Longer than clocks differ, and short enough to be added to a stamp.
+constexpr double kLongestOffset_s = 4e9;
+
+std::string fault_of_real(const std::string& option, const std::string& text) {
+  const double value = std::strtod(text.c_str(), nullptr);  // whether it is one CLI11 says itself
+  if (std::isnan(value)) return text + " is no number to work with";
+  if (std::isinf(value) && option != "--to") return text + " is infinite";
+  if (option == "--from" && value < 0.0) return text + " is before the first scan";
+  if (option == "--truth-offset" && std::abs(value) > kLongestOffset_s) {
+    return text + " s is longer than clocks differ";
+  }
+  return "";
+}
+
+std::string fault_of_whole(const std::string& text) {
+  if (text.find('-') != std::string::npos) return text + " is negative";
+  errno = 0;
+  (void)std::strtoull(text.c_str(), nullptr, 10);
+  return errno == ERANGE ? text + " is too large" : "";
+}
+
+}  // namespace
+
+void refuse_odd_numbers(CLI::App& app) {
+  const auto all = [](const auto*) { return true; };
+  for (CLI::App* verb : app.get_subcommands(all)) {
+    refuse_odd_numbers(*verb);
+    for (CLI::Option* option : verb->get_options(all)) {
+      const std::string type = option->get_type_name();
+      if (type.starts_with("FLOAT")) {
+        option->check([name = option->get_name()](const std::string& text) {
+          return fault_of_real(name, text);
+        });
+      } else if (type.starts_with("UINT")) {
+        option->check([](const std::string& text) { return fault_of_whole(text); });
+      }
+    }
+  }
 }
 
 CLI::App* add_verb(CLI::App& app, VerbContext& context, const std::string& name,

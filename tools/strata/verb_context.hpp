@@ -25,7 +25,8 @@ struct CommonOptions {
   std::vector<std::string> overrides;  ///< --set key.path=value, in order
   bool quiet = false;
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0: one per core; results do not depend on it
+  int threads = 0;     ///< 0: one per core; results do not depend on it
+  bool force = false;  ///< --force, of verbs that have it (result_directory.hpp)
 };
 
 class VerbContext {
@@ -54,6 +55,11 @@ class VerbContext {
 CLI::App* add_verb(CLI::App& app, VerbContext& context, const std::string& name,
                    const std::string& description, const std::string& example,
                    std::function<void()> run);
+
+/// Makes every option of every verb that takes a number refuse what CLI11 takes for one: nan and,
+/// but for --to, inf; a minus where there is no sign; a --from before the begin; a --truth-offset
+/// that no stamp can take. Call it when all verbs are added.
+void refuse_odd_numbers(CLI::App& app);
 
 /// The same for a verb whose options are a struct of its own: it lives as long as the verb, and
 /// `run` is given it.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata convert IN OUT`: CARMEN, rosbag2 SQLite and MCAP into each other.
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -10,8 +11,10 @@
 
 #include "components/log/bag_copy.hpp"
 #include "components/log/carmen.hpp"
+#include "components/log/disk.hpp"
 #include "components/log/log_reader.hpp"
 #include "components/log/log_writer.hpp"
+#include "components/log/ros_stamps.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
 #include "tools/strata/verbs.hpp"
@@ -66,30 +69,53 @@ void write_bag_or_file(const fs::path& out, StagedPaths& staged,
     write(out);
     return;
   }
-  fs::path aside = out;
-  aside += ".parts";
-  if (fs::exists(aside)) {
-    throw OutputError(aside.string(), "is in the way", "remove it");
-  }
+  log::remove_left_over(out);
+  const fs::path aside = log::staged_name(out);
   staged.add(aside);
+  std::error_code ignored;
   try {
-    write(aside);
-    for (const auto& entry : fs::directory_iterator(aside)) {
-      if (entry.path().extension() != ".yaml") fs::rename(entry.path(), out);
-    }
     fs::remove_all(aside);
+    fs::create_directory(aside);
+    write(aside / "bag");
+    for (const auto& entry : fs::directory_iterator(aside / "bag")) {
+      if (entry.path().extension() == ".yaml") continue;
+      log::put_in_place(log::real_disk(), entry.path(), out);
+    }
   } catch (...) {
-    std::error_code ignored;
     fs::remove_all(aside, ignored);
     staged.forget(aside);
     throw;
   }
+  fs::remove_all(aside, ignored);
   staged.forget(aside);
+}
+
+/// Told before the work: OUT cannot be written, or is a folder that a file would replace.
+void require_writable(const fs::path& out, bool is_file) {
+  std::error_code error;
+  const auto refuse = [&](const std::string& why, const char* remedy) {
+    throw OutputError(out.string(), why, remedy);
+  };
+  const bool is_folder = fs::is_directory(out, error);
+  if (is_file && is_folder) refuse("is a folder, not a file", "give OUT another name");
+  if (!is_file && fs::exists(out, error) && (!is_folder || !fs::is_empty(out, error))) {
+    refuse("exists already", "choose another name or remove it");
+  }
+  const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
+  if (!is_file && !fs::exists(folder, error)) return;  // made for the bag
+  if (!fs::is_directory(folder, error)) refuse("its folder does not exist", "make it first");
+  // As the name will be: the longest that is needed, where nothing else can be in the way.
+  const fs::path probe = log::staged_name(out);
+  log::remove_left_over(out);
+  const bool is_made = fs::create_directory(probe, error);
+  if (!is_made) refuse("cannot be written: " + error.message(), "choose another OUT");
+  fs::remove(probe, error);
 }
 
 void sort_out_to(Options& options) {
   for (const std::string& value : options.to_values) {
-    if (const auto seconds = log::parse_double(value)) {
+    const auto seconds = log::parse_double(value);
+    if (seconds && !std::isnan(*seconds)) {
       options.to_s = *seconds;
     } else if (value == "carmen" || value == "sqlite3" || value == "mcap") {
       options.to = value;
@@ -142,6 +168,9 @@ void translate(const Options& options, const std::string& format, VerbContext& c
   read.progress = context.progress();
   log::ReadReport report;
   const log::LogContent content = log::read_log(options.in, read, &report);
+  if (format != "carmen") {
+    log::require_ros_stamps(content.observations, content.odometry, options.in);
+  }
   for (const std::string& warning : report.warnings) context.note("note: " + warning);
   if (report.bad_lines > 0) {
     context.note("note: " + std::to_string(report.bad_lines) +
@@ -186,6 +215,8 @@ void run(Options& options, VerbContext& context) {
     throw InputError("--compression-mode", "is for bags, and CARMEN logs are text",
                      "leave it out, or write a bag");
   }
+  const std::string ending = fs::path(options.out).extension().string();
+  require_writable(options.out, format == "carmen" || ending == ".db3" || ending == ".mcap");
   const bool from_bag = log::detect_format(options.in) != log::LogFormat::kCarmen;
   if (from_bag && format != "carmen") {
     copy(options, format, context);

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/log/log_reader.hpp"
+#include "components/log/spooled_input.hpp"
 #include "core/geometry/angle.hpp"
 #include "memory/store/store_summary.hpp"
 #include "tools/strata/info_store.hpp"
@@ -168,7 +169,7 @@ void add_info(CLI::App& app, VerbContext& context) {
   const auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, context, "info", "what is in a log", "strata info office.log.gz",
                             [options, &context] {
-                              if (memory::is_store(options->log)) {
+                              if (memory::is_store(log::readable_path(options->log))) {
                                 print_store(options->log, options->json);
                                 return;
                               }

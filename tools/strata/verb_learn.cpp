@@ -19,6 +19,7 @@
 #include "tools/pipeline/learn_pictures.hpp"
 #include "tools/pipeline/truth_frame.hpp"
 #include "tools/strata/folder_lock.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -60,6 +61,14 @@ bool updates_in_place(const Options& options) {
   return !options.update.empty() && std::filesystem::equivalent(options.update, options.out, error);
 }
 
+/// Of a folder that may be missing for the moment: a kill took its name.
+void require_possible(const std::string& folder) {
+  std::error_code error;
+  if (std::filesystem::exists(folder, error) || !error) return;
+  throw InputError(folder, "cannot be reached: " + error.message(),
+                   "give a folder that `strata learn` wrote");
+}
+
 /// Else of two that go on from one folder at once, what the first learned would be lost.
 void wait_for_others(const std::string& folder, VerbContext& context,
                      std::optional<FolderLock>& lock) {
@@ -84,10 +93,17 @@ void run_learn(const Options& options, VerbContext& context) {
   const pipeline::LearnParts parts = parts_of(options.only);
   std::optional<maps::EarlierRuns> earlier;
   std::optional<FolderLock> lock;
-  if (!options.update.empty()) OutputDirectory::put_back(options.update);
+  if (!options.update.empty()) {
+    require_possible(options.update);
+    OutputDirectory::put_back(options.update);
+  }
   if (updates_in_place(options)) wait_for_others(options.out, context, lock);
+  // Told before the work: what cannot be written, or must not be replaced.
+  ResultDirectory out(options.out, "maps", context);
   if (!options.update.empty()) earlier = maps::read_earlier_runs(options.update);
   const int first_run = earlier ? earlier->next_run : 0;
+  const std::size_t earlier_runs = earlier ? runs_in(options.update) : 0;
+  require_no_more_runs(options.out, earlier_runs + options.input.logs.size(), context);
   const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress(), first_run);
   note_reports(context, runs);
   const pipeline::LearnResult result =
@@ -99,7 +115,6 @@ void run_learn(const Options& options, VerbContext& context) {
                  options.input.logs[static_cast<std::size_t>(run - first_run)] +
                  " was left out; give --poses");
   }
-  OutputDirectory out(options.out, context.staged());
   maps::write_grid_maps(out.path(), result.slam);
   if (parts.patch) maps::write_patch_map(out.path(), result.patches);
   if (parts.timescale) maps::write_timescale(out.path(), *result.timescale);
@@ -134,6 +149,7 @@ void add_learn(CLI::App& app, VerbContext& context) {
                    "CARMEN log, rosbag2 folder, .db3 or .mcap; in order")
       ->required();
   verb->add_option("--out", options->out, "folder for the maps")->required();
+  add_force(*verb, context);
   verb->add_option("--update", options->update,
                    "folder of maps learned before: go on from them; their runs come first");
   verb->add_option("--only", options->only, "em, patch, timescale (comma separated)")

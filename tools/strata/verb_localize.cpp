@@ -16,6 +16,7 @@
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/localize.hpp"
 #include "tools/pipeline/localize_output.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -86,6 +87,7 @@ pipeline::LocalizationStart start_of(const Options& options,
 void run_localize(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto config = read_config<LocalizeConfig>(context);
+  ResultDirectory out(options.out, "localization", context);
   pipeline::RunsInput input = options.input;
   input.logs = {options.log};
   maps::Maps maps = maps::read_maps(options.maps);
@@ -103,7 +105,6 @@ void run_localize(const Options& options, VerbContext& context) {
       pipeline::localize(runs.observations, runs.truths, model, maps.filtered, config.localizer,
                          start_of(options, runs.truths, context), context.options.seed,
                          context.options.threads, context.progress());
-  OutputDirectory out(options.out, context.staged());
   pipeline::LocalizeSummary summary{options.model, context.options.seed, config.localizer.particles,
                                     meter.read(), maps.map_from_truth};
   const nlohmann::json metrics = pipeline::write_localization(out.path(), run, summary);
@@ -124,6 +125,7 @@ void add_localize(CLI::App& app, VerbContext& context) {
       ->capture_default_str();
   verb->add_option("--out", options->out, "folder for trajectory.tum, states.csv, metrics.json")
       ->required();
+  add_force(*verb, context);
   verb->add_option("--initial-pose", options->initial_pose, "x,y,theta in the map frame");
   verb->add_flag("--global", options->global, "start without a pose");
   add_run_options(*verb, options->input);

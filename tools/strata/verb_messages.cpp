@@ -7,7 +7,7 @@
 
 #include "components/convert/message_package.hpp"
 #include "core/base/error.hpp"
-#include "tools/strata/output_directory.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -27,6 +27,7 @@ void write(const convert::PackageFile& file, const fs::path& folder) {
 
 void run(const std::string& target, VerbContext& context) {
   refuse_config(context.options, "messages have no settings");
+  require_kind(target, "messages", context);
   OutputDirectory folder(target, context.staged());
   const auto files = convert::message_package("strata_msgs", STRATA_VERSION);
   for (const convert::PackageFile& file : files) write(file, folder.path());

@@ -18,6 +18,7 @@
 #include "tools/strata/composition_options.hpp"
 #include "tools/strata/replay_session.hpp"
 #include "tools/strata/replay_truth.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -188,12 +189,18 @@ void replay(ReplayOptions options, VerbContext& context) {
     throw ConfigError("--accept", "needs --expect", "name the folder of expected results");
   }
   take_topics_of_expected(options);
-  const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress());
-  note_reports(context, runs);
   // Without --out the results are needed only for the comparison.
   OutputDirectory out(options.out.empty() ? options.expect + ".replayed" : options.out,
                       context.staged());
+  if (!options.out.empty()) {
+    require_no_more_runs(options.out, options.input.logs.size(), context);
+  }
+  options.input.needs_ros_stamps = true;
+  const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress());
+  note_reports(context, runs);
   replay_into(out.path(), options, context, runs);
+  // What the components save is known only now.
+  if (!options.out.empty()) require_kind(options.out, kind_of(out.path()), context);
   std::vector<expect::Difference> differences;
   if (options.accept) {
     expect::accept_results(out.path(), options.expect);
@@ -222,6 +229,7 @@ void add_replay(CLI::App& app, VerbContext& context) {
   verb->get_option("--set")->description(kCompositionSetHelp);
   verb->get_option("--config")->description(kCompositionConfigHelp);
   verb->add_option("--out", options->out, "folder for what the components save");
+  add_force(*verb, context);
   verb->add_option("--expect", options->expect,
                    "folder with the results of before: compare, and fail when they differ by more "
                    "than its tolerances.yaml allows");

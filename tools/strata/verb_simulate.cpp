@@ -14,6 +14,7 @@
 #include "tools/simulate/simulation.hpp"
 #include "tools/simulate/space_log.hpp"
 #include "tools/simulate/truth.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace fs = std::filesystem;
@@ -58,7 +59,7 @@ void run(const Options& options, VerbContext& context) {
   for (const std::string& note : notes) context.note("note: " + note);
   const auto storage =
       options.storage == "mcap" ? log::BagStorage::kMcap : log::BagStorage::kSqlite3;
-  OutputDirectory out(options.out, context.staged());
+  ResultDirectory out(options.out, "simulation", context);
   const simulate::Simulation simulation =
       simulate::simulate(scenario, context.options.seed, context.progress());
   const std::size_t days = simulation.days.size();
@@ -90,6 +91,7 @@ void add_simulate(CLI::App& app, VerbContext& context) {
   verb->add_option("--out", options->out,
                    "folder for log.clf, bag/, truth.tum, states.json, world.png")
       ->required();
+  add_force(*verb, context);
   verb->add_option("--storage", options->storage, "of the bag")
       ->check(CLI::IsMember({"sqlite3", "mcap"}))
       ->capture_default_str();

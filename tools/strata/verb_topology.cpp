@@ -9,6 +9,7 @@
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/topology.hpp"
 #include "tools/pipeline/topology_files.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -44,6 +45,7 @@ void print_agreement(const pipeline::TopologyAgreement& agreement, double precis
 void run_topology(Options options, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto config = read_config<topology::TopologyMapperConfig>(context);
+  ResultDirectory out(options.out, "topology", context);
   std::vector<double> times_s;
   if (!options.landmarks.empty()) times_s = pipeline::read_landmark_times(options.landmarks);
   options.input.logs = {options.log};
@@ -54,7 +56,6 @@ void run_topology(Options options, VerbContext& context) {
   const pipeline::TopologyMap result =
       pipeline::map_topology(runs.observations, runs.poses, landmarks, config, context.options.seed,
                              context.options.threads, context.progress());
-  OutputDirectory out(options.out, context.staged());
   std::optional<pipeline::TopologyAgreement> agreement;
   if (!options.input.truths.empty()) {
     agreement = pipeline::agreement(result, result.posterior.front(), runs.observations,
@@ -81,6 +82,7 @@ void add_topology(CLI::App& app, VerbContext& context) {
       "strata topology office.clf --out topology", run_topology);
   verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
   verb->add_option("--out", options->out, "folder for the results")->required();
+  add_force(*verb, context);
   verb->add_option("--landmarks", options->landmarks,
                    "file of landmark times, seconds from the first scan, one a line; without it "
                    "junctions and rooms are found in the scans");

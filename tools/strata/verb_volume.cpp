@@ -9,6 +9,7 @@
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/volume_output.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -67,10 +68,10 @@ void run_volume(const Options& options, VerbContext& context) {
   if (options.max_range_m) config.map.max_range_m = *options.max_range_m;
   std::vector<pipeline::SliceRange> slices;
   for (const std::string& text : options.slices) slices.push_back(pipeline::parse_slice(text));
+  ResultDirectory out(options.out, "volume", context);
   const pipeline::VolumeResult result = pipeline::make_volume(
       options.log, options.poses, config, context.options.threads, context.progress());
   note_skipped(result, context);
-  OutputDirectory out(options.out, context.staged());
   const nlohmann::json summary =
       pipeline::write_volume(out.path(), options.log, result, slices, meter.read());
   out.commit();
@@ -100,6 +101,7 @@ void add_volume(CLI::App& app, VerbContext& context) {
                    "folder for map.bt, map.ot, map_color.ot, slices, pictures, report.html, "
                    "summary.json")
       ->required();
+  add_force(*verb, context);
   verb->add_option("--resolution", options->resolution_m, "edge of a voxel [m]; 0.1");
   verb->add_option("--max-range", options->max_range_m, "points further away only free space [m]");
   verb->add_option("--poses", options->poses,

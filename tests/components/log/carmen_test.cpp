@@ -108,7 +108,24 @@ TEST_F(Carmen, ABadNumberNamesItsLine) {
   const auto log = read(flaser("1 2", 2, "1") + flaser("1 x", 2, "2") + flaser("1 2", 2, "3"));
   EXPECT_EQ(log.observations.size(), 2U);
   EXPECT_EQ(report_.bad_lines, 1U);
-  EXPECT_THAT(report_.first_bad, ::testing::HasSubstr("log.clf:2"));
+  EXPECT_THAT(report_.first_bad,
+              ::testing::HasSubstr("log.clf:2: field 4, 'x', is no number that can be used"));
+}
+
+TEST_F(Carmen, ScansThatClaimTheSameMomentAreTold) {
+  (void)read(flaser("1 2", 2, "1") + flaser("1 3", 2, "1") + flaser("1 4", 2, "2"));
+  EXPECT_THAT(report_.warnings, ::testing::ElementsAre(::testing::StartsWith(
+                                    "1 of 3 scans have the stamp of the one before")));
+}
+
+TEST_F(Carmen, WordsAreCountedApartUpToALimit) {
+  std::string text = flaser("1 2", 2, "1");
+  for (int i = 0; i < 5000; ++i) text += "WORD" + std::to_string(i) + " 1\n";
+  (void)read(text);
+  EXPECT_LT(report_.messages.size(), 1100U);
+  std::size_t counted = 0;
+  for (const auto& [name, count] : report_.messages) counted += count;
+  EXPECT_EQ(counted, 5001U);
 }
 
 TEST_F(Carmen, AScanOfNaNsIsSkippedAndCounted) {

@@ -5,9 +5,12 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "components/log/state_store.hpp"
 #include "components/log/whole_file.hpp"
@@ -73,6 +76,27 @@ TEST_F(WhatIsWritten, LeavesTheOldContentWhenItCannotBeSynced) {
   }
   EXPECT_EQ(fs::file_size(path), 11U);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 1);
+}
+
+TEST_F(WhatIsWritten, ByAProcessThatIsGoneIsTakenAwayByTheNext) {
+  const pid_t gone = fork();
+  if (gone == 0) _exit(0);
+  int status = 0;
+  ASSERT_EQ(waitpid(gone, &status, 0), gone);
+  const auto left = [&](const std::string& mark) {
+    return folder_.path() / (".kb.partial-" + mark);
+  };
+  const std::vector<fs::path> others{left(std::to_string(getppid())), left("mine"),
+                                     folder_.path() / (".kb2.partial-" + std::to_string(gone))};
+  for (const fs::path& other : others) fs::create_directory(other);
+  const auto leave = [&] { fs::create_directories(left(std::to_string(gone)) / "inner"); };
+  leave();
+  { const WholeFile file(folder_.path() / "kb"); }
+  EXPECT_FALSE(fs::exists(left(std::to_string(gone))));
+  leave();
+  { const WholeFolder folder(folder_.path() / "kb"); }
+  EXPECT_FALSE(fs::exists(left(std::to_string(gone))));
+  for (const fs::path& other : others) EXPECT_TRUE(fs::exists(other)) << other;
 }
 
 TEST_F(WhatIsWritten, CanTakeAnothersPlaceAndGiveItsOwn) {

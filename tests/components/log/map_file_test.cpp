@@ -36,6 +36,22 @@ TEST(MapFile, AMapReadsBackCellByCell) {
   }
 }
 
+TEST(MapFile, ThresholdsThatLeaveNothingBetweenThemAreRefused) {
+  const strata::test::TemporaryDirectory folder;
+  write_map(folder.path() / "m.yaml", make_reflection_grid(0.05, {{0, 0}, {2, 2}}));
+  const auto read_with = [&](const std::string& thresholds) {
+    write_text(folder.path() / "t.yaml",
+               "image: m.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n" + thresholds);
+    (void)read_map(folder.path() / "t.yaml");
+  };
+  EXPECT_NO_THROW(read_with("free_thresh: 0.3\noccupied_thresh: 0.3\n"));
+  for (const char* thresholds :
+       {"free_thresh: 0.65\noccupied_thresh: 0.25\n", "free_thresh: .nan\n",
+        "occupied_thresh: 1.5\n", "free_thresh: -0.1\n"}) {
+    EXPECT_THROW(read_with(thresholds), InputError) << thresholds;
+  }
+}
+
 TEST(MapFile, AMissingImageIsNamed) {
   const strata::test::TemporaryDirectory folder;
   write_text(folder.path() / "m.yaml", "image: gone.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n");

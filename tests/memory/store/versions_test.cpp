@@ -64,6 +64,15 @@ TEST_F(OldStore, OfVersion1IsUpgradedAndGoesOn) {
   EXPECT_EQ(Store(path).load_timescale().observations(), 8U);
 }
 
+TEST(StoreSummary, TellsAStoreThatIsBeingWritten) {
+  const test::TemporaryDirectory folder;
+  const auto path = folder.path() / "strata.db";
+  Store store(path);
+  store.save_text("note", "of now");
+  EXPECT_TRUE(is_store(path));
+  EXPECT_EQ(summarize_store(path).texts, std::vector<std::string>{"note"});
+}
+
 TEST_F(OldStore, IsSummarizedWithoutBeingLoaded) {
   const auto path = copy_of("version_1.db");
   EXPECT_TRUE(is_store(path));

@@ -71,6 +71,41 @@ TEST(ElapsedSeconds, AppendRunsWithoutTheTimeBetweenThem) {
   EXPECT_TRUE(elapsed_seconds({}).empty());
 }
 
+Observation driven(double x, double y) {
+  Observation observation = observed(0, 1.0);
+  observation.has_odometry = true;
+  observation.odom_from_robot = {x, y, 0.5};
+  return observation;
+}
+
+TEST(BringNear, MovesWhatBeginsFarFromTheOriginAndNothingElse) {
+  log::ReadReport report;
+  std::vector<Observation> near{driven(5e6, -3.0), driven(5e6 + 1.0, -2.0)};
+  bring_near(near, "log", report);
+  EXPECT_EQ(near[1].odom_from_robot, (Pose2{5e6 + 1.0, -2.0, 0.5}));
+  EXPECT_TRUE(report.warnings.empty());
+  std::vector<Observation> far{driven(1e9, -3.0), driven(1e9 + 1.0, -2.0)};
+  bring_near(far, "log", report);
+  EXPECT_EQ(far[0].odom_from_robot, (Pose2{0.0, 0.0, 0.5}));
+  EXPECT_EQ(far[1].odom_from_robot, (Pose2{1.0, 1.0, 0.5}));
+  EXPECT_EQ(report.warnings.size(), 1U);
+}
+
+TEST(BringNear, RefusesWhatLeadsFurtherThanAnyBuildingReaches) {
+  log::ReadReport report;
+  for (const double far_m : {1.1e5, 1e9, 1e300}) {
+    std::vector<Observation> run{driven(0.0, 0.0), driven(1.0, 0.0), driven(far_m, 0.0)};
+    try {
+      bring_near(run, "log", report);
+      FAIL() << far_m << " m were taken";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.place(), "log: scan 3");
+    }
+    for (Observation& observation : run) observation.has_odometry = false;
+    EXPECT_NO_THROW(bring_near(run, "log", report));
+  }
+}
+
 TEST(ReadRuns, WantsOnePoseFileALogOrNone) {
   RunsInput too_few_poses;
   too_few_poses.logs = {"a.clf", "b.clf"};

@@ -202,12 +202,28 @@ TEST(OutputDirectory, FollowsALinkToTheFolderAndLeavesItALink) {
   EXPECT_EQ(state_of(folder.path() / "monday"), "new");
 }
 
+TEST(OutputDirectory, TakesAwayTheFoldersThatItMadeAboveItself) {
+  const test::TemporaryDirectory folder;
+  StagedPaths staged;
+  { OutputDirectory out(folder.path() / "a" / "b" / "maps", staged); }
+  EXPECT_EQ(entries(folder.path()), 0U);
+  fs::create_directory(folder.path() / "a");
+  { OutputDirectory out(folder.path() / "a" / "b" / "maps", staged); }
+  EXPECT_EQ(entries(folder.path() / "a"), 0U) << "what was there stays";
+  OutputDirectory out(folder.path() / "a" / "b" / "maps", staged);
+  out.commit();
+  EXPECT_TRUE(fs::is_directory(folder.path() / "a" / "b" / "maps"));
+}
+
 TEST(OutputDirectory, AFileInTheWayIsNamed) {
   const test::TemporaryDirectory folder;
   StagedPaths staged;
   write(folder.path() / "maps", "a file");
   EXPECT_THROW(OutputDirectory(folder.path() / "maps", staged), OutputError);
   EXPECT_EQ(test::bytes_of(folder.path() / "maps"), "a file");
+  EXPECT_THROW(OutputDirectory(folder.path() / "maps" / "below", staged), OutputError);
+  EXPECT_THROW(OutputDirectory(folder.path() / std::string(300, 'n'), staged), OutputError);
+  EXPECT_EQ(entries(folder.path()), 1U);
 }
 
 }  // namespace

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The stamps that ROS 2 can carry: 32 bits of seconds.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "components/log/odometry_track.hpp"
+#include "core/scan/scan.hpp"
+
+namespace strata::log {
+
+/// Throws InputError at the first stamp that messages cannot carry, from 2^31 s on (the year 2038)
+/// or before -2^31 s. place: the log's name. O(scans + samples).
+void require_ros_stamps(std::span<const Observation> observations,
+                        std::span<const OdometrySample> odometry, const std::string& place);
+
+}  // namespace strata::log

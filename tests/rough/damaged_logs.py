@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every verb that reads a log is given what is none: one line, exit status 2, nothing left."""
+import os
+
+
+def run(tries, material):
+    at = material.at
+    out = at("out_of_damaged")
+    log = material.log
+    # Where the damaged file goes is {}.
+    verbs = {
+        "info": ["info", "{}"],
+        "convert to mcap": ["convert", "{}", out, "--to", "mcap"],
+        "convert to carmen": ["convert", "{}", out + ".clf"],
+        "learn": ["learn", "{}", "--out", out],
+        "learn, second of two": ["learn", log, "{}", "--out", out],
+        "learn at poses": ["learn", log, "--poses", "{}", "--out", out],
+        "learn with truth": ["learn", log, "--truth", "{}", "--out", out],
+        "learn on": ["learn", log, "--update", "{}", "--out", out],
+        "localize": ["localize", "{}", "--maps", at("maps"), "--out", out],
+        "localize in maps": ["localize", log, "--maps", "{}", "--out", out],
+        "topology": ["topology", "{}", "--out", out],
+        "topology at landmarks": ["topology", log, "--landmarks", "{}", "--out", out],
+        "compare": ["compare", "{}", "--seeds", "1", "--out", out],
+        "compare with a map": ["compare", log, "--map", "{}", "--seeds", "1", "--out", out],
+        "evaluate": ["evaluate", "{}", "--truth", material.truth],
+        "evaluate against": ["evaluate", material.truth, "--truth", "{}"],
+        "evaluate by relations": ["evaluate", material.truth, "--relations", "{}"],
+        "volume": ["volume", "{}", "--out", out],
+        "changes": ["changes", "{}", "--out", out],
+        "replay": ["replay", "{}", "--composition", material.compositions + "/mapping.yaml",
+                   "--out", out],
+        "replay a composition": ["replay", log, "--composition", "{}", "--out", out],
+        "run": ["run", "--check", "{}"],
+        "simulate": ["simulate", "{}", "--out", out],
+        "settings": ["learn", log, "--config", "{}", "--out", out],
+    }
+    # What these do with some of the files is no mistake.
+    takes = {("learn on", "empty name"), ("compare with a map", "empty name")}  # as without
+    for verb, words in verbs.items():
+        for name, path in material.damaged().items():
+            if (verb, name) in takes:
+                continue
+            arguments = [path if word == "{}" else word for word in words]
+            tries.strata_try(f"{verb}: {name}", arguments, 2)
+    left = [name for name in os.listdir(material.work) if name.startswith(("out_of", ".out_of"))]
+    tries.hold("what failed left nothing", not left, " ".join(left))
+
+
+def unreadable(tries, material):
+    """As a user who may not read; root may everything."""
+    locked = material.at("locked")
+    os.makedirs(locked, exist_ok=True)
+    for name in ("log.clf", "bag.mcap"):
+        material.write("locked/" + name, open(material.log).read())
+    secret = material.write("secret.clf", open(material.log).read())
+    os.chmod(locked, 0)
+    os.chmod(secret, 0)
+    try:
+        for verb in ("info", "evaluate", "convert"):
+            more = {"evaluate": ["--truth", material.truth], "convert": [material.at("x.mcap")]}
+            for name, path in (("folder", locked), ("file", secret),
+                               ("file in a folder", locked + "/log.clf")):
+                tries.strata_try(f"{verb}: {name} that may not be read",
+                                 [verb, path, *more.get(verb, [])], (1, 2),
+                                 "ermission", user="nobody")
+    finally:
+        os.chmod(locked, 0o755)
+        os.chmod(secret, 0o644)
+
+
+def cut_anywhere(tries, material):
+    """Whatever is left of a log that was cut is read, or refused in one line."""
+    for name in ("world/log.clf", "good.mcap", "good.db3"):
+        whole = material.bytes_of(name)
+        for share in range(5, 100, 5):
+            ending = os.path.splitext(name)[1]
+            path = material.write("cut" + ending, whole[:len(whole) * share // 100])
+            ended = tries.strata_try(f"info: {name} cut at {share}%", ["info", path], (0, 2))
+            if ": error:" not in ended and ending != ".clf":
+                tries.hold(f"info: {name} cut at {share}% is told", "damaged" in ended)

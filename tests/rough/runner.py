@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the program once a try, judges its end and prints a line for each."""
+import os
+import re
+import shlex
+import signal
+import subprocess
+
+NOBODY = 65534
+# What no user should read: names of C++, and errors without a place or a remedy.
+NEVER = re.compile(r"filesystem error|std::|what\(\)|terminate called|bad_alloc|"
+                   r"\bSIG[A-Z]+\b")
+ERROR = re.compile(r"^strata( [a-z]+)?: error: .+: .+; .+$")
+PATIENCE_S = 120  # of a hang; nothing here takes seconds
+
+
+def as_nobody():
+    """For what the system refuses: root may read and write everything."""
+    if os.getuid() == 0:
+        os.setgid(NOBODY)
+        os.setuid(NOBODY)
+
+
+class Tries:
+    def __init__(self, strata):
+        self.strata = strata
+        self.count = 0
+        self.failed = []
+
+    def judge(self, name, faults, told):
+        self.count += 1
+        print(("FAIL " if faults else "ok   ") + name + ": " + told, flush=True)
+        for fault in faults:
+            print("     " + fault, flush=True)
+        if faults:
+            self.failed.append(name)
+
+    def strata_try(self, name, arguments, code, line="", shell=None, user=None, cwd=None, fails=None):
+        """code: the exit status, or a tuple of those allowed. line: a pattern that its output has.
+        shell: a command of bash around it, with STRATA for the program and its arguments. user:
+        "nobody". fails: whether an error line is expected; where code is not 0."""
+        codes = code if isinstance(code, tuple) else (code,)
+        words = [self.strata, *arguments]
+        if shell is not None:
+            text = " ".join(shlex.quote(word) for word in words)
+            words = ["bash", "-c", shell.replace("STRATA", text)]
+        try:
+            ended = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, timeout=PATIENCE_S, cwd=cwd,
+                                   preexec_fn=as_nobody if user else None)
+        except subprocess.TimeoutExpired:
+            self.judge(name, ["hangs"], " ".join(arguments)[:100])
+            return ""
+        out = ended.stdout.decode(errors="replace")
+        err = ended.stderr.decode(errors="replace")
+        self.judge(name, self.faults(ended.returncode, out, err, codes, line, fails),
+                   self.told(ended.returncode, out, err))
+        return out + err
+
+    @staticmethod
+    def told(code, out, err):
+        last = (err.strip() or out.strip()).splitlines()[-1:]
+        return f"{code} " + (last[0][:160] if last else "")
+
+    @staticmethod
+    def faults(code, out, err, codes, line, fails):
+        faults = []
+        if code < 0 or code > 128:
+            number = -code if code < 0 else code - 128
+            faults.append("is ended by " + signal.Signals(number).name)
+        if code not in codes:
+            faults.append(f"exit status {code}, expected {' or '.join(map(str, codes))}")
+        errors = [text for text in err.splitlines() if ": error: " in text]
+        expects_error = code != 0 if fails is None else fails
+        if expects_error and (len(errors) != 1 or not ERROR.match(errors[0])):
+            faults.append("has no line with place, problem and remedy: " + err[-300:])
+        if not expects_error and errors:
+            faults.append("tells of an error: " + errors[0])
+        if found := NEVER.search(err):
+            faults.append(f"says '{found.group()}': " + err[-300:])
+        if not re.search(line, out + err):
+            faults.append(f"does not say '{line}': " + (err or out)[-300:])
+        return faults
+
+    def hold(self, name, holds, told=""):
+        """A claim about what the program left."""
+        self.judge(name, [] if holds else ["does not hold"], told)
+
+    def end(self):
+        print(f"{self.count} tries, {len(self.failed)} failed")
+        for name in self.failed:
+            print("  failed: " + name)
+        return 1 if self.failed or self.count == 0 else 0

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/strata/result_directory.hpp"
+
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "components/maps/maps_folder.hpp"
+#include "core/base/error.hpp"
+#include "memory/store/store_summary.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+constexpr const char* kKind = "kind";
+
+/// An empty object where there is none.
+nlohmann::json summary_of(const fs::path& folder) {
+  std::ifstream in(folder / maps::kSummaryFile);
+  nlohmann::json json = nlohmann::json::parse(in, nullptr, false);
+  return json.is_object() ? json : nlohmann::json::object();
+}
+
+/// A file that only one verb writes, for folders from before they said what they are.
+struct Mark {
+  const char* file;
+  const char* kind;
+};
+constexpr Mark kMarks[] = {
+    {maps::kStoreFile, "maps"},
+    {"comparison.json", "comparison"},
+    {"metrics.json", "localization"},
+    {"topologies.json", "topology"},
+    {"map.bt", "volume"},
+    {"changes.json", "changes"},
+    {"states.json", "simulation"},
+};
+
+}  // namespace
+
+std::string kind_of(const fs::path& folder) {
+  const nlohmann::json summary = summary_of(folder);
+  if (summary.contains(kKind) && summary[kKind].is_string()) return summary[kKind];
+  std::error_code error;
+  for (const Mark& mark : kMarks) {
+    if (fs::exists(folder / mark.file, error)) return mark.kind;
+  }
+  return "";
+}
+
+std::size_t runs_in(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder / maps::kStoreFile, error)) return 0;
+  try {
+    return memory::summarize_store(folder / maps::kStoreFile).runs.size();
+  } catch (const InputError&) {
+    return 0;  // nothing that could be lost
+  }
+}
+
+void add_force(CLI::App& verb, VerbContext& context) {
+  verb.add_flag("--force", context.options.force,
+                "replace what is in --out even when it is another verb's, or has more in it");
+}
+
+void require_kind(const fs::path& folder, const std::string& kind, const VerbContext& context) {
+  if (context.options.force || kind.empty()) return;
+  const std::string there = kind_of(folder);
+  if (there.empty() || there == kind) return;
+  throw OutputError(folder.string(), "holds " + there + ", which " + kind + " would replace",
+                    "choose another --out, or give --force");
+}
+
+void require_no_more_runs(const fs::path& folder, std::size_t runs, const VerbContext& context) {
+  if (context.options.force) return;
+  const std::size_t there = runs_in(folder);
+  if (there <= runs) return;
+  throw OutputError(folder.string(),
+                    "holds maps of " + std::to_string(there) + " runs, which those of " +
+                        std::to_string(runs) + " would replace",
+                    "go on from them with --update " + folder.string() +
+                        ", choose another --out, or give --force");
+}
+
+ResultDirectory::ResultDirectory(const fs::path& target, std::string kind, VerbContext& context)
+    : kind_(std::move(kind)), out_(target, context.staged()) {
+  require_kind(target, kind_, context);
+}
+
+void ResultDirectory::commit() {
+  nlohmann::json summary = summary_of(out_.path());
+  summary[kKind] = kind_;
+  const fs::path file = out_.path() / maps::kSummaryFile;
+  std::ofstream out(file);
+  out << summary.dump(2) << '\n';
+  out.close();
+  if (!out) throw OutputError(file.string(), "cannot be written", "free some space");
+  out_.commit();
+}
+
+}  // namespace strata::tools
