@@ -9,6 +9,7 @@
 #include "components/runtime/composition_document.hpp"
 #include "components/runtime/ros_parameters.hpp"
 #include "components/settings/config_reader.hpp"
+#include "components/settings/text_file.hpp"
 #include "components/settings/yaml_document.hpp"
 #include "core/base/error.hpp"
 
@@ -59,6 +60,7 @@ void apply_own_form(YAML::Node& document, const YAML::Node& given, const std::st
 }
 
 std::string read_text(const std::filesystem::path& file) {
+  settings::require_text_file(file);
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file)) {
     throw InputError(file.string(), "cannot be read", "check that the file exists and is readable");

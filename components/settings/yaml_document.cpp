@@ -11,6 +11,7 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/parser.h>
 
+#include "components/settings/text_file.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::settings {
@@ -210,6 +211,7 @@ YAML::Node parse_document(const std::string& text, const std::string& place) {
 }
 
 YAML::Node load_document(const std::filesystem::path& file) {
+  require_text_file(file);
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (in) text << in.rdbuf();

@@ -2,6 +2,7 @@
 """Runs the program once a try, judges its end and prints a line for each."""
 import os
 import re
+import resource
 import shlex
 import signal
 import subprocess
@@ -14,9 +15,13 @@ ERROR = re.compile(r"^strata( [a-z]+)?: error: .+: .+; .+$")
 PATIENCE_S = 120  # of a hang; nothing here takes seconds
 
 
-def as_nobody():
-    """For what the system refuses: root may read and write everything."""
-    if os.getuid() == 0:
+MEMORY = 6 << 30  # of a try that takes it all: others work on this machine
+
+
+def begin(user):
+    """In the new process. As nobody for what the system refuses: root may read and write all."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    if user and os.getuid() == 0:
         os.setgid(NOBODY)
         os.setuid(NOBODY)
 
@@ -47,7 +52,7 @@ class Tries:
         try:
             ended = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, timeout=PATIENCE_S, cwd=cwd,
-                                   preexec_fn=as_nobody if user else None)
+                                   preexec_fn=lambda: begin(user))
         except subprocess.TimeoutExpired:
             self.judge(name, ["hangs"], " ".join(arguments)[:100])
             return ""

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "components/log/spooled_input.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
@@ -39,6 +40,7 @@ struct ChangesConfig {
 };
 
 std::filesystem::path store_of(const std::string& maps) {
+  log::require_reachable(maps);
   const std::filesystem::path path(maps);
   return std::filesystem::is_directory(path) ? path / maps::kStoreFile : path;
 }
