@@ -145,7 +145,8 @@ def numbers(tries, material):
         given = material.write("maps/odd.yaml", text)
         tries.strata_try(f"compare: free_thresh {low}, occupied_thresh {high}",
                          ["compare", material.log, "--map", given, "--poses", material.truth,
-                          "--seeds", "1", "--out", material.at("odd_map")], (1, 2), "thresh")
+                          "--seeds", "1", "--out", material.at("odd_map")], 2,
+                         "thresh|odd.yaml:[0-9]+: bad conversion")
     os.remove(material.at("maps/odd.yaml"))
 
 
