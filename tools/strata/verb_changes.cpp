@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "components/log/spooled_input.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
@@ -40,9 +39,10 @@ struct ChangesConfig {
 };
 
 std::filesystem::path store_of(const std::string& maps) {
-  log::require_reachable(maps);
+  if (maps.empty()) throw InputError("MAPS", "is an empty name", "name a folder of maps");
   const std::filesystem::path path(maps);
-  return std::filesystem::is_directory(path) ? path / maps::kStoreFile : path;
+  std::error_code error;  // of a name that no file can have: the store says it
+  return std::filesystem::is_directory(path, error) ? path / maps::kStoreFile : path;
 }
 
 void print_places(const pipeline::LevelChanges& changes) {
