@@ -9,7 +9,7 @@ import subprocess
 
 NOBODY = 65534
 # What no user should read: names of C++, and errors without a place or a remedy.
-NEVER = re.compile(r"filesystem error|std::|what\(\)|terminate called|bad_alloc|"
+NEVER = re.compile(r"filesystem error|std::|what\(\)|terminate called|bad_alloc|[.]partial-|"
                    r"\bSIG[A-Z]+\b")
 ERROR = re.compile(r"^strata( [a-z]+)?: error: .+: .+; .+$")
 PATIENCE_S = 120  # of a hang; nothing here takes seconds

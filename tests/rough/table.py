@@ -71,6 +71,10 @@ def stamps(tries, material):
                          ["convert", log, at("late_again.clf")], 0)
         tries.strata_try(f"info: stamps {name}", ["info", log], 0, f"scans +{SCANS}")
         tries.strata_try(f"learn: stamps {name}", ["learn", log, "--out", at("late_maps")], 0)
+    old = material.write_log("old.clf", material.shifted(seconds=-1e6))
+    tries.strata_try("convert to mcap: stamps before 1970", ["convert", old, at("old.mcap")], 1,
+                     "/old.mcap/bag: MCAP has no stamps before 1970")
+    tries.strata_try("convert to sqlite3: stamps before 1970", ["convert", old, at("old.db3")], 0)
     same = [material.lines[0]] + [line for line in material.lines[1:] for _ in range(2)]
     tries.strata_try("info: equal stamps", ["info", material.write_log("same.clf", same)], 0,
                      f"{SCANS} of {2 * SCANS} scans have the stamp of the one before")

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <unistd.h>
 
 #include "components/settings/config_reader.hpp"
 #include "core/base/error.hpp"
@@ -48,9 +49,21 @@ std::string what_was_meant(const CLI::App& app, const std::string& word) {
   return settings::detail::suggestion(word, names, "verbs");
 }
 
+/// What is under way lies beside its place (log::staged_name); users know only the place.
+std::string with_names_of_users(std::string text) {
+  const std::string mark = ".partial-" + std::to_string(getpid());
+  for (auto at = text.find(mark); at != std::string::npos; at = text.find(mark)) {
+    text.erase(at, mark.size());
+    const std::size_t before = text.substr(0, at).find_last_of("/ ");
+    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+    if (text[begin] == '.') text.erase(begin, 1);
+  }
+  return text;
+}
+
 int fail(const std::string& verb, const std::string& message, int code) {
-  std::cerr << "strata" << (verb.empty() ? "" : " ") << verb << ": error: " << one_line(message)
-            << std::endl;
+  std::cerr << "strata" << (verb.empty() ? "" : " ") << verb
+            << ": error: " << one_line(with_names_of_users(message)) << std::endl;
   return code;
 }
 
