@@ -87,6 +87,33 @@ def stamps(tries, material):
                      "scans have the stamp of the one before")
 
 
+def without_rotation(odometry):
+    """A nav_msgs/Odometry as CDR whose quaternion is all zeros."""
+    at = 12  # behind the encapsulation and the stamp
+    for _ in ("frame_id", "child_frame_id"):
+        at = (at + 3) // 4 * 4
+        at += 4 + int.from_bytes(odometry[at:at + 4], "little")
+    at = 4 + (at - 4 + 7) // 8 * 8 + 24  # behind the position
+    return odometry[:at] + bytes(32) + odometry[at + 32:]
+
+
+def rotations(tries, material):
+    path = material.write("unset.db3", material.bytes_of("good.db3"))
+    with sqlite3.connect(path) as bag:
+        topic = bag.execute("SELECT id FROM topics WHERE name = '/odom'").fetchone()[0]
+        rows = bag.execute("SELECT id, data FROM messages WHERE topic_id = ?", (topic,)).fetchall()
+        bag.executemany("UPDATE messages SET data = ? WHERE id = ?",
+                        [(without_rotation(data), row) for row, data in rows])
+    line = f"{len(rows)} poses of the odometry have a quaternion of zeros"
+    tries.strata_try("info: quaternions of zeros", ["info", path], 0, line)
+    tries.strata_try("learn: quaternions of zeros",
+                     ["learn", path, "--out", material.at("unset_maps")], 0, line)
+    tum = [" ".join(row.split()[:4] + ["0"] * 4) for row in open(material.truth)]
+    tries.strata_try("learn at poses with quaternions of zeros",
+                     ["learn", material.log, "--poses", material.write_log("unset.tum", tum),
+                      "--out", material.at("unset_maps")], 2, "unset.tum:1: is not a pose")
+
+
 def positions(tries, material):
     at = material.at
     for metres in (1e3, 1e6, 1e8, 1e9, 1e12, 1e15):

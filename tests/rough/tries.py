@@ -20,8 +20,8 @@ GROUPS = {
     "damaged_logs": [damaged_logs.run, damaged_logs.unreadable, damaged_logs.cut_anywhere],
     "odd_options": [odd_options.run],
     "outputs": [outputs.cannot_be_written, outputs.of_another_kind, outputs.with_more_runs],
-    "table": [table.pipes, table.stamps, table.positions, table.numbers, table.names,
-              table.two_at_once, table.left_over, table.interrupted],
+    "table": [table.pipes, table.stamps, table.rotations, table.positions, table.numbers,
+              table.names, table.two_at_once, table.left_over, table.interrupted],
 }
 
 
