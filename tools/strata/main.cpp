@@ -53,8 +53,8 @@ int fail(const std::string& verb, const std::string& message, int code) {
   return code;
 }
 
-std::string plain(const std::exception& error) {
-  const std::string shortage = describe_shortage(error);
+std::string plain(const std::exception& error, const Work& work = {}) {
+  const std::string shortage = describe_shortage(error, work);
   return shortage.empty() ? error.what() : shortage;
 }
 
@@ -110,7 +110,7 @@ int run(int argc, char** argv) {
   } catch (const ConfigError& error) {
     return fail(verb(), error.what(), kBadInput);
   } catch (const std::exception& error) {
-    return fail(verb(), plain(error), kFailed);
+    return fail(verb(), plain(error, {verb(), context.stage()}), kFailed);
   }
 }
 
