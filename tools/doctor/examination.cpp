@@ -136,12 +136,10 @@ class Examiner {
     return topic.type == "nav_msgs/msg/Odometry" || topic.name.ends_with("/tf");
   }
   [[nodiscard]] bool has_other_odometry(const TopicReport& topic, const std::string& reader) const {
-    return std::any_of(
-        report_.topics.begin(), report_.topics.end(), [&](const TopicReport& other) {
-          return other.name != topic.name && may_hold_odometry(other) && !other.writers.empty() &&
-                 std::find(other.readers.begin(), other.readers.end(), reader) !=
-                     other.readers.end();
-        });
+    return std::any_of(report_.topics.begin(), report_.topics.end(), [&](const TopicReport& other) {
+      return other.name != topic.name && may_hold_odometry(other) && !other.writers.empty() &&
+             std::find(other.readers.begin(), other.readers.end(), reader) != other.readers.end();
+    });
   }
   void find_unpublished() {
     for (const TopicReport& topic : report_.topics) {
@@ -221,9 +219,8 @@ class Examiner {
 }  // namespace
 
 std::size_t Report::errors() const {
-  return static_cast<std::size_t>(
-      std::count_if(findings.begin(), findings.end(),
-                    [](const Finding& finding) { return finding.is_error; }));
+  return static_cast<std::size_t>(std::count_if(
+      findings.begin(), findings.end(), [](const Finding& finding) { return finding.is_error; }));
 }
 
 Report examine(const Observed& observed) { return Examiner(observed).run(); }

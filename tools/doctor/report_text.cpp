@@ -43,10 +43,10 @@ std::string to_text(const Report& report, bool all) {
           : std::count_if(report.topics.begin(), report.topics.end(),
                           [](const TopicReport& topic) { return topic.is_plumbing; }));
   const std::size_t shown = report.topics.size() - hidden;
-  text += std::to_string(shown) + (shown == 1 ? " topic" : " topics") +
-          (hidden > 0 ? ", and " + std::to_string(hidden) + " of services and the like (--all)"
-                      : "") +
-          "\n";
+  text +=
+      std::to_string(shown) + (shown == 1 ? " topic" : " topics") +
+      (hidden > 0 ? ", and " + std::to_string(hidden) + " of services and the like (--all)" : "") +
+      "\n";
   for (const TopicReport& topic : report.topics) {
     if (topic.is_plumbing && !all) continue;
     text += "  " + topic.name + "  " + topic.type + rate_text(topic) + "\n    from " +

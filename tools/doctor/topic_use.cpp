@@ -29,9 +29,8 @@ bool is_plumbing(std::string_view wire_name) {
 
 bool is_occasional(std::string_view name) {
   constexpr std::array<std::string_view, 10> kByPeople{
-      "initialpose",   "initial_pose",   "goal_pose", "goal",
-      "clicked_point", "cmd_vel_teleop", "bond",      "speed_limit",
-      "landmark",      "given_pose"};
+      "initialpose",    "initial_pose", "goal_pose",   "goal",     "clicked_point",
+      "cmd_vel_teleop", "bond",         "speed_limit", "landmark", "given_pose"};
   return is_one_of(last_part(name), kByPeople);
 }
 

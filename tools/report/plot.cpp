@@ -87,9 +87,9 @@ void draw_legend(const LinePlot& plot, const PlotFrame& frame, std::ostringstrea
   for (const LegendEntry& entry : legend_of(plot)) {
     const double x = frame.left + column * std::fmod(place, kLegendColumns);
     const double y = kPlotTop + kLegendRow * std::floor(place / kLegendColumns);
-    out << "<line class='" << entry.line_class << "'" << width_style(entry.width) << " x1='" << x << "' x2='" << x + 18.0 << "' y1='"
-        << y << "' y2='" << y << "'/><text class='tick' x='" << x + 23.0 << "' y='" << y + 4.0
-        << "'>" << escape(entry.name) << "</text>\n";
+    out << "<line class='" << entry.line_class << "'" << width_style(entry.width) << " x1='" << x
+        << "' x2='" << x + 18.0 << "' y1='" << y << "' y2='" << y << "'/><text class='tick' x='"
+        << x + 23.0 << "' y='" << y + 4.0 << "'>" << escape(entry.name) << "</text>\n";
     place += 1.0;
   }
 }

@@ -79,8 +79,8 @@ void print(const Json& info) {
     std::cout << "  unreadable " << info["bad"]["count"]
               << ", first: " << info["bad"]["first"].get<std::string>() << "\n";
   }
-  std::cout << "  note       not read as a log of scans: "
-            << info["warnings"][0].get<std::string>() << "\n";
+  std::cout << "  note       not read as a log of scans: " << info["warnings"][0].get<std::string>()
+            << "\n";
 }
 
 }  // namespace

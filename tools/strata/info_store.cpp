@@ -59,9 +59,7 @@ Json describe(const std::string& path, const memory::StoreSummary& store) {
   return info;
 }
 
-std::string size_text(std::int64_t bytes) {
-  return kilobytes(static_cast<std::uintmax_t>(bytes));
-}
+std::string size_text(std::int64_t bytes) { return kilobytes(static_cast<std::uintmax_t>(bytes)); }
 
 std::string metres(double value) {
   char text[32];

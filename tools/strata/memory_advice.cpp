@@ -33,14 +33,17 @@ constexpr std::array<Advice, 15> kAdvice{
      {"learn", "", kCoarserMaps},
      {"localize", "read log", kLessLog},
      {"localize", "", kFewerParticles},
-     {"compare", "localize", "work on fewer seeds at once, --jobs 1, or take fewer particles, "
-                             "--set localizer.particles=N"},
+     {"compare", "localize",
+      "work on fewer seeds at once, --jobs 1, or take fewer particles, "
+      "--set localizer.particles=N"},
      {"compare", "read log", kLessLog},
      {"compare", "", kCoarserMaps},
-     {"topology", "", "make the map's cells larger, --set resolution_m=0.1, or take a part of the "
-                      "log with --from and --to"},
-     {"volume", "", "make the voxels larger, --resolution 0.2, which needs an eighth of the "
-                    "default's memory"},
+     {"topology", "",
+      "make the map's cells larger, --set resolution_m=0.1, or take a part of the "
+      "log with --from and --to"},
+     {"volume", "",
+      "make the voxels larger, --resolution 0.2, which needs an eighth of the "
+      "default's memory"},
      {"info", "", kLessLog},
      {"replay", "", kLessLog},
      {"simulate", "", "simulate fewer days or scans"}}};

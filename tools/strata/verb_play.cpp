@@ -86,8 +86,9 @@ void play(const PlayOptions& options, VerbContext& context) {
   }
   host.stop();
   take_errors();
-  if (!errors.empty()) throw Error(options.log, "could not be played well: " + errors.front(),
-                                   "see `strata info` for what is in it");
+  if (!errors.empty())
+    throw Error(options.log, "could not be played well: " + errors.front(),
+                "see `strata info` for what is in it");
 }
 
 }  // namespace

@@ -69,8 +69,8 @@ void run_topology(Options options, VerbContext& context) {
   const topology::Hypothesis& best = result.posterior.front();
   const nlohmann::json& update_ms = json["cost"]["update_ms"];
   std::cout << counted(result.visits.size(), "visit") << " of "
-            << counted(static_cast<std::size_t>(topology::landmark_count(best.labels)), "landmark") << " with probability "
-            << report::fixed(best.probability, 4) << "; "
+            << counted(static_cast<std::size_t>(topology::landmark_count(best.labels)), "landmark")
+            << " with probability " << report::fixed(best.probability, 4) << "; "
             << counted(result.posterior.size(), "topology", "topologies") << " in " << options.out
             << "; an update took " << report::fixed(update_ms["median"], 1) << " ms (median), "
             << report::fixed(update_ms["max"], 1) << " ms at most\n";

@@ -82,9 +82,8 @@ void run_volume(const Options& options, VerbContext& context) {
             << options.out << '\n';
   if (!result.score) return;
   const auto percent = [](double share) { return report::fixed(100.0 * share, 1) + "%"; };
-  std::cout << "truth: " << percent(result.score->gone()) << " of the "
-            << result.score->moving_made << " voxels made by what moves gone, "
-            << percent(result.score->lost()) << " of the "
+  std::cout << "truth: " << percent(result.score->gone()) << " of the " << result.score->moving_made
+            << " voxels made by what moves gone, " << percent(result.score->lost()) << " of the "
             << result.score->static_voxels << " static ones lost\n";
 }
 

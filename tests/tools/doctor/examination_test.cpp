@@ -157,8 +157,8 @@ TEST(Doctor, TakesOdometryFromATopicOrFromTransforms) {
   EXPECT_THAT(examine(observed).findings, IsEmpty());
   observed.view.endpoints = {odom, tf};
   EXPECT_THAT(examine(observed).findings, SizeIs(2));
-  observed.view.endpoints.push_back(endpoint(guid(1, 3), true, true, false, "/tf",
-                                             "tf2_msgs/msg/TFMessage"));
+  observed.view.endpoints.push_back(
+      endpoint(guid(1, 3), true, true, false, "/tf", "tf2_msgs/msg/TFMessage"));
   EXPECT_THAT(examine(observed).findings, IsEmpty());
 }
 

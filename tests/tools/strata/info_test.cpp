@@ -29,7 +29,8 @@ void write_bag(const fs::path& path, log::BagStorage storage) {
   const std::size_t topic = bag.add_topic({"/battery", "sensor_msgs/msg/BatteryState", "cdr", ""});
   (void)bag.add_topic({"/never", "std_msgs/msg/String", "cdr", ""});
   for (int i = 0; i < 3; ++i) {
-    bag.write(topic, Stamp{(10 + 2LL * i) * 1'000'000'000LL}, std::vector<std::uint8_t>{0, 1, 0, 0});
+    bag.write(topic, Stamp{(10 + 2LL * i) * 1'000'000'000LL},
+              std::vector<std::uint8_t>{0, 1, 0, 0});
   }
   bag.close();
 }
@@ -65,8 +66,8 @@ TEST_F(InfoOfFolders, SaysWhatMapsWereLearnedFromAndWhatIsThere) {
   const fs::path maps = at("direct");
   const auto told = run_strata("info " + quoted(maps) + " 2>&1");
   ASSERT_EQ(told.code, 0) << told.out;
-  EXPECT_THAT(told.out, ::testing::StartsWith(maps.string() +
-                                              ": maps, as `strata learn` writes them\n"));
+  EXPECT_THAT(told.out,
+              ::testing::StartsWith(maps.string() + ": maps, as `strata learn` writes them\n"));
   EXPECT_THAT(told.out, ::testing::ContainsRegex("learned    from [0-9]+ scans of 1 run, "));
   EXPECT_THAT(told.out, HasSubstr("file       occupancy.pgm, "));
   EXPECT_THAT(told.out, HasSubstr("folder     patches\n"));
