@@ -2,7 +2,6 @@
 /// A process that may have little address space (`ulimit -v`): it runs, or says on one line why
 /// not.
 #include <algorithm>
-#include <fstream>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -14,7 +13,7 @@
 
 #include "tests/components/bus/domain.hpp"
 #include "tests/support/child_process.hpp"
-#include "tests/tools/strata/program.hpp"
+#include "tests/tools/strata/replay_fixture.hpp"
 #include "tools/strata/shortage.hpp"
 
 namespace strata::tools {
@@ -87,26 +86,14 @@ TEST(Shortage, SaysWhatNeededHowMuchAndWhichSettingMakesItLess) {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST(Shortage, OfAVerbIsToldWithWhatItAskedFor) {
-  const test::TemporaryDirectory folder;
-  const auto log = folder.path() / "room.clf";
-  {
-    std::ofstream out(log);
-    for (int i = 0; i < 40; ++i) {
-      out << "FLASER 180";
-      for (int beam = 0; beam < 180; ++beam) out << ' ' << 3.0 + 0.01 * ((beam + i) % 7);
-      out << ' ' << 0.1 * i << " 0 0 " << 0.1 * i << " 0 0 " << i << ".5 h 0\n";
-    }
-  }
-  const auto maps = folder.path() / "maps";
-  const auto learned = test::run_strata("learn " + test::quoted(log) + " --quiet --only em --out " +
-                                        test::quoted(maps) + " 2>&1");
-  ASSERT_EQ(learned.code, 0) << learned.out;
+class ShortageOfAVerb : public test::ReplayFixture {};
+
+TEST_F(ShortageOfAVerb, IsToldWithWhatWasAskedForAndWhatMakesItLess) {
   const auto outcome = test::run_strata_under(
       "ulimit -c 0; ulimit -v 400000;",
-      "localize " + test::quoted(log) + " --model filtered --initial-pose 0,0,0 --maps " +
-          test::quoted(maps) + " --set localizer.particles=20000000 --out " +
-          test::quoted(folder.path() / "out") + " 2>&1");
+      "localize " + test::quoted(log()) + " --model filtered --initial-pose 0,0,0 --maps " +
+          test::quoted(at("direct")) + " --set localizer.particles=20000000 --out " +
+          test::quoted(at("out")) + " 2>&1");
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.out, testing::StartsWith("strata localize: error: memory: ran out under the "
                                                "limit of 390 MB on address space"));
