@@ -59,9 +59,10 @@ void LogPlayer::publish(std::size_t index) {
   const std::string frame = frame_of(scan);
   if (observation.has_odometry) {
     const Pose2& odom_from_robot = observation.odom_from_robot;
-    outputs_.tf(
-        single(convert::to_transform_stamped(scan.stamp, odom_from_robot, frames_.odometry, frames_.robot)));
-    outputs_.odometry(convert::to_odometry(scan.stamp, odom_from_robot, frames_.odometry, frames_.robot));
+    outputs_.tf(single(convert::to_transform_stamped(scan.stamp, odom_from_robot, frames_.odometry,
+                                                     frames_.robot)));
+    outputs_.odometry(
+        convert::to_odometry(scan.stamp, odom_from_robot, frames_.odometry, frames_.robot));
   }
   if (outputs_.given_pose) {
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

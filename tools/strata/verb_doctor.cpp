@@ -56,7 +56,8 @@ void examine(const DoctorOptions& options, VerbContext& context) {
 
 void add_doctor(CLI::App& app, VerbContext& context) {
   const auto [verb, options] = add_verb<DoctorOptions>(
-      app, context, "doctor", "what does not match on the DDS domain, and what is on it; 1 when there are errors",
+      app, context, "doctor",
+      "what does not match on the DDS domain, and what is on it; 1 when there are errors",
       "strata doctor --domain 7", examine);
   verb->add_option("--domain", options->domain, "ROS_DOMAIN_ID when left out")
       ->check(CLI::Range(0, 232));
