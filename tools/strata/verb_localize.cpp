@@ -101,10 +101,13 @@ std::string percent(double share) { return report::fixed(100.0 * share, 0) + "%"
 std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFit& fit,
                      const nlohmann::json& metrics, const Options& options) {
   using report::fixed;
-  std::string text = "localized " + counted(run.trajectory.size(), "scan") + " over " +
-                     fixed(way_m(run.trajectory), 1) + " m in " +
-                     fixed(metrics["cost"]["wall_s"], 1) + " s; the maps explain " +
-                     percent(fit.share(pipeline::FitState::kExplained)) + " of the drive";
+  std::string text =
+      "localized " + counted(run.trajectory.size(), "scan") + " over " +
+      fixed(way_m(run.trajectory), 1) + " m in " + fixed(metrics["cost"]["wall_s"], 1) + " s; " +
+      (fit.scans.empty()
+           ? "none of them says where it is"
+           : "the maps explain " + percent(fit.share(pipeline::FitState::kExplained)) +
+                 " of the drive");
   if (!metrics["error_m"].is_null()) {
     text += "; error " + fixed(metrics["error_m"]["mean"], 3) + " m in the mean, " +
             fixed(metrics["error_m"]["p95"], 3) + " m in 95% of the scans" +
@@ -115,18 +118,20 @@ std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFi
 }
 
 /// For who took another building's log, or another pose to begin with.
-void warn_of_bad_fit(const pipeline::LogFit& fit, const Options& options, VerbContext& context) {
+void warn_of_bad_fit(const pipeline::LogFit& fit, const Options& options, bool is_global,
+                     VerbContext& context) {
   if (fit.is_explained()) return;
   using pipeline::FitState;
-  context.note("warning: these maps do not explain this log: of its " +
-               counted(fit.scans.size(), "weighed scan") + " " +
-               percent(fit.share(FitState::kExplained)) + " fit them, " +
-               percent(fit.share(FitState::kContradicted)) + " contradict them, and in " +
-               percent(fit.share(FitState::kUnknown)) +
-               " they know too little of the place; is the log of this building, and did the "
-               "robot begin where " +
-               (options.initial_pose.empty() ? "it was looked for" : "--initial-pose says") +
-               (options.global ? "?" : "? --global looks for it everywhere"));
+  const std::string begin =
+      options.initial_pose.empty() ? "the first pose of --truth" : "--initial-pose";
+  context.note(
+      "warning: these maps do not explain this log: of its " +
+      counted(fit.scans.size(), "weighed scan") + " " + percent(fit.share(FitState::kExplained)) +
+      " fit them, " + percent(fit.share(FitState::kContradicted)) + " contradict them, and in " +
+      percent(fit.share(FitState::kUnknown)) +
+      " they know too little of the place; is the log of this building" +
+      (is_global ? "?"
+                 : ", and did the robot begin at " + begin + "? --global looks for it everywhere"));
 }
 
 void run_localize(const Options& options, VerbContext& context) {
@@ -145,18 +150,18 @@ void run_localize(const Options& options, VerbContext& context) {
   for (auto& truth : runs.truths) {
     if (truth && maps.map_from_truth) truth = *maps.map_from_truth * *truth;
   }
+  const pipeline::LocalizationStart start = start_of(options, runs.truths, context);
   pipeline::MapFit fit(maps.filtered);
-  const pipeline::LocalizationRun run =
-      pipeline::localize(runs.observations, runs.truths, model, maps.filtered, config.localizer,
-                         start_of(options, runs.truths, context), context.options.seed,
-                         context.options.threads, context.progress(), &fit);
+  const pipeline::LocalizationRun run = pipeline::localize(
+      runs.observations, runs.truths, model, maps.filtered, config.localizer, start,
+      context.options.seed, context.options.threads, context.progress(), &fit);
   OutputDirectory out(options.out, context.staged());
   pipeline::LocalizeSummary summary{options.model, context.options.seed, config.localizer.particles,
                                     meter.read(), maps.map_from_truth};
   const nlohmann::json metrics = pipeline::write_localization(out.path(), run, summary, &fit.fit());
   pipeline::write_trajectory_picture(out.path(), maps.filtered, fit.fit());
   out.commit();
-  warn_of_bad_fit(fit.fit(), options, context);
+  warn_of_bad_fit(fit.fit(), options, !start.map_from_robot, context);
   if (options.json) {
     std::cout << metrics.dump(2) << '\n';
   } else if (!context.options.quiet) {

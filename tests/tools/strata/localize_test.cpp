@@ -58,7 +58,7 @@ TEST_F(Localize, SaysThatAWrongInitialPoseIsOne) {
   const auto told = localize("--initial-pose 1.5,1.5,2.4");
   ASSERT_EQ(told.code, 0) << told.out;
   EXPECT_THAT(told.out, HasSubstr(kWarning));
-  EXPECT_THAT(told.out, HasSubstr("did the robot begin where --initial-pose says?"));
+  EXPECT_THAT(told.out, HasSubstr("did the robot begin at --initial-pose? --global looks"));
   const auto metrics = nlohmann::json::parse(test::bytes_of(at("out") / "metrics.json"));
   EXPECT_EQ(metrics["map_fit"]["is_explained"], false);
 }
