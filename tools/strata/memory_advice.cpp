@@ -20,12 +20,16 @@ constexpr const char* kCoarserMaps =
 constexpr const char* kFewerParticles =
     "take fewer particles, --set localizer.particles=N or, for a start from nowhere, --set "
     "localizer.global_start.max_particles=N";
+constexpr const char* kLessLive =
+    "give a scan matcher or beam filter larger cells (resolution_m), a localizer fewer particles "
+    "(particles, global_start.max_particles), a patch learner less to keep "
+    "(online.learner.memory_mb), or the process more memory";
 constexpr const char* kNoPatches =
     "leave the patches out, --only em,timescale, or make the maps' cells larger, --set "
     "slam.beam_filter.resolution_m=0.1";
 
 // The first that fits.
-constexpr std::array<Advice, 15> kAdvice{
+constexpr std::array<Advice, 16> kAdvice{
     {{"learn", "read log", kLessLog},
      {"learn", "find sequences", kNoPatches},
      {"learn", "learn configurations", kNoPatches},
@@ -44,6 +48,7 @@ constexpr std::array<Advice, 15> kAdvice{
      {"volume", "",
       "make the voxels larger, --resolution 0.2, which needs an eighth of the "
       "default's memory"},
+     {"run", "", kLessLive},
      {"info", "", kLessLog},
      {"replay", "", kLessLog},
      {"simulate", "", "simulate fewer days or scans"}}};

@@ -97,6 +97,19 @@ std::string describe_shortage(const std::exception& error, const Work& work) {
   return "";
 }
 
+std::string shortage_in_words(std::string told) {
+  const auto put = [&told](const std::string& system, const std::string& words) {
+    if (const std::size_t at = told.find(system); at != std::string::npos) {
+      told.replace(at, system.size(), words);
+    }
+  };
+  put("std::bad_alloc", "memory ran out" + what_was_asked({}) + "; " + memory_advice("run", ""));
+  put("Resource temporarily unavailable",
+      "no more threads can be made; raise the limits on processes and address space (`ulimit -u`, "
+      "`ulimit -v`)");
+  return told;
+}
+
 void prepare_for_shortage() {
   if (limit_on_address_space() > 0) mallopt(M_ARENA_MAX, 1);
   std::set_terminate(end_with_a_line);

@@ -18,6 +18,10 @@ struct Work {
 /// std::system_error of a thread that could not be made. Empty for all else.
 [[nodiscard]] std::string describe_shortage(const std::exception& error, const Work& work = {});
 
+/// An error that a component told, with what the system says of a shortage put into words: what was
+/// asked for, and which settings take less. Any other as it is.
+[[nodiscard]] std::string shortage_in_words(std::string told);
+
 /// That so much was asked for and is not there; what is in use then is noted with it. Needs no
 /// memory. Thread safe.
 void note_failed_allocation(std::size_t bytes) noexcept;

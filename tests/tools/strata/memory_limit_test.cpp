@@ -85,6 +85,15 @@ TEST(Shortage, SaysWhatNeededHowMuchAndWhichSettingMakesItLess) {
               HasSubstr("localizer.particles=N"));
 }
 
+TEST(Shortage, OfAComponentIsPutIntoWords) {
+  note_failed_allocation(64'000'000);
+  const std::string told = shortage_in_words("/scan_matcher: std::bad_alloc");
+  EXPECT_THAT(told, testing::StartsWith("/scan_matcher: memory ran out: it needed 64 MB more, "));
+  EXPECT_THAT(told, HasSubstr("online.learner.memory_mb"));
+  EXPECT_THAT(shortage_in_words("/a: Resource temporarily unavailable"), HasSubstr("ulimit -u"));
+  EXPECT_EQ(shortage_in_words("/a: the disk is full"), "/a: the disk is full");
+}
+
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 class ShortageOfAVerb : public test::ReplayFixture {};
 
