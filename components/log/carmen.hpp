@@ -24,7 +24,8 @@ void set_flaser_geometry(Scan& scan, double field_of_view_deg);
 
 /// Writes FLASER where it says everything about a scan, ROBOTLASER1 elsewhere, and ODOM between.
 /// Numbers are written so that they read back to the same bits; +Inf becomes 81.83 (or the
-/// scanner's maximum when that is longer), NaN stays "nan". Throws OutputError.
+/// scanner's maximum when that is longer), NaN stays "nan". Packed with gzip when the name ends in
+/// .gz. Throws OutputError.
 void write_carmen(const std::filesystem::path& path, const LogContent& content);
 
 }  // namespace strata::log

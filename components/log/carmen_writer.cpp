@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <ostream>
 #include <set>
 #include <string>
 
 #include "components/log/carmen.hpp"
+#include "components/log/gzip_stream.hpp"
 #include "components/log/text.hpp"
 #include "components/log/whole_file.hpp"
 
@@ -63,7 +65,10 @@ void write_scan(std::ostream& out, const Observation& observation) {
 
 void write_carmen(const std::filesystem::path& path, const LogContent& content) {
   WholeFile file(path);
-  std::ostream& out = file.stream();
+  std::optional<GzipBuffer> gzip;
+  if (path.extension() == ".gz") gzip.emplace(file.stream());
+  std::streambuf* const plain = file.stream().rdbuf();
+  std::ostream out(gzip ? &*gzip : plain);
   out << "# CARMEN log written by strata; metres and radians\n";
   if (!content.observations.empty()) {
     const Pose2& mounting = content.observations.front().scan.robot_from_laser;
@@ -89,6 +94,9 @@ void write_carmen(const std::filesystem::path& path, const LogContent& content) 
     write_scan(out, observation);
   }
   write_odometry_until(Stamp{std::numeric_limits<std::int64_t>::max()});
+  out.flush();
+  if (gzip) gzip->finish();
+  if (!out) file.stream().setstate(std::ios::failbit);
   file.commit();
 }
 

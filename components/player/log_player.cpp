@@ -12,9 +12,6 @@
 namespace strata::player {
 namespace {
 
-constexpr const char* kRobot = "base_link";
-constexpr const char* kOdometry = "odom";
-constexpr const char* kLaser = "laser";
 constexpr const char* kMap = "map";
 
 /// More frames than a robot has scanners: then it is the mounting of one that changes.
@@ -29,16 +26,17 @@ tf2_msgs::msg::TFMessage single(const geometry_msgs::msg::TransformStamped& tran
 }  // namespace
 
 LogPlayer::LogPlayer(std::vector<Observation> observations, Outputs outputs,
-                     std::vector<std::optional<Pose2>> given_poses)
+                     std::vector<std::optional<Pose2>> given_poses, FrameNames frames)
     : observations_(std::move(observations)),
       outputs_(std::move(outputs)),
-      given_poses_(std::move(given_poses)) {}
+      given_poses_(std::move(given_poses)),
+      frames_(std::move(frames)) {}
 
 std::string LogPlayer::frame_of(const Scan& scan) {
   const auto place = std::find(mountings_.begin(), mountings_.end(), scan.robot_from_laser);
   const auto number = static_cast<std::size_t>(place - mountings_.begin());
-  const auto name = [](std::size_t i) {
-    return i == 0 ? std::string(kLaser) : std::string(kLaser) + "_" + std::to_string(i);
+  const auto name = [this](std::size_t i) {
+    return i == 0 ? frames_.laser : frames_.laser + "_" + std::to_string(i);
   };
   if (place != mountings_.end()) return name(number);
   if (mountings_.size() >= kMaxFrames) mountings_.clear();
@@ -46,7 +44,7 @@ std::string LogPlayer::frame_of(const Scan& scan) {
   tf2_msgs::msg::TFMessage all;
   for (std::size_t i = 0; i < mountings_.size(); ++i) {
     all.transforms().push_back(
-        convert::to_transform_stamped(scan.stamp, mountings_[i], kRobot, name(i)));
+        convert::to_transform_stamped(scan.stamp, mountings_[i], frames_.robot, name(i)));
   }
   outputs_.tf_static(all);
   return name(mountings_.size() - 1);
@@ -61,9 +59,10 @@ void LogPlayer::publish(std::size_t index) {
   const std::string frame = frame_of(scan);
   if (observation.has_odometry) {
     const Pose2& odom_from_robot = observation.odom_from_robot;
-    outputs_.tf(
-        single(convert::to_transform_stamped(scan.stamp, odom_from_robot, kOdometry, kRobot)));
-    outputs_.odometry(convert::to_odometry(scan.stamp, odom_from_robot, kOdometry, kRobot));
+    outputs_.tf(single(convert::to_transform_stamped(scan.stamp, odom_from_robot, frames_.odometry,
+                                                     frames_.robot)));
+    outputs_.odometry(
+        convert::to_odometry(scan.stamp, odom_from_robot, frames_.odometry, frames_.robot));
   }
   if (outputs_.given_pose) {
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

@@ -28,14 +28,21 @@ struct Outputs {
   std::function<void(const strata_msgs::msg::ScanPose&)> given_pose;
 };
 
-/// Publishes observations in the frames base_link, odom and laser; of several scanners the others
-/// have the frames laser_1, laser_2 and so on, a mounting each. What a component puts together
-/// from the messages is the observation with the same bits.
+/// What the frames of the messages are called.
+struct FrameNames {
+  std::string robot = "base_link";
+  std::string odometry = "odom";
+  std::string laser = "laser";
+};
+
+/// Publishes observations in those frames; of several scanners the others have the frames laser_1,
+/// laser_2 and so on, a mounting each. What a component puts together from the messages is the
+/// observation with the same bits.
 class LogPlayer {
  public:
   /// given_poses: map_from_robot of each observation where known, or empty.
   LogPlayer(std::vector<Observation> observations, Outputs outputs,
-            std::vector<std::optional<Pose2>> given_poses = {});
+            std::vector<std::optional<Pose2>> given_poses = {}, FrameNames frames = {});
   [[nodiscard]] const std::vector<Observation>& observations() const { return observations_; }
   /// Clock, tf_static (first and when another mounting comes), tf, odometry and the given pose,
   /// then the scan.
@@ -47,6 +54,7 @@ class LogPlayer {
   std::vector<Observation> observations_;
   Outputs outputs_;
   std::vector<std::optional<Pose2>> given_poses_;
+  FrameNames frames_;
   std::vector<Pose2> mountings_;  ///< of the frames so far
 };
 

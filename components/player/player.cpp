@@ -62,9 +62,12 @@ std::unique_ptr<Source> Player::make_source() {
   outputs.scan = advertise<sensor_msgs::msg::LaserScan>("scan", "default");
   log::ReadOptions reading;
   reading.scan_topics = config_.scan_topics;
-  std::vector<Observation> observations = log::read_observations(config_.log, reading);
-  log::require_ros_stamps(observations, {}, config_.log);
-  return std::make_unique<ScanSource>(LogPlayer(std::move(observations), std::move(outputs)));
+  log::LogContent content = log::read_log(config_.log, reading);
+  log::require_ros_stamps(content.observations, {}, config_.log);
+  // The log's own names, which other files of the robot, such as its URDF, have too.
+  FrameNames frames{content.robot_frame, content.odom_frame, content.scan_frame};
+  return std::make_unique<ScanSource>(
+      LogPlayer(std::move(content.observations), std::move(outputs), {}, std::move(frames)));
 }
 
 void Player::on_activate() { set_stopped(false); }
@@ -81,6 +84,11 @@ void Player::on_diagnose(runtime::Health& health) const {
   const std::uint64_t left_out = source_ ? source_->left_out() : 0;
   if (left_out > 0) health.warn("the log holds messages that are none");
   health.add("messages left out", left_out);
+}
+
+bool Player::is_over() const {
+  const std::lock_guard lock(mutex_);
+  return over_;
 }
 
 void Player::end() {

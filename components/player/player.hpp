@@ -27,6 +27,9 @@ class Player final : public runtime::Component {
   using Component::Component;
   ~Player() override;
 
+  /// Whether all was played, or what is left cannot be. Thread safe.
+  [[nodiscard]] bool is_over() const;
+
  private:
   class Control;
   class Unlocked;
@@ -74,7 +77,7 @@ class Player final : public runtime::Component {
   PlayerConfig config_;
   std::unique_ptr<Source> source_;  ///< the playing thread's, while there is one
   std::stop_source stop_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   // Under mutex_.
   PlayClock clock_;  ///< runs while neither paused nor stopped

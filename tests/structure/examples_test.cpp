@@ -43,6 +43,18 @@ TEST(Examples, AreWhatThePageOfTheLibraryShows) {
   EXPECT_THAT(example("learn_from_scans/CMakeLists.txt"), testing::EndsWith(builds[1]));
 }
 
+TEST(Examples, AreWhatThePageOfOwnComponentsShows) {
+  const std::string page = read_text(source_root() / "docs/own-components.md");
+  const std::vector<std::string> shown = blocks_of(page, "cpp");
+  ASSERT_FALSE(shown.empty());
+  EXPECT_EQ(shown.front(), program("obstacle_alarm"));
+  const std::vector<std::string> builds = blocks_of(page, "cmake");
+  ASSERT_EQ(builds.size(), 1U);
+  EXPECT_THAT(example("obstacle_alarm/CMakeLists.txt"), testing::HasSubstr("\n" + builds[0]));
+  EXPECT_THAT(blocks_of(page, "yaml"),
+              testing::ElementsAre(example("obstacle_alarm/composition.yaml")));
+}
+
 TEST(Examples, AreWhatTheReadmeShows) {
   const std::string readme = read_text(source_root() / "README.md");
   const std::vector<std::string> shown = blocks_of(readme, "cpp");

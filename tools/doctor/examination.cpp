@@ -7,6 +7,7 @@
 
 #include "components/bus/names.hpp"
 #include "tools/doctor/network_findings.hpp"
+#include "tools/doctor/topic_use.hpp"
 
 namespace strata::doctor {
 namespace {
@@ -52,6 +53,7 @@ class Examiner {
       topics[endpoint.wire_topic].push_back(endpoint);
     }
     for (const auto& [wire_name, endpoints] : topics) add_topic(wire_name, endpoints);
+    find_unpublished();
     for (const auto& [topic, why] : observed_.refused) {
       find(false, topic, "was not listened to: " + why,
            "give this doctor an enclave that may read it, if it matters");
@@ -125,11 +127,33 @@ class Examiner {
         if (writer.writes && !reader.writes) compare(topic.name, writer, reader);
       }
     }
-    if (!ros_name.empty() && topic.writers.empty()) {
-      find(false, topic.name, "is read by " + topic.readers.front() + " and published by nobody",
+    topic.is_plumbing = is_plumbing(wire_name);
+    report_.topics.push_back(std::move(topic));
+  }
+
+  /// Odometry comes as a topic of its own or as transforms: one of the two is enough.
+  [[nodiscard]] static bool may_hold_odometry(const TopicReport& topic) {
+    return topic.type == "nav_msgs/msg/Odometry" || topic.name.ends_with("/tf");
+  }
+  [[nodiscard]] bool has_other_odometry(const TopicReport& topic, const std::string& reader) const {
+    return std::any_of(report_.topics.begin(), report_.topics.end(), [&](const TopicReport& other) {
+      return other.name != topic.name && may_hold_odometry(other) && !other.writers.empty() &&
+             std::find(other.readers.begin(), other.readers.end(), reader) != other.readers.end();
+    });
+  }
+  void find_unpublished() {
+    for (const TopicReport& topic : report_.topics) {
+      const bool is_of_ros = topic.name.starts_with('/');
+      if (!is_of_ros || topic.is_plumbing || !topic.writers.empty()) continue;
+      if (is_occasional(topic.name)) continue;
+      const auto lacks = [&](const std::string& reader) {
+        return !may_hold_odometry(topic) || !has_other_odometry(topic, reader);
+      };
+      const auto who = std::find_if(topic.readers.begin(), topic.readers.end(), lacks);
+      if (who == topic.readers.end()) continue;
+      find(false, topic.name, "is read by " + *who + " and published by nobody",
            "start what publishes it, or remap the reader");
     }
-    report_.topics.push_back(std::move(topic));
   }
 
   void compare(const std::string& topic, const DiscoveredEndpoint& writer,
@@ -193,6 +217,11 @@ class Examiner {
 };
 
 }  // namespace
+
+std::size_t Report::errors() const {
+  return static_cast<std::size_t>(std::count_if(
+      findings.begin(), findings.end(), [](const Finding& finding) { return finding.is_error; }));
+}
 
 Report examine(const Observed& observed) { return Examiner(observed).run(); }
 

@@ -3,6 +3,7 @@
 /// DDS itself: values in, findings out.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -50,6 +51,7 @@ struct TopicReport {
   std::vector<std::string> readers;
   double rate_hz = 0.0;
   double bytes_per_s = 0.0;
+  bool is_plumbing = false;  ///< topic_use.hpp
 };
 
 struct Finding {
@@ -63,14 +65,18 @@ struct Report {
   std::vector<ParticipantReport> participants;
   std::vector<TopicReport> topics;
   std::vector<Finding> findings;  ///< errors first
+  [[nodiscard]] std::size_t errors() const;
 };
 
 /// Endpoints of one topic that do not match each other (type, reliability, durability, deadline),
-/// clocks that differ by more than 0.1 s, topics that somebody reads and nobody writes, and what
-/// network_findings.hpp finds.
+/// clocks that differ by more than 0.1 s, topics that somebody needs and nobody writes, and what
+/// network_findings.hpp finds. Needed is what is read, but for services, for what people publish
+/// now and then, and for odometry on one of its two ways, a topic and /tf, when it comes on the
+/// other.
 [[nodiscard]] Report examine(const Observed& observed);
 
-[[nodiscard]] std::string to_text(const Report& report);
+/// Findings, then participants and topics. all: also the topics of services and the like.
+[[nodiscard]] std::string to_text(const Report& report, bool all = false);
 [[nodiscard]] std::string to_json(const Report& report);
 
 }  // namespace strata::doctor

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstddef>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -24,21 +26,31 @@ std::string rate_text(const TopicReport& topic) {
 
 }  // namespace
 
-std::string to_text(const Report& report) {
-  std::string text = std::to_string(report.participants.size()) + " participants\n";
+std::string to_text(const Report& report, bool all) {
+  std::string text = report.findings.empty() ? "no problem found\n" : "findings\n";
+  for (const Finding& finding : report.findings) {
+    text += std::string(finding.is_error ? "  error: " : "  note: ") + finding.place + ": " +
+            finding.what + "; " + finding.advice + "\n";
+  }
+  text += std::to_string(report.participants.size()) +
+          (report.participants.size() == 1 ? " participant\n" : " participants\n");
   for (const ParticipantReport& participant : report.participants) {
     text += "  " + participant.guid + "  " + participant.vendor +
             "  nodes: " + joined(participant.nodes) + "\n";
   }
-  text += std::to_string(report.topics.size()) + " topics\n";
+  const auto hidden = static_cast<std::size_t>(
+      all ? 0
+          : std::count_if(report.topics.begin(), report.topics.end(),
+                          [](const TopicReport& topic) { return topic.is_plumbing; }));
+  const std::size_t shown = report.topics.size() - hidden;
+  text +=
+      std::to_string(shown) + (shown == 1 ? " topic" : " topics") +
+      (hidden > 0 ? ", and " + std::to_string(hidden) + " of services and the like (--all)" : "") +
+      "\n";
   for (const TopicReport& topic : report.topics) {
+    if (topic.is_plumbing && !all) continue;
     text += "  " + topic.name + "  " + topic.type + rate_text(topic) + "\n    from " +
             joined(topic.writers) + "\n    to   " + joined(topic.readers) + "\n";
-  }
-  text += report.findings.empty() ? "no problem found\n" : "findings\n";
-  for (const Finding& finding : report.findings) {
-    text += std::string(finding.is_error ? "  error: " : "  note: ") + finding.place + ": " +
-            finding.what + "; " + finding.advice + "\n";
   }
   return text;
 }
@@ -59,7 +71,8 @@ std::string to_json(const Report& report) {
                               {"writers", topic.writers},
                               {"readers", topic.readers},
                               {"rate_hz", topic.rate_hz},
-                              {"bytes_per_s", topic.bytes_per_s}});
+                              {"bytes_per_s", topic.bytes_per_s},
+                              {"plumbing", topic.is_plumbing}});
   }
   json["findings"] = nlohmann::ordered_json::array();
   for (const Finding& finding : report.findings) {

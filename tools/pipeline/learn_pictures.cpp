@@ -20,6 +20,8 @@ using report::HtmlReport;
 constexpr int kMapPixels = 1400;
 constexpr int kRoundPixels = 700;
 constexpr report::Color kDynamic{214, 39, 40};
+constexpr report::Color kDriven{213, 94, 0};
+constexpr report::Color kChanging{0, 114, 178};
 
 report::Series rounds_of(const std::string& name, const std::vector<double>& values) {
   report::Series series{name, {}, values};
@@ -27,9 +29,25 @@ report::Series rounds_of(const std::string& name, const std::vector<double>& val
   return series;
 }
 
-void add_ghosts(HtmlReport& page, const slam::SlamResult& result, const CellRect& rect) {
+report::MapPicture draw_dynamic(const slam::SlamResult& result, const CellRect& rect) {
   report::MapPicture raw = report::draw_map(result.occupancy, rect, kMapPixels);
   report::mark_dynamic_beams(raw, result.scans, kDynamic);
+  return raw;
+}
+
+/// A line for each run.
+void mark_ways(report::MapPicture& picture, const std::vector<PosedScan>& scans) {
+  std::vector<Pose2> way;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    way.push_back(scans[i].map_from_robot);
+    if (i + 1 < scans.size() && scans[i + 1].run == scans[i].run) continue;
+    report::mark_trajectory(picture, way, kDriven);
+    way.clear();
+  }
+}
+
+void add_ghosts(HtmlReport& page, const slam::SlamResult& result, const CellRect& rect) {
+  const report::MapPicture raw = draw_dynamic(result, rect);
   const report::MapPicture filtered = report::draw_map(result.filtered, rect, kMapPixels);
   page.heading("The map before and after");
   page.before_after(
@@ -77,6 +95,18 @@ void add_rounds(HtmlReport& page, const std::filesystem::path& folder,
 }
 
 }  // namespace
+
+void write_map_pictures(const std::filesystem::path& folder, const slam::SlamResult& result,
+                        const patch::PatchMap& patches) {
+  if (result.scans.empty()) return;
+  const CellRect rect = report::known_rect(result.occupancy);
+  report::MapPicture map = report::draw_map(result.filtered, rect, kMapPixels);
+  mark_ways(map, result.scans);
+  report::mark_submaps(map, patches, kChanging);
+  report::write_file(folder / kMapPicture, report::encode_png(map.image));
+  report::write_file(folder / kDynamicPicture,
+                     report::encode_png(draw_dynamic(result, rect).image));
+}
 
 void write_learn_pictures(const std::filesystem::path& folder, const slam::SlamResult& result,
                           const beam_filter::BeamFilterConfig& config) {

@@ -5,9 +5,20 @@
 #include <filesystem>
 
 #include "core/beam_filter/config.hpp"
+#include "core/patch/patch_map.hpp"
 #include "core/slam/slam.hpp"
 
 namespace strata::pipeline {
+
+/// What every MAPS folder shows.
+inline constexpr const char* kMapPicture = "map.png";
+inline constexpr const char* kDynamicPicture = "dynamic.png";
+
+/// Writes into an existing folder map.png, the map of static beams with the way that was driven and
+/// frames round the places that change, and dynamic.png, the map of all beams with those held to be
+/// dynamic marked. Nothing when no cell is known. Throws OutputError.
+void write_map_pictures(const std::filesystem::path& folder, const slam::SlamResult& result,
+                        const patch::PatchMap& patches);
 
 /// Rounds of EM that `write_learn_pictures` shows.
 inline constexpr int kShownRounds = 6;

@@ -3,14 +3,17 @@
 
 #include <chrono>
 
+#include "tools/pipeline/map_fit.hpp"
+
 namespace strata::pipeline {
 LocalizationRun localize(std::span<const Observation> observations,
                          std::span<const std::optional<Pose2>> truths, const maps::MapModel& model,
                          const ReflectionGrid& free_space,
                          const localization::LocalizerConfig& config,
                          const LocalizationStart& start, std::uint64_t seed, int threads,
-                         Progress* progress) {
+                         Progress* progress, MapFit* fit) {
   LocalizationRun run;
+  report_progress(progress, "localize", 0, observations.size());
   localization::Localizer localizer(config, model.sensor, seed, threads);
   localizer.set_free_space(free_space);
   if (start.map_from_robot) {
@@ -25,6 +28,7 @@ LocalizationRun localize(std::span<const Observation> observations,
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     run.update_ms.push_back(took.count());
     run.add(observation.scan.stamp, result, localizer);
+    if (fit != nullptr) fit->add(observation, result, localizer.particles());
     if (i < truths.size() && truths[i]) {
       run.errors.push_back(
           {observation.scan.stamp, localization::weighted_error(localizer.particles(), *truths[i]),

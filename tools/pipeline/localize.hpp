@@ -16,6 +16,8 @@
 
 namespace strata::pipeline {
 
+class MapFit;
+
 /// The record of a run, and what only the direct path knows.
 struct LocalizationRun : maps::LocalizationRecord {
   std::vector<ScanError> errors;  ///< of the scans whose truth is known
@@ -27,14 +29,14 @@ struct LocalizationStart {
   std::optional<Pose2Gaussian> map_from_robot;
 };
 
-/// truths: empty, or map_from_robot of each observation where known. Deterministic but for
-/// update_ms.
+/// truths: empty, or map_from_robot of each observation where known. fit: takes up each scan; may
+/// be null. Deterministic but for update_ms.
 [[nodiscard]] LocalizationRun localize(std::span<const Observation> observations,
                                        std::span<const std::optional<Pose2>> truths,
                                        const maps::MapModel& model,
                                        const ReflectionGrid& free_space,
                                        const localization::LocalizerConfig& config,
                                        const LocalizationStart& start, std::uint64_t seed,
-                                       int threads, Progress* progress);
+                                       int threads, Progress* progress, MapFit* fit = nullptr);
 
 }  // namespace strata::pipeline

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/localize_output.hpp"
 
+#include "tools/pipeline/map_fit.hpp"
+
 namespace strata::pipeline {
 namespace {
 
@@ -31,10 +33,18 @@ void add_errors(json& metrics, std::span<const ScanError> errors,
   }
 }
 
+json map_fit_json(const LogFit& fit) {
+  json shares{{"scans", fit.scans.size()},
+              {"is_explained", fit.scans.empty() ? json(nullptr) : json(fit.is_explained())}};
+  for (const auto& [kind, name] : EnumNames<FitState>::values) shares[name] = fit.share(kind);
+  return shares;
+}
+
 json write_localization(const std::filesystem::path& folder, const LocalizationRun& run,
-                        const LocalizeSummary& summary) {
+                        const LocalizeSummary& summary, const LogFit* fit) {
   json metrics = maps::localization_metrics(run, summary.model, summary.seed, summary.particles);
   add_errors(metrics, run.errors, summary.map_from_truth);
+  if (fit != nullptr) metrics["map_fit"] = map_fit_json(*fit);
   const double duration_s =
       run.trajectory.size() < 2
           ? 0.0

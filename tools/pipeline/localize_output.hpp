@@ -15,6 +15,8 @@
 
 namespace strata::pipeline {
 
+struct LogFit;
+
 struct LocalizeSummary {
   std::string model;
   std::uint64_t seed = 1;
@@ -28,9 +30,12 @@ struct LocalizeSummary {
 void add_errors(nlohmann::json& metrics, std::span<const ScanError> errors,
                 const std::optional<Pose2>& map_from_truth);
 
+/// What is told of whether the maps explain the log: shares of the weighed scans.
+[[nodiscard]] nlohmann::json map_fit_json(const LogFit& fit);
+
 /// Writes into an existing folder and returns the metrics; error fields are null when no truth was
-/// known. Throws OutputError.
+/// known, and without `fit` nothing is said of it. Throws OutputError.
 nlohmann::json write_localization(const std::filesystem::path& folder, const LocalizationRun& run,
-                                  const LocalizeSummary& summary);
+                                  const LocalizeSummary& summary, const LogFit* fit = nullptr);
 
 }  // namespace strata::pipeline

@@ -158,10 +158,10 @@ std::string draw_landmarks(const TopologyMap& result) {
   const double height = std::max(500.0, kSide * size.y() / longer);
   const Frame frame(points, 0.0, 0.0, width, height);
   std::ostringstream out;
-  out << begin_svg(width, height) << "<g fill=\"#9aa\">\n";
+  out << begin_svg(width, height) << "<g fill=\"#334\">\n";
   for (const Eigen::Vector2d& point : points) {
     out << "<rect x=\"" << fixed(frame.x(point.x()), 1) << "\" y=\"" << fixed(frame.y(point.y()), 1)
-        << "\" width=\"1.4\" height=\"1.4\"/>\n";
+        << "\" width=\"2.4\" height=\"2.4\"/>\n";
   }
   out << "</g>\n";
   draw_graph(out, hypothesis, frame, 4.0);

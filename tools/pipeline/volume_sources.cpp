@@ -62,6 +62,11 @@ VolumeSources find_volume_sources(const fs::path& log, const std::string& poses,
     return sources;
   }
   const clouds::BagPoses bag(log, {});
+  if (bag.topics_of("sensor_msgs/msg/PointCloud2").empty()) {
+    throw InputError(log.string(), "holds no point clouds, so there is no 3-D map in it",
+                     "record a topic of sensor_msgs/msg/PointCloud2; of scans `strata learn` makes "
+                     "maps");
+  }
   const bool has_scans = !bag.topics_of("sensor_msgs/msg/LaserScan").empty();
   if (wants_boxes && !has_scans) {
     throw InputError(log.string(), "has no planar scans to make boxes from", "use --moving voxels");

@@ -56,13 +56,17 @@ void draw_points(const Series& series, const PlotFrame& frame, std::size_t color
   }
 }
 
+std::string width_style(double width) {
+  return width > 0.0 ? " style='stroke-width:" + number(width) + "'" : "";
+}
+
 void draw_series(const LinePlot& plot, const PlotFrame& frame, std::ostringstream& out) {
   for (std::size_t s = 0; s < plot.series.size(); ++s) {
     const Series& series = plot.series[s];
     if (plot.points) {
       draw_points(series, frame, s % kPlotColors, out);
     }
-    out << "<path class='" << line_class(s) << "' d='";
+    out << "<path class='" << line_class(s) << "'" << width_style(line_width(plot, s)) << " d='";
     bool pen_down = false;
     for (std::size_t i = 0; i < series.x.size(); ++i) {
       if (!std::isfinite(series.x[i]) || !std::isfinite(series.y[i])) {
@@ -83,9 +87,9 @@ void draw_legend(const LinePlot& plot, const PlotFrame& frame, std::ostringstrea
   for (const LegendEntry& entry : legend_of(plot)) {
     const double x = frame.left + column * std::fmod(place, kLegendColumns);
     const double y = kPlotTop + kLegendRow * std::floor(place / kLegendColumns);
-    out << "<line class='" << entry.line_class << "' x1='" << x << "' x2='" << x + 18.0 << "' y1='"
-        << y << "' y2='" << y << "'/><text class='tick' x='" << x + 23.0 << "' y='" << y + 4.0
-        << "'>" << escape(entry.name) << "</text>\n";
+    out << "<line class='" << entry.line_class << "'" << width_style(entry.width) << " x1='" << x
+        << "' x2='" << x + 18.0 << "' y1='" << y << "' y2='" << y << "'/><text class='tick' x='"
+        << x + 23.0 << "' y='" << y + 4.0 << "'>" << escape(entry.name) << "</text>\n";
     place += 1.0;
   }
 }
@@ -151,7 +155,7 @@ std::string plot_style() {
          ".plot .event{stroke:var(--ink,#222);stroke-width:1.2}"
          ".plot .e0{stroke-dasharray:6 4}.plot .e1{stroke-dasharray:1.2 3}"
          ".plot .e2{stroke-dasharray:9 3 2 3}"
-         ".plot .line{fill:none;stroke-width:1.8}.plot .dashed{stroke-dasharray:6 3}.plot "
+         ".plot .line{fill:none}.plot .dashed{stroke-dasharray:6 3}.plot "
          ".dot{fill:none;stroke-width:3}";
   for (std::size_t i = 0; i < kPlotColors; ++i) {
     out << ".plot .s" << i << "{stroke:" << kPalette[i] << "}";

@@ -27,6 +27,14 @@ std::string line_class(std::size_t series) {
   return "line s" + std::to_string(series % kPlotColors) + (series >= kPlotColors ? " dashed" : "");
 }
 
+double line_width(const LinePlot& plot, std::size_t series) {
+  constexpr double kThinnest = 1.8;
+  constexpr double kMostMore = 4.0;
+  const auto steps = static_cast<double>(plot.series.size() - 1);
+  const double step = std::min(1.6, kMostMore / std::max(steps, 1.0));
+  return kThinnest + step * (steps - static_cast<double>(series));
+}
+
 std::string event_class(std::size_t label) {
   return "event e" + std::to_string(label % kEventDashes);
 }
@@ -35,11 +43,11 @@ std::vector<LegendEntry> legend_of(const LinePlot& plot) {
   std::vector<LegendEntry> legend;
   const std::size_t named = plot.series.size() > 1 ? plot.series.size() : 0;
   for (std::size_t s = 0; s < named; ++s) {
-    legend.push_back({line_class(s), plot.series[s].name});
+    legend.push_back({line_class(s), line_width(plot, s), plot.series[s].name});
   }
   const std::vector<std::string> labels = event_labels(plot);
   for (std::size_t e = 0; e < labels.size(); ++e) {
-    legend.push_back({event_class(e), labels[e]});
+    legend.push_back({event_class(e), 0.0, labels[e]});
   }
   return legend;
 }

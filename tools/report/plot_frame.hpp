@@ -63,8 +63,12 @@ struct PlotFrame {
 [[nodiscard]] std::string line_class(std::size_t series);
 [[nodiscard]] std::string event_class(std::size_t label);
 
+/// Those drawn first are the thickest, so that of curves that lie on each other all can be seen.
+[[nodiscard]] double line_width(const LinePlot& plot, std::size_t series);
+
 struct LegendEntry {
   std::string line_class;
+  double width = 0.0;  ///< 0: the class has it
   std::string name;
 };
 

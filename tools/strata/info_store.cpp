@@ -59,11 +59,7 @@ Json describe(const std::string& path, const memory::StoreSummary& store) {
   return info;
 }
 
-std::string kilobytes(std::int64_t bytes) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f kB", static_cast<double>(bytes) / 1000.0);
-  return text;
-}
+std::string size_text(std::int64_t bytes) { return kilobytes(static_cast<std::uintmax_t>(bytes)); }
 
 std::string metres(double value) {
   char text[32];
@@ -81,11 +77,11 @@ std::string duration(double seconds) {
 
 void print(const std::string& path, const memory::StoreSummary& store) {
   std::cout << path << ": Strata store, version " << store.version << ", "
-            << kilobytes(store.file_bytes) << "\n";
+            << size_text(store.file_bytes) << "\n";
   for (const auto& grid : store.grids) {
     std::cout << "  grid       " << grid.name << ", " << metres(grid.width_m) << " x "
               << metres(grid.height_m) << " at " << grid.resolution_m << " m, "
-              << kilobytes(grid.bytes) << "\n";
+              << size_text(grid.bytes) << "\n";
   }
   for (const auto& map : store.patch_maps) {
     std::cout << "  patch map  " << map.name << ", " << map.submaps << " sub-maps, "
@@ -93,7 +89,7 @@ void print(const std::string& path, const memory::StoreSummary& store) {
   }
   for (const auto& run : store.runs) {
     std::cout << "  run        " << run.run << ", " << run.poses << " poses, " << run.scans
-              << " scans kept, " << kilobytes(run.bytes) << "\n";
+              << " scans kept, " << size_text(run.bytes) << "\n";
   }
   for (const auto& memory : store.timescales) {
     std::cout << "  timescale  " << memory.name << ", " << memory.nodes << " nodes, "
@@ -102,7 +98,7 @@ void print(const std::string& path, const memory::StoreSummary& store) {
       std::cout << "    level    " << level.name;
       if (level.half_life_s > 0.0) std::cout << ", half-life " << duration(level.half_life_s);
       std::cout << ", " << level.samples << " samples, " << level.pairs << " pairs, "
-                << kilobytes(level.bytes) << ", at most " << kilobytes(level.max_bytes_a_node)
+                << size_text(level.bytes) << ", at most " << size_text(level.max_bytes_a_node)
                 << " a node\n";
     }
   }
@@ -111,12 +107,21 @@ void print(const std::string& path, const memory::StoreSummary& store) {
 
 }  // namespace
 
+std::string kilobytes(std::uintmax_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f kB", static_cast<double>(bytes) / 1000.0);
+  return text;
+}
+
+Json describe_store(const std::string& path) {
+  return describe(path, memory::summarize_store(path));
+}
+
 void print_store(const std::string& path, bool json) {
-  const memory::StoreSummary store = memory::summarize_store(path);
   if (json) {
-    std::cout << describe(path, store).dump(2) << "\n";
+    std::cout << describe_store(path).dump(2) << "\n";
   } else {
-    print(path, store);
+    print(path, memory::summarize_store(path));
   }
 }
 

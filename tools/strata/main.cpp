@@ -67,12 +67,12 @@ int fail(const std::string& verb, const std::string& message, int code) {
   return code;
 }
 
-std::string plain(const std::exception& error) {
+std::string plain(const std::exception& error, const Work& work = {}) {
   if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
     return file->path1().string() + ": " + file->code().message() +
            "; check the path, its permissions and free space";
   }
-  const std::string shortage = describe_shortage(error);
+  const std::string shortage = describe_shortage(error, work);
   return shortage.empty() ? error.what() : shortage;
 }
 
@@ -129,7 +129,7 @@ int run(int argc, char** argv) {
   } catch (const ConfigError& error) {
     return fail(verb(), error.what(), kBadInput);
   } catch (const std::exception& error) {
-    return fail(verb(), plain(error), kFailed);
+    return fail(verb(), plain(error, {verb(), context.stage()}), kFailed);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/strata/shortage.hpp"
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
@@ -10,6 +11,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "tools/strata/memory_advice.hpp"
+
 namespace strata::tools {
 namespace {
 
@@ -18,6 +21,26 @@ unsigned long long limit_on_address_space() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return 0;
   return limit.rlim_cur >> 20U;
+}
+
+/// Of the last allocation that failed; 0: none was noted.
+std::atomic<std::size_t> asked_bytes{0};
+std::atomic<std::size_t> in_use_bytes{0};
+
+std::string size_text(std::size_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, bytes < 10'000'000 ? "%.1f MB" : "%.0f MB",
+                static_cast<double>(bytes) * 1e-6);
+  return text;
+}
+
+/// ": 'match scans' needed 120 MB beside the 310 MB in use".
+std::string what_was_asked(const Work& work) {
+  if (asked_bytes == 0 && work.stage.empty()) return "";
+  std::string text = ": " + (work.stage.empty() ? "it" : "'" + work.stage + "'");
+  if (asked_bytes == 0) return text + " needed more";
+  return text + " needed " + size_text(asked_bytes) + " more, beside " + size_text(in_use_bytes) +
+         " in use";
 }
 
 /// Without memory of its own, since that is what may be lacking.
@@ -49,14 +72,22 @@ unsigned long long limit_on_address_space() {
 
 }  // namespace
 
-std::string describe_shortage(const std::exception& error) {
+void note_failed_allocation(std::size_t bytes) noexcept {
+  const struct mallinfo2 now = mallinfo2();
+  in_use_bytes = now.uordblks + now.hblkhd;
+  asked_bytes = bytes;
+}
+
+std::string describe_shortage(const std::exception& error, const Work& work) {
   const unsigned long long limit_mb = limit_on_address_space();
   const std::string under =
       limit_mb > 0 ? " under the limit of " + std::to_string(limit_mb) + " MB on address space"
                    : "";
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
-    return "memory: ran out" + under + "; " +
-           (limit_mb > 0 ? "raise it (`ulimit -v`)" : "free some") + ", or give it less to do";
+    const std::string advice = memory_advice(work.verb, work.stage);
+    return "memory: ran out" + under + what_was_asked(work) + "; " +
+           (limit_mb > 0 ? "raise it (`ulimit -v`)" : "free some") + ", or " +
+           (advice.empty() ? "give it less to do" : advice);
   }
   const auto* system = dynamic_cast<const std::system_error*>(&error);
   if (system != nullptr && system->code() == std::errc::resource_unavailable_try_again) {
@@ -64,6 +95,19 @@ std::string describe_shortage(const std::exception& error) {
            "; raise the limits on processes and address space (`ulimit -u`, `ulimit -v`)";
   }
   return "";
+}
+
+std::string shortage_in_words(std::string told) {
+  const auto put = [&told](const std::string& system, const std::string& words) {
+    if (const std::size_t at = told.find(system); at != std::string::npos) {
+      told.replace(at, system.size(), words);
+    }
+  };
+  put("std::bad_alloc", "memory ran out" + what_was_asked({}) + "; " + memory_advice("run", ""));
+  put("Resource temporarily unavailable",
+      "no more threads can be made; raise the limits on processes and address space (`ulimit -u`, "
+      "`ulimit -v`)");
+  return told;
 }
 
 void prepare_for_shortage() {

@@ -4,8 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace strata::tools {
+namespace {
+
+double seconds(std::chrono::steady_clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+}  // namespace
 
 std::string format_duration(double seconds) {
   const auto whole = static_cast<long long>(std::llround(std::max(0.0, seconds)));
@@ -38,8 +46,14 @@ std::string progress_text(std::string_view stage, std::size_t done, std::size_t 
   return text;
 }
 
-TerminalProgress::TerminalProgress(std::ostream& out, Style style, const Interrupt* interrupt)
-    : out_(out), style_(style), interrupt_(interrupt) {}
+TerminalProgress::TerminalProgress(std::ostream& out, Style style, const Interrupt* interrupt,
+                                   std::function<Time()> now)
+    : out_(out),
+      style_(style),
+      interrupt_(interrupt),
+      now_(std::move(now)),
+      begin_(now_()),
+      stage_begin_(begin_) {}
 
 TerminalProgress::~TerminalProgress() { clear(); }
 
@@ -48,24 +62,34 @@ bool TerminalProgress::cancelled() const {
 }
 
 void TerminalProgress::update(std::string_view stage, std::size_t done, std::size_t total) {
-  if (style_ == Style::kQuiet) return;
-  const auto now = Clock::now();
-  const bool new_stage = stage != stage_ || (stage_ended_ && done < total);
-  if (new_stage) {
-    clear();
-    stage_ = stage;
-    first_done_ = done;
-    stage_begin_ = now;
-    stage_ended_ = false;
+  if (style_ == Style::kQuiet) {
+    if (stage != stage_) stage_ = stage;
+    return;
   }
+  const Time now = now_();
+  if (stage != stage_ || (stage_ended_ && done < total)) begin_stage(stage, done, now);
   const bool at_end = total > 0 && done >= total;
   if (at_end && stage_ended_) return;
-  const double pause_s = style_ == Style::kBar ? 0.1 : 10.0;
-  const double since_drawn_s = std::chrono::duration<double>(now - last_drawn_).count();
-  if (!new_stage && !at_end && since_drawn_s < pause_s) return;
-  last_drawn_ = now;
   stage_ended_ = at_end;
-  draw(done, total, std::chrono::duration<double>(now - stage_begin_).count());
+  if (!is_due(at_end, now)) return;
+  last_drawn_ = now;
+  draw(done, total, seconds(now - stage_begin_));
+}
+
+void TerminalProgress::begin_stage(std::string_view stage, std::size_t done, Time now) {
+  stage_ = stage;
+  first_done_ = done;
+  stage_begin_ = now;
+  stage_ended_ = false;
+  if (style_ == Style::kLines) last_drawn_.reset();
+}
+
+bool TerminalProgress::is_due(bool at_end, Time now) const {
+  constexpr double kShort_s = 1.0;
+  const bool is_bar = style_ == Style::kBar;
+  if (!last_drawn_) return seconds(now - (is_bar ? begin_ : stage_begin_)) >= kShort_s;
+  const double pause_s = is_bar ? 0.1 : 10.0;
+  return at_end || seconds(now - *last_drawn_) >= pause_s;
 }
 
 void TerminalProgress::draw(std::size_t done, std::size_t total, double elapsed_s) {
@@ -80,10 +104,6 @@ void TerminalProgress::draw(std::size_t done, std::size_t total, double elapsed_
   out_ << "\r\033[K[" << std::string(filled, '#') << std::string(kWidth - filled, '.') << "] "
        << text << std::flush;
   bar_visible_ = true;
-  if (stage_ended_) {
-    out_ << std::endl;
-    bar_visible_ = false;
-  }
 }
 
 void TerminalProgress::clear() {

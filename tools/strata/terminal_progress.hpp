@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -13,35 +15,43 @@
 
 namespace strata::tools {
 
-/// On a terminal: one line, redrawn at most ten times a second, with rate and time left. Otherwise
-/// a line at the start and the end of each stage and every ten seconds between. Quiet: nothing, but
-/// interrupts still cancel.
+/// On a terminal: one line, redrawn at most ten times a second, with rate and time left, and gone
+/// at the end. Otherwise a line every ten seconds, and the first and the last of each stage. What
+/// is over within a second is not shown: on a terminal all of the work, else the stage. Quiet:
+/// nothing, but interrupts still cancel.
 class TerminalProgress : public Progress {
  public:
   enum class Style { kBar, kLines, kQuiet };
 
-  /// interrupt may be null. Both must outlive this.
-  TerminalProgress(std::ostream& out, Style style, const Interrupt* interrupt);
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// interrupt may be null; `out` and it must outlive this. now: the clock.
+  TerminalProgress(std::ostream& out, Style style, const Interrupt* interrupt,
+                   std::function<Time()> now = std::chrono::steady_clock::now);
   ~TerminalProgress() override;
 
   void update(std::string_view stage, std::size_t done, std::size_t total) override;
   [[nodiscard]] bool cancelled() const override;
+  [[nodiscard]] const std::string& stage() const { return stage_; }
   /// Wipes the bar, so that other text can follow.
   void clear();
 
  private:
-  using Clock = std::chrono::steady_clock;
+  void begin_stage(std::string_view stage, std::size_t done, Time now);
+  [[nodiscard]] bool is_due(bool at_end, Time now) const;
   void draw(std::size_t done, std::size_t total, double elapsed_s);
 
   std::ostream& out_;
   Style style_;
   const Interrupt* interrupt_;
+  std::function<Time()> now_;
   std::string stage_;
   std::size_t first_done_ = 0;
   bool stage_ended_ = false;
   bool bar_visible_ = false;
-  Clock::time_point stage_begin_;
-  Clock::time_point last_drawn_;
+  Time begin_;
+  Time stage_begin_;
+  std::optional<Time> last_drawn_;  ///< lines: in this stage
 };
 
 /// "3:07" or "1:02:45".

@@ -15,9 +15,11 @@
 #include "memory/store/store.hpp"
 #include "tools/pipeline/level_changes.hpp"
 #include "tools/report/image.hpp"
+#include "tools/strata/positive.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/words.hpp"
 
 namespace strata::tools {
 namespace {
@@ -46,7 +48,8 @@ std::filesystem::path store_of(const std::string& maps) {
 }
 
 void print_places(const pipeline::LevelChanges& changes) {
-  std::printf("%zu places differ between '%s' and '%s'\n", changes.places.size(),
+  std::printf("%s between '%s' and '%s'\n",
+              counted(changes.places.size(), "place differs", "places differ").c_str(),
               changes.before.c_str(), changes.now.c_str());
   for (const memory::ChangedPlace& place : changes.places) {
     const Eigen::Vector2d size = place.max_m - place.min_m;
@@ -123,7 +126,7 @@ void add_changes(CLI::App& app, VerbContext& context) {
       ->expected(4)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   verb->add_option("--radius", options->task.robot_radius_m, "of the robot that would drive it, m")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   verb->add_option("--out", options->out, "folder for changes.json and pictures");
   add_force(*verb, context);

@@ -37,6 +37,8 @@ class VerbContext {
 
   /// Shows progress on stderr and throws Cancelled (through report_progress) after Ctrl-C.
   [[nodiscard]] Progress* progress();
+  /// Of the work, as progress last told it; empty before.
+  [[nodiscard]] std::string stage() const { return progress_ ? progress_->stage() : ""; }
   [[nodiscard]] Interrupt& interrupt() { return interrupt_; }
   [[nodiscard]] StagedPaths& staged() { return staged_; }
   /// One line on stderr for the user, unless --quiet. Results go to stdout.

@@ -39,12 +39,15 @@ struct Options {
 /// By --to, else by OUT's ending.
 std::string target_format(const Options& options) {
   if (!options.to.empty()) return options.to;
-  const std::string ending = fs::path(options.out).extension().string();
+  fs::path out = options.out;
+  const bool is_packed = out.extension() == ".gz";  // as write_carmen then writes
+  if (is_packed) out.replace_extension();
+  const std::string ending = out.extension().string();
   if (ending == ".log" || ending == ".clf") return "carmen";
-  if (ending == ".db3") return "sqlite3";
-  if (ending == ".mcap") return "mcap";
+  if (ending == ".db3" && !is_packed) return "sqlite3";
+  if (ending == ".mcap" && !is_packed) return "mcap";
   throw InputError(options.out, "its ending does not say what to write",
-                   "end it in .clf, .log, .db3 or .mcap, or give --to");
+                   "end it in .clf, .log (or .clf.gz), .db3 or .mcap, or give --to");
 }
 
 log::BagOptions bag_format(const Options& options, const std::string& format) {
@@ -233,7 +236,7 @@ void add_convert(CLI::App& app, VerbContext& context) {
                         "strata convert office.clf.gz office.mcap", run);
   verb->add_option("IN", options->in, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
   verb->add_option("OUT", options->out,
-                   "file (.clf, .log, .db3, .mcap), or a folder for a bag with --to")
+                   "file (.clf, .log, .clf.gz, .db3, .mcap), or a folder for a bag with --to")
       ->required();
   verb->add_option("--to", options->to_values,
                    "format (carmen, sqlite3, mcap) when OUT's ending does not say it; or a number: "

@@ -7,10 +7,13 @@
 
 #include "components/bus/environment.hpp"
 #include "components/bus/participant.hpp"
+#include "core/base/error.hpp"
 #include "tools/doctor/examination.hpp"
 #include "tools/doctor/listen.hpp"
+#include "tools/strata/positive.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/words.hpp"
 
 namespace strata::tools {
 namespace {
@@ -19,6 +22,7 @@ struct DoctorOptions {
   int domain = -1;
   std::string transport;
   double seconds = 3.0;
+  bool all = false;
   bool json = false;
 };
 
@@ -40,20 +44,27 @@ void examine(const DoctorOptions& options, VerbContext& context) {
     return !context.interrupt().wait_for(seconds) && std::chrono::steady_clock::now() < end;
   });
   const doctor::Report report = doctor::examine(observed);
-  std::cout << (options.json ? doctor::to_json(report) : doctor::to_text(report));
+  std::cout << (options.json ? doctor::to_json(report) : doctor::to_text(report, options.all))
+            << std::flush;
+  if (const std::size_t errors = report.errors(); errors > 0) {
+    throw Error("domain " + std::to_string(participant.domain),
+                counted(errors, "error was", "errors were") + " found", "see the findings above");
+  }
 }
 
 }  // namespace
 
 void add_doctor(CLI::App& app, VerbContext& context) {
   const auto [verb, options] = add_verb<DoctorOptions>(
-      app, context, "doctor", "show what is on the DDS domain and what does not match",
+      app, context, "doctor",
+      "what does not match on the DDS domain, and what is on it; 1 when there are errors",
       "strata doctor --domain 7", examine);
   verb->add_option("--domain", options->domain, "ROS_DOMAIN_ID when left out")
       ->check(CLI::Range(0, 232));
   verb->add_option("--transport", options->transport,
                    bus::transport_names() + "; the environment's when left out");
-  verb->add_option("--seconds", options->seconds, "how long to listen")->check(CLI::PositiveNumber);
+  verb->add_option("--seconds", options->seconds, "how long to listen")->check(positive());
+  verb->add_flag("--all", options->all, "also the topics of services, logs and parameters");
   verb->add_flag("--json", options->json, "JSON on standard output");
 }
 

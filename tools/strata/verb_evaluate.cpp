@@ -14,6 +14,7 @@
 #include "components/log/trajectory_file.hpp"
 #include "core/base/error.hpp"
 #include "tools/evaluate/trajectory_error.hpp"
+#include "tools/strata/positive.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -190,7 +191,7 @@ void add_evaluate(CLI::App& app, VerbContext& context) {
       ->expected(3);
   verb->add_option("--log", options->log, "log to take the mounting from");
   verb->add_option("--delta", options->delta_s, "time between the poses of relative errors, s")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   verb->add_flag("--json", options->json, "as JSON on stdout");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata info LOG`: what is in a log.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <limits>
@@ -12,8 +13,11 @@
 
 #include "components/log/log_reader.hpp"
 #include "components/log/spooled_input.hpp"
+#include "core/base/error.hpp"
 #include "core/geometry/angle.hpp"
 #include "memory/store/store_summary.hpp"
+#include "tools/strata/info_bag.hpp"
+#include "tools/strata/info_folder.hpp"
 #include "tools/strata/info_store.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -163,31 +167,51 @@ void print(const Json& info) {
   }
 }
 
+/// A bag without scans, or with several topics of them, is told by its topics all the same.
+bool told_as_bag(const Options& options, const InputError& why) {
+  const log::LogFormat format = log::detect_format(options.log);
+  const bool is_whole = options.from_s <= 0.0 && std::isinf(options.to_s);
+  if (format == log::LogFormat::kCarmen || !is_whole) return false;
+  try {
+    return print_bag(options.log, log::format_name(format), why.what(), options.json);
+  } catch (const InputError&) {
+    return false;  // why says more
+  }
+}
+
+void run(const Options& options, VerbContext& context) {
+  if (memory::is_store(log::readable_path(options.log)))
+    return print_store(options.log, options.json);
+  if (is_result_folder(options.log)) return print_folder(options.log, options.json);
+  log::ReadOptions read;
+  read.from_s = options.from_s;
+  read.to_s = options.to_s;
+  read.undistort = false;
+  read.progress = context.progress();
+  log::ReadReport report;
+  Json info;
+  try {
+    info = describe(options.log, log::read_log(options.log, read, &report), report);
+  } catch (const InputError& error) {
+    if (!told_as_bag(options, error)) throw;
+    return;
+  }
+  if (options.json) {
+    std::cout << info.dump(2) << "\n";
+  } else {
+    print(info);
+  }
+}
+
 }  // namespace
 
 void add_info(CLI::App& app, VerbContext& context) {
-  const auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, context, "info", "what is in a log", "strata info office.log.gz",
-                            [options, &context] {
-                              if (memory::is_store(log::readable_path(options->log))) {
-                                print_store(options->log, options->json);
-                                return;
-                              }
-                              log::ReadOptions read;
-                              read.from_s = options->from_s;
-                              read.to_s = options->to_s;
-                              read.undistort = false;
-                              read.progress = context.progress();
-                              log::ReadReport report;
-                              const auto content = log::read_log(options->log, read, &report);
-                              const Json info = describe(options->log, content, report);
-                              if (options->json) {
-                                std::cout << info.dump(2) << "\n";
-                              } else {
-                                print(info);
-                              }
-                            });
-  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap; or a strata.db")
+  const auto [verb, options] =
+      add_verb<Options>(app, context, "info", "what is in a log, or in a folder of maps or results",
+                        "strata info office.log.gz", run);
+  verb->add_option("LOG", options->log,
+                   "CARMEN log, rosbag2 folder, .db3 or .mcap; or a folder that a verb wrote, or a "
+                   "strata.db")
       ->required();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
   verb->add_option("--to", options->to_s, "cut, seconds from the first scan");

@@ -18,11 +18,13 @@
 #include "tools/pipeline/learn.hpp"
 #include "tools/pipeline/learn_pictures.hpp"
 #include "tools/pipeline/truth_frame.hpp"
+#include "tools/report/plot.hpp"
 #include "tools/strata/folder_lock.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/words.hpp"
 
 namespace strata::tools {
 namespace {
@@ -87,6 +89,20 @@ std::string joined(const std::vector<std::string>& texts) {
   return all;
 }
 
+std::string sentence(const nlohmann::json& summary, const pipeline::LearnResult& result,
+                     const Options& options) {
+  using report::fixed;
+  const nlohmann::json& cost = summary["cost"];
+  return "learned from " + counted(summary["scans"].get<std::size_t>(), "scan") + " over " +
+         fixed(summary["path_m"], 2) + " m in " + fixed(cost["wall_s"], 1) + " s, " +
+         fixed(cost["real_time_factor"], 0) + " times real time; " +
+         (parts_of(options.only).patch
+              ? counted(result.patches.submaps.size(), "place") + " that may change; "
+              : "") +
+         "maps in " + options.out + ", drawn in " +
+         (std::filesystem::path(options.out) / pipeline::kMapPicture).string();
+}
+
 void run_learn(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto config = read_config<maps::LearnConfig>(context);
@@ -118,6 +134,7 @@ void run_learn(const Options& options, VerbContext& context) {
   maps::write_grid_maps(out.path(), result.slam);
   if (parts.patch) maps::write_patch_map(out.path(), result.patches);
   if (parts.timescale) maps::write_timescale(out.path(), *result.timescale);
+  pipeline::write_map_pictures(out.path(), result.slam, result.patches);
   if (options.pictures) {
     pipeline::write_learn_pictures(out.path() / "pictures", result.slam, config.slam.beam_filter);
   }
@@ -132,11 +149,7 @@ void run_learn(const Options& options, VerbContext& context) {
   const nlohmann::json summary =
       maps::write_summary(out.path(), joined(logs), {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
   out.commit();
-  if (context.options.quiet) return;
-  std::cout << "learned from " << summary["scans"] << " scans (" << summary["path_m"].get<double>()
-            << " m) in " << cost.wall_s << " s, "
-            << summary["cost"]["real_time_factor"].get<double>() << " times real time; "
-            << result.patches.submaps.size() << " sub-maps; maps in " << options.out << '\n';
+  if (!context.options.quiet) std::cout << sentence(summary, result, options) << '\n';
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata localize LOG --maps MAPS --model M --out DIR`.
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -16,10 +16,14 @@
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/localize.hpp"
 #include "tools/pipeline/localize_output.hpp"
+#include "tools/pipeline/localize_picture.hpp"
+#include "tools/pipeline/map_fit.hpp"
+#include "tools/report/plot.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/words.hpp"
 
 namespace strata::tools {
 namespace {
@@ -32,6 +36,7 @@ struct Options {
   std::string out;
   std::string initial_pose;
   bool global = false;
+  bool json = false;
 };
 
 struct LocalizeConfig {
@@ -84,6 +89,52 @@ pipeline::LocalizationStart start_of(const Options& options,
   return {Pose2Gaussian{*pose, Eigen::Vector3d(m2, m2, rad2).asDiagonal()}};
 }
 
+double way_m(const std::vector<log::StampedPose>& trajectory) {
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    length_m += translation_distance(trajectory[i - 1].pose, trajectory[i].pose);
+  }
+  return length_m;
+}
+
+std::string percent(double share) { return report::fixed(100.0 * share, 0) + "%"; }
+
+std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFit& fit,
+                     const nlohmann::json& metrics, const Options& options) {
+  using report::fixed;
+  std::string text =
+      "localized " + counted(run.trajectory.size(), "scan") + " over " +
+      fixed(way_m(run.trajectory), 1) + " m in " + fixed(metrics["cost"]["wall_s"], 1) + " s; " +
+      (fit.scans.empty()
+           ? "none of them says where it is"
+           : "the maps explain " + percent(fit.share(pipeline::FitState::kExplained)) +
+                 " of the drive");
+  if (!metrics["error_m"].is_null()) {
+    text += "; error " + fixed(metrics["error_m"]["mean"], 3) + " m in the mean, " +
+            fixed(metrics["error_m"]["p95"], 3) + " m in 95% of the scans" +
+            (metrics["lost"].get<bool>() ? ", lost" : "");
+  }
+  return text + "; drawn in " +
+         (std::filesystem::path(options.out) / pipeline::kTrajectoryPicture).string();
+}
+
+/// For who took another building's log, or another pose to begin with.
+void warn_of_bad_fit(const pipeline::LogFit& fit, const Options& options, bool is_global,
+                     VerbContext& context) {
+  if (fit.is_explained()) return;
+  using pipeline::FitState;
+  const std::string begin =
+      options.initial_pose.empty() ? "the first pose of --truth" : "--initial-pose";
+  context.note(
+      "warning: these maps do not explain this log: of its " +
+      counted(fit.scans.size(), "weighed scan") + " " + percent(fit.share(FitState::kExplained)) +
+      " fit them, " + percent(fit.share(FitState::kContradicted)) + " contradict them, and in " +
+      percent(fit.share(FitState::kUnknown)) +
+      " they know too little of the place; is the log of this building" +
+      (is_global ? "?"
+                 : ", and did the robot begin at " + begin + "? --global looks for it everywhere"));
+}
+
 void run_localize(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto config = read_config<LocalizeConfig>(context);
@@ -101,15 +152,22 @@ void run_localize(const Options& options, VerbContext& context) {
   for (auto& truth : runs.truths) {
     if (truth && maps.map_from_truth) truth = *maps.map_from_truth * *truth;
   }
-  const pipeline::LocalizationRun run =
-      pipeline::localize(runs.observations, runs.truths, model, maps.filtered, config.localizer,
-                         start_of(options, runs.truths, context), context.options.seed,
-                         context.options.threads, context.progress());
+  const pipeline::LocalizationStart start = start_of(options, runs.truths, context);
+  pipeline::MapFit fit(maps.filtered);
+  const pipeline::LocalizationRun run = pipeline::localize(
+      runs.observations, runs.truths, model, maps.filtered, config.localizer, start,
+      context.options.seed, context.options.threads, context.progress(), &fit);
   pipeline::LocalizeSummary summary{options.model, context.options.seed, config.localizer.particles,
                                     meter.read(), maps.map_from_truth};
-  const nlohmann::json metrics = pipeline::write_localization(out.path(), run, summary);
+  const nlohmann::json metrics = pipeline::write_localization(out.path(), run, summary, &fit.fit());
+  pipeline::write_trajectory_picture(out.path(), maps.filtered, fit.fit());
   out.commit();
-  if (!context.options.quiet) std::cout << metrics.dump(2) << '\n';
+  warn_of_bad_fit(fit.fit(), options, !start.map_from_robot, context);
+  if (options.json) {
+    std::cout << metrics.dump(2) << '\n';
+  } else if (!context.options.quiet) {
+    std::cout << sentence(run, fit.fit(), metrics, options) << '\n';
+  }
 }
 
 }  // namespace
@@ -123,11 +181,13 @@ void add_localize(CLI::App& app, VerbContext& context) {
   verb->add_option("--model", options->model,
                    maps::map_models().help(&maps::MapModelDescriptor::is_in_folder))
       ->capture_default_str();
-  verb->add_option("--out", options->out, "folder for trajectory.tum, states.csv, metrics.json")
+  verb->add_option("--out", options->out,
+                   "folder for trajectory.tum and .png, states.csv, metrics.json")
       ->required();
   add_force(*verb, context);
   verb->add_option("--initial-pose", options->initial_pose, "x,y,theta in the map frame");
   verb->add_flag("--global", options->global, "start without a pose");
+  verb->add_flag("--json", options->json, "metrics.json on stdout, instead of a sentence");
   add_run_options(*verb, options->input);
 }
 

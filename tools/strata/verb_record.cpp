@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata record --out BAG`: records topics into a rosbag2 bag until Ctrl-C.
-#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -10,6 +9,7 @@
 #include "components/runtime/host.hpp"
 #include "tools/all_components/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
+#include "tools/strata/network_keys.hpp"
 #include "tools/strata/process_group.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -27,20 +27,11 @@ struct RecordOptions {
   std::optional<int> domain;
 };
 
-/// Keys of --config and --set that say where to record, not what: a composition's.
-constexpr std::array<const char*, 6> kNetworkKeys = {
-    "domain", "transport", "static_peers", "discovery_server", "ros_distro", "enclave"};
-
-/// A composition of one recorder: --config and --set hold its parameters and kNetworkKeys; options
-/// of their own win. What nobody says the environment does, as for `strata run`.
+/// A composition of one recorder: --config and --set hold its parameters and those of the network;
+/// options of their own win. What nobody says the environment does, as for `strata run`.
 runtime::Composition composition_of(const RecordOptions& options, const CommonOptions& common) {
   YAML::Node parameters = load_config(common);
-  YAML::Node document(YAML::NodeType::Map);
-  for (const char* key : kNetworkKeys) {
-    if (!parameters[key].IsDefined()) continue;
-    document[key] = parameters[key];
-    parameters.remove(key);
-  }
+  YAML::Node document = take_network_keys(parameters);
   if (options.domain) document["domain"] = *options.domain;
   if (!options.transport.empty()) document["transport"] = options.transport;
   parameters["out"] = options.out;

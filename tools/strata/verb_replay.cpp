@@ -15,7 +15,9 @@
 #include "tools/expect/compare_results.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/truth_frame.hpp"
+#include "tools/report/plot.hpp"
 #include "tools/strata/composition_options.hpp"
+#include "tools/strata/positive.hpp"
 #include "tools/strata/replay_session.hpp"
 #include "tools/strata/replay_truth.hpp"
 #include "tools/strata/result_directory.hpp"
@@ -52,9 +54,9 @@ std::size_t learned_scans(const ReplayOptions& options, const pipeline::Runs& ru
   const std::vector<double> elapsed_s = pipeline::elapsed_seconds(runs.observations);
   const auto end = std::upper_bound(elapsed_s.begin(), elapsed_s.end(), *options.learn_until_s);
   if (end == elapsed_s.begin() || end == elapsed_s.end()) {
-    throw InputError("--learn-until " + std::to_string(*options.learn_until_s),
+    throw InputError("--learn-until " + report::fixed(*options.learn_until_s, 1),
                      "leaves nothing to learn from or nothing to localize",
-                     "choose a time within the log's " + std::to_string(elapsed_s.back()) + " s");
+                     "choose a time within the log's " + report::fixed(elapsed_s.back(), 1) + " s");
   }
   return static_cast<std::size_t>(end - elapsed_s.begin());
 }
@@ -241,7 +243,7 @@ void add_replay(CLI::App& app, VerbContext& context) {
       "seconds from the start: learn from what comes before, then localize the rest in "
       "it (localizers without `maps`)");
   verb->add_option("--rate", options->rate, "1: wall-clock; as fast as possible when left out")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   add_run_options(*verb, options->input);
 }
 

@@ -17,6 +17,7 @@
 #include "tools/strata/process_group.hpp"
 #include "tools/strata/restarts.hpp"
 #include "tools/strata/service_notice.hpp"
+#include "tools/strata/shortage.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -54,6 +55,10 @@ void tell_that_it_works(const RunOptions& options) {
   }
 }
 
+void tell(const std::vector<std::string>& errors, VerbContext& context) {
+  for (const std::string& error : errors) context.note("warning: " + shortage_in_words(error));
+}
+
 void run_here(const RunOptions& options, VerbContext& context,
               const runtime::Composition& composition, const runtime::ProcessEntry& process) {
   runtime::HostOptions host_options;
@@ -76,16 +81,18 @@ void run_here(const RunOptions& options, VerbContext& context,
   context.interrupt().set_grace(seconds_of(kStopPatience));
   while (!context.interrupt().wait_for(0.1)) {
     if (!options.lockstep) host.tick();
-    for (const std::string& error : host.take_errors()) context.note("warning: " + error);
+    tell(host.take_errors(), context);
   }
   if (!options.is_child()) tell_service_manager("STOPPING=1");
   // What others sent until now is no loss of the end.
-  for (const std::string& error : host.take_errors()) context.note("warning: " + error);
+  tell(host.take_errors(), context);
   host.stop();
   // What could not be written at the end is lost: no clean end, whoever started this.
-  if (const auto errors = host.take_errors(); !errors.empty()) {
-    for (std::size_t i = 1; i < errors.size(); ++i) context.note("warning: " + errors[i]);
-    throw Error("process " + process.name, "could not end well: " + errors.front(),
+  if (auto errors = host.take_errors(); !errors.empty()) {
+    const std::string first = shortage_in_words(errors.front());
+    errors.erase(errors.begin());
+    tell(errors, context);
+    throw Error("process " + process.name, "could not end well: " + first,
                 "mend that before the next start; what was written before is kept");
   }
 }

@@ -9,10 +9,12 @@
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/topology.hpp"
 #include "tools/pipeline/topology_files.hpp"
+#include "tools/report/plot.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/words.hpp"
 
 namespace strata::tools {
 namespace {
@@ -66,11 +68,13 @@ void run_topology(Options options, VerbContext& context) {
   out.commit();
   if (context.options.quiet) return;
   const topology::Hypothesis& best = result.posterior.front();
-  std::cout << result.visits.size() << " visits of " << topology::landmark_count(best.labels)
-            << " landmarks with probability " << best.probability << "; " << result.posterior.size()
-            << " topologies in " << options.out << "; an update took "
-            << json["cost"]["update_ms"]["median"].get<double>() << " ms (median), "
-            << json["cost"]["update_ms"]["max"].get<double>() << " ms at most\n";
+  const nlohmann::json& update_ms = json["cost"]["update_ms"];
+  std::cout << counted(result.visits.size(), "visit") << " of "
+            << counted(static_cast<std::size_t>(topology::landmark_count(best.labels)), "landmark")
+            << " with probability " << report::fixed(best.probability, 4) << "; "
+            << counted(result.posterior.size(), "topology", "topologies") << " in " << options.out
+            << "; an update took " << report::fixed(update_ms["median"], 1) << " ms (median), "
+            << report::fixed(update_ms["max"], 1) << " ms at most\n";
   if (agreement) print_agreement(*agreement, options.truth_precision_m);
 }
 

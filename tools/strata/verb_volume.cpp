@@ -9,6 +9,7 @@
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/volume_output.hpp"
+#include "tools/report/plot.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
@@ -81,8 +82,9 @@ void run_volume(const Options& options, VerbContext& context) {
             << " nodes, " << summary["voxels"]["occupied"] << " voxels occupied; map in "
             << options.out << '\n';
   if (!result.score) return;
-  std::cout << "truth: " << 100.0 * result.score->gone() << "% of the " << result.score->moving_made
-            << " voxels made by what moves gone, " << 100.0 * result.score->lost() << "% of the "
+  const auto percent = [](double share) { return report::fixed(100.0 * share, 1) + "%"; };
+  std::cout << "truth: " << percent(result.score->gone()) << " of the " << result.score->moving_made
+            << " voxels made by what moves gone, " << percent(result.score->lost()) << " of the "
             << result.score->static_voxels << " static ones lost\n";
 }
 

@@ -23,6 +23,7 @@ void add_keystore(CLI::App& app, VerbContext& context);
 void add_learn(CLI::App& app, VerbContext& context);
 void add_localize(CLI::App& app, VerbContext& context);
 void add_messages(CLI::App& app, VerbContext& context);
+void add_play(CLI::App& app, VerbContext& context);
 void add_record(CLI::App& app, VerbContext& context);
 void add_replay(CLI::App& app, VerbContext& context);
 void add_run(CLI::App& app, VerbContext& context);
@@ -45,6 +46,7 @@ inline constexpr AddVerb kVerbs[] = {
     add_run,       //
     add_replay,    //
     add_record,    //
+    add_play,      //
     add_doctor,    //
     add_keystore,  //
     add_messages,  //

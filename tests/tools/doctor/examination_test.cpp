@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -126,6 +128,54 @@ TEST(Doctor, NotesATopicThatIsReadOnlyAndNodesOfOneName) {
   EXPECT_FALSE(report.findings[0].is_error);
   EXPECT_THAT(to_text(report), HasSubstr("published by nobody"));
   EXPECT_THAT(to_text(report), HasSubstr("two nodes have this name"));
+}
+
+/// What is told of a topic that the localizer reads and nobody publishes.
+std::vector<Finding> unpublished(const std::string& topic, const std::string& type) {
+  Observed observed = pair(endpoint(guid(2, 4), false, true, false, topic, type),
+                           endpoint(guid(2, 4), false, true, false, topic, type));
+  return examine(observed).findings;
+}
+
+TEST(Doctor, LeavesOutWhatNobodyNeedsToPublish) {
+  EXPECT_THAT(unpublished("/robot1/initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped"),
+              IsEmpty());
+  EXPECT_THAT(unpublished("/parameter_events", "rcl_interfaces/msg/ParameterEvent"), IsEmpty());
+  EXPECT_THAT(unpublished("/tf_static", "tf2_msgs/msg/TFMessage"), SizeIs(1));
+  EXPECT_THAT(unpublished("/odom", "nav_msgs/msg/Odometry"), SizeIs(1));
+}
+
+TEST(Doctor, TakesOdometryFromATopicOrFromTransforms) {
+  const auto odom = endpoint(guid(2, 4), false, true, false, "/odom", "nav_msgs/msg/Odometry");
+  const auto tf = endpoint(guid(2, 6), false, true, false, "/tf", "tf2_msgs/msg/TFMessage");
+  auto driver = odom;
+  driver.guid = guid(1, 3);
+  driver.writes = true;
+  Observed observed = pair(odom, driver);
+  observed.nodes[guid(2, 0xC1)] = {{"/robot1", "localizer", {guid(2, 4), guid(2, 6)}, {}}};
+  observed.view.endpoints.push_back(tf);
+  EXPECT_THAT(examine(observed).findings, IsEmpty());
+  observed.view.endpoints = {odom, tf};
+  EXPECT_THAT(examine(observed).findings, SizeIs(2));
+  observed.view.endpoints.push_back(
+      endpoint(guid(1, 3), true, true, false, "/tf", "tf2_msgs/msg/TFMessage"));
+  EXPECT_THAT(examine(observed).findings, IsEmpty());
+}
+
+TEST(Doctor, TellsFindingsFirstAndServicesOnlyWhenAsked) {
+  Observed observed =
+      pair(endpoint(guid(1, 3), true, false, false), endpoint(guid(2, 4), false, true, true));
+  auto request = observed.view.endpoints[1];
+  request.guid = guid(2, 7);
+  request.wire_topic = "rq/robot1/localizer/get_stateRequest";
+  observed.view.endpoints.push_back(request);
+  const Report report = examine(observed);
+  EXPECT_EQ(report.errors(), 1U);
+  const std::string text = to_text(report);
+  EXPECT_LT(text.find("findings\n  error: /scan"), text.find("2 participants"));
+  EXPECT_LT(text.find("2 participants"), text.find("1 topic, and 1 of services and the like"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("get_state")));
+  EXPECT_THAT(to_text(report, true), HasSubstr("get_stateRequest"));
 }
 
 TEST(Doctor, SaysWhatToLookAtWhenNobodyIsThere) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/topology.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
@@ -9,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
+#include "tests/support/decoded_png.hpp"
+#include "tests/support/test_data.hpp"
 #include "tests/tools/pipeline/simulated_room.hpp"
 #include "tools/pipeline/topology_files.hpp"
 
@@ -115,6 +118,10 @@ TEST(MapTopology, OfARunWithLandmarksByHandIsWholeAndTheSameAtAnyNumberOfThreads
                            "trajectory.tum", "topologies.png", "landmarks.png", "map.png"}) {
     EXPECT_GT(std::filesystem::file_size(dir / name), 50U) << name;
   }
+  const report::Image drawn = test::decode(test::bytes_of(dir / "landmarks.png"));
+  const auto is_dark = [](const report::Color& c) { return c.r < 80 && c.g < 80 && c.b < 90; };
+  EXPECT_GT(std::count_if(drawn.pixels().begin(), drawn.pixels().end(), is_dark), 1500)
+      << "walls can be seen";
   std::filesystem::remove_all(dir);
 }
 

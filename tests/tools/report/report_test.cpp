@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -77,6 +79,25 @@ TEST(LinePlot, RendersItsLinesInTheirColours) {
   }
   EXPECT_GT(blue, 200);
   EXPECT_GT(orange, 200);
+}
+
+TEST(LinePlot, ShowsEachOfThreeLinesThatLieOnEachOther) {
+  LinePlot plot;
+  for (const char* name : {"one", "two", "three"}) {
+    plot.series.push_back({name, {0, 1, 2}, {0, 1, 0.5}});
+  }
+  const Image image = decode(render_svg_to_png(to_svg(plot, true), 1.5));
+  // Below the legend; the edges of a line, a pixel or less, are blended with what lies below.
+  std::map<std::string, int> seen;
+  for (int y = image.height() / 2; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const Color c = image.at(x, y);
+      if (c.b > c.r + 60) ++seen["blue"];
+      if (c.r > c.g + 60 && c.r > c.b + 60) ++seen["orange"];
+      if (c.g > c.r + 60 && c.g > c.b) ++seen["green"];
+    }
+  }
+  for (const char* color : {"blue", "orange", "green"}) EXPECT_GT(seen[color], 100) << color;
 }
 
 TEST(LinePlot, IsSavedAsAPictureOrSaysThatItCannotBe) {

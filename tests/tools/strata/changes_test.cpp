@@ -31,7 +31,7 @@ class Changes : public testing::Test {
 TEST_F(Changes, AreListedDrawnAndGivenAsJson) {
   const Outcome listed = run_strata("changes " + quoted(path("maps")) + " --path 0.5,0,4.3,0");
   EXPECT_EQ(listed.code, 0);
-  EXPECT_THAT(listed.out, testing::HasSubstr("differ between 'long' and 'short'"));
+  EXPECT_THAT(listed.out, testing::HasSubstr("1 place differs between 'long' and 'short'"));
   EXPECT_THAT(listed.out, testing::HasSubstr("appeared at (2."));
   EXPECT_THAT(listed.out, testing::HasSubstr("from that of 'long'"));
   const Outcome json =

@@ -13,6 +13,7 @@
 
 #include "tests/components/bus/domain.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/tools/strata/replay_fixture.hpp"
 #include "tools/strata/shortage.hpp"
 
 namespace strata::tools {
@@ -70,6 +71,43 @@ TEST(MemoryLimit, Of300MegabytesIsEnoughForARobotThatHolds40) {
     EXPECT_TRUE(life.has_run) << life.said;
     EXPECT_EQ(life.code, 0) << life.said;
   }
+}
+#endif
+
+TEST(Shortage, SaysWhatNeededHowMuchAndWhichSettingMakesItLess) {
+  note_failed_allocation(123'400'000);
+  const std::string learn = describe_shortage(std::bad_alloc(), {"learn", "match scans"});
+  EXPECT_THAT(learn, HasSubstr("'match scans' needed 123 MB more, beside "));
+  EXPECT_THAT(learn, HasSubstr("slam.beam_filter.resolution_m=0.1"));
+  EXPECT_THAT(describe_shortage(std::bad_alloc(), {"learn", "remember scans"}),
+              HasSubstr("--only em,patch"));
+  EXPECT_THAT(describe_shortage(std::bad_alloc(), {"localize", "localize"}),
+              HasSubstr("localizer.particles=N"));
+}
+
+TEST(Shortage, OfAComponentIsPutIntoWords) {
+  note_failed_allocation(64'000'000);
+  const std::string told = shortage_in_words("/scan_matcher: std::bad_alloc");
+  EXPECT_THAT(told, testing::StartsWith("/scan_matcher: memory ran out: it needed 64 MB more, "));
+  EXPECT_THAT(told, HasSubstr("online.learner.memory_mb"));
+  EXPECT_THAT(shortage_in_words("/a: Resource temporarily unavailable"), HasSubstr("ulimit -u"));
+  EXPECT_EQ(shortage_in_words("/a: the disk is full"), "/a: the disk is full");
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+class ShortageOfAVerb : public test::ReplayFixture {};
+
+TEST_F(ShortageOfAVerb, IsToldWithWhatWasAskedForAndWhatMakesItLess) {
+  const auto outcome = test::run_strata_under(
+      "ulimit -c 0; ulimit -v 400000;",
+      "localize " + test::quoted(log()) + " --model filtered --initial-pose 0,0,0 --maps " +
+          test::quoted(at("direct")) + " --set localizer.particles=20000000 --out " +
+          test::quoted(at("out")) + " 2>&1");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, testing::StartsWith("strata localize: error: memory: ran out under the "
+                                               "limit of 390 MB on address space"));
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("needed [0-9]+ MB more, beside [0-9.]+ MB"));
+  EXPECT_THAT(outcome.out, HasSubstr("--set localizer.particles=N"));
 }
 #endif
 

@@ -194,6 +194,20 @@ TEST(Program, ConvertGoesThroughEveryFormatAndBack) {
   EXPECT_EQ(info["scans"]["no_returns"], 3);
 }
 
+TEST(Program, ConvertPacksACarmenLogWhoseNameSaysSo) {
+  const strata::test::TemporaryDirectory folder;
+  write_log(folder.path() / "a.clf", 3000);  // more than is packed at once
+  const auto at = [&](const char* name) { return quoted(folder.path() / name); };
+  ASSERT_EQ(run("convert --quiet " + at("a.clf") + " " + at("b.clf")).code, 0);
+  const Outcome packed = run("convert --quiet " + at("a.clf") + " " + at("b.clf.gz") + " 2>&1");
+  ASSERT_EQ(packed.code, 0) << packed.out;
+  const std::string bytes = strata::test::bytes_of(folder.path() / "b.clf.gz");
+  EXPECT_EQ(bytes.substr(0, 2), "\x1f\x8b");
+  EXPECT_EQ(test::run_command("zcat " + at("b.clf.gz")).out,
+            strata::test::bytes_of(folder.path() / "b.clf"));
+  EXPECT_EQ(run("convert --quiet " + at("a.clf") + " " + at("b.mcap.gz") + " 2>/dev/null").code, 2);
+}
+
 TEST(Program, ConvertDoesNotWriteOverWhatItReads) {
   const strata::test::TemporaryDirectory folder;
   write_log(folder.path() / "a.clf", 5);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/strata/terminal_progress.hpp"
 
+#include <chrono>
 #include <sstream>
 #include <string>
 
@@ -21,29 +22,74 @@ TEST(ProgressText, StatesRateAndTimeLeft) {
   EXPECT_EQ(format_duration(59.6), "1:00");
 }
 
-TEST(TerminalProgress, PipedOutputIsAFewWholeLines) {
-  std::ostringstream out;
-  {
-    TerminalProgress progress(out, Style::kLines, nullptr);
-    for (std::size_t i = 0; i <= 1000; ++i) progress.update("match scans", i, 1000);
+/// A clock that is set by hand.
+class Progressing : public testing::Test {
+ protected:
+  TerminalProgress make(Style style) {
+    return {out_, style, nullptr, [this] { return now_; }};
   }
-  const std::string text = out.str();
-  EXPECT_THAT(text, ::testing::HasSubstr("match scans 0/1000 (0%)\n"));
-  EXPECT_THAT(text, ::testing::HasSubstr("match scans 1000/1000 (100%)"));
-  EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("\r")));
-  EXPECT_EQ(text.back(), '\n');
+  void pass(double seconds) {
+    now_ += std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(seconds));
+  }
+  [[nodiscard]] std::string text() const { return out_.str(); }
+
+ private:
+  std::ostringstream out_;
+  TerminalProgress::Time now_;
+};
+
+TEST_F(Progressing, InAPipeIsAFewWholeLines) {
+  {
+    TerminalProgress progress = make(Style::kLines);
+    for (std::size_t i = 0; i <= 1000; ++i) {
+      progress.update("match scans", i, 1000);
+      pass(0.0125);
+    }
+  }
+  EXPECT_EQ(text(),
+            "match scans 80/1000 (8%), 80/s, 0:12 left\n"
+            "match scans 880/1000 (88%), 80/s, 0:02 left\n"
+            "match scans 1000/1000 (100%), 80/s\n");
 }
 
-TEST(TerminalProgress, ABarRedrawsOneLineAndQuietSaysNothing) {
-  std::ostringstream bar;
-  TerminalProgress progress(bar, Style::kBar, nullptr);
-  progress.update("match scans", 0, 2);
-  progress.update("match scans", 2, 2);
-  EXPECT_THAT(bar.str(), ::testing::HasSubstr("\r\033[K[" + std::string(24, '#') + "]"));
-  std::ostringstream nothing;
-  TerminalProgress quiet(nothing, Style::kQuiet, nullptr);
-  quiet.update("match scans", 1, 2);
-  EXPECT_EQ(nothing.str(), "");
+TEST_F(Progressing, InAPipeLeavesOutStagesThatAreOverInASecond) {
+  TerminalProgress progress = make(Style::kLines);
+  for (const char* stage : {"label beams", "match again", "label beams"}) {
+    for (std::size_t i = 0; i <= 10; ++i) {
+      progress.update(stage, i, 10);
+      pass(0.09);
+    }
+  }
+  EXPECT_EQ(text(), "");
+}
+
+TEST_F(Progressing, OnATerminalIsOneLineThatIsRewrittenAndGoneAtTheEnd) {
+  {
+    TerminalProgress progress = make(Style::kBar);
+    progress.update("read log", 0, 2);
+    progress.update("read log", 2, 2);
+    pass(0.9);
+    progress.update("match scans", 0, 2);
+    EXPECT_EQ(text(), "") << "what is over in a second leaves nothing";
+    pass(0.2);
+    progress.update("match scans", 1, 2);
+    pass(0.01);
+    progress.update("match scans", 2, 2);
+    progress.update("label beams", 1, 2);
+  }
+  const std::string wiped = "\r\033[K";
+  EXPECT_THAT(text(), ::testing::HasSubstr(wiped + "[" + std::string(24, '#') + "] match scans"));
+  EXPECT_THAT(text(), ::testing::Not(::testing::HasSubstr("label beams")));
+  EXPECT_THAT(text(), ::testing::Not(::testing::HasSubstr("\n")));
+  EXPECT_THAT(text(), ::testing::EndsWith(wiped));
+}
+
+TEST_F(Progressing, QuietlySaysNothing) {
+  TerminalProgress progress = make(Style::kQuiet);
+  pass(5.0);
+  progress.update("match scans", 1, 2);
+  EXPECT_EQ(text(), "");
 }
 
 }  // namespace

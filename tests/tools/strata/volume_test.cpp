@@ -68,6 +68,17 @@ TEST(Volume, PicturesATreeOfOctomapAndWritesItAsItWas) {
   EXPECT_TRUE(fs::exists(out / "outside_1.png"));
 }
 
+TEST(Volume, SaysAtOnceThatABagHoldsNoClouds) {
+  STRATA_REQUIRE_DATA(bag, "olin_mac/take_2_db3");
+  const test::TemporaryDirectory folder;
+  const auto outcome =
+      run_strata("volume " + quoted(bag) + " --out " + quoted(folder.path() / "out") + " 2>&1");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.out, ::testing::StartsWith("strata volume: error: " + bag.string() +
+                                                 ": holds no point clouds"));
+  EXPECT_THAT(outcome.out, ::testing::Not(::testing::HasSubstr("match scans")));
+}
+
 /// Points on two walls, 2 m ahead and 2 m to the left.
 void write_corner(const fs::path& path) {
   std::ofstream out(path);

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata localize` as users meet it: a sentence, a picture, and a word where maps and log do not
+/// belong together.
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/decoded_png.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/tools/strata/replay_fixture.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+using test::quoted;
+using test::run_strata;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* kWarning = "warning: these maps do not explain this log";
+
+class Localize : public test::ReplayFixture {
+ protected:
+  [[nodiscard]] test::Outcome localize(const std::string& more) const {
+    return run_strata("localize " + quoted(log()) + " --maps " + quoted(at("direct")) +
+                      " --model filtered --out " + quoted(at("out")) + " " + more + " 2>&1");
+  }
+};
+
+TEST_F(Localize, EndsWithASentenceAndAPictureOfTheWay) {
+  const auto told = localize("--initial-pose 0,0,0");
+  ASSERT_EQ(told.code, 0) << told.out;
+  EXPECT_THAT(told.out, ContainsRegex("localized [0-9]+ scans over [0-9]+[.][0-9] m in [0-9.]+ s; "
+                                      "the maps explain (9[0-9]|100)% of the drive; drawn in "));
+  EXPECT_THAT(told.out, Not(HasSubstr(kWarning)));
+  EXPECT_THAT(told.out, Not(HasSubstr("{")));
+  const report::Image drawn = test::decode(test::bytes_of(at("out") / "trajectory.png"));
+  const auto is_green = [](const report::Color& c) { return c.g > c.r + 40 && c.g > c.b + 40; };
+  EXPECT_GT(std::count_if(drawn.pixels().begin(), drawn.pixels().end(), is_green), 20);
+}
+
+TEST_F(Localize, PrintsItsMetricsWhenAsked) {
+  const auto told = localize("--initial-pose 0,0,0 --json --quiet");
+  ASSERT_EQ(told.code, 0) << told.out;
+  const auto metrics = nlohmann::json::parse(told.out);
+  EXPECT_EQ(metrics, nlohmann::json::parse(test::bytes_of(at("out") / "metrics.json")));
+  EXPECT_EQ(metrics["map_fit"]["is_explained"], true);
+}
+
+TEST_F(Localize, SaysThatAWrongInitialPoseIsOne) {
+  const auto told = localize("--initial-pose 1.5,1.5,2.4");
+  ASSERT_EQ(told.code, 0) << told.out;
+  EXPECT_THAT(told.out, HasSubstr(kWarning));
+  EXPECT_THAT(told.out, HasSubstr("did the robot begin at --initial-pose? --global looks"));
+  const auto metrics = nlohmann::json::parse(test::bytes_of(at("out") / "metrics.json"));
+  EXPECT_EQ(metrics["map_fit"]["is_explained"], false);
+}
+
+TEST(LocalizeElsewhere, SaysThatMapsOfAnotherBuildingDoNotExplainALog) {
+  STRATA_REQUIRE_DATA(castle, "radish/belgioioso/log.clf.gz");
+  STRATA_REQUIRE_DATA(castle_truth, "radish/belgioioso/truth.tum");
+  STRATA_REQUIRE_DATA(other, "radish/seattle/log.clf.gz");
+  const test::TemporaryDirectory folder;
+  const auto at = [&](const char* name) { return quoted(folder.path() / name); };
+  ASSERT_EQ(
+      run_strata("learn " + quoted(castle) + " --poses " + quoted(castle_truth) + " --truth " +
+                 quoted(castle_truth) + " --only em --quiet --out " + at("maps"))
+          .code,
+      0);
+  const std::string tail = " --maps " + at("maps") + " --model filtered --out " + at("out");
+  for (const char* start : {" --global", " --initial-pose 0,0,0"}) {
+    const auto told = run_strata("localize " + quoted(other) + start + tail + " 2>&1");
+    EXPECT_EQ(told.code, 0);
+    EXPECT_THAT(told.out, HasSubstr(kWarning)) << start;
+  }
+  const auto own = run_strata("localize " + quoted(castle) + " --truth " + quoted(castle_truth) +
+                              tail + " 2>&1");
+  EXPECT_EQ(own.code, 0);
+  EXPECT_THAT(own.out, Not(HasSubstr(kWarning)));
+  EXPECT_THAT(own.out, ContainsRegex("error [0-9.]+ m in the mean"));
+}
+
+}  // namespace
+}  // namespace strata::tools

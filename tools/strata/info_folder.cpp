@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata info FOLDER`: what a verb or a component left there.
+#include "tools/strata/info_folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "components/maps/localization_files.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "core/base/error.hpp"
+#include "tools/report/plot.hpp"
+#include "tools/strata/info_store.hpp"
+#include "tools/strata/words.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The file by which a folder is known, and what the folder then is.
+struct Kind {
+  const char* file;
+  const char* name;
+  const char* text;
+};
+
+// Those of several verbs first: a MAPS folder may hold the changes of its maps too.
+constexpr std::array<Kind, 7> kKinds{
+    {{maps::kStoreFile, "maps", "maps, as `strata learn` writes them"},
+     {maps::kMetricsFile, "localization", "a localized run, as `strata localize` writes it"},
+     {"comparison.json", "comparison", "a comparison of maps, as `strata compare` writes it"},
+     {"topologies.json", "topologies", "topologies, as `strata topology` writes them"},
+     {"map.bt", "volume", "a 3-D map, as `strata volume` writes it"},
+     {"changes.json", "changes", "changes of maps, as `strata changes` writes them"},
+     {"states.json", "simulation", "a simulated world, as `strata simulate` writes it"}}};
+
+const Kind* kind_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error) || fs::exists(path / "metadata.yaml", error)) return nullptr;
+  const auto found = std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& kind) {
+    return fs::is_regular_file(path / kind.file, error);
+  });
+  return found == kKinds.end() ? nullptr : &*found;
+}
+
+struct Entry {
+  std::string name;
+  std::uintmax_t bytes = 0;
+  bool is_folder = false;
+};
+
+std::vector<Entry> entries_of(const fs::path& path) {
+  std::vector<Entry> entries;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(path, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.front() == '.') continue;
+    const bool is_folder = entry.is_directory(error);
+    entries.push_back({name, is_folder ? 0 : entry.file_size(error), is_folder});
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& a, const Entry& b) { return a.name < b.name; });
+  return entries;
+}
+
+/// Null where there is none, or a damaged one.
+Json summary_of(const fs::path& path) {
+  std::ifstream in(path / maps::kSummaryFile);
+  Json summary = Json::parse(in, nullptr, false);
+  return summary.is_object() ? summary : Json(nullptr);
+}
+
+void print_learned(const Json& summary) {
+  const auto number = [&](const char* key) {
+    return summary.contains(key) && summary[key].is_number() ? summary[key].get<double>() : 0.0;
+  };
+  std::cout << "  learned    from " << counted(static_cast<std::size_t>(number("scans")), "scan")
+            << " of " << counted(static_cast<std::size_t>(number("runs")), "run") << ", "
+            << report::fixed(number("path_m"), 1) << " m, "
+            << report::fixed(number("duration_s"), 1) << " s";
+  if (summary.contains("log") && summary["log"].is_string()) {
+    std::cout << ": " << summary["log"].get<std::string>();
+  }
+  std::cout << "\n";
+}
+
+void print_text(const fs::path& path, const Kind& kind) {
+  std::cout << path.string() << ": " << kind.text << "\n";
+  if (const Json summary = summary_of(path); summary.contains("scans")) print_learned(summary);
+  for (const Entry& entry : entries_of(path)) {
+    std::cout << "  " << (entry.is_folder ? "folder     " : "file       ") << entry.name;
+    if (!entry.is_folder) std::cout << ", " << kilobytes(entry.bytes);
+    std::cout << "\n";
+  }
+}
+
+Json describe(const fs::path& path, const Kind& kind) {
+  Json info;
+  info["folder"] = path.string();
+  info["kind"] = kind.name;
+  info["files"] = Json::array();
+  for (const Entry& entry : entries_of(path)) {
+    info["files"].push_back({{"name", entry.name + (entry.is_folder ? "/" : "")},
+                             {"bytes", entry.is_folder ? Json(nullptr) : Json(entry.bytes)}});
+  }
+  info["summary"] = summary_of(path);
+  return info;
+}
+
+}  // namespace
+
+bool is_result_folder(const fs::path& path) { return kind_of(path) != nullptr; }
+
+void print_folder(const fs::path& path, bool json) {
+  const Kind& kind = *kind_of(path);
+  const fs::path store = path / maps::kStoreFile;
+  const bool has_store = fs::exists(store);
+  if (!json) {
+    print_text(path, kind);
+    if (!has_store) return;
+    try {
+      print_store(store, false);
+    } catch (const InputError& error) {  // the rest of the folder is told all the same
+      std::cout << "  note       " << error.what() << "\n";
+    }
+    return;
+  }
+  Json info = describe(path, kind);
+  info["store"] = nullptr;
+  if (has_store) {
+    try {
+      info["store"] = describe_store(store);
+    } catch (const InputError& error) {
+      info["warnings"] = {error.what()};
+    }
+  }
+  std::cout << info.dump(2) << "\n";
+}
+
+}  // namespace strata::tools
