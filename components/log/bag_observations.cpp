@@ -148,7 +148,11 @@ class BagParser {
   }
 
   Pose3 find_mounting(const std::string& frame) {
-    if (const auto found = streams_.frames.mounting(frame, odometry_child_)) return *found;
+    if (const auto found = streams_.frames.mounting(frame, odometry_child_)) {
+      const bool is_fixed = streams_.frames.is_fixed(frame, odometry_child_);
+      if (!is_fixed && report_.mounting_source != "assumed") report_.mounting_source = "tf";
+      return *found;
+    }
     if (!assumed_.insert(frame).second) return Pose3{};
     report_.mounting_source = "assumed";
     report_.warnings.push_back(

@@ -41,7 +41,7 @@ LogFormat detect_text(const fs::path& path) {
     }
   }
   throw InputError(path.string(), "is no log that is known here",
-                   "give a CARMEN log, a rosbag2 folder, .db3 or .mcap");
+                   "give a CARMEN log, a rosbag2 folder, .db3, .mcap or a ROS 1 .bag");
 }
 
 void cut(LogContent& content, const ReadOptions& options) {
@@ -66,6 +66,7 @@ LogFormat detect_format(const fs::path& path) {
   if (fs::is_directory(path, error)) return LogFormat::kBagFolder;
   if (is_mcap(path)) return LogFormat::kMcap;
   if (is_sqlite(path)) return LogFormat::kSqlite3;
+  if (is_ros1_bag(path)) return LogFormat::kRos1Bag;
   if (compression_of_file(path) != BagCompression::kNone) return LogFormat::kPackedFile;
   return detect_text(path);
 }
@@ -82,6 +83,8 @@ const char* format_name(LogFormat format) {
       return "rosbag2 folder";
     case LogFormat::kPackedFile:
       return "packed rosbag2 file";
+    case LogFormat::kRos1Bag:
+      return "ROS 1 bag";
   }
   return "?";
 }

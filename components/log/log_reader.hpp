@@ -17,7 +17,7 @@
 
 namespace strata::log {
 
-enum class LogFormat { kCarmen, kSqlite3, kMcap, kBagFolder, kPackedFile };
+enum class LogFormat { kCarmen, kSqlite3, kMcap, kBagFolder, kPackedFile, kRos1Bag };
 
 /// Told by content, never by name. Throws InputError for anything else, with what it looks like.
 [[nodiscard]] LogFormat detect_format(const std::filesystem::path& path);
@@ -63,7 +63,7 @@ struct ReadReport {
   std::string scan_topic;                       ///< of a bag: what was used, "/a, /b"
   std::string odometry_source;                  ///< "scan", a topic, "tf", or "none"
   SweepTiming sweep;                            ///< how scans of the first scanner were undistorted
-  std::string mounting_source;                  ///< "tf_static", "laser - odometry", "assumed"
+  std::string mounting_source;                  ///< "tf_static", "tf", "laser - odometry", "assumed"
   std::vector<std::string> warnings;
 };
 

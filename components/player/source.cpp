@@ -55,6 +55,8 @@ BagSource::BagSource(std::filesystem::path bag, const std::vector<std::string>& 
       publish_clock_(std::move(publish_clock)),
       reader_(log::BagReader::open(bag_)) {
   for (const log::BagTopic& topic : reader_->topics()) {
+    // Nobody on DDS could read what ROS 1 serialized.
+    if (topic.serialization_format == log::kRos1Format) continue;
     const bool wanted =
         topics.empty() || std::find(topics.begin(), topics.end(), topic.name) != topics.end();
     if (wanted && topic.name != "/clock") writers_[topic.name] = advertise(topic);

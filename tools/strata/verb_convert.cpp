@@ -111,6 +111,9 @@ void copy(const Options& options, const std::string& format, VerbContext& contex
     context.note("note: " + std::to_string(report.damage.count) +
                  " unreadable places left out, first: " + report.damage.first);
   }
+  for (const std::string& topic : report.left_out) {
+    context.note("note: left out, what ROS 1 serialized and Strata does not know: " + topic);
+  }
   std::size_t messages = 0;
   for (const auto& [topic, count] : report.messages) messages += count;
   context.note(options.out + ": " + std::to_string(messages) + " messages on " +
@@ -200,7 +203,7 @@ void add_convert(CLI::App& app, VerbContext& context) {
   const auto [verb, options] =
       add_verb<Options>(app, context, "convert", "a log into another format",
                         "strata convert office.clf.gz office.mcap", run);
-  verb->add_option("IN", options->in, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
+  verb->add_option("IN", options->in, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")->required();
   verb->add_option("OUT", options->out,
                    "file (.clf, .log, .db3, .mcap), or a folder for a bag with --to")
       ->required();

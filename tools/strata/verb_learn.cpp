@@ -131,7 +131,7 @@ void add_learn(CLI::App& app, VerbContext& context) {
       app, context, "learn", "learn all maps from one or several runs in one building",
       "strata learn monday.clf tuesday.clf --out maps", run_learn);
   verb->add_option("LOG", options->input.logs,
-                   "CARMEN log, rosbag2 folder, .db3 or .mcap; in order")
+                   "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag; in order")
       ->required();
   verb->add_option("--out", options->out, "folder for the maps")->required();
   verb->add_option("--update", options->update,
