@@ -27,6 +27,7 @@ struct RunsInput {
   /// Topics of the robot's scanners in bags; empty: the only one, or /scan.
   std::vector<std::string> scan_topics;
   CloudSliceConfig cloud;  ///< how scans are made of those with point clouds
+  double max_range_m = 0.0;  ///< log::ReadOptions
 };
 
 /// Observations of all runs one after the other; poses and truths have one entry an observation.

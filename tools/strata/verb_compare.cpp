@@ -99,7 +99,8 @@ pipeline::CompareConfig config_of(const Options& options, VerbContext& context) 
 /// Reads the logs and compares in them.
 pipeline::CompareOutcome compare_logs(const Options& options, const pipeline::RunsInput& input,
                                       const pipeline::CompareConfig& config, VerbContext& context) {
-  const pipeline::Runs runs = pipeline::read_runs(input, context.progress());
+  const pipeline::Runs runs =
+      pipeline::read_runs(with_config(input, config.log), context.progress());
   note_reports(context, runs);
   if (runs.observations.empty()) {
     throw InputError(join(input.logs), "holds no scan in that time", "check --from and --to");

@@ -14,6 +14,7 @@
 #include "components/log/log_writer.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
+#include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace fs = std::filesystem;
@@ -31,6 +32,7 @@ struct Options {
   int sqlite_schema = 3;
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
+  double max_range_m = 0.0;
 };
 
 /// By --to, else by OUT's ending.
@@ -141,6 +143,7 @@ void translate(const Options& options, const std::string& format, VerbContext& c
   log::ReadOptions read;
   read.from_s = options.from_s;
   read.to_s = options.to_s;
+  read.max_range_m = options.max_range_m;
   read.undistort = false;  // the copy keeps what was recorded
   read.progress = context.progress();
   log::ReadReport report;
@@ -224,6 +227,7 @@ void add_convert(CLI::App& app, VerbContext& context) {
       ->check(CLI::IsMember({3, 4}))
       ->capture_default_str();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
+  add_max_range(*verb, options->max_range_m);
 }
 
 }  // namespace strata::tools

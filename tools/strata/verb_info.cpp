@@ -14,6 +14,7 @@
 #include "core/geometry/angle.hpp"
 #include "memory/store/store_summary.hpp"
 #include "tools/strata/info_store.hpp"
+#include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -25,6 +26,7 @@ struct Options {
   std::string log;
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
+  double max_range_m = 0.0;
   bool json = false;
 };
 
@@ -88,6 +90,12 @@ Json describe(const std::string& path, const log::LogContent& content,
   info["path_m"] =
       observations.front().has_odometry ? Json(path_length_m(observations)) : Json(nullptr);
   info["scans"] = describe_scans(observations, duration_s);
+  info["no_return"] = Json::array();
+  for (const log::NoReturnLimit& limit : report.no_returns) {
+    Json entry{{"from_m", limit.from_m}, {"why", limit.why}};
+    if (!limit.scanner.empty()) entry["scanner"] = limit.scanner;
+    info["no_return"].push_back(entry);
+  }
   info["odometry"] = {{"source", report.odometry_source}, {"samples", content.odometry.size()}};
   info["mounting_source"] = report.mounting_source;
   info["messages"] = Json::object();
@@ -136,6 +144,12 @@ void print(const Json& info) {
   std::cout << "  readings   " << scans["hits"] << " hits, " << scans["no_returns"]
             << " without return, " << scans["too_close"] << " too close, " << scans["invalid"]
             << " invalid\n";
+  for (const Json& limit : info["no_return"]) {
+    const std::string scanner = limit.value("scanner", "");
+    std::cout << "  no return  " << (scanner.empty() ? "" : scanner + ": ") << "from "
+              << number(limit["from_m"], "%.2f m") << " on: " << limit["why"].get<std::string>()
+              << "\n";
+  }
   const Json& mounting = scans["mounting"];
   std::cout << "  mounting   " << number(mounting[0], "%.3f m, ") << number(mounting[1], "%.3f m, ")
             << number(mounting[2], "%.4f rad") << " (" << info["mounting_source"].get<std::string>()
@@ -176,6 +190,7 @@ void add_info(CLI::App& app, VerbContext& context) {
                               read.from_s = options->from_s;
                               read.to_s = options->to_s;
                               read.undistort = false;
+                              read.max_range_m = options->max_range_m;
                               read.progress = context.progress();
                               log::ReadReport report;
                               const auto content = log::read_log(options->log, read, &report);
@@ -190,6 +205,7 @@ void add_info(CLI::App& app, VerbContext& context) {
       ->required();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
   verb->add_option("--to", options->to_s, "cut, seconds from the first scan");
+  add_max_range(*verb, options->max_range_m);
   verb->add_flag("--json", options->json, "as JSON on stdout");
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/log/log_config.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/settings/settings.hpp"
@@ -32,6 +33,17 @@ struct Options {
   std::string update;
   std::vector<std::string> only;
   bool pictures = false;
+};
+
+/// What learning reads, beside what the logs leave open.
+struct Config {
+  maps::LearnConfig learn;
+  log::LogConfig log;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    maps::LearnConfig::describe(c.learn, v);
+    v.group("log", c.log, "what logs do not say of themselves");
+  }
 };
 
 pipeline::LearnParts parts_of(const std::vector<std::string>& only) {
@@ -80,7 +92,7 @@ std::string joined(const std::vector<std::string>& texts) {
 
 void run_learn(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
-  const auto config = read_config<maps::LearnConfig>(context);
+  const auto [config, log_config] = read_config<Config>(context);
   const pipeline::LearnParts parts = parts_of(options.only);
   std::optional<maps::EarlierRuns> earlier;
   std::optional<FolderLock> lock;
@@ -88,7 +100,8 @@ void run_learn(const Options& options, VerbContext& context) {
   if (updates_in_place(options)) wait_for_others(options.out, context, lock);
   if (!options.update.empty()) earlier = maps::read_earlier_runs(options.update);
   const int first_run = earlier ? earlier->next_run : 0;
-  const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress(), first_run);
+  const pipeline::Runs runs = pipeline::read_runs(
+      with_config(options.input, log_config), context.progress(), first_run);
   note_reports(context, runs);
   const pipeline::LearnResult result =
       pipeline::learn(runs.observations, runs.poses, config, parts, context.options.seed,

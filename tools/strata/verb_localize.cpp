@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/log/log_config.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
@@ -39,6 +40,7 @@ struct LocalizeConfig {
   patch_beams::PatchBeamModelConfig sensor;
   localization::LikelihoodFieldModelConfig likelihood_field;
   memory::DecodingConfig decoding;
+  log::LogConfig log;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("localizer", c.localizer, "the particle filter");
@@ -46,6 +48,7 @@ struct LocalizeConfig {
     v.group("sensor", c.sensor, "what beams measure in a map");
     v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
     v.group("decoding", c.decoding, "how levels of the timescale memory become expected scans");
+    v.group("log", c.log, "what the log does not say of itself");
   }
 };
 
@@ -86,7 +89,7 @@ pipeline::LocalizationStart start_of(const Options& options,
 void run_localize(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto config = read_config<LocalizeConfig>(context);
-  pipeline::RunsInput input = options.input;
+  pipeline::RunsInput input = with_config(options.input, config.log);
   input.logs = {options.log};
   maps::Maps maps = maps::read_maps(options.maps);
   maps.decoding = config.decoding;
