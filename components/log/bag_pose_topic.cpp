@@ -43,8 +43,8 @@ std::optional<SpacePose> decode(const BagTopic& topic, const BagMessage& message
     return posed(read.header(), read.pose());
   }
   if (topic.type == "geometry_msgs/msg/PoseWithCovarianceStamped") {
-    const auto read = convert::from_cdr<geometry_msgs::msg::PoseWithCovarianceStamped>(message.data,
-                                                                                       topic.name);
+    const auto read =
+        convert::from_cdr<geometry_msgs::msg::PoseWithCovarianceStamped>(message.data, topic.name);
     return posed(read.header(), read.pose().pose());
   }
   if (topic.type == "nav_msgs/msg/Odometry") {
@@ -96,8 +96,8 @@ PoseTopic read_pose_topic(const fs::path& path) {
                          "see `strata info` for its topics");
       }
       if (is_sound(pose->pose)) {
-        result.poses.push_back({pose->stamp, {pose->pose.translation,
-                                              pose->pose.rotation.normalized()}});
+        result.poses.push_back(
+            {pose->stamp, {pose->pose.translation, pose->pose.rotation.normalized()}});
       } else {
         ++result.unreadable;
       }
@@ -107,7 +107,8 @@ PoseTopic read_pose_topic(const fs::path& path) {
   }
   result.unreadable += reader->damage().count;
   if (result.poses.empty()) {
-    throw InputError(bag.string(), "holds no readable pose" + (wanted.empty() ? "" : " on " + wanted),
+    throw InputError(bag.string(),
+                     "holds no readable pose" + (wanted.empty() ? "" : " on " + wanted),
                      "see `strata info` for its topics");
   }
   return result;

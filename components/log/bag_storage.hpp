@@ -60,8 +60,8 @@ struct BagFolderFiles {
   bool packed_messages = false;              ///< metadata says that messages are compressed
 };
 /// The storage files of a bag folder; without a usable metadata.yaml every .db3, .mcap and
-/// .bag in it (packed ones too) by name, numbers in it by value. Throws InputError when there is none, or when
-/// metadata names a compression that is not known here.
+/// .bag in it (packed ones too) by name, numbers in it by value. Throws InputError when there is
+/// none, or when metadata names a compression that is not known here.
 [[nodiscard]] BagFolderFiles bag_files(const std::filesystem::path& folder);
 
 struct TypeDefinition {

@@ -13,8 +13,8 @@ namespace strata::log {
 /// apart (a corrected log over raw odometry), PARAM robot_frontlaser_offset.
 ///
 /// No returns of FLASER: 80 m and above (a SICK sends 81.83, 81.87, 81.91); besides, readings that
-/// pile up where they end (settle_no_returns), as 50 or 51.x do. ROBOTLASER1 states its maximum. All
-/// become +Inf.
+/// pile up where they end (settle_no_returns), as 50 or 51.x do. ROBOTLASER1 states its maximum.
+/// All become +Inf.
 [[nodiscard]] LogContent read_carmen(const std::filesystem::path& path, const ReadOptions& options,
                                      ReadReport& report);
 

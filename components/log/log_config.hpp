@@ -11,7 +11,8 @@ struct LogConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("max_range_m", c.max_range_m,
-            {.doc = "readings from here on say that nothing came back, whatever the log states; 0: what it "
+            {.doc = "readings from here on say that nothing came back, whatever the log states; 0: "
+                    "what it "
                     "states, or, where readings pile up below that, what they tell",
              .unit = "m",
              .min = 0.0,

@@ -80,9 +80,9 @@ const char* format_name(LogFormat format) {
     case LogFormat::kMcap:
       return "MCAP file";
     case LogFormat::kBagFolder:
-      return "rosbag2 folder";
+      return "bag folder";
     case LogFormat::kPackedFile:
-      return "packed rosbag2 file";
+      return "packed bag file";
     case LogFormat::kRos1Bag:
       return "ROS 1 bag";
   }

@@ -74,7 +74,7 @@ struct ReadReport {
   std::string odometry_source;                  ///< "scan", a topic, "tf", or "none"
   SweepTiming sweep;                            ///< how scans of the first scanner were undistorted
   std::vector<NoReturnLimit> no_returns;        ///< one a scanner
-  std::string mounting_source;                  ///< "tf_static", "tf", "laser - odometry", "assumed"
+  std::string mounting_source;  ///< "tf_static", "tf", "laser - odometry", "assumed"
   std::vector<std::string> warnings;
 };
 

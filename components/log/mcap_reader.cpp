@@ -184,9 +184,8 @@ class McapReader : public BagReader {
         return;
       }
       const View data = cursor.rest();
-      messages_.add({channel->second,
-                     {static_cast<std::int64_t>(stamp)},
-                     {data.begin(), data.end()}});
+      messages_.add(
+          {channel->second, {static_cast<std::int64_t>(stamp)}, {data.begin(), data.end()}});
       return;
     }
     if (!cursor.ok()) damage_.add(place(offset) + "a record is too short");

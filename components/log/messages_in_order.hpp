@@ -26,9 +26,8 @@ class MessagesInOrder {
   /// All pieces, before the first `next`. O(pieces log pieces).
   void set_pieces(std::vector<BagPiece> pieces) {
     pieces_ = std::move(pieces);
-    std::stable_sort(pieces_.begin(), pieces_.end(), [](const BagPiece& a, const BagPiece& b) {
-      return a.begin_ns < b.begin_ns;
-    });
+    std::stable_sort(pieces_.begin(), pieces_.end(),
+                     [](const BagPiece& a, const BagPiece& b) { return a.begin_ns < b.begin_ns; });
   }
   void add(BagMessage message) {
     waiting_.push_back({std::move(message), order_++});
@@ -37,10 +36,10 @@ class MessagesInOrder {
   /// Loads what the next message may lie in: load(piece) adds its messages.
   template <typename Load>
   void prefetch(Load&& load) {
-    while (next_ < pieces_.size() &&
-           (waiting_.empty() ||
-            pieces_[next_].begin_ns <=
-                static_cast<std::uint64_t>(waiting_.front().message.stamp.ns))) {
+    while (
+        next_ < pieces_.size() &&
+        (waiting_.empty() || pieces_[next_].begin_ns <=
+                                 static_cast<std::uint64_t>(waiting_.front().message.stamp.ns))) {
       load(pieces_[next_++]);
     }
   }

@@ -20,7 +20,8 @@ struct RangedScan {
 /// Sets range_max, and makes what it puts behind it +Inf: options.max_range_m; or the codes of no
 /// return that the readings tell (core/scan/no_return.hpp), where they lie below range_max. Else
 /// the scans stay as they are. The report says what it was and why; a code is a warning. scans: of
-/// one scanner, named `scanner` for people, not empty. stated: what range_max itself goes by. O(beams).
+/// one scanner, named `scanner` for people, not empty. stated: what range_max itself goes by.
+/// O(beams).
 void settle_no_returns(std::span<const RangedScan> scans, const std::string& scanner,
                        const std::string& stated, const ReadOptions& options, ReadReport& report);
 

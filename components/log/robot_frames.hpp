@@ -32,9 +32,9 @@ class RobotFrames {
   /// The frame that poses are of: the robot's, or that of its odometry where tf does not know the
   /// robot's.
   [[nodiscard]] std::string pose_frame(const std::string& odometry_child) const;
-  /// robot_from_sensor by /tf_static, or where that does not connect them, by links of /tf that came
-  /// again and never changed: in ROS 1 that is how a mounting was published. Nothing when they are
-  /// not connected. O(frames).
+  /// robot_from_sensor by /tf_static, or where that does not connect them, by links of /tf that
+  /// came again and never changed, as mountings were published in ROS 1. Nothing when they are not
+  /// connected. O(frames).
   [[nodiscard]] std::optional<Pose3> mounting(const std::string& sensor_frame,
                                               const std::string& odometry_child) const;
   /// Whether `mounting` is by /tf_static alone.
@@ -54,8 +54,8 @@ class RobotFrames {
 
   std::string robot_;
   TransformTree fixed_;
-  TransformTree steady_;  ///< the fixed ones, and those of /tf that have not moved
-  TransformTree all_;     ///< the fixed ones and those of /tf
+  TransformTree steady_;               ///< the fixed ones, and those of /tf that have not moved
+  TransformTree all_;                  ///< the fixed ones and those of /tf
   std::map<std::string, Link> links_;  ///< by child
 };
 

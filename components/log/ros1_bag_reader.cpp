@@ -47,7 +47,7 @@ class Ros1BagReader : public BagReader {
   const std::vector<BagTopic>& topics() const override { return topics_.topics(); }
   const BagDamage& damage() const override { return damage_; }
   std::string description() const override {
-    std::string text = "format 2.0";
+    std::string text = "ROSBAG V2.0";
     for (const std::string& method : methods_) {
       text += method == "none" ? "" : ", chunks packed with " + method;
     }
@@ -171,13 +171,12 @@ class Ros1BagReader : public BagReader {
     if (!why.empty()) {
       const auto next = chunks_at_.upper_bound(at);
       const bool goes_on = next != chunks_at_.end() && *next < end;
-      damage_.add(place(at) + why + "; " +
-                  (goes_on ? "what lies before the next chunk is left out"
-                           : "nothing behind it is read"));
+      damage_.add(
+          place(at) + why + "; " +
+          (goes_on ? "what lies before the next chunk is left out" : "nothing behind it is read"));
       return goes_on ? *next : end;
     }
-    const std::uint64_t behind =
-        record.is_cut ? size_ : record.data_at + record.data_size;
+    const std::uint64_t behind = record.is_cut ? size_ : record.data_at + record.data_size;
     if (record.is_cut) damage_.add(place(at) + "the file is cut in this record");
     if (record.op == Ros1Op::kChunk) return add_chunk(at, record, behind);
     if (record.is_cut) return behind;

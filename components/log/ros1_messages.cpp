@@ -52,8 +52,7 @@ class Transcoder {
 
   void message(const MessageLayout& layout) {
     static const MessageLayout* const header = convert::message_layout("std_msgs/msg/Header");
-    static const MessageLayout* const time =
-        convert::message_layout("builtin_interfaces/msg/Time");
+    static const MessageLayout* const time = convert::message_layout("builtin_interfaces/msg/Time");
     if (&layout == header) in_.number<std::uint32_t>();  // seq
     if (&layout == time) check_time();
     for (const MessageLayout::Field& field : layout.fields) {
@@ -114,9 +113,8 @@ class Transcoder {
 }  // namespace
 
 std::optional<Ros1Type> find_ros1_type(std::string_view type, std::string_view md5) {
-  const auto* const found =
-      std::find_if(std::begin(kKnown), std::end(kKnown),
-                   [&](const Known& known) { return known.ros1 == type; });
+  const auto* const found = std::find_if(std::begin(kKnown), std::end(kKnown),
+                                         [&](const Known& known) { return known.ros1 == type; });
   if (found == std::end(kKnown) || (md5 != "*" && md5 != found->md5)) return std::nullopt;
   return Ros1Type{std::string(found->ros2), convert::message_layout(found->ros2)};
 }

@@ -54,8 +54,7 @@ std::size_t sector_of(double direction_rad) {
 /// How many readings there are a centimetre.
 class Histogram {
  public:
-  explicit Histogram(std::span<const PlacedScan> scans)
-      : counts_(bin_of(kLongestRangeM) + 1, 0) {
+  explicit Histogram(std::span<const PlacedScan> scans) : counts_(bin_of(kLongestRangeM) + 1, 0) {
     for (const PlacedScan& placed : scans) {
       const Scan& scan = *placed.scan;
       for (std::size_t beam = 0; beam < scan.size(); ++beam) {
@@ -89,8 +88,8 @@ struct Pile {
   double expected = 0.0;  ///< as many as there would be if it were as dense as what lies below
 };
 
-/// Readings a bin in the metre below a bin: the median of its decimetres, so that another code there
-/// is not taken for walls.
+/// Readings a bin in the metre below a bin: the median of its decimetres, so that another code
+/// there is not taken for walls.
 double density_of_metre_below(const Histogram& readings, std::size_t bin) {
   constexpr std::size_t kParts = 10;
   constexpr std::size_t kBins = kBinsAMetre / kParts;
@@ -120,9 +119,8 @@ Pile pile_around(const Histogram& readings, std::size_t peak, std::size_t end) {
   for (std::size_t bin = peak; bin-- > peak - kFurthestBins && pile.from - bin <= kWidestGapBins;) {
     if (is_scatter(bin)) pile.from = bin;
   }
-  for (std::size_t bin = peak + 1; bin < std::min(end, peak + kFurthestBins + 1) &&
-                                   bin - pile.to <= kWidestGapBins;
-       ++bin) {
+  for (std::size_t bin = peak + 1;
+       bin < std::min(end, peak + kFurthestBins + 1) && bin - pile.to <= kWidestGapBins; ++bin) {
     if (is_scatter(bin)) pile.to = bin;
   }
   pile.readings = readings.within(pile.from, pile.to + 1);

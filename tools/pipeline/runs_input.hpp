@@ -26,7 +26,7 @@ struct RunsInput {
   bool use_odometry = true;
   /// Topics of the robot's scanners in bags; empty: the only one, or /scan.
   std::vector<std::string> scan_topics;
-  CloudSliceConfig cloud;  ///< how scans are made of those with point clouds
+  CloudSliceConfig cloud;    ///< how scans are made of those with point clouds
   double max_range_m = 0.0;  ///< log::ReadOptions
 };
 

@@ -206,7 +206,8 @@ void add_convert(CLI::App& app, VerbContext& context) {
   const auto [verb, options] =
       add_verb<Options>(app, context, "convert", "a log into another format",
                         "strata convert office.clf.gz office.mcap", run);
-  verb->add_option("IN", options->in, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")->required();
+  verb->add_option("IN", options->in, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
+      ->required();
   verb->add_option("OUT", options->out,
                    "file (.clf, .log, .db3, .mcap), or a folder for a bag with --to")
       ->required();

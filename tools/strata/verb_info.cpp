@@ -201,7 +201,8 @@ void add_info(CLI::App& app, VerbContext& context) {
                                 print(info);
                               }
                             });
-  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag; or a strata.db")
+  verb->add_option("LOG", options->log,
+                   "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag; or a strata.db")
       ->required();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
   verb->add_option("--to", options->to_s, "cut, seconds from the first scan");

@@ -100,8 +100,8 @@ void run_learn(const Options& options, VerbContext& context) {
   if (updates_in_place(options)) wait_for_others(options.out, context, lock);
   if (!options.update.empty()) earlier = maps::read_earlier_runs(options.update);
   const int first_run = earlier ? earlier->next_run : 0;
-  const pipeline::Runs runs = pipeline::read_runs(
-      with_config(options.input, log_config), context.progress(), first_run);
+  const pipeline::Runs runs =
+      pipeline::read_runs(with_config(options.input, log_config), context.progress(), first_run);
   note_reports(context, runs);
   const pipeline::LearnResult result =
       pipeline::learn(runs.observations, runs.poses, config, parts, context.options.seed,

@@ -120,7 +120,8 @@ void add_localize(CLI::App& app, VerbContext& context) {
   const auto [verb, options] = add_verb<Options>(
       app, context, "localize", "localize a recorded robot in learned maps",
       "strata localize friday.clf --maps maps --model patch --out friday", run_localize);
-  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")->required();
+  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
+      ->required();
   verb->add_option("--maps", options->maps, "folder that `strata learn` wrote")->required();
   verb->add_option("--model", options->model,
                    maps::map_models().help(&maps::MapModelDescriptor::is_in_folder))

@@ -79,7 +79,8 @@ void add_topology(CLI::App& app, VerbContext& context) {
   const auto [verb, options] = add_verb<Options>(
       app, context, "topology", "find the topologies that a run may have, with their odds",
       "strata topology office.clf --out topology", run_topology);
-  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")->required();
+  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
+      ->required();
   verb->add_option("--out", options->out, "folder for the results")->required();
   verb->add_option("--landmarks", options->landmarks,
                    "file of landmark times, seconds from the first scan, one a line; without it "

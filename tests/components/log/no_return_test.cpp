@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What is taken for no return in real logs, as they are and with the codes of other scanners in
 /// place of their own.
+#include "core/scan/no_return.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -14,7 +16,6 @@
 #include "components/log/log_reader.hpp"
 #include "components/log/log_writer.hpp"
 #include "core/random/stream.hpp"
-#include "core/scan/no_return.hpp"
 #include "tests/components/log/log_fixture.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -44,8 +45,7 @@ TEST_P(NoReturnOfARealLog, IsWhatItsScannerSent) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, NoReturnOfARealLog,
-    ::testing::Values(Known{"csail/csail.clf.gz", 80.0F},
-                      Known{"fhw/fhw-corrected.log.gz", 51.05F},
+    ::testing::Values(Known{"csail/csail.clf.gz", 80.0F}, Known{"fhw/fhw-corrected.log.gz", 51.05F},
                       Known{"fr079/fr079.clf.gz", 80.0F}, Known{"intel/intel.clf.gz", 80.0F},
                       Known{"radish/acapulco/log.clf.gz", 50.0F},
                       Known{"radish/belgioioso/log.clf.gz", 80.0F},
@@ -155,8 +155,9 @@ TEST_F(NoReturnOfALog, IsFoundInBagsWhateverTheirRangeMax) {
     EXPECT_EQ(seen_nothing(scans), expected) << range_max_m;
     ASSERT_THAT(report_.no_returns, SizeIs(1));
     EXPECT_EQ(report_.no_returns[0].from_m, 20.5F);
-    EXPECT_THAT(report_.no_returns[0].why,
-                HasSubstr(range_max_m == 20.5F ? "range_max of its messages" : "of exactly 20.5 m"));
+    EXPECT_THAT(
+        report_.no_returns[0].why,
+        HasSubstr(range_max_m == 20.5F ? "range_max of its messages" : "of exactly 20.5 m"));
   }
 }
 

@@ -34,9 +34,8 @@ Stamp stamp_of(std::uint64_t time) {
 std::string bz2(const std::string& plain) {
   std::string packed(plain.size() + plain.size() / 50 + 1000, '\0');
   auto size = static_cast<unsigned>(packed.size());
-  const int code =
-      BZ2_bzBuffToBuffCompress(packed.data(), &size, const_cast<char*>(plain.data()),
-                               static_cast<unsigned>(plain.size()), 9, 0, 0);
+  const int code = BZ2_bzBuffToBuffCompress(packed.data(), &size, const_cast<char*>(plain.data()),
+                                            static_cast<unsigned>(plain.size()), 9, 0, 0);
   if (code != BZ_OK) throw std::runtime_error("bzip2");
   packed.resize(size);
   return packed;
@@ -49,8 +48,8 @@ std::string lz4(const std::string& plain) {
   preferences.frameInfo.blockSizeID = LZ4F_max64KB;
   preferences.frameInfo.contentChecksumFlag = LZ4F_contentChecksumEnabled;
   std::string packed(LZ4F_compressFrameBound(plain.size(), &preferences), '\0');
-  const std::size_t size = LZ4F_compressFrame(packed.data(), packed.size(), plain.data(),
-                                              plain.size(), &preferences);
+  const std::size_t size =
+      LZ4F_compressFrame(packed.data(), packed.size(), plain.data(), plain.size(), &preferences);
   if (LZ4F_isError(size) != 0U) throw std::runtime_error("lz4");
   packed.resize(size);
   return packed;
@@ -170,9 +169,9 @@ void Ros1BagMaker::write(const Ros1Topic& topic, Stamp stamp, const std::string&
   const bool is_first = chunk_.end == 0;
   chunk_.begin = is_first || stamp < stamp_of(chunk_.begin) ? time : chunk_.begin;
   chunk_.end = is_first || stamp_of(chunk_.end) < stamp ? time : chunk_.end;
-  records_ += record(
-      Ros1Bytes().field("op", op_field(2)).field("conn", le32(id)).field("time", le64(time)),
-      message);
+  records_ +=
+      record(Ros1Bytes().field("op", op_field(2)).field("conn", le32(id)).field("time", le64(time)),
+             message);
   if (records_.size() >= format_.chunk_bytes) finish_chunk(true);
 }
 
@@ -182,11 +181,10 @@ void Ros1BagMaker::finish_chunk(bool with_lengths) {
                            : format_.compression == "lz4" ? lz4(records_)
                                                           : records_;
   chunk_.position = kRos1FirstChunk + file_.size();
-  const Ros1Bytes header =
-      Ros1Bytes()
-          .field("op", op_field(5))
-          .field("compression", format_.compression)
-          .field("size", le32(with_lengths ? Ros1Bytes::length(records_) : 0));
+  const Ros1Bytes header = Ros1Bytes()
+                               .field("op", op_field(5))
+                               .field("compression", format_.compression)
+                               .field("size", le32(with_lengths ? Ros1Bytes::length(records_) : 0));
   file_ += with_lengths ? record(header, data) : record(header, "") + data;
   if (with_lengths) {
     for (const auto& [id, entries] : chunk_.entries) {

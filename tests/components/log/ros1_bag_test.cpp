@@ -23,13 +23,13 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using ::testing::Contains;
-using ::testing::HasSubstr;
 using test::Ros1BagMaker;
 using test::Ros1End;
 using test::Ros1Format;
 using test::Ros1Topic;
 using test::write_text;
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 const Ros1Topic kChat{"/chat", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1"};
 
@@ -41,63 +41,69 @@ std::string text(const char (&bytes)[size]) {
 
 /// A connection's record, which stands in the chunk and at the end.
 std::string chat_connection() {
-  return text("\x24\x00\x00\x00"
-              "\x04\x00\x00\x00op=\x07"
-              "\x09\x00\x00\x00"
-              "conn=\x00\x00\x00\x00"
-              "\x0B\x00\x00\x00topic=/chat"
-              "\x79\x00\x00\x00"
-              "\x0B\x00\x00\x00topic=/chat"
-              "\x14\x00\x00\x00type=std_msgs/String"
-              "\x27\x00\x00\x00md5sum=992ce8a1687cec8c8bd883ec73ca41d1"
-              "\x23\x00\x00\x00message_definition=# not looked at\n");
+  return text(
+      "\x24\x00\x00\x00"
+      "\x04\x00\x00\x00op=\x07"
+      "\x09\x00\x00\x00"
+      "conn=\x00\x00\x00\x00"
+      "\x0B\x00\x00\x00topic=/chat"
+      "\x79\x00\x00\x00"
+      "\x0B\x00\x00\x00topic=/chat"
+      "\x14\x00\x00\x00type=std_msgs/String"
+      "\x27\x00\x00\x00md5sum=992ce8a1687cec8c8bd883ec73ca41d1"
+      "\x23\x00\x00\x00message_definition=# not looked at\n");
 }
 
 /// Counted out by hand from http://wiki.ros.org/Bags/Format/2.0: one message of three letters.
 std::string chat_bag() {
   return "#ROSBAG V2.0\n" +
-         text("\x45\x00\x00\x00"
-              "\x04\x00\x00\x00op=\x03"
-              "\x12\x00\x00\x00index_pos=\x63\x11\x00\x00\x00\x00\x00\x00"
-              "\x0F\x00\x00\x00"
-              "conn_count=\x01\x00\x00\x00"
-              "\x10\x00\x00\x00"
-              "chunk_count=\x01\x00\x00\x00"
-              "\xBB\x0F\x00\x00") +
+         text(
+             "\x45\x00\x00\x00"
+             "\x04\x00\x00\x00op=\x03"
+             "\x12\x00\x00\x00index_pos=\x63\x11\x00\x00\x00\x00\x00\x00"
+             "\x0F\x00\x00\x00"
+             "conn_count=\x01\x00\x00\x00"
+             "\x10\x00\x00\x00"
+             "chunk_count=\x01\x00\x00\x00"
+             "\xBB\x0F\x00\x00") +
          repeated(' ', 4027) +
-         text("\x29\x00\x00\x00"
-              "\x04\x00\x00\x00op=\x05"
-              "\x10\x00\x00\x00"
-              "compression=none"
-              "\x09\x00\x00\x00size=\xDA\x00\x00\x00"
-              "\xDA\x00\x00\x00") +
+         text(
+             "\x29\x00\x00\x00"
+             "\x04\x00\x00\x00op=\x05"
+             "\x10\x00\x00\x00"
+             "compression=none"
+             "\x09\x00\x00\x00size=\xDA\x00\x00\x00"
+             "\xDA\x00\x00\x00") +
          chat_connection() +
-         text("\x26\x00\x00\x00"
-              "\x04\x00\x00\x00op=\x02"
-              "\x09\x00\x00\x00"
-              "conn=\x00\x00\x00\x00"
-              "\x0D\x00\x00\x00time=\x05\x00\x00\x00\x07\x00\x00\x00"
-              "\x07\x00\x00\x00\x03\x00\x00\x00hi!") +
-         text("\x2F\x00\x00\x00"
-              "\x04\x00\x00\x00op=\x04"
-              "\x08\x00\x00\x00ver=\x01\x00\x00\x00"
-              "\x09\x00\x00\x00"
-              "conn=\x00\x00\x00\x00"
-              "\x0A\x00\x00\x00"
-              "count=\x01\x00\x00\x00"
-              "\x0C\x00\x00\x00\x05\x00\x00\x00\x07\x00\x00\x00\xA5\x00\x00\x00") +
+         text(
+             "\x26\x00\x00\x00"
+             "\x04\x00\x00\x00op=\x02"
+             "\x09\x00\x00\x00"
+             "conn=\x00\x00\x00\x00"
+             "\x0D\x00\x00\x00time=\x05\x00\x00\x00\x07\x00\x00\x00"
+             "\x07\x00\x00\x00\x03\x00\x00\x00hi!") +
+         text(
+             "\x2F\x00\x00\x00"
+             "\x04\x00\x00\x00op=\x04"
+             "\x08\x00\x00\x00ver=\x01\x00\x00\x00"
+             "\x09\x00\x00\x00"
+             "conn=\x00\x00\x00\x00"
+             "\x0A\x00\x00\x00"
+             "count=\x01\x00\x00\x00"
+             "\x0C\x00\x00\x00\x05\x00\x00\x00\x07\x00\x00\x00\xA5\x00\x00\x00") +
          chat_connection() +
-         text("\x64\x00\x00\x00"
-              "\x04\x00\x00\x00op=\x06"
-              "\x08\x00\x00\x00ver=\x01\x00\x00\x00"
-              "\x12\x00\x00\x00"
-              "chunk_pos=\x15\x10\x00\x00\x00\x00\x00\x00"
-              "\x13\x00\x00\x00start_time=\x05\x00\x00\x00\x07\x00\x00\x00"
-              "\x11\x00\x00\x00"
-              "end_time=\x05\x00\x00\x00\x07\x00\x00\x00"
-              "\x0A\x00\x00\x00"
-              "count=\x01\x00\x00\x00"
-              "\x08\x00\x00\x00\x00\x00\x00\x00\x01\x00\x00\x00");
+         text(
+             "\x64\x00\x00\x00"
+             "\x04\x00\x00\x00op=\x06"
+             "\x08\x00\x00\x00ver=\x01\x00\x00\x00"
+             "\x12\x00\x00\x00"
+             "chunk_pos=\x15\x10\x00\x00\x00\x00\x00\x00"
+             "\x13\x00\x00\x00start_time=\x05\x00\x00\x00\x07\x00\x00\x00"
+             "\x11\x00\x00\x00"
+             "end_time=\x05\x00\x00\x00\x07\x00\x00\x00"
+             "\x0A\x00\x00\x00"
+             "count=\x01\x00\x00\x00"
+             "\x08\x00\x00\x00\x00\x00\x00\x00\x01\x00\x00\x00");
 }
 
 void expect_same_log(const LogContent& a, const LogContent& b) {
@@ -159,8 +165,7 @@ class Ros1BagOfALog : public Ros1Bag,
 TEST_P(Ros1BagOfALog, GivesTheSameObservationsAsTheBagOfRos2) {
   const auto& [compression, end] = GetParam();
   const fs::path original = rosbag2();
-  const fs::path bag =
-      write(test::ros1_bag_of(original, {.compression = compression, .end = end}));
+  const fs::path bag = write(test::ros1_bag_of(original, {.compression = compression, .end = end}));
   EXPECT_EQ(detect_format(bag), LogFormat::kRos1Bag);
   ReadReport report;
   const LogContent content = read_log(bag, {}, &report);
@@ -297,8 +302,8 @@ TEST_P(Ros1RealLog, GivesTheSameObservationsBitForBit) {
   ReadReport expected;
   const LogContent content = read_log(original, {}, &expected);
   for (const char* compression : {"none", "bz2", "lz4"}) {
-    const fs::path bag = write(
-        test::ros1_bag_of(original, {.compression = compression, .chunk_bytes = 768 * 1024}));
+    const fs::path bag =
+        write(test::ros1_bag_of(original, {.compression = compression, .chunk_bytes = 768 * 1024}));
     ReadReport report;
     expect_same_log(read_log(bag, {}, &report), content);
     EXPECT_EQ(report.bad_lines, 0U) << report.first_bad;

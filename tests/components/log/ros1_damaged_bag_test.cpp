@@ -18,10 +18,10 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using ::testing::Contains;
-using ::testing::HasSubstr;
 using test::Ros1End;
 using test::write_text;
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 class DamagedRos1Bag : public ::testing::Test {
  protected:
@@ -126,15 +126,17 @@ TEST_F(DamagedRos1Bag, WithNothingInItIsRefusedWithPlaceAndRemedy) {
 TEST_F(DamagedRos1Bag, OfAnotherFormatIsNamed) {
   EXPECT_THAT(error_of("#ROSRECORD V1.2\nrest"), HasSubstr("ROSRECORD V1.2"));
   EXPECT_THAT(error_of("#ROSBAG V2.1\nrest"), HasSubstr("only 2.0"));
-  const auto header = test::Ros1Bytes().field("op", "\x03").field("encryptor", "rosbag/AesCbcEncryptor");
-  EXPECT_THAT(error_of("#ROSBAG V2.0\n" +
-                       test::Ros1Bytes().text(header.bytes()).text("    ").bytes()),
-              HasSubstr("is encrypted"));
+  const auto header =
+      test::Ros1Bytes().field("op", "\x03").field("encryptor", "rosbag/AesCbcEncryptor");
+  EXPECT_THAT(
+      error_of("#ROSBAG V2.0\n" + test::Ros1Bytes().text(header.bytes()).text("    ").bytes()),
+      HasSubstr("is encrypted"));
 }
 
 TEST_F(DamagedRos1Bag, WithAnUnknownCompressionSaysWhich) {
   std::string bytes = bag("none");
-  for (std::size_t at = bytes.find("=none"); at != std::string::npos; at = bytes.find("=none", at)) {
+  for (std::size_t at = bytes.find("=none"); at != std::string::npos;
+       at = bytes.find("=none", at)) {
     bytes.replace(at, 5, "=zstd");
   }
   EXPECT_THAT(error_of(bytes), HasSubstr("unknown compression zstd"));

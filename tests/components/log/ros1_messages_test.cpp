@@ -38,16 +38,16 @@ std_msgs::msg::Header header() {
 // Written by hand from the definition of sensor_msgs/LaserScan.
 TEST(Ros1Messages, AScanIsTakenFromTheBytesThatRos1Wrote) {
   const Bytes message = bytes_of(
-      "\x07\x00\x00\x00"                  // seq
-      "\x01\x00\x00\x00\x02\x00\x00\x00"  // stamp
-      "\x05\x00\x00\x00laser"             // frame_id
-      "\x00\x00\x80\xBF"                  // angle_min -1
-      "\x00\x00\x80\x3F"                  // angle_max 1
-      "\x00\x00\x00\x3F"                  // angle_increment 0.5
-      "\x00\x00\x80\x3E"                  // time_increment 0.25
-      "\x00\x00\x00\x40"                  // scan_time 2
-      "\x00\x00\x00\x3E"                  // range_min 0.125
-      "\x00\x00\xA0\x41"                  // range_max 20
+      "\x07\x00\x00\x00"                                  // seq
+      "\x01\x00\x00\x00\x02\x00\x00\x00"                  // stamp
+      "\x05\x00\x00\x00laser"                             // frame_id
+      "\x00\x00\x80\xBF"                                  // angle_min -1
+      "\x00\x00\x80\x3F"                                  // angle_max 1
+      "\x00\x00\x00\x3F"                                  // angle_increment 0.5
+      "\x00\x00\x80\x3E"                                  // time_increment 0.25
+      "\x00\x00\x00\x40"                                  // scan_time 2
+      "\x00\x00\x00\x3E"                                  // range_min 0.125
+      "\x00\x00\xA0\x41"                                  // range_max 20
       "\x02\x00\x00\x00\x00\x00\x40\x40\x00\x00\x80\x7F"  // ranges 3, +Inf
       "\x01\x00\x00\x00\x00\x00\x80\x40");                // intensities 4
   sensor_msgs::msg::LaserScan scan;

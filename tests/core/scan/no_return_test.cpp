@@ -126,7 +126,8 @@ TEST_F(NoReturn, IsNotAWallBeforeWhichTheRobotStood) {
 }
 
 TEST_F(NoReturn, IsNotAWallAlongWhichTheRobotDrives) {
-  drive(20.0, [] { return std::numeric_limits<float>::infinity(); }, 0.2, 0.0);
+  drive(
+      20.0, [] { return std::numeric_limits<float>::infinity(); }, 0.2, 0.0);
   EXPECT_THAT(find(), SizeIs(0));
 }
 
@@ -141,11 +142,13 @@ TEST_F(NoReturn, MayBeWhatOneBeamAlwaysSends) {
 }
 
 TEST_F(NoReturn, OfARobotThatStandsIsSeenInManyDirections) {
-  drive(40.0, [] { return 50.0F; }, 0.0, 0.0);
+  drive(
+      40.0, [] { return 50.0F; }, 0.0, 0.0);
   EXPECT_THAT(find(), SizeIs(0)) << "a few beams of ninety may be a wall";
   scans_.clear();
   poses_.clear();
-  drive(4.0, [] { return 50.0F; }, 0.0, 0.0);
+  drive(
+      4.0, [] { return 50.0F; }, 0.0, 0.0);
   EXPECT_THAT(find(), SizeIs(1));
 }
 
