@@ -29,6 +29,7 @@ constexpr std::size_t kMostCodes = 2;
 constexpr double kPlaceM = 0.5;
 constexpr std::size_t kLeastPlaces = 3;
 constexpr double kLeastShareOfBeams = 0.15;
+constexpr double kLeastBeams = 5.0;  // of a scanner with few
 constexpr double kLeastBeamsAReading = 0.25;
 constexpr std::size_t kSectors = 16;
 constexpr std::size_t kLeastSectors = 8;
@@ -158,8 +159,9 @@ bool is_seen_everywhere(const Pile& pile, std::span<const PlacedScan> scans) {
       sectors.insert(sector_of(placed.odom_from_robot.theta + scan.bearing_rad(beam)));
     }
   }
-  const double least_beams = std::min(kLeastShareOfBeams * static_cast<double>(beams),
-                                      kLeastBeamsAReading * static_cast<double>(pile.readings));
+  const double least_beams =
+      std::min(std::max(kLeastBeams, kLeastShareOfBeams * static_cast<double>(beams)),
+               kLeastBeamsAReading * static_cast<double>(pile.readings));
   const bool is_all_round = sectors.size() >= kLeastSectors;
   if (static_cast<double>(seen_in.size()) < least_beams && !is_all_round) return false;
   if (places.size() < kLeastPlaces) return true;

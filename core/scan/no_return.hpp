@@ -36,8 +36,8 @@ struct PlacedScan {
 /// - It goes neither with a place nor with a direction. A wall piles up as well while the robot
 ///   stands, but then from one place half a metre wide: without the place that has most of it, it
 ///   still has to be a pile, unless the robot never moves. A wall along which the robot drives
-///   piles up in one direction: 15% of all beams have to show it, or a quarter as many as there
-///   are readings, or it is seen in half of the world's directions.
+///   piles up in one direction: 15% of all beams and five at least have to show it, or a quarter as
+///   many as there are readings, or it is seen in half of the world's directions.
 ///
 /// Returns the codes from the top, two at most; readings from the last one on are no returns. Only
 /// beams that Scan::kind takes for hits count, of more than 1 m. scans: of one scanner.

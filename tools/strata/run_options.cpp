@@ -10,11 +10,6 @@ void add_max_range(CLI::App& verb, double& max_range_m) {
       ->check(CLI::Range(0.1, 1000.0));
 }
 
-pipeline::RunsInput with_config(pipeline::RunsInput input, const log::LogConfig& config) {
-  if (input.max_range_m <= 0.0) input.max_range_m = config.max_range_m;
-  return input;
-}
-
 void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
   verb.add_option("--poses", input.poses,
                   "use these poses instead of scan matching; TUM, `t x y theta ...` or a corrected "

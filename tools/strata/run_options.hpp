@@ -21,8 +21,11 @@ void add_max_range(CLI::App& verb, double& max_range_m);
 void add_run_options(CLI::App& verb, pipeline::RunsInput& input);
 
 /// The input with what the settings say and no option does.
-[[nodiscard]] pipeline::RunsInput with_config(pipeline::RunsInput input,
-                                              const log::LogConfig& config);
+[[nodiscard]] inline pipeline::RunsInput with_config(pipeline::RunsInput input,
+                                                     const log::LogConfig& config) {
+  if (input.max_range_m <= 0.0) input.max_range_m = config.max_range_m;
+  return input;
+}
 
 /// Notes on stderr what reading met: damaged lines, skipped scans, assumptions.
 void note_reports(VerbContext& context, const pipeline::Runs& runs);

@@ -141,6 +141,18 @@ TEST_F(NoReturn, MayBeWhatOneBeamAlwaysSends) {
   EXPECT_THAT(find(), SizeIs(1));
 }
 
+// Four beams, each a quarter of the scanner.
+TEST_F(NoReturn, IsNotAWallAlongWhichAScannerOfFewBeamsDrives) {
+  for (int i = 0; i < 100; ++i) {
+    Scan scan;
+    scan.range_max_m = 80.0F;
+    scan.ranges_m = {1.5F, 3.0F, 4.5F, std::numeric_limits<float>::infinity()};
+    scans_.push_back(scan);
+    poses_.push_back({0.2 * i, 0.0, 0.0});
+  }
+  EXPECT_THAT(find(), SizeIs(0));
+}
+
 TEST_F(NoReturn, OfARobotThatStandsIsSeenInManyDirections) {
   drive(
       40.0, [] { return 50.0F; }, 0.0, 0.0);
