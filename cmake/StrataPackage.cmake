@@ -43,7 +43,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libceres-dev, libhwy-dev, liboctomap-dev, libsqlite3-dev, libzstd-dev")
 if(STRATA_COMPONENTS)
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    ", libfastrtps-dev, libfastcdr-dev, libyaml-cpp-dev, liblz4-dev, zlib1g-dev, libpng-dev,"
+    ", libfastrtps-dev, libfastcdr-dev, libyaml-cpp-dev, liblz4-dev, libbz2-dev, zlib1g-dev, libpng-dev,"
     " librsvg2-bin, libssl-dev, nlohmann-json3-dev, libcli11-dev")
 endif()
 include(CPack)

@@ -8,8 +8,6 @@
 #include "components/convert/cdr.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/log/bag.hpp"
-#include "components/log/bag_storage.hpp"
-#include "components/log/compression.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::clouds {
@@ -64,9 +62,6 @@ std::set<std::string> BagPoses::topics_of(const std::string& type) const {
   return names;
 }
 
-bool is_bag(const std::filesystem::path& path) {
-  return std::filesystem::is_directory(path) || log::is_mcap(path) || log::is_sqlite(path) ||
-         log::compression_of_file(path) != log::BagCompression::kNone;
-}
+bool is_bag(const std::filesystem::path& path) { return log::is_bag(path); }
 
 }  // namespace strata::clouds

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// rosbag2 bags as raw messages: SQLite and MCAP, reading and writing.
+/// Bags as raw messages: rosbag2's, SQLite and MCAP, reading and writing; ROS 1's, reading.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,9 @@
 #include "core/base/time.hpp"
 
 namespace strata::log {
+
+/// The serialization format of messages that ROS 1 serialized and that are not known here.
+inline constexpr const char* kRos1Format = "ros1";
 
 struct BagTopic {
   std::string name;  ///< "/scan"
@@ -42,7 +45,8 @@ struct BagDamage {
 };
 
 /// Messages in order of their stamps, from a bag folder (with or without metadata.yaml), a .db3 or
-/// a .mcap file; told by content.
+/// a .mcap file, or a ROS 1 .bag; told by content. Messages of ROS 1 come out as ROS 2 has them,
+/// where their type is known here (types of scans, clouds, images, odometry, poses, tf and maps).
 class BagReader : public Interface {
  public:
   /// Throws InputError when there is nothing to read at all. What rosbag2 compressed (whole files
@@ -57,6 +61,9 @@ class BagReader : public Interface {
   /// How it is stored, for people: "2 files, SQLite schema 3 (humble), files packed with zstd".
   [[nodiscard]] virtual std::string description() const = 0;
 };
+
+/// Whether it is what BagReader::open opens: a folder, or a file whose first bytes say so.
+[[nodiscard]] bool is_bag(const std::filesystem::path& path);
 
 enum class BagStorage { kSqlite3, kMcap };
 enum class BagCompression { kNone, kZstd, kLz4 };

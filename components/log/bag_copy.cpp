@@ -59,6 +59,10 @@ CopyReport copy_bag(const fs::path& in, const fs::path& folder, const BagOptions
   const auto place_of = [&](std::size_t topic) {
     while (places.size() <= topic) {
       const BagTopic& known = reader->topics()[places.size()];
+      if (known.serialization_format == kRos1Format) {
+        places.emplace_back(std::nullopt);
+        continue;
+      }
       const bool is_new = report.messages.try_emplace(known.name, 0).second;
       // rosbag2 knows one type a name; a second one finds no place.
       places.push_back(is_new ? std::optional(writer.add_topic(known)) : std::nullopt);
@@ -70,6 +74,7 @@ CopyReport copy_bag(const fs::path& in, const fs::path& folder, const BagOptions
   };
   BagMessage message;
   BagDamage other_type;
+  std::map<std::size_t, std::size_t> of_ros1;
   std::size_t done = 0;
   bool any_inside = false;
   while (reader->next(message)) {
@@ -79,6 +84,10 @@ CopyReport copy_bag(const fs::path& in, const fs::path& folder, const BagOptions
     const bool inside = message.stamp >= window.begin && message.stamp <= window.end;
     any_inside = any_inside || inside;
     if (!inside && !(latched && message.stamp < window.begin)) continue;
+    if (reader->topics()[message.topic].serialization_format == kRos1Format) {
+      ++of_ros1[message.topic];
+      continue;
+    }
     if (!place) {
       other_type.add(in.string() + ": " + name + " has messages of more than one type");
       continue;
@@ -88,6 +97,10 @@ CopyReport copy_bag(const fs::path& in, const fs::path& folder, const BagOptions
     if (++done % 1000 == 0) report_progress(options.progress, "copy bag", done, 0);
   }
   if (!reader->topics().empty()) place_of(reader->topics().size() - 1);
+  for (const auto& [topic, count] : of_ros1) {
+    const BagTopic& known = reader->topics()[topic];
+    report.left_out.push_back(known.name + " (" + std::to_string(count) + " " + known.type + ")");
+  }
   report.damage = reader->damage();
   if (report.damage.count == 0) report.damage.first = other_type.first;
   report.damage.count += other_type.count;

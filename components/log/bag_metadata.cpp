@@ -88,7 +88,7 @@ bool is_storage_file(const fs::path& file) {
   const std::string ending = file.extension().string();
   const bool packed = ending == ".zstd" || ending == ".lz4";
   const std::string inner = packed ? file.stem().extension().string() : ending;
-  return inner == ".db3" || inner == ".mcap";
+  return inner == ".db3" || inner == ".mcap" || inner == ".bag";
 }
 
 /// bag_2 before bag_10.
@@ -109,6 +109,9 @@ bool is_sqlite(const fs::path& file) {
   return begins_with(file, std::string_view("SQLite format 3\0", 16));
 }
 bool is_mcap(const fs::path& file) { return begins_with(file, "\x89MCAP0\r\n"); }
+bool is_ros1_bag(const fs::path& file) {
+  return begins_with(file, "#ROSBAG V") || begins_with(file, "#ROSRECORD V");
+}
 
 BagFolderFiles bag_files(const fs::path& folder) {
   BagFolderFiles found = files_of_metadata(folder);
@@ -125,7 +128,7 @@ BagFolderFiles bag_files(const fs::path& folder) {
   }
   if (found.files.empty()) {
     throw InputError(folder.string(), "is a folder without a bag in it",
-                     "name a folder with metadata.yaml, .db3 or .mcap files");
+                     "name a folder with metadata.yaml, .db3, .mcap or .bag files");
   }
   return found;
 }

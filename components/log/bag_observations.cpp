@@ -12,10 +12,12 @@
 #include "components/log/bag_streams.hpp"
 #include "components/log/equal_stamps.hpp"
 #include "components/log/joined_scan.hpp"
+#include "components/log/no_return_limit.hpp"
 #include "components/log/odometry_track.hpp"
 #include "components/log/set_back_clock.hpp"
 #include "core/base/error.hpp"
 #include "core/registration/sweep_timing.hpp"
+#include "core/scan/range_limit.hpp"
 
 namespace strata::log {
 namespace {
@@ -149,7 +151,11 @@ class BagParser {
   }
 
   Pose3 find_mounting(const std::string& frame) {
-    if (const auto found = streams_.frames.mounting(frame, odometry_child_)) return *found;
+    if (const auto found = streams_.frames.mounting(frame, odometry_child_)) {
+      const bool is_fixed = streams_.frames.is_fixed(frame, odometry_child_);
+      if (!is_fixed && report_.mounting_source != "assumed") report_.mounting_source = "tf";
+      return *found;
+    }
     if (!assumed_.insert(frame).second) return Pose3{};
     report_.mounting_source = "assumed";
     report_.warnings.push_back(
@@ -202,6 +208,7 @@ class BagParser {
       sweep = find_sweep_timing(scans, odometry, sweep, where);
     }
     if (scanners_ == 0) report_.sweep = sweep;
+    if (!scans.front().is_cloud) settle_ranges(scans, where, odometry, sweep);
     for (SensedScan& framed : scans) {
       auto observation = join(std::move(framed), odometry, sweep, options_.undistort);
       if (!observation) {
@@ -211,6 +218,22 @@ class BagParser {
       observation->run = options_.run;
       content.observations.push_back(std::move(*observation));
     }
+  }
+
+  /// Before the scans are undistorted, which would spread a code over several readings.
+  void settle_ranges(ScanStream& scans, const std::string& where, const OdometryAt& odometry,
+                     const SweepTiming& sweep) {
+    std::vector<RangedScan> ranged;
+    for (SensedScan& framed : scans) {
+      const Stamp begin = framed.scan.stamp - Duration::from_seconds(sweep.delay_s);
+      const auto pose = odometry ? odometry(begin) : std::nullopt;
+      ranged.push_back({&framed.scan, pose.value_or(Pose2{})});
+    }
+    const bool is_stated = tells_reach(scans.front().scan.range_max_m);
+    settle_no_returns(ranged, where.empty() ? "" : where.substr(0, where.size() - 2),
+                      is_stated ? "range_max of its messages"
+                                : "no scanner in the plane sees further; range_max is not stated",
+                      options_, report_);
   }
 
   SweepTiming find_sweep_timing(ScanStream& stream, const OdometryAt& odometry,

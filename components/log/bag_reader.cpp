@@ -21,7 +21,8 @@ constexpr std::uint64_t kLargestMessage = 512ULL << 20;
 std::unique_ptr<BagReader> open_plain(const fs::path& file, const fs::path& shown) {
   if (is_mcap(file)) return open_mcap(file, shown);
   if (is_sqlite(file)) return open_sqlite_bag(file, shown);
-  throw InputError(shown.string(), "is neither an SQLite nor an MCAP bag",
+  if (is_ros1_bag(file)) return open_ros1_bag(file, shown);
+  throw InputError(shown.string(), "is neither an SQLite nor an MCAP bag, nor one of ROS 1",
                    "check that it was copied whole");
 }
 
@@ -138,6 +139,11 @@ class BagFiles : public BagReader {
 };
 
 }  // namespace
+
+bool is_bag(const fs::path& path) {
+  return fs::is_directory(path) || is_mcap(path) || is_sqlite(path) || is_ros1_bag(path) ||
+         compression_of_file(path) != BagCompression::kNone;
+}
 
 std::unique_ptr<BagReader> BagReader::open(const fs::path& path) {
   if (fs::is_directory(path)) return std::make_unique<BagFiles>(bag_files(path));

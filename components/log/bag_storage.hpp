@@ -16,6 +16,9 @@ namespace strata::log {
                                                          const std::filesystem::path& shown);
 [[nodiscard]] std::unique_ptr<BagReader> open_mcap(const std::filesystem::path& file,
                                                    const std::filesystem::path& shown);
+/// A bag of ROS 1, format 2.0, whose messages come out as those of ROS 2.
+[[nodiscard]] std::unique_ptr<BagReader> open_ros1_bag(const std::filesystem::path& file,
+                                                       const std::filesystem::path& shown);
 /// Schema 3 or 4.
 [[nodiscard]] std::unique_ptr<BagWriter::File> create_sqlite_bag(const std::filesystem::path& file,
                                                                  int schema);
@@ -24,6 +27,8 @@ namespace strata::log {
 
 [[nodiscard]] bool is_sqlite(const std::filesystem::path& file);
 [[nodiscard]] bool is_mcap(const std::filesystem::path& file);
+/// Of any format that ROS 1 had.
+[[nodiscard]] bool is_ros1_bag(const std::filesystem::path& file);
 
 /// What metadata.yaml of a written bag says.
 struct BagSummary {
@@ -54,9 +59,9 @@ struct BagFolderFiles {
   std::vector<std::filesystem::path> files;  ///< in order; one that metadata names may be missing
   bool packed_messages = false;              ///< metadata says that messages are compressed
 };
-/// The storage files of a bag folder; without a usable metadata.yaml every .db3 and .mcap in it
-/// (packed ones too) by name, numbers in it by value. Throws InputError when there is none, or when
-/// metadata names a compression that is not known here.
+/// The storage files of a bag folder; without a usable metadata.yaml every .db3, .mcap and
+/// .bag in it (packed ones too) by name, numbers in it by value. Throws InputError when there is
+/// none, or when metadata names a compression that is not known here.
 [[nodiscard]] BagFolderFiles bag_files(const std::filesystem::path& folder);
 
 struct TypeDefinition {

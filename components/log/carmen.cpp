@@ -94,7 +94,7 @@ class CarmenParser {
     std::stable_sort(scans_.begin(), scans_.end(),
                      [](const CarmenScan& a, const CarmenScan& b) { return stamp(a) < stamp(b); });
     note_equal_stamps(scans_, stamp, "", report_);
-    mark_no_returns(scans_, report_);
+    mark_no_returns(scans_, options_, report_);
     find_mounting(scans_, front_laser_offset_, report_);
     std::stable_sort(content_.odometry.begin(), content_.odometry.end(),
                      [](const auto& a, const auto& b) { return a.stamp < b.stamp; });

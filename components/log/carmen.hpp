@@ -12,10 +12,9 @@ namespace strata::log {
 /// laser's mounting is the median difference of laser and odometry pose, or, when the two drift
 /// apart (a corrected log over raw odometry), PARAM robot_frontlaser_offset.
 ///
-/// No-return codes of FLASER: 80 m and above (a SICK sends 81.83, 81.87, 81.91); besides, the
-/// largest reading of the log when it piles up (at least 20 readings within 0.1 m of it, and ten
-/// times as many as in the metre below), as 50 or 51.x do. ROBOTLASER1 states its maximum. All
-/// become +Inf.
+/// No returns of FLASER: 80 m and above (a SICK sends 81.83, 81.87, 81.91); besides, readings that
+/// pile up where they end (settle_no_returns), as 50 or 51.x do. ROBOTLASER1 states its maximum.
+/// All become +Inf.
 [[nodiscard]] LogContent read_carmen(const std::filesystem::path& path, const ReadOptions& options,
                                      ReadReport& report);
 

@@ -3,53 +3,38 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "components/log/no_return_limit.hpp"
 #include "components/log/text.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/scan/no_return.hpp"
 
 namespace strata::log {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// Of FLASER or of ROBOTLASER1 lines.
+void mark_no_returns_of(bool states_maximum, std::vector<CarmenScan>& scans,
+                        const ReadOptions& options, ReadReport& report) {
+  std::vector<RangedScan> ranged;
+  for (CarmenScan& raw : scans) {
+    if (raw.states_maximum != states_maximum) continue;
+    ranged.push_back({&raw.observation.scan, raw.observation.odom_from_robot});
+  }
+  if (ranged.empty()) return;
+  settle_no_returns(ranged, "",
+                    states_maximum ? "the log states it"
+                                   : "as a SICK has it, whose codes are 81.83 to 81.91 m; the log "
+                                     "states nothing",
+                    options, report);
+  for (const RangedScan& scan : ranged) set_range_limit(*scan.scan, scan.scan->range_max_m);
+}
 
 }  // namespace
 
-void mark_no_returns(std::vector<CarmenScan>& scans, ReadReport& report) {
-  float code = kSickMaximum;
-  std::vector<float> readings;
-  for (const CarmenScan& raw : scans) {
-    for (const float range : raw.observation.scan.ranges_m) {
-      if (!raw.states_maximum && range < kSickMaximum && range > 1.0F) readings.push_back(range);
-    }
-  }
-  const bool has_sick_code = std::any_of(scans.begin(), scans.end(), [](const CarmenScan& raw) {
-    return !raw.states_maximum &&
-           std::any_of(raw.observation.scan.ranges_m.begin(), raw.observation.scan.ranges_m.end(),
-                       [](float r) { return r >= kSickMaximum; });
-  });
-  if (!readings.empty() && !has_sick_code) {
-    const float top = *std::max_element(readings.begin(), readings.end());
-    const auto within = [&](float from, float to) {
-      return std::count_if(readings.begin(), readings.end(),
-                           [&](float r) { return r >= from && r < to; });
-    };
-    const auto pile = within(top - 0.1F, top + 1.0F);
-    if (pile >= 20 && pile >= 10 * within(top - 1.1F, top - 0.1F)) {
-      code = top + 1.0F;
-      for (const float r : readings) {
-        if (r >= top - 0.1F) code = std::min(code, r);
-      }
-      report.warnings.push_back("readings from " + format_number(code) +
-                                " m on pile up and are taken for no return");
-    }
-  }
-  for (CarmenScan& raw : scans) {
-    Scan& scan = raw.observation.scan;
-    if (!raw.states_maximum) scan.range_max_m = code;
-    for (float& range : scan.ranges_m) {
-      if (range >= scan.range_max_m) range = kInfinity;
-    }
+void mark_no_returns(std::vector<CarmenScan>& scans, const ReadOptions& options,
+                     ReadReport& report) {
+  for (const bool states_maximum : {false, true}) {
+    mark_no_returns_of(states_maximum, scans, options, report);
   }
 }
 

@@ -21,9 +21,10 @@ struct CarmenScan {
   bool states_maximum = false;  ///< ROBOTLASER1
 };
 
-/// Sets range_max and turns readings at or above it into +Inf: 80 m, or where the readings pile up
-/// at the top, which is then said in the report. O(beams).
-void mark_no_returns(std::vector<CarmenScan>& scans, ReadReport& report);
+/// Sets range_max and turns readings at or above it into +Inf: what settle_no_returns finds, else
+/// 80 m of FLASER and what ROBOTLASER1 states. O(beams).
+void mark_no_returns(std::vector<CarmenScan>& scans, const ReadOptions& options,
+                     ReadReport& report);
 
 /// Sets robot_from_laser: the median difference of laser and odometry poses, or, where most scans
 /// differ from it (a corrected log), PARAM robot_frontlaser_offset. scans: at least one.

@@ -43,7 +43,7 @@ LogFormat detect_text(const fs::path& path) {
   }
   if (!lines.damage().empty()) throw lines.damage_error();
   throw InputError(path.string(), "is no log that is known here",
-                   "give a CARMEN log, a rosbag2 folder, .db3 or .mcap");
+                   "give a CARMEN log, a rosbag2 folder, .db3, .mcap or a ROS 1 .bag");
 }
 
 void cut(LogContent& content, const ReadOptions& options) {
@@ -66,6 +66,7 @@ LogFormat detect_format(const fs::path& path) {
   if (fs::is_directory(path, error)) return LogFormat::kBagFolder;
   if (is_mcap(path)) return LogFormat::kMcap;
   if (is_sqlite(path)) return LogFormat::kSqlite3;
+  if (is_ros1_bag(path)) return LogFormat::kRos1Bag;
   if (compression_of_file(path) != BagCompression::kNone) return LogFormat::kPackedFile;
   return detect_text(path);
 }
@@ -79,9 +80,11 @@ const char* format_name(LogFormat format) {
     case LogFormat::kMcap:
       return "MCAP file";
     case LogFormat::kBagFolder:
-      return "rosbag2 folder";
+      return "bag folder";
     case LogFormat::kPackedFile:
-      return "packed rosbag2 file";
+      return "packed bag file";
+    case LogFormat::kRos1Bag:
+      return "ROS 1 bag";
   }
   return "?";
 }

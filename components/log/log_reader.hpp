@@ -17,7 +17,7 @@
 
 namespace strata::log {
 
-enum class LogFormat { kCarmen, kSqlite3, kMcap, kBagFolder, kPackedFile };
+enum class LogFormat { kCarmen, kSqlite3, kMcap, kBagFolder, kPackedFile, kRos1Bag };
 
 /// Told by content, never by name. Throws InputError for anything else, with what it looks like.
 [[nodiscard]] LogFormat detect_format(const std::filesystem::path& path);
@@ -46,7 +46,17 @@ struct ReadOptions {
   double max_odometry_gap_s = 1.0;
   /// CARMEN's FLASER does not say its field of view; it is taken as centred on straight ahead.
   double flaser_field_of_view_deg = 180.0;
+  /// Readings from here on say that nothing came back, whatever the log states; 0: what it states,
+  /// or what the readings tell (settle_no_returns).
+  double max_range_m = 0.0;
   Progress* progress = nullptr;
+};
+
+/// From where on a scanner's readings are taken for no return.
+struct NoReturnLimit {
+  std::string scanner;  ///< a topic, or empty where there is one scanner
+  float from_m = 0.0F;
+  std::string why;
 };
 
 /// What reading met. Nothing is skipped without being counted here.
@@ -63,7 +73,8 @@ struct ReadReport {
   std::string scan_topic;                       ///< of a bag: what was used, "/a, /b"
   std::string odometry_source;                  ///< "scan", a topic, "tf", or "none"
   SweepTiming sweep;                            ///< how scans of the first scanner were undistorted
-  std::string mounting_source;                  ///< "tf_static", "laser - odometry", "assumed"
+  std::vector<NoReturnLimit> no_returns;        ///< one a scanner
+  std::string mounting_source;  ///< "tf_static", "tf", "laser - odometry", "assumed"
   std::vector<std::string> warnings;
 };
 

@@ -2,7 +2,6 @@
 /// MCAP as rosbag2 writes it: chunks plain, zstd or lz4, with CRCs. The data section alone is read;
 /// summary and indexes only repeat it, and are missing when a recording broke off.
 #include <algorithm>
-#include <cstring>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -13,8 +12,10 @@
 #include <zlib.h>
 
 #include "components/log/bag_storage.hpp"
+#include "components/log/byte_cursor.hpp"
 #include "components/log/compression.hpp"
 #include "components/log/mcap_records.hpp"
+#include "components/log/messages_in_order.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -48,9 +49,8 @@ class McapReader : public BagReader {
     if (!in_) throw InputError(file_.string(), "cannot be opened", "check its permissions");
     size_ = fs::file_size(file);
     scan_file();
-    std::stable_sort(pieces_.begin(), pieces_.end(),
-                     [](const Piece& a, const Piece& b) { return a.begin_ns < b.begin_ns; });
-    prefetch();
+    messages_.set_pieces(std::move(pieces_));
+    messages_.prefetch([this](const BagPiece& piece) { load(piece); });
     // A whole file without a topic is a recording of nothing, as a database without one is.
     if (topics_.empty() && damage_.count > 0) {
       throw InputError(file_.string(), damage_.first, "check that it was copied whole");
@@ -64,34 +64,15 @@ class McapReader : public BagReader {
   }
 
   bool next(BagMessage& message) override {
-    prefetch();
-    if (waiting_.empty()) return false;
-    std::pop_heap(waiting_.begin(), waiting_.end(), later);
-    message = std::move(waiting_.back().message);
-    waiting_.pop_back();
-    return true;
+    return messages_.next(message, [this](const BagPiece& piece) { load(piece); });
   }
 
  private:
-  /// A chunk, or a message outside of chunks.
-  struct Piece {
-    std::uint64_t begin_ns;
-    std::uint64_t offset;
-    std::uint64_t size;
-    McapOpcode opcode;
-  };
   struct Schema {
     std::string type;
     std::string encoding;
     std::string definition;
   };
-  struct Waiting {
-    BagMessage message;
-    std::uint64_t order;
-  };
-  static bool later(const Waiting& a, const Waiting& b) {
-    return std::pair(a.message.stamp, a.order) > std::pair(b.message.stamp, b.order);
-  }
 
   [[nodiscard]] std::string place(std::uint64_t offset) const {
     return file_.string() + ": byte " + std::to_string(offset) + ": ";
@@ -111,7 +92,7 @@ class McapReader : public BagReader {
     std::uint64_t at = 8;  // behind the magic
     while (at < size_) {
       const Bytes head = read(at, 9);
-      McapCursor cursor{View(head)};
+      ByteCursor cursor{View(head)};
       const auto opcode = cursor.number<std::uint8_t>();
       const auto length = cursor.number<std::uint64_t>();
       if (!cursor.ok() || length > size_ - at - 9) {
@@ -122,9 +103,9 @@ class McapReader : public BagReader {
       if (opcode == kDataEnd || opcode == kFooter) return;
       if (opcode == kChunk || opcode == kMessage) {
         const Bytes start = read(body, std::min<std::uint64_t>(length, 24));
-        McapCursor fields{View(start)};
+        ByteCursor fields{View(start)};
         if (opcode == kMessage) fields.take(6);
-        pieces_.push_back({fields.number<std::uint64_t>(), body, length, McapOpcode(opcode)});
+        pieces_.push_back({fields.number<std::uint64_t>(), body, length, opcode});
       } else if (opcode == kSchema || opcode == kChannel) {
         const Bytes record = read(body, length);
         take_record(opcode, record, body);
@@ -137,24 +118,17 @@ class McapReader : public BagReader {
     damage_.add(place(at) + "the file ends without its end mark");
   }
 
-  /// Loads chunks until every message that could come next is there.
-  void prefetch() {
-    while (
-        next_piece_ < pieces_.size() &&
-        (waiting_.empty() || pieces_[next_piece_].begin_ns <=
-                                 static_cast<std::uint64_t>(waiting_.front().message.stamp.ns))) {
-      const Piece piece = pieces_[next_piece_++];
-      const Bytes bytes = read(piece.offset, piece.size);
-      if (piece.opcode == kMessage) {
-        take_record(kMessage, bytes, piece.offset);
-      } else {
-        load_chunk(bytes, piece.offset);
-      }
+  void load(const BagPiece& piece) {
+    const Bytes bytes = read(piece.offset, piece.size);
+    if (piece.kind == kMessage) {
+      take_record(kMessage, bytes, piece.offset);
+    } else {
+      load_chunk(bytes, piece.offset);
     }
   }
 
   void load_chunk(View bytes, std::uint64_t offset) {
-    McapCursor cursor(bytes);
+    ByteCursor cursor(bytes);
     cursor.number<std::uint64_t>();
     cursor.number<std::uint64_t>();
     const auto plain_size = cursor.number<std::uint64_t>();
@@ -177,7 +151,7 @@ class McapReader : public BagReader {
       damage_.add(place(offset) + "a chunk is left out: " + error);
       return;
     }
-    McapCursor records{View(plain)};
+    ByteCursor records{View(plain)};
     while (records.left() > 0) {
       const auto opcode = records.number<std::uint8_t>();
       const View body = records.take(records.number<std::uint64_t>());
@@ -190,7 +164,7 @@ class McapReader : public BagReader {
   }
 
   void take_record(std::uint8_t opcode, View body, std::uint64_t offset) {
-    McapCursor cursor(body);
+    ByteCursor cursor(body);
     if (opcode == kSchema) {
       const auto id = cursor.number<std::uint16_t>();
       Schema& schema = schemas_[id];
@@ -210,19 +184,14 @@ class McapReader : public BagReader {
         return;
       }
       const View data = cursor.rest();
-      Waiting entry;
-      entry.message.topic = channel->second;
-      entry.message.stamp = {static_cast<std::int64_t>(stamp)};
-      entry.message.data.assign(data.begin(), data.end());
-      entry.order = order_++;
-      waiting_.push_back(std::move(entry));
-      std::push_heap(waiting_.begin(), waiting_.end(), later);
+      messages_.add(
+          {channel->second, {static_cast<std::int64_t>(stamp)}, {data.begin(), data.end()}});
       return;
     }
     if (!cursor.ok()) damage_.add(place(offset) + "a record is too short");
   }
 
-  void take_channel(McapCursor& cursor) {
+  void take_channel(ByteCursor& cursor) {
     const auto id = cursor.number<std::uint16_t>();
     const auto schema = cursor.number<std::uint16_t>();
     BagTopic topic;
@@ -246,13 +215,11 @@ class McapReader : public BagReader {
   fs::path file_;
   std::ifstream in_;
   std::uint64_t size_ = 0;
-  std::vector<Piece> pieces_;
-  std::size_t next_piece_ = 0;
+  std::vector<BagPiece> pieces_;
+  MessagesInOrder messages_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, std::size_t> places_;
   std::vector<BagTopic> topics_;
-  std::vector<Waiting> waiting_;
-  std::uint64_t order_ = 0;
   std::string compression_;  ///< of the last chunk
   BagDamage damage_;
 };

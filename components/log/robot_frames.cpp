@@ -1,11 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/log/robot_frames.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "components/convert/geometry_messages.hpp"
 
 namespace strata::log {
+namespace {
+
+/// But for the last digits, which who computes the transform anew may change.
+bool is_same(const Pose3& a, const Pose3& b) {
+  constexpr double kTolerance = 1e-6;  // m, and parts of a quaternion
+  const auto& p = a.rotation.coeffs();
+  const auto& q = b.rotation.coeffs();
+  return (a.translation - b.translation).norm() < kTolerance &&
+         std::min((p - q).norm(), (p + q).norm()) < kTolerance;
+}
+
+}  // namespace
 
 Pose2 moved_by(const Pose2& odom_from_child, const Pose2& child_from_robot) {
   return child_from_robot == Pose2{} ? odom_from_child : odom_from_child * child_from_robot;
@@ -25,6 +38,7 @@ bool RobotFrames::add_fixed(const geometry_msgs::msg::TransformStamped& transfor
   const Pose3 pose = convert::from_message(transform.transform());
   if (!is_sound(pose)) return false;
   fixed_.add(transform.header().frame_id(), transform.child_frame_id(), pose);
+  steady_.add(transform.header().frame_id(), transform.child_frame_id(), pose);
   all_.add(transform.header().frame_id(), transform.child_frame_id(), pose);
   return true;
 }
@@ -32,7 +46,17 @@ bool RobotFrames::add_fixed(const geometry_msgs::msg::TransformStamped& transfor
 bool RobotFrames::add_moving(const geometry_msgs::msg::TransformStamped& transform) {
   const Pose3 pose = convert::from_message(transform.transform());
   if (!is_sound(pose)) return false;
-  all_.add(transform.header().frame_id(), transform.child_frame_id(), pose);
+  const std::string parent = frame_name(transform.header().frame_id());
+  const std::string child = frame_name(transform.child_frame_id());
+  all_.add(parent, child, pose);
+  const auto [link, is_new] = links_.try_emplace(child, Link{parent, pose});
+  if (is_new || link->second.has_moved) return true;
+  if (link->second.parent == parent && is_same(link->second.pose, pose)) {
+    steady_.add(parent, child, pose);
+  } else {
+    link->second.has_moved = true;
+    steady_.remove(child);
+  }
   return true;
 }
 
@@ -52,9 +76,21 @@ std::string RobotFrames::pose_frame(const std::string& odometry_child) const {
 
 std::optional<Pose3> RobotFrames::mounting(const std::string& sensor_frame,
                                            const std::string& odometry_child) const {
-  if (const auto found = fixed_.find(robot_, sensor_frame)) return found;
+  const auto fixed = connected(fixed_, sensor_frame, odometry_child);
+  return fixed ? fixed : connected(steady_, sensor_frame, odometry_child);
+}
+
+bool RobotFrames::is_fixed(const std::string& sensor_frame,
+                           const std::string& odometry_child) const {
+  return connected(fixed_, sensor_frame, odometry_child).has_value();
+}
+
+std::optional<Pose3> RobotFrames::connected(const TransformTree& tree,
+                                            const std::string& sensor_frame,
+                                            const std::string& odometry_child) const {
+  if (const auto found = tree.find(robot_, sensor_frame)) return found;
   if (is_robots(odometry_child)) return std::nullopt;
-  return fixed_.find(odometry_child, sensor_frame);
+  return tree.find(odometry_child, sensor_frame);
 }
 
 }  // namespace strata::log

@@ -2,6 +2,7 @@
 /// Where a robot's sensors sit, and which of its frames odometry is of: for logs and live robots.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -31,14 +32,31 @@ class RobotFrames {
   /// The frame that poses are of: the robot's, or that of its odometry where tf does not know the
   /// robot's.
   [[nodiscard]] std::string pose_frame(const std::string& odometry_child) const;
-  /// robot_from_sensor by /tf_static; nothing when they are not connected. O(frames).
+  /// robot_from_sensor by /tf_static, or where that does not connect them, by links of /tf that
+  /// came again and never changed, as mountings were published in ROS 1. Nothing when they are not
+  /// connected. O(frames).
   [[nodiscard]] std::optional<Pose3> mounting(const std::string& sensor_frame,
                                               const std::string& odometry_child) const;
+  /// Whether `mounting` is by /tf_static alone.
+  [[nodiscard]] bool is_fixed(const std::string& sensor_frame,
+                              const std::string& odometry_child) const;
 
  private:
+  /// A link of /tf.
+  struct Link {
+    std::string parent;
+    Pose3 pose;
+    bool has_moved = false;
+  };
+  [[nodiscard]] std::optional<Pose3> connected(const TransformTree& tree,
+                                               const std::string& sensor_frame,
+                                               const std::string& odometry_child) const;
+
   std::string robot_;
   TransformTree fixed_;
-  TransformTree all_;  ///< the fixed ones and those of /tf
+  TransformTree steady_;               ///< the fixed ones, and those of /tf that have not moved
+  TransformTree all_;                  ///< the fixed ones and those of /tf
+  std::map<std::string, Link> links_;  ///< by child
 };
 
 /// odom_from_robot of odom_from_child; to the bit where the two frames are one.

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "components/log/bag_pose_topic.hpp"
 #include "components/log/carmen.hpp"
 #include "components/log/text.hpp"
 #include "components/log/whole_file.hpp"
@@ -83,6 +84,22 @@ std::optional<StampedPose> parse_row(const std::vector<std::string_view>& words)
   return row;
 }
 
+void shift_and_sort(std::vector<StampedPose>& poses, double offset_s) {
+  for (StampedPose& pose : poses) pose.stamp = pose.stamp + Duration::from_seconds(offset_s);
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
+}
+
+std::vector<StampedPose> poses_of_bag(const std::filesystem::path& path, double offset_s,
+                                      TrajectoryReport& report) {
+  const PoseTopic topic = read_pose_topic(path);
+  report.bad_lines = topic.unreadable;
+  std::vector<StampedPose> poses;
+  for (const SpacePose& row : topic.poses) poses.push_back({row.stamp, planar(row.pose)});
+  shift_and_sort(poses, offset_s);
+  return poses;
+}
+
 }  // namespace
 
 std::vector<StampedPose> read_trajectory(const std::filesystem::path& path, double offset_s,
@@ -90,6 +107,7 @@ std::vector<StampedPose> read_trajectory(const std::filesystem::path& path, doub
   TrajectoryReport own;
   TrajectoryReport& used = report != nullptr ? *report : own;
   used = TrajectoryReport{};
+  if (names_pose_topic(path)) return poses_of_bag(path, offset_s, used);
   std::vector<StampedPose> poses;
   LineReader lines(path);
   std::string line;
@@ -122,17 +140,21 @@ std::vector<StampedPose> read_trajectory(const std::filesystem::path& path, doub
   if (!lines.damage().empty()) throw lines.damage_error();
   if (poses.empty()) {
     throw InputError(path.string(), "holds no usable pose",
-                     "give TUM, `t x y theta` rows or a corrected CARMEN log");
+                     "give TUM, `t x y theta` rows, a corrected CARMEN log or a bag with poses");
   }
-  for (StampedPose& pose : poses) pose.stamp = pose.stamp + Duration::from_seconds(offset_s);
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
+  shift_and_sort(poses, offset_s);
   return poses;
 }
 
 TransformHistory read_space_trajectory(const std::filesystem::path& path,
                                        const std::string& robot_frame) {
   TransformHistory history;
+  if (names_pose_topic(path)) {
+    for (const SpacePose& row : read_pose_topic(path).poses) {
+      history.add("map", robot_frame, row.stamp, row.pose);
+    }
+    return history;
+  }
   // Checks every row, and reads what has no height.
   const std::vector<StampedPose> planar_poses = read_trajectory(path);
   LineReader lines(path);

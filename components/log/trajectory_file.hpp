@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Poses over time: TUM, `t x y theta ...`, corrected CARMEN logs.
+/// Poses over time: TUM, `t x y theta ...`, corrected CARMEN logs, topics of bags.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,8 @@ struct TrajectoryReport {
 
 /// Told by content: rows of 8 numbers are TUM (`t x y z qx qy qz qw`, planar part), of 4 or more
 /// others `t x y theta ...`; FLASER or ROBOTLASER1 lines are a corrected log, whose laser poses are
-/// brought to the robot by the log's mounting. Rows whose last column is named `sd` in the comment
+/// brought to the robot by the log's mounting; a bag, or BAG:/topic, gives the poses of a topic, as
+/// read_pose_topic chooses it. Rows whose last column is named `sd` in the comment
 /// above and exceeds 0.3 m are left out and counted. offset_s shifts the stamps. Sorted by stamp.
 /// Throws InputError(file:line) for a row that is no pose, and for a file without any.
 [[nodiscard]] std::vector<StampedPose> read_trajectory(const std::filesystem::path& path,

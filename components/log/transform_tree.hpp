@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The fixed part of a robot's frames, from tf_static.
+/// Frames that hang on each other, each at one place.
 #pragma once
 
 #include <map>
@@ -12,10 +12,14 @@
 
 namespace strata::log {
 
+/// The name without the leading slash of ROS 1.
+[[nodiscard]] std::string frame_name(const std::string& frame);
+
 class TransformTree {
  public:
   /// A later transform of the same child replaces the earlier. Names lose a leading slash.
   void add(const std::string& parent, const std::string& child, const Pose3& parent_from_child);
+  void remove(const std::string& child) { links_.erase(frame_name(child)); }
   [[nodiscard]] bool empty() const { return links_.empty(); }
   /// target_from_source along the links, either way round; nothing when they are not connected.
   [[nodiscard]] std::optional<Pose3> find(const std::string& target,
@@ -24,8 +28,5 @@ class TransformTree {
  private:
   std::map<std::string, std::pair<std::string, Pose3>> links_;  ///< child -> parent
 };
-
-/// The name without the leading slash of ROS 1.
-[[nodiscard]] std::string frame_name(const std::string& frame);
 
 }  // namespace strata::log

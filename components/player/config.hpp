@@ -39,7 +39,8 @@ struct PlayerConfig {
   bool paused = false;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("log", c.log, {.doc = "the log to play: CARMEN, rosbag2 or MCAP", .when = "always"});
+    v.field("log", c.log,
+            {.doc = "the log to play: CARMEN, rosbag2, MCAP or a ROS 1 bag", .when = "always"});
     v.require(!c.log.empty(), "log", "is missing", "name a log, as in log: office.clf");
     v.field(
         "mode", c.mode,

@@ -55,6 +55,8 @@ BagSource::BagSource(std::filesystem::path bag, const std::vector<std::string>& 
       publish_clock_(std::move(publish_clock)),
       reader_(log::BagReader::open(bag_)) {
   for (const log::BagTopic& topic : reader_->topics()) {
+    // Nobody on DDS could read what ROS 1 serialized.
+    if (topic.serialization_format == log::kRos1Format) continue;
     const bool wanted =
         topics.empty() || std::find(topics.begin(), topics.end(), topic.name) != topics.end();
     if (wanted && topic.name != "/clock") writers_[topic.name] = advertise(topic);
@@ -66,7 +68,9 @@ BagSource::BagSource(std::filesystem::path bag, const std::vector<std::string>& 
 
 bool BagSource::read_played(log::BagReader& reader, log::BagMessage& message) const {
   while (!stop_.stop_requested() && reader.next(message)) {
-    if (writers_.count(reader.topics()[message.topic].name) > 0) return true;
+    const log::BagTopic& topic = reader.topics()[message.topic];
+    const bool is_ours = topic.serialization_format != log::kRos1Format;
+    if (is_ours && writers_.count(topic.name) > 0) return true;
   }
   return false;
 }

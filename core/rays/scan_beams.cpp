@@ -11,7 +11,7 @@ namespace {
 
 double limit_of(const Scan& scan, const BeamSelectionConfig& config) {
   const float own = scan.range_max_m;
-  const bool has_own = own < kLongestRangeM && own > 0.0F;
+  const bool has_own = tells_reach(own);
   if (config.max_range_m > 0.0) {
     return has_own ? std::min(static_cast<double>(own), config.max_range_m) : config.max_range_m;
   }

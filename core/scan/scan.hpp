@@ -14,7 +14,7 @@ namespace strata {
 /// What a reading says, after REP 117.
 enum class BeamKind : std::uint8_t {
   kHit,       ///< finite, within [range_min, range_max]
-  kNoReturn,  ///< +Inf, or at or above range_max or kLongestRangeM: nothing seen
+  kNoReturn,  ///< +Inf, or at or above range_limit_m(range_max): nothing seen
   kTooClose,  ///< -Inf, or below range_min (negative values too)
   kInvalid,   ///< NaN
 };

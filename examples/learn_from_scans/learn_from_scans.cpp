@@ -2,7 +2,7 @@
 /// learn_from_scans LOG MAP.yaml: where a recorded robot drove, one TUM line a scan, and the map of
 /// what stands still there, as map_server and nav2 read it.
 ///
-/// LOG is a CARMEN log, a rosbag2 folder, .db3 or .mcap.
+/// LOG is a CARMEN log, a rosbag2 folder, .db3, .mcap or ROS 1 .bag.
 #include <cmath>
 #include <cstdio>
 #include <exception>

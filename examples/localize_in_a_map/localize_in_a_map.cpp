@@ -2,8 +2,8 @@
 /// localize_in_a_map MAP LOG [X Y THETA]: where a recorded robot was, one TUM line a scan.
 ///
 /// MAP is a folder that `strata learn` wrote, or the YAML file of a map_server map. LOG is a CARMEN
-/// log, a rosbag2 folder, .db3 or .mcap. X Y THETA is where the robot starts in the map, in metres
-/// and radians; without it the robot is looked for everywhere.
+/// log, a rosbag2 folder, .db3, .mcap or ROS 1 .bag. X Y THETA is where the robot starts in the
+/// map, in metres and radians; without it the robot is looked for everywhere.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

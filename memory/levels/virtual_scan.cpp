@@ -30,8 +30,7 @@ Reach reach_of(const PosedScan& scan, std::size_t beam, const VisibilityConfig& 
   if (kind == BeamKind::kHit) return {static_cast<double>(scan.scan.ranges_m[beam]), true};
   if (kind == BeamKind::kNoReturn && config.trust_no_return) {
     const float range_max = scan.scan.range_max_m;
-    const bool is_told = range_max > 0.0F && range_max < kLongestRangeM;
-    return {is_told ? static_cast<double>(range_max) : far_m, false};
+    return {tells_reach(range_max) ? static_cast<double>(range_max) : far_m, false};
   }
   return {};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Bag files: SQLite, MCAP and packed ones, told by content, the scans inside, and the QoS that a
-/// player takes from them.
+/// Bag files: SQLite, MCAP, packed ones and those of ROS 1, told by content, the scans inside, and
+/// the QoS that a player takes from them.
 #include "components/player/source.hpp"
 #include "tests/fuzz/check_log.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

@@ -148,6 +148,7 @@ constexpr void (*kKinds[])(Input) = {
     receive<nav2_msgs::msg::ParticleCloud>,
     receive_request,
     receive<nav_msgs::msg::Path>,
+    receive<geometry_msgs::msg::PoseStamped>,
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Trajectories: TUM, `t x y theta`, and corrected CARMEN logs.
+/// Trajectories: TUM, `t x y theta`, corrected CARMEN logs, and poses in bags.
 #include "components/log/trajectory_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/patch/visits.hpp"
+#include "core/scan/range_limit.hpp"
 #include "tools/pipeline/change_candidates.hpp"
 
 namespace strata::pipeline {
@@ -15,7 +16,7 @@ using rays::RayCaster;
 
 double limit_of(const Scan& scan, double r_max_m) {
   const auto own_m = static_cast<double>(scan.range_max_m);
-  const bool has_own = std::isfinite(own_m) && own_m > 0.0;
+  const bool has_own = tells_reach(scan.range_max_m);
   if (r_max_m <= 0.0) return has_own ? own_m : 100.0;
   return has_own ? std::min(own_m, r_max_m) : r_max_m;
 }

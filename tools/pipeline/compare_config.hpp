@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "components/log/log_config.hpp"
 #include "components/maps/learn_config.hpp"
 #include "components/maps/map_models.hpp"
 #include "core/localization/localizer_config.hpp"
@@ -67,6 +68,7 @@ struct CompareConfig {
   localization::LocalizerConfig localizer;
   patch_beams::PatchBeamModelConfig sensor;
   topology::TopologyMapperConfig topology;
+  log::LogConfig log;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("protocol", c.protocol, "what is compared, and how");
@@ -77,6 +79,7 @@ struct CompareConfig {
     v.group("topology", c.topology,
             "how the places are found that the sub-maps of patch_places follow, at the poses that "
             "all maps are learned at");
+    v.group("log", c.log, "what logs do not say of themselves");
   }
 };
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/scan/range_limit.hpp"
+
 namespace strata::pipeline {
 namespace {
 constexpr double kAdaptedShare = 0.9;
@@ -133,7 +135,7 @@ void EventFollower::judge_consistency(std::size_t e) {
 
 double EventFollower::limit_of(const Scan& scan) const {
   const auto own_m = static_cast<double>(scan.range_max_m);
-  if (!std::isfinite(own_m) || own_m <= 0.0) return limit_m_ > 0.0 ? limit_m_ : 100.0;
+  if (!tells_reach(scan.range_max_m)) return limit_m_ > 0.0 ? limit_m_ : 100.0;
   return limit_m_ > 0.0 ? std::min(own_m, limit_m_) : own_m;
 }
 

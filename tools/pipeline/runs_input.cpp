@@ -103,6 +103,7 @@ Runs read_runs(const RunsInput& input, Progress* progress, int first_run) {
     options.use_odometry = input.use_odometry;
     options.scan_topics = input.scan_topics;
     options.cloud = input.cloud;
+    options.max_range_m = input.max_range_m;
     options.progress = progress;
     log::ReadReport report;
     std::vector<Observation> run = log::read_observations(input.logs[i], options, &report);

@@ -28,6 +28,7 @@ struct RunsInput {
   std::vector<std::string> scan_topics;
   bool needs_ros_stamps = false;  ///< the scans are to become messages
   CloudSliceConfig cloud;         ///< how scans are made of those with point clouds
+  double max_range_m = 0.0;       ///< log::ReadOptions
 };
 
 /// Observations of all runs one after the other; poses and truths have one entry an observation.

@@ -6,6 +6,7 @@
 
 #include "components/beam_filter/config.hpp"
 #include "components/localizer/config.hpp"
+#include "components/log/log_config.hpp"
 #include "components/map_saver/config.hpp"
 #include "components/map_server/config.hpp"
 #include "components/patch_learner/config.hpp"
@@ -64,6 +65,9 @@ std::vector<Page> make_pages() {
       component_page<volume_mapper::VolumeMapperConfig>("volume_mapper", "VolumeMapper"),
       component_page<player::PlayerConfig>("player", "Player"),
       component_page<recorder::RecorderConfig>("recorder", "Recorder"),
+      page<log::LogConfig>("log.md", "Settings of reading logs",
+                           "What stands below `log:` in what `strata learn`, `localize` and "
+                           "`compare` read with `--config` (`components/log`)."),
       page<slam::SlamConfig>("slam.md", "Settings of mapping",
                              "How scans become poses, beam labels and maps (`core/slam`)."),
       page<patch::PatchLearnerConfig>(

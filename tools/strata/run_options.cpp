@@ -3,6 +3,13 @@
 
 namespace strata::tools {
 
+void add_max_range(CLI::App& verb, double& max_range_m) {
+  verb.add_option("--max-range", max_range_m,
+                  "metres: readings from here on say that nothing came back (else what the log "
+                  "states, or its readings tell; see `strata info`)")
+      ->check(CLI::Range(0.1, 1000.0));
+}
+
 void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
   verb.add_option("--poses", input.poses,
                   "use these poses instead of scan matching; TUM, `t x y theta ...` or a corrected "
@@ -21,6 +28,7 @@ void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
       ->capture_default_str();
   verb.add_option("--max-height", input.cloud.max_height_m, "... and the highest")
       ->capture_default_str();
+  add_max_range(verb, input.max_range_m);
   verb.add_flag("!--no-odometry", input.use_odometry, "leave the odometry out");
 }
 

@@ -7,14 +7,25 @@
 
 #include <CLI/CLI.hpp>
 
+#include "components/log/log_config.hpp"
 #include "tools/pipeline/runs_input.hpp"
 #include "tools/strata/verb_context.hpp"
 
 namespace strata::tools {
 
-/// Adds --poses, --truth, --truth-offset, --from, --to and --no-odometry, bound to `input`, which
-/// must outlive the app.
+/// Adds --max-range, bound to `max_range_m`, which must outlive the app.
+void add_max_range(CLI::App& verb, double& max_range_m);
+
+/// Adds --poses, --truth, --truth-offset, --from, --to, --max-range and --no-odometry, bound to
+/// `input`, which must outlive the app.
 void add_run_options(CLI::App& verb, pipeline::RunsInput& input);
+
+/// The input with what the settings say and no option does.
+[[nodiscard]] inline pipeline::RunsInput with_config(pipeline::RunsInput input,
+                                                     const log::LogConfig& config) {
+  if (input.max_range_m <= 0.0) input.max_range_m = config.max_range_m;
+  return input;
+}
 
 /// Notes on stderr what reading met: damaged lines, skipped scans, assumptions.
 void note_reports(VerbContext& context, const pipeline::Runs& runs);

@@ -100,7 +100,7 @@ pipeline::CompareConfig config_of(const Options& options, VerbContext& context) 
 /// Reads the logs and compares in them.
 pipeline::CompareOutcome compare_logs(const Options& options, const pipeline::RunsInput& input,
                                       const pipeline::CompareConfig& config, VerbContext& context) {
-  pipeline::RunsInput reading = input;
+  pipeline::RunsInput reading = with_config(input, config.log);
   reading.needs_ros_stamps = options.via == "dds";
   const pipeline::Runs runs = pipeline::read_runs(reading, context.progress());
   note_reports(context, runs);

@@ -17,6 +17,7 @@
 #include "components/log/ros_stamps.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
+#include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace fs = std::filesystem;
@@ -34,6 +35,7 @@ struct Options {
   int sqlite_schema = 3;
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
+  double max_range_m = 0.0;
 };
 
 /// By --to, else by OUT's ending.
@@ -140,6 +142,9 @@ void copy(const Options& options, const std::string& format, VerbContext& contex
     context.note("note: " + std::to_string(report.damage.count) +
                  " unreadable places left out, first: " + report.damage.first);
   }
+  for (const std::string& topic : report.left_out) {
+    context.note("note: left out, what ROS 1 serialized and Strata does not know: " + topic);
+  }
   std::size_t messages = 0;
   for (const auto& [topic, count] : report.messages) messages += count;
   context.note(options.out + ": " + std::to_string(messages) + " messages on " +
@@ -167,6 +172,7 @@ void translate(const Options& options, const std::string& format, VerbContext& c
   log::ReadOptions read;
   read.from_s = options.from_s;
   read.to_s = options.to_s;
+  read.max_range_m = options.max_range_m;
   read.undistort = false;  // the copy keeps what was recorded
   read.progress = context.progress();
   log::ReadReport report;
@@ -234,7 +240,8 @@ void add_convert(CLI::App& app, VerbContext& context) {
   const auto [verb, options] =
       add_verb<Options>(app, context, "convert", "a log into another format",
                         "strata convert office.clf.gz office.mcap", run);
-  verb->add_option("IN", options->in, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
+  verb->add_option("IN", options->in, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
+      ->required();
   verb->add_option("OUT", options->out,
                    "file (.clf, .log, .clf.gz, .db3, .mcap), or a folder for a bag with --to")
       ->required();
@@ -255,6 +262,7 @@ void add_convert(CLI::App& app, VerbContext& context) {
       ->check(CLI::IsMember({3, 4}))
       ->capture_default_str();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
+  add_max_range(*verb, options->max_range_m);
 }
 
 }  // namespace strata::tools

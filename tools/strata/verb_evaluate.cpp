@@ -175,7 +175,8 @@ void add_evaluate(CLI::App& app, VerbContext& context) {
       "strata evaluate maps/trajectory.tum --relations intel.relations --frame laser "
       "--log intel.clf.gz",
       run);
-  verb->add_option("TRAJECTORY", options->trajectory, "TUM, `t x y theta` or corrected CARMEN log")
+  verb->add_option("TRAJECTORY", options->trajectory,
+                   "TUM, `t x y theta`, corrected CARMEN log, or poses of a bag, BAG:/topic")
       ->required();
   verb->add_option("--truth", options->truth, "poses to compare with, same formats");
   verb->add_option("--truth-offset", options->truth_offset_s,

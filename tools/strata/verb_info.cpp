@@ -19,6 +19,7 @@
 #include "tools/strata/info_bag.hpp"
 #include "tools/strata/info_folder.hpp"
 #include "tools/strata/info_store.hpp"
+#include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -30,6 +31,7 @@ struct Options {
   std::string log;
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
+  double max_range_m = 0.0;
   bool json = false;
 };
 
@@ -93,6 +95,12 @@ Json describe(const std::string& path, const log::LogContent& content,
   info["path_m"] =
       observations.front().has_odometry ? Json(path_length_m(observations)) : Json(nullptr);
   info["scans"] = describe_scans(observations, duration_s);
+  info["no_return"] = Json::array();
+  for (const log::NoReturnLimit& limit : report.no_returns) {
+    Json entry{{"from_m", limit.from_m}, {"why", limit.why}};
+    if (!limit.scanner.empty()) entry["scanner"] = limit.scanner;
+    info["no_return"].push_back(entry);
+  }
   info["odometry"] = {{"source", report.odometry_source}, {"samples", content.odometry.size()}};
   info["mounting_source"] = report.mounting_source;
   info["messages"] = Json::object();
@@ -141,6 +149,12 @@ void print(const Json& info) {
   std::cout << "  readings   " << scans["hits"] << " hits, " << scans["no_returns"]
             << " without return, " << scans["too_close"] << " too close, " << scans["invalid"]
             << " invalid\n";
+  for (const Json& limit : info["no_return"]) {
+    const std::string scanner = limit.value("scanner", "");
+    std::cout << "  no return  " << (scanner.empty() ? "" : scanner + ": ") << "from "
+              << number(limit["from_m"], "%.2f m") << " on: " << limit["why"].get<std::string>()
+              << "\n";
+  }
   const Json& mounting = scans["mounting"];
   std::cout << "  mounting   " << number(mounting[0], "%.3f m, ") << number(mounting[1], "%.3f m, ")
             << number(mounting[2], "%.4f rad") << " (" << info["mounting_source"].get<std::string>()
@@ -187,6 +201,7 @@ void run(const Options& options, VerbContext& context) {
   read.from_s = options.from_s;
   read.to_s = options.to_s;
   read.undistort = false;
+  read.max_range_m = options.max_range_m;
   read.progress = context.progress();
   log::ReadReport report;
   Json info;
@@ -210,11 +225,12 @@ void add_info(CLI::App& app, VerbContext& context) {
       add_verb<Options>(app, context, "info", "what is in a log, or in a folder of maps or results",
                         "strata info office.log.gz", run);
   verb->add_option("LOG", options->log,
-                   "CARMEN log, rosbag2 folder, .db3 or .mcap; or a folder that a verb wrote, or a "
-                   "strata.db")
+                   "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag; or a folder that a verb "
+                   "wrote, or a strata.db")
       ->required();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
   verb->add_option("--to", options->to_s, "cut, seconds from the first scan");
+  add_max_range(*verb, options->max_range_m);
   verb->add_flag("--json", options->json, "as JSON on stdout");
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/log/log_config.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/settings/settings.hpp"
@@ -35,6 +36,17 @@ struct Options {
   std::string update;
   std::vector<std::string> only;
   bool pictures = false;
+};
+
+/// What learning reads, beside what the logs leave open.
+struct Config {
+  maps::LearnConfig learn;
+  log::LogConfig log;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    maps::LearnConfig::describe(c.learn, v);
+    v.group("log", c.log, "what logs do not say of themselves");
+  }
 };
 
 pipeline::LearnParts parts_of(const std::vector<std::string>& only) {
@@ -105,7 +117,7 @@ std::string sentence(const nlohmann::json& summary, const pipeline::LearnResult&
 
 void run_learn(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
-  const auto config = read_config<maps::LearnConfig>(context);
+  const auto [config, log_config] = read_config<Config>(context);
   const pipeline::LearnParts parts = parts_of(options.only);
   std::optional<maps::EarlierRuns> earlier;
   std::optional<FolderLock> lock;
@@ -120,7 +132,8 @@ void run_learn(const Options& options, VerbContext& context) {
   const int first_run = earlier ? earlier->next_run : 0;
   const std::size_t earlier_runs = earlier ? runs_in(options.update) : 0;
   require_no_more_runs(options.out, earlier_runs + options.input.logs.size(), context);
-  const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress(), first_run);
+  const pipeline::Runs runs =
+      pipeline::read_runs(with_config(options.input, log_config), context.progress(), first_run);
   note_reports(context, runs);
   const pipeline::LearnResult result =
       pipeline::learn(runs.observations, runs.poses, config, parts, context.options.seed,
@@ -159,7 +172,7 @@ void add_learn(CLI::App& app, VerbContext& context) {
       app, context, "learn", "learn all maps from one or several runs in one building",
       "strata learn monday.clf tuesday.clf --out maps", run_learn);
   verb->add_option("LOG", options->input.logs,
-                   "CARMEN log, rosbag2 folder, .db3 or .mcap; in order")
+                   "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag; in order")
       ->required();
   verb->add_option("--out", options->out, "folder for the maps")->required();
   add_force(*verb, context);

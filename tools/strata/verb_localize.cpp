@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/log/log_config.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
@@ -45,6 +46,7 @@ struct LocalizeConfig {
   patch_beams::PatchBeamModelConfig sensor;
   localization::LikelihoodFieldModelConfig likelihood_field;
   memory::DecodingConfig decoding;
+  log::LogConfig log;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("localizer", c.localizer, "the particle filter");
@@ -52,6 +54,7 @@ struct LocalizeConfig {
     v.group("sensor", c.sensor, "what beams measure in a map");
     v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
     v.group("decoding", c.decoding, "how levels of the timescale memory become expected scans");
+    v.group("log", c.log, "what the log does not say of itself");
   }
 };
 
@@ -139,7 +142,7 @@ void run_localize(const Options& options, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto config = read_config<LocalizeConfig>(context);
   ResultDirectory out(options.out, "localization", context);
-  pipeline::RunsInput input = options.input;
+  pipeline::RunsInput input = with_config(options.input, config.log);
   input.logs = {options.log};
   maps::Maps maps = maps::read_maps(options.maps);
   maps.decoding = config.decoding;
@@ -176,7 +179,8 @@ void add_localize(CLI::App& app, VerbContext& context) {
   const auto [verb, options] = add_verb<Options>(
       app, context, "localize", "localize a recorded robot in learned maps",
       "strata localize friday.clf --maps maps --model patch --out friday", run_localize);
-  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
+  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
+      ->required();
   verb->add_option("--maps", options->maps, "folder that `strata learn` wrote")->required();
   verb->add_option("--model", options->model,
                    maps::map_models().help(&maps::MapModelDescriptor::is_in_folder))

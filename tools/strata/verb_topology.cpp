@@ -84,7 +84,8 @@ void add_topology(CLI::App& app, VerbContext& context) {
   const auto [verb, options] = add_verb<Options>(
       app, context, "topology", "find the topologies that a run may have, with their odds",
       "strata topology office.clf --out topology", run_topology);
-  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
+  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
+      ->required();
   verb->add_option("--out", options->out, "folder for the results")->required();
   add_force(*verb, context);
   verb->add_option("--landmarks", options->landmarks,

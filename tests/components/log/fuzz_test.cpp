@@ -14,6 +14,7 @@
 #include "components/log/trajectory_file.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/log/log_fixture.hpp"
+#include "tests/components/log/ros1_bag_maker.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace fs = std::filesystem;
@@ -103,6 +104,19 @@ TEST(Fuzz, DamagedDatabasesGiveScansOrErrors) {
   const strata::test::TemporaryDirectory folder;
   write_bag(folder.path() / "bag", test::make_log(6, 12, 1), BagStorage::kSqlite3);
   EXPECT_GT(read_damaged(folder.path() / "bag" / "bag_0.db3", 300, read_and_check), 50);
+}
+
+TEST(Fuzz, DamagedRos1BagsGiveScansOrErrors) {
+  const strata::test::TemporaryDirectory folder;
+  write_bag(folder.path() / "ros2", test::make_log(6, 12, 1), BagStorage::kSqlite3);
+  for (const char* compression : {"none", "bz2", "lz4"}) {
+    for (const auto end : {test::Ros1End::kWhole, test::Ros1End::kUnfinishedChunk}) {
+      const fs::path file = folder.path() / "f.bag";
+      test::write_text(file, test::ros1_bag_of(folder.path() / "ros2",
+                                               {.compression = compression, .end = end}));
+      EXPECT_GT(read_damaged(file, 300, read_and_check), 10) << compression;
+    }
+  }
 }
 
 TEST(Fuzz, DamagedMapsAndTrajectoriesGiveValuesOrErrors) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scan/endpoints.hpp"
+#include "core/scan/range_limit.hpp"
 
 namespace strata {
 namespace {
@@ -55,6 +56,19 @@ TEST(Scan, TakesAReadingThatNoScannerGivesForNoReturnWhateverItsLimit) {
                                  BeamKind::kTooClose};
     for (std::size_t i = 0; i < scan.size(); ++i) EXPECT_EQ(scan.kind(i), expected[i]) << i;
   }
+}
+
+// Drivers that do not know how far their scanner sees leave it 0.
+TEST(Scan, WithoutAReachIsReadAsFarAsAnyScannerSees) {
+  for (const float range_max : {0.0F, -1.0F, -kInf, kNan, kInf, 5000.0F}) {
+    Scan scan = quarter_turns({5.0F, 900.0F, 1000.0F, kInf});
+    scan.range_max_m = range_max;
+    const BeamKind expected[] = {BeamKind::kHit, BeamKind::kHit, BeamKind::kNoReturn,
+                                 BeamKind::kNoReturn};
+    for (std::size_t i = 0; i < scan.size(); ++i) EXPECT_EQ(scan.kind(i), expected[i]) << range_max;
+    EXPECT_FALSE(tells_reach(range_max)) << range_max;
+  }
+  EXPECT_TRUE(tells_reach(30.0F));
 }
 
 TEST(PosedScan, PlacesTheLaserByItsMounting) {

@@ -17,6 +17,7 @@
 
 #include "components/maps/map_models.hpp"
 #include "tests/support/test_data.hpp"
+#include "tools/strata/run_options.hpp"
 
 namespace fs = std::filesystem;
 
@@ -178,6 +179,71 @@ TEST(Program, InfoStatesCountsAndGeometryAsJson) {
   EXPECT_NEAR(info["path_m"].get<double>(), 1.0, 1e-9);
   EXPECT_EQ(info["messages"]["ODOM"]["count"], 11);
   EXPECT_NEAR(info["scans"]["mounting"][0].get<double>(), 0.2, 1e-9);
+}
+
+fs::path ros1_bag() { return fs::path(STRATA_SOURCE_DIR) / "tests/fuzz/corpus/bag/ros1_lz4.bag"; }
+
+TEST(Program, InfoNamesABagOfRos1AndItsTopics) {
+  const Outcome text = run("info --quiet " + quoted(ros1_bag()));
+  ASSERT_EQ(text.code, 0) << text.out;
+  EXPECT_THAT(text.out, ::testing::HasSubstr(": ROS 1 bag (ROSBAG V2.0, chunks packed with lz4)"));
+  const auto info = nlohmann::json::parse(run("info --json --quiet " + quoted(ros1_bag())).out);
+  EXPECT_EQ(info["scans"]["count"], 3);
+  EXPECT_EQ(info["messages"]["/scan"]["type"], "sensor_msgs/msg/LaserScan");
+  EXPECT_EQ(info["bad"]["count"], 0);
+}
+
+TEST(Program, ConvertMakesABagOfRos2OfOneOfRos1) {
+  const strata::test::TemporaryDirectory folder;
+  const std::string copy = quoted(folder.path() / "copy.mcap");
+  ASSERT_EQ(run("convert --quiet " + quoted(ros1_bag()) + " " + copy).code, 0);
+  const auto info = nlohmann::json::parse(run("info --json --quiet " + copy).out);
+  EXPECT_EQ(info["format"], "MCAP file");
+  EXPECT_EQ(info["scans"]["count"], 3);
+  EXPECT_EQ(info["odometry"]["source"], "/odom");
+  const Outcome back = run("convert --quiet " + copy + " " + quoted(folder.path() / "x.bag"));
+  EXPECT_EQ(back.code, 2) << "bags of ROS 1 are not written";
+}
+
+TEST(Program, InfoSaysWhatItTakesForNoReturnAndWhy) {
+  const strata::test::TemporaryDirectory folder;
+  const auto write = [&](const std::string& code) {
+    std::ofstream out(folder.path() / "a.clf");
+    for (int i = 0; i < 30; ++i) {
+      out << "FLASER 8 1 2 " << code << " " << code << " " << code << " " << code << " " << code
+          << " " << code << " " << 0.1 * i << " 0 0 " << 0.1 * i << " 0 0 " << i << ".75 h 0\n";
+    }
+  };
+  const auto info = [&](const std::string& options) {
+    return run("info --quiet " + quoted(folder.path() / "a.clf") + options).out;
+  };
+  write("81.83");
+  EXPECT_THAT(info(""), ::testing::HasSubstr("no return  from 80.00 m on: as a SICK"));
+  write("50.07");
+  EXPECT_THAT(info(""), ::testing::HasSubstr("no return  from 50.07 m on: they pile up: 180 "
+                                             "readings of exactly 50.07 m"));
+  EXPECT_THAT(info(" --max-range 2.5"), ::testing::HasSubstr("no return  from 2.50 m on: as told"));
+  const auto told = nlohmann::json::parse(info(" --json --max-range 70"));
+  EXPECT_EQ(told["scans"]["no_returns"], 0);
+  EXPECT_EQ(told["no_return"][0]["from_m"], 70.0);
+}
+
+TEST(Program, TheSettingsSayFromWhereOnNothingCameBack) {
+  const strata::test::TemporaryDirectory folder;
+  write_log(folder.path() / "a.clf", 30);
+  const std::string wrong = "learn " + quoted(folder.path() / "a.clf") + " --out " +
+                            quoted(folder.path() / "maps") + " --set log.max_range_m=";
+  EXPECT_THAT(run(wrong + "-1 2>&1").out, ::testing::HasSubstr("log.max_range_m"));
+  EXPECT_EQ(run(wrong + "-1 2>&1").code, 2);
+  // The option goes before them.
+  pipeline::RunsInput input;
+  input.logs = {(folder.path() / "a.clf").string()};
+  const auto limit = [&] {
+    return pipeline::read_runs(with_config(input, {2.5}), nullptr).reports[0].no_returns[0].from_m;
+  };
+  EXPECT_EQ(limit(), 2.5F);
+  input.max_range_m = 1.5;
+  EXPECT_EQ(limit(), 1.5F);
 }
 
 TEST(Program, ConvertGoesThroughEveryFormatAndBack) {

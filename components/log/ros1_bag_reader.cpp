@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+/// ROS 1 bags of format 2.0. The chunks are read one after the other; the index only says where
+/// they lie and when they begin, and is missing when a recording broke off.
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "components/log/bag_storage.hpp"
+#include "components/log/bz2.hpp"
+#include "components/log/compression.hpp"
+#include "components/log/messages_in_order.hpp"
+#include "components/log/ros1_records.hpp"
+#include "components/log/ros1_topics.hpp"
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::log {
+namespace {
+
+/// No honest one is larger; a damaged length must not take the machine's memory.
+constexpr std::uint64_t kLargestChunk = 512ULL << 20;
+constexpr std::uint64_t kLargestHeader = 1ULL << 20;
+
+constexpr std::uint64_t kUnknownBegin = std::numeric_limits<std::uint64_t>::max();
+
+class Ros1BagReader : public BagReader {
+ public:
+  Ros1BagReader(const fs::path& file, fs::path shown)
+      : file_(std::move(shown)), in_(file, std::ios::binary) {
+    if (!in_) throw InputError(file_.string(), "cannot be opened", "check its permissions");
+    size_ = fs::file_size(file);
+    check_format();
+    scan_file();
+    inspect();
+    messages_.set_pieces(std::move(pieces_));
+    messages_.prefetch([this](const BagPiece& piece) { load(piece); });
+    // A whole bag without a topic is a recording of nothing.
+    if (topics_.topics().empty() && damage_.count > 0) {
+      throw InputError(file_.string(), damage_.first, "check that it was copied whole");
+    }
+  }
+
+  const std::vector<BagTopic>& topics() const override { return topics_.topics(); }
+  const BagDamage& damage() const override { return damage_; }
+  std::string description() const override {
+    std::string text = "ROSBAG V2.0";
+    for (const std::string& method : methods_) {
+      text += method == "none" ? "" : ", chunks packed with " + method;
+    }
+    return text + (has_whole_index_ ? "" : ", without a whole index");
+  }
+  bool next(BagMessage& message) override {
+    return messages_.next(message, [this](const BagPiece& piece) { load(piece); });
+  }
+
+ private:
+  struct Record {
+    Ros1Fields fields;
+    Ros1Op op = Ros1Op::kBagHeader;
+    std::uint64_t data_at = 0;
+    std::uint64_t data_size = 0;
+    bool is_cut = false;  ///< the file ends before the data does
+  };
+
+  [[nodiscard]] std::string place_of(std::uint64_t offset) const {
+    return file_.string() + ": byte " + std::to_string(offset);
+  }
+  [[nodiscard]] std::string place(std::uint64_t offset) const { return place_of(offset) + ": "; }
+  static std::string method_of(const Record& record) {
+    const std::string method = record.fields.text("compression");
+    return method.empty() ? "none" : method;
+  }
+
+  Bytes read(std::uint64_t offset, std::uint64_t size) {
+    Bytes bytes(static_cast<std::size_t>(size));
+    in_.clear();
+    in_.seekg(static_cast<std::streamoff>(offset));
+    in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+    bytes.resize(static_cast<std::size_t>(in_.gcount()));
+    return bytes;
+  }
+
+  void check_format() {
+    const Bytes start = read(0, 20);
+    const std::string magic(start.begin(), start.end());
+    if (magic.starts_with(kRos1Magic)) return;
+    throw InputError(file_.string(),
+                     "is a ROS 1 bag of another format (" + magic.substr(0, magic.find('\n')) +
+                         "), and only 2.0 can be read",
+                     "have ROS 1 write it anew: `rosbag filter OLD.bag NEW.bag True`");
+  }
+
+  /// Why there is no record; empty when there is one, whose data may be cut.
+  std::string read_record(std::uint64_t at, Record& record) {
+    const auto length_at = [&](std::uint64_t offset) {
+      return ByteCursor(read(offset, 4)).number<std::uint32_t>();
+    };
+    const std::string cut = "the file is cut here";
+    if (size_ - at < 4) return cut;
+    const std::uint64_t header_size = length_at(at);
+    if (header_size > kLargestHeader) return "is not a record";
+    if (size_ - at < 8 + header_size) return cut;
+    record.fields = Ros1Fields(read(at + 4, header_size));
+    const auto op = record.fields.op();
+    if (!record.fields.ok() || !op) return "is not a record";
+    record.op = *op;
+    record.data_at = at + 8 + header_size;
+    record.data_size = length_at(record.data_at - 4);
+    record.is_cut = record.data_size > size_ - record.data_at;
+    return "";
+  }
+
+  void scan_file() {
+    std::uint64_t at = kRos1Magic.size();
+    Record header;
+    const std::string why = read_record(at, header);
+    if (why.empty() && header.op == Ros1Op::kBagHeader && !header.is_cut) {
+      refuse_encrypted(header.fields);
+      index_at_ = header.fields.number<std::uint64_t>("index_pos").value_or(0);
+      at = header.data_at + header.data_size;
+    } else {
+      damage_.add(place(at) + "the bag's header is damaged");
+      at += kRos1BagHeaderBytes;
+    }
+    if (index_at_ >= at && index_at_ <= size_) read_index();
+    const std::uint64_t end = has_index() ? index_at_ : size_;
+    while (at < end) at = scan_record(at, end);
+    if (!has_whole_index_ && damage_.count == 0) {
+      damage_.add(place(size_) + "the bag ends without its index, as when recording broke off");
+    }
+  }
+
+  void refuse_encrypted(const Ros1Fields& header) const {
+    const std::string encryptor = header.text("encryptor");
+    if (encryptor.empty() || encryptor == "rosbag/NoEncryptor") return;
+    throw InputError(file_.string(), "is encrypted (" + encryptor + ")",
+                     "have ROS 1 decrypt it: `rosbag decrypt`");
+  }
+
+  [[nodiscard]] bool has_index() const { return has_whole_index_ || !chunks_at_.empty(); }
+
+  /// At the end of the bag: all connections again, and where the chunks lie.
+  void read_index() {
+    std::uint64_t at = index_at_;
+    while (at < size_) {
+      Record record;
+      if (!read_record(at, record).empty() || record.is_cut) return;
+      if (record.op == Ros1Op::kConnection) {
+        take_connection(record.fields, read(record.data_at, record.data_size), at);
+      } else if (record.op == Ros1Op::kChunkInfo) {
+        if (const auto chunk = record.fields.number<std::uint64_t>("chunk_pos")) {
+          chunks_at_.insert(*chunk);
+        }
+      } else {
+        return;
+      }
+      at = record.data_at + record.data_size;
+    }
+    has_whole_index_ = true;
+  }
+
+  /// Where to go on: behind the record, or, where there is none, at the next chunk that the index
+  /// knows.
+  std::uint64_t scan_record(std::uint64_t at, std::uint64_t end) {
+    Record record;
+    const std::string why = read_record(at, record);
+    if (!why.empty()) {
+      const auto next = chunks_at_.upper_bound(at);
+      const bool goes_on = next != chunks_at_.end() && *next < end;
+      damage_.add(
+          place(at) + why + "; " +
+          (goes_on ? "what lies before the next chunk is left out" : "nothing behind it is read"));
+      return goes_on ? *next : end;
+    }
+    const std::uint64_t behind = record.is_cut ? size_ : record.data_at + record.data_size;
+    if (record.is_cut) damage_.add(place(at) + "the file is cut in this record");
+    if (record.op == Ros1Op::kChunk) return add_chunk(at, record, behind);
+    if (record.is_cut) return behind;
+    if (record.op == Ros1Op::kMessage) {
+      const Stamp stamp = record.fields.time("time").value_or(Stamp{});
+      pieces_.push_back({static_cast<std::uint64_t>(stamp.ns), at, record.data_size,
+                         static_cast<std::uint8_t>(record.op)});
+    } else if (record.op == Ros1Op::kConnection) {
+      take_connection(record.fields, read(record.data_at, record.data_size), at);
+    } else if (record.op == Ros1Op::kIndex && !pieces_.empty()) {
+      take_index(read(record.data_at, record.data_size), pieces_.back());
+    }
+    return behind;
+  }
+
+  std::uint64_t add_chunk(std::uint64_t at, const Record& record, std::uint64_t behind) {
+    BagPiece chunk{kUnknownBegin, at, behind - record.data_at,
+                   static_cast<std::uint8_t>(Ros1Op::kChunk)};
+    const std::string method = method_of(record);
+    methods_.insert(method);
+    // Recording writes the lengths when a chunk is finished. In one that is not packed the records
+    // follow as if they lay outside.
+    const bool is_unfinished = record.data_size == 0 && method != "none" && behind < size_ &&
+                               record.fields.number<std::uint32_t>("size").value_or(0) == 0;
+    if (is_unfinished) {
+      damage_.add(place(at) + "this chunk was not finished, as when recording broke off");
+      chunk.size = size_ - record.data_at;
+      behind = size_;
+    }
+    pieces_.push_back(chunk);
+    return behind;
+  }
+
+  /// Of a connection in the chunk before: times and places of its messages.
+  static void take_index(const Bytes& data, BagPiece& chunk) {
+    ByteCursor cursor{View(data)};
+    while (cursor.left() >= 12) {
+      const Stamp stamp = ros1_time(cursor.number<std::uint64_t>());
+      cursor.number<std::uint32_t>();
+      chunk.begin_ns = std::min(chunk.begin_ns, static_cast<std::uint64_t>(stamp.ns));
+    }
+  }
+
+  /// What the index would have told: connections, and when chunks begin.
+  void inspect() {
+    for (BagPiece& piece : pieces_) {
+      if (piece.kind != static_cast<std::uint8_t>(Ros1Op::kChunk)) continue;
+      if (has_whole_index_ && piece.begin_ns != kUnknownBegin) continue;
+      std::string ignored;  // said when it is loaded
+      for_each_ros1_record(content(piece, ignored), [&](const Ros1Fields& fields, View data) {
+        if (fields.op() == Ros1Op::kConnection) take_connection(fields, data, piece.offset);
+        if (fields.op() != Ros1Op::kMessage) return;
+        const Stamp stamp = fields.time("time").value_or(Stamp{});
+        piece.begin_ns = std::min(piece.begin_ns, static_cast<std::uint64_t>(stamp.ns));
+      });
+    }
+  }
+
+  /// Of a chunk; what came out before the error where there is one.
+  Bytes content(const BagPiece& piece, std::string& error) {
+    Record record;
+    error = read_record(piece.offset, record);
+    if (!error.empty()) return {};
+    Bytes packed = read(record.data_at, piece.size);
+    const std::string method = method_of(record);
+    if (method == "none") return packed;
+    const std::uint64_t size = record.fields.number<std::uint32_t>("size").value_or(0);
+    const bool is_whole = record.data_size == piece.size;
+    const std::uint64_t limit = is_whole ? std::min(size, kLargestChunk) : kLargestChunk;
+    Bytes plain;
+    if (method == "bz2") {
+      plain = unpack_bz2(packed, limit, error);
+    } else if (method == "lz4") {
+      plain = decompress(packed, BagCompression::kLz4, limit, error);
+    } else {
+      error = "unknown compression " + method;
+    }
+    if (is_whole && error.empty() && plain.size() != size) error = "it unpacks to another length";
+    // Only what is cut is whole up to its end.
+    if (is_whole && !error.empty()) plain.clear();
+    return plain;
+  }
+
+  void load(const BagPiece& piece) {
+    Record record;
+    std::string error = read_record(piece.offset, record);
+    if (record.op == Ros1Op::kMessage) {
+      take_message(record.fields, read(record.data_at, piece.size), piece.offset);
+      return;
+    }
+    const bool is_whole = record.data_size == piece.size;
+    const Bytes records = content(piece, error);
+    if (is_whole && !error.empty()) {
+      damage_.add(place(piece.offset) + "a chunk is left out: " + error);
+    }
+    const bool is_even = for_each_ros1_record(records, [&](const Ros1Fields& fields, View data) {
+      if (fields.op() == Ros1Op::kConnection) take_connection(fields, data, piece.offset);
+      if (fields.op() == Ros1Op::kMessage) take_message(fields, data, piece.offset);
+    });
+    if (is_whole && !is_even) damage_.add(place(piece.offset) + "a chunk ends inside a record");
+  }
+
+  void take_connection(const Ros1Fields& fields, View data, std::uint64_t offset) {
+    const std::string problem = topics_.add(fields, data);
+    if (!problem.empty()) damage_.add(place(offset) + problem);
+  }
+
+  void take_message(const Ros1Fields& fields, View data, std::uint64_t offset) {
+    try {
+      messages_.add(topics_.message(fields, data, place_of(offset)));
+    } catch (const InputError& error) {
+      damage_.add(error.what());
+    }
+  }
+
+  fs::path file_;
+  std::ifstream in_;
+  std::uint64_t size_ = 0;
+  std::uint64_t index_at_ = 0;
+  bool has_whole_index_ = false;
+  std::set<std::uint64_t> chunks_at_;  ///< by the index
+  std::set<std::string> methods_;
+  std::vector<BagPiece> pieces_;
+  MessagesInOrder messages_;
+  Ros1Topics topics_;
+  BagDamage damage_;
+};
+
+}  // namespace
+
+std::unique_ptr<BagReader> open_ros1_bag(const fs::path& file, const fs::path& shown) {
+  return std::make_unique<Ros1BagReader>(file, shown);
+}
+
+}  // namespace strata::log
