@@ -16,6 +16,21 @@ const OldKey* old_key(const KeyTree& tree, const std::string& name) {
   return found == tree.old_keys.end() ? nullptr : &*found;
 }
 
+/// Whether any key of the document has another name now, or none.
+bool has_old_keys(const YAML::Node& node, const KeyTree& tree) {
+  if (!node.IsMap()) return false;
+  return std::any_of(node.begin(), node.end(), [&](const auto& item) {
+    const std::string name = item.first.IsScalar() ? item.first.Scalar() : "";
+    if (old_key(tree, name) != nullptr) return true;
+    const KeyTree::Key* const key = tree.find(name);
+    if (key == nullptr || key->is_field) return false;
+    if (!key->is_list) return has_old_keys(item.second, key->inside);
+    return item.second.IsSequence() &&
+           std::any_of(item.second.begin(), item.second.end(),
+                       [&](const auto& one) { return has_old_keys(one, key->inside); });
+  });
+}
+
 /// Walks one document; `notes_` grows.
 class Renamer {
  public:
@@ -110,7 +125,8 @@ class Renamer {
 
 YAML::Node with_present_keys(const YAML::Node& node, const std::string& place, const KeyTree& tree,
                              Notes& notes) {
-  return Renamer(place, notes).present(node, "", tree);
+  if (!has_old_keys(node, tree)) return node;
+  return Renamer(place, notes).present(copy_apart(node, place), "", tree);
 }
 
 bool is_key(const std::string& name, const KeyTree& tree) {

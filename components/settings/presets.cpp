@@ -94,11 +94,12 @@ std::vector<std::string> preset_names(const KeyTree& tree) {
   return {names.begin(), names.end()};
 }
 
-YAML::Node with_presets(const YAML::Node& node, const std::string& place, const KeyTree& tree) {
-  if (!node.IsMap()) return node;
-  const YAML::Node given = node[kPresetKey];
+YAML::Node with_presets(const YAML::Node& document, const std::string& place, const KeyTree& tree) {
+  if (!document.IsMap() || !document[kPresetKey].IsDefined()) return document;
   const std::vector<std::string> known = preset_names(tree);
-  if (!given.IsDefined() || known.empty()) return node;
+  if (known.empty()) return document;
+  const YAML::Node node = copy_apart(document, place);
+  const YAML::Node given = node[kPresetKey];
   YAML::Node result(YAML::NodeType::Map);
   int times = 0;
   for (const auto& item : node) {

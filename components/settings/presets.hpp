@@ -29,9 +29,9 @@ struct PresetLine {
 [[nodiscard]] std::vector<std::string> preset_names(const KeyTree& tree);
 
 /// The document with the settings of its presets in place of `preset`. What it says itself wins.
-/// `node` stays as it is. Throws ConfigError for a preset that has nothing to set here, with the
-/// names of those that have.
-[[nodiscard]] YAML::Node with_presets(const YAML::Node& node, const std::string& place,
+/// `document` stays as it is. Throws ConfigError for a preset that has nothing to set here, with
+/// the names of those that have.
+[[nodiscard]] YAML::Node with_presets(const YAML::Node& document, const std::string& place,
                                       const KeyTree& tree);
 
 }  // namespace strata::settings

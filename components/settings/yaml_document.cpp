@@ -176,6 +176,12 @@ YAML::Node copy_with_places(const YAML::Node& node, const std::string& place) {
   });
 }
 
+YAML::Node copy_apart(const YAML::Node& node, const std::string& place) {
+  return copy_without_marks(node, place, [&](const YAML::Node& original) {
+    return has_place(original) ? kPlaceTag + place_of(original, place, "") : original.Tag();
+  });
+}
+
 YAML::Node parse_yaml(const std::string& text, const std::string& place) {
   YAML::Node node;
   try {

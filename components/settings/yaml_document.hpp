@@ -38,6 +38,10 @@ void apply_overrides(YAML::Node& document, const std::vector<std::string>& optio
 /// file.
 [[nodiscard]] YAML::Node copy_with_places(const YAML::Node& node, const std::string& place);
 
+/// A copy that shares nothing with the node, for place_of as the node is: a node that is put into
+/// another document ties the two together, and one that lives long grows with each.
+[[nodiscard]] YAML::Node copy_apart(const YAML::Node& node, const std::string& place);
+
 /// Lets `copy` stand where `original` stood, for place_of.
 void keep_place(YAML::Node& copy, const YAML::Node& original, const std::string& place);
 
