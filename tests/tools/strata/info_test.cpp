@@ -42,7 +42,7 @@ TEST(Info, ShowsTheTopicsOfABagWithoutScans) {
     write_bag(bag, storage);
     const auto told = run_strata("info " + quoted(bag) + " 2>&1");
     EXPECT_EQ(told.code, 0);
-    EXPECT_THAT(told.out, HasSubstr("rosbag2 folder"));
+    EXPECT_THAT(told.out, HasSubstr("bag folder"));
     EXPECT_THAT(told.out, HasSubstr("duration   4.0 s\n"));
     EXPECT_THAT(told.out, HasSubstr("    /battery 3, 0.75 Hz, sensor_msgs/msg/BatteryState\n"));
     EXPECT_THAT(told.out, HasSubstr("    /never 0, 0.00 Hz, std_msgs/msg/String\n"));
