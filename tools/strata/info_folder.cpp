@@ -12,11 +12,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "components/maps/localization_files.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/error.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/info_store.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/words.hpp"
 
 namespace fs = std::filesystem;
@@ -26,29 +26,27 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The file by which a folder is known, and what the folder then is.
+/// What a folder of a kind (result_directory.hpp) is, in words.
 struct Kind {
-  const char* file;
   const char* name;
   const char* text;
 };
 
-// Those of several verbs first: a MAPS folder may hold the changes of its maps too.
 constexpr std::array<Kind, 7> kKinds{
-    {{maps::kStoreFile, "maps", "maps, as `strata learn` writes them"},
-     {maps::kMetricsFile, "localization", "a localized run, as `strata localize` writes it"},
-     {"comparison.json", "comparison", "a comparison of maps, as `strata compare` writes it"},
-     {"topologies.json", "topologies", "topologies, as `strata topology` writes them"},
-     {"map.bt", "volume", "a 3-D map, as `strata volume` writes it"},
-     {"changes.json", "changes", "changes of maps, as `strata changes` writes them"},
-     {"states.json", "simulation", "a simulated world, as `strata simulate` writes it"}}};
+    {{"maps", "maps, as `strata learn` writes them"},
+     {"localization", "a localized run, as `strata localize` writes it"},
+     {"comparison", "a comparison of maps, as `strata compare` writes it"},
+     {"topology", "topologies, as `strata topology` writes them"},
+     {"volume", "a 3-D map, as `strata volume` writes it"},
+     {"changes", "changes of maps, as `strata changes` writes them"},
+     {"simulation", "a simulated world, as `strata simulate` writes it"}}};
 
-const Kind* kind_of(const fs::path& path) {
+const Kind* kind_in_words(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error) || fs::exists(path / "metadata.yaml", error)) return nullptr;
-  const auto found = std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& kind) {
-    return fs::is_regular_file(path / kind.file, error);
-  });
+  const std::string name = kind_of(path);
+  const auto found = std::find_if(kKinds.begin(), kKinds.end(),
+                                  [&](const Kind& kind) { return kind.name == name; });
   return found == kKinds.end() ? nullptr : &*found;
 }
 
@@ -118,10 +116,10 @@ Json describe(const fs::path& path, const Kind& kind) {
 
 }  // namespace
 
-bool is_result_folder(const fs::path& path) { return kind_of(path) != nullptr; }
+bool is_result_folder(const fs::path& path) { return kind_in_words(path) != nullptr; }
 
 void print_folder(const fs::path& path, bool json) {
-  const Kind& kind = *kind_of(path);
+  const Kind& kind = *kind_in_words(path);
   const fs::path store = path / maps::kStoreFile;
   const bool has_store = fs::exists(store);
   if (!json) {

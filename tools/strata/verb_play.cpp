@@ -97,7 +97,8 @@ void add_play(CLI::App& app, VerbContext& context) {
   const auto [verb, options] = add_verb<PlayOptions>(
       app, context, "play", "publish a recorded log over DDS, with a clock, to its end",
       "strata play office.clf --rate 2", play);
-  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3 or .mcap")->required();
+  verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
+      ->required();
   verb->add_option("--mode", options->mode,
                    "messages: every message of a bag as it was recorded; robot: its scans, with "
                    "odometry, tf and clock; messages when LOG is a bag")
