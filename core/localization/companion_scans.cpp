@@ -14,6 +14,10 @@ constexpr double kLongestAgoS = 0.5;
 /// More than a robot has: then it is a mounting that is measured anew with every scan.
 constexpr std::size_t kMaxScanners = 8;
 
+bool tells_place(const Observation& observation) {
+  return observation.has_odometry && is_finite(observation.odom_from_robot);
+}
+
 /// Calls look(beam, place) with the place in a full circle of `directions` that each beam points
 /// to, seen from the robot, as if the scanner sat in its middle.
 template <class Look>
@@ -69,11 +73,11 @@ const std::vector<CompanionScans::Companion*>& CompanionScans::take(const Observ
     const double ago_s = (now.scan.stamp - then.scan.stamp).seconds();
     const bool is_own = then.scan.robot_from_laser == now.scan.robot_from_laser;
     const bool is_recent = then.run == now.run && ago_s >= 0.0 && ago_s <= kLongestAgoS;
-    const bool is_told = (then.has_odometry && now.has_odometry) || ago_s == 0.0;
+    const bool has_motion = tells_place(then) && tells_place(now);
+    const bool is_told = has_motion || ago_s == 0.0;
     if (kept.is_fresh && !is_own && is_recent && is_told) {
-      companion.now_from_then = then.has_odometry && now.has_odometry
-                                    ? between(now.odom_from_robot, then.odom_from_robot)
-                                    : Pose2{};
+      companion.now_from_then =
+          has_motion ? between(now.odom_from_robot, then.odom_from_robot) : Pose2{};
       companion.scan = then.scan;
       companion.scan.robot_from_laser = companion.now_from_then * then.scan.robot_from_laser;
       leave_out_covered(companion.scan);

@@ -36,7 +36,8 @@ Localizer::Localizer(const LocalizerConfig& config, std::shared_ptr<const Sensor
       model_(own_model_ != nullptr ? own_model_ : std::move(model)),
       seed_(seed),
       pool_(std::make_unique<WorkerPool>(threads)),
-      monitor_(config.recovery) {
+      monitor_(config.recovery),
+      odometry_(config.gating.limits()) {
   require_valid(config, "localizer");
 }
 
@@ -44,7 +45,10 @@ void Localizer::start(std::size_t count) {
   // Steps of different starts must not share random numbers.
   step_ = ++start_count_ << 32U;
   is_started_ = true;
-  last_.reset();
+  run_.reset();
+  odometry_.reset();
+  at_reading_.reset();
+  is_missing_ = is_untold_ = is_patched_ = false;
   last_weighed_.reset();
   moved_ = Pose2{};
   scans_since_weighed_ = 0;
@@ -85,25 +89,51 @@ void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
 }
 
 Pose2 Localizer::motion_since_last(const Observation& observation) {
-  Pose2 motion;
-  const bool has_odometry = observation.has_odometry && is_finite(observation.odom_from_robot);
-  const bool same_run = last_ && last_->run == observation.run;
-  // Scans without odometry, or with damaged odometry, are bridged by that of the next with it.
-  if (same_run && !has_odometry) return motion;
-  if (same_run && last_->has_odometry) {
-    motion = between(last_->odom_from_robot, observation.odom_from_robot);
-    const double dt_s = std::max(0.0, (observation.scan.stamp - last_->scan.stamp).seconds());
-    if (!is_possible(motion, dt_s, config_.gating.limits())) {
-      motion = Pose2{};
-      ++odometry_jumps_;
-    }
+  using Kind = OdometryStep::Kind;
+  if (run_ != observation.run) {
+    run_ = observation.run;
+    odometry_.reset();
+    is_patched_ = false;
   }
-  last_.emplace();
-  last_->scan.stamp = observation.scan.stamp;
-  last_->run = observation.run;
-  last_->has_odometry = has_odometry;
-  last_->odom_from_robot = observation.odom_from_robot;
-  return motion;
+  const OdometryStep step = odometry_.pass(
+      observation.scan.stamp, observation.has_odometry ? &observation.odom_from_robot : nullptr);
+  is_missing_ = step.kind == Kind::kMissing;
+  is_untold_ |= step.kind == Kind::kUntold || step.kind == Kind::kJumped;
+  if (step.kind == Kind::kJumped) {
+    ++odometry_jumps_;
+    companions_.clear();
+  }
+  if (!is_missing_) is_untold_ |= std::exchange(is_patched_, false);
+  return step.motion;
+}
+
+/// Before a scan is weighed: what odometry said since the last one that was, with its noise.
+void Localizer::follow_motion(const Pose2& moved_before) {
+  // A start has no noise of motion yet, unless the robot drove on before it saw anything.
+  if (!last_weighed_ && scans_since_weighed_ <= 1) return;
+  if (monitor_.wants_restart() && !free_space_.empty()) {
+    search_everywhere();
+  } else {
+    resample();
+  }
+  const bool is_told = !is_missing_ && !is_untold_;
+  sample_motions(moved_, moved_before, is_told, config_.motion, seed_, step_, particles_, *pool_);
+  roughen_start();
+}
+
+/// After a scan was weighed. Without odometry the particles followed what the scans say: odometry
+/// that comes back has that in its motion too, and must not add it again.
+void Localizer::settle_motion(const Pose2Gaussian& pose) {
+  is_untold_ = false;
+  if (!is_missing_) return;
+  if (at_reading_ && is_one_place(pose, config_.recovery.uncertain_stddev_m)) {
+    odometry_.moved_otherwise(between(at_reading_->mean, pose.mean));
+    at_reading_ = pose;
+  } else {
+    odometry_.forget_motion();
+    at_reading_.reset();
+  }
+  is_patched_ = true;
 }
 
 bool Localizer::is_due() {
@@ -139,25 +169,19 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
   if (!is_usable) ++unusable_scans_;
   if (is_usable) turns_.see(observation.scan, observation.run);
   if (is_usable && turns_.alive() > 1) companions_.keep(observation);
-  if (!is_usable || !is_due()) {
-    move_particles(motion, particles_, *pool_);
-    return make_result(estimate(particles_), false);
+  const bool is_weighed = is_usable && is_due();
+  if (!is_weighed) move_particles(motion, particles_, *pool_);
+  const Pose2Gaussian pose = is_weighed ? weigh(observation, moved_before) : estimate(particles_);
+  if (!is_missing_) {
+    at_reading_.reset();
+    if (is_one_place(pose, config_.recovery.uncertain_stddev_m)) at_reading_ = pose;
   }
-  return make_result(weigh(observation, moved_before), true);
+  return make_result(pose, is_weighed);
 }
 
 Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
   ++step_;
-  if (last_weighed_) {
-    if (monitor_.wants_restart() && !free_space_.empty()) {
-      search_everywhere();
-    } else {
-      resample();
-    }
-    sample_motions(moved_, moved_before, observation.has_odometry, config_.motion, seed_, step_,
-                   particles_, *pool_);
-    roughen_start();
-  }
+  follow_motion(moved_before);
   const Stamp now = observation.scan.stamp;
   const double dt_s = last_weighed_ ? std::max(0.0, (now - *last_weighed_).seconds()) : 0.0;
   const PatchStates* states = model_->patch_states();
@@ -180,6 +204,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
                  position_stddev(pose));
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose);
+  settle_motion(pose);
   last_weighed_ = now;
   turns_.use();
   moved_ = Pose2{};

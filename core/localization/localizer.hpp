@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/parallel.hpp"
+#include "core/geometry/odometry_gate.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
 #include "core/localization/companion_scans.hpp"
 #include "core/localization/localizer_config.hpp"
@@ -74,7 +75,7 @@ class Localizer {
   [[nodiscard]] const ParticleSet& particles() const { return particles_; }
   /// Scans of which nothing was usable so far.
   [[nodiscard]] std::size_t unusable_scans() const { return unusable_scans_; }
-  /// Times that odometry moved further than a robot can; that motion was left out.
+  /// Times that odometry moved or turned further than a robot can; that motion was left out.
   [[nodiscard]] std::size_t odometry_jumps() const { return odometry_jumps_; }
   [[nodiscard]] const LocalizerConfig& config() const { return config_; }
 
@@ -87,6 +88,8 @@ class Localizer {
   void fill(ParticleSet& particles, std::size_t begin, StreamId stream) const;
   [[nodiscard]] bool is_due();
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
+  void follow_motion(const Pose2& moved_before);
+  void settle_motion(const Pose2Gaussian& pose);
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
   void weigh_companions(const Observation& observation, double tempering);
   void roughen_start();
@@ -115,7 +118,12 @@ class Localizer {
   bool is_started_ = false;
   std::size_t max_particles_ = 0;
   int annealed_updates_ = 0;
-  std::optional<Observation> last_;  // without its ranges
+  std::optional<int> run_;
+  OdometryGate odometry_;
+  std::optional<Pose2Gaussian> at_reading_;  // the pose when odometry was last heard, if one place
+  bool is_missing_ = false;                  // odometry, since then
+  bool is_untold_ = false;   // some of the motion since the last weighed scan, for good
+  bool is_patched_ = false;  // what odometry tells next has been followed by scans already
   std::optional<Stamp> last_weighed_;
   Pose2 moved_;  // since the last weighed scan
   std::size_t scans_since_weighed_ = 0;

@@ -2,8 +2,6 @@
 /// Everything about the filter that does not depend on the map model.
 #pragma once
 
-#include <limits>
-
 #include "core/geometry/odometry_noise.hpp"
 #include "core/localization/motion_model.hpp"
 #include "core/localization/recovery.hpp"
@@ -18,12 +16,14 @@ struct GatingConfig {
   int every_scans = 10;
   double max_speed_mps = OdometryLimits{}.speed_mps;
   double jump_m = OdometryLimits{}.slack_m;
+  double max_turn_rps = OdometryLimits{}.turn_rps;
+  double jump_rad = OdometryLimits{}.slack_rad;
 
-  /// However fast it turns: a base that spins may lose count of its heading, but not of its place.
   [[nodiscard]] OdometryLimits limits() const {
     return {.speed_mps = max_speed_mps,
             .slack_m = jump_m,
-            .slack_rad = std::numeric_limits<double>::infinity()};
+            .turn_rps = max_turn_rps,
+            .slack_rad = jump_rad};
   }
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -50,6 +50,13 @@ struct GatingConfig {
     v.field(
         "jump_m", c.jump_m,
         {.doc = "odometry may always move this far between two scans", .unit = "m", .min = 0.0});
+    v.field("max_turn_rps", c.max_turn_rps,
+            {.doc = "with jump_rad: the same of odometry that turns faster than a robot can",
+             .unit = "rad/s",
+             .min = 0.0});
+    v.field(
+        "jump_rad", c.jump_rad,
+        {.doc = "odometry may always turn this far between two scans", .unit = "rad", .min = 0.0});
   }
 };
 
