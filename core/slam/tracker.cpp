@@ -111,13 +111,10 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   TrackedScan result;
   if (!first_scan_) first_scan_ = scan_index;
   turns_.see(scan);
-  const Pose2* believed = odom_from_robot;
-  if (odom_from_robot != nullptr && last_odom_) {
-    result.findings.odometry_step = between(*last_odom_, *odom_from_robot);
-    result.findings.odometry_jumped =
-        !is_possible(result.findings.odometry_step, (scan.stamp - last_stamp_).seconds());
-    if (result.findings.odometry_jumped) believed = nullptr;
-  }
+  const OdometryStep step = odometry_.pass(scan.stamp, odom_from_robot);
+  const Pose2* believed = step.kind == OdometryStep::Kind::kTold ? &step.motion : nullptr;
+  result.findings.odometry_step = step.motion;
+  result.findings.odometry_jumped = step.kind == OdometryStep::Kind::kJumped;
   const std::size_t all_hits = count_beams(scan).hits;
   result.findings.empty = all_hits == 0;
   Pose2Gaussian guess = predict(scan, believed);
@@ -154,11 +151,14 @@ TrackedScan Tracker::add(const Scan& scan, const Pose2* odom_from_robot, std::si
   lost_ = started_ && blind && !result.matched ? lost_ + 1 : 0;
   if (lost_ > 0 && lost_ <= kMaxLost) return result;
   path_m_ += translation_distance(pose_.mean, result.run_from_robot.mean);
+  // Odometry that comes back has this way in its motion too, and must not add it again.
+  if (odom_from_robot == nullptr) {
+    odometry_.moved_otherwise(between(pose_.mean, result.run_from_robot.mean));
+  }
   last_pose_ = pose_.mean;
   pose_ = result.run_from_robot;
   last_stamp_ = scan.stamp;
   remember(scan.stamp);
-  if (odom_from_robot != nullptr) last_odom_ = *odom_from_robot;
   const bool moved =
       !last_key_ || has_moved(*last_key_, pose_.mean, config_.key_distance_m, config_.key_turn_rad);
   if (moved && !result.findings.empty && turns_.has_turn()) {

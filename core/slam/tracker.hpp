@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/geometry/odometry_gate.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
 #include "core/registration/scan_matcher.hpp"
 #include "core/scan/endpoints.hpp"
@@ -80,7 +81,7 @@ class Tracker {
     archive(self.recent_);
     archive(self.lost_);
     archive(self.last_stamp_);
-    archive(self.last_odom_);
+    archive(self.odometry_);
     archive(self.path_m_);
     archive(self.doubt_);
     archive(self.last_key_);
@@ -100,7 +101,7 @@ class Tracker {
     int keys = 0;
     double from_m = 0.0;  ///< path of the run at its beginning
   };
-  [[nodiscard]] Pose2Gaussian predict(const Scan& scan, const Pose2* odom_from_robot) const;
+  [[nodiscard]] Pose2Gaussian predict(const Scan& scan, const Pose2* step) const;
   [[nodiscard]] Pose2 going_on(Stamp until) const;
   void remember(Stamp stamp);
   [[nodiscard]] std::vector<Pose2> other_guesses(const Pose2Gaussian& guess) const;
@@ -133,7 +134,7 @@ class Tracker {
   std::vector<Recent> recent_;  // the last few scans
   int lost_ = 0;                // scans in a row that matched nothing, without odometry
   Stamp last_stamp_;
-  std::optional<Pose2> last_odom_;
+  OdometryGate odometry_;
   ScannerTurns turns_;
   double path_m_ = 0.0;
   double doubt_ = 1.0;  // of odometry; shrinks while it agrees with the matches

@@ -147,11 +147,9 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Pose2& turn) {
   return axes * covariance * axes.transpose();
 }
 
-Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* odom_from_robot) const {
+Pose2Gaussian Tracker::predict(const Scan& scan, const Pose2* step) const {
   const Pose2Gaussian known{pose_.mean, Eigen::Matrix3d::Zero()};
-  if (odom_from_robot != nullptr && last_odom_) {
-    return known * doubted_step(between(*last_odom_, *odom_from_robot), config_.odometry, doubt_);
-  }
+  if (step != nullptr) return known * doubted_step(*step, config_.odometry, doubt_);
   if (!started_) return pose_;
   return known *
          Pose2Gaussian{going_on(scan.stamp), pose_covariance(kBlindStddevM, kBlindStddevRad)};

@@ -96,6 +96,28 @@ TEST(Slam, OdometryThatComesLateMovesNothing) {
   }
 }
 
+// What the scans of a gap were matched to lies in the motion that odometry tells after it.
+TEST(Slam, OdometryThatComesBackDoesNotAddTheGapAgain) {
+  const std::vector<Pose2> path = drive_round(0.1, 20.0);
+  for (const std::size_t begin : {40U, 60U, 80U, 100U, 120U}) {
+    for (const std::size_t length : {6U, 12U, 18U}) {
+      SCOPED_TRACE(testing::Message() << begin << " + " << length);
+      std::vector<Observation> log = record(ring(), path, 0, 4);
+      for (std::size_t i = begin; i < begin + length; ++i) {
+        log[i].has_odometry = false;
+        log[i].odom_from_robot = {};
+      }
+      Slam slam(SlamConfig{});
+      double worst_m = 0.0;
+      for (std::size_t i = 0; i < log.size(); ++i) {
+        const Pose2 truth = log[0].odom_from_robot * between(path.front(), path[i]);
+        worst_m = std::max(worst_m, translation_distance(slam.add(log[i]).mean, truth));
+      }
+      EXPECT_LT(worst_m, 0.25);
+    }
+  }
+}
+
 TEST(Slam, WorksWithoutOdometryWhereStampsAreThoseOfDelivery) {
   // Five scans at once, then none for a second; and a clock that was set back mixes the scans of
   // two places in order of time.
