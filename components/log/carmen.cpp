@@ -15,6 +15,7 @@
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
 #include "core/geometry/angle.hpp"
+#include "core/scan/range_limit.hpp"
 
 namespace strata::log {
 namespace {
@@ -197,7 +198,6 @@ class CarmenParser {
   void robot_laser(const std::vector<std::string_view>& words, bool cut, const LineReader& lines) {
     Fields fields(words);
     CarmenScan raw;
-    raw.states_maximum = true;
     Scan& scan = raw.observation.scan;
     fields.number();  // laser type
     scan.angle_min_rad = fields.range();
@@ -221,7 +221,9 @@ class CarmenParser {
     for (int i = 0; i < 5; ++i) fields.number();  // velocities, safety distances, turn axis
     scan.stamp = fields.stamp();
     if (!fields.ok()) return bad(lines.place(), fields.problem());
-    if (!(scan.range_max_m > 0.0F) || !std::isfinite(scan.angle_min_rad) ||
+    // 0 is what a log writes that does not know it.
+    raw.states_maximum = tells_reach(scan.range_max_m);
+    if (!(scan.range_max_m >= 0.0F) || !std::isfinite(scan.angle_min_rad) ||
         !std::isfinite(scan.angle_increment_rad)) {
       return bad(lines.place(), "its angles or its greatest range make no sense");
     }

@@ -157,6 +157,14 @@ TEST_F(Carmen, RobotLaserStatesItsGeometry) {
   EXPECT_NEAR(scan.robot_from_laser.x, 0.1, 1e-9);
 }
 
+TEST_F(Carmen, ARobotLaserThatDoesNotKnowItsReachIsRead) {
+  const auto log = read(
+      "ROBOTLASER1 0 -1.5 3.0 0.5 0 0.01 0 4 1 2 30.5 4 2 7 8 5.1 6 0 5 6 0 0 0 0.3 0.3 0 12.5 "
+      "host 12.5\n");
+  const Scan& scan = log.observations[0].scan;
+  for (std::size_t beam = 0; beam < 4; ++beam) EXPECT_EQ(scan.kind(beam), BeamKind::kHit) << beam;
+}
+
 TEST_F(Carmen, ACorrectedLogOverRawOdometryTakesTheMountingFromItsParameter) {
   const auto log =
       read("PARAM robot_frontlaser_offset 0.1 h 0\n" + flaser("1 2", 2, "1", "5 5 1", "0 0 0") +
