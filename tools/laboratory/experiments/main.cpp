@@ -15,6 +15,7 @@
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/real_scans_report.hpp"
+#include "tools/laboratory/experiments/single_scan.hpp"
 #include "tools/laboratory/experiments/verdicts.hpp"
 #include "tools/laboratory/experiments/wean.hpp"
 #include "tools/laboratory/experiments/year.hpp"
@@ -44,6 +45,8 @@ struct Options {
   double radius_m = 1.0;
   std::vector<double> object_m;
   std::string runs;
+  double margin_nats = 40.0;
+  int step = 1;
 
   [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
   [[nodiscard]] PoseNoise noise() const { return has_poor_poses ? kPoorPoses : kGoodPoses; }
@@ -166,6 +169,10 @@ void run(const std::string& name, const Options& options) {
                              "name the folder with run1.clf.gz to run3.clf.gz");
   }
   if (name == "wean") return report_wean(options.runs, options.first, options.seeds);
+  if (name == "single_scan") {
+    (void)occasions(options);  // as many poses as logs
+    return report_single_scans(options.logs, options.poses, options.margin_nats, options.step);
+  }
   if (name == "decoders") return report_decoders(occasions(options));
   if (name == "verdicts") {
     if (!options.logs.empty()) (void)occasions(options);  // as many poses as logs
@@ -222,9 +229,10 @@ int main(int argc, char** argv) {
   CLI::App app{"the experiments of docs/results.md"};
   app.add_option("NAME", name, "which experiment")
       ->required()
-      ->check(CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
-                             "box_in_corridor", "global_start", "offices", "year", "place",
-                             "decoders", "wean", "verdicts", "people", "filter", "few_beams"}));
+      ->check(
+          CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
+                         "box_in_corridor", "global_start", "offices", "year", "place", "decoders",
+                         "wean", "verdicts", "people", "filter", "few_beams", "single_scan"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::PositiveNumber);
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
@@ -238,7 +246,7 @@ int main(int argc, char** argv) {
   app.add_flag("--no-patches", options.no_patches, "the year without the robot with a patch map");
   app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
   app.add_option("--log", options.logs,
-                 "real logs of `place` (one or two), `decoders` and `verdicts`");
+                 "real logs of `place` (one or two), `decoders`, `verdicts` and `single_scan`");
   app.add_option("--runs", options.runs, "folder of the three runs of `wean` and `verdicts`");
   app.add_option("--poses", options.poses, "a file of poses for each");
   app.add_option("--before", options.before_s, "seconds of the first log: the first state")
@@ -256,6 +264,10 @@ int main(int argc, char** argv) {
                  "m ahead,m wide: a board put into the scans of the second state")
       ->delimiter(',')
       ->expected(2);
+  app.add_option("--margin", options.margin_nats,
+                 "nats by which `single_scan` accepts a place before all others");
+  app.add_option("--step", options.step, "of the scans of `single_scan` every so many-th only")
+      ->check(CLI::PositiveNumber);
   app.add_option("--out", options.out, "where files of the year or the place go");
   app.add_option("--scenarios", options.scenarios, "folder of the scenario files");
   CLI11_PARSE(app, argc, argv);
