@@ -147,6 +147,8 @@ class BagParser {
     odometry_child_ = stream.child;
     std::vector<OdometrySample> samples = stream.samples;
     mend_odometry_clock(samples);
+    const Duration lag = Duration::from_seconds(options_.odometry_lag_s.value_or(0.0));
+    for (OdometrySample& sample : samples) sample.stamp = sample.stamp - lag;
     return samples;
   }
 

@@ -10,6 +10,7 @@
 #include "components/log/bag_storage.hpp"
 #include "components/log/carmen.hpp"
 #include "components/log/compression.hpp"
+#include "components/log/odometry_clock.hpp"
 #include "components/log/spooled_input.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
@@ -58,6 +59,41 @@ void cut(LogContent& content, const ReadOptions& options) {
   std::erase_if(content.odometry, [&](const OdometrySample& o) { return outside(o.stamp); });
 }
 
+LogContent read_as(const fs::path& path, LogFormat format, const ReadOptions& options,
+                   ReadReport& report) {
+  return format == LogFormat::kCarmen ? read_carmen(path, options, report)
+                                      : read_bag(path, options, report);
+}
+
+/// Every scan with the odometry of its moment, whatever the stamps say. A bag is read again with
+/// the lag that was found: its scans are joined, undistorted and judged by odometry.
+LogContent read_by_one_clock(const fs::path& path, LogFormat format, const ReadOptions& options,
+                             ReadReport& report) {
+  ReadOptions by_lag = options;
+  if (!options.odometry_lag_s) by_lag.odometry_lag_s = 0.0;
+  LogContent content = read_as(path, format, by_lag, report);
+  if (!options.use_odometry || content.observations.empty()) return content;
+  OdometryClock clock;
+  if (options.odometry_lag_s) {
+    clock.is_given = true;
+    clock.lag_s = options.odometry_lag_s;
+    if (*clock.lag_s != 0.0) clock.corrected_s = clock.lag_s;
+  } else {
+    clock = find_odometry_clock(content, report);
+    if (clock.corrected_s && format != LogFormat::kCarmen) {
+      by_lag.odometry_lag_s = clock.corrected_s;
+      report = ReadReport{};
+      content = read_as(path, format, by_lag, report);
+    }
+  }
+  if (clock.corrected_s && format == LogFormat::kCarmen) {
+    shift_scan_odometry(content, *clock.corrected_s);
+  }
+  report.clock = clock;
+  if (const std::string said = sentence_of(clock); !said.empty()) report.warnings.push_back(said);
+  return content;
+}
+
 }  // namespace
 
 LogFormat detect_format(const fs::path& path) {
@@ -94,8 +130,7 @@ LogContent read_log(const fs::path& path, const ReadOptions& options, ReadReport
   ReadReport& used = report != nullptr ? *report : own;
   used = ReadReport{};
   const LogFormat format = detect_format(path);
-  LogContent content = format == LogFormat::kCarmen ? read_carmen(path, options, used)
-                                                    : read_bag(path, options, used);
+  LogContent content = read_by_one_clock(path, format, options, used);
   used.format = format;
   const bool whole = options.from_s <= 0.0 && options.to_s > 1e300;
   if (content.observations.empty()) {

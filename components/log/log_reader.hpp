@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,17 @@ struct ReadOptions {
   /// Readings from here on say that nothing came back, whatever the log states; 0: what it states,
   /// or what the readings tell (settle_no_returns).
   double max_range_m = 0.0;
+  /// Odometry of a scan's moment has the scan's stamp plus this [s]; nothing: as the scans' turns
+  /// tell, where they do (find_odometry_clock).
+  std::optional<double> odometry_lag_s;
   Progress* progress = nullptr;
+};
+
+/// How odometry is stamped against the scans.
+struct OdometryClock {
+  std::optional<double> lag_s;        ///< positive: late; nothing: the log does not tell
+  std::optional<double> corrected_s;  ///< the lag that was taken out, if it matters
+  bool is_given = false;              ///< by ReadOptions
 };
 
 /// From where on a scanner's readings are taken for no return.
@@ -72,6 +83,7 @@ struct ReadReport {
   std::size_t scans_out_of_order = 0;           ///< came later than a younger one; sorted
   std::string scan_topic;                       ///< of a bag: what was used, "/a, /b"
   std::string odometry_source;                  ///< "scan", a topic, "tf", or "none"
+  OdometryClock clock;                          ///< of odometry against the scans
   SweepTiming sweep;                            ///< how scans of the first scanner were undistorted
   std::vector<NoReturnLimit> no_returns;        ///< one a scanner
   std::string mounting_source;  ///< "tf_static", "tf", "laser - odometry", "assumed"

@@ -153,11 +153,13 @@ void write_map_from_truth(const fs::path& dir, const Pose2& map_from_truth) {
   store.save_text(kTruthKey, json{map_from_truth.x, map_from_truth.y, map_from_truth.theta}.dump());
 }
 
-json write_summary(const fs::path& dir, const std::string& log, const JobCost& cost) {
+json write_summary(const fs::path& dir, const std::string& log, const JobCost& cost,
+                   const json& reading) {
   const memory::Store store(dir / kStoreFile, {.read_only = true, .check = false});
   json summary = part(store, kSlamKey, json::object());
   summary["kind"] = "maps";
   summary["log"] = log;
+  summary.update(reading);
   summary["submaps"] = part(store, kPatchKey, json::array());
   summary["timescale"] = part(store, kTimescaleKey, nullptr);
   const double duration_s = summary.value("duration_s", 0.0);

@@ -48,9 +48,10 @@ struct JobCost {
   double peak_rss_mb = 0.0;
 };
 /// Composes summary.json from what the parts left in strata.db, and returns it. Last step of
-/// learning.
+/// learning. reading: what else there is to say of the logs (summarize_reading).
 nlohmann::json write_summary(const std::filesystem::path& dir, const std::string& log,
-                             const JobCost& cost);
+                             const JobCost& cost,
+                             const nlohmann::json& reading = nlohmann::json::object());
 
 /// Everything that a MAPS folder holds; parts that were not learned are empty.
 struct Maps {

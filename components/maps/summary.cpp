@@ -100,4 +100,24 @@ json summarize_timescale(const memory::TimescaleMemory& memory) {
           {"bytes", memory.bytes()}};
 }
 
+json summarize_no_returns(const log::ReadReport& report) {
+  json limits = json::array();
+  for (const log::NoReturnLimit& limit : report.no_returns) {
+    json entry{{"from_m", limit.from_m}, {"why", limit.why}};
+    if (!limit.scanner.empty()) entry["scanner"] = limit.scanner;
+    limits.push_back(entry);
+  }
+  return limits;
+}
+
+json summarize_reading(std::span<const log::ReadReport> reports) {
+  json no_return = json::array();
+  json lags = json::array();
+  for (const log::ReadReport& report : reports) {
+    for (const json& limit : summarize_no_returns(report)) no_return.push_back(limit);
+    lags.push_back(report.clock.lag_s ? json(*report.clock.lag_s) : json(nullptr));
+  }
+  return {{"no_return", no_return}, {"odometry_lag_s", lags.size() == 1 ? lags[0] : lags}};
+}
+
 }  // namespace strata::maps

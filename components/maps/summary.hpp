@@ -2,8 +2,11 @@
 /// The parts of summary.json, as the contracts name them.
 #pragma once
 
+#include <span>
+
 #include <nlohmann/json.hpp>
 
+#include "components/log/log_reader.hpp"
 #include "core/patch/patch_map.hpp"
 #include "core/slam/slam.hpp"
 #include "memory/nodes/timescale_memory.hpp"
@@ -20,5 +23,13 @@ namespace strata::maps {
 
 /// The object "timescale".
 [[nodiscard]] nlohmann::json summarize_timescale(const memory::TimescaleMemory& memory);
+
+/// What was taken for no return, one entry a scanner: [{"from_m", "why", "scanner" where there are
+/// several}].
+[[nodiscard]] nlohmann::json summarize_no_returns(const log::ReadReport& report);
+
+/// What reading the logs found: {"no_return": [...], "odometry_lag_s": of the log, null where it
+/// does not tell; an array of them, one a log, where there are several}.
+[[nodiscard]] nlohmann::json summarize_reading(std::span<const log::ReadReport> reports);
 
 }  // namespace strata::maps

@@ -62,6 +62,7 @@ std::unique_ptr<Source> Player::make_source() {
   outputs.scan = advertise<sensor_msgs::msg::LaserScan>("scan", "default");
   log::ReadOptions reading;
   reading.scan_topics = config_.scan_topics;
+  reading.odometry_lag_s = 0.0;  // as the robot sent it
   log::LogContent content = log::read_log(config_.log, reading);
   log::require_ros_stamps(content.observations, {}, config_.log);
   // The log's own names, which other files of the robot, such as its URDF, have too.

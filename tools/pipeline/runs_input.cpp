@@ -104,6 +104,7 @@ Runs read_runs(const RunsInput& input, Progress* progress, int first_run) {
     options.scan_topics = input.scan_topics;
     options.cloud = input.cloud;
     options.max_range_m = input.max_range_m;
+    options.odometry_lag_s = input.odometry_lag_s;
     options.progress = progress;
     log::ReadReport report;
     std::vector<Observation> run = log::read_observations(input.logs[i], options, &report);

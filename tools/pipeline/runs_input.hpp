@@ -26,9 +26,10 @@ struct RunsInput {
   bool use_odometry = true;
   /// Topics of the robot's scanners in bags; empty: the only one, or /scan.
   std::vector<std::string> scan_topics;
-  bool needs_ros_stamps = false;  ///< the scans are to become messages
-  CloudSliceConfig cloud;         ///< how scans are made of those with point clouds
-  double max_range_m = 0.0;       ///< log::ReadOptions
+  bool needs_ros_stamps = false;         ///< the scans are to become messages
+  CloudSliceConfig cloud;                ///< how scans are made of those with point clouds
+  double max_range_m = 0.0;              ///< log::ReadOptions
+  std::optional<double> odometry_lag_s;  ///< log::ReadOptions
 };
 
 /// Observations of all runs one after the other; poses and truths have one entry an observation.

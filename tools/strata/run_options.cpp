@@ -10,6 +10,13 @@ void add_max_range(CLI::App& verb, double& max_range_m) {
       ->check(CLI::Range(0.1, 1000.0));
 }
 
+void add_odometry_lag(CLI::App& verb, std::optional<double>& lag_s) {
+  verb.add_option("--odometry-lag", lag_s,
+                  "seconds: how much later than a scan odometry of the same moment is stamped; 0 "
+                  "takes stamps as they are (else what turns tell; see `strata info`)")
+      ->check(CLI::Range(-10.0, 10.0));
+}
+
 void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
   verb.add_option("--poses", input.poses,
                   "use these poses instead of scan matching; TUM, `t x y theta ...` or a corrected "
@@ -29,6 +36,7 @@ void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
   verb.add_option("--max-height", input.cloud.max_height_m, "... and the highest")
       ->capture_default_str();
   add_max_range(verb, input.max_range_m);
+  add_odometry_lag(verb, input.odometry_lag_s);
   verb.add_flag("!--no-odometry", input.use_odometry, "leave the odometry out");
 }
 

@@ -2,6 +2,7 @@
 /// The options that verbs on recorded runs share.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,11 @@ namespace strata::tools {
 /// Adds --max-range, bound to `max_range_m`, which must outlive the app.
 void add_max_range(CLI::App& verb, double& max_range_m);
 
-/// Adds --poses, --truth, --truth-offset, --from, --to, --max-range and --no-odometry, bound to
-/// `input`, which must outlive the app.
+/// Adds --odometry-lag, bound to `lag_s`, which must outlive the app.
+void add_odometry_lag(CLI::App& verb, std::optional<double>& lag_s);
+
+/// Adds --poses, --truth, --truth-offset, --from, --to, --max-range, --odometry-lag and
+/// --no-odometry, bound to `input`, which must outlive the app.
 void add_run_options(CLI::App& verb, pipeline::RunsInput& input);
 
 /// The input with what the settings say and no option does.

@@ -174,6 +174,7 @@ void translate(const Options& options, const std::string& format, VerbContext& c
   read.to_s = options.to_s;
   read.max_range_m = options.max_range_m;
   read.undistort = false;  // the copy keeps what was recorded
+  read.odometry_lag_s = 0.0;
   read.progress = context.progress();
   log::ReadReport report;
   const log::LogContent content = log::read_log(options.in, read, &report);

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 
 #include "components/log/log_reader.hpp"
 #include "components/log/spooled_input.hpp"
+#include "components/maps/summary.hpp"
 #include "core/base/error.hpp"
 #include "core/geometry/angle.hpp"
 #include "memory/store/store_summary.hpp"
@@ -32,6 +34,7 @@ struct Options {
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
   double max_range_m = 0.0;
+  std::optional<double> odometry_lag_s;
   bool json = false;
 };
 
@@ -95,13 +98,9 @@ Json describe(const std::string& path, const log::LogContent& content,
   info["path_m"] =
       observations.front().has_odometry ? Json(path_length_m(observations)) : Json(nullptr);
   info["scans"] = describe_scans(observations, duration_s);
-  info["no_return"] = Json::array();
-  for (const log::NoReturnLimit& limit : report.no_returns) {
-    Json entry{{"from_m", limit.from_m}, {"why", limit.why}};
-    if (!limit.scanner.empty()) entry["scanner"] = limit.scanner;
-    info["no_return"].push_back(entry);
-  }
+  info["no_return"] = maps::summarize_no_returns(report);
   info["odometry"] = {{"source", report.odometry_source}, {"samples", content.odometry.size()}};
+  info["odometry_lag_s"] = report.clock.lag_s ? Json(*report.clock.lag_s) : Json(nullptr);
   info["mounting_source"] = report.mounting_source;
   info["messages"] = Json::object();
   for (const auto& [name, count] : report.messages) {
@@ -136,6 +135,10 @@ void print(const Json& info) {
   if (!info["path_m"].is_null()) {
     std::cout << "  path       " << number(info["path_m"], "%.1f m") << " by odometry ("
               << info["odometry"]["source"].get<std::string>() << ")\n";
+    if (!info["odometry_lag_s"].is_null()) {
+      std::cout << "  clock      odometry is stamped " << number(info["odometry_lag_s"], "%+.2f s")
+                << " against the scans, as turns show\n";
+    }
   } else {
     std::cout << "  path       no odometry\n";
   }
@@ -202,6 +205,7 @@ void run(const Options& options, VerbContext& context) {
   read.to_s = options.to_s;
   read.undistort = false;
   read.max_range_m = options.max_range_m;
+  read.odometry_lag_s = options.odometry_lag_s;
   read.progress = context.progress();
   log::ReadReport report;
   Json info;
@@ -231,6 +235,7 @@ void add_info(CLI::App& app, VerbContext& context) {
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
   verb->add_option("--to", options->to_s, "cut, seconds from the first scan");
   add_max_range(*verb, options->max_range_m);
+  add_odometry_lag(*verb, options->odometry_lag_s);
   verb->add_flag("--json", options->json, "as JSON on stdout");
 }
 

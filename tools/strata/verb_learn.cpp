@@ -13,6 +13,7 @@
 #include "components/log/log_config.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/maps/summary.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/cost.hpp"
@@ -160,7 +161,8 @@ void run_learn(const Options& options, VerbContext& context) {
   std::vector<std::string> logs = options.input.logs;
   if (earlier) logs.insert(logs.begin(), earlier->log);
   const nlohmann::json summary =
-      maps::write_summary(out.path(), joined(logs), {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
+      maps::write_summary(out.path(), joined(logs), {cost.wall_s, cost.cpu_s, cost.peak_rss_mb},
+                          maps::summarize_reading(runs.reports));
   out.commit();
   if (!context.options.quiet) std::cout << sentence(summary, result, options) << '\n';
 }

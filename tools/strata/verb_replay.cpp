@@ -11,6 +11,7 @@
 
 #include "components/maps/localization_files.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/maps/summary.hpp"
 #include "memory/store/store.hpp"
 #include "tools/expect/compare_results.hpp"
 #include "tools/pipeline/cost.hpp"
@@ -149,7 +150,8 @@ void replay_into(const fs::path& out, const ReplayOptions& options, VerbContext&
   std::string logs;
   for (const std::string& log : options.input.logs) logs += (logs.empty() ? "" : " ") + log;
   for (const fs::path& folder : folders_with(out, maps::kStoreFile)) {
-    maps::write_summary(folder, logs, {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
+    maps::write_summary(folder, logs, {cost.wall_s, cost.cpu_s, cost.peak_rss_mb},
+                        maps::summarize_reading(runs.reports));
   }
 }
 
