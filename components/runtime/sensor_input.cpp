@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/runtime/sensor_input.hpp"
 
+#include <cmath>
+#include <iomanip>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/log/joined_scan.hpp"
+#include "components/log/odometry_clock.hpp"
 
 namespace strata::runtime {
 namespace {
@@ -72,9 +76,32 @@ void SensorInput::add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2&
     if (!waits_ || source().odometry != &odometry) return;
     const Stamp latest = first + Duration::from_seconds(log::kMinSetBackS);
     if (queue_.size() == 0 || queue_.front().stamp() <= latest) return;
+    clock_.begin_anew();
     while (queue_.size() > 0) release();
   };
-  odometry.add({stamp, odom_from_child}, !waits_, set_back);
+  if (waits_ && source().odometry == &odometry) clock_.add({stamp, odom_from_child});
+  odometry.add({stamp - Duration::from_seconds(lag_s_), odom_from_child}, !waits_, set_back);
+}
+
+/// What the player sends in lockstep is by one clock already.
+void SensorInput::watch_clock(const Scan& scan) {
+  clock_.add(scan);
+  const std::optional<double> lag_s = clock_.lag_s();
+  if (!lag_s || std::abs(*lag_s - lag_s_) < log::kMinOdometryLagS) return;
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2) << config_.odometry_topic << ": its stamps are "
+       << std::abs(*lag_s) << " s too " << (*lag_s > 0.0 ? "late" : "early")
+       << " for the scans, as turns show";
+  if (config_.correct_odometry_lag) {
+    lag_s_ = *lag_s;
+    // What was stamped by the other clock is no neighbour of what comes.
+    topic_odometry_.begin_anew();
+    for (auto& [child, odometry] : moving_) odometry.begin_anew();
+    text << "; corrected from here on, and from the start with odometry_lag_s: " << *lag_s;
+  } else {
+    text << "; set odometry_lag_s: " << *lag_s;
+  }
+  warn(text.str());
 }
 
 void SensorInput::add(const sensor_msgs::msg::LaserScan& scan, std::size_t topic) {
@@ -88,6 +115,7 @@ void SensorInput::add(const sensor_msgs::msg::PointCloud2& cloud, std::size_t to
 void SensorInput::add_sensed(log::SensedScan sensed, std::size_t topic) {
   queue_.add(topic, std::move(sensed), [this](Stamp first) {
     while (queue_.size() > 0) release();
+    clock_.begin_anew();
     // Odometry by the old clock would answer for moments of long ago.
     const Stamp old = first + Duration::from_seconds(log::kMinSetBackS);
     if (topic_odometry_.reaches(old)) topic_odometry_.begin_anew();
@@ -191,6 +219,7 @@ void SensorInput::release() {
   }
   auto observation =
       log::join(std::move(waiting.sensed), odometry, {.reversed = is_upside_down(mounting)}, true);
+  if (waits_ && observation->has_odometry) watch_clock(observation->scan);
   ready_.push_back(std::move(*observation));
 }
 
@@ -207,6 +236,7 @@ void SensorInput::diagnose(Health& health) const {
   if (is_without_odometry_ && (from.odometry == nullptr || from.odometry->track().empty())) {
     health.warn("no odometry comes; scans go on without it");
   }
+  if (lag_s_ != 0.0) health.add("odometry's stamps are late by [s]", lag_s_);
   health.add("scans without odometry near them", passed_over_);
   health.add("scans that came too late", std::uint64_t{queue_.late()});
   health.add("transforms that are not finite", bad_transforms_);

@@ -16,6 +16,7 @@
 #include "components/log/robot_frames.hpp"
 #include "components/runtime/diagnostics.hpp"
 #include "components/runtime/live_odometry.hpp"
+#include "components/runtime/odometry_clock_watch.hpp"
 #include "components/runtime/scan_queue.hpp"
 #include "components/runtime/sensor_input_config.hpp"
 #include "core/scan/scan.hpp"
@@ -28,12 +29,17 @@ namespace strata::runtime {
 /// until odometry has reached the end of its sweep, its mounting is known, and no other scanner is
 /// expected to send an older one; when too many wait, the oldest goes on without. A mounting, or
 /// odometry, that nobody has published is waited for longer (first_wait_s), then told once and
-/// waited for no more.
+/// waited for no more. Odometry stamped late or early against the scans (odometry_lag_s) is noticed
+/// by their turns, told, and corrected from then on.
 class SensorInput {
  public:
   /// waits: false in lockstep, where everything that belongs to a scan came before it.
   SensorInput(SensorInputConfig config, bool waits)
-      : config_(std::move(config)), waits_(waits), frames_(config_.robot_frame), queue_(waits) {}
+      : config_(std::move(config)),
+        waits_(waits),
+        frames_(config_.robot_frame),
+        queue_(waits),
+        lag_s_(config_.odometry_lag_s) {}
 
   /// /tf_static. Transforms that are not finite are told and passed over.
   void add(const tf2_msgs::msg::TFMessage& transforms);
@@ -72,6 +78,7 @@ class SensorInput {
   [[nodiscard]] bool has_waited_long(const WaitingScan& oldest) const;
   void give_up(const WaitingScan& waiting);
   void release();
+  void watch_clock(const Scan& scan);
 
   SensorInputConfig config_;
   bool waits_;
@@ -81,8 +88,10 @@ class SensorInput {
   std::string topic_child_;
   LiveOdometry topic_odometry_;
   std::map<std::string, LiveOdometry> moving_;  ///< from /tf, by child of the odometry frame
-  bool is_without_odometry_ = false;            ///< nobody published any when it was due
-  std::set<std::string> assumed_;               ///< frames without a mounting when it was due
+  double lag_s_ = 0.0;                          ///< taken off odometry's stamps
+  OdometryClockWatch clock_;
+  bool is_without_odometry_ = false;  ///< nobody published any when it was due
+  std::set<std::string> assumed_;     ///< frames without a mounting when it was due
   std::vector<Observation> ready_;
   std::set<std::string> told_;
   std::vector<std::string> warnings_;

@@ -20,6 +20,8 @@ struct SensorInputConfig {
   std::string robot_frame = "base_link";
   bool use_odometry = true;
   double max_odometry_gap_s = 1.0;
+  double odometry_lag_s = 0.0;
+  bool correct_odometry_lag = true;
   int max_waiting_scans = 20;
   double first_wait_s = 5.0;
   template <class Self, class V>
@@ -56,6 +58,18 @@ struct SensorInputConfig {
                     "readers do it",
              .unit = "s",
              .min = 0.0});
+    v.field(
+        "odometry_lag_s", c.odometry_lag_s,
+        {.doc = "how much later than a scan odometry of the same moment is stamped; it is taken "
+                "off odometry's stamps",
+         .unit = "s",
+         .min = -10.0,
+         .max = 10.0,
+         .when = "`strata info` of a recording, or this component's diagnostics, tell of one"});
+    v.field(
+        "correct_odometry_lag", c.correct_odometry_lag,
+        {.doc = "live: another lag that turns of the robot show twice is taken off instead, and "
+                "told; false: told only"});
     v.renamed("most_waiting_scans", "max_waiting_scans");
     v.field("max_waiting_scans", c.max_waiting_scans,
             {.doc = "a scan waits for odometry, mounting and older scans of other scanners until "
