@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iomanip>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include "core/grid/map_sharpness.hpp"
@@ -43,6 +45,22 @@ RunExtent extent_of(const std::vector<PosedScan>& scans) {
   return extent;
 }
 
+json summarize(const slam::Consistency& consistency) {
+  json places = json::array();
+  for (const slam::ComparedStretches& place : consistency.places) {
+    std::ostringstream why;
+    why << std::fixed << std::setprecision(1) << "seen at " << place.first.seconds() << " s of run "
+        << place.first_run << " and at " << place.second.seconds() << " s of run "
+        << place.second_run << ": " << std::setprecision(0) << 100.0 * place.share
+        << "% of the surfaces that one saw are free by the other";
+    places.push_back({{"x", place.x_m}, {"y", place.y_m}, {"why", why.str()}});
+  }
+  return {{"consistent", consistency.consistent},
+          {"compared", consistency.compared},
+          {"contradicting", consistency.contradicting},
+          {"places", places}};
+}
+
 }  // namespace
 
 json summarize_slam(const slam::SlamResult& result) {
@@ -53,6 +71,7 @@ json summarize_slam(const slam::SlamResult& result) {
           {"duration_s", extent.duration_s},
           {"path_m", extent.path_m},
           {"runs", extent.runs},
+          {"consistency", summarize(result.consistency)},
           {"sharpness",
            {{"entropy_bits", sharpness.entropy_bits},
             {"wall_thickness_m", sharpness.wall_thickness_m}}},

@@ -17,6 +17,7 @@
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/scan/scan.hpp"
+#include "core/slam/consistency.hpp"
 #include "core/slam/keep_config.hpp"
 #include "core/slam/slam_config.hpp"
 
@@ -54,6 +55,7 @@ struct SlamResult {
   std::vector<int> unplaced_runs;
   /// What was skipped, not believed or ambiguous, one sentence each; empty for a healthy log.
   std::vector<std::string> warnings;
+  Consistency consistency;  ///< of what was seen on different ways
 };
 
 /// Incremental SLAM with an explicit finish: `add` tracks and closes loops, `finish` does what
@@ -81,7 +83,9 @@ class Slam {
   void add_placed(const PosedScan& posed);
 
   /// Ends the last run and makes the maps, of the scans that were kept. Once some were forgotten
-  /// the rest is not tracked again, whatever em.track_again says. Call once. Throws Cancelled.
+  /// the rest is not tracked again, whatever em.track_again says; nor does tracking again replace
+  /// what was before where its passes contradict each other and no less. A map whose passes
+  /// contradict each other (Consistency) is warned of. Call once. Throws Cancelled.
   [[nodiscard]] SlamResult finish(Progress* progress = nullptr);
 
   /// The run that comes next begins there, unless it comes with poses: it is not looked for in the
@@ -125,6 +129,7 @@ class Slam {
 
  private:
   struct State;
+  [[nodiscard]] SlamResult finish_passes(Progress* progress);
   std::unique_ptr<State> state_;
 };
 

@@ -2,7 +2,11 @@
 // The end of a log: what needs all its data.
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/slam/em_loop.hpp"
 #include "core/slam/slam_state.hpp"
@@ -15,6 +19,9 @@ constexpr double kWorthTrackingAgain = 0.003;
 
 /// Rounds of EM before that: enough to tell which beams are dynamic.
 constexpr int kRoundsBefore = 3;
+
+/// Contradictions of a later pass, against those of an earlier one, that it has to be below.
+constexpr double kClearlyLess = 0.7;
 
 }  // namespace
 
@@ -106,7 +113,46 @@ void Slam::State::track_again(SlamResult& before, State& again) {
   }
 }
 
+namespace {
+
+/// Poses of a pass that another one may not replace.
+struct EarlierPass {
+  std::vector<Pose2> poses;
+  std::vector<bool> mapped;
+  std::vector<bool> moves;
+  Consistency consistency;
+  std::size_t loop_closures = 0;
+  std::vector<std::string> warnings;
+
+  /// Tracking again has to make the map consistent, or at least much more so.
+  [[nodiscard]] bool is_preferred_to(const Consistency& now) const {
+    return !now.consistent && static_cast<double>(now.contradicting) >
+                                  kClearlyLess * static_cast<double>(consistency.contradicting);
+  }
+};
+
+std::string inconsistent(const Consistency& consistency) {
+  const ComparedStretches& worst = consistency.places.front();
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(0) << "the map contradicts itself at "
+       << consistency.places.size() << (consistency.places.size() == 1 ? " place" : " places")
+       << ", most near (" << std::setprecision(1) << worst.x_m << ", " << worst.y_m
+       << "): " << std::setprecision(0) << 100.0 * worst.share
+       << "% of the surfaces that one of two ways there saw are free by the other; it is folded or "
+          "bent there, and not to be trusted";
+  return text.str();
+}
+
+}  // namespace
+
 SlamResult Slam::finish(Progress* progress) {
+  SlamResult result = finish_passes(progress);
+  result.consistency = check_consistency(result.scans, state_->pool);
+  if (!result.consistency.consistent) result.warnings.push_back(inconsistent(result.consistency));
+  return result;
+}
+
+SlamResult Slam::finish_passes(Progress* progress) {
   const EmConfig& em = state_->config.em;
   if (!em.track_again || state_->forgot) return state_->finish(em.max_iterations, progress);
   SlamResult result = state_->finish(kRoundsBefore, progress);
@@ -122,10 +168,31 @@ SlamResult Slam::finish(Progress* progress) {
     result.log_likelihood = std::move(trace);
     return result;
   }
+  EarlierPass before;
+  before.consistency = check_consistency(result.scans, state_->pool);
+  before.mapped = state_->mapped;
+  before.moves = state_->moves;
+  before.loop_closures = result.loop_closures;
+  before.warnings = result.warnings;
+  for (const PosedScan& scan : result.scans) before.poses.push_back(scan.map_from_robot);
   auto again = std::make_unique<State>(state_->config, state_->pool.threads(), KeepConfig{});
   state_->track_again(result, *again);
   state_ = std::move(again);
-  return state_->finish(state_->config.em.max_iterations, progress);
+  result = state_->finish(state_->config.em.max_iterations, progress);
+  const bool same_scans = result.scans.size() == before.poses.size();
+  if (!same_scans || !before.is_preferred_to(check_consistency(result.scans, state_->pool))) {
+    return result;
+  }
+  for (std::size_t i = 0; i < before.poses.size(); ++i) {
+    result.scans[i].map_from_robot = before.poses[i];
+    result.scans[i].static_probability.clear();
+  }
+  state_->mapped = before.mapped;
+  state_->moves = before.moves;
+  result.loop_closures = before.loop_closures;
+  result.warnings = before.warnings;
+  state_->improve(result, state_->config.em.max_iterations, progress);
+  return result;
 }
 
 }  // namespace strata::slam
