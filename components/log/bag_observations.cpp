@@ -182,6 +182,7 @@ class BagParser {
         if (framed.frame == frame) scans.push_back(std::move(framed));
       }
       if (scanners_ == 0) content.scan_frame = frame;
+      report_.scanners.push_back({topic, {}});
       add_observations(std::move(scans), find_mounting(frame), where, track, content);
       ++scanners_;
     }
@@ -192,6 +193,7 @@ class BagParser {
     for (SensedScan& framed : scans) {
       if (!framed.is_cloud) mount(framed, mounting, options_.cloud);
     }
+    report_.scanners.back().robot_from_laser = scans.front().scan.robot_from_laser;
     std::stable_sort(scans.begin(), scans.end(),
                      [](const auto& a, const auto& b) { return a.scan.stamp < b.scan.stamp; });
     note_equal_stamps(

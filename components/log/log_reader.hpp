@@ -70,6 +70,12 @@ struct NoReturnLimit {
   std::string why;
 };
 
+/// A scanner of a bag that gave observations.
+struct ReadScanner {
+  std::string topic;
+  Pose2 robot_from_laser;  ///< as in its scans
+};
+
 /// What reading met. Nothing is skipped without being counted here.
 struct ReadReport {
   LogFormat format = LogFormat::kCarmen;
@@ -82,6 +88,7 @@ struct ReadReport {
   std::size_t scans_without_odometry = 0;       ///< skipped: odometry exists but not at that time
   std::size_t scans_out_of_order = 0;           ///< came later than a younger one; sorted
   std::string scan_topic;                       ///< of a bag: what was used, "/a, /b"
+  std::vector<ReadScanner> scanners;            ///< of a bag, as they were named
   std::string odometry_source;                  ///< "scan", a topic, "tf", or "none"
   OdometryClock clock;                          ///< of odometry against the scans
   SweepTiming sweep;                            ///< how scans of the first scanner were undistorted

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/strata/run_options.hpp"
 
+#include "components/log/log_reader.hpp"
+#include "core/base/error.hpp"
+
 namespace strata::tools {
 
 void add_max_range(CLI::App& verb, double& max_range_m) {
@@ -17,6 +20,23 @@ void add_odometry_lag(CLI::App& verb, std::optional<double>& lag_s) {
       ->check(CLI::Range(-10.0, 10.0));
 }
 
+void add_scan_topics(CLI::App& verb, std::vector<std::string>& topics, CloudSliceConfig& cloud) {
+  verb.add_option(
+          "--scan-topic", topics,
+          "of a bag: the topic to use, once for each scanner, LaserScan or PointCloud2; else "
+          "the only one, or /scan")
+      ->allow_extra_args(false);
+  verb.add_option("--min-height", cloud.min_height_m,
+                  "metres above the robot's frame: lowest point of a cloud that makes a scan")
+      ->capture_default_str();
+  verb.add_option("--max-height", cloud.max_height_m, "... and the highest")->capture_default_str();
+}
+
+void require_bag_for(const std::vector<std::string>& topics, const std::string& log) {
+  if (topics.empty() || log::detect_format(log) != log::LogFormat::kCarmen) return;
+  throw InputError("--scan-topic", "is for bags, and " + log + " is a CARMEN log", "leave it out");
+}
+
 void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
   verb.add_option("--poses", input.poses,
                   "use these poses instead of scan matching; TUM, `t x y theta ...` or a corrected "
@@ -25,16 +45,7 @@ void add_run_options(CLI::App& verb, pipeline::RunsInput& input) {
   verb.add_option("--truth-offset", input.truth_offset_s, "seconds to add to the truth's stamps");
   verb.add_option("--from", input.from_s, "seconds from the start of each log");
   verb.add_option("--to", input.to_s, "seconds from the start of each log");
-  verb.add_option(
-          "--scan-topic", input.scan_topics,
-          "of a bag: the topic to use, once for each scanner, LaserScan or PointCloud2; else "
-          "the only one, or /scan")
-      ->allow_extra_args(false);
-  verb.add_option("--min-height", input.cloud.min_height_m,
-                  "metres above the robot's frame: lowest point of a cloud that makes a scan")
-      ->capture_default_str();
-  verb.add_option("--max-height", input.cloud.max_height_m, "... and the highest")
-      ->capture_default_str();
+  add_scan_topics(verb, input.scan_topics, input.cloud);
   add_max_range(verb, input.max_range_m);
   add_odometry_lag(verb, input.odometry_lag_s);
   verb.add_flag("!--no-odometry", input.use_odometry, "leave the odometry out");

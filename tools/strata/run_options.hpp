@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "components/log/log_config.hpp"
+#include "core/scan/cloud_slice.hpp"
 #include "tools/pipeline/runs_input.hpp"
 #include "tools/strata/verb_context.hpp"
 
@@ -20,8 +21,15 @@ void add_max_range(CLI::App& verb, double& max_range_m);
 /// Adds --odometry-lag, bound to `lag_s`, which must outlive the app.
 void add_odometry_lag(CLI::App& verb, std::optional<double>& lag_s);
 
-/// Adds --poses, --truth, --truth-offset, --from, --to, --max-range, --odometry-lag and
-/// --no-odometry, bound to `input`, which must outlive the app.
+/// Adds --scan-topic, --min-height and --max-height, bound to `topics` and `cloud`, which must
+/// outlive the app.
+void add_scan_topics(CLI::App& verb, std::vector<std::string>& topics, CloudSliceConfig& cloud);
+
+/// Throws InputError where topics are named for a log that is no bag.
+void require_bag_for(const std::vector<std::string>& topics, const std::string& log);
+
+/// Adds --poses, --truth, --truth-offset, --from, --to, --scan-topic with the heights of clouds,
+/// --max-range, --odometry-lag and --no-odometry, bound to `input`, which must outlive the app.
 void add_run_options(CLI::App& verb, pipeline::RunsInput& input);
 
 /// The input with what the settings say and no option does.

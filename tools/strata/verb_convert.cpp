@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata convert IN OUT`: CARMEN, rosbag2 SQLite and MCAP into each other.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -36,6 +37,8 @@ struct Options {
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
   double max_range_m = 0.0;
+  std::vector<std::string> scan_topics;
+  CloudSliceConfig cloud;
 };
 
 /// By --to, else by OUT's ending.
@@ -156,8 +159,11 @@ std::string left_out(const log::ReadReport& report) {
   std::string text;
   for (const auto& [name, count] : report.messages) {
     const auto type = report.types.find(name);
+    const bool is_scanner =
+        std::any_of(report.scanners.begin(), report.scanners.end(),
+                    [&, &topic = name](const auto& scanner) { return scanner.topic == topic; });
     const bool carried = type != report.types.end()
-                             ? name == report.scan_topic || name == report.odometry_source ||
+                             ? is_scanner || name == report.odometry_source ||
                                    type->second == "tf2_msgs/msg/TFMessage"
                              : name == "FLASER" || name == "ROBOTLASER1" || name == "ODOM";
     if (carried) continue;
@@ -167,18 +173,32 @@ std::string left_out(const log::ReadReport& report) {
   return text;
 }
 
+/// Throws InputError where scanners sit at several places: CARMEN's lines tell no two apart.
+void require_one_scanner(const Options& options, const log::LogContent& content) {
+  const Pose2& first = content.observations.front().scan.robot_from_laser;
+  for (const Observation& observation : content.observations) {
+    if (observation.scan.robot_from_laser == first) continue;
+    throw InputError(options.in, "has several scanners, and a CARMEN log holds one",
+                     "name one with --scan-topic, or write a bag");
+  }
+}
+
 /// Through scans and odometry, where one side is CARMEN.
 void translate(const Options& options, const std::string& format, VerbContext& context) {
   log::ReadOptions read;
   read.from_s = options.from_s;
   read.to_s = options.to_s;
   read.max_range_m = options.max_range_m;
+  read.scan_topics = options.scan_topics;
+  read.cloud = options.cloud;
   read.undistort = false;  // the copy keeps what was recorded
   read.odometry_lag_s = 0.0;
   read.progress = context.progress();
   log::ReadReport report;
   const log::LogContent content = log::read_log(options.in, read, &report);
-  if (format != "carmen") {
+  if (format == "carmen") {
+    require_one_scanner(options, content);
+  } else {
     log::require_ros_stamps(content.observations, content.odometry, options.in);
   }
   for (const std::string& warning : report.warnings) context.note("note: " + warning);
@@ -225,6 +245,11 @@ void run(Options& options, VerbContext& context) {
     throw InputError("--compression-mode", "is for bags, and CARMEN logs are text",
                      "leave it out, or write a bag");
   }
+  require_bag_for(options.scan_topics, options.in);
+  if (!options.scan_topics.empty() && format != "carmen") {
+    throw InputError("--scan-topic", "is for CARMEN logs, and a bag keeps every topic",
+                     "leave it out");
+  }
   const std::string ending = fs::path(options.out).extension().string();
   require_writable(options.out, format == "carmen" || ending == ".db3" || ending == ".mcap");
   const bool from_bag = log::detect_format(options.in) != log::LogFormat::kCarmen;
@@ -263,6 +288,7 @@ void add_convert(CLI::App& app, VerbContext& context) {
       ->check(CLI::IsMember({3, 4}))
       ->capture_default_str();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
+  add_scan_topics(*verb, options->scan_topics, options->cloud);
   add_max_range(*verb, options->max_range_m);
 }
 

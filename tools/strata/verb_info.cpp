@@ -2,7 +2,6 @@
 /// `strata info LOG`: what is in a log.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -16,10 +15,10 @@
 #include "components/log/spooled_input.hpp"
 #include "components/maps/summary.hpp"
 #include "core/base/error.hpp"
-#include "core/geometry/angle.hpp"
 #include "memory/store/store_summary.hpp"
 #include "tools/strata/info_bag.hpp"
 #include "tools/strata/info_folder.hpp"
+#include "tools/strata/info_scans.hpp"
 #include "tools/strata/info_store.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
@@ -35,6 +34,8 @@ struct Options {
   double to_s = std::numeric_limits<double>::infinity();
   double max_range_m = 0.0;
   std::optional<double> odometry_lag_s;
+  std::vector<std::string> scan_topics;
+  CloudSliceConfig cloud;
   bool json = false;
 };
 
@@ -45,41 +46,6 @@ double path_length_m(const std::vector<Observation>& observations) {
         translation_distance(observations[i - 1].odom_from_robot, observations[i].odom_from_robot);
   }
   return length_m;
-}
-
-Json describe_scans(const std::vector<Observation>& observations, double duration_s) {
-  const Scan& first = observations.front().scan;
-  std::size_t least = first.size();
-  std::size_t most = first.size();
-  BeamCounts beams;
-  for (const Observation& observation : observations) {
-    least = std::min(least, observation.scan.size());
-    most = std::max(most, observation.scan.size());
-    const BeamCounts counts = count_beams(observation.scan);
-    beams.hits += counts.hits;
-    beams.no_returns += counts.no_returns;
-    beams.too_close += counts.too_close;
-    beams.invalid += counts.invalid;
-  }
-  const auto intervals = static_cast<double>(observations.size() - 1);
-  Json scans;
-  scans["count"] = observations.size();
-  scans["rate_hz"] = duration_s > 0.0 ? Json(intervals / duration_s) : Json(nullptr);
-  scans["beams"] = most;
-  scans["beams_min"] = least;
-  scans["angle_min_deg"] = radians_to_degrees(static_cast<double>(first.angle_min_rad));
-  scans["angle_step_deg"] = radians_to_degrees(static_cast<double>(first.angle_increment_rad));
-  scans["field_of_view_deg"] = radians_to_degrees(static_cast<double>(first.angle_increment_rad) *
-                                                  static_cast<double>(first.size()));
-  scans["range_min_m"] = first.range_min_m;
-  scans["range_max_m"] = first.range_max_m;
-  const Pose2& mounting = first.robot_from_laser;
-  scans["mounting"] = {mounting.x, mounting.y, mounting.theta};
-  scans["hits"] = beams.hits;
-  scans["no_returns"] = beams.no_returns;
-  scans["too_close"] = beams.too_close;
-  scans["invalid"] = beams.invalid;
-  return scans;
 }
 
 Json describe(const std::string& path, const log::LogContent& content,
@@ -98,6 +64,12 @@ Json describe(const std::string& path, const log::LogContent& content,
   info["path_m"] =
       observations.front().has_odometry ? Json(path_length_m(observations)) : Json(nullptr);
   info["scans"] = describe_scans(observations, duration_s);
+  const std::vector<ScannerOfLog> scanners = scanners_of(observations, report.scanners);
+  for (const ScannerOfLog& scanner : scanners) {
+    Json entry{{"topic", scanner.topic}};
+    entry.update(describe_scans(scanner.observations, duration_s));
+    info["scanners"].push_back(entry);
+  }
   info["no_return"] = maps::summarize_no_returns(report);
   info["odometry"] = {{"source", report.odometry_source}, {"samples", content.odometry.size()}};
   info["odometry_lag_s"] = report.clock.lag_s ? Json(*report.clock.lag_s) : Json(nullptr);
@@ -120,12 +92,6 @@ Json describe(const std::string& path, const log::LogContent& content,
   return info;
 }
 
-std::string number(double value, const char* format) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 void print(const Json& info) {
   const Json& scans = info["scans"];
   std::cout << info["log"].get<std::string>() << ": " << info["format"].get<std::string>();
@@ -144,11 +110,12 @@ void print(const Json& info) {
   }
   std::cout << "  scans      " << scans["count"];
   if (!scans["rate_hz"].is_null()) std::cout << ", " << number(scans["rate_hz"], "%.2f Hz");
-  std::cout << "\n  beams      " << scans["beams"] << " over "
-            << number(scans["field_of_view_deg"], "%.1f deg") << " from "
-            << number(scans["angle_min_deg"], "%.2f deg") << ", "
-            << number(scans["range_min_m"], "%.2f") << " to "
-            << number(scans["range_max_m"], "%.2f m") << "\n";
+  std::cout << "\n";
+  if (info.contains("scanners")) {
+    for (const Json& scanner : info["scanners"]) print_scanner(scanner);
+  } else {
+    std::cout << "  beams      " << beams_of(scans) << "\n";
+  }
   std::cout << "  readings   " << scans["hits"] << " hits, " << scans["no_returns"]
             << " without return, " << scans["too_close"] << " too close, " << scans["invalid"]
             << " invalid\n";
@@ -158,10 +125,9 @@ void print(const Json& info) {
               << number(limit["from_m"], "%.2f m") << " on: " << limit["why"].get<std::string>()
               << "\n";
   }
-  const Json& mounting = scans["mounting"];
-  std::cout << "  mounting   " << number(mounting[0], "%.3f m, ") << number(mounting[1], "%.3f m, ")
-            << number(mounting[2], "%.4f rad") << " (" << info["mounting_source"].get<std::string>()
-            << ")\n";
+  std::cout << "  mounting   ";
+  if (!info.contains("scanners")) std::cout << mounting_of(scans) << " ";
+  std::cout << "(" << info["mounting_source"].get<std::string>() << ")\n";
   std::cout << "  messages\n";
   for (const auto& [name, entry] : info["messages"].items()) {
     std::cout << "    " << name << " " << entry["count"];
@@ -187,7 +153,8 @@ void print(const Json& info) {
 /// A bag without scans, or with several topics of them, is told by its topics all the same.
 bool told_as_bag(const Options& options, const InputError& why) {
   const log::LogFormat format = log::detect_format(options.log);
-  const bool is_whole = options.from_s <= 0.0 && std::isinf(options.to_s);
+  const bool is_whole =
+      options.from_s <= 0.0 && std::isinf(options.to_s) && options.scan_topics.empty();
   if (format == log::LogFormat::kCarmen || !is_whole) return false;
   try {
     return print_bag(options.log, log::format_name(format), why.what(), options.json);
@@ -200,7 +167,10 @@ void run(const Options& options, VerbContext& context) {
   if (memory::is_store(log::readable_path(options.log)))
     return print_store(options.log, options.json);
   if (is_result_folder(options.log)) return print_folder(options.log, options.json);
+  require_bag_for(options.scan_topics, options.log);
   log::ReadOptions read;
+  read.scan_topics = options.scan_topics;
+  read.cloud = options.cloud;
   read.from_s = options.from_s;
   read.to_s = options.to_s;
   read.undistort = false;
@@ -234,6 +204,7 @@ void add_info(CLI::App& app, VerbContext& context) {
       ->required();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
   verb->add_option("--to", options->to_s, "cut, seconds from the first scan");
+  add_scan_topics(*verb, options->scan_topics, options->cloud);
   add_max_range(*verb, options->max_range_m);
   add_odometry_lag(*verb, options->odometry_lag_s);
   verb->add_flag("--json", options->json, "as JSON on stdout");
