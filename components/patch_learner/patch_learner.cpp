@@ -24,17 +24,6 @@ bool is_same(const ReflectionGrid& a, const ReflectionGrid& b) {
          std::memcmp(a.values().data(), b.values().data(), a.size() * sizeof(float)) == 0;
 }
 
-/// A broken trajectory must not spread scans over a whole town, which takes all memory.
-bool is_near(const Pose2& pose, const ReflectionGrid& map) {
-  const auto is_between = [&](double value_m, int min, int max) {
-    constexpr double kFar_m = runtime::PoseWatch::kFar_m;
-    return value_m > min * map.resolution_m() - kFar_m &&
-           value_m < max * map.resolution_m() + kFar_m;
-  };
-  const CellRect& rect = map.rect();
-  return is_between(pose.x, rect.min.x, rect.max.x) && is_between(pose.y, rect.min.y, rect.max.y);
-}
-
 /// Less of the walls that were learned on are not gone, but in another frame.
 constexpr double kMinShared = 0.5;
 
@@ -79,14 +68,21 @@ void PatchLearner::on_base(ReflectionGrid filtered) {
     begin_online(*filtered_);
   } catch (...) {  // half of it must neither learn nor be written
     online_.reset();
+    relearner_.reset();
     store_.reset();
     throw;
   }
 }
 
+void PatchLearner::make_online(const ReflectionGrid& base) {
+  online_ = std::make_unique<patch::OnlinePatchLearner>(config_.patch, config_.online.learner, base,
+                                                        context().threads);
+}
+
 void PatchLearner::begin_online(const ReflectionGrid& base) {
   const OnlineLearningConfig& online = config_.online;
-  online_.emplace(config_.patch, online.learner, base, context().threads);
+  make_online(base);
+  relearner_.emplace(config_.patch, online.learner, context().threads);
   const bool keeps = !lockstep() && !online.store.folder.empty() && !context().dry_run;
   if (keeps) store_.emplace(online.store.folder, online.store.state_period_s);
   bool is_stored = store_ && store_->has_state();
@@ -109,7 +105,7 @@ void PatchLearner::begin_online(const ReflectionGrid& base) {
 
 bool PatchLearner::restore(const ReflectionGrid& base) {
   if (!restored(store_->state_file(), [&] { store_->restore_state(*online_); })) {
-    online_.emplace(config_.patch, config_.online.learner, base, context().threads);
+    make_online(base);
     return false;
   }
   if (!config_.online.maps.empty() && !is_same(online_->base(), base)) {
@@ -130,7 +126,7 @@ void PatchLearner::set_other_map_aside(const ReflectionGrid& base) {
                   "was set aside as '" +
                       aside + "', and is gone on without",
                   "keep the stores of a scan matcher and of who learns in its map together"));
-  online_.emplace(config_.patch, config_.online.learner, base, context().threads);
+  make_online(base);
 }
 
 void PatchLearner::add_stored_scans(bool is_restored) {
@@ -175,27 +171,6 @@ void PatchLearner::learn_online(PosedScan scan) {
   publish_if_due();
 }
 
-void PatchLearner::on_trajectory(const nav_msgs::msg::Path& message) {
-  known_poses_.emplace(message);
-  if (online_) move_scans();
-}
-
-void PatchLearner::move_scans() {
-  const Clock::time_point begin = Clock::now();
-  if (!known_poses_ || begin < may_move_) return;
-  const bool have_moved = online_->move_scans([this](const PosedScan& scan) {
-    const std::optional<Pose2> pose = known_poses_->at(scan.scan.stamp);
-    return pose && is_near(*pose, *filtered_) ? pose : std::nullopt;
-  });
-  known_poses_.reset();
-  may_move_ = runtime::next_turn(begin);
-  if (!have_moved) return;
-  ++moves_;
-  has_news_ = true;
-  if (store_) guarded([this] { store_->begin(*online_); });
-  publish_if_due();
-}
-
 void PatchLearner::publish_if_due() {
   const Clock::time_point begin = Clock::now();
   if (!has_news_ || (!lockstep() && begin < may_publish_)) return;
@@ -231,6 +206,7 @@ void PatchLearner::on_diagnose(runtime::Health& health) const {
              static_cast<std::uint64_t>(status.forgotten_configurations));
   health.add("bytes", static_cast<std::uint64_t>(status.bytes));
   health.add("times that loop closures moved scans", moves_);
+  if (relearner_ && relearner_->is_busy()) health.add("learns again", "from scans that moved");
 }
 
 void PatchLearner::on_finish(const std::filesystem::path& out_dir) {
@@ -246,7 +222,7 @@ void PatchLearner::on_finish(const std::filesystem::path& out_dir) {
 
 void PatchLearner::on_tick() {
   if (online_) {
-    move_scans();
+    guarded([this] { move_scans(); });
     publish_if_due();
   }
   const std::chrono::duration<double> since = std::chrono::steady_clock::now() - flushed_;
@@ -263,10 +239,12 @@ void PatchLearner::on_cleanup() {
   store_.reset();
   learner_.reset();
   filtered_.reset();
+  relearner_.reset();
   online_.reset();
   poses_ = {};
   published_.reset();
   known_poses_.reset();
+  has_known_poses_ = false;
   early_.clear();
   may_move_ = {};
   may_publish_ = {};

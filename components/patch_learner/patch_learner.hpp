@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "components/patch_learner/config.hpp"
 #include "components/patch_learner/known_poses.hpp"
 #include "components/patch_learner/learner_store.hpp"
+#include "components/patch_learner/relearner.hpp"
 #include "components/runtime/component.hpp"
 #include "components/runtime/pose_watch.hpp"
 #include "core/patch/online_learner.hpp"
@@ -20,8 +22,8 @@ namespace strata::patch_learner {
 
 /// In: reflection_filtered, and mapped_scan (lockstep) or online.scan_topic (live). Out: patch_map;
 /// at the end of a log the patch map in MAPS. Online (live, or with online.maps) it publishes each
-/// changed map, moves scans to where a trajectory has them after a loop closure, and goes on after
-/// a finish.
+/// changed map, learns again where a trajectory has the scans after a loop closure (on a thread of
+/// its own, going on with what it has until that is done), and goes on after a finish.
 class PatchLearner final : public runtime::Component {
  public:
   using Component::Component;
@@ -37,6 +39,7 @@ class PatchLearner final : public runtime::Component {
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_scan(const strata_msgs::msg::LabeledScan& message);
   void on_base(ReflectionGrid filtered);
+  void make_online(const ReflectionGrid& base);
   /// Makes the online learner, with what is stored or what its maps were learned from.
   void begin_online(const ReflectionGrid& base);
   /// Of the stored state; false when that was damaged and is set aside.
@@ -47,15 +50,21 @@ class PatchLearner final : public runtime::Component {
   void add_stored_scans(bool is_restored);
   void learn_online(PosedScan scan);
   void on_trajectory(const nav_msgs::msg::Path& message);
-  /// Unless that was done a moment ago: it takes long.
+  /// Where the newest trajectory has the scan, if that is near the map.
+  [[nodiscard]] std::optional<Pose2> known_pose(const PosedScan& scan) const;
+  /// Begins to learn again from scans that have moved, unless that was done a moment ago.
   void move_scans();
+  /// Goes on with what was learned again, when that is done.
+  void take_relearned();
+  void have_moved();
   /// The map, when it has changed.
   void publish_if_due();
 
   PatchLearnerComponentConfig config_;
   std::optional<patch::PatchLearner> learner_;
   std::optional<ReflectionGrid> filtered_;
-  std::optional<patch::OnlinePatchLearner> online_;
+  std::unique_ptr<patch::OnlinePatchLearner> online_;
+  std::optional<Relearner> relearner_;
   std::optional<LearnerStore> store_;
   std::chrono::steady_clock::time_point flushed_;
   runtime::PoseWatch poses_;
@@ -66,7 +75,9 @@ class PatchLearner final : public runtime::Component {
   std::deque<PosedScan> early_;  // came before there was a map to learn on
   std::uint64_t scans_without_map_ = 0;
   Stamp newest_;
-  std::optional<KnownPoses> known_poses_;  // that scans have not been moved to yet
+  std::optional<KnownPoses> known_poses_;  // of the newest trajectory
+  bool has_known_poses_ = false;           // that scans have not been moved to yet
+  Clock::time_point relearned_;            // when that began
   Clock::time_point may_move_;
   std::uint64_t moves_ = 0;
   bool has_news_ = false;  // changed and not published yet

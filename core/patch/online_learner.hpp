@@ -94,11 +94,18 @@ class OnlinePatchLearner {
   /// Where a scan is now known to have been taken; nothing: not known, it goes along with the scan
   /// before it in its run.
   using PoseOf = std::function<std::optional<Pose2>(const PosedScan&)>;
+  /// The scans that are kept, where they are now known to have been taken; nothing when none moved
+  /// by half a cell or more. O(scans).
+  [[nodiscard]] std::optional<std::vector<PosedScan>> moved_scans(const PoseOf& pose_of) const;
   /// A loop closure moved scans: all of them are counted anew where they were taken, and the map is
   /// that of a learner that was given these poses at once. Where scans are forgotten already, only
   /// what comes later is better: those that are kept are moved, and what was counted stays.
   /// False, and nothing is done, when none moved by half a cell or more. O(add of each kept scan).
   bool move_scans(const PoseOf& pose_of);
+  /// Adds the scans that `other` has been given since this one: it was given the same ones before,
+  /// at other poses. False, and nothing is done, where `other` has forgotten some of those. O(add
+  /// of each).
+  bool catch_up_with(const OnlinePatchLearner& other, const PoseOf& pose_of);
   /// The map as of now: sub-maps with at least two configurations, over the base as it was given
   /// and, with extend_base, what the scans add to it. O(its cells).
   [[nodiscard]] PatchMap map() const;
@@ -108,6 +115,8 @@ class OnlinePatchLearner {
 
   [[nodiscard]] const OnlineStatus& status() const { return status_; }
   [[nodiscard]] const ReflectionGrid& base() const { return base_; }
+  /// Whether some scan is forgotten, so that what it said cannot be learned again.
+  [[nodiscard]] bool has_forgotten() const { return first_scan_ > 0; }
   /// Of the last scan added; 0 before the first.
   [[nodiscard]] int last_run() const { return last_run_; }
 
@@ -141,6 +150,7 @@ class OnlinePatchLearner {
 
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive);
+  [[nodiscard]] std::vector<Pose2> poses_by(const PoseOf& pose_of) const;
   /// As it was made, but for the base.
   void begin_again();
   /// Whether what was restored fits together.

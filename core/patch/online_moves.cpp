@@ -27,10 +27,9 @@ void OnlinePatchLearner::begin_again() {
   status_ = {};
 }
 
-bool OnlinePatchLearner::move_scans(const PoseOf& pose_of) {
+std::vector<Pose2> OnlinePatchLearner::poses_by(const PoseOf& pose_of) const {
   std::vector<Pose2> poses;
   poses.reserve(scans_.size());
-  bool has_moved = false;
   std::optional<int> run;
   Pose2 new_from_old;
   for (const PosedScan& scan : scans_) {
@@ -40,15 +39,43 @@ bool OnlinePatchLearner::move_scans(const PoseOf& pose_of) {
     const bool is_known = known && is_finite(*known);
     if (is_known) new_from_old = *known * inverse(scan.map_from_robot);
     poses.push_back(is_known ? *known : new_from_old * scan.map_from_robot);
-    has_moved = has_moved || displacement_m(scan.map_from_robot, poses.back(), kLever_m) >=
+  }
+  return poses;
+}
+
+std::optional<std::vector<PosedScan>> OnlinePatchLearner::moved_scans(const PoseOf& pose_of) const {
+  const std::vector<Pose2> poses = poses_by(pose_of);
+  bool has_moved = false;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    has_moved = has_moved || displacement_m(scans_[i].map_from_robot, poses[i], kLever_m) >=
                                  0.5 * base_.resolution_m();
   }
-  if (!has_moved) return false;
-  for (std::size_t i = 0; i < scans_.size(); ++i) scans_[i].map_from_robot = poses[i];
-  if (first_scan_ > 0) return true;
-  std::vector<PosedScan> scans = std::move(scans_);
+  if (!has_moved) return std::nullopt;
+  std::vector<PosedScan> scans = scans_;
+  for (std::size_t i = 0; i < scans.size(); ++i) scans[i].map_from_robot = poses[i];
+  return scans;
+}
+
+bool OnlinePatchLearner::catch_up_with(const OnlinePatchLearner& other, const PoseOf& pose_of) {
+  if (status_.scans_seen < other.first_scan_) return false;
+  const std::vector<Pose2> poses = other.poses_by(pose_of);
+  for (std::size_t i = status_.scans_seen - other.first_scan_; i < poses.size(); ++i) {
+    PosedScan scan = other.scans_[i];
+    scan.map_from_robot = poses[i];
+    (void)add(std::move(scan));
+  }
+  return true;
+}
+
+bool OnlinePatchLearner::move_scans(const PoseOf& pose_of) {
+  std::optional<std::vector<PosedScan>> scans = moved_scans(pose_of);
+  if (!scans) return false;
+  if (has_forgotten()) {
+    scans_ = std::move(*scans);
+    return true;
+  }
   begin_again();
-  for (PosedScan& scan : scans) (void)add(std::move(scan));
+  for (PosedScan& scan : *scans) (void)add(std::move(scan));
   return true;
 }
 

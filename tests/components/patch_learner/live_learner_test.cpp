@@ -3,6 +3,7 @@
 /// loop closures move scans.
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -144,6 +145,19 @@ TEST_F(LiveLearner, LearnsAnewWhereALoopClosureHasMovedScans) {
   publish_trajectory(right);
   ASSERT_TRUE(says("received /trajectory", "2"));
   EXPECT_TRUE(says("times that loop closures moved scans", "1"));
+}
+
+TEST_F(LiveLearner, LearnsFromScansThatComeWhileItLearnsAgain) {
+  auto right = drives(6);
+  const auto later = right.end() - static_cast<std::ptrdiff_t>(right.size() / 6);
+  publish_base(right);
+  for (auto scan = right.begin(); scan != later; ++scan) publish(drifted(*scan));
+  publish_trajectory(right);
+  for (auto scan = later; scan != right.end(); ++scan) publish(drifted(*scan));
+  ASSERT_TRUE(says("scans", std::to_string(right.size())));
+  ASSERT_TRUE(says("times that loop closures moved scans", "1"));
+  EXPECT_TRUE(says("scans", std::to_string(right.size()))) << "none lost, none twice";
+  EXPECT_TRUE(says("sub-maps", "1"));
 }
 
 TEST_F(LiveLearner, SetsAsideWhatItLearnedInTheFrameOfAMapperThatBeganAnew) {

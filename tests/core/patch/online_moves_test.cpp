@@ -100,6 +100,28 @@ TEST(OnlineMoves, NothingIsDoneWhereNothingMovedByHalfACell) {
   EXPECT_EQ(learner->save_state(), before);
 }
 
+TEST(OnlineMoves, OneThatLearnedAgainMeanwhileCatchesUpWithTheOneThatWentOn) {
+  const auto right = drives(6);
+  const ReflectionGrid base = test::map_of(right);
+  const auto half = static_cast<std::ptrdiff_t>(right.size() / 2);
+  const auto fresh = learner_of({right.begin(), right.begin() + half}, base);
+  const auto gone_on = learner_of(drifted(right), base);
+  EXPECT_TRUE(fresh->catch_up_with(*gone_on, right_poses(right)));
+  EXPECT_EQ(fresh->save_state(), learner_of(right, base)->save_state());
+  EXPECT_TRUE(fresh->catch_up_with(*gone_on, right_poses(right)));
+  EXPECT_EQ(fresh->status().scans_seen, right.size()) << "none twice";
+}
+
+TEST(OnlineMoves, NothingCatchesUpWithScansThatAreForgotten) {
+  const auto right = drives(12);
+  const ReflectionGrid base = test::map_of(right);
+  const auto gone_on = learner_of(right, base, 2.0);
+  ASSERT_TRUE(gone_on->has_forgotten());
+  const auto fresh = learner_of({right.begin(), right.begin() + 3}, base);
+  EXPECT_FALSE(fresh->catch_up_with(*gone_on, right_poses(right)));
+  EXPECT_EQ(fresh->status().scans_seen, 3U);
+}
+
 TEST(OnlineMoves, WhatForgottenScansSaidStays) {
   const auto right = drives(12);
   const auto learner = learner_of(right, test::map_of(right), 2.0);
