@@ -8,6 +8,7 @@
 #include "components/runtime/common_settings.hpp"
 #include "components/runtime/resume.hpp"
 #include "components/runtime/sensor_input.hpp"
+#include "core/patch/patch_learner_config.hpp"
 #include "core/slam/keep_config.hpp"
 #include "core/slam/slam.hpp"
 
@@ -37,6 +38,7 @@ struct LiveMapsConfig {
   std::string folder;
   double save_every_s = 60.0;
   std::string patch_topic = "patch_map";
+  patch::PatchLearnerConfig patch;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("publish_every_s", c.publish_every_s,
@@ -57,7 +59,10 @@ struct LiveMapsConfig {
              .unit = "s",
              .min = 0.0});
     v.field("patch_topic", c.patch_topic,
-            {.doc = "strata_msgs/PatchMap in: the newest one goes into the folder"});
+            {.doc = "strata_msgs/PatchMap in: where one comes, the folder has patches too"});
+    v.group("patch", c.patch,
+            "how the patches of the folder are learned again at the poses that saving finds; "
+            "give the patch learner and the scan matcher the same");
   }
 };
 

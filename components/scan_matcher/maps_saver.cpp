@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cstddef>
 #include <cstdlib>
 #include <system_error>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "components/log/whole_folder.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "core/base/error.hpp"
+#include "core/patch/learn_again.hpp"
 
 namespace fs = std::filesystem;
 
@@ -34,17 +36,15 @@ double peak_rss_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-/// The newer map, and the older one where that knows nothing, unless its cells are of another size.
-ReflectionGrid filled(const ReflectionGrid& newer, const ReflectionGrid& older) {
-  if (newer.resolution_m() != older.resolution_m()) return newer;
-  ReflectionGrid both =
-      make_reflection_grid(newer.resolution_m(), newer.rect().united(older.rect()));
-  for (std::size_t i = 0; i < both.size(); ++i) {
-    const Cell cell = both.cell(i);
-    const float value = newer.get(cell);
-    both.values()[i] = is_known(value) ? value : older.get(cell);
-  }
-  return both;
+/// Whether none that was accepted is forgotten, and each has its place in the map. O(what is kept).
+bool has_all_scans(const slam::Slam& slam) {
+  std::size_t next = 0;
+  bool has_all = true;
+  slam.visit_kept([&](const slam::Slam::Mapped& scan) {
+    has_all = has_all && scan.number == next;
+    ++next;
+  });
+  return has_all && next == slam.kept_scans();
 }
 
 /// Somebody may have put maps there since the mapper began.
@@ -93,10 +93,9 @@ class MapsSaver::UntilItEnds : public Progress {
   const std::atomic<bool>& ends_;
 };
 
-MapsSaver::MapsSaver(const fs::path& folder, slam::SlamConfig config, slam::KeepConfig keep)
+MapsSaver::MapsSaver(const fs::path& folder, SaverConfig config)
     : folder_(fs::weakly_canonical(fs::absolute(folder))),
       config_(std::move(config)),
-      keep_(keep),
       work_([this](const Job& job) { work_on(job); }) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   log::put_back(log::real_disk(), folder_);
@@ -157,19 +156,34 @@ void MapsSaver::work_on(const Job& job) {
   error_ = std::move(error);
 }
 
+/// Counts what stays as it was.
+patch::PatchMap MapsSaver::learned_again(const patch::PatchMap& known,
+                                         const slam::SlamResult& result, Progress& progress) {
+  patch::LearnedAgain again =
+      patch::learn_again(known, result.scans, result.filtered, config_.patch, &progress);
+  live_submaps_ = again.stayed;
+  return std::move(again.map);
+}
+
 void MapsSaver::write(const Snapshot& snapshot) {
   const auto begin = std::chrono::steady_clock::now();
   const double cpu_before_s = cpu_s();
   require_replaceable(folder_);
   log::WholeFolder folder(folder_, log::real_disk(), log::WholeFolder::Existing::kReplace);
   UntilItEnds progress(ends_);
-  slam::Slam copy(config_, 1, keep_);  // the mapper comes first
+  slam::Slam copy(config_.slam, 1, config_.keep);  // the mapper comes first
   copy.restore_state(snapshot.slam, "the running mapper");
+  const bool is_whole = has_all_scans(copy);
   const slam::SlamResult result = copy.finish(&progress);
   maps::write_grid_maps(folder.aside(), result);
   if (snapshot.patches) {
     patch::PatchMap patches = convert::from_message(*snapshot.patches);
-    patches.base = filled(result.filtered, patches.base);
+    if (is_whole) {
+      patches = learned_again(patches, result, progress);
+    } else {
+      live_submaps_ = patches.submaps.size();
+      patches.base = patch::filled(result.filtered, patches.base);
+    }
     maps::write_patch_map(folder.aside(), patches);
   }
   maps::JobCost cost;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <mutex>
@@ -15,12 +16,21 @@
 #include "components/log/newest_work.hpp"
 #include "components/log/state_store.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "core/patch/patch_learner_config.hpp"
+#include "core/patch/patch_map.hpp"
 #include "core/slam/slam.hpp"
 
 namespace strata::scan_matcher {
 
 /// The name of the log in summary.json of maps that a running mapper wrote.
 inline constexpr const char* kLiveLog = "live";
+
+/// As of the Slam that snapshots come from, and of who learns the patches.
+struct SaverConfig {
+  slam::SlamConfig slam;
+  slam::KeepConfig keep;
+  patch::PatchLearnerConfig patch;
+};
 
 /// What is known at one moment.
 struct Snapshot {
@@ -30,16 +40,18 @@ struct Snapshot {
 
 /// Does with a copy what the end of a log does (slam::Slam::finish), on a thread of its own; the
 /// folder is replaced as a whole, so that it always holds one complete set of maps. The maps are
-/// those of the scans that are still kept. Takes the memory of a second Slam meanwhile. One thread
-/// at a time may call it.
+/// those of the scans that are still kept. Patches, where some are known, are learned again at the
+/// poses that this finds (patch::learn_again), as long as the mapper has forgotten no scan; then
+/// they are those that came. Takes the memory of a second Slam meanwhile. One thread at a time may
+/// call it.
 class MapsSaver {
  public:
   /// error: empty when the folder was written.
   using Done = std::function<void(const std::string& error)>;
 
-  /// keep: as of the Slam that snapshots come from. Mends what a killed one left beside the folder.
+  /// Mends what a killed one left beside the folder.
   /// Throws OutputError when the folder holds something else than maps that a mapper saved there.
-  MapsSaver(const std::filesystem::path& folder, slam::SlamConfig config, slam::KeepConfig keep);
+  MapsSaver(const std::filesystem::path& folder, SaverConfig config);
   /// Gives up what it writes.
   ~MapsSaver();
   MapsSaver(const MapsSaver&) = delete;
@@ -55,6 +67,8 @@ class MapsSaver {
   [[nodiscard]] bool is_busy() const { return work_.is_busy(); }
   /// How long the last one took; 0 before the first.
   [[nodiscard]] double last_s() const { return last_s_; }
+  /// Sub-maps of the last one that stand where the live mapper had their scans.
+  [[nodiscard]] std::size_t live_submaps() const { return live_submaps_; }
   /// Throws OutputError when maps could not be written: once.
   void check();
   /// Waits until everything is written; throws as check.
@@ -68,14 +82,16 @@ class MapsSaver {
   };
   void work_on(const Job& job);
   void write(const Snapshot& snapshot);
+  [[nodiscard]] patch::PatchMap learned_again(const patch::PatchMap& known,
+                                              const slam::SlamResult& result, Progress& progress);
 
   std::filesystem::path folder_;
-  slam::SlamConfig config_;
-  slam::KeepConfig keep_;
+  SaverConfig config_;
   std::mutex mutex_;
   std::string error_;  // under mutex_: of the last one
   std::atomic<bool> ends_ = false;
   std::atomic<double> last_s_ = 0.0;
+  std::atomic<std::size_t> live_submaps_ = 0;
   log::NewestWork<Job> work_;  // last: it uses the others
 };
 

@@ -180,6 +180,7 @@ void ScanMatcher::on_diagnose(runtime::Health& health) const {
   health.add("local maps kept", static_cast<std::uint64_t>(slam_->kept_local_maps()));
   if (!saver_) return;
   health.add("seconds the last saving of maps took", saver_->last_s());
+  health.add("saved sub-maps at live poses", static_cast<std::uint64_t>(saver_->live_submaps()));
 }
 
 void ScanMatcher::on_cleanup() {

@@ -31,7 +31,7 @@ void ScanMatcher::open_live_maps() {
     });
   });
   if (config_.maps.folder.empty() || context().dry_run) return;
-  saver_.emplace(config_.maps.folder, config_.slam, config_.live);
+  saver_.emplace(config_.maps.folder, SaverConfig{config_.slam, config_.live, config_.maps.patch});
   saved_ = std::chrono::steady_clock::now();
   subscribe<strata_msgs::msg::PatchMap>(config_.maps.patch_topic, "latched",
                                         [this](const auto& message) { take_patches(message); });
