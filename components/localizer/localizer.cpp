@@ -20,6 +20,7 @@ std::optional<Pose2Gaussian> start_of(const StartConfig& start) {
 void Localizer::on_configure() {
   config_ = read_parameters<LocalizerComponentConfig>();
   keep_live(config_, {"publish_tf", "transform_tolerance"});
+  if (!lockstep()) load_place();
   std::optional<maps::Maps> known;
   if (!config_.maps.empty()) {
     known = maps::read_maps(config_.maps);
@@ -36,7 +37,6 @@ void Localizer::on_configure() {
       [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); });
   offer_services();
   subscribe_sensors(config_.input, config_.sensor_qos);
-  if (!lockstep()) load_place();
 }
 
 void Localizer::load_place() {
@@ -50,13 +50,21 @@ void Localizer::load_place() {
 }
 
 bool Localizer::resume(const Observation& observation) {
-  if (!store_) return true;
+  if (!store_ || !store_->has_place()) return true;
   waits_for_odometry_ = store_->waits_for_odometry(observation, config_.input.use_odometry);
   if (waits_for_odometry_) return false;
-  const std::optional<Pose2Gaussian> place = store_->resume(observation);
-  if (!place) return true;
-  place_ = Place{*place, observation.odom_from_robot, observation.has_odometry};
-  if (localizer_) localizer_->initialize(*place);
+  store_->hear(observation);
+  if (!localizer_) return true;  // the map tells
+  const auto resumed = store_->resume(observation, kept_map_);
+  kept_map_ = ReflectionGrid(1.0, CellRect{});
+  place_ = Place{resumed->map_from_robot, observation.odom_from_robot, observation.has_odometry};
+  localizer_->initialize(resumed->map_from_robot);
+  if (!resumed->fits) {
+    tell(InputError(
+        full_name(), "the first scan does not look as the map does where the robot is taken to be",
+        "where it was carried meanwhile, tell its place by " + resolve(config_.initial_pose_topic) +
+            " or call reinitialize_global_localization"));
+  }
   return true;
 }
 
@@ -65,6 +73,7 @@ void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussi
                ? maps::make_map_model(maps, config_.model, config_.sensor)
                : maps::make_likelihood_field_model(maps, config_.model, config_.likelihood_field);
   current_map_.emplace(maps, *model_.descriptor);
+  if (store_ && store_->has_place()) kept_map_ = maps.filtered;
   if (localizer_) {
     // A newer map: all that is known of the pose stays, be it one place or many.
     localizer_->set_model(model_.sensor);
@@ -106,6 +115,7 @@ void Localizer::subscribe_maps() {
           throw InputError(resolve(config_.start.pose_topic), "a pose is not finite",
                            "see what publishes it");
         }
+        if (store_) store_->forget();  // the mapper has asked its scans
         place_ = Place{{convert::from_message(message.map_from_robot().mean()),
                         pose_covariance(config_.start.stddev_m, config_.start.stddev_rad)},
                        convert::from_message(message.odom_from_robot()),
@@ -123,10 +133,10 @@ std::optional<Pose2Gaussian> Localizer::place_now(const Observation& observation
 }
 
 void Localizer::on_observation(const Observation& observation) {
-  if (!resume(observation)) return;
   if (live_maps_ && live_maps_->has_news()) {
     use_maps(live_maps_->take(), place_now(observation));
   }
+  if (!resume(observation)) return;
   if (localizer_) localize(observation);
 }
 

@@ -50,8 +50,8 @@ class Localizer final : public runtime::SensorComponent {
                const std::string& source);
   void restart_anywhere();
   void load_place();
-  /// Begins where the robot was when the process before this one ended, at the first observation;
-  /// false when that cannot be told before odometry comes.
+  /// Begins where the robot was when the process before this one ended, at the first observation
+  /// for which there is a map; false when that cannot be told before odometry comes.
   [[nodiscard]] bool resume(const Observation& observation);
   [[nodiscard]] std::optional<Pose2Gaussian> place_now(const Observation& observation) const;
   void localize(const Observation& observation);
@@ -76,6 +76,7 @@ class Localizer final : public runtime::SensorComponent {
   std::optional<Place> place_;
   std::optional<PlaceStore> store_;  ///< live only
   bool waits_for_odometry_ = false;  ///< to go on from there
+  ReflectionGrid kept_map_;          ///< that tells whether odometry went on
   maps::MapModel model_;
   std::optional<CurrentMap> current_map_;
   std::unique_ptr<localization::Localizer> localizer_;

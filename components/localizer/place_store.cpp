@@ -9,6 +9,7 @@
 #include "components/settings/config_reader.hpp"
 #include "components/settings/config_writer.hpp"
 #include "core/base/damage.hpp"
+#include "core/slam/resumed_place.hpp"
 
 namespace strata::localizer {
 namespace {
@@ -63,18 +64,37 @@ bool PlaceStore::waits_for_odometry(const Observation& first, bool use_odometry)
   return kept_ && use_odometry && needs_odometry(kept_->moment(), first, config_.dead_reckoning);
 }
 
-std::optional<Pose2Gaussian> PlaceStore::resume(const Observation& first) {
+void PlaceStore::hear(const Observation& first) {
+  if (kept_ && !is_recent_) {
+    is_recent_ = is_dead_reckoned(kept_->moment(), first, config_.dead_reckoning);
+  }
+}
+
+std::optional<PlaceStore::Resumed> PlaceStore::resume(const Observation& now,
+                                                      const ReflectionGrid& map) {
+  hear(now);
   const std::optional<Kept> kept = std::exchange(kept_, std::nullopt);
   if (!kept) return std::nullopt;
-  Pose2Gaussian place;
-  place.mean = pose_of(kept->map_from_robot);
-  place.covariance =
+  Resumed resumed;
+  resumed.map_from_robot.covariance =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(kept->covariance.data()) +
       added_;
-  if (is_dead_reckoned(kept->moment(), first, config_.dead_reckoning)) {
-    place.mean = place.mean * between(pose_of(kept->odom_from_robot), first.odom_from_robot);
+  slam::KeptPlace place{Stamp{kept->stamp_ns}, std::nullopt, pose_of(kept->map_from_robot)};
+  Pose2 dead_reckoned = place.map_from_robot;
+  if (!kept->odom_from_robot.empty()) {
+    place.odom_from_robot = pose_of(kept->odom_from_robot);
+    if (now.has_odometry) {
+      dead_reckoned = dead_reckoned * between(*place.odom_from_robot, now.odom_from_robot);
+    }
   }
-  return place;
+  Pose2& mean = resumed.map_from_robot.mean;
+  mean = *is_recent_ ? dead_reckoned : place.map_from_robot;
+  if (map.size() == 0) return resumed;
+  const slam::ResumedPlace found = slam::resumed_place(place, now, *is_recent_, map);
+  resumed.fits = found.fits();
+  // The filter finds it more exactly than the steps of the search do, unless it was long away.
+  if (found.is_dead_reckoned != *is_recent_) mean = found.map_from_robot;
+  return resumed;
 }
 
 void PlaceStore::keep(const Observation& observation, const Pose2Gaussian& map_from_robot) {

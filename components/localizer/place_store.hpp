@@ -12,6 +12,7 @@
 #include "core/base/config.hpp"
 #include "core/base/time.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
+#include "core/grid/reflection_grid.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata::localizer {
@@ -43,10 +44,19 @@ class PlaceStore {
   void load();
   /// Something newer is known.
   void forget() { kept_.reset(); }
+  [[nodiscard]] bool has_place() const { return kept_.has_value(); }
   /// Whether the first observation lacks the odometry that takes the kept place on.
   [[nodiscard]] bool waits_for_odometry(const Observation& first, bool use_odometry) const;
-  /// Where the robot is at its first observation: once, and only when a place was kept.
-  [[nodiscard]] std::optional<Pose2Gaussian> resume(const Observation& first);
+  /// The first observation, which may come long before there is a map.
+  void hear(const Observation& first);
+  struct Resumed {
+    Pose2Gaussian map_from_robot;
+    bool fits = true;  ///< the scan looks as the map does there, as far as that can be told
+  };
+  /// Where the robot is: once, and only when a place was kept. The scan tells whether odometry has
+  /// gone on (slam::resumed_place); without a map it is taken to for as long as it is recent.
+  /// O(cells).
+  [[nodiscard]] std::optional<Resumed> resume(const Observation& now, const ReflectionGrid& map);
   /// Has the pose written, no more often than the config says; all of it or nothing. Returns at
   /// once. Throws OutputError when an earlier one could not be written.
   void keep(const Observation& observation, const Pose2Gaussian& map_from_robot);
@@ -68,6 +78,7 @@ class PlaceStore {
   PlaceStoreConfig config_;
   Eigen::Matrix3d added_;
   std::optional<Kept> kept_;
+  std::optional<bool> is_recent_;  ///< the first observation, after the kept one
   std::optional<Stamp> written_;
   log::BackgroundFile file_;
 };

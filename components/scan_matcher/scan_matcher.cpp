@@ -11,9 +11,9 @@
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/maps/maps_folder.hpp"
-#include "components/scan_matcher/resumed_place.hpp"
 #include "core/base/error.hpp"
 #include "core/slam/live_map.hpp"
+#include "core/slam/resumed_place.hpp"
 
 namespace strata::scan_matcher {
 
@@ -71,7 +71,8 @@ bool ScanMatcher::resume(const Observation& first) {
   slam::LiveMap map(config_.slam.beam_filter);
   (void)map.update(*slam_, std::numeric_limits<std::size_t>::max());
   const bool is_recent = runtime::is_dead_reckoned(moment, first, config_.store.dead_reckoning);
-  const ResumedPlace place = resumed_place(kept, first, is_recent, map.filtered());
+  const slam::ResumedPlace place = slam::resumed_place(
+      {kept.stamp, kept.odom_from_robot, kept.map_from_robot}, first, is_recent, map.filtered());
   const bool goes_on = is_recent && place.is_dead_reckoned;  // the run, with its odometry
   first_run_ = goes_on ? kept.run : kept.run + 1;
   if (!place.fits()) {

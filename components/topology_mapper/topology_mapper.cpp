@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
@@ -10,9 +11,18 @@
 #include "components/log/whole_folder.hpp"
 #include "components/topologies/topology_files.hpp"
 #include "components/topologies/topology_messages.hpp"
+#include "core/base/error.hpp"
+#include "core/grid/counting_map.hpp"
+#include "core/slam/resumed_place.hpp"
 #include "core/topology/topology_map.hpp"
 
 namespace strata::topology_mapper {
+namespace {
+
+constexpr double kSurroundings_m = 0.05;    ///< its cells
+constexpr std::size_t kSurroundings = 100;  ///< scans
+
+}  // namespace
 
 void TopologyMapper::on_configure() {
   config_ = read_parameters<TopologyMapperComponentConfig>();
@@ -61,12 +71,35 @@ bool TopologyMapper::resume(const Observation& first) {
   waits_for_odometry_ = config_.input.use_odometry &&
                         runtime::needs_odometry(kept, first, config_.store.dead_reckoning);
   if (waits_for_odometry_) return false;
-  if (!runtime::is_dead_reckoned(kept, first, config_.store.dead_reckoning)) {
-    restored_->odom_from_robot.reset();
-  }
+  if (!has_gone_on(kept, first)) restored_->odom_from_robot.reset();
   mapper_->resume_from(*restored_);
   restored_.reset();
   return true;
+}
+
+/// What the newest scans saw tells whether odometry began anew a moment ago.
+bool TopologyMapper::has_gone_on(const runtime::KeptMoment& kept, const Observation& first) {
+  if (!runtime::is_dead_reckoned(kept, first, config_.store.dead_reckoning)) return false;
+  const ReflectionGrid seen = newest_surroundings();
+  if (seen.size() == 0) return true;
+  const slam::ResumedPlace place = slam::resumed_place(
+      {restored_->stamp, restored_->odom_from_robot, restored_->map_from_robot}, first, true, seen);
+  if (!place.fits()) {
+    tell(InputError(
+        full_name(),
+        "the first scan does not look as those before it do where the robot is taken "
+        "to be",
+        "where it was carried meanwhile, remove '" + config_.store.file + "' to begin anew"));
+  }
+  return place.is_dead_reckoned;
+}
+
+ReflectionGrid TopologyMapper::newest_surroundings() const {
+  CountingMap counts(kSurroundings_m);
+  const std::vector<PosedScan>& scans = mapper_->scans();
+  const std::size_t first = scans.size() - std::min(scans.size(), kSurroundings);
+  for (std::size_t i = first; i < scans.size(); ++i) counts.add(scans[i]);
+  return counts.reflection();
 }
 
 void TopologyMapper::mark(Stamp stamp) {

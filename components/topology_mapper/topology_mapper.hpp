@@ -41,6 +41,9 @@ class TopologyMapper final : public runtime::SensorComponent {
   /// Decides how the first scan goes on from what was kept; false when that cannot be told before
   /// odometry comes.
   [[nodiscard]] bool resume(const Observation& first);
+  [[nodiscard]] bool has_gone_on(const runtime::KeptMoment& kept, const Observation& first);
+  /// What the newest kept scans saw, in the frame of their poses.
+  [[nodiscard]] ReflectionGrid newest_surroundings() const;
   void mark(Stamp stamp);
   void on_landmark(const geometry_msgs::msg::PointStamped& message);
   void update(std::vector<topology::MadeVisit> visits);

@@ -5,10 +5,14 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
+#include "core/random/stream.hpp"
+#include "tests/core/patch/toy_map.hpp"
+#include "tests/core/patch/toy_world.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::localizer {
@@ -32,10 +36,16 @@ class PlaceStoreTest : public ::testing::Test {
     return {config, 0.5 * Eigen::Matrix3d::Identity()};
   }
   /// What a process after this one begins with.
-  [[nodiscard]] std::optional<Pose2Gaussian> resumed(const Observation& first) const {
+  [[nodiscard]] std::optional<PlaceStore::Resumed> resumed_in(const ReflectionGrid& map,
+                                                              const Observation& first) const {
     PlaceStore next = store();
     next.load();
-    return next.resume(first);
+    return next.resume(first, map);
+  }
+  /// ... where there is no map to ask.
+  [[nodiscard]] std::optional<Pose2Gaussian> resumed(const Observation& first) const {
+    const auto resumed = resumed_in({}, first);
+    return resumed ? std::optional(resumed->map_from_robot) : std::nullopt;
   }
   static inline const Pose2 kPlace{1.25, -2.5, 0.75};
 
@@ -92,12 +102,78 @@ TEST_F(PlaceStoreTest, ResumesOnceAndNotWhenSomethingNewerIsKnown) {
   store().keep(observation_at(100.0, {}), {kPlace, Eigen::Matrix3d::Identity()});
   PlaceStore next = store();
   next.load();
-  EXPECT_TRUE(next.resume(observation_at(101.0, {})).has_value());
-  EXPECT_FALSE(next.resume(observation_at(102.0, {})).has_value());
+  EXPECT_TRUE(next.resume(observation_at(101.0, {}), {}).has_value());
+  EXPECT_FALSE(next.resume(observation_at(102.0, {}), {}).has_value());
   PlaceStore told = store();
   told.load();
   told.forget();
-  EXPECT_FALSE(told.resume(observation_at(101.0, {})).has_value());
+  EXPECT_FALSE(told.resume(observation_at(101.0, {}), {}).has_value());
+}
+
+/// A corridor with a room, its map, and what a robot sees in it.
+class PlaceInAMap : public PlaceStoreTest {
+ protected:
+  PlaceInAMap() {
+    RandomStream random(1, StreamId::kTest);
+    std::vector<PosedScan> scans;
+    robot_.drive(world_, {1.0, 1.2, 0.0}, {10.0, 1.2, 0.0}, 0, 0.0, {}, random, scans);
+    robot_.drive(world_, {5.5, 1.2, 1.57}, {5.5, 4.5, 1.57}, 0, 50.0, {}, random, scans);
+    map_ = patch::test::map_of(scans);
+    store().keep(observation_at(100.0, kOdometry), {kWas, Eigen::Matrix3d::Identity() * 0.01});
+  }
+  [[nodiscard]] Observation seen_from(const Pose2& truth, double time_s, const Pose2& odometry) {
+    Observation observation = observation_at(time_s, odometry);
+    observation.scan = robot_.scan_at(world_, truth, random_).scan;
+    observation.scan.stamp = Stamp::from_seconds(time_s);
+    return observation;
+  }
+  static inline const Pose2 kOdometry{10.0, 20.0, 1.0};
+  static inline const Pose2 kWas{3.0, 1.2, 0.2};
+  static inline const Pose2 kMoved{1.5, 0.1, 0.3};
+
+  const patch::test::ToyWorld world_ = patch::test::corridor_with_door(false);
+  const patch::test::ToyRobot robot_;
+  RandomStream random_{2, StreamId::kTest};
+  ReflectionGrid map_;
+};
+
+// The driver is often started again together with the localizer.
+TEST_F(PlaceInAMap, OdometryThatBeganAnewAMomentAgoIsFoundOut) {
+  const auto resumed = resumed_in(map_, seen_from(kWas, 103.0, {}));
+  ASSERT_TRUE(resumed.has_value());
+  EXPECT_TRUE(resumed->fits);
+  EXPECT_LT(translation_distance(resumed->map_from_robot.mean, kWas), 0.2);
+}
+
+TEST_F(PlaceInAMap, OdometryThatWentOnIsBelieved) {
+  const auto resumed = resumed_in(map_, seen_from(kWas * kMoved, 103.0, kOdometry * kMoved));
+  ASSERT_TRUE(resumed.has_value());
+  EXPECT_TRUE(resumed->fits);
+  EXPECT_LT(translation_distance(resumed->map_from_robot.mean, kWas * kMoved), 1e-9);
+}
+
+TEST_F(PlaceInAMap, OdometryThatWentOnForAnHourIsBelievedWhereTheScanSaysSo) {
+  const auto resumed = resumed_in(map_, seen_from(kWas * kMoved, 3700.0, kOdometry * kMoved));
+  ASSERT_TRUE(resumed.has_value());
+  EXPECT_LT(translation_distance(resumed->map_from_robot.mean, kWas * kMoved), 0.2);
+  const auto stood = resumed_in(map_, seen_from(kWas, 3700.0, kOdometry * kMoved));
+  EXPECT_LT(translation_distance(stood->map_from_robot.mean, kWas), 1e-9);
+}
+
+TEST_F(PlaceInAMap, AMapThatComesLateIsAskedAsIfItHadComeAtOnce) {
+  PlaceStore next = store();
+  next.load();
+  next.hear(seen_from(kWas, 103.0, kOdometry));
+  const Observation now = seen_from(kWas * kMoved, 140.0, kOdometry * kMoved);
+  const auto resumed = next.resume(now, map_);
+  ASSERT_TRUE(resumed.has_value());
+  EXPECT_LT(translation_distance(resumed->map_from_robot.mean, kWas * kMoved), 1e-9);
+}
+
+TEST_F(PlaceInAMap, ARobotThatWasCarriedIsFoundOut) {
+  const auto resumed = resumed_in(map_, seen_from({6.5, 4.5, 2.0}, 103.0, kOdometry));
+  ASSERT_TRUE(resumed.has_value());
+  EXPECT_FALSE(resumed->fits);
 }
 
 TEST_F(PlaceStoreTest, WritesOnceAPeriodAlsoWhenTheClockIsSetBack) {
@@ -120,7 +196,7 @@ TEST_F(PlaceStoreTest, StartsWithNothingWithoutAFileAndRefusesADamagedOne) {
     std::ofstream(file_, std::ios::trunc) << text;
     PlaceStore next = store();
     EXPECT_THROW(next.load(), InputError) << text;
-    EXPECT_FALSE(next.resume(observation_at(1.0, {})).has_value());
+    EXPECT_FALSE(next.resume(observation_at(1.0, {}), {}).has_value());
   }
 }
 

@@ -56,10 +56,12 @@ class Robot {
     odometry_.publish(convert::to_odometry({}, {}, "odom", "base_link"));
     EXPECT_TRUE(says("received /odom", "1"));
   }
-  void drive(const std::vector<test::Moment>& moments) {
+  /// odometry_began: where its odometry was zero.
+  void drive(const std::vector<test::Moment>& moments, const Pose2& odometry_began = {}) {
     for (const test::Moment& moment : moments) {
       const Scan scan = test::scan_at(moment);
-      odometry_.publish(convert::to_odometry(scan.stamp, moment.pose, "odom", "base_link"));
+      odometry_.publish(convert::to_odometry(scan.stamp, between(odometry_began, moment.pose),
+                                             "odom", "base_link"));
       scans_.publish(convert::to_message(scan, "laser"));
     }
   }

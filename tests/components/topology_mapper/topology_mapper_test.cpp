@@ -158,6 +158,32 @@ TEST(TopologyMapper, KeepsNothingWhileItStandsAndKnowsAfterARestartThatItStoodTh
       << "its odometry has gone on";
 }
 
+// The driver is often started again together with the mapper.
+TEST(TopologyMapper, FindsOutThatOdometryBeganAnewAMomentAgo) {
+  const test::TemporaryDirectory folder;
+  const std::string parameters = "store: {file: '" + (folder.path() / "way.db").string() + "'}";
+  std::vector<Moment> drive = there_and_back();
+  drive.resize(20);
+  {
+    Robot robot(parameters);
+    robot.drive(drive);
+    ASSERT_TRUE(robot.says("scans tracked", "20"));
+    robot.end();
+  }
+  const Moment stood = drive.back();
+  Robot robot(parameters);
+  robot.drive({{stood.time_s + kStepS, stood.pose},
+               {stood.time_s + 2 * kStepS, stood.pose * Pose2{kStepM, 0.0, 0.0}}},
+              stood.pose);
+  ASSERT_TRUE(robot.says("scans tracked", "22"));
+  robot.end();
+  const auto scans = memory::Store(folder.path() / "way.db", {.read_only = true}).load_scans(0);
+  const Pose2 truth = between(drive.front().pose, stood.pose * Pose2{kStepM, 0.0, 0.0});
+  EXPECT_LT(translation_distance(between(scans.front().map_from_robot, scans.back().map_from_robot),
+                                 truth),
+            0.1);
+}
+
 TEST(TopologyMapper, WarnsThatItsMapIsCompleteWhenItsMemoryIsUsedUp) {
   Robot robot("keep: {memory_mb: 0.01}");
   robot.drive(there_and_back());

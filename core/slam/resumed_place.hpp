@@ -2,11 +2,21 @@
 /// Where a robot is at its first scan after its process was stopped.
 #pragma once
 
+#include <optional>
+
+#include "core/base/time.hpp"
+#include "core/geometry/pose2.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/scan/scan.hpp"
-#include "core/slam/slam.hpp"
 
-namespace strata::scan_matcher {
+namespace strata::slam {
+
+/// Where a robot was when its process was stopped, in a map.
+struct KeptPlace {
+  Stamp stamp;  ///< of the newest scan that was kept
+  std::optional<Pose2> odom_from_robot;
+  Pose2 map_from_robot;
+};
 
 struct ResumedPlace {
   /// The odometry has gone on meanwhile, and says how far the robot has moved; else it began anew,
@@ -24,7 +34,7 @@ struct ResumedPlace {
 /// it fits both alike, odometry of a scan that is_recent has gone on, and later where it has
 /// neither begun at zero again nor moved faster than a robot does. first: with odometry if kept has
 /// some, or nothing is dead reckoned. O(cells of the map).
-[[nodiscard]] ResumedPlace resumed_place(const slam::Slam::Newest& kept, const Observation& first,
+[[nodiscard]] ResumedPlace resumed_place(const KeptPlace& kept, const Observation& first,
                                          bool is_recent, const ReflectionGrid& map);
 
-}  // namespace strata::scan_matcher
+}  // namespace strata::slam

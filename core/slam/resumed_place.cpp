@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "components/scan_matcher/resumed_place.hpp"
+#include "core/slam/resumed_place.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/slam/scan_fit.hpp"
 
-namespace strata::scan_matcher {
+namespace strata::slam {
 namespace {
 
 /// By so much the better place must have more inliers than the other.
@@ -24,8 +24,8 @@ bool may_have_gone_on(const Pose2& before, const Pose2& now, double seconds) {
 }
 
 /// Odometry drifts.
-slam::FitReach reach_after(double moved_m) {
-  slam::FitReach reach;
+FitReach reach_after(double moved_m) {
+  FitReach reach;
   reach.reach_m = std::min(1.5, reach.reach_m + 0.1 * moved_m);
   reach.reach_rad = std::min(0.4, reach.reach_rad + 0.03 * moved_m);
   return reach;
@@ -33,15 +33,15 @@ slam::FitReach reach_after(double moved_m) {
 
 }  // namespace
 
-ResumedPlace resumed_place(const slam::Slam::Newest& kept, const Observation& first, bool is_recent,
+ResumedPlace resumed_place(const KeptPlace& kept, const Observation& first, bool is_recent,
                            const ReflectionGrid& map) {
-  const slam::ScanFit stayed = slam::fit_near(map, first.scan, kept.map_from_robot);
+  const ScanFit stayed = fit_near(map, first.scan, kept.map_from_robot);
   ResumedPlace where_it_was{false, stayed.map_from_robot, stayed.inlier_share()};
   if (!where_it_was.fits()) where_it_was.map_from_robot = kept.map_from_robot;
   if (!kept.odom_from_robot || !first.has_odometry) return where_it_was;
   const Pose2 step = between(*kept.odom_from_robot, first.odom_from_robot);
-  const slam::ScanFit dead_reckoned = slam::fit_near(map, first.scan, kept.map_from_robot * step,
-                                                     reach_after(step.translation().norm()));
+  const ScanFit dead_reckoned =
+      fit_near(map, first.scan, kept.map_from_robot * step, reach_after(step.translation().norm()));
   const double since_s = (first.scan.stamp - kept.stamp).seconds();
   const bool seems_continuous =
       is_recent || may_have_gone_on(*kept.odom_from_robot, first.odom_from_robot, since_s);
@@ -50,4 +50,4 @@ ResumedPlace resumed_place(const slam::Slam::Newest& kept, const Observation& fi
   return {true, dead_reckoned.map_from_robot, dead_reckoned.inlier_share()};
 }
 
-}  // namespace strata::scan_matcher
+}  // namespace strata::slam
