@@ -28,10 +28,10 @@ struct MapFileFormat {
   double free = 0.19;      ///< what is brighter reads as free
 };
 
-/// Reads name.yaml and the PGM (P5 or P2) or PNG it names, as nav2's map_server does. mode trinary:
-/// occupied 1, free 0, unknown NaN; scale and raw: in between. The origin is moved to the nearest
-/// point of our lattice, by at most half a cell. Throws InputError, also for a missing, cut or
-/// turned image.
+/// Reads name.yaml and the PGM (P5 or P2), PNG or BMP it names, as nav2's map_server does. mode
+/// trinary: occupied 1, free 0, unknown NaN; scale and raw: in between. The origin is moved to the
+/// nearest point of our lattice, by at most half a cell. Throws InputError, also for a missing, cut
+/// or turned image.
 [[nodiscard]] ReflectionGrid read_map(const std::filesystem::path& yaml);
 
 /// Writes name.yaml and name.pgm or name.png, cropped to the known cells. Trinary: 0 occupied, 254

@@ -10,6 +10,7 @@
 
 #include <png.h>
 
+#include "components/log/map_bmp.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
 
@@ -133,7 +134,8 @@ std::string png_bytes(const MapImage& image, const std::string& place) {
 
 MapImage read_map_image(const fs::path& path, const std::string& yaml) {
   const Refuse refuse = [&](const std::string& why) {
-    return InputError(path.string(), why, "the image named in " + yaml + " must be a PGM or PNG");
+    return InputError(path.string(), why,
+                      "the image named in " + yaml + " must be a PGM, PNG or BMP");
   };
   std::ifstream in(path, std::ios::binary);
   if (!in || fs::is_directory(path)) throw refuse("the map's image is missing");
@@ -142,8 +144,9 @@ MapImage read_map_image(const fs::path& path, const std::string& yaml) {
   if (magic[0] == 'P' && (magic[1] == '5' || magic[1] == '2')) {
     return read_pgm(in, magic[1] == '5', fs::file_size(path), refuse);
   }
-  if (magic[0] != '\x89' || magic[1] != 'P') throw refuse("is neither a PGM nor a PNG image");
   in.seekg(0);
+  if (magic[0] == 'B' && magic[1] == 'M') return read_bmp(in, fs::file_size(path), refuse);
+  if (magic[0] != '\x89' || magic[1] != 'P') throw refuse("is no PGM, PNG or BMP image");
   return read_png({std::istreambuf_iterator<char>(in), {}}, refuse);
 }
 

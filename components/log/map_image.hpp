@@ -20,7 +20,7 @@ struct MapImage {
   std::vector<std::uint8_t> alpha;   ///< 255: opaque; empty: everything is
 };
 
-/// PGM (P5 or P2) or PNG, told by content. yaml: who names it, for errors. Throws InputError.
+/// PGM (P5 or P2), PNG or BMP, told by content. yaml: who names it, for errors. Throws InputError.
 [[nodiscard]] MapImage read_map_image(const std::filesystem::path& path, const std::string& yaml);
 
 /// Written aside and renamed. A PGM loses alpha. Throws OutputError.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Maps of map_server: the YAML, then the image (PGM or PNG) that it may name map.pgm.
+/// Maps of map_server: the YAML, then the image (PGM, PNG or BMP) that it may name map.pgm.
 #include "components/log/map_file.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
