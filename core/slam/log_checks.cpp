@@ -94,12 +94,17 @@ std::vector<std::string> LogChecks::warnings() const {
     if (skips_[i] > 0) all.push_back(std::to_string(skips_[i]) + skipped[i]);
   }
   if (gaps_.count > 0) {
-    all.push_back(sentence(gaps_.count, " gaps in time, the longest of ", "", longest_gap_s_,
+    const char* const gaps =
+        gaps_.count == 1 ? " gap in time of " : " gaps in time, the longest of ";
+    all.push_back(sentence(gaps_.count, gaps, "", longest_gap_s_,
                            " s: the way in between rests on odometry"));
   }
   if (jumps_.count > 0) {
-    all.push_back(sentence(jumps_.count, " jumps of odometry, ", "the first at ", jumps_.first_s,
-                           " s, were not believed; the scans decide there"));
+    const bool is_one = jumps_.count == 1;
+    all.push_back(sentence(jumps_.count, is_one ? " jump of odometry, " : " jumps of odometry, ",
+                           is_one ? "at " : "the first at ", jumps_.first_s,
+                           is_one ? " s, was not believed; the scans decide there"
+                                  : " s, were not believed; the scans decide there"));
   }
   if (stuck_.count > 0) {
     all.push_back(sentence(stuck_.count, " scans repeat the one before to the bit while odometry ",
