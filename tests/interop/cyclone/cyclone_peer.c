@@ -27,8 +27,6 @@
 #include "nav_msgs.h"
 #include "octomap_msgs.h"
 #include "rcl_interfaces.h"
-#include "rmw_dds_common.h"
-#include "rmw_dds_common_24.h"
 #include "rosgraph_msgs.h"
 #include "sensor_msgs.h"
 #include "std_msgs.h"
@@ -226,75 +224,6 @@ static void echo_best_effort(void) {
   use_all(reader, answer, (void*)&writer);
 }
 
-/* The graph's message has one name and two layouts. */
-#define GRAPH(package)                                                                       \
-  static void print_nodes_of_##package(const void* sample, void* unused) {                   \
-    (void)unused;                                                                            \
-    const package##_msg_ParticipantEntitiesInfo* info = sample;                              \
-    for (uint32_t i = 0; i < info->node_entities_info_seq._length; ++i) {                    \
-      const package##_msg_NodeEntitiesInfo* node = &info->node_entities_info_seq._buffer[i]; \
-      printf("node %s %s\n", node->node_namespace, node->node_name);                         \
-    }                                                                                        \
-    fflush(stdout);                                                                          \
-  }                                                                                          \
-  static void announce_in_##package(dds_entity_t writer, char* scope, char* name) {          \
-    dds_guid_t own;                                                                          \
-    require(dds_get_guid(g_participant, &own), "guid");                                      \
-    package##_msg_Gid gids[2];                                                               \
-    memset(gids, 0, sizeof gids);                                                            \
-    for (int i = 0; i < 2; ++i) {                                                            \
-      memcpy(gids[i].data, own.v, sizeof own.v);                                             \
-      gids[i].data[15] = (uint8_t)(i + 1);                                                   \
-    }                                                                                        \
-    package##_msg_NodeEntitiesInfo node;                                                     \
-    memset(&node, 0, sizeof node);                                                           \
-    node.node_namespace = scope;                                                             \
-    node.node_name = name;                                                                   \
-    node.reader_gid_seq._length = node.reader_gid_seq._maximum = 1;                          \
-    node.reader_gid_seq._buffer = gids;                                                      \
-    node.writer_gid_seq._length = node.writer_gid_seq._maximum = 2;                          \
-    node.writer_gid_seq._buffer = gids;                                                      \
-    package##_msg_ParticipantEntitiesInfo info;                                              \
-    memset(&info, 0, sizeof info);                                                           \
-    memcpy(info.gid.data, own.v, sizeof own.v);                                              \
-    info.node_entities_info_seq._length = info.node_entities_info_seq._maximum = 1;          \
-    info.node_entities_info_seq._buffer = &node;                                             \
-    require(dds_write(writer, &info), "announce");                                           \
-  }
-GRAPH(rmw_dds_common)
-GRAPH(rmw_dds_common_24)
-
-static dds_entity_t make_graph_topic(bool is_long) {
-  return make_topic(is_long ? &rmw_dds_common_24_msg_ParticipantEntitiesInfo_desc
-                            : &rmw_dds_common_msg_ParticipantEntitiesInfo_desc,
-                    "ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
-}
-
-static void print_nodes(dds_entity_t reader, bool is_long) {
-  use_all(reader, is_long ? print_nodes_of_rmw_dds_common_24 : print_nodes_of_rmw_dds_common,
-          NULL);
-}
-
-static void nodes(bool is_long) {
-  print_nodes(make_reader(make_graph_topic(is_long), true, 0), is_long);
-}
-
-static void announce(bool is_long, char* scope, char* name) {
-  const dds_entity_t writer = make_writer(make_graph_topic(is_long), true);
-  (is_long ? announce_in_rmw_dds_common_24 : announce_in_rmw_dds_common)(writer, scope, name);
-  say("ready");
-  wait_for_input_to_end();
-}
-
-static void be_ros_node(char* scope, char* name) {
-  const dds_entity_t topic = make_graph_topic(false);
-  const dds_entity_t reader = make_reader(topic, true, 0);
-  const dds_entity_t writer = make_writer(topic, true);
-  make_ros_endpoints();
-  announce_in_rmw_dds_common(writer, scope, name);
-  print_nodes(reader, false);
-}
-
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
   g_participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
@@ -308,8 +237,8 @@ int main(int argc, char** argv) {
   if (strcmp(argv[2], "echo") == 0) echo();
   if (strcmp(argv[2], "best_effort") == 0) echo_best_effort();
   const bool is_long = argc >= 4 && strcmp(argv[3], "24") == 0;
-  if (strcmp(argv[2], "nodes") == 0) nodes(is_long);
-  if (strcmp(argv[2], "announce") == 0 && argc >= 6) announce(is_long, argv[4], argv[5]);
+  if (strcmp(argv[2], "nodes") == 0) print_nodes(is_long);
+  if (strcmp(argv[2], "announce") == 0 && argc >= 6) announce_node(is_long, argv[4], argv[5]);
   if (strcmp(argv[2], "ros_node") == 0 && argc >= 5) be_ros_node(argv[3], argv[4]);
   if (strcmp(argv[2], "scans") == 0 && argc >= 5) publish_scans(atoi(argv[3]), atof(argv[4]));
   if (strcmp(argv[2], "hear") == 0 && argc >= 4) hear_scans(atoi(argv[3]));

@@ -44,11 +44,20 @@ struct Client open_client(const char* node, const char* package, const char* ser
  * reply that begins with them; it is lent. */
 void* ask(const struct Client* client, const void* request);
 
+/* The nodes that others announce, and a node that this peer does; is_long: a Gid has 24 bytes, not
+ * 16. be_ros_node: with what every ROS 2 process of Cyclone has. See cyclone_graph.c. */
+void print_nodes(bool is_long);
+void announce_node(bool is_long, char* scope, char* name);
+void be_ros_node(char* scope, char* name);
+
 /* Topics as RViz, nav2 and the ros2 tools use them; see cyclone_topics.c. */
 void use_topic(const char* name, char* topic, char** arguments);
 
 /* What nav2's lifecycle manager does; see cyclone_manager.c. */
 void manage(const char* name, char* node, char** arguments);
+
+/* The services of rosbag2's player and recorder; see cyclone_bags.c. */
+void call_bags(const char* name, char* node, char** arguments);
 
 /* Calls the service `name` of `node` with what follows it in `arguments` (ends with NULL) and
  * prints the answer; an unknown name does nothing. */

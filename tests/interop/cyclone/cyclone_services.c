@@ -18,6 +18,7 @@
  *   save_map NODE TOPIC URL                  saved 0|1
  *   set_initial_pose NAMESPACE X Y           posed
  *   empty NAMESPACE SERVICE                  done
+ * those of cyclone_bags.c:
  *   pause, resume, toggle_paused NODE        done
  *   split_bagfile NODE                       done
  *   is_paused NODE                           paused 0|1
@@ -27,7 +28,7 @@
  *   play_next NODE                           success 0|1
  * and those of cyclone_manager.c. Each says "made" when its ends are there and "ready" when it has
  * found those of the service. */
-#include "cyclone_bag_requests.h"
+#include "cyclone_call.h"
 #include "cyclone_map_requests.h"
 #include "cyclone_peer.h"
 #include "cyclone_requests.h"
@@ -99,25 +100,12 @@ void* ask(const struct Client* client, const void* request) {
   return wait_for_reply(client, request);
 }
 
-/* Sends one request of a service and waits for its reply; the caller reads the body and may leave
- * the loan. */
-static void* call(const char* node, const char* package, const char* service, const char* path,
+void* call(const char* node, const char* package, const char* service, const char* path,
                   const dds_topic_descriptor_t* request_type,
                   const dds_topic_descriptor_t* reply_type, const void* request) {
   const struct Client client = open_client(node, package, service, path, request_type, reply_type);
   return ask(&client, request);
 }
-
-/* `request` is a cyclone_requests_<service>Request; the reply is read by the caller. */
-#define CALL(package, service, path, request)                                     \
-  call(node, #package, #service, path, &cyclone_requests_##service##Request_desc, \
-       &cyclone_requests_##service##Reply_desc, request)
-/* A request with nothing in it but who asks. */
-#define REQUEST(service, name)              \
-  cyclone_requests_##service##Request name; \
-  memset(&name, 0, sizeof name);            \
-  name.guid = 0x0123456789abcdefULL;        \
-  name.number = 77
 
 static void time_get_state(const char* node, int count) {
   REQUEST(GetState, request);
@@ -291,54 +279,12 @@ static void localization(const char* name, char* node, char** arguments) {
   }
 }
 
-/* A call without a word in either way. */
-#define CALL_EMPTY(service, path)                     \
-  if (strcmp(name, path) == 0) {                      \
-    REQUEST(service, request);                        \
-    CALL(rosbag2_interfaces, service, path, &request); \
-    puts("done");                                     \
-  }
-
-static void bags(const char* name, char* node, char** arguments) {
-  CALL_EMPTY(Pause, "pause")
-  CALL_EMPTY(Resume, "resume")
-  CALL_EMPTY(TogglePaused, "toggle_paused")
-  CALL_EMPTY(SplitBagfile, "split_bagfile")
-  if (strcmp(name, "is_paused") == 0) {
-    REQUEST(IsPaused, request);
-    const cyclone_requests_IsPausedReply* reply =
-        CALL(rosbag2_interfaces, IsPaused, "is_paused", &request);
-    printf("paused %d\n", reply->body.paused ? 1 : 0);
-  } else if (strcmp(name, "get_rate") == 0) {
-    REQUEST(GetRate, request);
-    const cyclone_requests_GetRateReply* reply =
-        CALL(rosbag2_interfaces, GetRate, "get_rate", &request);
-    printf("rate %g\n", reply->body.rate);
-  } else if (strcmp(name, "set_rate") == 0) {
-    REQUEST(SetRate, request);
-    request.body.rate = atof(arguments[0]);
-    const cyclone_requests_SetRateReply* reply =
-        CALL(rosbag2_interfaces, SetRate, "set_rate", &request);
-    printf("success %d\n", reply->body.success ? 1 : 0);
-  } else if (strcmp(name, "seek") == 0) {
-    REQUEST(Seek, request);
-    request.body.time.sec = atoi(arguments[0]);
-    const cyclone_requests_SeekReply* reply = CALL(rosbag2_interfaces, Seek, "seek", &request);
-    printf("success %d\n", reply->body.success ? 1 : 0);
-  } else if (strcmp(name, "play_next") == 0) {
-    REQUEST(PlayNext, request);
-    const cyclone_requests_PlayNextReply* reply =
-        CALL(rosbag2_interfaces, PlayNext, "play_next", &request);
-    printf("success %d\n", reply->body.success ? 1 : 0);
-  }
-}
-
 void call_service(const char* name, char* node, char** arguments) {
   lifecycle(name, node, arguments);
   read_parameters(name, node, arguments);
   set_parameter(name, node, arguments);
   maps(name, node, arguments);
   localization(name, node, arguments);
-  bags(name, node, arguments);
+  call_bags(name, node, arguments);
   manage(name, node, arguments);
 }
