@@ -10,8 +10,12 @@
 
 namespace strata::log {
 
-/// Throws InputError at the first stamp that messages cannot carry, from 2^31 s on (the year 2038)
-/// or before -2^31 s. place: the log's name. O(scans + samples).
+/// From -2^31 s up to 2^31 s (the year 2038).
+[[nodiscard]] bool is_ros_stamp(Stamp stamp);
+/// Throws InputError (place) for one that messages cannot carry.
+void require_ros_stamp(Stamp stamp, const std::string& place);
+/// Throws InputError at the first stamp that messages cannot carry. place: the log's name. O(scans
+/// + samples).
 void require_ros_stamps(std::span<const Observation> observations,
                         std::span<const OdometrySample> odometry, const std::string& place);
 

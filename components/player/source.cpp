@@ -8,6 +8,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "components/convert/geometry_messages.hpp"
+#include "components/log/ros_stamps.hpp"
 #include "core/base/error.hpp"
 
 namespace strata::player {
@@ -62,7 +63,8 @@ BagSource::BagSource(std::filesystem::path bag, const std::vector<std::string>& 
     if (wanted && topic.name != "/clock") writers_[topic.name] = advertise(topic);
   }
   if (writers_.empty()) {
-    throw InputError(bag_.string(), "has none of the topics to play", "see `strata info` for its");
+    throw InputError(bag_.string(), "has none of the topics to play",
+                     "see `strata info` for those it has");
   }
 }
 
@@ -94,13 +96,15 @@ std::optional<Stamp> BagSource::begin() {
 
 void BagSource::step() {
   if (!fetch()) return;
+  const std::string& topic = reader_->topics()[message_.topic].name;
+  log::require_ros_stamp(message_.stamp, bag_.string() + ": a message of " + topic);
   rosgraph_msgs::msg::Clock clock;
   clock.clock(convert::to_message(message_.stamp));
   publish_clock_(clock);
   if (message_.data.size() < kHeaderBytes) {
     ++left_out_;
   } else {
-    writers_.at(reader_->topics()[message_.topic].name)->publish(message_.data);
+    writers_.at(topic)->publish(message_.data);
   }
   fetched_ = false;
 }

@@ -24,7 +24,8 @@ class Source : public Interface {
  public:
   /// When the next step is due, since the beginning; false at the end. May read for long.
   [[nodiscard]] virtual bool peek(Duration& since_begin) = 0;
-  /// Publishes the step that peek announced.
+  /// Publishes the step that peek announced. Throws InputError for a stamp that messages cannot
+  /// carry.
   virtual void step() = 0;
   /// The next step is the first one at or after that time; false, and the next step stays what it
   /// is, when there is none. May read for long.
