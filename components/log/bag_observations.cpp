@@ -183,7 +183,10 @@ class BagParser {
       }
       if (scanners_ == 0) content.scan_frame = frame;
       report_.scanners.push_back({topic, {}});
-      add_observations(std::move(scans), find_mounting(frame), where, track, content);
+      const Pose3 mounting = find_mounting(frame);
+      // The slice of a cloud lies elsewhere than the cloud's own frame.
+      if (!scans.front().is_cloud) content.scanner_frames.push_back({planar(mounting), frame});
+      add_observations(std::move(scans), mounting, where, track, content);
       ++scanners_;
     }
   }

@@ -97,11 +97,18 @@ struct ReadReport {
   std::vector<std::string> warnings;
 };
 
+/// What a log calls the frame of the scanner that is mounted there.
+struct ScannerFrame {
+  Pose2 robot_from_laser;
+  std::string name;
+};
+
 /// A log with everything of it that Strata understands.
 struct LogContent {
-  std::vector<Observation> observations;  ///< by stamp
-  std::vector<OdometrySample> odometry;   ///< by stamp; without the scans' own in CARMEN
-  std::string scan_frame = "laser";
+  std::vector<Observation> observations;     ///< by stamp
+  std::vector<OdometrySample> odometry;      ///< by stamp; without the scans' own in CARMEN
+  std::string scan_frame = "laser";          ///< of the first scanner
+  std::vector<ScannerFrame> scanner_frames;  ///< of a bag, without its clouds
   std::string robot_frame = "base_link";
   std::string odom_frame = "odom";
 };

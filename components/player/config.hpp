@@ -48,8 +48,8 @@ struct PlayerConfig {
                 "with the QoS it was recorded with, and a clock"});
     v.field("topics", c.topics, {.doc = "mode messages: only these; empty: all"});
     v.field("scan_topics", c.scan_topics,
-            {.doc = "mode robot: topics of the bag's scanners; all go out on `scan`, each in a "
-                    "frame of its own; empty: the only one, or /scan"});
+            {.doc = "mode robot: topics of the bag's scanners; all go out on `scan`, each in its "
+                    "own frame; empty: the only one, or /scan"});
     v.field("rate", c.rate,
             {.doc = "1: as fast as recorded; 2: twice; may be changed while it plays",
              .unit = "1",

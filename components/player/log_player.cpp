@@ -23,6 +23,12 @@ tf2_msgs::msg::TFMessage single(const geometry_msgs::msg::TransformStamped& tran
   return message;
 }
 
+auto at_mounting(const std::vector<log::ScannerFrame>& frames, const Pose2& robot_from_laser) {
+  return std::find_if(frames.begin(), frames.end(), [&](const log::ScannerFrame& frame) {
+    return frame.robot_from_laser == robot_from_laser;
+  });
+}
+
 }  // namespace
 
 LogPlayer::LogPlayer(std::vector<Observation> observations, Outputs outputs,
@@ -32,22 +38,24 @@ LogPlayer::LogPlayer(std::vector<Observation> observations, Outputs outputs,
       given_poses_(std::move(given_poses)),
       frames_(std::move(frames)) {}
 
+std::string LogPlayer::name_of(const Pose2& mounting) const {
+  const auto known = at_mounting(frames_.scanners, mounting);
+  if (known != frames_.scanners.end()) return known->name;
+  return seen_.empty() ? frames_.laser : frames_.laser + "_" + std::to_string(seen_.size());
+}
+
 std::string LogPlayer::frame_of(const Scan& scan) {
-  const auto place = std::find(mountings_.begin(), mountings_.end(), scan.robot_from_laser);
-  const auto number = static_cast<std::size_t>(place - mountings_.begin());
-  const auto name = [this](std::size_t i) {
-    return i == 0 ? frames_.laser : frames_.laser + "_" + std::to_string(i);
-  };
-  if (place != mountings_.end()) return name(number);
-  if (mountings_.size() >= kMaxFrames) mountings_.clear();
-  mountings_.push_back(scan.robot_from_laser);
+  const auto seen = at_mounting(seen_, scan.robot_from_laser);
+  if (seen != seen_.end()) return seen->name;
+  if (seen_.size() >= kMaxFrames) seen_.clear();
+  seen_.push_back({scan.robot_from_laser, name_of(scan.robot_from_laser)});
   tf2_msgs::msg::TFMessage all;
-  for (std::size_t i = 0; i < mountings_.size(); ++i) {
-    all.transforms().push_back(
-        convert::to_transform_stamped(scan.stamp, mountings_[i], frames_.robot, name(i)));
+  for (const log::ScannerFrame& frame : seen_) {
+    all.transforms().push_back(convert::to_transform_stamped(scan.stamp, frame.robot_from_laser,
+                                                             frames_.robot, frame.name));
   }
   outputs_.tf_static(all);
-  return name(mountings_.size() - 1);
+  return seen_.back().name;
 }
 
 void LogPlayer::publish(std::size_t index) {

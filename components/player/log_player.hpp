@@ -13,6 +13,7 @@
 #include "strata_idl/strata_msgs.h"
 #include "strata_idl/tf2_msgs.h"
 
+#include "components/log/log_reader.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata::player {
@@ -33,11 +34,12 @@ struct FrameNames {
   std::string robot = "base_link";
   std::string odometry = "odom";
   std::string laser = "laser";
+  std::vector<log::ScannerFrame> scanners = {};  ///< those of a mounting that is not here: `laser`
 };
 
-/// Publishes observations in those frames; of several scanners the others have the frames laser_1,
-/// laser_2 and so on, a mounting each. What a component puts together from the messages is the
-/// observation with the same bits.
+/// Publishes observations in those frames; of several scanners without names the others have the
+/// frames laser_1, laser_2 and so on, a mounting each. What a component puts together from the
+/// messages is the observation with the same bits.
 class LogPlayer {
  public:
   /// given_poses: map_from_robot of each observation where known, or empty.
@@ -51,11 +53,12 @@ class LogPlayer {
  private:
   /// The frame of the scan's laser, which tf_static knows by then.
   std::string frame_of(const Scan& scan);
+  [[nodiscard]] std::string name_of(const Pose2& mounting) const;
   std::vector<Observation> observations_;
   Outputs outputs_;
   std::vector<std::optional<Pose2>> given_poses_;
   FrameNames frames_;
-  std::vector<Pose2> mountings_;  ///< of the frames so far
+  std::vector<log::ScannerFrame> seen_;  ///< so far
 };
 
 }  // namespace strata::player

@@ -66,7 +66,8 @@ std::unique_ptr<Source> Player::make_source() {
   log::LogContent content = log::read_log(config_.log, reading);
   log::require_ros_stamps(content.observations, {}, config_.log);
   // The log's own names, which other files of the robot, such as its URDF, have too.
-  FrameNames frames{content.robot_frame, content.odom_frame, content.scan_frame};
+  FrameNames frames{content.robot_frame, content.odom_frame, content.scan_frame,
+                    std::move(content.scanner_frames)};
   return std::make_unique<ScanSource>(
       LogPlayer(std::move(content.observations), std::move(outputs), {}, std::move(frames)));
 }

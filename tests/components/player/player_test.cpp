@@ -54,34 +54,6 @@ TEST(Player, GivesReadersTheScansAndOdometryOfABag) {
   EXPECT_TRUE(host->take_errors().empty());
 }
 
-TEST(Player, KeepsTheFramesOfTheLog) {
-  const test::TemporaryDirectory folder;
-  log::LogContent content;
-  for (int i = 0; i < 3; ++i) {
-    Observation observation;
-    observation.scan.stamp = Stamp{1'000'000'000LL * (i + 1)};
-    observation.scan.robot_from_laser = {0.2, 0.1, 0.0};
-    observation.scan.range_max_m = 10.0F;
-    observation.scan.angle_increment_rad = 0.1F;
-    observation.scan.ranges_m = {1.0F, 2.0F, 3.0F};
-    observation.has_odometry = true;
-    content.observations.push_back(observation);
-  }
-  content.scan_frame = "front_laser";
-  log::write_bag(folder.path() / "bag", content, log::BagStorage::kMcap);
-  const auto participant = test::make_participant();
-  test::Collector<LaserScan> scans(participant, "/scan", "lossless");
-  test::Collector<tf2_msgs::msg::TFMessage> mountings(participant, "/tf_static", "tf_static");
-  const auto host = test::play(folder.path() / "bag", ", rate: 1000000", participant);
-  host->activate();
-  const auto got = scans.wait_for(3);
-  ASSERT_EQ(got.size(), 3U);
-  EXPECT_EQ(got.front().header().frame_id(), "front_laser");
-  const auto mounting = mountings.wait_for(1);
-  ASSERT_EQ(mounting.size(), 1U);
-  EXPECT_EQ(mounting[0].transforms()[0].child_frame_id(), "front_laser");
-}
-
 TEST(Player, TwoInOneProcessPlayTheirOwnLogsIntoTheirOwnNamespaces) {
   const test::TemporaryDirectory folder;
   test::write_drive(folder.path() / "a", 50);
