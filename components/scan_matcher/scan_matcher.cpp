@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -12,7 +11,6 @@
 #include "components/convert/scan_messages.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/error.hpp"
-#include "core/slam/live_map.hpp"
 #include "core/slam/resumed_place.hpp"
 
 namespace strata::scan_matcher {
@@ -68,26 +66,20 @@ bool ScanMatcher::resume(const Observation& first) {
     first_run_ = kept.run + 1;
     return true;
   }
-  slam::LiveMap map(config_.slam.beam_filter);
-  (void)map.update(*slam_, std::numeric_limits<std::size_t>::max());
   const bool is_recent = runtime::is_dead_reckoned(moment, first, config_.store.dead_reckoning);
-  const slam::ResumedPlace place = slam::resumed_place(
-      {kept.stamp, kept.odom_from_robot, kept.map_from_robot}, first, is_recent, map.filtered());
-  const bool goes_on = is_recent && place.is_dead_reckoned;  // the run, with its odometry
-  first_run_ = goes_on ? kept.run : kept.run + 1;
-  if (!place.fits()) {
-    tell(InputError(full_name(),
-                    "the first scan does not look as the kept map does where the robot "
-                    "is taken to be",
-                    goes_on ? "it goes on by its odometry; nothing needs to be done where it drove "
-                              "into the unknown"
-                            : "drive it to where it was, or begin anew: move all stores of this "
-                              "composition away"));
-  }
-  // Where it is not known, the run is looked for in the map as a whole.
-  if (goes_on || !place.fits()) return true;
-  slam_->begin_next_run_at(
-      {place.map_from_robot, pose_covariance(config_.store.stddev_m, config_.store.stddev_rad)});
+  const slam::ResumedRun resumed =
+      slam::resume_run(*slam_, first, is_recent, config_.slam.beam_filter,
+                       pose_covariance(config_.store.stddev_m, config_.store.stddev_rad));
+  first_run_ = resumed.run;
+  if (resumed.fits) return true;
+  tell(
+      InputError(full_name(),
+                 "the first scan does not look as the kept map does where the robot is taken to be",
+                 resumed.run == kept.run
+                     ? "it goes on by its odometry; nothing needs to be done where it drove into "
+                       "the unknown"
+                     : "drive it to where it was, or begin anew: move all stores of this "
+                       "composition away"));
   return true;
 }
 

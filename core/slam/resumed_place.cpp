@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 
+#include "core/slam/live_map.hpp"
 #include "core/slam/scan_fit.hpp"
 
 namespace strata::slam {
@@ -48,6 +51,19 @@ ResumedPlace resumed_place(const KeptPlace& kept, const Observation& first, bool
   const double ahead = dead_reckoned.inlier_share() - stayed.inlier_share();
   if (seems_continuous ? ahead < -kClearly : ahead <= kClearly) return where_it_was;
   return {true, dead_reckoned.map_from_robot, dead_reckoned.inlier_share()};
+}
+
+ResumedRun resume_run(Slam& slam, const Observation& first, bool is_recent,
+                      const beam_filter::BeamFilterConfig& filter,
+                      const Eigen::Matrix3d& covariance) {
+  const Slam::Newest kept = *slam.newest();
+  LiveMap map(filter);
+  (void)map.update(slam, std::numeric_limits<std::size_t>::max());
+  const ResumedPlace place = resumed_place({kept.stamp, kept.odom_from_robot, kept.map_from_robot},
+                                           first, is_recent, map.filtered());
+  const bool goes_on = is_recent && place.is_dead_reckoned && !place.fits();
+  if (place.fits()) slam.begin_next_run_at({place.map_from_robot, covariance});
+  return {goes_on ? kept.run : kept.run + 1, place.fits()};
 }
 
 }  // namespace strata::slam

@@ -8,6 +8,7 @@
 #include "core/geometry/pose2.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/scan/scan.hpp"
+#include "core/slam/slam.hpp"
 
 namespace strata::slam {
 
@@ -36,5 +37,20 @@ struct ResumedPlace {
 /// some, or nothing is dead reckoned. O(cells of the map).
 [[nodiscard]] ResumedPlace resumed_place(const KeptPlace& kept, const Observation& first,
                                          bool is_recent, const ReflectionGrid& map);
+
+/// How a mapper goes on with its first scan after its process was stopped.
+struct ResumedRun {
+  int run = 0;        ///< of that scan
+  bool fits = false;  ///< it looks as the map does where the robot is taken to be
+};
+
+/// Where the scan fits the map a new run begins there, also when odometry has gone on: what the map
+/// says of the place is better than odometry over all that was missed, and of one long step a
+/// tracker knows so little that it slides along corridors. Where it fits nowhere, the run goes on
+/// by its odometry if that is recent; else the next run is looked for in the map as a whole. slam:
+/// with a restored state, whose newest scan is placed. covariance: of the robot about the place.
+[[nodiscard]] ResumedRun resume_run(Slam& slam, const Observation& first, bool is_recent,
+                                    const beam_filter::BeamFilterConfig& filter,
+                                    const Eigen::Matrix3d& covariance);
 
 }  // namespace strata::slam
