@@ -34,26 +34,24 @@ constexpr auto kPatience = std::chrono::seconds(60);
 constexpr int kSensorReaders = 2;  // scan matcher and localizer
 constexpr std::uint64_t kSeeds[] = {1, 2, 3};
 
-/// STRATA_LIFELONG_SEED, STRATA_LIFELONG_SPEEDUP: of another drive, for figures. With
-/// STRATA_LIFELONG_RANDOM=1 in an office drawn at random, where the bound of the next day is not
-/// always held (docs/lifelong.md).
+/// STRATA_LIFELONG_SEED, STRATA_LIFELONG_SPEEDUP: of another drive, for figures.
 double setting(const char* name, double otherwise) {
   const char* const text = std::getenv(name);
   return text != nullptr ? std::atof(text) : otherwise;
 }
 
-simulate::ScenarioConfig scenario_of(std::uint64_t seed) {
-  if (setting("STRATA_LIFELONG_RANDOM", 0.0) > 0.0) {
-    return simulate::random_office(seed, {.days = 4});
-  }
+enum class Office { kOfFile, kAtRandom };
+
+simulate::ScenarioConfig scenario_of(Office office, std::uint64_t seed) {
+  if (office == Office::kAtRandom) return simulate::random_office(seed, {.days = 4});
   return simulate::load_scenario(STRATA_SCENARIO_DIR "/office.yaml", {"days=4"});
 }
 
-class Lifelong : public testing::Test {
+class Lifelong : public testing::TestWithParam<Office> {
  protected:
   Lifelong() {
     const auto seed = static_cast<std::uint64_t>(setting("STRATA_LIFELONG_SEED", 31));
-    simulation_ = simulate::simulate(scenario_of(seed), seed);
+    simulation_ = simulate::simulate(scenario_of(GetParam(), seed), seed);
     for (std::size_t day = 0; day + 1 < simulation_.days.size(); ++day) {
       for (const simulate::SimulatedScan& scan : simulation_.days[day].scans) {
         scans_.push_back(scan);
@@ -104,7 +102,7 @@ void print(const char* name, const MapQuality& quality) {
             << quality.submaps << " sub-maps\n";
 }
 
-TEST_F(Lifelong, ThreeDaysWithTwoKillsGiveMapsAsGoodAsThoseOfLearn) {
+TEST_P(Lifelong, ThreeDaysWithTwoKillsGiveMapsAsGoodAsThoseOfLearn) {
   LiveRobot robot(make_participant(), scans_, setting("STRATA_LIFELONG_SPEEDUP", 6.0));
   auto process = run();
   ASSERT_TRUE(robot.is_heard_by(kSensorReaders, kPatience));
@@ -129,6 +127,11 @@ TEST_F(Lifelong, ThreeDaysWithTwoKillsGiveMapsAsGoodAsThoseOfLearn) {
   EXPECT_LT(live.localization_m, learned.localization_m + 0.03);
   EXPECT_LT(live.lost, learned.lost + 0.01);
 }
+
+INSTANTIATE_TEST_SUITE_P(InAnOffice, Lifelong, testing::Values(Office::kOfFile, Office::kAtRandom),
+                         [](const auto& office) {
+                           return office.param == Office::kAtRandom ? "DrawnAtRandom" : "OfAFile";
+                         });
 
 }  // namespace
 }  // namespace strata::test
