@@ -103,9 +103,7 @@ ReflectionGrid TopologyMapper::newest_surroundings() const {
 }
 
 void TopologyMapper::mark(Stamp stamp) {
-  if (mapper_->is_full()) return;
-  mapper_->mark(stamp);
-  if (store_) store_->mark(stamp);
+  if (mapper_->mark(stamp) && store_) store_->mark(stamp);
 }
 
 void TopologyMapper::on_landmark(const geometry_msgs::msg::PointStamped& message) {

@@ -121,9 +121,7 @@ std::vector<MadeVisit> TopologyMapper::restore(const PosedScan& tracked) {
 
 void TopologyMapper::resume_from(const TrackedMoment& newest) { state_->newest = newest; }
 
-void TopologyMapper::mark(Stamp stamp) {
-  if (!state_->is_full()) state_->maker.mark(stamp);
-}
+bool TopologyMapper::mark(Stamp stamp) { return !state_->is_full() && state_->maker.mark(stamp); }
 
 std::vector<MadeVisit> TopologyMapper::finish() { return state_->maker.finish(); }
 

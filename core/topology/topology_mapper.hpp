@@ -52,8 +52,8 @@ class TopologyMapper {
   /// where the odometry is left out, or has begun anew.
   void resume_from(const TrackedMoment& newest);
   /// The robot is or was at a landmark: beside those that are detected, or instead of them
-  /// (`source: given`).
-  void mark(Stamp stamp);
+  /// (`source: given`). False when it is not taken: see VisitMaker::mark, or the map is full.
+  bool mark(Stamp stamp);
   /// The visits whose surroundings the robot has not left yet.
   [[nodiscard]] std::vector<MadeVisit> finish();
   /// One landmark; false when the filter skipped it. See TopologyFilter::add.

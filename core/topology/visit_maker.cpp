@@ -12,6 +12,11 @@ namespace {
 constexpr double kSubsampleM = 0.05;
 /// Way that is remembered behind the robot.
 constexpr double kMemoryM = 40.0;
+/// Way of the robot between two landmarks that are given: nearer ones are one. Each visit costs
+/// more than the one before, so that who says "here" all the time must not make one of each scan.
+constexpr double kLeastWayM = 0.5;
+/// Given landmarks that wait for their moment; who names more does not know the time.
+constexpr std::size_t kMaxWaiting = 10'000;
 
 }  // namespace
 
@@ -29,7 +34,7 @@ std::vector<MadeVisit> VisitMaker::add(const PosedScan& scan) {
   passed_.push_back({scan, path_length_m_});
   if (config_.source == LandmarkSource::kDetected) {
     for (const LandmarkEvent& event : detector_.add(scan)) {
-      waiting_.push_back({event.stamp, event.center_m});
+      wait_for({event.stamp, event.center_m});
     }
   }
   std::vector<MadeVisit> visits = make(false);
@@ -37,12 +42,26 @@ std::vector<MadeVisit> VisitMaker::add(const PosedScan& scan) {
   return visits;
 }
 
-void VisitMaker::mark(Stamp stamp) { waiting_.push_back({stamp, std::nullopt}); }
+bool VisitMaker::mark(Stamp stamp) {
+  if (waiting_.size() >= kMaxWaiting || (last_visit_ && stamp <= *last_visit_)) {
+    ++late_;
+    return false;
+  }
+  wait_for({stamp, std::nullopt});
+  return true;
+}
+
+void VisitMaker::wait_for(const Place& place) {
+  const auto after =
+      std::upper_bound(waiting_.begin(), waiting_.end(), place,
+                       [](const Place& a, const Place& b) { return a.stamp < b.stamp; });
+  waiting_.insert(after, place);
+}
 
 std::vector<MadeVisit> VisitMaker::finish() {
   if (config_.source == LandmarkSource::kDetected) {
     for (const LandmarkEvent& event : detector_.finish()) {
-      waiting_.push_back({event.stamp, event.center_m});
+      wait_for({event.stamp, event.center_m});
     }
   }
   return make(true);
@@ -62,8 +81,6 @@ std::size_t VisitMaker::nearest(Stamp stamp) const {
 std::vector<MadeVisit> VisitMaker::make(bool all) {
   std::vector<MadeVisit> visits;
   if (passed_.empty()) return visits;
-  std::stable_sort(waiting_.begin(), waiting_.end(),
-                   [](const Place& a, const Place& b) { return a.stamp < b.stamp; });
   while (!waiting_.empty()) {
     const Place place = waiting_.front();
     if (!all && passed_.back().scan.scan.stamp < place.stamp) break;
@@ -71,7 +88,9 @@ std::vector<MadeVisit> VisitMaker::make(bool all) {
     if (!all && path_length_m_ - at.path_length_m < config_.cloud.path_radius_m) break;
     waiting_.erase(waiting_.begin());
     // The filter takes visits in order of time only.
-    if (last_visit_ && at.scan.scan.stamp <= *last_visit_) {
+    const bool is_repeated = !place.center_m && last_visit_path_length_m_ &&
+                             at.path_length_m - *last_visit_path_length_m_ < kLeastWayM;
+    if (is_repeated || (last_visit_ && at.scan.scan.stamp <= *last_visit_)) {
       ++late_;
       continue;
     }

@@ -48,11 +48,13 @@ class VisitMaker {
   /// O(1) about but where the detector looks around and visits are made.
   [[nodiscard]] std::vector<MadeVisit> add(const PosedScan& scan);
   /// The robot is (or was, a moment ago) at a landmark: of the scan nearest to that moment. Beside
-  /// those that are found, or alone with `source: given`.
-  void mark(Stamp stamp);
+  /// those that are found, or alone with `source: given`. False, and counted, when it comes too
+  /// late or too many wait for their moment; one within half a metre of the last visit, by the way
+  /// of the robot, is counted when its moment comes.
+  bool mark(Stamp stamp);
   /// Whatever is left.
   [[nodiscard]] std::vector<MadeVisit> finish();
-  /// Landmarks left out: by their time not after the one before.
+  /// Landmarks left out: by their time or place not after the one before, or one too many.
   [[nodiscard]] std::size_t late() const { return late_; }
 
  private:
@@ -64,6 +66,7 @@ class VisitMaker {
     PosedScan scan;
     double path_length_m = 0.0;
   };
+  void wait_for(const Place& place);
   [[nodiscard]] std::vector<MadeVisit> make(bool all);
   [[nodiscard]] std::size_t nearest(Stamp stamp) const;
   void forget_far_scans();

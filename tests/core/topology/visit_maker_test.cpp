@@ -170,6 +170,35 @@ TEST(VisitMaker, TakesLandmarksByHandInOrderOfTime) {
   EXPECT_EQ(maker.late(), 1U);
 }
 
+// Each visit costs more than the one before.
+TEST(VisitMaker, MakesNoVisitOfEachScanWhoeverSaysHereAllTheTime) {
+  LandmarkVisitConfig config;
+  config.source = LandmarkSource::kGiven;
+  VisitMaker maker(config);
+  for (int i = 0; i <= 800; ++i) maker.mark(Stamp::from_seconds(0.05 * i));
+  const std::vector<MadeVisit> visits = drive_through(kCorridor, maker);
+  // Of 16 m in scans 0.2 m apart: 0.6 m is the least way that is half a metre.
+  ASSERT_EQ(visits.size(), 27U);
+  for (std::size_t i = 1; i < visits.size(); ++i) {
+    EXPECT_NEAR(visits[i].visit.path_length_m, 0.6, 1e-9);
+  }
+  EXPECT_EQ(maker.late(), 801U - 27U);
+}
+
+TEST(VisitMaker, RefusesLandmarksThatAreTooLateOrTooMany) {
+  LandmarkVisitConfig config;
+  config.source = LandmarkSource::kGiven;
+  VisitMaker maker(config);
+  EXPECT_TRUE(maker.mark(Stamp::from_seconds(10.0)));
+  ASSERT_EQ(drive_through(kCorridor, maker).size(), 1U);
+  EXPECT_FALSE(maker.mark(Stamp::from_seconds(10.0)));
+  EXPECT_FALSE(maker.mark(Stamp::from_seconds(9.0)));
+  std::size_t taken = 0;
+  for (int i = 0; i < 20'000; ++i) taken += maker.mark(Stamp::from_seconds(1e6 - i)) ? 1 : 0;
+  EXPECT_EQ(taken, 10'000U);
+  EXPECT_EQ(maker.late(), 10'002U);
+}
+
 TEST(VisitMaker, LeavesOutScansThatDoNotFollowAndMakesNothingOfNothing) {
   VisitMaker maker({});
   EXPECT_TRUE(maker.finish().empty());
