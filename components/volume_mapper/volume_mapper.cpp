@@ -69,6 +69,8 @@ void VolumeMapper::on_activate() {
 void VolumeMapper::on_tick() {
   const std::chrono::duration<double> since = std::chrono::steady_clock::now() - kept_;
   if (since.count() >= config_.store_period_s) keep();
+  if (held_back_ && publishing_.is_due(std::chrono::steady_clock::now()))
+    publish_map_of(*held_back_);
 }
 
 void VolumeMapper::keep() {
@@ -167,8 +169,19 @@ void VolumeMapper::enter(const volume::Cloud& cloud) {
   const bool is_due = !last_published_ || std::abs((cloud.stamp - *last_published_).seconds()) >=
                                               config_.publish_period_s;
   if (!is_due) return;
-  last_published_ = cloud.stamp;
-  publish(cloud.stamp);
+  if (lockstep() || publishing_.is_due(std::chrono::steady_clock::now())) {
+    publish_map_of(cloud.stamp);
+  } else {
+    held_back_ = cloud.stamp;
+  }
+}
+
+void VolumeMapper::publish_map_of(Stamp newest_cloud) {
+  const auto begin = std::chrono::steady_clock::now();
+  held_back_.reset();
+  last_published_ = newest_cloud;
+  publish(newest_cloud);
+  publishing_.spent(begin, std::chrono::steady_clock::now());
 }
 
 void VolumeMapper::publish(Stamp stamp) {
@@ -214,6 +227,8 @@ void VolumeMapper::on_cleanup() {
   without_pose_ = 0;
   last_label_.reset();
   last_published_.reset();
+  publishing_ = {};
+  held_back_.reset();
 }
 
 }  // namespace strata::volume_mapper

@@ -13,13 +13,16 @@
 #include "components/log/transform_history.hpp"
 #include "components/runtime/component.hpp"
 #include "components/volume_mapper/config.hpp"
+#include "components/volume_mapper/share_of_time.hpp"
 #include "core/volume/volume_map.hpp"
 
 namespace strata::volume_mapper {
 
 /// In: points (sensor_msgs/PointCloud2), /tf, /tf_static, labeled_scan. Out: octomap_binary. A
 /// cloud waits until tf tells where it was seen from. Clouds that make no sense, or whose pose
-/// stays unknown, are dropped and counted on /diagnostics; the map is as before.
+/// stays unknown, are dropped and counted on /diagnostics; the map is as before. Live, publishing
+/// takes at most a tenth of the time: a large map goes out less often than publish_period_s says,
+/// whatever the stamps.
 class VolumeMapper final : public runtime::Component {
  public:
   using Component::Component;
@@ -48,6 +51,7 @@ class VolumeMapper final : public runtime::Component {
   /// Finds where the cloud was seen from; false while that is not known up to its last point.
   bool find_poses(Waiting& waiting) const;
   void enter(const volume::Cloud& cloud);
+  void publish_map_of(Stamp newest_cloud);
   void publish(Stamp stamp);
   /// A new map, or the stored one.
   [[nodiscard]] volume::VolumeMap first_map();
@@ -69,6 +73,8 @@ class VolumeMapper final : public runtime::Component {
   std::size_t without_pose_ = 0;
   std::optional<Stamp> last_label_;
   std::optional<Stamp> last_published_;
+  ShareOfTime publishing_;          ///< live
+  std::optional<Stamp> held_back_;  ///< of the newest cloud whose map was due, but cost too much
   std::function<void(const octomap_msgs::msg::Octomap&)> publish_;
 };
 
