@@ -2,7 +2,6 @@
 /// MCAP as rosbag2 writes it: chunks plain, zstd or lz4, with CRCs. The data section alone is read;
 /// summary and indexes only repeat it, and are missing when a recording broke off.
 #include <algorithm>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <string>
@@ -15,16 +14,12 @@
 #include "components/log/byte_cursor.hpp"
 #include "components/log/compression.hpp"
 #include "components/log/mcap_records.hpp"
-#include "components/log/messages_in_order.hpp"
-#include "core/base/error.hpp"
+#include "components/log/piecewise_bag_reader.hpp"
 
 namespace fs = std::filesystem;
 
 namespace strata::log {
 namespace {
-
-/// No honest chunk is larger; a damaged length must not take the machine's memory.
-constexpr std::uint64_t kLargestChunk = 512ULL << 20;
 
 /// Empty with a reason when the bytes are not what they should be.
 Bytes unpack(const std::string& method, View packed, std::uint64_t size, std::string& error) {
@@ -42,29 +37,13 @@ Bytes unpack(const std::string& method, View packed, std::uint64_t size, std::st
   return plain;
 }
 
-class McapReader : public BagReader {
+class McapReader final : public PiecewiseBagReader {
  public:
-  McapReader(const fs::path& file, fs::path shown)
-      : file_(std::move(shown)), in_(file, std::ios::binary) {
-    if (!in_) throw InputError(file_.string(), "cannot be opened", "check its permissions");
-    size_ = fs::file_size(file);
-    scan_file();
-    messages_.set_pieces(std::move(pieces_));
-    messages_.prefetch([this](const BagPiece& piece) { load(piece); });
-    // A whole file without a topic is a recording of nothing, as a database without one is.
-    if (topics_.empty() && damage_.count > 0) {
-      throw InputError(file_.string(), damage_.first, "check that it was copied whole");
-    }
-  }
+  using PiecewiseBagReader::PiecewiseBagReader;
 
   const std::vector<BagTopic>& topics() const override { return topics_; }
-  const BagDamage& damage() const override { return damage_; }
   std::string description() const override {
     return "MCAP" + (compression_.empty() ? std::string() : ", chunks packed with " + compression_);
-  }
-
-  bool next(BagMessage& message) override {
-    return messages_.next(message, [this](const BagPiece& piece) { load(piece); });
   }
 
  private:
@@ -74,29 +53,16 @@ class McapReader : public BagReader {
     std::string definition;
   };
 
-  [[nodiscard]] std::string place(std::uint64_t offset) const {
-    return file_.string() + ": byte " + std::to_string(offset) + ": ";
-  }
-
-  Bytes read(std::uint64_t offset, std::uint64_t size) {
-    Bytes bytes(static_cast<std::size_t>(size));
-    in_.clear();
-    in_.seekg(static_cast<std::streamoff>(offset));
-    in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-    bytes.resize(static_cast<std::size_t>(in_.gcount()));
-    return bytes;
-  }
-
   /// Walks over the records of the file without reading chunks.
-  void scan_file() {
+  void find_pieces() override {
     std::uint64_t at = 8;  // behind the magic
-    while (at < size_) {
+    while (at < file_size()) {
       const Bytes head = read(at, 9);
       ByteCursor cursor{View(head)};
       const auto opcode = cursor.number<std::uint8_t>();
       const auto length = cursor.number<std::uint64_t>();
-      if (!cursor.ok() || length > size_ - at - 9) {
-        damage_.add(place(at) + "the file is cut here");
+      if (!cursor.ok() || length > file_size() - at - 9) {
+        note_damage(at, "the file is cut here");
         return;
       }
       const std::uint64_t body = at + 9;
@@ -105,20 +71,20 @@ class McapReader : public BagReader {
         const Bytes start = read(body, std::min<std::uint64_t>(length, 24));
         ByteCursor fields{View(start)};
         if (opcode == kMessage) fields.take(6);
-        pieces_.push_back({fields.number<std::uint64_t>(), body, length, opcode});
+        pieces().push_back({fields.number<std::uint64_t>(), body, length, opcode});
       } else if (opcode == kSchema || opcode == kChannel) {
         const Bytes record = read(body, length);
         take_record(opcode, record, body);
       } else if (opcode == 0 || (opcode > kDataEnd && opcode < 0x80)) {
-        damage_.add(place(at) + "is not a record; nothing behind it is read");
+        note_damage(at, "is not a record; nothing behind it is read");
         return;
       }
       at = body + length;
     }
-    damage_.add(place(at) + "the file ends without its end mark");
+    note_damage(at, "the file ends without its end mark");
   }
 
-  void load(const BagPiece& piece) {
+  void load(const BagPiece& piece) override {
     const Bytes bytes = read(piece.offset, piece.size);
     if (piece.kind == kMessage) {
       take_record(kMessage, bytes, piece.offset);
@@ -148,7 +114,7 @@ class McapReader : public BagReader {
       }
     }
     if (!error.empty()) {
-      damage_.add(place(offset) + "a chunk is left out: " + error);
+      note_damage(offset, "a chunk is left out: " + error);
       return;
     }
     ByteCursor records{View(plain)};
@@ -156,7 +122,7 @@ class McapReader : public BagReader {
       const auto opcode = records.number<std::uint8_t>();
       const View body = records.take(records.number<std::uint64_t>());
       if (!records.ok()) {
-        damage_.add(place(offset) + "a chunk ends inside a record");
+        note_damage(offset, "a chunk ends inside a record");
         return;
       }
       take_record(opcode, body, offset);
@@ -180,15 +146,15 @@ class McapReader : public BagReader {
       cursor.number<std::uint64_t>();
       constexpr auto kLatest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
       if (!cursor.ok() || channel == places_.end() || stamp > kLatest) {
-        damage_.add(place(offset) + "a message is not readable or belongs to no topic");
+        note_damage(offset, "a message is not readable or belongs to no topic");
         return;
       }
       const View data = cursor.rest();
-      messages_.add(
+      add_message(
           {channel->second, {static_cast<std::int64_t>(stamp)}, {data.begin(), data.end()}});
       return;
     }
-    if (!cursor.ok()) damage_.add(place(offset) + "a record is too short");
+    if (!cursor.ok()) note_damage(offset, "a record is too short");
   }
 
   void take_channel(ByteCursor& cursor) {
@@ -212,22 +178,16 @@ class McapReader : public BagReader {
     topics_.push_back(std::move(topic));
   }
 
-  fs::path file_;
-  std::ifstream in_;
-  std::uint64_t size_ = 0;
-  std::vector<BagPiece> pieces_;
-  MessagesInOrder messages_;
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, std::size_t> places_;
   std::vector<BagTopic> topics_;
   std::string compression_;  ///< of the last chunk
-  BagDamage damage_;
 };
 
 }  // namespace
 
 std::unique_ptr<BagReader> open_mcap(const fs::path& file, const fs::path& shown) {
-  return std::make_unique<McapReader>(file, shown);
+  return start_reader<McapReader>(file, shown);
 }
 
 }  // namespace strata::log

@@ -2,7 +2,6 @@
 /// ROS 1 bags of format 2.0. The chunks are read one after the other; the index only says where
 /// they lie and when they begin, and is missing when a recording broke off.
 #include <algorithm>
-#include <fstream>
 #include <limits>
 #include <set>
 #include <string>
@@ -11,7 +10,7 @@
 #include "components/log/bag_storage.hpp"
 #include "components/log/bz2.hpp"
 #include "components/log/compression.hpp"
-#include "components/log/messages_in_order.hpp"
+#include "components/log/piecewise_bag_reader.hpp"
 #include "components/log/ros1_records.hpp"
 #include "components/log/ros1_topics.hpp"
 #include "core/base/error.hpp"
@@ -21,40 +20,22 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-/// No honest one is larger; a damaged length must not take the machine's memory.
-constexpr std::uint64_t kLargestChunk = 512ULL << 20;
+/// As kLargestChunk.
 constexpr std::uint64_t kLargestHeader = 1ULL << 20;
 
 constexpr std::uint64_t kUnknownBegin = std::numeric_limits<std::uint64_t>::max();
 
-class Ros1BagReader : public BagReader {
+class Ros1BagReader final : public PiecewiseBagReader {
  public:
-  Ros1BagReader(const fs::path& file, fs::path shown)
-      : file_(std::move(shown)), in_(file, std::ios::binary) {
-    if (!in_) throw InputError(file_.string(), "cannot be opened", "check its permissions");
-    size_ = fs::file_size(file);
-    check_format();
-    scan_file();
-    inspect();
-    messages_.set_pieces(std::move(pieces_));
-    messages_.prefetch([this](const BagPiece& piece) { load(piece); });
-    // A whole bag without a topic is a recording of nothing.
-    if (topics_.topics().empty() && damage_.count > 0) {
-      throw InputError(file_.string(), damage_.first, "check that it was copied whole");
-    }
-  }
+  using PiecewiseBagReader::PiecewiseBagReader;
 
   const std::vector<BagTopic>& topics() const override { return topics_.topics(); }
-  const BagDamage& damage() const override { return damage_; }
   std::string description() const override {
     std::string text = "ROSBAG V2.0";
     for (const std::string& method : methods_) {
       text += method == "none" ? "" : ", chunks packed with " + method;
     }
     return text + (has_whole_index_ ? "" : ", without a whole index");
-  }
-  bool next(BagMessage& message) override {
-    return messages_.next(message, [this](const BagPiece& piece) { load(piece); });
   }
 
  private:
@@ -66,29 +47,22 @@ class Ros1BagReader : public BagReader {
     bool is_cut = false;  ///< the file ends before the data does
   };
 
-  [[nodiscard]] std::string place_of(std::uint64_t offset) const {
-    return file_.string() + ": byte " + std::to_string(offset);
-  }
-  [[nodiscard]] std::string place(std::uint64_t offset) const { return place_of(offset) + ": "; }
   static std::string method_of(const Record& record) {
     const std::string method = record.fields.text("compression");
     return method.empty() ? "none" : method;
   }
 
-  Bytes read(std::uint64_t offset, std::uint64_t size) {
-    Bytes bytes(static_cast<std::size_t>(size));
-    in_.clear();
-    in_.seekg(static_cast<std::streamoff>(offset));
-    in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-    bytes.resize(static_cast<std::size_t>(in_.gcount()));
-    return bytes;
+  void find_pieces() override {
+    check_format();
+    scan_file();
+    inspect();
   }
 
   void check_format() {
     const Bytes start = read(0, 20);
     const std::string magic(start.begin(), start.end());
     if (magic.starts_with(kRos1Magic)) return;
-    throw InputError(file_.string(),
+    throw InputError(name(),
                      "is a ROS 1 bag of another format (" + magic.substr(0, magic.find('\n')) +
                          "), and only 2.0 can be read",
                      "have ROS 1 write it anew: `rosbag filter OLD.bag NEW.bag True`");
@@ -100,17 +74,17 @@ class Ros1BagReader : public BagReader {
       return ByteCursor(read(offset, 4)).number<std::uint32_t>();
     };
     const std::string cut = "the file is cut here";
-    if (size_ - at < 4) return cut;
+    if (file_size() - at < 4) return cut;
     const std::uint64_t header_size = length_at(at);
     if (header_size > kLargestHeader) return "is not a record";
-    if (size_ - at < 8 + header_size) return cut;
+    if (file_size() - at < 8 + header_size) return cut;
     record.fields = Ros1Fields(read(at + 4, header_size));
     const auto op = record.fields.op();
     if (!record.fields.ok() || !op) return "is not a record";
     record.op = *op;
     record.data_at = at + 8 + header_size;
     record.data_size = length_at(record.data_at - 4);
-    record.is_cut = record.data_size > size_ - record.data_at;
+    record.is_cut = record.data_size > file_size() - record.data_at;
     return "";
   }
 
@@ -123,21 +97,21 @@ class Ros1BagReader : public BagReader {
       index_at_ = header.fields.number<std::uint64_t>("index_pos").value_or(0);
       at = header.data_at + header.data_size;
     } else {
-      damage_.add(place(at) + "the bag's header is damaged");
+      note_damage(at, "the bag's header is damaged");
       at += kRos1BagHeaderBytes;
     }
-    if (index_at_ >= at && index_at_ <= size_) read_index();
-    const std::uint64_t end = has_index() ? index_at_ : size_;
+    if (index_at_ >= at && index_at_ <= file_size()) read_index();
+    const std::uint64_t end = has_index() ? index_at_ : file_size();
     while (at < end) at = scan_record(at, end);
-    if (!has_whole_index_ && damage_.count == 0) {
-      damage_.add(place(size_) + "the bag ends without its index, as when recording broke off");
+    if (!has_whole_index_ && damage().count == 0) {
+      note_damage(file_size(), "the bag ends without its index, as when recording broke off");
     }
   }
 
   void refuse_encrypted(const Ros1Fields& header) const {
     const std::string encryptor = header.text("encryptor");
     if (encryptor.empty() || encryptor == "rosbag/NoEncryptor") return;
-    throw InputError(file_.string(), "is encrypted (" + encryptor + ")",
+    throw InputError(name(), "is encrypted (" + encryptor + ")",
                      "have ROS 1 decrypt it: `rosbag decrypt`");
   }
 
@@ -146,7 +120,7 @@ class Ros1BagReader : public BagReader {
   /// At the end of the bag: all connections again, and where the chunks lie.
   void read_index() {
     std::uint64_t at = index_at_;
-    while (at < size_) {
+    while (at < file_size()) {
       Record record;
       if (!read_record(at, record).empty() || record.is_cut) return;
       if (record.op == Ros1Op::kConnection) {
@@ -171,23 +145,23 @@ class Ros1BagReader : public BagReader {
     if (!why.empty()) {
       const auto next = chunks_at_.upper_bound(at);
       const bool goes_on = next != chunks_at_.end() && *next < end;
-      damage_.add(
-          place(at) + why + "; " +
-          (goes_on ? "what lies before the next chunk is left out" : "nothing behind it is read"));
+      note_damage(at, why + "; " +
+                          (goes_on ? "what lies before the next chunk is left out"
+                                   : "nothing behind it is read"));
       return goes_on ? *next : end;
     }
-    const std::uint64_t behind = record.is_cut ? size_ : record.data_at + record.data_size;
-    if (record.is_cut) damage_.add(place(at) + "the file is cut in this record");
+    const std::uint64_t behind = record.is_cut ? file_size() : record.data_at + record.data_size;
+    if (record.is_cut) note_damage(at, "the file is cut in this record");
     if (record.op == Ros1Op::kChunk) return add_chunk(at, record, behind);
     if (record.is_cut) return behind;
     if (record.op == Ros1Op::kMessage) {
       const Stamp stamp = record.fields.time("time").value_or(Stamp{});
-      pieces_.push_back({static_cast<std::uint64_t>(stamp.ns), at, record.data_size,
-                         static_cast<std::uint8_t>(record.op)});
+      pieces().push_back({static_cast<std::uint64_t>(stamp.ns), at, record.data_size,
+                          static_cast<std::uint8_t>(record.op)});
     } else if (record.op == Ros1Op::kConnection) {
       take_connection(record.fields, read(record.data_at, record.data_size), at);
-    } else if (record.op == Ros1Op::kIndex && !pieces_.empty()) {
-      take_index(read(record.data_at, record.data_size), pieces_.back());
+    } else if (record.op == Ros1Op::kIndex && !pieces().empty()) {
+      take_index(read(record.data_at, record.data_size), pieces().back());
     }
     return behind;
   }
@@ -199,14 +173,14 @@ class Ros1BagReader : public BagReader {
     methods_.insert(method);
     // Recording writes the lengths when a chunk is finished. In one that is not packed the records
     // follow as if they lay outside.
-    const bool is_unfinished = record.data_size == 0 && method != "none" && behind < size_ &&
+    const bool is_unfinished = record.data_size == 0 && method != "none" && behind < file_size() &&
                                record.fields.number<std::uint32_t>("size").value_or(0) == 0;
     if (is_unfinished) {
-      damage_.add(place(at) + "this chunk was not finished, as when recording broke off");
-      chunk.size = size_ - record.data_at;
-      behind = size_;
+      note_damage(at, "this chunk was not finished, as when recording broke off");
+      chunk.size = file_size() - record.data_at;
+      behind = file_size();
     }
-    pieces_.push_back(chunk);
+    pieces().push_back(chunk);
     return behind;
   }
 
@@ -222,7 +196,7 @@ class Ros1BagReader : public BagReader {
 
   /// What the index would have told: connections, and when chunks begin.
   void inspect() {
-    for (BagPiece& piece : pieces_) {
+    for (BagPiece& piece : pieces()) {
       if (piece.kind != static_cast<std::uint8_t>(Ros1Op::kChunk)) continue;
       if (has_whole_index_ && piece.begin_ns != kUnknownBegin) continue;
       std::string ignored;  // said when it is loaded
@@ -260,7 +234,7 @@ class Ros1BagReader : public BagReader {
     return plain;
   }
 
-  void load(const BagPiece& piece) {
+  void load(const BagPiece& piece) override {
     Record record;
     std::string error = read_record(piece.offset, record);
     if (record.op == Ros1Op::kMessage) {
@@ -270,45 +244,39 @@ class Ros1BagReader : public BagReader {
     const bool is_whole = record.data_size == piece.size;
     const Bytes records = content(piece, error);
     if (is_whole && !error.empty()) {
-      damage_.add(place(piece.offset) + "a chunk is left out: " + error);
+      note_damage(piece.offset, "a chunk is left out: " + error);
     }
     const bool is_even = for_each_ros1_record(records, [&](const Ros1Fields& fields, View data) {
       if (fields.op() == Ros1Op::kConnection) take_connection(fields, data, piece.offset);
       if (fields.op() == Ros1Op::kMessage) take_message(fields, data, piece.offset);
     });
-    if (is_whole && !is_even) damage_.add(place(piece.offset) + "a chunk ends inside a record");
+    if (is_whole && !is_even) note_damage(piece.offset, "a chunk ends inside a record");
   }
 
   void take_connection(const Ros1Fields& fields, View data, std::uint64_t offset) {
     const std::string problem = topics_.add(fields, data);
-    if (!problem.empty()) damage_.add(place(offset) + problem);
+    if (!problem.empty()) note_damage(offset, problem);
   }
 
   void take_message(const Ros1Fields& fields, View data, std::uint64_t offset) {
     try {
-      messages_.add(topics_.message(fields, data, place_of(offset)));
+      add_message(topics_.message(fields, data, place(offset)));
     } catch (const InputError& error) {
-      damage_.add(error.what());
+      note_damage(error.what());
     }
   }
 
-  fs::path file_;
-  std::ifstream in_;
-  std::uint64_t size_ = 0;
   std::uint64_t index_at_ = 0;
   bool has_whole_index_ = false;
   std::set<std::uint64_t> chunks_at_;  ///< by the index
   std::set<std::string> methods_;
-  std::vector<BagPiece> pieces_;
-  MessagesInOrder messages_;
   Ros1Topics topics_;
-  BagDamage damage_;
 };
 
 }  // namespace
 
 std::unique_ptr<BagReader> open_ros1_bag(const fs::path& file, const fs::path& shown) {
-  return std::make_unique<Ros1BagReader>(file, shown);
+  return start_reader<Ros1BagReader>(file, shown);
 }
 
 }  // namespace strata::log
