@@ -84,6 +84,7 @@ const Ros1Topic kRos1Truth{"/ground_truth", "geometry_msgs/PoseStamped",
                            "d3812c3cbc69362b77dc0b19b345f8f5"};
 const Ros1Topic kRos1Cloud{"/points", "sensor_msgs/PointCloud2",
                            "1158d486dd51d683ce2f1be655c3c181"};
+const Ros1Topic kRos1Chat{"/chat", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1"};
 
 Ros1Bytes& Ros1Bytes::f32(float value) { return u32(std::bit_cast<std::uint32_t>(value)); }
 Ros1Bytes& Ros1Bytes::f64(double value) { return u64(std::bit_cast<std::uint64_t>(value)); }

@@ -60,7 +60,7 @@ struct Ros1Topic {
   bool latched = false;
 };
 extern const Ros1Topic kRos1Scan, kRos1Odometry, kRos1Transforms, kRos1FixedTransforms,
-    kRos1OldTransforms, kRos1Truth, kRos1Cloud;
+    kRos1OldTransforms, kRos1Truth, kRos1Cloud, kRos1Chat;
 
 /// How recording ended.
 enum class Ros1End {
