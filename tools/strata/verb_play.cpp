@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata play LOG`: publishes a recorded log as it was recorded, with a clock, to its end.
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -13,9 +11,8 @@
 #include "components/runtime/host.hpp"
 #include "tools/all_components/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
-#include "tools/strata/network_keys.hpp"
+#include "tools/strata/one_component.hpp"
 #include "tools/strata/positive.hpp"
-#include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -28,8 +25,7 @@ struct PlayOptions {
   std::optional<double> rate;
   std::optional<double> start_s;
   bool loop = false;
-  std::string transport;
-  std::optional<int> domain;
+  NetworkOptions network;
 };
 
 /// A bag is played message by message; of a CARMEN log a robot's messages are made.
@@ -37,39 +33,21 @@ const char* usual_mode(const std::string& log) {
   return log::detect_format(log) == log::LogFormat::kCarmen ? "robot" : "messages";
 }
 
-/// A composition of one player: --config and --set hold its parameters and those of the network;
-/// options of their own win.
-runtime::Composition composition_of(const PlayOptions& options, const CommonOptions& common) {
-  YAML::Node parameters = load_config(common);
-  YAML::Node document = take_network_keys(parameters);
-  if (options.domain) document["domain"] = *options.domain;
-  if (!options.transport.empty()) document["transport"] = options.transport;
-  parameters["log"] = options.log;
-  if (!options.mode.empty()) {
-    parameters["mode"] = options.mode;
-  } else if (!parameters["mode"].IsDefined()) {
-    parameters["mode"] = usual_mode(options.log);
-  }
-  if (!options.topics.empty()) parameters["topics"] = options.topics;
-  if (options.rate) parameters["rate"] = *options.rate;
-  if (options.start_s) parameters["start_s"] = *options.start_s;
-  if (options.loop) parameters["loop"] = true;
-
-  YAML::Node player;
-  player["type"] = "strata::Player";
-  player["name"] = "player";
-  player["parameters"] = parameters;
-  YAML::Node process;
-  process["name"] = "play";
-  process["executor"] = "single_threaded";
-  process["components"].push_back(player);
-  document["processes"].push_back(process);
-  return runtime::read_composition(document, config_place(common));
-}
-
 void play(const PlayOptions& options, VerbContext& context) {
-  const runtime::Composition composition = composition_of(options, context.options);
-  for (const std::string& note : composition.notes) context.note("note: " + note);
+  const auto set = [&](YAML::Node& parameters) {
+    parameters["log"] = options.log;
+    if (!options.mode.empty()) {
+      parameters["mode"] = options.mode;
+    } else if (!parameters["mode"].IsDefined()) {
+      parameters["mode"] = usual_mode(options.log);
+    }
+    if (!options.topics.empty()) parameters["topics"] = options.topics;
+    if (options.rate) parameters["rate"] = *options.rate;
+    if (options.start_s) parameters["start_s"] = *options.start_s;
+    if (options.loop) parameters["loop"] = true;
+  };
+  const runtime::Composition composition =
+      compose_one("strata::Player", "player", "play", options.network, set, context);
   const runtime::Registry registry = all_components();
   runtime::Host host(composition, composition.processes[0], registry, join(composition, context),
                      {});
@@ -109,10 +87,7 @@ void add_play(CLI::App& app, VerbContext& context) {
   verb->add_option("--start", options->start_s, "seconds from the beginning to begin at")
       ->check(CLI::Range(0.0, 4e9));
   verb->add_flag("--loop", options->loop, "begin again at the end");
-  verb->add_option("--domain", options->domain, "the environment's ROS_DOMAIN_ID when left out")
-      ->check(CLI::Range(0, 232));
-  verb->add_option("--transport", options->transport,
-                   bus::transport_names() + "; the environment's when left out");
+  add_network_options(*verb, options->network);
 }
 
 }  // namespace strata::tools

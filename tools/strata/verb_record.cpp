@@ -9,9 +9,8 @@
 #include "components/runtime/host.hpp"
 #include "tools/all_components/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
-#include "tools/strata/network_keys.hpp"
+#include "tools/strata/one_component.hpp"
 #include "tools/strata/process_group.hpp"
-#include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -23,38 +22,19 @@ struct RecordOptions {
   std::string storage;
   std::optional<double> split_mb;
   std::optional<double> split_s;
-  std::string transport;
-  std::optional<int> domain;
+  NetworkOptions network;
 };
 
-/// A composition of one recorder: --config and --set hold its parameters and those of the network;
-/// options of their own win. What nobody says the environment does, as for `strata run`.
-runtime::Composition composition_of(const RecordOptions& options, const CommonOptions& common) {
-  YAML::Node parameters = load_config(common);
-  YAML::Node document = take_network_keys(parameters);
-  if (options.domain) document["domain"] = *options.domain;
-  if (!options.transport.empty()) document["transport"] = options.transport;
-  parameters["out"] = options.out;
-  if (!options.storage.empty()) parameters["storage"] = options.storage;
-  if (options.split_mb) parameters["split_mb"] = *options.split_mb;
-  if (options.split_s) parameters["split_s"] = *options.split_s;
-  if (!options.topics.empty()) parameters["topics"] = options.topics;
-
-  YAML::Node recorder;
-  recorder["type"] = "strata::Recorder";
-  recorder["name"] = "recorder";
-  recorder["parameters"] = parameters;
-  YAML::Node process;
-  process["name"] = "record";
-  process["executor"] = "single_threaded";
-  process["components"].push_back(recorder);
-  document["processes"].push_back(process);
-  return runtime::read_composition(document, config_place(common));
-}
-
 void record(const RecordOptions& options, VerbContext& context) {
-  const runtime::Composition composition = composition_of(options, context.options);
-  for (const std::string& note : composition.notes) context.note("note: " + note);
+  const auto set = [&](YAML::Node& parameters) {
+    parameters["out"] = options.out;
+    if (!options.storage.empty()) parameters["storage"] = options.storage;
+    if (options.split_mb) parameters["split_mb"] = *options.split_mb;
+    if (options.split_s) parameters["split_s"] = *options.split_s;
+    if (!options.topics.empty()) parameters["topics"] = options.topics;
+  };
+  const runtime::Composition composition =
+      compose_one("strata::Recorder", "recorder", "record", options.network, set, context);
   if (composition.network.is_alone) {
     context.note(
         "note: no other process is heard: the environment says ROS_AUTOMATIC_DISCOVERY_RANGE=OFF; "
@@ -80,7 +60,7 @@ void record(const RecordOptions& options, VerbContext& context) {
   host.stop();
   tell_errors();  // the bag's last chunk and its index are written at the end
   if (!first_error.empty()) {
-    throw OutputError(options.out, first_error, "free some space and record again");
+    throw OutputError(options.out, first_error, "then record again");
   }
 }
 
@@ -95,10 +75,7 @@ void add_record(CLI::App& app, VerbContext& context) {
   verb->add_option("--storage", options->storage, "sqlite3 or mcap");
   verb->add_option("--split-mb", options->split_mb, "begin another file when one holds this much");
   verb->add_option("--split-s", options->split_s, "... or spans this many seconds");
-  verb->add_option("--domain", options->domain, "the environment's ROS_DOMAIN_ID when left out")
-      ->check(CLI::Range(0, 232));
-  verb->add_option("--transport", options->transport,
-                   bus::transport_names() + "; the environment's when left out");
+  add_network_options(*verb, options->network);
 }
 
 }  // namespace strata::tools

@@ -91,7 +91,7 @@ TEST_P(RecordOnAFullDisk, FailsAlsoWhenOnlyItsEndCannotBeWritten) {
   recorder.send(SIGINT);
   EXPECT_EQ(recorder.wait(), 1);
   EXPECT_THAT(recorder.rest(), AllOf(HasSubstr("strata record: error: " + bag().string()),
-                                     HasSubstr("free some space and record again")));
+                                     HasSubstr("; then record again")));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RecordOnAFullDisk, testing::Values("mcap", "sqlite3"));
