@@ -17,7 +17,6 @@
 
 #include "components/maps/map_models.hpp"
 #include "tests/support/test_data.hpp"
-#include "tools/strata/run_options.hpp"
 
 namespace fs = std::filesystem;
 
@@ -28,15 +27,6 @@ using test::Outcome;
 using test::quoted;
 
 Outcome run(const std::string& arguments) { return test::run_strata(arguments); }
-
-void write_log(const fs::path& path, int scans) {
-  std::ofstream out(path);
-  for (int i = 0; i < scans; ++i) {
-    out << "ODOM " << 0.1 * i << " 0 0 0 0 0 " << i << ".5 h 0\n";
-    out << "FLASER 4 1 2 3 81.83 " << 0.1 * i + 0.2 << " 0 0 " << 0.1 * i << " 0 0 " << i
-        << ".75 h 0\n";
-  }
-}
 
 TEST(Program, SaysThatAVerbDoesNotExistEvenWhenAskedForItsHelp) {
   for (const std::string arguments : {"lern", "lern --help"}) {
@@ -163,152 +153,6 @@ TEST(Program, KnowsPresetsAndTellsOfSettingsThatAreGone) {
           "--set sensor.states.reach_m=2 2>&1");
   EXPECT_THAT(gone.out, ::testing::HasSubstr("note: --set sensor.states.reach_m: "
                                              "sensor.states.reach_m is gone and is left out"));
-}
-
-TEST(Program, InfoStatesCountsAndGeometryAsJson) {
-  const strata::test::TemporaryDirectory folder;
-  write_log(folder.path() / "a.clf", 11);
-  const Outcome outcome = run("info --json --quiet " + quoted(folder.path() / "a.clf"));
-  ASSERT_EQ(outcome.code, 0);
-  const auto info = nlohmann::json::parse(outcome.out);
-  EXPECT_EQ(info["scans"]["count"], 11);
-  EXPECT_EQ(info["scans"]["beams"], 4);
-  EXPECT_EQ(info["scans"]["no_returns"], 11);
-  EXPECT_DOUBLE_EQ(info["scans"]["rate_hz"], 1.0);
-  EXPECT_DOUBLE_EQ(info["duration_s"], 10.0);
-  EXPECT_NEAR(info["path_m"].get<double>(), 1.0, 1e-9);
-  EXPECT_EQ(info["messages"]["ODOM"]["count"], 11);
-  EXPECT_NEAR(info["scans"]["mounting"][0].get<double>(), 0.2, 1e-9);
-}
-
-fs::path ros1_bag() { return fs::path(STRATA_SOURCE_DIR) / "tests/fuzz/corpus/bag/ros1_lz4.bag"; }
-
-TEST(Program, InfoNamesABagOfRos1AndItsTopics) {
-  const Outcome text = run("info --quiet " + quoted(ros1_bag()));
-  ASSERT_EQ(text.code, 0) << text.out;
-  EXPECT_THAT(text.out, ::testing::HasSubstr(": ROS 1 bag (ROSBAG V2.0, chunks packed with lz4)"));
-  const auto info = nlohmann::json::parse(run("info --json --quiet " + quoted(ros1_bag())).out);
-  EXPECT_EQ(info["scans"]["count"], 3);
-  EXPECT_EQ(info["messages"]["/scan"]["type"], "sensor_msgs/msg/LaserScan");
-  EXPECT_EQ(info["bad"]["count"], 0);
-}
-
-TEST(Program, ConvertMakesABagOfRos2OfOneOfRos1) {
-  const strata::test::TemporaryDirectory folder;
-  const std::string copy = quoted(folder.path() / "copy.mcap");
-  ASSERT_EQ(run("convert --quiet " + quoted(ros1_bag()) + " " + copy).code, 0);
-  const auto info = nlohmann::json::parse(run("info --json --quiet " + copy).out);
-  EXPECT_EQ(info["format"], "MCAP file");
-  EXPECT_EQ(info["scans"]["count"], 3);
-  EXPECT_EQ(info["odometry"]["source"], "/odom");
-  const Outcome back = run("convert --quiet " + copy + " " + quoted(folder.path() / "x.bag"));
-  EXPECT_EQ(back.code, 2) << "bags of ROS 1 are not written";
-}
-
-TEST(Program, InfoSaysWhatItTakesForNoReturnAndWhy) {
-  const strata::test::TemporaryDirectory folder;
-  const auto write = [&](const std::string& code) {
-    std::ofstream out(folder.path() / "a.clf");
-    for (int i = 0; i < 30; ++i) {
-      out << "FLASER 8 1 2 " << code << " " << code << " " << code << " " << code << " " << code
-          << " " << code << " " << 0.1 * i << " 0 0 " << 0.1 * i << " 0 0 " << i << ".75 h 0\n";
-    }
-  };
-  const auto info = [&](const std::string& options) {
-    return run("info --quiet " + quoted(folder.path() / "a.clf") + options).out;
-  };
-  write("81.83");
-  EXPECT_THAT(info(""), ::testing::HasSubstr("no return  from 80.00 m on: as a SICK"));
-  write("50.07");
-  EXPECT_THAT(info(""), ::testing::HasSubstr("no return  from 50.07 m on: they pile up: 180 "
-                                             "readings of exactly 50.07 m"));
-  EXPECT_THAT(info(" --max-range 2.5"), ::testing::HasSubstr("no return  from 2.50 m on: as told"));
-  const auto told = nlohmann::json::parse(info(" --json --max-range 70"));
-  EXPECT_EQ(told["scans"]["no_returns"], 0);
-  EXPECT_EQ(told["no_return"][0]["from_m"], 70.0);
-}
-
-TEST(Program, TheSettingsSayFromWhereOnNothingCameBack) {
-  const strata::test::TemporaryDirectory folder;
-  write_log(folder.path() / "a.clf", 30);
-  const std::string wrong = "learn " + quoted(folder.path() / "a.clf") + " --out " +
-                            quoted(folder.path() / "maps") + " --set log.max_range_m=";
-  EXPECT_THAT(run(wrong + "-1 2>&1").out, ::testing::HasSubstr("log.max_range_m"));
-  EXPECT_EQ(run(wrong + "-1 2>&1").code, 2);
-  // The option goes before them.
-  pipeline::RunsInput input;
-  input.logs = {(folder.path() / "a.clf").string()};
-  const auto limit = [&] {
-    return pipeline::read_runs(with_config(input, {2.5}), nullptr).reports[0].no_returns[0].from_m;
-  };
-  EXPECT_EQ(limit(), 2.5F);
-  input.max_range_m = 1.5;
-  EXPECT_EQ(limit(), 1.5F);
-}
-
-TEST(Program, ConvertGoesThroughEveryFormatAndBack) {
-  const strata::test::TemporaryDirectory folder;
-  write_log(folder.path() / "a.clf", 5);
-  const auto at = [&](const char* name) { return quoted(folder.path() / name); };
-  EXPECT_EQ(run("convert --quiet " + at("a.clf") + " " + at("b.mcap")).code, 0);
-  EXPECT_EQ(run("convert --quiet " + at("b.mcap") + " " + at("c.db3")).code, 0);
-  EXPECT_EQ(run("convert --quiet " + at("c.db3") + " " + at("d") + " --to mcap").code, 0);
-  EXPECT_EQ(run("convert --quiet " + at("d") + " " + at("e.clf") + " --from 1 --to 3").code, 0);
-  EXPECT_TRUE(fs::exists(folder.path() / "d" / "metadata.yaml"));
-  const auto info = nlohmann::json::parse(run("info --json --quiet " + at("e.clf")).out);
-  EXPECT_EQ(info["scans"]["count"], 3);
-  EXPECT_EQ(info["scans"]["no_returns"], 3);
-}
-
-TEST(Program, ConvertPacksACarmenLogWhoseNameSaysSo) {
-  const strata::test::TemporaryDirectory folder;
-  write_log(folder.path() / "a.clf", 3000);  // more than is packed at once
-  const auto at = [&](const char* name) { return quoted(folder.path() / name); };
-  ASSERT_EQ(run("convert --quiet " + at("a.clf") + " " + at("b.clf")).code, 0);
-  const Outcome packed = run("convert --quiet " + at("a.clf") + " " + at("b.clf.gz") + " 2>&1");
-  ASSERT_EQ(packed.code, 0) << packed.out;
-  const std::string bytes = strata::test::bytes_of(folder.path() / "b.clf.gz");
-  EXPECT_EQ(bytes.substr(0, 2), "\x1f\x8b");
-  EXPECT_EQ(test::run_command("zcat " + at("b.clf.gz")).out,
-            strata::test::bytes_of(folder.path() / "b.clf"));
-  EXPECT_EQ(run("convert --quiet " + at("a.clf") + " " + at("b.mcap.gz") + " 2>/dev/null").code, 2);
-}
-
-TEST(Program, ConvertDoesNotWriteOverWhatItReads) {
-  const strata::test::TemporaryDirectory folder;
-  write_log(folder.path() / "a.clf", 5);
-  const auto at = [&](const char* name) { return quoted(folder.path() / name); };
-  const std::string before = strata::test::bytes_of(folder.path() / "a.clf");
-  ASSERT_EQ(run("convert --quiet " + at("a.clf") + " " + at("bag") + " --to mcap").code, 0);
-  fs::create_symlink("a.clf", folder.path() / "link.clf");
-  for (const std::string& arguments :
-       {at("a.clf") + " " + at("a.clf"), at("a.clf") + " " + at("link.clf"),
-        at("bag") + " " + at("bag/bag_0.mcap"),
-        at("bag/bag_0.mcap") + " " + at("bag/bag_0.mcap")}) {
-    const Outcome outcome = run("convert --quiet " + arguments + " 2>&1");
-    EXPECT_EQ(outcome.code, 1) << arguments;
-    EXPECT_NE(outcome.out.find("the log to convert; give OUT another name"), std::string::npos)
-        << outcome.out;
-  }
-  EXPECT_EQ(strata::test::bytes_of(folder.path() / "a.clf"), before);
-  EXPECT_EQ(run("info --quiet " + at("bag")).code, 0);
-}
-
-TEST(Program, AFailedConvertLeavesNothingBehind) {
-  const strata::test::TemporaryDirectory folder;
-  write_log(folder.path() / "a.clf", 5);
-  std::ofstream(folder.path() / "bad.clf") << "FLASER nonsense\n";
-  const std::string good = quoted(folder.path() / "a.clf");
-  EXPECT_EQ(run("convert --quiet " + good + " " + quoted(folder.path() / "x.abc") + " 2>&1").code,
-            2);
-  EXPECT_EQ(run("convert --quiet " + good + " /no/such/folder/x.clf 2>&1").code, 1);
-  EXPECT_EQ(run("convert --quiet " + quoted(folder.path() / "bad.clf") + " " +
-                quoted(folder.path() / "x.mcap") + " 2>&1")
-                .code,
-            2);
-  std::size_t entries = 0;
-  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path())) ++entries;
-  EXPECT_EQ(entries, 2U);
 }
 
 TEST(Program, CtrlCEndsEvenAVerbThatIsStuck) {
