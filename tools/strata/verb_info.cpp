@@ -150,6 +150,12 @@ void print(const Json& info) {
   }
 }
 
+/// Without the advice to see what is being shown.
+std::string reason(const Error& why) {
+  const bool points_here = why.remedy().find("`strata info`") != std::string::npos;
+  return why.place() + ": " + why.problem() + (points_here ? "" : "; " + why.remedy());
+}
+
 /// A bag without scans, or with several topics of them, is told by its topics all the same.
 bool told_as_bag(const Options& options, const InputError& why) {
   const log::LogFormat format = log::detect_format(options.log);
@@ -157,7 +163,7 @@ bool told_as_bag(const Options& options, const InputError& why) {
       options.from_s <= 0.0 && std::isinf(options.to_s) && options.scan_topics.empty();
   if (format == log::LogFormat::kCarmen || !is_whole) return false;
   try {
-    return print_bag(options.log, log::format_name(format), why.what(), options.json);
+    return print_bag(options.log, log::format_name(format), reason(why), options.json);
   } catch (const InputError&) {
     return false;  // why says more
   }
@@ -195,9 +201,10 @@ void run(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_info(CLI::App& app, VerbContext& context) {
-  const auto [verb, options] =
-      add_verb<Options>(app, context, "info", "what is in a log, or in a folder of maps or results",
-                        "strata info office.log.gz", run);
+  const auto [verb, options] = add_verb<Options>(
+      app, context, "info",
+      "what is in a log, in a folder of maps or results, or in what components keep",
+      "strata info office.log.gz", run);
   verb->add_option("LOG", options->log,
                    "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag; or a folder that a verb "
                    "wrote, or a strata.db")
