@@ -18,6 +18,7 @@
 #include "memory/store/store_summary.hpp"
 #include "tools/strata/info_bag.hpp"
 #include "tools/strata/info_folder.hpp"
+#include "tools/strata/info_kept.hpp"
 #include "tools/strata/info_scans.hpp"
 #include "tools/strata/info_store.hpp"
 #include "tools/strata/run_options.hpp"
@@ -188,8 +189,8 @@ void run(const Options& options, VerbContext& context) {
   try {
     info = describe(options.log, log::read_log(options.log, read, &report), report);
   } catch (const InputError& error) {
-    if (!told_as_bag(options, error)) throw;
-    return;
+    if (print_kept(options.log, options.json) || told_as_bag(options, error)) return;
+    throw;
   }
   if (options.json) {
     std::cout << info.dump(2) << "\n";
@@ -207,7 +208,7 @@ void add_info(CLI::App& app, VerbContext& context) {
       "strata info office.log.gz", run);
   verb->add_option("LOG", options->log,
                    "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag; or a folder that a verb "
-                   "wrote, or a strata.db")
+                   "or a component wrote, or a file in it")
       ->required();
   verb->add_option("--from", options->from_s, "cut, seconds from the first scan");
   verb->add_option("--to", options->to_s, "cut, seconds from the first scan");
