@@ -10,6 +10,8 @@ import sys
 import tempfile
 
 import damaged_logs
+import elsewhere
+import live
 import odd_options
 import outputs
 import table
@@ -20,8 +22,10 @@ GROUPS = {
     "damaged_logs": [damaged_logs.run, damaged_logs.unreadable, damaged_logs.cut_anywhere],
     "odd_options": [odd_options.run],
     "outputs": [outputs.cannot_be_written, outputs.of_another_kind, outputs.with_more_runs],
+    "live": [live.mounting_of_nan, live.empty_messages, live.stores_in_use],
     "table": [table.pipes, table.stamps, table.rotations, table.positions, table.numbers,
-              table.names, table.two_at_once, table.left_over, table.interrupted],
+              table.names, table.two_at_once, table.left_over, table.interrupted,
+              elsewhere.run],
 }
 
 
