@@ -32,7 +32,9 @@ void add_scan_topics(CLI::App& verb, std::vector<std::string>& topics, CloudSlic
   verb.add_option("--max-height", cloud.max_height_m, "... and the highest")->capture_default_str();
 }
 
-void require_bag_for(const std::vector<std::string>& topics, const std::string& log) {
+void require_scan_topics(const std::vector<std::string>& topics, const CloudSliceConfig& cloud,
+                         const std::string& log) {
+  require_valid(cloud, "--min-height, --max-height");
   if (topics.empty() || log::detect_format(log) != log::LogFormat::kCarmen) return;
   throw InputError("--scan-topic", "is for bags, and " + log + " is a CARMEN log", "leave it out");
 }

@@ -25,8 +25,10 @@ void add_odometry_lag(CLI::App& verb, std::optional<double>& lag_s);
 /// outlive the app.
 void add_scan_topics(CLI::App& verb, std::vector<std::string>& topics, CloudSliceConfig& cloud);
 
-/// Throws InputError where topics are named for a log that is no bag.
-void require_bag_for(const std::vector<std::string>& topics, const std::string& log);
+/// Throws InputError where topics are named for a log that is no bag, ConfigError where the heights
+/// leave nothing between them.
+void require_scan_topics(const std::vector<std::string>& topics, const CloudSliceConfig& cloud,
+                         const std::string& log);
 
 /// Adds --poses, --truth, --truth-offset, --from, --to, --scan-topic with the heights of clouds,
 /// --max-range, --odometry-lag and --no-odometry, bound to `input`, which must outlive the app.

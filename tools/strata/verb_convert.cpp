@@ -245,7 +245,7 @@ void run(Options& options, VerbContext& context) {
     throw InputError("--compression-mode", "is for bags, and CARMEN logs are text",
                      "leave it out, or write a bag");
   }
-  require_bag_for(options.scan_topics, options.in);
+  require_scan_topics(options.scan_topics, options.cloud, options.in);
   if (!options.scan_topics.empty() && format != "carmen") {
     throw InputError("--scan-topic", "is for CARMEN logs, and a bag keeps every topic",
                      "leave it out");

@@ -174,7 +174,7 @@ void run(const Options& options, VerbContext& context) {
   if (memory::is_store(log::readable_path(options.log)))
     return print_store(options.log, options.json);
   if (is_result_folder(options.log)) return print_folder(options.log, options.json);
-  require_bag_for(options.scan_topics, options.log);
+  require_scan_topics(options.scan_topics, options.cloud, options.log);
   log::ReadOptions read;
   read.scan_topics = options.scan_topics;
   read.cloud = options.cloud;
