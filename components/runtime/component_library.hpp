@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "components/bus/text_message.hpp"
 #include "components/runtime/composition.hpp"
 #include "components/runtime/registry.hpp"
 

@@ -2,12 +2,14 @@
 /// example::ObstacleAlarm: a component outside Strata's tree, loaded by its library's name.
 ///
 /// In: scan. Out: closest_obstacle, the closest point that the scanner saw, whenever it is nearer
-/// than alarm_distance_m. At the end of a replay: obstacle_alarm.json beside what others save.
+/// than alarm_distance_m, and alarm, the same in words. At the end of a replay: obstacle_alarm.json
+/// beside what others save.
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include <strata/base/error.hpp>
 #include <strata/runtime/component_library.hpp>
@@ -36,6 +38,7 @@ class ObstacleAlarm final : public strata::runtime::Component {
     config_ = read_parameters<ObstacleAlarmConfig>();
     keep_live(config_, {"alarm_distance_m"});  // may be set while it runs: ros2 param set
     publish_ = advertise<geometry_msgs::msg::PointStamped>("closest_obstacle", "default");
+    publish_text_ = advertise<std_msgs::msg::String>("alarm", "default");
     subscribe<sensor_msgs::msg::LaserScan>("scan", "sensor_data",
                                            [this](const auto& scan) { on_scan(scan); });
   }
@@ -59,6 +62,9 @@ class ObstacleAlarm final : public strata::runtime::Component {
     message.point().x(range_m * std::cos(bearing_rad));
     message.point().y(range_m * std::sin(bearing_rad));
     publish_(message);
+    std_msgs::msg::String text;
+    text.data(std::to_string(range_m) + " m away");
+    publish_text_(text);
   }
 
   void on_diagnose(strata::runtime::Health& health) const override {
@@ -79,6 +85,7 @@ class ObstacleAlarm final : public strata::runtime::Component {
   std::uint64_t scans_ = 0;
   std::uint64_t alarms_ = 0;
   std::function<void(const geometry_msgs::msg::PointStamped&)> publish_;
+  std::function<void(const std_msgs::msg::String&)> publish_text_;
 };
 
 }  // namespace example

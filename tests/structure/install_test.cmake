@@ -37,6 +37,7 @@ FLASER 3 1 2 3 0 0 0 0 0 0 1.4 h 1.4
   set(ENV{STRATA_LIBRARY_PATH} ${work}/obstacle_alarm/build)
   set(composition ${work}/obstacle_alarm/composition.yaml)
   run(${prefix}/bin/strata run --check ${composition})
+  expect("${output}" "/alarm +std_msgs/msg/String")
   if(NOT output MATCHES "example::ObstacleAlarm" OR NOT output MATCHES "libobstacle_alarm.so")
     message(FATAL_ERROR "run --check does not explain the component of the library:\n${output}")
   endif()
@@ -46,6 +47,40 @@ FLASER 3 1 2 3 0 0 0 0 0 0 1.4 h 1.4
   if(NOT alarms STREQUAL "{\"scans\": 3, \"alarms\": 1}\n")
     message(FATAL_ERROR "the component of the library wrote ${alarms}")
   endif()
+
+  # A message of one's own, by what the page says: its IDL, the command and its ROS 2 name.
+  file(READ ${EXAMPLES_DIR}/../docs/own-components.md page)
+  string(REGEX MATCH "`(module my_msgs [^`]*)`" found "${page}")
+  file(WRITE ${work}/own/my_msgs.idl "${CMAKE_MATCH_1}\n")
+  string(REGEX MATCH "```sh\n(mkdir[^`]*)```" found "${page}")
+  file(WRITE ${work}/own/generate.sh "cd ${work}/own\n${CMAKE_MATCH_1}")
+  string(REGEX MATCH "```cpp\n(template[^`]*)```" found "${page}")
+  file(WRITE ${work}/own/scale.cpp "#include <functional>
+#include <strata/runtime/component_library.hpp>
+#include \"generated/my_msgs.h\"
+${CMAKE_MATCH_1}
+class Scale final : public strata::runtime::Component {
+  using Component::Component;
+  void on_configure() override { publish_ = advertise<my_msgs::msg::Load>(\"load\", \"default\"); }
+  std::function<void(const my_msgs::msg::Load&)> publish_;
+};
+STRATA_COMPONENT_LIBRARY(registry) { registry.add<Scale>(\"own::Scale\"); }
+")
+  file(WRITE ${work}/own/CMakeLists.txt "cmake_minimum_required(VERSION 3.23)
+project(scale LANGUAGES CXX)
+find_package(strata REQUIRED COMPONENTS components)
+strata_component_library(scale SOURCES scale.cpp generated/my_msgs.cxx)
+")
+  file(WRITE ${work}/own/composition.yaml "version: 1
+transport: loopback
+libraries: [build/libscale.so]
+processes: [{name: main, components: [{type: own::Scale, name: scale}]}]
+")
+  run(bash ${work}/own/generate.sh)
+  configure(${work}/own ${work}/own/build)
+  run(${CMAKE_COMMAND} --build ${work}/own/build)
+  run(${prefix}/bin/strata run --check ${work}/own/composition.yaml)
+  expect("${output}" "/load +my_msgs/msg/Load")
 
   # Programs that call the library, with the packages of their rooms only.
   build_example(learn_from_scans -DCMAKE_DISABLE_FIND_PACKAGE_fastrtps=ON
