@@ -95,6 +95,7 @@ struct LocalizerComponentConfig {
   std::string initial_pose_topic = "initialpose";
   std::string pose_topic = "amcl_pose";
   std::string particles_topic = "particle_cloud";
+  std::string candidates_topic = "place_candidates";
   std::string states_topic = "submap_states";
   std::string current_map_topic = "map_current";
   std::string health_topic = "localization_health";
@@ -140,6 +141,12 @@ struct LocalizerComponentConfig {
             {.doc = "geometry_msgs/PoseWithCovarianceStamped out, one a scan"});
     v.field("particles_topic", c.particles_topic,
             {.doc = "nav2_msgs/ParticleCloud out, made when somebody reads it"});
+    v.field(
+        "candidates_topic", c.candidates_topic,
+        {.doc =
+             "nav2_msgs/ParticleCloud out: the places that are still possible while the pose "
+             "is ambiguous (localizer.global_search), with their probabilities; once empty when it "
+             "no longer is"});
     v.field("states_topic", c.states_topic, {.doc = "strata_msgs/SubmapStates out"});
     v.field(
         "current_map_topic", c.current_map_topic,

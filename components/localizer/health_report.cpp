@@ -20,6 +20,8 @@ HealthReport make_health_report(const std::string& model,
   report.effective_sample_size = result.effective_sample_size;
   report.particles = result.particles;
   report.converged = result.converged;
+  report.is_ambiguous = result.is_ambiguous;
+  report.places = result.places.size();
   report.update_time = update_time;
   return report;
 }
@@ -43,6 +45,8 @@ strata_msgs::msg::LocalizationHealth to_message(const HealthReport& report, Stam
 void describe(const HealthReport& report, runtime::Health& health) {
   if (report.is_lost()) {
     health.fail("lost");
+  } else if (report.is_ambiguous) {
+    health.warn("ambiguous: several places are possible");
   } else if (!report.converged) {
     health.warn("not localized yet");
   } else if (report.health.state == HealthState::kMapOutdated) {
@@ -50,6 +54,8 @@ void describe(const HealthReport& report, runtime::Health& health) {
   }
   health.add("model", report.model);
   health.add("particles", std::uint64_t{report.particles});
+  health.add("ambiguous", report.is_ambiguous ? "true" : "false");
+  health.add("places", std::uint64_t{report.places});
   health.add("position_std_m", report.health.position_stddev_m);
   health.add("heading_std_rad", report.heading_stddev_rad);
   health.add("update_time_s", report.update_time.count());

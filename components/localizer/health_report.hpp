@@ -19,6 +19,8 @@ struct HealthReport {
   double effective_sample_size = 0.0;
   std::size_t particles = 0;
   bool converged = false;
+  bool is_ambiguous = false;
+  std::size_t places = 0;  ///< that are still possible while it is; 0: none was found yet
   std::chrono::duration<double> update_time{0.0};
 
   [[nodiscard]] bool is_lost() const { return health.state == localization::HealthState::kLost; }

@@ -195,6 +195,7 @@ void Localizer::localize(const Observation& observation) {
   if (lockstep()) record_.add(stamp, result, *localizer_);
   publish_pose(observation, result.pose);
   publish_particles(stamp);
+  publish_candidates(stamp, result);
   publish_located(observation, result);
   if (!result.submaps.empty()) publish_states(stamp, result.submaps);
   publish_current_map(stamp, result.submaps);
@@ -240,6 +241,7 @@ void Localizer::on_cleanup() {
   place_.reset();  // its odometry may begin anew before the next configure
   store_.reset();
   waits_for_odometry_ = false;
+  was_ambiguous_ = false;
   health_.reset();
   record_ = {};
   particle_writer_.reset();

@@ -20,14 +20,15 @@
 namespace strata::localizer {
 
 /// Out, once a scan: amcl_pose, map -> odom on /tf (REP 105; as AMCL), particle_cloud,
-/// submap_states (maps with sub-maps only), localization_health; map_current when what is believed
-/// of a sub-map changes, and with each new map. Services, as AMCL's:
-/// reinitialize_global_localization, request_nomotion_update, set_initial_pose. In: initialpose,
-/// and the maps when no MAPS folder is named (or map_topics.follow): scans that come before them
-/// are passed over, and when one comes again the robot goes on in it, with the particles that it
-/// has and what they believe of sub-maps that are still there. Scans with their poses go out where
-/// a learner wants them. At the end of a log trajectory.tum, states.csv and metrics.json, byte for
-/// byte those of `strata localize` without truth but for the cost.
+/// submap_states (maps with sub-maps only), localization_health; place_candidates while several are
+/// possible; map_current when what is believed of a sub-map changes, and with each new map.
+/// Services, as AMCL's: reinitialize_global_localization, request_nomotion_update,
+/// set_initial_pose. In: initialpose, and the maps when no MAPS folder is named (or
+/// map_topics.follow): scans that come before them are passed over, and when one comes again the
+/// robot goes on in it, with the particles that it has and what they believe of sub-maps that are
+/// still there. Scans with their poses go out where a learner wants them. At the end of a log
+/// trajectory.tum, states.csv and metrics.json, byte for byte those of `strata localize` without
+/// truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
@@ -57,6 +58,7 @@ class Localizer final : public runtime::SensorComponent {
   void localize(const Observation& observation);
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_particles(Stamp stamp);
+  void publish_candidates(Stamp stamp, const localization::LocalizationResult& result);
   void publish_located(const Observation& observation,
                        const localization::LocalizationResult& result);
   void publish_states(Stamp stamp, const std::vector<localization::SubmapBelief>& submaps);
@@ -84,6 +86,8 @@ class Localizer final : public runtime::SensorComponent {
   maps::LocalizationRecord record_;     // lockstep only: live it would grow without end
   std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
   std::function<void(const tf2_msgs::msg::TFMessage&)> publish_tf_;
+  std::function<void(const nav2_msgs::msg::ParticleCloud&)> publish_candidates_;
+  bool was_ambiguous_ = false;
   std::function<void(const strata_msgs::msg::SubmapStates&)> publish_states_;
   std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_map_;
   std::function<void(const strata_msgs::msg::LocalizationHealth&)> publish_health_;

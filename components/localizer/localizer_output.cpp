@@ -19,6 +19,10 @@ void Localizer::advertise_topics() {
   publish_pose_ = advertise<geometry_msgs::msg::PoseWithCovarianceStamped>(config_.pose_topic,
                                                                            config_.pose_qos);
   publish_tf_ = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
+  if (config_.localizer.global_search.is_used) {
+    publish_candidates_ =
+        advertise<nav2_msgs::msg::ParticleCloud>(config_.candidates_topic, config_.state_qos);
+  }
   publish_states_ =
       advertise<strata_msgs::msg::SubmapStates>(config_.states_topic, config_.state_qos);
   publish_map_ =
@@ -61,6 +65,20 @@ void Localizer::publish_particles(Stamp stamp) {
     cloud.particles()[i].weight(particles.weight[i]);
   }
   particle_writer_->publish(convert::to_cdr(cloud));
+}
+
+void Localizer::publish_candidates(Stamp stamp, const localization::LocalizationResult& result) {
+  if (!publish_candidates_ || (!result.is_ambiguous && !was_ambiguous_)) return;
+  was_ambiguous_ = result.is_ambiguous;
+  nav2_msgs::msg::ParticleCloud cloud;
+  cloud.header(convert::make_header(stamp, config_.map_frame));
+  for (const localization::PlaceBelief& place : result.places) {
+    nav2_msgs::msg::Particle particle;
+    particle.pose(convert::to_pose(place.map_from_robot));
+    particle.weight(place.probability);
+    cloud.particles().push_back(particle);
+  }
+  publish_candidates_(cloud);
 }
 
 void Localizer::publish_located(const Observation& observation,

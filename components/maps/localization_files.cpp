@@ -43,6 +43,7 @@ void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult
   health.push_back(result.health.state);
   max_particles = std::max(max_particles, result.particles);
   unusable_scans = localizer.unusable_scans();
+  ambiguous_scans += result.is_ambiguous ? 1 : 0;
   for (const localization::SubmapBelief& belief : result.submaps) {
     for (std::size_t k = 0; k < belief.probability.size(); ++k) {
       states.push_back({stamp, belief.submap, static_cast<int>(k), belief.probability[k]});
@@ -57,6 +58,7 @@ json localization_metrics(const LocalizationRecord& record, const std::string& m
           {"particles", particles},
           {"scans", record.trajectory.size()},
           {"unusable_scans", record.unusable_scans},
+          {"ambiguous_scans", record.ambiguous_scans},
           {"health", health_shares(record.health)},
           {"error_m", nullptr},
           {"error_rad", nullptr},

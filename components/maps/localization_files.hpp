@@ -33,7 +33,8 @@ struct LocalizationRecord {
   std::vector<StateRow> states;                   ///< as LocalizationResult::submaps, one a row
   std::vector<localization::HealthState> health;  ///< one a scan
   std::size_t max_particles = 0;
-  std::size_t unusable_scans = 0;  ///< so far
+  std::size_t unusable_scans = 0;   ///< so far
+  std::size_t ambiguous_scans = 0;  ///< of which several places were still possible
 
   /// Takes up the result of localizer.update for a scan of that stamp.
   void add(Stamp stamp, const localization::LocalizationResult& result,

@@ -37,6 +37,8 @@ Localizer::Localizer(const LocalizerConfig& config, std::shared_ptr<const Sensor
       seed_(seed),
       pool_(std::make_unique<WorkerPool>(threads)),
       monitor_(config.recovery),
+      finder_(config.global_search),
+      places_(config.global_search.places),
       odometry_(config.gating.limits()) {
   require_valid(config, "localizer");
 }
@@ -56,6 +58,8 @@ void Localizer::start(std::size_t count) {
   companions_.clear();
   must_weigh_ = false;
   monitor_.reset();
+  is_seeking_ = false;
+  places_.clear();
   particles_ = ParticleSet{};
   particles_.resize(count);
   if (const PatchStates* states = model_->patch_states()) {
@@ -171,7 +175,7 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
   if (is_usable && turns_.alive() > 1) companions_.keep(observation);
   const bool is_weighed = is_usable && is_due();
   if (!is_weighed) move_particles(motion, particles_, *pool_);
-  const Pose2Gaussian pose = is_weighed ? weigh(observation, moved_before) : estimate(particles_);
+  const Pose2Gaussian pose = is_weighed ? weigh(observation, moved_before) : pose_now();
   if (!is_missing_) {
     at_reading_.reset();
     if (is_one_place(pose, config_.recovery.uncertain_stddev_m)) at_reading_ = pose;
@@ -182,6 +186,7 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
 Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
   ++step_;
   follow_motion(moved_before);
+  if (is_seeking_) find_places(observation);
   const Stamp now = observation.scan.stamp;
   const double dt_s = last_weighed_ ? std::max(0.0, (now - *last_weighed_).seconds()) : 0.0;
   const PatchStates* states = model_->patch_states();
@@ -196,7 +201,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   const std::size_t beams =
       model_->log_likelihoods(observation.scan, weighing, particles_, log_likelihood_, *pool_);
   const double log_mean = reweigh(particles_, log_likelihood_);
-  const Pose2Gaussian pose = estimate(particles_);
+  const Pose2Gaussian pose = places_.is_active() ? judge_places() : estimate(particles_);
   if (states != nullptr) states->absorb(pose, particles_);
   if (beams > 0 && std::isfinite(log_mean)) {
     monitor_.add(std::exp(log_mean * weighing.tempering / static_cast<double>(beams)),
@@ -220,6 +225,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
 }
 
 void Localizer::resample() {
+  if (places_.is_active()) return places_.resample(seed_, step_, particles_, resampled_);
   const bool is_annealed = annealed_updates_ >= config_.global_start.annealing_updates;
   const double share = is_annealed && !free_space_.empty() ? monitor_.injection_share() : 0.0;
   const auto count = static_cast<double>(particles_.size());
@@ -259,7 +265,14 @@ const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool
   result_.effective_sample_size = effective_sample_size(particles_);
   result_.particles = particles_.size();
   result_.weighed = weighed;
-  result_.converged = position_stddev(result_.pose) <= config_.recovery.uncertain_stddev_m;
+  result_.is_ambiguous = is_seeking_ || places_.is_active();
+  result_.places.clear();
+  if (places_.is_active()) result_.places = places_.beliefs();
+  result_.converged =
+      !result_.is_ambiguous && position_stddev(result_.pose) <= config_.recovery.uncertain_stddev_m;
+  if (result_.is_ambiguous && result_.health.state == HealthState::kGood) {
+    result_.health.state = HealthState::kConverging;
+  }
   if (const PatchStates* states = model_->patch_states()) {
     states->posterior(particles_, result_.submaps);
   }

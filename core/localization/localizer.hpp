@@ -16,6 +16,8 @@
 #include "core/localization/localizer_config.hpp"
 #include "core/localization/particle_set.hpp"
 #include "core/localization/patch_states.hpp"
+#include "core/localization/place_finder.hpp"
+#include "core/localization/place_hypotheses.hpp"
 #include "core/localization/sensor_model.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/scanner_turns.hpp"
@@ -24,12 +26,18 @@ namespace strata::localization {
 
 /// The outcome of one scan.
 struct LocalizationResult {
-  Pose2Gaussian pose;  ///< map_from_robot at the scan's stamp: mean and covariance of all particles
+  /// map_from_robot at the scan's stamp: mean and covariance of all particles; while ambiguous the
+  /// likeliest place, and the covariance of all particles about it.
+  Pose2Gaussian pose;
   LocalizationHealth health;
   double effective_sample_size = 0.0;
   std::size_t particles = 0;
   bool weighed = false;    ///< false: moved by odometry only (gated, or nothing usable in the scan)
-  bool converged = false;  ///< the spread is below recovery.uncertain_stddev_m
+  bool converged = false;  ///< the spread is below recovery.uncertain_stddev_m, and not ambiguous
+  /// Several places explain what was seen, and none has refuted the others by the margin
+  /// (global_search.places), or it is still looked for any.
+  bool is_ambiguous = false;
+  std::vector<PlaceBelief> places;  ///< those places, the likeliest first; empty when not ambiguous
   std::vector<SubmapBelief> submaps;  ///< one a sub-map; empty for maps without
 };
 
@@ -47,8 +55,10 @@ class Localizer {
   /// Starts from a pose: particles drawn from the Gaussian. Forgets everything but the seed. Throws
   /// InputError for a mean or a covariance with a number that is not finite, and goes on as before.
   void initialize(const Pose2Gaussian& map_from_robot);
-  /// Starts from nowhere: uniform over the free cells of `map` and all headings, annealed and
-  /// roughened. Throws InputError when no cell is free.
+  /// Starts from nowhere: the first scans are looked for in the whole map, and the places where
+  /// they fit are followed until one has refuted the others. With global_search.is_used off uniform
+  /// over the free cells of `map` and all headings, annealed and roughened. Throws InputError when
+  /// no cell is free.
   void initialize_global(const ReflectionGrid& map);
   /// Again in the free space given last. Throws InputError when there is none.
   void initialize_global();
@@ -56,7 +66,10 @@ class Localizer {
   /// of the likelihood replaces some particles by random ones (augmented MCL); when the filter
   /// stays lost, half of the weight goes to as many as a global start has, and the old ones
   /// compete.
-  void set_free_space(const ReflectionGrid& map) { free_space_ = FreeSpace(map); }
+  void set_free_space(const ReflectionGrid& map) {
+    free_space_ = FreeSpace(map);
+    if (config_.global_search.is_used) finder_.set_map(map);
+  }
 
   /// Another map, in the middle of a run: poses and weights stay, and so does what is believed of
   /// sub-maps that both maps have (PatchStates::adopt). Works before a start too. Throws
@@ -85,6 +98,10 @@ class Localizer {
   /// Draws `keep` of the particles by their weights and adds random ones. Leaves the weights open.
   void redraw(std::size_t keep, std::size_t added, double offset);
   void search_everywhere();
+  void seek(bool keeps_old);
+  void find_places(const Observation& observation);
+  [[nodiscard]] Pose2Gaussian judge_places();
+  [[nodiscard]] Pose2Gaussian pose_now();
   void fill(ParticleSet& particles, std::size_t begin, StreamId stream) const;
   [[nodiscard]] bool is_due();
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
@@ -105,6 +122,11 @@ class Localizer {
   std::unique_ptr<WorkerPool> pool_;
   FreeSpace free_space_;
   HealthMonitor monitor_;
+  PlaceFinder finder_;
+  PlaceHypotheses places_;
+  bool is_seeking_ = false;  // places are still to be found
+  bool keeps_old_ = false;   // ... beside the one believed so far
+  int sought_ = 0;           // scans
 
   ParticleSet particles_;
   ParticleSet resampled_;  // the other half of the double buffer

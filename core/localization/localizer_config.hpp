@@ -4,6 +4,7 @@
 
 #include "core/geometry/odometry_noise.hpp"
 #include "core/localization/motion_model.hpp"
+#include "core/localization/place_finder.hpp"
 #include "core/localization/recovery.hpp"
 #include "core/localization/resampling.hpp"
 
@@ -101,6 +102,7 @@ struct LocalizerConfig {
   GatingConfig gating;
   KldConfig kld;
   GlobalStartConfig global_start;
+  PlaceFinderConfig global_search;
   RecoveryConfig recovery;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -117,7 +119,9 @@ struct LocalizerConfig {
     v.group("motion", c.motion, "noise of the odometry");
     v.group("gating", c.gating, "which scans are weighed");
     v.group("kld", c.kld, "how many particles the posterior needs");
-    v.group("global_start", c.global_start, "start without a pose");
+    v.group("global_start", c.global_start,
+            "start without a pose, where global_search is not used");
+    v.group("global_search", c.global_search, "the search for the robot in the whole map");
     v.group("recovery", c.recovery, "health and recovery");
   }
 };

@@ -42,7 +42,7 @@ void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
 }
 
 void Localizer::initialize_global(const ReflectionGrid& map) {
-  free_space_ = FreeSpace(map);
+  set_free_space(map);
   initialize_global();
 }
 
@@ -54,6 +54,42 @@ void Localizer::initialize_global() {
   start(max_particles_);
   annealed_updates_ = 0;
   fill(particles_, 0, StreamId::kInitialize);
+  if (config_.global_search.is_used) seek(false);
+}
+
+void Localizer::seek(bool keeps_old) {
+  is_seeking_ = true;
+  keeps_old_ = keeps_old;
+  sought_ = 0;
+  places_.clear();
+  finder_.forget_scans();
+}
+
+/// Looks for what was seen since seek() in the whole map.
+void Localizer::find_places(const Observation& observation) {
+  finder_.add(moved_, observation.scan);
+  const std::vector<PlaceSeed> seeds = finder_.find(sought_++);
+  if (seeds.empty()) return;
+  places_.begin(seeds, keeps_old_, model_->patch_states(), seed_, step_, particles_);
+  annealed_updates_ = config_.global_start.annealing_updates;
+  is_seeking_ = false;
+}
+
+/// After the weights: the likeliest place, and the only one once it has refuted all others.
+Pose2Gaussian Localizer::judge_places() {
+  const bool is_decided = places_.judge(particles_);
+  if (!is_decided) return places_.leading(particles_);
+  const auto count = static_cast<std::size_t>(config_.particles);
+  const double offset = RandomStream(seed_, StreamId::kRecovery, step_).uniform();
+  places_.decide(count, offset, particles_, resampled_);
+  max_particles_ = config_.adaptive ? static_cast<std::size_t>(config_.kld.max_particles) : count;
+  return estimate(particles_);
+}
+
+Pose2Gaussian Localizer::pose_now() {
+  if (!places_.is_active()) return estimate(particles_);
+  (void)places_.judge(particles_);  // where they are now; no weight has changed
+  return places_.leading(particles_);
 }
 
 std::size_t Localizer::global_count() const {
@@ -84,6 +120,11 @@ void Localizer::redraw(std::size_t keep, std::size_t added, double offset) {
 }
 
 void Localizer::search_everywhere() {
+  if (config_.global_search.is_used) {
+    monitor_.search_begins(config_.global_start.annealing_updates);
+    if (!is_seeking_ && !places_.is_active()) seek(true);
+    return;
+  }
   const auto keep = static_cast<std::size_t>(config_.particles);
   const std::size_t added = global_count();
   redraw(keep, added, RandomStream(seed_, StreamId::kResample, step_).uniform());
@@ -96,6 +137,7 @@ void Localizer::search_everywhere() {
 }
 
 double Localizer::annealing() const {
+  if (places_.is_active()) return config_.global_search.places.tempering;
   const int updates = config_.global_start.annealing_updates;
   if (annealed_updates_ >= updates) return 1.0;
   // Factor, its root, 1: docs/theory/patch_localization.md, "Global start".

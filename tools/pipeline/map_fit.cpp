@@ -30,6 +30,11 @@ void MapFit::add(const Observation& observation, const localization::Localizatio
     judged += window_[i].judged;
   }
   FittedScan fitted{observation.scan.stamp, pose, inlier / static_cast<double>(count)};
+  fitted.is_ambiguous = result.is_ambiguous;
+  fit_.places.clear();
+  for (const localization::PlaceBelief& place : result.places) {
+    fit_.places.push_back(place.map_from_robot);
+  }
   if (judged < localization::kMinJudged * static_cast<double>(count)) {
     fitted.fit = FitState::kUnknown;
   } else {

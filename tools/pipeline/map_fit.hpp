@@ -31,11 +31,13 @@ struct FittedScan {
   Pose2 map_from_robot;
   double score = 0.0;  ///< share of the beams that end where expected, of these scans; 0 to 1
   FitState fit = FitState::kUnknown;
+  bool is_ambiguous = false;  ///< several places were possible: map_from_robot is the likeliest
 };
 
 /// Of the scans that were weighed: a robot that stands says nothing new.
 struct LogFit {
   std::vector<FittedScan> scans;
+  std::vector<Pose2> places;  ///< that are still possible after the last scan, if it is ambiguous
   /// Share of the scans; 0 when there is none.
   [[nodiscard]] double share(FitState fit) const;
   /// Whether the map explains the log at the poses found: in at least kMinExplained of the scans.

@@ -53,6 +53,7 @@ int failures(const GlobalStartConfig& start) {
   const ReflectionGrid map = test::rasterize(world, 0.05, {{0, 0}, {480, 60}});
   const auto model = make_grid_beam_model(map);
   LocalizerConfig config;
+  config.global_search.is_used = false;
   config.particles = 300;
   config.global_start = start;
   config.global_start.max_particles = 3000;
@@ -79,6 +80,7 @@ TEST(GlobalStart, KeepsAPlaceThatFewParticlesAreNear) {
 /// Starts anywhere, weighs every scan, and by its schedule alone would never be done here.
 Localizer flat_for_long(const ReflectionGrid& map) {
   LocalizerConfig config;
+  config.global_search.is_used = false;
   config.gating.every_scans = 1;
   config.global_start.annealing_updates = 1000;
   Localizer localizer(config, make_grid_beam_model(map), 4, 2);

@@ -220,6 +220,7 @@ TEST(Localizer, SearchesAgainSoonAfterItHasFoundAWrongPlace) {
   const ReflectionGrid map = room_map();
   const auto model = std::make_shared<SureModel>();
   LocalizerConfig config;
+  config.global_search.is_used = false;
   config.gating.every_scans = 1;
   config.recovery = kidnapping_recovery();
   Localizer localizer(config, model, 1);
