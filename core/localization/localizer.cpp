@@ -57,6 +57,7 @@ void Localizer::start(std::size_t count) {
   turns_ = {};
   companions_.clear();
   must_weigh_ = false;
+  are_beliefs_pooled_ = false;
   monitor_.reset();
   is_seeking_ = false;
   places_.clear();
@@ -89,6 +90,7 @@ void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
     std::fill(particles_.configuration.begin(), particles_.configuration.end(), -1);
     result_.submaps.clear();
   }
+  are_beliefs_pooled_ = false;
   resampled_ = particles_;
 }
 
@@ -203,10 +205,12 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   const double log_mean = reweigh(particles_, log_likelihood_);
   const Pose2Gaussian pose = places_.is_active() ? judge_places() : estimate(particles_);
   if (states != nullptr) states->absorb(pose, particles_);
+  pool_beliefs();
   if (beams > 0 && std::isfinite(log_mean)) {
-    monitor_.add(std::exp(log_mean * weighing.tempering / static_cast<double>(beams)),
-                 model_->inlier_shares(observation.scan, pose.mean, particles_),
-                 position_stddev(pose));
+    monitor_.add(
+        std::exp(log_mean * weighing.tempering / static_cast<double>(beams)),
+        model_->inlier_shares_given(result_.submaps, observation.scan, pose.mean, particles_),
+        position_stddev(pose));
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose);
   settle_motion(pose);
@@ -273,10 +277,15 @@ const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool
   if (result_.is_ambiguous && result_.health.state == HealthState::kGood) {
     result_.health.state = HealthState::kConverging;
   }
-  if (const PatchStates* states = model_->patch_states()) {
-    states->posterior(particles_, result_.submaps);
-  }
+  if (!are_beliefs_pooled_) pool_beliefs();
   return result_;
+}
+
+/// Between weighed scans beliefs and weights stay: once is enough.
+void Localizer::pool_beliefs() {
+  const PatchStates* states = model_->patch_states();
+  if (states != nullptr) states->posterior(particles_, result_.submaps);
+  are_beliefs_pooled_ = true;
 }
 
 }  // namespace strata::localization

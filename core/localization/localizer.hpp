@@ -113,6 +113,7 @@ class Localizer {
   void resample();
   [[nodiscard]] std::size_t min_while_annealing() const;
   [[nodiscard]] double annealing() const;
+  void pool_beliefs();
   const LocalizationResult& make_result(const Pose2Gaussian& pose, bool weighed);
 
   LocalizerConfig config_;
@@ -152,6 +153,7 @@ class Localizer {
   ScannerTurns turns_;
   CompanionScans companions_;
   bool must_weigh_ = false;
+  bool are_beliefs_pooled_ = false;  // in result_.submaps, as of now
   std::size_t unusable_scans_ = 0;
   std::size_t odometry_jumps_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
@@ -15,6 +16,7 @@
 namespace strata::localization {
 
 class PatchStates;
+struct SubmapBelief;
 
 /// How a scan is weighed.
 struct Weighing {
@@ -49,6 +51,13 @@ class SensorModel {
   /// filter believes of the sub-maps.
   [[nodiscard]] virtual InlierShares inlier_shares(const Scan& scan, const Pose2& map_from_robot,
                                                    const ParticleSet& particles) const = 0;
+  /// The same for a filter that has pooled the beliefs of these particles already: what
+  /// patch_states()->posterior() says of them, for models with sub-maps.
+  [[nodiscard]] virtual InlierShares inlier_shares_given(
+      const std::vector<SubmapBelief>& /*posterior*/, const Scan& scan, const Pose2& map_from_robot,
+      const ParticleSet& particles) const {
+    return inlier_shares(scan, map_from_robot, particles);
+  }
 
   /// A copy of its own for each localizer, from a model that goes on learning while it localizes;
   /// null from one that may be shared.

@@ -71,10 +71,9 @@ struct Posterior {
   std::vector<SubmapBelief> submaps;
   std::vector<float> row;
 
-  void take(const PatchStates& states, const ParticleSet& particles) {
-    states.posterior(particles, submaps);
+  void take(const std::vector<SubmapBelief>& pooled) {
     row.clear();
-    for (const SubmapBelief& submap : submaps) {
+    for (const SubmapBelief& submap : pooled) {
       for (const double p : submap.probability) row.push_back(static_cast<float>(p));
     }
   }
@@ -126,14 +125,22 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan,
 localization::InlierShares PatchBeamModel::inlier_shares(const Scan& scan,
                                                          const Pose2& map_from_robot,
                                                          const ParticleSet& particles) const {
+  const auto pooled = lenders_->posteriors.acquire();
+  states_.posterior(particles, pooled->submaps);
+  return inlier_shares_given(pooled->submaps, scan, map_from_robot, particles);
+}
+
+localization::InlierShares PatchBeamModel::inlier_shares_given(
+    const std::vector<SubmapBelief>& posterior, const Scan& scan, const Pose2& map_from_robot,
+    const ParticleSet& /*particles*/) const {
   const auto prepared = lenders_->scans.acquire();
   prepare(scan, config_.beam.beams, mixture_, *prepared);
-  const auto posterior = lenders_->posteriors.acquire();
-  posterior->take(states_, particles);
+  const auto believed = lenders_->posteriors.acquire();
+  believed->take(posterior);
   const auto memory = lenders_->explanations.acquire();
   return explain_beams(*prepared, caster_, states_,
                        map_from_robot * prepared->beams.robot_from_laser,
-                       states_.submap_of(map_from_robot.translation()), posterior->row, *memory);
+                       states_.submap_of(map_from_robot.translation()), believed->row, *memory);
 }
 
 }  // namespace strata::patch_beams

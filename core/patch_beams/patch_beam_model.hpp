@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/base/parallel.hpp"
 #include "core/localization/inlier_shares.hpp"
@@ -46,6 +47,9 @@ class PatchBeamModel final : public localization::SensorModel {
   [[nodiscard]] localization::InlierShares inlier_shares(
       const Scan& scan, const Pose2& map_from_robot,
       const localization::ParticleSet& particles) const override;
+  [[nodiscard]] localization::InlierShares inlier_shares_given(
+      const std::vector<localization::SubmapBelief>& posterior, const Scan& scan,
+      const Pose2& map_from_robot, const localization::ParticleSet& particles) const override;
   [[nodiscard]] const localization::PatchStates* patch_states() const override { return &states_; }
 
  private:
