@@ -85,18 +85,19 @@ Correspondence correspondence_of(const patch::PatchMap& now, std::size_t s,
   return correspondence;
 }
 
-/// to: one sub-map's columns.
+/// to: one sub-map's columns, usual: how often each of its configurations is there.
 void transfer(const Correspondence& correspondence, std::span<const float> from,
-              std::span<float> to) {
+              std::span<const float> usual, std::span<float> to) {
   std::fill(to.begin(), to.end(), 0.0F);
   for (std::size_t l = 0; l < correspondence.shares.size(); ++l) {
     for (std::size_t k = 0; k < to.size(); ++k) to[k] += from[l] * correspondence.shares[l][k];
   }
-  const auto count = static_cast<float>(to.size());
-  const auto fresh = static_cast<float>(
-      std::count(correspondence.is_new.begin(), correspondence.is_new.end(), std::uint8_t{1}));
+  float fresh = 0.0F;
   for (std::size_t k = 0; k < to.size(); ++k) {
-    to[k] = correspondence.is_new[k] != 0 ? 1.0F / count : to[k] * (1.0F - fresh / count);
+    if (correspondence.is_new[k] != 0) fresh += usual[k];
+  }
+  for (std::size_t k = 0; k < to.size(); ++k) {
+    to[k] = correspondence.is_new[k] != 0 ? usual[k] : to[k] * (1.0F - fresh);
   }
 }
 
@@ -135,6 +136,7 @@ void PatchStates::adopt(const PatchStates* before, std::uint64_t seed, std::uint
       const auto o = static_cast<std::size_t>(correspondences[s].before);
       transfer(correspondences[s],
                from.subspan(before->offset(o), static_cast<std::size_t>(before->count(o))),
+               usual().subspan(offset(s), static_cast<std::size_t>(count(s))),
                to.subspan(offset(s), static_cast<std::size_t>(count(s))));
     }
   };

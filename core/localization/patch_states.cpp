@@ -51,15 +51,20 @@ PatchStates::PatchStates(std::shared_ptr<const patch::PatchMap> map,
                        "learn it again with 1 to 64");
     }
     offsets_.push_back(offsets_.back() + count);
-    uniform_.insert(uniform_.end(), count, 1.0F / static_cast<float>(count));
-    rates_.push_back(config.rates == RateSource::kLearned ? learned_rate_per_s(submap, config)
-                                                          : config.forgetting_rate_per_s);
+    if (config.rates == RateSource::kFixed) {
+      usual_.insert(usual_.end(), count, 1.0F / static_cast<float>(count));
+      rates_.push_back(config.forgetting_rate_per_s);
+      continue;
+    }
+    const patch::Chain chain = chain_of(submap, config.min_belief);
+    for (const double share : chain.usual) usual_.push_back(static_cast<float>(share));
+    rates_.push_back(chain.rate_per_s);
   }
 }
 
 int PatchStates::submap_of(const Eigen::Vector2d& point_m, int current) const {
   return config_.memory == PatchMemory::kNone
-             ? patch::submap_in_reach(*map_, point_m, config_.reach_m, current)
+             ? patch::submap_in_reach(*map_, point_m, map_->entry_margin_m, current)
              : patch::submap_at(*map_, point_m, current);
 }
 
@@ -67,7 +72,7 @@ void PatchStates::prepare(ParticleSet& particles) const {
   particles.belief_columns = config_.memory == PatchMemory::kNone ? 0 : columns();
   particles.beliefs.assign(particles.size() * particles.belief_columns, 0.0F);
   particles.shared_belief.clear();
-  if (config_.memory == PatchMemory::kShared) particles.shared_belief = uniform_;
+  if (config_.memory == PatchMemory::kShared) particles.shared_belief = usual_;
 }
 
 void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& random,
@@ -75,12 +80,38 @@ void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& rand
   particles.submap[i] = submap_of(particles.pose(i).translation(), current);
   particles.configuration[i] = -1;
   if (config_.memory == PatchMemory::kPerParticle) {
-    std::copy(uniform_.begin(), uniform_.end(), particles.belief(i).begin());
+    std::copy(usual_.begin(), usual_.end(), particles.belief(i).begin());
   } else if (config_.memory == PatchMemory::kNone && particles.submap[i] >= 0) {
-    const int configurations = count(static_cast<std::size_t>(particles.submap[i]));
     particles.configuration[i] =
-        static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations)));
+        draw_configuration(static_cast<std::size_t>(particles.submap[i]), random);
   }
+}
+
+std::int32_t PatchStates::draw_configuration(std::size_t submap, RandomStream& random) const {
+  const int configurations = count(submap);
+  if (config_.rates == RateSource::kFixed) {
+    return static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations)));
+  }
+  double left = random.uniform();
+  for (int k = 0; k + 1 < configurations; ++k) {
+    left -= static_cast<double>(usual_[offsets_[submap] + static_cast<std::size_t>(k)]);
+    if (left < 0.0) return k;
+  }
+  return configurations - 1;
+}
+
+std::int32_t PatchStates::next_configuration(std::size_t submap, std::int32_t now, double dt_s,
+                                             RandomStream& random) const {
+  const int configurations = count(submap);
+  if (configurations == 1) return now;
+  if (config_.rates == RateSource::kLearned) {
+    const bool is_kept = random.bernoulli(std::exp(-rates_[submap] * std::max(0.0, dt_s)));
+    return is_kept ? now : draw_configuration(submap, random);
+  }
+  if (random.bernoulli(stay_probability(configurations, rates_[submap], dt_s))) return now;
+  const auto other =
+      static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations - 1)));
+  return other < now ? other : other + 1;
 }
 
 /// The change of beliefs in dt_s as b keep[c] + add[c], for each column c.
@@ -90,11 +121,10 @@ void PatchStates::find_fading(double dt_s, std::vector<double>& keep,
   add.assign(columns(), 0.0);
   for (std::size_t s = 0; s + 1 < offsets_.size(); ++s) {
     if (count(s) == 1) continue;
-    // b a + (1 - b)(1 - a)/(K - 1), with a = 1/K + (1 - 1/K) e^(-rate dt): stay_probability().
     const double kept = std::exp(-rates_[s] * std::max(0.0, dt_s));
     for (std::size_t c = offsets_[s]; c < offsets_[s + 1]; ++c) {
       keep[c] = kept;
-      add[c] = (1.0 - kept) / count(s);
+      add[c] = (1.0 - kept) * static_cast<double>(usual_[c]);
     }
   }
 }
@@ -114,18 +144,12 @@ void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
       particles.configuration[i] = -1;
       return;
     }
-    const int configurations = count(static_cast<std::size_t>(now));
+    const auto submap = static_cast<std::size_t>(now);
     RandomStream random(seed, StreamId::kPatchTransition, step, static_cast<std::uint32_t>(i));
-    if (now != before || particles.configuration[i] < 0) {
-      particles.configuration[i] =
-          static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations)));
-    } else if (configurations > 1 &&
-               !random.bernoulli(
-                   stay_probability(configurations, rates_[static_cast<std::size_t>(now)], dt_s))) {
-      const auto other =
-          static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations - 1)));
-      particles.configuration[i] = other < particles.configuration[i] ? other : other + 1;
-    }
+    particles.configuration[i] =
+        now != before || particles.configuration[i] < 0
+            ? draw_configuration(submap, random)
+            : next_configuration(submap, particles.configuration[i], dt_s, random);
   };
   const auto move = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
     for (std::size_t i = begin; i < end; ++i) move_one(i);
@@ -199,8 +223,8 @@ void PatchStates::posterior(const ParticleSet& particles,
     }
     double sum = 0.0;
     for (const double value : p) sum += value;
-    for (double& value : p) {
-      value = sum > 0.0 ? value / sum : 1.0 / static_cast<double>(p.size());
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      p[k] = sum > 0.0 ? p[k] / sum : static_cast<double>(usual_[offsets_[s] + k]);
     }
   }
 }

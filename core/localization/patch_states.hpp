@@ -14,34 +14,31 @@
 #include "core/base/parallel.hpp"
 #include "core/localization/object_pool.hpp"
 #include "core/localization/particle_set.hpp"
+#include "core/patch/chain.hpp"
 #include "core/patch/patch_map.hpp"
-#include "core/patch/sequences.hpp"
 #include "core/random/stream.hpp"
 
 namespace strata::localization {
 
 /// What is kept of other sub-maps (docs/theory/patch_localization.md, "Memory of sub-maps").
 enum class PatchMemory {
-  kNone,         ///< the paper: a particle holds one configuration, of the sub-map within reach_m
+  kNone,         ///< the paper: a particle holds one configuration, of the sub-map it entered
   kShared,       ///< one belief per sub-map for all particles
   kPerParticle,  ///< a belief per particle and sub-map (factored posterior)
 };
 
 /// Where rates of change come from (docs/theory/patch_localization.md, "Rates of change").
 enum class RateSource {
-  kFixed,    ///< one rate for every sub-map
-  kLearned,  ///< per sub-map, from the sequences that it was learned from
+  kFixed,    ///< one rate for every sub-map, and no configuration is more usual than another
+  kLearned,  ///< the chain of each sub-map, as it was learned with the map
 };
 
 struct PatchStatesConfig {
   PatchMemory memory = PatchMemory::kPerParticle;
-  RateSource rates = RateSource::kFixed;
+  RateSource rates = RateSource::kLearned;
   double forgetting_rate_per_s = 1.0 / 600.0;
-  double prior_changes = 1.0;
-  double prior_hours = 1.0;
   double min_belief = 1e-3;
   double shared_max_stddev_m = 0.3;
-  double reach_m = patch::SequenceConfig{}.entry_margin_m;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field(
@@ -49,17 +46,18 @@ struct PatchStatesConfig {
         {.doc = "what is kept of sub-maps the robot has left", .preset = {"paper-patch", "none"}});
     v.field(
         "forgetting_rate_per_s", c.forgetting_rate_per_s,
-        {.doc = "rate gamma at which a known configuration becomes unknown",
+        {.doc = "rates fixed: gamma at which a known configuration becomes unknown",
          .unit = "1/s",
          .min = 0.0,
-         .when = "doors and furniture move more often, or more seldom, than every ten minutes"});
+         .when = "rates is fixed, and doors and furniture move more often, or more seldom, than "
+                 "every ten minutes"});
     v.field("rates", c.rates,
-            {.doc = "fixed: forgetting_rate_per_s everywhere; learned: per sub-map, from how often "
-                    "its configuration changed between the sequences it was learned from"});
-    v.field("prior_changes", c.prior_changes,
-            {.doc = "learned: changes believed to have been seen beforehand", .min = 0.01});
-    v.field("prior_hours", c.prior_hours,
-            {.doc = "learned: ... in this time", .unit = "h", .min = 1e-3});
+            {.doc = "learned: what is known of a sub-map fades to how often each configuration is "
+                    "there, at the rate that was learned with the map; fixed: to even odds, at "
+                    "forgetting_rate_per_s",
+             .preset = {"paper-patch", "fixed"}});
+    v.removed("prior_changes", "it is chain.prior_changes when learning");
+    v.removed("prior_hours", "it is chain.prior_hours when learning");
     v.renamed("least_belief", "min_belief");
     v.field("min_belief", c.min_belief,
             {.doc = "no configuration's probability falls below", .min = 0.0, .max = 0.1});
@@ -82,13 +80,10 @@ struct SubmapBelief {
 /// exp(-gamma dt) (docs/theory/patch_localization.md, "Patch transition"); 1 for K = 1.
 [[nodiscard]] double stay_probability(int configurations, double gamma_per_s, double dt_s);
 
-/// The rate gamma of stay_probability that explains a sub-map's sequences best: the maximum of
-/// sum over successive sequences of ln P(c' | c, dt), as the
-/// posterior mode under a gamma density with shape prior_changes + 1 and rate prior_hours. Pairs
-/// that span two runs whose stamps overlap say nothing. Where nothing is said it is
-/// prior_changes / prior_hours. O(pairs x 60).
-[[nodiscard]] double learned_rate_per_s(const patch::Submap& submap,
-                                        const PatchStatesConfig& config);
+/// What the filter takes from a sub-map's chain: the shares of its configurations, none below
+/// `min_share`, and the rate. A map that came without a rate has its sequences asked; one whose
+/// priors are no shares has even odds. O(sequences x 40).
+[[nodiscard]] patch::Chain chain_of(const patch::Submap& submap, double min_share);
 
 /// The layout of the beliefs of a patch map, and the map transition p(m_t | x_t, m_{t-1}) of
 /// [stachniss2005patch, eq. (8)].
@@ -101,55 +96,59 @@ class PatchStates {
   [[nodiscard]] PatchMemory memory() const { return config_.memory; }
   [[nodiscard]] double min_belief() const { return config_.min_belief; }
   /// Columns of one belief row; those of sub-map s are [offset(s), offset(s) + count(s)).
-  [[nodiscard]] std::size_t columns() const { return uniform_.size(); }
+  [[nodiscard]] std::size_t columns() const { return usual_.size(); }
   [[nodiscard]] std::size_t offset(std::size_t submap) const { return offsets_[submap]; }
   [[nodiscard]] int count(std::size_t submap) const {
     return static_cast<int>(offsets_[submap + 1] - offsets_[submap]);
   }
-  /// The belief of someone who knows nothing.
-  [[nodiscard]] std::span<const float> uniform() const { return uniform_; }
+  /// The belief of someone who saw nothing: how often each configuration is there, or even odds
+  /// where rates are fixed.
+  [[nodiscard]] std::span<const float> usual() const { return usual_; }
 
   /// The sub-map of a robot at a point, -1 for none: with memory the one it stands in (the rule for
-  /// overlaps); without, the one whose configuration a particle holds there, entered from reach_m
-  /// around it: a door is seen from the corridor, whose middle its rectangle may not hold
-  /// (docs/theory/patch_localization.md, "Patch transition").
+  /// overlaps); without, the one whose configuration a particle holds there, entered from
+  /// PatchMap::entry_margin_m around it: a door is seen from the corridor, whose middle its
+  /// rectangle may not hold (docs/theory/patch_localization.md, "Patch transition").
   [[nodiscard]] int submap_of(const Eigen::Vector2d& point_m, int current = -1) const;
   /// Gives the set the columns it needs and forgets everything.
   void prepare(ParticleSet& particles) const;
   /// Particle i knows nothing: its sub-map from its pose, its configuration (without memory) drawn
-  /// uniformly, its belief uniform.
+  /// from usual(), its belief that.
   /// current: the sub-map it is believed to be in already, -1 for none.
   void draw(ParticleSet& particles, std::size_t i, RandomStream& random, int current = -1) const;
   /// Takes particles over from a model with the states `before` (null: none). A sub-map descends
   /// from the old one that it has most cells in common with, if these are more than half of the
   /// smaller of both. What was believed of an old configuration goes to the new one that looks most
   /// like it there, or in equal parts to those that look about as much alike; configurations that
-  /// nobody goes to start with an equal share. The rest knows nothing. Poses and weights stay. O(
-  /// particles x columns + cells in common x pairs of configurations).
+  /// nobody goes to start with their usual share. The rest knows nothing. Poses and weights stay.
+  /// O( particles x columns + cells in common x pairs of configurations).
   void adopt(const PatchStates* before, std::uint64_t seed, std::uint64_t step,
              ParticleSet& particles) const;
   /// The rate of each sub-map [1/s].
   [[nodiscard]] double rate_per_s(std::size_t submap) const { return rates_[submap]; }
   /// After the motion: which sub-map each particle is in, and the change of configurations in dt_s.
-  /// Same sub-map: kept with stay_probability, else one of the others; a new one: uniform [seed].
-  /// With memory the beliefs move towards uniform instead, and no configuration is drawn.
+  /// Same sub-map: kept, or drawn anew at its rate; a new one: drawn, from usual() [seed]. With
+  /// memory the beliefs move towards usual() instead, and no configuration is drawn.
   void predict(double dt_s, std::uint64_t seed, std::uint64_t step, ParticleSet& particles,
                WorkerPool& pool) const;
   /// After the weights: shared beliefs learn, b_s(k) ~ b_s(k) sum_i w_i p(z | x_i, m_s = k), from
   /// the ratios that the sensor model left in the particles' rows; only while the pose is certain.
   void absorb(const Pose2Gaussian& pose, ParticleSet& particles) const;
   /// One entry a sub-map. Without memory P(k) is the weight of particles in s with k over that of
-  /// all in s, uniform when none is in s.
+  /// all in s, usual() when none is in s.
   [[nodiscard]] std::vector<SubmapBelief> posterior(const ParticleSet& particles) const;
   /// The same into `beliefs`, whose memory is kept.
   void posterior(const ParticleSet& particles, std::vector<SubmapBelief>& beliefs) const;
 
  private:
+  [[nodiscard]] std::int32_t draw_configuration(std::size_t submap, RandomStream& random) const;
+  [[nodiscard]] std::int32_t next_configuration(std::size_t submap, std::int32_t now, double dt_s,
+                                                RandomStream& random) const;
   void find_fading(double dt_s, std::vector<double>& keep, std::vector<double>& add) const;
   std::shared_ptr<const patch::PatchMap> map_;
   PatchStatesConfig config_;
   std::vector<std::size_t> offsets_;
-  std::vector<float> uniform_;
+  std::vector<float> usual_;
   ObjectPool<std::vector<double>> factors_;
   std::vector<double> rates_;  // gamma of each sub-map
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/patch/chain.hpp"
 #include "core/patch/sequence_vectors.hpp"
 
 namespace strata::patch {
@@ -27,11 +28,9 @@ void add_weighted(Grid<CellCounts>& counts, const Grid<CellCounts>& more, double
   }
 }
 
-/// The same with the clusters in the order of the first sequence that each is likeliest for, so
-/// that what was a configuration's place stays its place while sequences are added.
-std::vector<std::vector<double>> in_order_of_appearance(
-    std::vector<std::vector<double>> memberships) {
-  if (memberships.empty()) return memberships;
+/// The clusters in the order of the first sequence that each is likeliest for, so that what was a
+/// configuration's place stays its place while sequences are added.
+std::vector<std::size_t> order_of_appearance(const std::vector<std::vector<double>>& memberships) {
   std::vector<std::size_t> order;
   for (const std::vector<double>& row : memberships) {
     const auto c = static_cast<std::size_t>(std::max_element(row.begin(), row.end()) - row.begin());
@@ -40,16 +39,22 @@ std::vector<std::vector<double>> in_order_of_appearance(
   for (std::size_t c = 0; c < memberships[0].size(); ++c) {
     if (std::find(order.begin(), order.end(), c) == order.end()) order.push_back(c);
   }
-  for (std::vector<double>& row : memberships) {
+  return order;
+}
+
+std::vector<std::vector<double>> in_order(std::vector<std::vector<double>> rows,
+                                          const std::vector<std::size_t>& order) {
+  for (std::vector<double>& row : rows) {
     const std::vector<double> before = row;
     for (std::size_t k = 0; k < order.size(); ++k) row[k] = before[order[k]];
   }
-  return memberships;
+  return rows;
 }
 
 }  // namespace
 
 Submap learn_configurations(const Region& region, std::span<const SequenceInfo> infos,
+                            const SequenceHistory& history,
                             const std::function<Grid<CellCounts>(std::size_t)>& counts_of,
                             const ReflectionGrid& filtered, const PatchLearnerConfig& config) {
   const double resolution = filtered.resolution_m();
@@ -67,8 +72,10 @@ Submap learn_configurations(const Region& region, std::span<const SequenceInfo> 
   }
   if (informative.size() == 0) return submap;
   const Clustering clustering = select_clusters(informative, config.clustering);
-  const auto memberships = in_order_of_appearance(
-      memberships_of(all, clustering.clusters.centroids, config.clustering.fuzzy));
+  const std::vector<Centroid>& centroids = clustering.clusters.centroids;
+  const auto found = memberships_of(all, centroids, config.clustering.fuzzy);
+  const std::vector<std::size_t> order = order_of_appearance(found);
+  const auto memberships = in_order(found, order);
   submap.configurations.resize(clustering.k());
   for (Configuration& c : submap.configurations) {
     c.counts = Grid<CellCounts>(resolution, region.rect);
@@ -77,11 +84,16 @@ Submap learn_configurations(const Region& region, std::span<const SequenceInfo> 
     const Grid<CellCounts> counts = counts_of(i);
     for (std::size_t k = 0; k < clustering.k(); ++k) {
       add_weighted(submap.configurations[k].counts, counts, memberships[i][k]);
-      submap.configurations[k].prior += memberships[i][k] / static_cast<double>(infos.size());
     }
     submap.sequences.push_back(infos[i]);
     submap.sequences.back().membership = memberships[i];
   }
+  const auto looks =
+      in_order(likelihood_shares(all, centroids, config.clustering.cell_stddev), order);
+  const Chain chain = learn_chain(looks, history, config.chain);
+  // By the memberships, which messages carry: who gets the map by one finds the same bits.
+  submap.change_rate_per_s = learn_rate_per_s(memberships, history, chain.usual, config.chain);
+  for (std::size_t k = 0; k < clustering.k(); ++k) submap.configurations[k].prior = chain.usual[k];
   for (Configuration& c : submap.configurations) {
     c.reflection = filter_counts(c.counts, config.prior, config.min_evidence);
     for (std::size_t i = 0; i < c.reflection.size(); ++i) {

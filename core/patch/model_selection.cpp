@@ -27,6 +27,19 @@ std::vector<double> mixture_weights(const FuzzyClusters& clusters) {
   return weights;
 }
 
+/// sum_j (a_j - mu_j)^2 over the entries known in both, and their number.
+double squared_misfit(std::span<const float> vector, const Centroid& centroid, int& known) {
+  double squared = 0.0;
+  known = 0;
+  for (std::size_t j = 0; j < vector.size(); ++j) {
+    const double difference = static_cast<double>(vector[j]) - centroid[j];
+    if (std::isnan(difference)) continue;
+    squared += difference * difference;
+    ++known;
+  }
+  return squared;
+}
+
 std::vector<Fit> fit(const VectorSet& vectors, const FuzzyClusters& clusters, double cell_stddev) {
   const std::vector<double> weights = mixture_weights(clusters);
   const double log_peak = -std::log(cell_stddev * std::sqrt(2.0 * std::numbers::pi));
@@ -36,14 +49,8 @@ std::vector<Fit> fit(const VectorSet& vectors, const FuzzyClusters& clusters, do
   for (std::size_t i = 0; i < vectors.size(); ++i) {
     const auto row = vectors.row(i);
     for (std::size_t c = 0; c < weights.size(); ++c) {
-      double squared = 0.0;
       int known = 0;
-      for (std::size_t j = 0; j < row.size(); ++j) {
-        const double difference = static_cast<double>(row[j]) - clusters.centroids[c][j];
-        if (std::isnan(difference)) continue;
-        squared += difference * difference;
-        ++known;
-      }
+      const double squared = squared_misfit(row, clusters.centroids[c], known);
       kernel[c] = std::log(weights[c]) - 0.5 * squared / (cell_stddev * cell_stddev);
       density[c] = kernel[c] + known * log_peak;
     }
@@ -76,6 +83,23 @@ std::vector<double> log_likelihoods(const VectorSet& vectors, const FuzzyCluster
                                     double cell_stddev) {
   std::vector<double> result;
   for (const Fit& one : fit(vectors, clusters, cell_stddev)) result.push_back(one.log_density);
+  return result;
+}
+
+std::vector<std::vector<double>> likelihood_shares(const VectorSet& vectors,
+                                                   const std::vector<Centroid>& centroids,
+                                                   double cell_stddev) {
+  std::vector<std::vector<double>> result(vectors.size(), std::vector<double>(centroids.size()));
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    std::vector<double>& row = result[i];
+    int known = 0;
+    for (std::size_t c = 0; c < centroids.size(); ++c) {
+      const double squared = squared_misfit(vectors.row(i), centroids[c], known);
+      row[c] = -0.5 * squared / (cell_stddev * cell_stddev);
+    }
+    const double all = log_sum_exp(row);
+    for (double& share : row) share = std::exp(share - all);
+  }
   return result;
 }
 

@@ -69,6 +69,12 @@ struct Clustering {
                                                   const FuzzyClusters& clusters,
                                                   double cell_stddev);
 
+/// exp(-sum_j (a_ij - mu_cj)^2 / 2 cell_stddev^2) over the entries known in both, for each centre
+/// and vector, over the sum of each vector: how likely it is of each cluster, where none is more
+/// usual. Sharper than memberships, which are no probabilities. O(n k dim).
+[[nodiscard]] std::vector<std::vector<double>> likelihood_shares(
+    const VectorSet& vectors, const std::vector<Centroid>& centroids, double cell_stddev);
+
 /// sum_i ln P(a_i | theta) - (k - 1) / 2 ln n - dimension / 2 sum_c ln(1 + n_c), n_c the vectors of
 /// cluster c: its centre is estimated from those alone, so the Laplace approximation that BIC comes
 /// from charges ln n_c for each entry, not ln n; with ln n a state that two of 34 vectors show is

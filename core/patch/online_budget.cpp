@@ -43,6 +43,7 @@ void OnlinePatchLearner::pool_surplus(Track& track) {
     infos[b].scans = into.info.scans;
     // Once the scans of the older are forgotten, a new sub-map here takes over what they counted.
     into.first_scan = std::min(into.first_scan, track.kept[a].first_scan);
+    track.history.pool(a, b);
     track.kept.erase(track.kept.begin() + static_cast<std::ptrdiff_t>(a));
     infos.erase(infos.begin() + static_cast<std::ptrdiff_t>(a));
     ++status_.pooled_sequences;
@@ -72,10 +73,15 @@ void OnlinePatchLearner::forget_configuration() {
   }
   if (from == nullptr) return;
   std::vector<Kept> left;
+  std::vector<std::uint32_t> places(from->kept.size(), SequenceHistory::kGone);
   for (std::size_t i = 0; i < from->kept.size(); ++i) {
     if (likeliest(from->submap.sequences[i].membership) == oldest) continue;
+    places[i] = static_cast<std::uint32_t>(left.size());
     left.push_back(std::move(from->kept[i]));
   }
+  SequenceHistory history(left.size());
+  history.add(from->history, places);
+  from->history = std::move(history);
   from->kept = std::move(left);
   from->is_dirty = true;
   ++status_.forgotten_configurations;
@@ -114,7 +120,7 @@ std::size_t OnlinePatchLearner::count_bytes() {
   for (const Track& track : tracks_) {
     const std::size_t area = track.region.rect.area();
     bytes += track.region.cells.size() * sizeof(Cell);
-    bytes += track.kept.size() * (sizeof(Kept) + area * sizeof(Evidence));
+    bytes += track.kept.size() * (sizeof(Kept) + area * sizeof(Evidence)) + track.history.bytes();
     bytes +=
         track.submap.configurations.size() * area * (sizeof(CellCounts) + sizeof(float)) + area;
     status_.sequences += track.kept.size();

@@ -84,6 +84,8 @@ void OnlinePatchLearner::keep(Track& track, const Sequence& sequence) const {
     const CellCounts& cell = counts.values()[i];
     kept.counts.values()[i] = {static_cast<float>(cell.hits), static_cast<float>(cell.misses)};
   }
+  const bool is_first = track.kept.empty();
+  track.history.append(is_first ? 0.0 : (kept.info.begin - track.kept.back().info.end).seconds());
   track.kept.push_back(std::move(kept));
   track.is_dirty = true;
 }
@@ -128,7 +130,7 @@ void OnlinePatchLearner::update_tracks() {
       return track.region.rect == region.rect;
     });
     if (same == before.end()) {
-      fresh.push_back({region, SequenceBuilder(config_.sequences), {}, {}, true});
+      fresh.push_back({region, SequenceBuilder(config_.sequences), {}, {}, {}, true});
       continue;
     }
     // What was counted there holds, whichever of its cells are compared.
@@ -150,16 +152,35 @@ void OnlinePatchLearner::update_tracks() {
 /// Sequences whose scans are forgotten come from sub-maps that were here before; what those did not
 /// cover stays unknown.
 void OnlinePatchLearner::take_over(const std::vector<Track>& before, Track& track) const {
-  for (const Track& old : before) {
-    if (old.region.rect.intersected(track.region.rect).empty()) continue;
-    for (const Kept& kept : old.kept) {
-      if (kept.first_scan >= first_scan_) continue;
-      track.kept.push_back(
-          {kept.first_scan, kept.last_scan, kept.info, kept.counts.cropped(track.region.rect)});
+  struct Taken {
+    std::size_t from;   // which track
+    std::size_t place;  // in it
+    std::uint32_t first_scan;
+  };
+  std::vector<Taken> taken;
+  for (std::size_t o = 0; o < before.size(); ++o) {
+    if (before[o].region.rect.intersected(track.region.rect).empty()) continue;
+    for (std::size_t i = 0; i < before[o].kept.size(); ++i) {
+      const std::uint32_t first_scan = before[o].kept[i].first_scan;
+      if (first_scan < first_scan_) taken.push_back({o, i, first_scan});
     }
   }
-  std::stable_sort(track.kept.begin(), track.kept.end(),
-                   [](const Kept& a, const Kept& b) { return a.first_scan < b.first_scan; });
+  std::stable_sort(taken.begin(), taken.end(),
+                   [](const Taken& a, const Taken& b) { return a.first_scan < b.first_scan; });
+  std::vector<std::vector<std::uint32_t>> places;
+  for (const Track& old : before) {
+    places.emplace_back(old.kept.size(), SequenceHistory::kGone);
+  }
+  for (const Taken& one : taken) {
+    const Kept& kept = before[one.from].kept[one.place];
+    places[one.from][one.place] = static_cast<std::uint32_t>(track.kept.size());
+    track.kept.push_back(
+        {kept.first_scan, kept.last_scan, kept.info, kept.counts.cropped(track.region.rect)});
+  }
+  track.history = SequenceHistory(taken.size());
+  for (std::size_t o = 0; o < before.size(); ++o) {
+    track.history.add(before[o].history, places[o]);
+  }
 }
 
 /// Sequences of the scans that are still there, the open ones included.
@@ -211,7 +232,8 @@ bool OnlinePatchLearner::learn_dirty() {
       }
       return counts;
     };
-    track.submap = learn_configurations(track.region, infos, counts_of, base_, config_);
+    track.submap =
+        learn_configurations(track.region, infos, track.history, counts_of, base_, config_);
     track.is_dirty = false;
   });
   for (Track* track : dirty) pool_surplus(*track);
@@ -220,6 +242,7 @@ bool OnlinePatchLearner::learn_dirty() {
 
 PatchMap OnlinePatchLearner::map() const {
   PatchMap map;
+  map.entry_margin_m = config_.sequences.entry_margin_m;
   map.base =
       online_.extend_base ? visits_.extended(base_, config_.prior, config_.min_evidence) : base_;
   std::vector<Submap> submaps;

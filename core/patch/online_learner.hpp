@@ -22,6 +22,7 @@
 #include "core/grid/reflection_grid.hpp"
 #include "core/patch/patch_learner_config.hpp"
 #include "core/patch/patch_map.hpp"
+#include "core/patch/sequence_history.hpp"
 #include "core/patch/visit_store.hpp"
 #include "core/scan/scan.hpp"
 
@@ -144,6 +145,7 @@ class OnlinePatchLearner {
     Region region;
     SequenceBuilder builder;
     std::vector<Kept> kept;
+    SequenceHistory history;  // an entry each
     Submap submap;
     bool is_dirty = false;
   };

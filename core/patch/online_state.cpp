@@ -13,8 +13,10 @@
 namespace strata::patch {
 namespace {
 
-/// Changes with the fields below: bytes of another version are refused.
-constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0003;
+/// Changes with the fields below: bytes of another version are refused, but for the one before,
+/// which had no history.
+constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0004;
+constexpr std::uint64_t kVersionBefore = 0x53'50'4c'31'0000'0003;
 
 // What follows is read and written in one order.
 template <class Info, class Archive>
@@ -38,7 +40,7 @@ void each(Items& items, Archive& archive, const Item& item) {
 }
 
 template <class Map, class Archive>
-void submap_state(Map& submap, Archive& archive) {
+void submap_state(Map& submap, bool has_history, Archive& archive) {
   archive(submap.id);
   archive(submap.rect);
   archive(submap.contradictory);
@@ -48,10 +50,11 @@ void submap_state(Map& submap, Archive& archive) {
     archive(configuration.prior);
   });
   each(submap.sequences, archive, [&](auto& info) { sequence_info(info, archive); });
+  if (has_history) archive(submap.change_rate_per_s);
 }
 
 template <class One, class Archive>
-void track_state(One& track, Archive& archive) {
+void track_state(One& track, bool has_history, Archive& archive) {
   archive(track.region.rect);
   archive(track.region.cells);
   archive(track.region.oversized);
@@ -62,7 +65,8 @@ void track_state(One& track, Archive& archive) {
     sequence_info(kept.info, archive);
     archive(kept.counts);
   });
-  submap_state(track.submap, archive);
+  if (has_history) archive(track.history);
+  submap_state(track.submap, has_history, archive);
   archive(track.is_dirty);
 }
 
@@ -95,22 +99,30 @@ std::vector<std::uint8_t> OnlinePatchLearner::save_state() const {
   writer(base_);
   state(*this, writer);
   writer(static_cast<std::uint64_t>(tracks_.size()));
-  for (const Track& track : tracks_) track_state(track, writer);
+  for (const Track& track : tracks_) track_state(track, true, writer);
   return writer.take();
 }
 
 void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
                                        const std::string& place) {
   StateReader reader(bytes, place);
-  reader.expect_version(kVersion);
+  std::uint64_t version = 0;
+  reader(version);
+  if (version != kVersion && version != kVersionBefore) reader.refuse("is of another version");
+  const bool has_history = version == kVersion;
   const double resolution_m = base_.resolution_m();
   reader(base_);
   if (base_.resolution_m() != resolution_m) reader.refuse("is of another resolution");
   state(*this, reader);
   tracks_.clear();
   for (std::size_t left = reader.length(1); left > 0; --left) {
-    tracks_.push_back({{}, SequenceBuilder(config_.sequences), {}, {}, false});
-    track_state(tracks_.back(), reader);
+    tracks_.push_back({{}, SequenceBuilder(config_.sequences), {}, {}, {}, false});
+    Track& track = tracks_.back();
+    track_state(track, has_history, reader);
+    if (has_history) continue;
+    std::vector<SequenceInfo> infos;
+    for (const Kept& kept : track.kept) infos.push_back(kept.info);
+    track.history = history_of(infos);
   }
   reader.expect_end();
   const bool is_whole = has_sound_scans() && contradictory_.resolution_m() == resolution_m &&
@@ -142,6 +154,7 @@ bool OnlinePatchLearner::is_sound(const Track& track) const {
       (!is_in_order || open.front() < first_scan_ || open.back() >= status_.scans_seen)) {
     return false;
   }
+  if (track.history.size() != track.kept.size()) return false;
   for (const Kept& kept : track.kept) {
     if (!covers(kept.counts) || kept.last_scan >= status_.scans_seen) return false;
   }

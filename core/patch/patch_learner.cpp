@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/patch/configurations.hpp"
+#include "core/patch/sequence_history.hpp"
 
 namespace strata::patch {
 namespace {
@@ -38,13 +39,14 @@ Submap PatchLearner::learn_submap(const Region& region, std::span<const Sequence
     return count_sequence(scans_, sequences[i], region.rect, filtered.resolution_m(),
                           config_.counting);
   };
-  return learn_configurations(region, infos, count, filtered, config_);
+  return learn_configurations(region, infos, history_of(infos), count, filtered, config_);
 }
 
 PatchMap PatchLearner::finish(const ReflectionGrid& filtered, Progress* progress) {
   const double resolution = filtered.resolution_m();
   PatchMap map;
   map.base = filtered;
+  map.entry_margin_m = config_.sequences.entry_margin_m;
   std::vector<Region> regions;
   {
     VisitTable visits = find_visits(scans_, resolution, config_.visits, config_.counting, progress);

@@ -5,6 +5,7 @@
 #include "core/base/config.hpp"
 #include "core/beam_filter/config.hpp"
 #include "core/grid/counting_map.hpp"
+#include "core/patch/chain.hpp"
 #include "core/patch/contradiction.hpp"
 #include "core/patch/model_selection.hpp"
 #include "core/patch/region_growing.hpp"
@@ -20,6 +21,7 @@ struct PatchLearnerConfig {
   RegionConfig regions;
   SequenceConfig sequences;
   ModelSelectionConfig clustering;
+  ChainConfig chain;
   double prior = beam_filter::kStaticPriorOfVisit;
   double min_evidence = 0.5;
   bool keep_single_configuration = false;
@@ -32,6 +34,7 @@ struct PatchLearnerConfig {
     v.group("regions", c.regions, "from contradictory cells to sub-maps");
     v.group("sequences", c.sequences, "which scans are one observation of a sub-map");
     v.group("clustering", c.clustering, "how many configurations, and which");
+    v.group("chain", c.chain, "how often each configuration is there, and how fast they change");
     v.field("prior", c.prior,
             {.doc = "P(a beam ends on something static), for the beam filter within a sequence",
              .unit = "1",

@@ -28,7 +28,9 @@ struct SequenceInfo {
 struct Configuration {
   Grid<CellCounts> counts;    ///< evidence pooled over the sequences, weighted by membership
   ReflectionGrid reflection;  ///< what the sensor models use; unknown cells filled from the base
-  double prior = 0.0;         ///< mean membership over the sequences; sums to 1 over the sub-map
+  /// The share of time that it is there, the stationary law of the sub-map's chain (core/patch/
+  /// chain.hpp); sums to 1 over the sub-map.
+  double prior = 0.0;
 };
 
 /// A changeable area with its configurations.
@@ -38,13 +40,22 @@ struct Submap {
   Grid<std::uint8_t> contradictory;  ///< 1 where observations of different visits contradict
   std::vector<Configuration> configurations;  ///< at least one
   std::vector<SequenceInfo> sequences;
+  /// At which the configuration is drawn anew from the priors; 0: not known, but the sequences say
+  /// something of it.
+  double change_rate_per_s = 0.0;
 };
 
+/// Where a sub-map begins for a robot that enters it, unless settings say otherwise: a door is seen
+/// from the corridor, whose middle its rectangle may not hold.
+inline constexpr double kEntryMargin_m = 1.0;
+
 /// base: the filtered static map everywhere (also under the sub-maps, as a fallback). Sub-maps may
-/// overlap [stachniss2005patch]; ids are their places in the vector.
+/// overlap [stachniss2005patch]; ids are their places in the vector. entry_margin_m: from so far
+/// around its rectangle a sub-map counts as entered, as when the map was learned.
 struct PatchMap {
   ReflectionGrid base;
   std::vector<Submap> submaps;
+  double entry_margin_m = kEntryMargin_m;
 };
 
 /// The sub-maps whose rectangle contains the cell, the one it belongs to first. The one rule for

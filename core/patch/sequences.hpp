@@ -14,6 +14,7 @@
 #include "core/base/progress.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/grid/grid.hpp"
+#include "core/patch/patch_map.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata::patch {
@@ -37,7 +38,7 @@ namespace strata::patch {
 struct SequenceConfig {
   SequenceMode mode = SequenceMode::kVisibility;
   int min_beams_per_scan = 5;
-  double entry_margin_m = 1.0;
+  double entry_margin_m = kEntryMargin_m;
   double hysteresis_s = 1.0;
   double max_duration_s = 30.0;
   int min_scans = 5;

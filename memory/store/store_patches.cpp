@@ -125,6 +125,37 @@ void read_sequences(Database& database, const std::string& map, int place, patch
   }
 }
 
+/// Stores of versions 1 and 2 that are only read do not have the tables.
+bool has_chains(Database& database) {
+  return database.query_integer(
+             "SELECT count(*) FROM sqlite_master WHERE name IN ('patch_entry', 'submap_chain')") ==
+         2;
+}
+
+void write_chains(Database& database, const std::string& name, const patch::PatchMap& map) {
+  Statement(database, "INSERT INTO patch_entry (map, margin_m) VALUES (?, ?)")
+      .bind(name)
+      .bind(map.entry_margin_m)
+      .run();
+  Statement insert(database, "INSERT INTO submap_chain (map, submap, rate_per_s) VALUES (?, ?, ?)");
+  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+    insert.bind(name).bind(static_cast<int>(s)).bind(map.submaps[s].change_rate_per_s).run();
+  }
+}
+
+void read_chains(Database& database, const std::string& name, patch::PatchMap& map) {
+  if (!has_chains(database)) return;
+  Statement entry(database, "SELECT margin_m FROM patch_entry WHERE map = ?");
+  if (entry.bind(name).step()) map.entry_margin_m = entry.real(0);
+  Statement rates(database, "SELECT submap, rate_per_s FROM submap_chain WHERE map = ?");
+  rates.bind(name);
+  while (rates.step()) {
+    const std::int64_t place = rates.integer(0);
+    if (place < 0 || place >= static_cast<std::int64_t>(map.submaps.size())) continue;
+    map.submaps[static_cast<std::size_t>(place)].change_rate_per_s = rates.real(1);
+  }
+}
+
 /// Whether all grids lie on the sub-map's cells, and each sequence knows of each configuration.
 bool is_sound(const patch::Submap& submap, double resolution_m) {
   const auto covers = [&](const auto& grid) {
@@ -156,6 +187,7 @@ void Store::save_patch_map(const patch::PatchMap& map, const std::string& name) 
     for (std::size_t s = 0; s < map.submaps.size(); ++s) {
       write_submap(database, name, static_cast<int>(s), map.submaps[s]);
     }
+    write_chains(database, name, map);
   });
 }
 
@@ -186,6 +218,7 @@ patch::PatchMap Store::load_patch_map(const std::string& name) const {
     }
     map.submaps.push_back(std::move(submap));
   }
+  read_chains(database, name, map);
   return map;
 }
 

@@ -80,6 +80,7 @@ MapModelDescriptor patch_descriptor(const char* name, const char* description, M
   model.make = [map, memory](const Maps& maps, const std::string& /*argument*/,
                              PatchBeamModelConfig config) {
     if (memory) config.states.memory = *memory;
+    if (memory == PatchMemory::kNone) config.states.rates = localization::RateSource::kFixed;
     return patch_model(*(maps.*map), config);
   };
   return model;

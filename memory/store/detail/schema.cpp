@@ -57,6 +57,16 @@ CREATE TABLE scan_chunk (
   end_ns INTEGER NOT NULL, data BLOB NOT NULL, PRIMARY KEY (run, place));
 )sql";
 
+/// New in version 3: how patch maps change, and from where their sub-maps count as entered.
+constexpr const char* kChainTables = R"sql(
+CREATE TABLE IF NOT EXISTS patch_entry (
+  map TEXT PRIMARY KEY REFERENCES patch_map(name) ON DELETE CASCADE, margin_m REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS submap_chain (
+  map TEXT NOT NULL, submap INTEGER NOT NULL, rate_per_s REAL NOT NULL,
+  PRIMARY KEY (map, submap),
+  FOREIGN KEY (map, submap) REFERENCES submap(map, place) ON DELETE CASCADE);
+)sql";
+
 /// Holds the write lock while the tables are made, so that two programs may open a new file at
 /// once.
 void create_tables(Database& database) {
@@ -65,6 +75,7 @@ void create_tables(Database& database) {
   if (database.query_integer("PRAGMA user_version") == 0) {
     database.execute(kTables);
     database.execute(kScanTables);
+    database.execute(kChainTables);
     database.execute(("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());
     database.execute(("PRAGMA user_version = " + std::to_string(kSchemaVersion)).c_str());
   }
@@ -74,7 +85,9 @@ void create_tables(Database& database) {
 /// Brings the tables of an older version up to the present one, in one transaction.
 void upgrade(Database& database) {
   database.execute("BEGIN IMMEDIATE");
-  if (database.query_integer("PRAGMA user_version") < 2) database.execute(kScanTables);
+  const std::int64_t version = database.query_integer("PRAGMA user_version");
+  if (version < 2) database.execute(kScanTables);
+  if (version < 3) database.execute(kChainTables);
   database.execute(("PRAGMA user_version = " + std::to_string(kSchemaVersion)).c_str());
   database.execute("COMMIT");
 }

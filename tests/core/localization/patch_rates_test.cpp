@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast what is known of a sub-map becomes unknown.
+// How what is known of a sub-map fades, and to what.
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include <gtest/gtest.h>
@@ -18,93 +19,152 @@ using test::room;
 using test::room_with_box;
 using test::submap_of;
 
-/// A sub-map whose sequences follow a chain of the given rate, `count` of them, dt apart.
-patch::Submap chain(int configurations, double gamma_per_s, double dt_s, int count,
-                    std::uint64_t seed) {
+/// Sequences of a door that is open `open` of the time and drawn anew at the rate; dt apart.
+std::vector<patch::SequenceInfo> door(double open, double rate_per_s, double dt_s, int count,
+                                      std::uint64_t seed) {
   RandomStream random(seed, StreamId::kTest);
-  patch::Submap submap;
-  submap.configurations.resize(static_cast<std::size_t>(configurations));
-  std::size_t state = 0;
+  std::vector<patch::SequenceInfo> sequences;
+  bool is_open = random.bernoulli(open);
   for (int i = 0; i < count; ++i) {
-    if (!random.bernoulli(stay_probability(configurations, gamma_per_s, dt_s))) {
-      const auto others = static_cast<std::uint32_t>(configurations - 1);
-      state = (state + 1 + random.below(others)) % static_cast<std::size_t>(configurations);
-    }
+    if (!random.bernoulli(std::exp(-rate_per_s * dt_s))) is_open = random.bernoulli(open);
     patch::SequenceInfo sequence;
     sequence.begin = Stamp::from_seconds(i * (dt_s + 10.0));
     sequence.end = Stamp::from_seconds(i * (dt_s + 10.0) + 10.0);
-    sequence.membership.assign(static_cast<std::size_t>(configurations), 0.0);
-    sequence.membership[state] = 1.0;
-    submap.sequences.push_back(sequence);
+    sequence.membership = {is_open ? 0.0 : 1.0, is_open ? 1.0 : 0.0};
+    sequences.push_back(sequence);
   }
-  return submap;
+  return sequences;
 }
 
-TEST(PatchRates, AreThoseOfTheChainThatMadeTheSequences) {
-  PatchStatesConfig config;
-  for (const int configurations : {2, 4}) {
-    for (const double gamma : {1.0 / 600.0, 1.0 / 7200.0}) {
-      const double learned =
-          learned_rate_per_s(chain(configurations, gamma, 0.5 / gamma, 600, 11), config);
-      EXPECT_NEAR(learned / gamma, 1.0, 0.2) << configurations << " " << gamma;
-    }
+std::shared_ptr<patch::PatchMap> door_map(double open, double rate_per_s) {
+  auto map = box_map();
+  map->submaps[0].configurations[0].prior = 1.0 - open;
+  map->submaps[0].configurations[1].prior = open;
+  map->submaps[0].change_rate_per_s = rate_per_s;
+  return map;
+}
+
+/// What is believed of the first sub-map: of one particle, or of all.
+std::span<float> row_of(const PatchStates& states, ParticleSet& particles) {
+  return states.memory() == PatchMemory::kShared ? std::span<float>(particles.shared_belief)
+                                                 : particles.belief(0);
+}
+
+ParticleSet one_particle(const PatchStates& states) {
+  ParticleSet particles;
+  particles.resize(1);
+  particles.set_pose(0, {5.0, 2.0, 0.0});
+  set_uniform_weights(particles);
+  states.prepare(particles);
+  RandomStream random(1, StreamId::kTest);
+  states.draw(particles, 0, random);
+  return particles;
+}
+
+TEST(PatchRates, AtFirstSightADoorIsExpectedAsItUsuallyIs) {
+  const auto map = door_map(0.04, 1.0 / 600.0);
+  for (const PatchMemory memory : {PatchMemory::kShared, PatchMemory::kPerParticle}) {
+    const PatchStates states(map, {.memory = memory});
+    ParticleSet particles = one_particle(states);
+    EXPECT_NEAR(row_of(states, particles)[1], 0.04, 1e-6);
+    EXPECT_NEAR(states.posterior(particles)[0].probability[1], 0.04, 1e-6);
   }
 }
 
-TEST(PatchRates, BeliefsOfEachSubmapFadeAtItsOwn) {
+TEST(PatchRates, WhatWasSeenFadesToWhatIsUsual) {
+  const auto map = door_map(0.04, 1.0 / 600.0);
+  WorkerPool pool(1);
+  for (const PatchMemory memory : {PatchMemory::kShared, PatchMemory::kPerParticle}) {
+    const PatchStates states(map, {.memory = memory});
+    ParticleSet particles = one_particle(states);
+    const std::span<float> row = row_of(states, particles);
+    row[0] = 0.0F;
+    row[1] = 1.0F;
+    states.predict(600.0, 1, 1, particles, pool);
+    EXPECT_NEAR(row[1], std::exp(-1.0) + (1.0 - std::exp(-1.0)) * 0.04, 1e-6);
+    states.predict(36000.0, 1, 2, particles, pool);
+    EXPECT_NEAR(row[1], 0.04, 1e-6);
+    EXPECT_NEAR(row[0] + row[1], 1.0, 1e-6);
+  }
+}
+
+TEST(PatchRates, WithoutMemoryConfigurationsAreDrawnAsTheyUsuallyAre) {
+  constexpr std::size_t kParticles = 20000;
+  const auto map = door_map(0.1, 1.0 / 600.0);
+  const PatchStates states(map, {.memory = PatchMemory::kNone});
+  ParticleSet particles;
+  particles.resize(kParticles);
+  for (std::size_t i = 0; i < kParticles; ++i) particles.set_pose(i, {5.0, 1.5, 0.0});
+  states.prepare(particles);
+  WorkerPool pool(2);
+  const auto open_share = [&] {
+    double open = 0.0;
+    for (const std::int32_t k : particles.configuration) open += k == 1 ? 1.0 : 0.0;
+    return open / kParticles;
+  };
+  states.predict(1.0, 3, 1, particles, pool);
+  EXPECT_NEAR(open_share(), 0.1, 0.01) << "on entering";
+  particles.configuration.assign(kParticles, 1);
+  states.predict(600.0, 3, 2, particles, pool);
+  EXPECT_NEAR(open_share(), std::exp(-1.0) + (1.0 - std::exp(-1.0)) * 0.1, 0.015);
+}
+
+TEST(PatchRates, FixedOnesForgetToEvenOdds) {
+  const auto map = door_map(0.04, 1.0);
+  const PatchStates states(map, {.rates = RateSource::kFixed});
+  EXPECT_EQ(states.rate_per_s(0), 1.0 / 600.0);
+  ParticleSet particles = one_particle(states);
+  EXPECT_EQ(particles.belief(0)[1], 0.5F);
+  particles.belief(0)[0] = 0.0F;
+  particles.belief(0)[1] = 1.0F;
+  WorkerPool pool(1);
+  states.predict(600.0, 1, 1, particles, pool);
+  EXPECT_NEAR(particles.belief(0)[1], stay_probability(2, 1.0 / 600.0, 600.0), 1e-6);
+}
+
+TEST(PatchRates, OfMapsThatCameWithoutAreThoseOfTheirSequences) {
   auto map = empty_map();
   map->submaps.push_back(submap_of(0, {{10, 0}, {30, 40}}, {room(), room_with_box()}));
   map->submaps.push_back(submap_of(1, {{60, 0}, {80, 40}}, {room(), room_with_box()}));
-  map->submaps[0].sequences = chain(2, 1.0 / 600.0, 300.0, 200, 3).sequences;
-  map->submaps[1].sequences = chain(2, 1.0 / 36000.0, 18000.0, 200, 4).sequences;
-  WorkerPool pool(1);
-  for (const PatchMemory memory : {PatchMemory::kShared, PatchMemory::kPerParticle}) {
-    PatchStatesConfig config;
-    config.memory = memory;
-    config.rates = RateSource::kLearned;
-    const PatchStates states(map, config);
-    ASSERT_GT(states.rate_per_s(0), 5.0 * states.rate_per_s(1));
-    ParticleSet particles;
-    particles.resize(1);
-    set_uniform_weights(particles);
-    states.prepare(particles);
-    const std::span<float> row = memory == PatchMemory::kShared
-                                     ? std::span<float>(particles.shared_belief)
-                                     : particles.belief(0);
-    for (std::size_t s = 0; s < 2; ++s) {
-      row[states.offset(s)] = 1.0F;
-      row[states.offset(s) + 1] = 0.0F;
-    }
-    states.predict(600.0, 1, 1, particles, pool);
-    for (std::size_t s = 0; s < 2; ++s) {
-      const double stayed = stay_probability(2, states.rate_per_s(s), 600.0);
-      EXPECT_NEAR(row[states.offset(s)], stayed, 1e-6) << s;
-      EXPECT_NEAR(row[states.offset(s) + 1], 1.0 - stayed, 1e-6) << s;
-    }
+  map->submaps[0].sequences = door(0.5, 1.0 / 600.0, 300.0, 600, 3);
+  map->submaps[1].sequences = door(0.1, 1.0 / 7200.0, 3600.0, 600, 4);
+  map->submaps[1].configurations[0].prior = 0.9;
+  map->submaps[1].configurations[1].prior = 0.1;
+  const PatchStates states(map, {});
+  EXPECT_NEAR(600.0 * states.rate_per_s(0), 1.0, 0.25);
+  EXPECT_NEAR(7200.0 * states.rate_per_s(1), 1.0, 0.25);
+}
+
+TEST(PatchRates, PriorsThatAreNoSharesAreEvenOdds) {
+  for (const double damaged : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    auto map = door_map(0.1, 1.0);
+    for (auto& configuration : map->submaps[0].configurations) configuration.prior = damaged;
+    EXPECT_EQ(PatchStates(map, {}).usual()[1], 0.5F) << damaged;
   }
+  // Nothing is impossible.
+  EXPECT_NEAR(PatchStates(door_map(0.0, 1.0), {.min_belief = 0.01}).usual()[1], 0.01, 1e-3);
 }
 
-TEST(PatchRates, WithoutSequencesTheyAreThePrior) {
-  PatchStatesConfig config;
-  config.prior_changes = 2.0;
-  config.prior_hours = 1.0;
-  EXPECT_NEAR(learned_rate_per_s(chain(3, 0.1, 1.0, 0, 1), config), 2.0 / 3600.0, 1e-6);
-  // Runs whose stamps overlap say nothing of the time between.
-  patch::Submap overlapping = chain(2, 0.1, 1.0, 2, 1);
-  overlapping.sequences[1].begin = overlapping.sequences[0].begin;
-  EXPECT_NEAR(learned_rate_per_s(overlapping, config), 2.0 / 3600.0, 1e-6);
+TEST(PatchRates, ANewConfigurationStartsAsItUsuallyIs) {
+  const auto before = box_map();
+  before->submaps[0].configurations.pop_back();
+  const auto now = door_map(0.1, 1.0 / 600.0);
+  const PatchStates old_states(before, {});
+  const PatchStates states(now, {});
+  ParticleSet particles = one_particle(old_states);
+  states.adopt(&old_states, 1, 1, particles);
+  EXPECT_NEAR(particles.belief(0)[0], 0.9, 1e-5);
+  EXPECT_NEAR(particles.belief(0)[1], 0.1, 1e-5);
 }
 
-TEST(PatchRates, APlaceThatNeverChangesIsRememberedLonger) {
+// What a sub-map was entered from when it was learned is what it is entered from.
+TEST(PatchRates, AMapSaysFromWhereItsSubmapsAreEntered) {
   auto map = box_map();
-  map->submaps[0].sequences = chain(2, 1e-9, 3600.0, 50, 3).sequences;
-  PatchStatesConfig config;
-  config.rates = RateSource::kLearned;
-  const PatchStates steady(map, config);
-  map->submaps[0].sequences = chain(2, 1.0, 3600.0, 50, 3).sequences;
-  const PatchStates fickle(map, config);
-  EXPECT_LT(steady.rate_per_s(0), 0.1 / 3600.0);
-  EXPECT_GT(fickle.rate_per_s(0), 1.0 / 3600.0);
+  const CellRect& rect = map->submaps[0].rect;
+  const Eigen::Vector2d beside_m{(rect.min.x - 6) * 0.05, 0.05 * (rect.min.y + 10)};
+  EXPECT_EQ(PatchStates(map, {.memory = PatchMemory::kNone}).submap_of(beside_m), 0);
+  map->entry_margin_m = 0.2;
+  EXPECT_EQ(PatchStates(map, {.memory = PatchMemory::kNone}).submap_of(beside_m), -1);
 }
 
 }  // namespace

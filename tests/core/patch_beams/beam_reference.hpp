@@ -134,7 +134,7 @@ class Reference {
 
   Slow weigh(const localization::ParticleSet& particles, std::size_t i) const {
     const bool is_sampled = states_.memory() == localization::PatchMemory::kNone;
-    const std::span<const float> belief = is_sampled ? states_.uniform()
+    const std::span<const float> belief = is_sampled ? states_.usual()
                                           : states_.memory() == localization::PatchMemory::kShared
                                               ? std::span<const float>(particles.shared_belief)
                                               : particles.belief(i);

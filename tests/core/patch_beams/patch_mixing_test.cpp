@@ -226,8 +226,9 @@ TEST(PatchStates, RedrawsAtTheRateAndUniformlyOnEntering) {
   map->submaps[0].configurations.resize(3, map->submaps[0].configurations[0]);
   PatchStatesConfig config;
   config.memory = PatchMemory::kNone;
-  config.reach_m = 0.0;
+  config.rates = localization::RateSource::kFixed;
   config.forgetting_rate_per_s = 0.5;
+  map->entry_margin_m = 0.0;
   const PatchStates states(map, config);
   ParticleSet particles;
   particles.resize(20000);
@@ -254,6 +255,7 @@ TEST(PatchStates, RedrawsAtTheRateAndUniformlyOnEntering) {
 TEST(PatchStates, WithoutMemoryAParticleHoldsAConfigurationFromWithinReach) {
   RandomStream random(6, StreamId::kTest);
   const auto map = random_map(random, false);
+  map->entry_margin_m = 0.5;
   const CellRect& rect = map->submaps[0].rect;
   const double edge_m = rect.min.x * map->base.resolution_m();
   const double middle_m = 0.5 * (rect.min.y + rect.max.y) * map->base.resolution_m();
@@ -261,7 +263,6 @@ TEST(PatchStates, WithoutMemoryAParticleHoldsAConfigurationFromWithinReach) {
   for (const PatchMemory memory : {PatchMemory::kNone, PatchMemory::kPerParticle}) {
     PatchStatesConfig config;
     config.memory = memory;
-    config.reach_m = 0.5;
     const PatchStates states(map, config);
     ParticleSet particles;
     particles.resize(3);

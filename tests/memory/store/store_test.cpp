@@ -56,19 +56,23 @@ patch::PatchMap random_patch_map(std::uint64_t seed) {
       for (int c = 0; c <= s; ++c) sequence.membership.push_back(random.uniform() / 3.0);
       submap.sequences.push_back(sequence);
     }
+    submap.change_rate_per_s = random.uniform();
     map.submaps.push_back(submap);
   }
+  map.entry_margin_m = 0.75;
   return map;
 }
 
 void expect_same(const patch::PatchMap& a, const patch::PatchMap& b) {
   EXPECT_TRUE(same_bits(a.base, b.base));
+  EXPECT_EQ(a.entry_margin_m, b.entry_margin_m);
   ASSERT_EQ(a.submaps.size(), b.submaps.size());
   for (std::size_t s = 0; s < a.submaps.size(); ++s) {
     const patch::Submap& left = a.submaps[s];
     const patch::Submap& right = b.submaps[s];
     EXPECT_EQ(left.id, right.id);
     EXPECT_EQ(left.rect, right.rect);
+    EXPECT_EQ(left.change_rate_per_s, right.change_rate_per_s);
     EXPECT_TRUE(same_bits(left.contradictory, right.contradictory));
     ASSERT_EQ(left.configurations.size(), right.configurations.size());
     for (std::size_t c = 0; c < left.configurations.size(); ++c) {

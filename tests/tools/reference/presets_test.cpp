@@ -51,7 +51,7 @@ TEST(PaperPresets, OfPatchMapsEnterSubMapsAndCountClustersAndForget) {
   EXPECT_THAT(changed<patch::PatchLearnerConfig>("preset: paper-patch"),
               ElementsAre("mode: entered", "theta_mode: clusters"));
   EXPECT_THAT(changed<localizer::LocalizerComponentConfig>("preset: paper-patch"),
-              ElementsAre("memory: none"));
+              ElementsAre("memory: none", "rates: fixed"));
 }
 
 TEST(PaperPresets, OfTheTimescaleMemoryAreItsExperiment) {

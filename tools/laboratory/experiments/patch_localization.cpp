@@ -32,6 +32,7 @@ Model grid_model(const ReflectionGrid& map) {
 Model patch_model(const std::shared_ptr<const patch::PatchMap>& map, PatchMemory memory) {
   patch_beams::PatchBeamModelConfig config;
   config.states.memory = memory;
+  if (memory == PatchMemory::kNone) config.states.rates = localization::RateSource::kFixed;
   return std::make_shared<const patch_beams::PatchBeamModel>(map, config);
 }
 

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/patch/sequence_history.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strata::patch {
+namespace {
+
+bool are_alike(const Transition& a, const Transition& b) {
+  return a.from == b.from && a.to == b.to && std::ilogb(a.dt_s) == std::ilogb(b.dt_s);
+}
+
+}  // namespace
+
+void SequenceHistory::add_transition(const Transition& transition) {
+  const auto alike =
+      std::find_if(transitions_.begin(), transitions_.end(),
+                   [&](const Transition& other) { return are_alike(other, transition); });
+  if (alike == transitions_.end()) {
+    transitions_.push_back(transition);
+    return;
+  }
+  const double count = alike->count + transition.count;
+  alike->dt_s = (alike->count * alike->dt_s + transition.count * transition.dt_s) / count;
+  alike->count = count;
+}
+
+void SequenceHistory::append(double dt_s) {
+  counts_.push_back(1.0);
+  if (counts_.size() < 2 || !(dt_s > 0.0) || !std::isfinite(dt_s)) return;
+  // New entries have no transitions yet: nothing to look for.
+  const auto to = static_cast<std::uint32_t>(counts_.size() - 1);
+  transitions_.push_back({to - 1, to, dt_s, 1.0});
+}
+
+void SequenceHistory::pool(std::size_t from, std::size_t into) {
+  counts_[into] += counts_[from];
+  counts_.erase(counts_.begin() + static_cast<std::ptrdiff_t>(from));
+  const auto place = [&](std::uint32_t i) {
+    const std::size_t joined = i == from ? into : i;
+    return static_cast<std::uint32_t>(joined > from ? joined - 1 : joined);
+  };
+  std::vector<Transition> before;
+  before.swap(transitions_);
+  for (Transition t : before) {
+    t.from = place(t.from);
+    t.to = place(t.to);
+    add_transition(t);
+  }
+}
+
+void SequenceHistory::add(const SequenceHistory& other, std::span<const std::uint32_t> places) {
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i] != kGone) counts_[places[i]] += other.counts_[i];
+  }
+  for (Transition t : other.transitions_) {
+    t.from = places[t.from];
+    t.to = places[t.to];
+    if (t.from != kGone && t.to != kGone) add_transition(t);
+  }
+}
+
+bool SequenceHistory::is_sound() const {
+  const auto is_positive = [](double value) { return value > 0.0 && std::isfinite(value); };
+  return std::all_of(counts_.begin(), counts_.end(), is_positive) &&
+         std::all_of(transitions_.begin(), transitions_.end(), [&](const Transition& t) {
+           return t.from < counts_.size() && t.to < counts_.size() && is_positive(t.dt_s) &&
+                  is_positive(t.count);
+         });
+}
+
+SequenceHistory history_of(std::span<const SequenceInfo> sequences) {
+  SequenceHistory history;
+  for (std::size_t i = 0; i < sequences.size(); ++i) {
+    history.append(i == 0 ? 0.0 : (sequences[i].begin - sequences[i - 1].end).seconds());
+  }
+  return history;
+}
+
+}  // namespace strata::patch

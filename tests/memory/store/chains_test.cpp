@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How patch maps change, in stores of this version and of those before.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "memory/store/store.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace strata::memory {
+namespace {
+
+using test::TemporaryDirectory;
+
+patch::PatchMap small_map() {
+  patch::PatchMap map;
+  map.base = make_reflection_grid(0.05, {{0, 0}, {40, 40}});
+  map.entry_margin_m = 0.75;
+  for (int s = 0; s < 3; ++s) {
+    patch::Submap submap;
+    submap.id = s;
+    submap.rect = {{10 * s, 2}, {10 * s + 5, 11}};
+    submap.contradictory = Grid<std::uint8_t>(0.05, submap.rect);
+    submap.configurations.push_back(
+        {Grid<CellCounts>(0.05, submap.rect), make_reflection_grid(0.05, submap.rect), 1.0});
+    submap.change_rate_per_s = 0.001 * (s + 1);
+    map.submaps.push_back(submap);
+  }
+  return map;
+}
+
+void expect_chains(const patch::PatchMap& got, const patch::PatchMap& expected) {
+  EXPECT_EQ(got.entry_margin_m, expected.entry_margin_m);
+  ASSERT_EQ(got.submaps.size(), expected.submaps.size());
+  for (std::size_t s = 0; s < got.submaps.size(); ++s) {
+    EXPECT_EQ(got.submaps[s].change_rate_per_s, expected.submaps[s].change_rate_per_s) << s;
+  }
+}
+
+void execute(const std::filesystem::path& path, const char* sql) {
+  sqlite3* handle = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &handle), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(handle);
+}
+
+TEST(StoredChains, ComeBackAndAreNotAskedOfOlderStores) {
+  const TemporaryDirectory directory;
+  const auto path = directory.path() / "strata.db";
+  patch::PatchMap map = small_map();
+  { Store(path).save_patch_map(map); }
+  expect_chains(Store(path, {.read_only = true}).load_patch_map(), map);
+  execute(path, "DROP TABLE patch_entry; DROP TABLE submap_chain; PRAGMA user_version = 2");
+  map.entry_margin_m = patch::kEntryMargin_m;
+  for (patch::Submap& submap : map.submaps) submap.change_rate_per_s = 0.0;
+  expect_chains(Store(path, {.read_only = true}).load_patch_map(), map);
+  Store store(path);
+  expect_chains(store.load_patch_map(), map);
+  map.entry_margin_m = 0.5;
+  store.save_patch_map(map);
+  expect_chains(store.load_patch_map(), map);
+}
+
+}  // namespace
+}  // namespace strata::memory
