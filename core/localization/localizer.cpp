@@ -61,6 +61,7 @@ void Localizer::start(std::size_t count) {
   monitor_.reset();
   is_seeking_ = false;
   places_.clear();
+  score_.reset();
   particles_ = ParticleSet{};
   particles_.resize(count);
   if (const PatchStates* states = model_->patch_states()) {
@@ -172,7 +173,10 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
   moved_ = moved_ * motion;
   ++scans_since_weighed_;
   const bool is_usable = rays::says_something(observation.scan);
-  if (!is_usable) ++unusable_scans_;
+  if (!is_usable) {
+    ++unusable_scans_;
+    score_.drive_unseen(motion.translation().norm());
+  }
   if (is_usable) turns_.see(observation.scan, observation.run);
   if (is_usable && turns_.alive() > 1) companions_.keep(observation);
   const bool is_weighed = is_usable && is_due();
@@ -183,6 +187,18 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
     if (is_one_place(pose, config_.recovery.uncertain_stddev_m)) at_reading_ = pose;
   }
   return make_result(pose, is_weighed);
+}
+
+/// What the scan says of the pose that was found with it.
+void Localizer::judge(const Observation& observation, const Pose2Gaussian& pose,
+                      double likelihood_per_beam) {
+  const InlierShares shares =
+      model_->inlier_shares_given(result_.submaps, observation.scan, pose.mean, particles_);
+  const double stddev_m = position_stddev(pose);
+  const bool is_open = is_seeking_ || places_.is_active();
+  if (is_open || annealed_updates_ < config_.global_start.annealing_updates) score_.doubt();
+  score_.add(observation.scan, pose.mean, shares, particles_, *model_, stddev_m);
+  monitor_.add(likelihood_per_beam, shares, stddev_m, score_.value());
 }
 
 Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
@@ -207,10 +223,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   if (states != nullptr) states->absorb(pose, particles_);
   pool_beliefs();
   if (beams > 0 && std::isfinite(log_mean)) {
-    monitor_.add(
-        std::exp(log_mean * weighing.tempering / static_cast<double>(beams)),
-        model_->inlier_shares_given(result_.submaps, observation.scan, pose.mean, particles_),
-        position_stddev(pose));
+    judge(observation, pose, std::exp(log_mean * weighing.tempering / static_cast<double>(beams)));
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose);
   settle_motion(pose);
@@ -266,6 +279,7 @@ void Localizer::resample() {
 const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool weighed) {
   result_.pose = pose;
   result_.health = monitor_.health();
+  result_.score = score_.value();
   result_.effective_sample_size = effective_sample_size(particles_);
   result_.particles = particles_.size();
   result_.weighed = weighed;

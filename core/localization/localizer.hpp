@@ -18,6 +18,7 @@
 #include "core/localization/patch_states.hpp"
 #include "core/localization/place_finder.hpp"
 #include "core/localization/place_hypotheses.hpp"
+#include "core/localization/pose_score.hpp"
 #include "core/localization/sensor_model.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/scanner_turns.hpp"
@@ -30,6 +31,8 @@ struct LocalizationResult {
   /// likeliest place, and the covariance of all particles about it.
   Pose2Gaussian pose;
   LocalizationHealth health;
+  /// Probability that the pose is within 0.5 m of the truth, 0 to 1 (pose_score.hpp).
+  double score = 0.0;
   double effective_sample_size = 0.0;
   std::size_t particles = 0;
   bool weighed = false;    ///< false: moved by odometry only (gated, or nothing usable in the scan)
@@ -90,6 +93,8 @@ class Localizer {
   [[nodiscard]] std::size_t unusable_scans() const { return unusable_scans_; }
   /// Times that odometry moved or turned further than a robot can; that motion was left out.
   [[nodiscard]] std::size_t odometry_jumps() const { return odometry_jumps_; }
+  /// What the score was made of at the last weighed scan.
+  [[nodiscard]] const ScoreEvidence& score_evidence() const { return score_.evidence(); }
   [[nodiscard]] const LocalizerConfig& config() const { return config_; }
 
  private:
@@ -107,6 +112,7 @@ class Localizer {
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
   void follow_motion(const Pose2& moved_before);
   void settle_motion(const Pose2Gaussian& pose);
+  void judge(const Observation& observation, const Pose2Gaussian& pose, double likelihood_per_beam);
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
   void weigh_companions(const Observation& observation, double tempering);
   void roughen_start();
@@ -128,6 +134,7 @@ class Localizer {
   bool is_seeking_ = false;  // places are still to be found
   bool keeps_old_ = false;   // ... beside the one believed so far
   int sought_ = 0;           // scans
+  PoseScore score_;
 
   ParticleSet particles_;
   ParticleSet resampled_;  // the other half of the double buffer

@@ -12,6 +12,8 @@ namespace {
 /// Beams that something new stops may be up to this share of those judged for the others to speak
 /// alone: where nearly all are stopped, few are left.
 constexpr double kMaxStopped = 0.75;
+/// From this score on a pose is likelier right than wrong.
+constexpr double kLikelyRight = 0.5;
 /// Of the pace at which the long averages follow otherwise: a pose that stays wrong must not become
 /// the usual one, and a building that was rebuilt must.
 constexpr double kPaceWhileLost = 0.1;
@@ -32,7 +34,7 @@ double inliers_of_judged(const InlierShares& shares) {
 }  // namespace
 
 void HealthMonitor::add(double likelihood_per_beam, const InlierShares& shares,
-                        double position_stddev_m) {
+                        double position_stddev_m, std::optional<double> score) {
   ++count_;
   const double mean_rate = 1.0 / static_cast<double>(count_);
   const double fast = std::max(config_.fast_rate, mean_rate);
@@ -50,7 +52,8 @@ void HealthMonitor::add(double likelihood_per_beam, const InlierShares& shares,
   h.likelihood_ratio = likelihood_slow_ > 0.0 ? likelihood_fast_ / likelihood_slow_ : 1.0;
   h.position_stddev_m = position_stddev_m;
   const bool is_known = h.judged_share_fast >= kMinJudged;
-  const bool is_lost = is_known && is_contradicted();
+  const bool is_likely = score && *score >= kLikelyRight;
+  const bool is_lost = is_known && !is_likely && is_contradicted();
   h.is_in_doubt =
       is_lost || (is_known && h.inlier_share_fast < config_.lost_share * h.inlier_share_slow);
   if (is_lost) {

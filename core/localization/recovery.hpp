@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -125,7 +126,10 @@ class HealthMonitor {
 
   void reset() { *this = HealthMonitor(config_); }
   /// likelihood_per_beam: geometric mean over beams of the likelihood, averaged over the particles.
-  void add(double likelihood_per_beam, const InlierShares& shares, double position_stddev_m);
+  /// score: how sure the pose is besides (pose_score.hpp), if known: no pose that is likelier right
+  /// than wrong is called lost.
+  void add(double likelihood_per_beam, const InlierShares& shares, double position_stddev_m,
+           std::optional<double> score = std::nullopt);
   [[nodiscard]] const LocalizationHealth& health() const { return health_; }
   /// Share of particles to replace: max(0, 1 - fast / ((1 - tolerated_drop) slow)).
   [[nodiscard]] double injection_share() const;
