@@ -70,6 +70,7 @@ struct MapTopicsConfig {
 struct LocatedScansConfig {
   double max_stddev_m = 0.1;
   double max_stddev_rad = 0.03;
+  double min_score = 0.1;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.renamed("most_stddev_m", "max_stddev_m");
@@ -78,6 +79,12 @@ struct LocatedScansConfig {
     v.renamed("most_stddev_rad", "max_stddev_rad");
     v.field("max_stddev_rad", c.max_stddev_rad,
             {.doc = "... and whose heading is", .unit = "rad", .min = 0.0});
+    v.field(
+        "min_score", c.min_score,
+        {.doc = "... and whose pose has at least this score: a learner must not take up what was "
+                "seen elsewhere",
+         .min = 0.0,
+         .max = 1.0});
   }
 };
 

@@ -16,6 +16,7 @@ HealthReport make_health_report(const std::string& model,
   report.model = model;
   report.health = result.health;
   report.health.position_stddev_m = std::sqrt(result.pose.covariance.topLeftCorner<2, 2>().trace());
+  report.score = result.score;
   report.heading_stddev_rad = std::sqrt(result.pose.covariance(2, 2));
   report.effective_sample_size = result.effective_sample_size;
   report.particles = result.particles;
@@ -60,6 +61,7 @@ void describe(const HealthReport& report, runtime::Health& health) {
   health.add("heading_std_rad", report.heading_stddev_rad);
   health.add("update_time_s", report.update_time.count());
   health.add("verdict", enum_name(report.health.state));
+  health.add("score", report.score);
   health.add("explained_share", report.health.inlier_share_fast);
   health.add("judged_share", report.health.judged_share_fast);
 }

@@ -15,6 +15,7 @@ namespace strata::localizer {
 struct HealthReport {
   std::string model;  ///< name of the map model
   localization::LocalizationHealth health;
+  double score = 0.0;  ///< LocalizationResult::score
   double heading_stddev_rad = 0.0;
   double effective_sample_size = 0.0;
   std::size_t particles = 0;

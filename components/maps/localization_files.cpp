@@ -2,6 +2,7 @@
 #include "components/maps/localization_files.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "components/log/whole_file.hpp"
 #include "components/maps/maps_folder.hpp"
@@ -41,6 +42,7 @@ void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult
                              const localization::Localizer& localizer) {
   trajectory.push_back({stamp, result.pose.mean});
   health.push_back(result.health.state);
+  scores.push_back(result.score);
   max_particles = std::max(max_particles, result.particles);
   unusable_scans = localizer.unusable_scans();
   ambiguous_scans += result.is_ambiguous ? 1 : 0;
@@ -49,6 +51,28 @@ void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult
       states.push_back({stamp, belief.submap, static_cast<int>(k), belief.probability[k]});
     }
   }
+}
+
+std::size_t score_bin(double score) {
+  const double place = std::clamp(score, 0.0, 1.0) * static_cast<double>(kScoreBins);
+  return std::min(static_cast<std::size_t>(place), kScoreBins - 1);
+}
+
+json score_json(const std::vector<double>& scores) {
+  std::array<std::size_t, kScoreBins> scans{};
+  double sum = 0.0;
+  for (const double score : scores) {
+    ++scans[score_bin(score)];
+    sum += score;
+  }
+  json bins = json::array();
+  for (std::size_t bin = 0; bin < kScoreBins; ++bin) {
+    const auto from = static_cast<double>(bin);
+    constexpr auto kCount = static_cast<double>(kScoreBins);
+    bins.push_back({from / kCount, (from + 1.0) / kCount, scans[bin], nullptr});
+  }
+  const json mean = scores.empty() ? json(nullptr) : json(sum / static_cast<double>(scores.size()));
+  return {{"mean", mean}, {"bins", bins}};
 }
 
 json localization_metrics(const LocalizationRecord& record, const std::string& model,
@@ -60,6 +84,7 @@ json localization_metrics(const LocalizationRecord& record, const std::string& m
           {"unusable_scans", record.unusable_scans},
           {"ambiguous_scans", record.ambiguous_scans},
           {"health", health_shares(record.health)},
+          {"score", score_json(record.scores)},
           {"error_m", nullptr},
           {"error_rad", nullptr},
           {"failure_rate", nullptr},

@@ -32,6 +32,7 @@ struct LocalizationRecord {
   std::vector<log::StampedPose> trajectory;       ///< mean of the particles, one a scan
   std::vector<StateRow> states;                   ///< as LocalizationResult::submaps, one a row
   std::vector<localization::HealthState> health;  ///< one a scan
+  std::vector<double> scores;                     ///< LocalizationResult::score, one a scan
   std::size_t max_particles = 0;
   std::size_t unusable_scans = 0;   ///< so far
   std::size_t ambiguous_scans = 0;  ///< of which several places were still possible
@@ -40,6 +41,16 @@ struct LocalizationRecord {
   void add(Stamp stamp, const localization::LocalizationResult& result,
            const localization::Localizer& localizer);
 };
+
+/// So many bins of equal width has a score from 0 to 1.
+inline constexpr std::size_t kScoreBins = 10;
+
+/// The bin of a score; 1 is in the last one.
+[[nodiscard]] std::size_t score_bin(double score);
+
+/// The mean of the scores (null without any) and, as `bins`, [from, to, scans, null] for each bin.
+/// The last is what whoever knows a truth fills in: the share of them further than 0.5 m from it.
+[[nodiscard]] nlohmann::json score_json(const std::vector<double>& scores);
 
 /// metrics.json without a truth: the error fields, and cost, are null.
 [[nodiscard]] nlohmann::json localization_metrics(const LocalizationRecord& record,

@@ -21,6 +21,7 @@ struct ScanError {
   Stamp stamp;
   double error_m = 0.0;
   double error_rad = 0.0;
+  double score = 0.0;  ///< what the localizer said of its pose: LocalizationResult::score
 };
 
 using statistics::ErrorSummary;

@@ -32,7 +32,7 @@ LocalizationRun localize(std::span<const Observation> observations,
     if (i < truths.size() && truths[i]) {
       run.errors.push_back(
           {observation.scan.stamp, localization::weighted_error(localizer.particles(), *truths[i]),
-           localization::weighted_heading_error(localizer.particles(), *truths[i])});
+           localization::weighted_heading_error(localizer.particles(), *truths[i]), result.score});
     }
     report_progress(progress, "localize", i + 1, observations.size());
   }

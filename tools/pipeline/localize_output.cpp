@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/localize_output.hpp"
 
+#include <array>
+#include <cstddef>
+
 #include "tools/pipeline/map_fit.hpp"
 
 namespace strata::pipeline {
@@ -14,6 +17,21 @@ json summary_json(const ErrorSummary& summary) {
           {"p95", summary.p95},
           {"max", summary.max},
           {"rmse", summary.rmse}};
+}
+
+/// The shares of the bins of score_json() that were wrong; null where no scan has a truth.
+void add_wrong_shares(json& score, std::span<const ScanError> errors) {
+  std::array<std::size_t, maps::kScoreBins> scans{};
+  std::array<std::size_t, maps::kScoreBins> wrong{};
+  for (const ScanError& error : errors) {
+    const std::size_t bin = maps::score_bin(error.score);
+    ++scans[bin];
+    if (error.error_m > kFailureDistance_m) ++wrong[bin];
+  }
+  for (std::size_t bin = 0; bin < maps::kScoreBins; ++bin) {
+    if (scans[bin] == 0) continue;
+    score["bins"][bin][3] = static_cast<double>(wrong[bin]) / static_cast<double>(scans[bin]);
+  }
 }
 
 }  // namespace
@@ -44,6 +62,7 @@ json write_localization(const std::filesystem::path& folder, const LocalizationR
                         const LocalizeSummary& summary, const LogFit* fit) {
   json metrics = maps::localization_metrics(run, summary.model, summary.seed, summary.particles);
   add_errors(metrics, run.errors, summary.map_from_truth);
+  add_wrong_shares(metrics["score"], run.errors);
   if (fit != nullptr) metrics["map_fit"] = map_fit_json(*fit);
   const double duration_s =
       run.trajectory.size() < 2

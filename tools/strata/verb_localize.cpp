@@ -60,6 +60,8 @@ struct LocalizeConfig {
 
 constexpr double kStartStddev_m = 0.2;
 constexpr double kStartStddev_rad = 0.1;
+/// With a lower score in the mean most poses are wrong, however much of each scan fits.
+constexpr double kMinMeanScore = 0.3;
 
 Pose2 parse_pose(const std::string& text) {
   Pose2 pose;
@@ -111,7 +113,8 @@ std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFi
       (fit.scans.empty()
            ? "none of them says where it is"
            : "the maps explain " + percent(fit.share(pipeline::FitState::kExplained)) +
-                 " of the drive");
+                 " of the drive, at a score of " + fixed(metrics["score"]["mean"], 2) +
+                 " in the mean");
   if (!metrics["error_m"].is_null()) {
     text += "; error " + fixed(metrics["error_m"]["mean"], 3) + " m in the mean, " +
             fixed(metrics["error_m"]["p95"], 3) + " m in 95% of the scans" +
@@ -122,9 +125,10 @@ std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFi
 }
 
 /// For who took another building's log, or another pose to begin with.
-void warn_of_bad_fit(const pipeline::LogFit& fit, const Options& options, bool is_global,
-                     VerbContext& context) {
-  if (fit.is_explained()) return;
+void warn_of_bad_fit(const pipeline::LogFit& fit, const nlohmann::json& score,
+                     const Options& options, bool is_global, VerbContext& context) {
+  const double mean_score = score.is_null() ? 1.0 : score.get<double>();
+  if (fit.is_explained() && mean_score >= kMinMeanScore) return;
   using pipeline::FitState;
   const std::string begin =
       options.initial_pose.empty() ? "the first pose of --truth" : "--initial-pose";
@@ -133,7 +137,8 @@ void warn_of_bad_fit(const pipeline::LogFit& fit, const Options& options, bool i
       counted(fit.scans.size(), "weighed scan") + " " + percent(fit.share(FitState::kExplained)) +
       " fit them, " + percent(fit.share(FitState::kContradicted)) + " contradict them, and in " +
       percent(fit.share(FitState::kUnknown)) +
-      " they know too little of the place; is the log of this building" +
+      " they know too little of the place; the score of its poses is " +
+      report::fixed(mean_score, 2) + " in the mean; is the log of this building" +
       (is_global ? "?"
                  : ", and did the robot begin at " + begin + "? --global looks for it everywhere"));
 }
@@ -165,7 +170,7 @@ void run_localize(const Options& options, VerbContext& context) {
   const nlohmann::json metrics = pipeline::write_localization(out.path(), run, summary, &fit.fit());
   pipeline::write_trajectory_picture(out.path(), maps.filtered, fit.fit());
   out.commit();
-  warn_of_bad_fit(fit.fit(), options, !start.map_from_robot, context);
+  warn_of_bad_fit(fit.fit(), metrics["score"]["mean"], options, !start.map_from_robot, context);
   if (options.json) {
     std::cout << metrics.dump(2) << '\n';
   } else if (!context.options.quiet) {

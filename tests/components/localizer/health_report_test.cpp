@@ -15,6 +15,7 @@ runtime::Health described(HealthState state, bool converged) {
   localization::LocalizationResult result;
   result.health.state = state;
   result.health.judged_share_fast = 0.25;
+  result.score = 0.625;
   result.converged = converged;
   runtime::Health health;
   describe(make_health_report("filtered", result, {}), health);
@@ -34,6 +35,7 @@ TEST(HealthReport, TellsTheVerdictAndWhatItRestsOn) {
   const runtime::Health health = described(HealthState::kMapOutdated, true);
   EXPECT_THAT(health.values(), Contains(Pair("verdict", "map_outdated")));
   EXPECT_THAT(health.values(), Contains(Pair("judged_share", "0.25")));
+  EXPECT_THAT(health.values(), Contains(Pair("score", "0.625")));
 }
 
 TEST(HealthReport, IsNotLocalizedInAMessageWhenLostOrSpreadWidely) {

@@ -37,8 +37,11 @@ class Localize : public test::ReplayFixture {
 TEST_F(Localize, EndsWithASentenceAndAPictureOfTheWay) {
   const auto told = localize("--initial-pose 0,0,0");
   ASSERT_EQ(told.code, 0) << told.out;
-  EXPECT_THAT(told.out, ContainsRegex("localized [0-9]+ scans over [0-9]+[.][0-9] m in [0-9.]+ s; "
-                                      "the maps explain (9[0-9]|100)% of the drive; drawn in "));
+  EXPECT_THAT(told.out,
+              ContainsRegex(
+                  "localized [0-9]+ scans over [0-9]+[.][0-9] m in [0-9.]+ s; "
+                  "the maps explain (9[0-9]|100)% of the drive, at a score of [01][.][0-9]+ in the "
+                  "mean; drawn in "));
   EXPECT_THAT(told.out, Not(HasSubstr(kWarning)));
   EXPECT_THAT(told.out, Not(HasSubstr("{")));
   const report::Image drawn = test::decode(test::bytes_of(at("out") / "trajectory.png"));
