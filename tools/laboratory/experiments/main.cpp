@@ -15,6 +15,7 @@
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/real_scans_report.hpp"
+#include "tools/laboratory/experiments/score_report.hpp"
 #include "tools/laboratory/experiments/single_scan.hpp"
 #include "tools/laboratory/experiments/verdicts.hpp"
 #include "tools/laboratory/experiments/wean.hpp"
@@ -47,6 +48,7 @@ struct Options {
   std::string runs;
   double margin_nats = 40.0;
   int step = 1;
+  std::vector<std::string> scenario_names;
 
   [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
   [[nodiscard]] PoseNoise noise() const { return has_poor_poses ? kPoorPoses : kGoodPoses; }
@@ -178,6 +180,11 @@ void run(const std::string& name, const Options& options) {
     if (!options.logs.empty()) (void)occasions(options);  // as many poses as logs
     return report_verdicts(options.runs, options.logs, options.poses, options.first);
   }
+  if (name == "score") {
+    if (!options.logs.empty()) (void)occasions(options);  // as many poses as logs
+    return report_score({options.logs, options.poses, options.runs, options.scenarios,
+                         options.scenario_names, options.first, options.seeds, options.out});
+  }
   if (name == "three_doors") {
     learn(name, options, [&](std::uint64_t seed) {
       return three_doors(options.file("three_doors.yaml"), seed, options.noise());
@@ -229,11 +236,11 @@ int main(int argc, char** argv) {
   CLI::App app{"the experiments of docs/results.md"};
   app.add_option("NAME", name, "which experiment")
       ->required()
-      ->check(
-          CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
-                         "box_in_corridor", "global_start", "offices", "year", "place", "decoders",
-                         "wean", "verdicts", "people", "filter", "few_beams", "single_scan"}));
-  app.add_option("--seeds", options.seeds, "how many")->check(CLI::PositiveNumber);
+      ->check(CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
+                             "box_in_corridor", "global_start", "offices", "year", "place",
+                             "decoders", "wean", "verdicts", "score", "people", "filter",
+                             "few_beams", "single_scan"}));
+  app.add_option("--seeds", options.seeds, "how many")->check(CLI::NonNegativeNumber);
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
                "errors of 5 cm and 1 degree, not 2 cm and 0.3");
@@ -245,9 +252,11 @@ int main(int argc, char** argv) {
   app.add_flag("--whole-scenes", options.has_whole_scenes, "decode the year's memory by scenes");
   app.add_flag("--no-patches", options.no_patches, "the year without the robot with a patch map");
   app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
-  app.add_option("--log", options.logs,
-                 "real logs of `place` (one or two), `decoders`, `verdicts` and `single_scan`");
-  app.add_option("--runs", options.runs, "folder of the three runs of `wean` and `verdicts`");
+  app.add_option(
+      "--log", options.logs,
+      "real logs of `place` (one or two), `decoders`, `verdicts`, `score` and `single_scan`");
+  app.add_option("--runs", options.runs,
+                 "folder of the three runs of `wean`, `verdicts` and `score`");
   app.add_option("--poses", options.poses, "a file of poses for each");
   app.add_option("--before", options.before_s, "seconds of the first log: the first state")
       ->delimiter(',')
@@ -269,6 +278,8 @@ int main(int argc, char** argv) {
   app.add_option("--step", options.step, "of the scans of `single_scan` every so many-th only")
       ->check(CLI::PositiveNumber);
   app.add_option("--out", options.out, "where files of the year or the place go");
+  app.add_option("--scenario", options.scenario_names,
+                 "a file there, of several days, for `score` besides the offices");
   app.add_option("--scenarios", options.scenarios, "folder of the scenario files");
   CLI11_PARSE(app, argc, argv);
   try {

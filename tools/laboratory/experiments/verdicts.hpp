@@ -7,19 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "components/maps/maps_folder.hpp"
-#include "core/scan/scan.hpp"
-#include "tools/pipeline/learned_maps.hpp"
+#include "tools/laboratory/experiments/verdict_worlds.hpp"
 
 namespace strata::experiments {
-
-/// Maps, and a drive to localize in them.
-struct VerdictWorld {
-  std::string name;
-  maps::Maps maps;
-  std::vector<Observation> observations;
-  pipeline::Poses truths;  ///< one an observation
-};
 
 /// What was said in weighed scans. Doubtful: fewer beams are inliers of the map than lost_share of
 /// the usual, which alone is not the verdict "lost".
@@ -41,11 +31,6 @@ struct VerdictCounts {
 /// drive. No recovery. model: "patch", "filtered", or "field" for end points in the filtered map.
 [[nodiscard]] VerdictCounts count_verdicts(const VerdictWorld& world, const std::string& model,
                                            int times, std::uint64_t seed);
-
-/// A log with poses: maps of its first 60%, and the rest of it.
-[[nodiscard]] VerdictWorld world_of_log(const std::string& log, const std::string& poses);
-/// Three days of a random office, and its fourth.
-[[nodiscard]] VerdictWorld world_of_office(std::uint64_t office);
 
 /// Prints the counts of the logs, of the three runs of Wean Hall each in maps of the others
 /// (where `runs` is not empty), and of the ten random offices from number `seed` on.
