@@ -18,7 +18,7 @@
 namespace strata::patch {
 namespace {
 
-/// So many take 10 s of CPU time; STRATA_CHAIN_VISITS=2000 is what docs/results.md has.
+/// So many take 10 s of CPU time; STRATA_CHAIN_VISITS asks for more.
 constexpr int kVisits = 400;
 int visits() {
   const char* const asked = std::getenv("STRATA_CHAIN_VISITS");
