@@ -240,13 +240,13 @@ int main(int argc, char** argv) {
                              "box_in_corridor", "global_start", "offices", "year", "place",
                              "decoders", "wean", "verdicts", "score", "people", "filter",
                              "few_beams", "single_scan"}));
-  app.add_option("--seeds", options.seeds, "how many")->check(CLI::NonNegativeNumber);
+  app.add_option("--seeds", options.seeds, "how many")->check(CLI::Range(0, 1'000'000));
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
                "errors of 5 cm and 1 degree, not 2 cm and 0.3");
   app.add_option("--days", options.days, "of the year")->check(CLI::Range(2, 3650));
   app.add_option("--particles", options.particles, "of the year's robots")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1'000'000));
   app.add_option("--memory-model", options.memory_model,
                  "what the year's memory localizes by: timescale (all levels), timescale_LEVEL");
   app.add_flag("--whole-scenes", options.has_whole_scenes, "decode the year's memory by scenes");
@@ -268,7 +268,7 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->expected(2);
   app.add_option("--radius", options.radius_m, "m; scans taken within it of the node count")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(0.01, 1000.0));
   app.add_option("--object", options.object_m,
                  "m ahead,m wide: a board put into the scans of the second state")
       ->delimiter(',')
