@@ -129,7 +129,9 @@ TEST_P(Score, AnEndWallThatIsNotThereTells) {
   const double wrong = score_at({26.5, 1.2, 0.0});
   EXPECT_LT(wrong, score_at({14.0, 1.2, 0.0}) - 0.05);
   // End points alone cannot say that a beam went through a wall.
-  if (GetParam() != Model::kField) EXPECT_LT(wrong, 0.5);
+  if (GetParam() != Model::kField) {
+    EXPECT_LT(wrong, 0.5);
+  }
 }
 
 TEST_P(Score, WearsOffWhileNothingIsSeen) {
