@@ -12,6 +12,7 @@
 #include "strata_idl/rcl_interfaces.h"
 #include "strata_idl/rosgraph_msgs.h"
 #include "strata_idl/sensor_msgs.h"
+#include "strata_idl/std_msgs.h"
 #include "strata_idl/std_srvs.h"
 #include "strata_idl/strata_msgs.h"
 #include "strata_idl/tf2_msgs.h"
@@ -46,6 +47,7 @@ STRATA_MESSAGE_TYPE(sensor_msgs, CameraInfo);
 STRATA_MESSAGE_TYPE(sensor_msgs, Image);
 STRATA_MESSAGE_TYPE(sensor_msgs, LaserScan);
 STRATA_MESSAGE_TYPE(sensor_msgs, PointCloud2);
+STRATA_MESSAGE_TYPE(std_msgs, Float64);
 STRATA_MESSAGE_TYPE(tf2_msgs, TFMessage);
 STRATA_MESSAGE_TYPE(strata_msgs, Ack);
 STRATA_MESSAGE_TYPE(strata_msgs, LabeledScan);

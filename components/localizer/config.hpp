@@ -106,6 +106,7 @@ struct LocalizerComponentConfig {
   std::string states_topic = "submap_states";
   std::string current_map_topic = "map_current";
   std::string health_topic = "localization_health";
+  std::string score_topic = "localization_score";
   std::string located_topic;
   LocatedScansConfig located;
   std::string map_frame = "map";
@@ -160,6 +161,10 @@ struct LocalizerComponentConfig {
         {.doc = "nav_msgs/OccupancyGrid out: the map with what is believed of its sub-maps now, "
                 "whenever that changes"});
     v.field("health_topic", c.health_topic, {.doc = "strata_msgs/LocalizationHealth out"});
+    v.field(
+        "score_topic", c.score_topic,
+        {.doc = "std_msgs/Float64 out, one a scan: the probability that the pose is within 0.5 m "
+                "of the truth"});
     v.field("located_topic", c.located_topic,
             {.doc = "strata_msgs/LabeledScan out: scans with their poses for learners that go on "
                     "learning, such as located_scan; empty: none"});

@@ -20,15 +20,15 @@
 namespace strata::localizer {
 
 /// Out, once a scan: amcl_pose, map -> odom on /tf (REP 105; as AMCL), particle_cloud,
-/// submap_states (maps with sub-maps only), localization_health; place_candidates while several are
-/// possible; map_current when what is believed of a sub-map changes, and with each new map.
-/// Services, as AMCL's: reinitialize_global_localization, request_nomotion_update,
-/// set_initial_pose. In: initialpose, and the maps when no MAPS folder is named (or
-/// map_topics.follow): scans that come before them are passed over, and when one comes again the
-/// robot goes on in it, with the particles that it has and what they believe of sub-maps that are
-/// still there. Scans with their poses go out where a learner wants them. At the end of a log
-/// trajectory.tum, states.csv and metrics.json, byte for byte those of `strata localize` without
-/// truth but for the cost.
+/// submap_states (maps with sub-maps only), localization_health, localization_score;
+/// place_candidates while several are possible; map_current when what is believed of a sub-map
+/// changes, and with each new map. Services, as AMCL's: reinitialize_global_localization,
+/// request_nomotion_update, set_initial_pose. In: initialpose, and the maps when no MAPS folder is
+/// named (or map_topics.follow): scans that come before them are passed over, and when one comes
+/// again the robot goes on in it, with the particles that it has and what they believe of sub-maps
+/// that are still there. Scans with their poses go out where a learner wants them. At the end of a
+/// log trajectory.tum, states.csv and metrics.json, byte for byte those of `strata localize`
+/// without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
@@ -91,6 +91,7 @@ class Localizer final : public runtime::SensorComponent {
   std::function<void(const strata_msgs::msg::SubmapStates&)> publish_states_;
   std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_map_;
   std::function<void(const strata_msgs::msg::LocalizationHealth&)> publish_health_;
+  std::function<void(const std_msgs::msg::Float64&)> publish_score_;
   std::function<void(const strata_msgs::msg::LabeledScan&)> publish_located_;  // null: not wanted
   std::shared_ptr<bus::RawWriter> particle_writer_;  // raw, to see whether somebody reads
 };

@@ -29,6 +29,7 @@ void Localizer::advertise_topics() {
       advertise<nav_msgs::msg::OccupancyGrid>(config_.current_map_topic, config_.state_qos);
   publish_health_ =
       advertise<strata_msgs::msg::LocalizationHealth>(config_.health_topic, config_.state_qos);
+  publish_score_ = advertise<std_msgs::msg::Float64>(config_.score_topic, "default");
   if (!config_.located_topic.empty()) {
     publish_located_ = advertise<strata_msgs::msg::LabeledScan>(config_.located_topic, "lossless");
   }
@@ -122,6 +123,9 @@ void Localizer::publish_health(Stamp stamp, const localization::LocalizationResu
                                std::chrono::duration<double> update_time) {
   health_ = make_health_report(config_.model, result, update_time);
   publish_health_(to_message(*health_, stamp, config_.map_frame));
+  std_msgs::msg::Float64 score;
+  score.data(result.score);
+  publish_score_(score);
 }
 
 }  // namespace strata::localizer

@@ -65,6 +65,7 @@ TEST(ContractTopics, HaveTheTypesAndTheQosThatOthersRelyOn) {
       {"writes /node_map", "strata_msgs/msg/NodeMap" + latched},
       {"writes /topologies", "strata_msgs/msg/Topologies" + latched},
       {"writes /localization_health", "strata_msgs/msg/LocalizationHealth" + latched},
+      {"writes /localization_score", "std_msgs/msg/Float64" + reliable},
       {"writes /octomap_binary", "octomap_msgs/msg/Octomap" + latched},
   };
   const std::map<std::string, std::string> topics = explained_topics();
