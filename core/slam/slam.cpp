@@ -2,6 +2,7 @@
 #include "core/slam/slam.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/slam/slam_state.hpp"
@@ -15,6 +16,14 @@ constexpr double kPlacedStddevRad = 0.001;
 
 /// Scans before the window are looked through for those to forget once in so many scans.
 constexpr std::size_t kForgetEvery = 64;
+
+/// Where both read nothing (NaN), too.
+bool is_repeated(const Scan& scan, const Scan& last) {
+  return scan.stamp == last.stamp &&
+         std::equal(scan.ranges_m.begin(), scan.ranges_m.end(), last.ranges_m.begin(),
+                    last.ranges_m.end(),
+                    [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); });
+}
 
 }  // namespace
 
@@ -156,9 +165,7 @@ Pose2Gaussian Slam::State::add(const Observation& observation, const Pose2* give
   if (!new_run && !records.empty()) {
     const Scan& last = records.back().posed.scan;
     if (observation.scan.stamp < last_stamp) skip = LogChecks::Skip::kOutOfOrder;
-    if (observation.scan.stamp == last.stamp && observation.scan.ranges_m == last.ranges_m) {
-      skip = LogChecks::Skip::kRepeated;
-    }
+    if (is_repeated(observation.scan, last)) skip = LogChecks::Skip::kRepeated;
   }
   if (skip) {
     checks.skip(*skip);

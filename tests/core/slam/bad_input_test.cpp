@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Logs that are not as they should be: a warning says so, and the rest is mapped.
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -54,6 +55,13 @@ TEST(BadInput, RepeatedScansAreSkippedAndCounted) {
   for (std::size_t i = 0; i < clean.scans.size(); ++i) {
     ASSERT_EQ(result.scans[i].map_from_robot, clean.scans[i].map_from_robot);
   }
+}
+
+TEST(BadInput, AScanThatReadsNothingSomewhereIsSkippedWhenItComesTwice) {
+  std::vector<Observation> log = record(ring(), drive_round(0.1, 3.0), 0, 23);
+  log[20].scan.ranges_m[7] = std::numeric_limits<float>::quiet_NaN();
+  log.insert(log.begin() + 20, log[20]);
+  EXPECT_EQ(run_slam(log).skipped_scans, 1U);
 }
 
 TEST(BadInput, AGapInTimeIsBridgedByOdometry) {
