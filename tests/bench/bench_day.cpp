@@ -6,9 +6,11 @@
 ///     STRATA_BENCH_HOURS=6 bench_day --benchmark_filter=topology
 ///
 /// docs/benchmarks.md has the figures. STRATA_BENCH_HOURS: other than 25.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -46,6 +48,17 @@ double wanted_hours() {
   return wanted != nullptr ? std::atof(wanted) : 25.0;
 }
 
+/// Messages that wait for the component for which most do: in a process that falls behind they grow
+/// without end.
+std::uint64_t waiting_for(const runtime::Host& host) {
+  std::uint64_t most = 0;
+  for (const auto& component : host.components()) {
+    const runtime::MessageCounts counts = component->counts();
+    most = std::max(most, counts.received - std::min(counts.received, counts.done()));
+  }
+  return most;
+}
+
 /// As mapping.yaml does, with a folder that is saved as it grows, and patches within a budget that
 /// is used up within the first hours.
 void mapping(benchmark::State& state) {
@@ -76,12 +89,17 @@ void mapping(benchmark::State& state) {
   bench::EndlessDrive drive;
   bench::MemoryCourse course;
   std::size_t sent = 0;
+  std::uint64_t most_waited = 0;
   for (auto _ : state) {
     while (drive.hours() < wanted_hours()) {
       robot.see(drive.next());
       ++sent;
       const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(1);
       while (answers + kAhead < sent && std::chrono::steady_clock::now() < until) {
+        std::this_thread::sleep_for(std::chrono::microseconds(100));
+      }
+      while (waiting_for(*host) > kAhead) {
+        most_waited = std::max(most_waited, waiting_for(*host));
         std::this_thread::sleep_for(std::chrono::microseconds(100));
       }
       if (answers + kAhead < sent) sent = answers;  // some were lost
@@ -94,6 +112,7 @@ void mapping(benchmark::State& state) {
   course.tell(state);
   state.counters["scans"] = static_cast<double>(answers.load());
   state.counters["maps"] = static_cast<double>(told_maps.load());
+  state.counters["messages that waited at most"] = static_cast<double>(most_waited);
   for (const auto& component : host->components()) component->deactivate();
   state.counters["scans saved"] =
       static_cast<double>(maps::read_earlier_runs(folder.path() / "maps").scans.size());
