@@ -50,6 +50,7 @@ void Localizer::load_place() {
 }
 
 bool Localizer::resume(const Observation& observation) {
+  waits_for_odometry_ = false;
   if (!store_ || !store_->has_place()) return true;
   waits_for_odometry_ = store_->waits_for_odometry(observation, config_.input.use_odometry);
   if (waits_for_odometry_) return false;

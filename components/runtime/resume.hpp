@@ -15,10 +15,10 @@ struct DeadReckoningConfig {
     v.renamed("carry_s", "dead_reckoning_s");
     v.field(
         "dead_reckoning_s", c.dead_reckoning_s,
-        {.doc = "when the first scan is at most this much younger than the newest one kept, the "
-                "odometry has gone on and says how far the robot has moved; later it may have "
-                "begun anew, and the robot is taken to be where it was: remove the file when "
-                "it was carried elsewhere",
+        {.doc = "when the first scan is at most this much younger than the newest one kept, "
+                "odometry is thought to have gone on, and says how far the robot has moved, unless "
+                "the scan fits where the robot was and not there; later the robot is thought to be "
+                "where it was, unless the scan fits where odometry says",
          .unit = "s",
          .min = 0.0});
   }

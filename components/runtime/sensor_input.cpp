@@ -80,7 +80,9 @@ void SensorInput::add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2&
     while (queue_.size() > 0) release();
   };
   if (waits_ && source().odometry == &odometry) clock_.add({stamp, odom_from_child});
-  odometry.add({stamp - Duration::from_seconds(lag_s_), odom_from_child}, !waits_, set_back);
+  // In lockstep the player has taken it off already.
+  const Duration lag = Duration::from_seconds(waits_ ? lag_s_ : 0.0);
+  odometry.add({stamp - lag, odom_from_child}, !waits_, set_back);
 }
 
 /// What the player sends in lockstep is by one clock already.
@@ -236,7 +238,8 @@ void SensorInput::diagnose(Health& health) const {
   if (is_without_odometry_ && (from.odometry == nullptr || from.odometry->track().empty())) {
     health.warn("no odometry comes; scans go on without it");
   }
-  if (lag_s_ != 0.0) health.add("odometry's stamps are late by [s]", lag_s_);
+  if (lag_s_ != 0.0) health.add("taken off odometry's stamps [s]", lag_s_);
+  if (clock_.lag_s()) health.add("odometry's stamps are late by [s]", *clock_.lag_s());
   health.add("scans without odometry near them", passed_over_);
   health.add("scans that came too late", std::uint64_t{queue_.late()});
   health.add("transforms that are not finite", bad_transforms_);

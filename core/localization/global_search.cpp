@@ -138,7 +138,8 @@ void GlobalSearch::sweep(const Lattice& lattice, Blocks& blocks) const {
   std::vector<std::uint16_t> sums(static_cast<std::size_t>(bounds.blocks_x()) +
                                   BlockBounds::kSlack);
   const auto floor = [&] {
-    return static_cast<std::uint32_t>(std::ceil(config_.min_share * blocks.best));
+    return std::max<std::uint32_t>(
+        1, static_cast<std::uint32_t>(std::ceil(config_.min_share * blocks.best)));
   };
   std::vector<LatticePlace> kept;
   for (int heading = 0; heading < lattice.headings; ++heading) {

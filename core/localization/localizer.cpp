@@ -224,6 +224,8 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   pool_beliefs();
   if (beams > 0 && std::isfinite(log_mean)) {
     judge(observation, pose, std::exp(log_mean * weighing.tempering / static_cast<double>(beams)));
+  } else {
+    score_.drive_unseen(moved_.translation().norm());
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose);
   settle_motion(pose);

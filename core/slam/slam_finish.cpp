@@ -118,6 +118,7 @@ namespace {
 /// Poses of a pass that another one may not replace.
 struct EarlierPass {
   std::vector<Pose2> poses;
+  std::vector<Stamp> stamps;
   std::vector<bool> mapped;
   std::vector<bool> moves;
   Consistency consistency;
@@ -174,12 +175,17 @@ SlamResult Slam::finish_passes(Progress* progress) {
   before.moves = state_->moves;
   before.loop_closures = result.loop_closures;
   before.warnings = result.warnings;
-  for (const PosedScan& scan : result.scans) before.poses.push_back(scan.map_from_robot);
+  for (const PosedScan& scan : result.scans) {
+    before.poses.push_back(scan.map_from_robot);
+    before.stamps.push_back(scan.scan.stamp);
+  }
   auto again = std::make_unique<State>(state_->config, state_->pool.threads(), KeepConfig{});
   state_->track_again(result, *again);
   state_ = std::move(again);
   result = state_->finish(state_->config.em.max_iterations, progress);
-  const bool same_scans = result.scans.size() == before.poses.size();
+  const bool same_scans = std::equal(
+      result.scans.begin(), result.scans.end(), before.stamps.begin(), before.stamps.end(),
+      [](const PosedScan& scan, Stamp stamp) { return scan.scan.stamp == stamp; });
   if (!same_scans || !before.is_preferred_to(check_consistency(result.scans, state_->pool))) {
     return result;
   }

@@ -30,8 +30,8 @@ void restore_place(const std::filesystem::path& file) {
   Observation first;
   first.has_odometry = true;
   (void)store.waits_for_odometry(first, true);
-  const auto place = store.resume(first);
-  if (place && !is_finite(place->mean)) __builtin_trap();
+  const auto place = store.resume(first, ReflectionGrid{});
+  if (place && !is_finite(place->map_from_robot.mean)) __builtin_trap();
 }
 
 void restore_way(const std::filesystem::path& file) {
