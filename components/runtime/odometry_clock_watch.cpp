@@ -8,6 +8,8 @@
 namespace strata::runtime {
 namespace {
 
+/// Of a scan: each one more makes the estimate a little better, at a robot's cost.
+constexpr int kMaxBeams = 180;
 constexpr double kTurnOfPartRad = 1.0;
 constexpr std::size_t kParts = 8;
 /// A turn waits for odometry of kMaxOdometryLagS after it; more turns than this never wait.
@@ -36,7 +38,9 @@ void OdometryClockWatch::add(const Scan& scan) {
   if (last_ && !(scan.robot_from_laser == last_->robot_from_laser)) return;
   if (last_ && scan.stamp <= last_->stamp) return;
   if (last_) {
-    for (const auto& turn : registration::turns_of(std::vector<const Scan*>{&*last_, &scan})) {
+    const registration::ScanTurnConfig config{.max_beams = kMaxBeams};
+    for (const auto& turn :
+         registration::turns_of(std::vector<const Scan*>{&*last_, &scan}, config)) {
       if (waiting_.size() < kMaxWaiting) waiting_.push_back(turn);
     }
   }

@@ -14,8 +14,8 @@
 namespace strata::patch {
 
 struct ChainConfig {
-  double prior_changes = 1.0;
-  double prior_hours = 1.0;
+  double prior_changes = 2.0;
+  double prior_hours = 2.0;
   double prior_sightings = 0.5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {

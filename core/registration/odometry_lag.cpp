@@ -102,14 +102,14 @@ Stamp middle_of_sweep(const Scan& scan) {
 
 }  // namespace
 
-std::vector<ScanTurn> turns_of(std::span<const Scan* const> scans) {
+std::vector<ScanTurn> turns_of(std::span<const Scan* const> scans, const ScanTurnConfig& config) {
   std::vector<ScanTurn> turns;
   for (std::size_t i = 1; i < scans.size(); ++i) {
     const Scan& before = *scans[i - 1];
     const Scan& now = *scans[i];
     const double step_s = (now.stamp - before.stamp).seconds();
     if (!(step_s > 0.0 && step_s <= kMaxStepS)) continue;
-    const std::optional<double> turn = turn_between(before, now);
+    const std::optional<double> turn = turn_between(before, now, config);
     if (turn) turns.push_back({middle_of_sweep(before), middle_of_sweep(now), *turn});
   }
   return turns;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/registration/scan_turn.hpp"
 #include "core/registration/sweep_timing.hpp"
 #include "core/scan/scan.hpp"
 
@@ -22,7 +23,8 @@ struct ScanTurn {
 /// Those of consecutive scans at most a second apart that `turn_between` can tell; of a scan whose
 /// beams were taken one after the other the moment is the middle of its sweep. scans: of one
 /// scanner and run, in time order. O(scans x turns x beams).
-[[nodiscard]] std::vector<ScanTurn> turns_of(std::span<const Scan* const> scans);
+[[nodiscard]] std::vector<ScanTurn> turns_of(std::span<const Scan* const> scans,
+                                             const ScanTurnConfig& config = {});
 
 struct OdometryLag {
   /// Odometry of a scan's moment has the scan's stamp plus this; positive: its stamps are late. 0

@@ -22,17 +22,15 @@ std::vector<float> hits_of(const Scan& scan) {
   return ranges;
 }
 
-/// Beams of a scan that are compared: more say the same at a higher price.
-constexpr int kCompared = 180;
-
 /// Mean difference where beam i of `now` looks where beam i + shift of `before` did; infinity when
 /// less than half of the beams have a partner.
 double cost_of(const std::vector<float>& before, const std::vector<float>& now, int shift,
-               bool all_round, float max_difference_m) {
+               bool all_round, const ScanTurnConfig& config) {
   const int size = static_cast<int>(now.size());
   float sum = 0.0F;
   int pairs = 0;
-  const int step = std::max(1, size / kCompared);
+  const int step = config.max_beams > 0 ? std::max(1, size / config.max_beams) : 1;
+  const auto max_difference_m = static_cast<float>(config.max_difference_m);
   for (int i = 0; i < size; i += step) {
     int other = i + shift;
     if (all_round) other = (other + size) % size;
@@ -68,8 +66,7 @@ std::optional<double> turn_between(const Scan& before, const Scan& now,
   double sum = 0.0;
   int finite = 0;
   for (int shift = -reach; shift <= reach; ++shift) {
-    costs.push_back(
-        cost_of(first, second, shift, all_round, static_cast<float>(config.max_difference_m)));
+    costs.push_back(cost_of(first, second, shift, all_round, config));
     if (std::isfinite(costs.back())) {
       sum += costs.back();
       ++finite;
