@@ -153,9 +153,8 @@ void GlobalSearch::sweep(const Lattice& lattice, Blocks& blocks) const {
       bounds.row_sums(y, range.begin, range.end, offsets, rows, sums.data());
       for (int x = range.begin; x < range.end; ++x) {
         const std::uint32_t sum = sums[static_cast<std::size_t>(x)];
-        if (sum < least || open_block_[static_cast<std::size_t>(y * bounds.blocks_x() + x)] == 0) {
-          continue;
-        }
+        const int block = y * bounds.blocks_x() + x;
+        if (sum < least || open_block_[static_cast<std::size_t>(block)] == 0) continue;
         kept.push_back({heading, {x * bounds.side(), y * bounds.side()}, sum});
         if (sum > likeliest.steps) likeliest = kept.back();
       }

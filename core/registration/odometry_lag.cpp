@@ -44,7 +44,8 @@ struct Lags {
 };
 
 Lags around(double middle_s, double reach_s, double step_s) {
-  return {middle_s - reach_s, step_s, 2 * static_cast<std::size_t>(reach_s / step_s + 0.5) + 1};
+  return {middle_s - reach_s, step_s,
+          2 * static_cast<std::size_t>(std::lround(reach_s / step_s)) + 1};
 }
 
 Lags all_lags() { return around(0.0, kMaxOdometryLagS, kStepS); }
