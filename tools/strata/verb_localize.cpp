@@ -124,11 +124,13 @@ std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFi
          (std::filesystem::path(options.out) / pipeline::kTrajectoryPicture).string();
 }
 
-/// For who took another building's log, or another pose to begin with.
+/// For who took another building's log, or another pose to begin with. The score was learned with
+/// grid and patch maps: of a timescale memory it is told, and warns of nothing.
 void warn_of_bad_fit(const pipeline::LogFit& fit, const nlohmann::json& score,
                      const Options& options, bool is_global, VerbContext& context) {
   const double mean_score = score.is_null() ? 1.0 : score.get<double>();
-  if (fit.is_explained() && mean_score >= kMinMeanScore) return;
+  const bool is_learned = !options.model.starts_with("timescale");
+  if (fit.is_explained() && (!is_learned || mean_score >= kMinMeanScore)) return;
   using pipeline::FitState;
   const std::string begin =
       options.initial_pose.empty() ? "the first pose of --truth" : "--initial-pose";
