@@ -108,6 +108,7 @@ void Host::activate() {
 
 void Host::tick() {
   for (const auto& component : components_) component->tick();
+  free_memory_.take();
 }
 
 void Host::stop() noexcept {

@@ -12,6 +12,7 @@
 
 #include "components/runtime/component.hpp"
 #include "components/runtime/composition.hpp"
+#include "components/runtime/free_memory.hpp"
 #include "components/runtime/registry.hpp"
 
 namespace strata::runtime {
@@ -46,7 +47,8 @@ class Host {
 
   /// Live: those that start active begin to work. In lockstep the coordinator activates.
   void activate();
-  /// To be called several times a second.
+  /// To be called several times a second. Where the process has grown, free memory goes back to the
+  /// system.
   void tick();
   /// Deactivates and cleans up in reverse order; cancels long work under way. Never throws.
   void stop() noexcept;
@@ -66,6 +68,7 @@ class Host {
   std::vector<std::string> errors_;
   std::shared_ptr<bus::Participant> participant_;
   Executor executor_;
+  FreeMemoryTurn free_memory_;
   std::vector<std::unique_ptr<Component>> components_;
   std::vector<Start> starts_;  ///< of the components
   bool stopped_ = false;
