@@ -197,7 +197,7 @@ void Localizer::judge(const Observation& observation, const Pose2Gaussian& pose,
   const double stddev_m = position_stddev(pose);
   const bool is_open = is_seeking_ || places_.is_active();
   if (is_open || annealed_updates_ < config_.global_start.annealing_updates) score_.doubt();
-  score_.add(observation.scan, pose.mean, shares, particles_, *model_, stddev_m);
+  score_.add(observation.scan, pose.mean, shares, result_.submaps, particles_, *model_, stddev_m);
   monitor_.add(likelihood_per_beam, shares, stddev_m, score_.value());
 }
 

@@ -23,6 +23,9 @@ constexpr std::size_t kMinPairs = 8;
 constexpr double kMinTurnRad = 0.03;
 constexpr double kLongestGapS = 1.0;
 constexpr int kDelaysPerSweep = 4;
+/// Delays that are tried, in quarters of a sweep.
+constexpr int kMinStep = -kDelaysPerSweep;
+constexpr int kMaxStep = 2 * kDelaysPerSweep;
 constexpr double kMinGain = 0.1;
 constexpr std::size_t kMaxBeams = 180;
 /// Odometry between two consecutive scans is good to this.
@@ -34,8 +37,22 @@ struct Pair {
   double signal_rad = 0.0;
 };
 
+/// Whether odometry is there under every timing that is tried: a pair that costs nothing under one
+/// of them would speak for it.
+bool has_odometry_throughout(const Scan& scan, const OdometryAt& odometry,
+                             const SweepTiming& stated_timing) {
+  const Duration sweep = sweep_duration(scan);
+  const Duration stated = Duration::from_seconds(stated_timing.delay_s);
+  for (int step = kMinStep - kDelaysPerSweep; step <= kMaxStep; ++step) {
+    const Duration delay = Duration::from_seconds(sweep.seconds() * step / kDelaysPerSweep);
+    if (!odometry(scan.stamp - delay)) return false;
+  }
+  return odometry(scan.stamp - stated) && odometry(scan.stamp - stated + sweep);
+}
+
 /// Pairs of consecutive scans that say most: turning distorts, changes of turning tell the delay.
-std::vector<Pair> turning_pairs(std::span<const Scan> scans, const OdometryAt& odometry) {
+std::vector<Pair> turning_pairs(std::span<const Scan> scans, const OdometryAt& odometry,
+                                const SweepTiming& stated_timing) {
   std::vector<Pair> pairs;
   double last_turn = 0.0;
   for (std::size_t i = 0; i + 1 < scans.size(); ++i) {
@@ -46,7 +63,10 @@ std::vector<Pair> turning_pairs(std::span<const Scan> scans, const OdometryAt& o
     const double turn = angle_difference(next->theta, here->theta);
     const double signal = std::abs(turn) + std::abs(turn - last_turn);
     last_turn = turn;
-    if (std::abs(turn) >= kMinTurnRad) pairs.push_back({i, signal});
+    if (std::abs(turn) < kMinTurnRad) continue;
+    if (!has_odometry_throughout(scans[i], odometry, stated_timing)) continue;
+    if (!has_odometry_throughout(scans[i + 1], odometry, stated_timing)) continue;
+    pairs.push_back({i, signal});
   }
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const Pair& a, const Pair& b) { return a.signal_rad > b.signal_rad; });
@@ -88,8 +108,8 @@ MatchField field_of(const Scan& scan) {
   return field;
 }
 
-/// Cost of matching each pair under a timing [nats]; pairs without odometry cost nothing. Stops
-/// once the sum is above `limit`: no cost is negative, so the rest cannot bring it down.
+/// Cost of matching each pair under a timing [nats]. Stops once the sum is above `limit`: no cost
+/// is negative, so the rest cannot bring it down.
 std::vector<double> costs_of(std::span<const Scan> scans, const std::vector<Pair>& pairs,
                              const OdometryAt& odometry, const SweepTiming& timing,
                              double limit = std::numeric_limits<double>::infinity()) {
@@ -176,8 +196,6 @@ class TimingSearch {
   }
 
  private:
-  static constexpr int kMinStep = -kDelaysPerSweep;
-  static constexpr int kMaxStep = 2 * kDelaysPerSweep;
   struct Step {
     bool reversed = false;
     int step = 0;
@@ -220,7 +238,7 @@ SweepTimingEstimate estimate_sweep_timing(std::span<const Scan> scans, const Odo
   if (scans.empty()) return result;
   const double sweep_s = sweep_duration(scans[scans.size() / 2]).seconds();
   if (sweep_s <= 0.0) return result;
-  const std::vector<Pair> pairs = turning_pairs(scans, odometry);
+  const std::vector<Pair> pairs = turning_pairs(scans, odometry, stated_timing);
   result.pairs = pairs.size();
   if (pairs.size() < kMinPairs) return result;
 

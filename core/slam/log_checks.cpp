@@ -50,6 +50,12 @@ std::optional<LogChecks::Skip> LogChecks::reason_to_skip(const Observation& obse
   return std::nullopt;
 }
 
+bool LogChecks::are_same_readings(std::span<const float> a, std::span<const float> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](float left, float right) {
+    return left == right || (std::isnan(left) && std::isnan(right));
+  });
+}
+
 void LogChecks::add(const Scan& scan, bool new_run, const ScanFindings& findings) {
   ++scans_;
   if (new_run) {
@@ -64,7 +70,9 @@ void LogChecks::add(const Scan& scan, bool new_run, const ScanFindings& findings
     longest_gap_s_ = std::max(longest_gap_s_, gap_s);
   }
   const double moved_m = std::hypot(findings.odometry_step.x, findings.odometry_step.y);
-  if (moved_m > kStuckM && !findings.empty && scan.ranges_m == last_ranges_) stuck_.add(at_s);
+  if (moved_m > kStuckM && !findings.empty && are_same_readings(scan.ranges_m, last_ranges_)) {
+    stuck_.add(at_s);
+  }
   last_ranges_ = scan.ranges_m;
   if (findings.odometry_jumped) jumps_.add(at_s);
   if (new_run || findings.odometry_jumped) return;

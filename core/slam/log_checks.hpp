@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <iterator>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ class LogChecks {
   /// Why an observation cannot be used, by itself; nothing when it can.
   [[nodiscard]] static std::optional<Skip> reason_to_skip(const Observation& observation,
                                                           const Pose2* given_pose);
+  /// Whether two scans read the same to the bit; where both read nothing (NaN), too.
+  [[nodiscard]] static bool are_same_readings(std::span<const float> a, std::span<const float> b);
   void skip(Skip reason) { ++skips_[static_cast<std::size_t>(reason)]; }
   /// Takes over the scans that another pass over the same log left out.
   void skip_as(const LogChecks& other) {

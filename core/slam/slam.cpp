@@ -2,7 +2,6 @@
 #include "core/slam/slam.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "core/slam/slam_state.hpp"
@@ -17,12 +16,8 @@ constexpr double kPlacedStddevRad = 0.001;
 /// Scans before the window are looked through for those to forget once in so many scans.
 constexpr std::size_t kForgetEvery = 64;
 
-/// Where both read nothing (NaN), too.
 bool is_repeated(const Scan& scan, const Scan& last) {
-  return scan.stamp == last.stamp &&
-         std::equal(scan.ranges_m.begin(), scan.ranges_m.end(), last.ranges_m.begin(),
-                    last.ranges_m.end(),
-                    [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); });
+  return scan.stamp == last.stamp && LogChecks::are_same_readings(scan.ranges_m, last.ranges_m);
 }
 
 }  // namespace

@@ -250,6 +250,12 @@ void run(Options& options, VerbContext& context) {
     throw InputError("--scan-topic", "is for CARMEN logs, and a bag keeps every topic",
                      "leave it out");
   }
+  const bool is_cut = options.cloud.min_height_m != CloudSliceConfig{}.min_height_m ||
+                      options.cloud.max_height_m != CloudSliceConfig{}.max_height_m;
+  if (is_cut && format != "carmen") {
+    throw InputError("--min-height, --max-height",
+                     "are for CARMEN logs, and a bag keeps clouds as they are", "leave them out");
+  }
   const std::string ending = fs::path(options.out).extension().string();
   require_writable(options.out, format == "carmen" || ending == ".db3" || ending == ".mcap");
   const bool from_bag = log::detect_format(options.in) != log::LogFormat::kCarmen;

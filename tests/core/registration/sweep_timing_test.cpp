@@ -78,6 +78,17 @@ TEST(SweepTiming, SaysNothingAboutARobotThatDoesNotTurn) {
   EXPECT_FALSE(found.certain);
 }
 
+TEST(SweepTiming, DoesNotPreferADelayAtWhichOdometryIsMissing) {
+  const auto with_holes = [](Stamp stamp) -> std::optional<Pose2> {
+    const double phase_s = stamp.seconds() - 0.13 * std::floor(stamp.seconds() / 0.13 + 1e-6);
+    if (phase_s > 0.05 && phase_s < 0.08) return std::nullopt;
+    return pose_at(stamp.seconds());
+  };
+  const auto found = estimate_sweep_timing(record(false, 0.0), with_holes);
+  EXPECT_FALSE(found.certain) << found.timing.delay_s;
+  EXPECT_EQ(found.timing.delay_s, 0.0);
+}
+
 TEST(SweepTiming, SaysNothingAboutScansWithoutTimes) {
   std::vector<Scan> scans = record(true, 0.15);
   for (Scan& scan : scans) scan.time_increment_s = 0.0F;

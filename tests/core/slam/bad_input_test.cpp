@@ -64,6 +64,15 @@ TEST(BadInput, AScanThatReadsNothingSomewhereIsSkippedWhenItComesTwice) {
   EXPECT_EQ(run_slam(log).skipped_scans, 1U);
 }
 
+TEST(BadInput, AStuckScannerThatReadsNothingSomewhereIsNoticed) {
+  std::vector<Observation> log = record(ring(), drive_round(0.1, 6.0), 0, 23);
+  for (std::size_t i = 21; i < 24; ++i) log[i].scan.ranges_m = log[20].scan.ranges_m;
+  for (std::size_t i = 20; i < 24; ++i) {
+    log[i].scan.ranges_m[7] = std::numeric_limits<float>::quiet_NaN();
+  }
+  EXPECT_THAT(run_slam(log).warnings, Contains(HasSubstr("3 scans repeat the one before")));
+}
+
 TEST(BadInput, AGapInTimeIsBridgedByOdometry) {
   const std::vector<Pose2> whole = drive_round(0.1, 12.0);
   std::vector<Observation> log = record(ring(), whole, 0, 24);

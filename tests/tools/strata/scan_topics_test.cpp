@@ -127,6 +127,10 @@ TEST_F(ScanTopics, AreRefusedWhereTheyMeanNothing) {
       run_strata("convert --scan-topic /scan " + at("bag") + " " + at("copy.mcap") + " 2>&1");
   EXPECT_EQ(copy.code, 2);
   EXPECT_THAT(copy.out, HasSubstr("a bag keeps every topic"));
+  const auto cut =
+      run_strata("convert --min-height 0.4 " + at("bag") + " " + at("copy.mcap") + " 2>&1");
+  EXPECT_EQ(cut.code, 2);
+  EXPECT_THAT(cut.out, HasSubstr("a bag keeps clouds as they are"));
 }
 
 }  // namespace
