@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include "components/log/whole_file.hpp"
@@ -14,6 +15,8 @@ namespace strata::log {
 
 void write_state_file(const std::filesystem::path& file, View state, const Disk& disk) {
   const Bytes packed = compress(state, BagCompression::kZstd);
+  std::error_code error;  // without the folder the file says what is wrong
+  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), error);
   WholeFile whole(file, disk);
   whole.stream().write(reinterpret_cast<const char*>(packed.data()),
                        static_cast<std::streamsize>(packed.size()));

@@ -15,7 +15,7 @@
 
 namespace strata::log {
 
-/// Throws OutputError, and leaves the file of before.
+/// Makes the folder, where there is none. Throws OutputError, and leaves the file of before.
 void write_state_file(const std::filesystem::path& file, View state,
                       const Disk& disk = real_disk());
 

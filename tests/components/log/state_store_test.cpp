@@ -33,6 +33,12 @@ TEST_F(StateStoreTest, GivesBackWhatWasWrittenAndTheNewestWhenThereAreMany) {
   EXPECT_EQ(store.load(), (Bytes{1, 2, 3})) << "its end writes what waits";
 }
 
+TEST_F(StateStoreTest, MakesItsFolder) {
+  const std::string below = file() + "-folder/of/it.state";
+  write_state_file(below, Bytes(10, 7));
+  EXPECT_EQ(read_state_file(below), Bytes(10, 7));
+}
+
 TEST_F(StateStoreTest, IsDueOnceAPeriodAlsoWhenTheClockIsSetBack) {
   StateStore store({file(), 10.0});
   const auto is_due = [&](double time_s) { return store.is_due(Stamp::from_seconds(time_s)); };
