@@ -15,6 +15,7 @@
 #include "components/convert/patch_messages.hpp"
 #include "components/log/whole_folder.hpp"
 #include "components/maps/earlier_runs.hpp"
+#include "components/scan_matcher/damaged_maps.hpp"
 #include "core/base/error.hpp"
 #include "core/patch/learn_again.hpp"
 

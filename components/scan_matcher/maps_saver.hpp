@@ -22,9 +22,6 @@
 
 namespace strata::scan_matcher {
 
-/// The name of the log in summary.json of maps that a running mapper wrote.
-inline constexpr const char* kLiveLog = "live";
-
 /// As of the Slam that snapshots come from, and of who learns the patches.
 struct SaverConfig {
   slam::SlamConfig slam;

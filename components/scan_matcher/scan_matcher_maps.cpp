@@ -10,6 +10,7 @@
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/runtime/share_of_time.hpp"
+#include "components/scan_matcher/damaged_maps.hpp"
 #include "components/scan_matcher/scan_matcher.hpp"
 #include "core/base/error.hpp"
 
@@ -31,6 +32,9 @@ void ScanMatcher::open_live_maps() {
     });
   });
   if (config_.maps.folder.empty() || context().dry_run) return;
+  if (const auto damage = damage_of_live_maps(config_.maps.folder)) {
+    (void)restored(config_.maps.folder, [&] { throw *damage; });
+  }
   saver_.emplace(config_.maps.folder, SaverConfig{config_.slam, config_.live, config_.maps.patch});
   saved_ = std::chrono::steady_clock::now();
   subscribe<strata_msgs::msg::PatchMap>(config_.maps.patch_topic, "latched",

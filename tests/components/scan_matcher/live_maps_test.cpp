@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "components/convert/patch_messages.hpp"
+#include "components/log/damaged_file.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/error.hpp"
@@ -157,6 +159,39 @@ TEST_F(LiveMaps, GoOnFromTheirFolderWhereNoStateIsLeft) {
   const Pose2 truth = between(way_.path[0], way_.path[way_.log.size() / 2 - 1]);
   const Pose2 found = between(both.scans.front().map_from_robot, both.scans.back().map_from_robot);
   EXPECT_LT(translation_distance(found, truth), 0.3);
+}
+
+TEST_F(LiveMaps, OfWhichABadDiskLeftAPartAreSetAsideAndMappingBeginsAnew) {
+  const auto truncate = [](const fs::path& file) { std::ofstream(file, std::ios::trunc); };
+  const auto cut = [](const fs::path& file) { fs::resize_file(file, fs::file_size(file) / 2); };
+  const std::vector<std::function<void()>> damages = {
+      [&] { truncate(maps() / maps::kStoreFile); }, [&] { fs::remove(maps() / maps::kStoreFile); },
+      [&] { cut(maps() / maps::kSummaryFile); }, [&] { truncate(maps() / maps::kSummaryFile); }};
+  for (std::size_t i = 0; i < damages.size(); ++i) {
+    SCOPED_TRACE(i);
+    begin_with_folder();
+    ASSERT_GT(drive_part(0.0, 0.2), 5U);
+    ASSERT_TRUE(save().success());
+    end();
+    damages[i]();
+    begin_with_folder();
+    const auto errors = host_->take_errors();
+    ASSERT_FALSE(errors.empty());
+    EXPECT_THAT(errors[0], HasSubstr("set aside"));
+    ASSERT_GT(drive_part(0.0, 0.2), 5U);
+    EXPECT_TRUE(save().success());
+    end();
+    fs::remove_all(maps());
+  }
+  const auto is_aside = [](const auto& entry) { return log::is_set_aside(entry.path()); };
+  EXPECT_EQ(std::count_if(fs::directory_iterator(folder_.path()), {}, is_aside), 4);
+}
+
+TEST_F(LiveMaps, OfAnotherAreLeftAlone) {
+  fs::create_directories(maps());
+  std::ofstream(maps() / "thesis.txt") << "years of work";
+  EXPECT_THROW(begin_with_folder(), OutputError);
+  EXPECT_TRUE(fs::exists(maps() / "thesis.txt"));
 }
 
 TEST_F(LiveMaps, KeepThePatchesOfTheirFolderUntilThereAreNewOnes) {
