@@ -38,7 +38,7 @@ struct RecorderConfig {
   int latched_depth = 1;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("out", c.out, {.doc = "bag folder to write", .when = "always"});
+    v.field("out", c.out, {.doc = "folder to write", .when = "always"});
     v.require(!c.out.empty(), "out", "is missing", "name a folder, as in out: bag");
     v.field(
         "number_if_exists", c.number_if_exists,

@@ -6,14 +6,15 @@
 #include <utility>
 
 #include "components/bus/bag_service_types.hpp"
+#include "components/bus/recorded_topic.hpp"
 #include "components/convert/geometry_messages.hpp"
 
 namespace strata::recorder {
 namespace {
 
 constexpr auto kFlushPeriod = std::chrono::milliseconds(500);
-/// A burst must not push messages out before they are written.
-constexpr int kDepth = 1000;
+/// Latched messages of one topic that are held in a pause, at most.
+constexpr int kMaxHeld = 1000;
 
 log::BagOptions bag_options(const RecorderConfig& config) {
   log::BagOptions options;
@@ -41,17 +42,6 @@ std::filesystem::path free_folder(const RecorderConfig& config, bool may_number)
     folder = out.string() + "_" + std::to_string(number);
   }
   return folder;
-}
-
-/// rosbag2's text for a QoS profile, with its numbers for the words. Discovery does not tell the
-/// history, which rosbag2 then writes as unknown (3) and 0; times are without limit.
-std::string offered_qos(const bus::PublishedTopic& published) {
-  const std::string forever = "\n    sec: 9223372036\n    nsec: 854775807";
-  return std::string("- history: 3\n  depth: 0\n  reliability: ") +
-         (published.reliable ? "1" : "2") +
-         "\n  durability: " + (published.transient_local ? "1" : "2") + "\n  deadline:" + forever +
-         "\n  lifespan:" + forever + "\n  liveliness: 1\n  liveliness_lease_duration:" + forever +
-         "\n  avoid_ros_namespace_conventions: false";
 }
 
 }  // namespace
@@ -183,11 +173,7 @@ void Recorder::record(const std::string& topic, const bus::PublishedTopic& publi
   const auto [entry, is_new] = recorded_.try_emplace(topic, Recorded{published.type});
   entry->second.latched = entry->second.latched || published.transient_local;
   if (!is_new) return;
-  bus::QosProfile qos = bus::qos_profile("sensor_data");
-  qos.reliable = published.reliable;
-  qos.transient_local = published.transient_local;  // the laser's mounting was sent long ago
-  qos.depth = kDepth;
-  subscribe_raw(topic, published.type, qos,
+  subscribe_raw(topic, published.type, bus::qos_to_record(published),
                 [this, topic](const bus::RawMessage& message) { take(topic, message); });
 }
 
@@ -195,7 +181,7 @@ std::size_t Recorder::place_of(const std::string& topic, const bus::PublishedTop
   Recorded& recorded = recorded_.at(topic);
   if (!recorded.place && bag_) {
     recorded.place = bag_->add_topic(
-        {topic, recorded.type, "cdr", offered == nullptr ? "" : offered_qos(*offered)});
+        {topic, recorded.type, "cdr", offered == nullptr ? "" : bus::offered_qos_text(*offered)});
   }
   return recorded.place.value_or(0);
 }
@@ -232,7 +218,7 @@ void Recorder::hold(const std::string& topic, const bus::RawMessage& message) {
     return held.topic == topic && held.message.identity.writer == message.identity.writer;
   });
   // Writers may come and go for as long as the pause lasts.
-  drop_first(kDepth, [&](const Held& held) { return held.topic == topic; });
+  drop_first(kMaxHeld, [&](const Held& held) { return held.topic == topic; });
 }
 
 void Recorder::write(const std::string& topic, const bus::RawMessage& message, Stamp stamp) {

@@ -149,6 +149,7 @@ constexpr void (*kKinds[])(Input) = {
     receive_request,
     receive<nav_msgs::msg::Path>,
     receive<geometry_msgs::msg::PoseStamped>,
+    receive<diagnostic_msgs::msg::DiagnosticArray>,
 };
 
 }  // namespace

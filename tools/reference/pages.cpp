@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "components/beam_filter/config.hpp"
+#include "components/incident_recorder/config.hpp"
 #include "components/localizer/config.hpp"
 #include "components/log/log_config.hpp"
 #include "components/map_saver/config.hpp"
@@ -65,6 +66,8 @@ std::vector<Page> make_pages() {
       component_page<volume_mapper::VolumeMapperConfig>("volume_mapper", "VolumeMapper"),
       component_page<player::PlayerConfig>("player", "Player"),
       component_page<recorder::RecorderConfig>("recorder", "Recorder"),
+      component_page<incident_recorder::IncidentRecorderConfig>("incident_recorder",
+                                                                "IncidentRecorder"),
       page<log::LogConfig>("log.md", "Settings of reading logs",
                            "What stands below `log:` in what `strata learn`, `localize` and "
                            "`compare` read with `--config` (`components/log`)."),

@@ -18,6 +18,7 @@ void add_compare(CLI::App& app, VerbContext& context);
 void add_convert(CLI::App& app, VerbContext& context);
 void add_doctor(CLI::App& app, VerbContext& context);
 void add_evaluate(CLI::App& app, VerbContext& context);
+void add_incidents(CLI::App& app, VerbContext& context);
 void add_info(CLI::App& app, VerbContext& context);
 void add_keystore(CLI::App& app, VerbContext& context);
 void add_learn(CLI::App& app, VerbContext& context);
@@ -33,23 +34,24 @@ void add_volume(CLI::App& app, VerbContext& context);
 
 /// In the order of the help text.
 inline constexpr AddVerb kVerbs[] = {
-    add_info,      //
-    add_convert,   //
-    add_learn,     //
-    add_localize,  //
-    add_compare,   //
-    add_evaluate,  //
-    add_changes,   //
-    add_topology,  //
-    add_volume,    //
-    add_simulate,  //
-    add_run,       //
-    add_replay,    //
-    add_record,    //
-    add_play,      //
-    add_doctor,    //
-    add_keystore,  //
-    add_messages,  //
+    add_info,       //
+    add_convert,    //
+    add_learn,      //
+    add_localize,   //
+    add_compare,    //
+    add_evaluate,   //
+    add_changes,    //
+    add_topology,   //
+    add_volume,     //
+    add_simulate,   //
+    add_run,        //
+    add_replay,     //
+    add_record,     //
+    add_play,       //
+    add_incidents,  //
+    add_doctor,     //
+    add_keystore,   //
+    add_messages,   //
 };
 
 /// The command line of one process of a composition (verb_run.cpp).

@@ -34,6 +34,10 @@ std::string parameters_of(const std::string& type, const std::filesystem::path& 
     return "{out: '" + (folder / "bag").string() +
            "', number_if_exists: true, topics: ['/recorded:sensor_msgs/msg/LaserScan']}";
   }
+  if (type == "strata::IncidentRecorder") {
+    return "{out: '" + (folder / "incidents").string() +
+           "', topics: [/diagnostics], after_s: 0.1, rest_s: 0.0}";
+  }
   if (type == "strata::Player") {
     return "{log: '" + written_log(folder).string() + "', loop: true, rate: 100.0}";
   }

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/bus/recorded_topic.hpp"
+
+namespace strata::bus {
+
+QosProfile qos_to_record(const PublishedTopic& published) {
+  constexpr int kDepth = 1000;
+  QosProfile qos = qos_profile("sensor_data");
+  qos.reliable = published.reliable;
+  qos.transient_local = published.transient_local;  // the laser's mounting was sent long ago
+  qos.depth = kDepth;
+  return qos;
+}
+
+std::string offered_qos_text(const PublishedTopic& published) {
+  const std::string forever = "\n    sec: 9223372036\n    nsec: 854775807";
+  return std::string("- history: 3\n  depth: 0\n  reliability: ") +
+         (published.reliable ? "1" : "2") +
+         "\n  durability: " + (published.transient_local ? "1" : "2") + "\n  deadline:" + forever +
+         "\n  lifespan:" + forever + "\n  liveliness: 1\n  liveliness_lease_duration:" + forever +
+         "\n  avoid_ros_namespace_conventions: false";
+}
+
+}  // namespace strata::bus

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How a topic is read to be recorded, and what a bag says of its writers.
+#pragma once
+
+#include <string>
+
+#include "components/bus/participant.hpp"
+#include "components/bus/qos.hpp"
+
+namespace strata::bus {
+
+/// As the writers offer: reliably when all do, latched messages too; best effort and volatile
+/// matches every writer. Deep enough that a burst does not push messages out.
+[[nodiscard]] QosProfile qos_to_record(const PublishedTopic& published);
+
+/// rosbag2's text for a QoS profile (`offered_qos_profiles`), with its numbers for the words.
+/// Discovery does not tell the history, which rosbag2 then writes as unknown (3) and 0; times are
+/// without limit.
+[[nodiscard]] std::string offered_qos_text(const PublishedTopic& published);
+
+}  // namespace strata::bus

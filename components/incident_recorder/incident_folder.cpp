@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/incident_recorder/incident_folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <fstream>
+#include <iomanip>
+#include <memory>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+
+#include "components/log/disk.hpp"
+#include "components/log/whole_file.hpp"
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::incident_recorder {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kFiles = "files";
+constexpr int kCopyAttempts = 3;
+constexpr double kNsPerS = 1e9;
+
+struct FreeDigest {
+  void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
+};
+
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new()) {
+    EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
+  }
+  void add(const char* data, std::size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
+  void add(const std::string& text) { add(text.c_str(), text.size() + 1); }
+  [[nodiscard]] std::string hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int size = 0;
+    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
+    std::ostringstream text;
+    for (unsigned int i = 0; i < size; ++i) {
+      text << std::hex << std::setw(2) << std::setfill('0') << int{digest[i]};
+    }
+    return text.str();
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, FreeDigest> context_;
+};
+
+std::vector<fs::path> files_below(const fs::path& path) {
+  if (!fs::is_directory(path)) return {path};
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(path)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string digest_of(const fs::path& path) {
+  Sha256 digest;
+  std::array<char, 65536> buffer{};
+  for (const fs::path& file : files_below(path)) {
+    digest.add(fs::relative(file, path).string());
+    digest.add(std::to_string(fs::file_size(file)));
+    std::ifstream in(file, std::ios::binary);
+    while (in.read(buffer.data(), buffer.size()) || in.gcount() > 0) {
+      digest.add(buffer.data(), static_cast<std::size_t>(in.gcount()));
+    }
+  }
+  return digest.hex();
+}
+
+std::uint64_t bytes_below(const fs::path& path) {
+  std::uint64_t bytes = 0;
+  std::error_code gone;
+  for (const fs::path& file : files_below(path)) {
+    const std::uintmax_t size = fs::file_size(file, gone);
+    if (!gone) bytes += size;
+  }
+  return bytes;
+}
+
+/// Another folder under the same name has another number.
+std::optional<ino_t> number_of(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return std::nullopt;
+  return status.st_ino;
+}
+
+json to_json(const IncidentRecord& record) {
+  json reasons = json::array();
+  for (const IncidentReason& reason : record.reasons) {
+    reasons.push_back({{"kind", reason.kind}, {"source", reason.source}, {"text", reason.text}});
+  }
+  json files = json::array();
+  for (const KeptFile& file : record.files) {
+    const std::string copy = std::string("../") + kFiles + "/" + file.sha256 + "/" +
+                             fs::path(file.source).filename().string();
+    files.push_back({{"source", file.source}, {"sha256", file.sha256}, {"copy", copy}});
+  }
+  return {{"kind", "incident"},
+          {"reasons", reasons},
+          {"at", time_in_name(record.at_ns)},
+          {"at_ns", record.at_ns},
+          {"before_s", record.before_s},
+          {"after_s", record.after_s},
+          {"messages", record.messages},
+          {"lost", record.lost},
+          {"files", files},
+          {"complete", record.is_complete}};
+}
+
+std::optional<IncidentRecord> read_record(const fs::path& folder) {
+  std::ifstream in(folder / kIncidentFile);
+  const json text = json::parse(in, nullptr, false);
+  if (!text.is_object() || text.value("kind", "") != "incident") return std::nullopt;
+  IncidentRecord record;
+  try {
+    record.folder = folder;
+    for (const json& reason : text.at("reasons")) {
+      record.reasons.push_back({reason.at("kind"), reason.at("source"), reason.at("text")});
+    }
+    record.at_ns = text.at("at_ns");
+    record.before_s = text.at("before_s");
+    record.after_s = text.at("after_s");
+    record.messages = text.at("messages");
+    record.lost = text.at("lost");
+    for (const json& file : text.at("files")) {
+      record.files.push_back({file.at("source"), file.at("sha256")});
+    }
+    record.is_complete = text.at("complete");
+  } catch (const json::exception&) {
+    return std::nullopt;
+  }
+  if (record.reasons.empty()) return std::nullopt;
+  record.bytes = bytes_below(folder);
+  return record;
+}
+
+/// Without the trailing slash, which would leave no name.
+fs::path named(const std::string& text) {
+  const fs::path path = text;
+  return path.has_filename() ? path : path.parent_path();
+}
+
+KeptFile keep_file(const fs::path& files, const std::string& source) {
+  const fs::path path = named(source);
+  const fs::path aside = log::staged_name(files / "copy");
+  for (int attempt = 0;; ++attempt) {
+    fs::remove_all(aside);
+    const auto before = number_of(path);
+    fs::create_directories(aside);
+    fs::copy(path, aside / path.filename(), fs::copy_options::recursive);
+    if (before == number_of(path) || attempt + 1 == kCopyAttempts) break;
+  }
+  const std::string digest = digest_of(aside / path.filename());
+  const fs::path place = files / digest;
+  if (fs::exists(place / path.filename())) {
+    fs::remove_all(aside);
+  } else if (fs::exists(place)) {  // equal, under another name
+    fs::rename(aside / path.filename(), place / path.filename());
+    fs::remove_all(aside);
+  } else {
+    fs::rename(aside, place);
+  }
+  return {path.string(), digest};
+}
+
+}  // namespace
+
+std::string time_in_name(std::int64_t unix_ns) {
+  const auto seconds = static_cast<std::time_t>(static_cast<double>(unix_ns) / kNsPerS);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  std::ostringstream text;
+  text << std::put_time(&utc, "%Y-%m-%dT%H-%M-%SZ");
+  return text.str();
+}
+
+fs::path free_name(const fs::path& incidents, std::int64_t at_ns, const std::string& kind) {
+  const std::string name = time_in_name(at_ns) + "_" + kind;
+  fs::path folder = incidents / name;
+  for (int number = 2; fs::exists(folder); ++number) {
+    folder = incidents / (name + "_" + std::to_string(number));
+  }
+  return folder;
+}
+
+std::string json_text(const IncidentRecord& record) { return to_json(record).dump(2); }
+
+void write_record(const IncidentRecord& record) {
+  log::WholeFile file(record.folder / kIncidentFile);
+  file.stream() << json_text(record) << "\n";
+  file.commit();
+}
+
+std::vector<IncidentRecord> read_records(const fs::path& incidents) {
+  std::vector<IncidentRecord> records;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(incidents, error)) {
+    if (!entry.is_directory(error)) continue;
+    if (auto record = read_record(entry.path())) records.push_back(std::move(*record));
+  }
+  std::sort(records.begin(), records.end(), [](const IncidentRecord& a, const IncidentRecord& b) {
+    return std::pair(a.at_ns, a.folder) < std::pair(b.at_ns, b.folder);
+  });
+  return records;
+}
+
+std::vector<KeptFile> keep_files(const fs::path& incidents, const std::vector<std::string>& files,
+                                 std::vector<std::string>& problems) {
+  std::vector<KeptFile> kept;
+  for (const std::string& source : files) {
+    try {
+      fs::create_directories(incidents / kFiles);
+      kept.push_back(keep_file(incidents / kFiles, source));
+    } catch (const fs::filesystem_error& error) {
+      problems.push_back(source + ": " + error.code().message());
+    }
+  }
+  return kept;
+}
+
+std::size_t make_room(const fs::path& incidents, std::uint64_t max_bytes) {
+  const std::vector<IncidentRecord> records = read_records(incidents);
+  std::size_t gone = 0;
+  const auto bytes = [&] {
+    std::uint64_t sum = 0;
+    std::set<std::string> named;
+    for (std::size_t i = gone; i < records.size(); ++i) {
+      sum += records[i].bytes;
+      for (const KeptFile& file : records[i].files) named.insert(file.sha256);
+    }
+    for (const std::string& digest : named) sum += bytes_below(incidents / kFiles / digest);
+    return sum;
+  };
+  while (gone + 1 < records.size() && bytes() > max_bytes) {
+    log::real_disk().remove(records[gone].folder);
+    ++gone;
+  }
+  std::set<std::string> named;
+  for (std::size_t i = gone; i < records.size(); ++i) {
+    for (const KeptFile& file : records[i].files) named.insert(file.sha256);
+  }
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(incidents / kFiles, error)) {
+    if (!named.contains(entry.path().filename().string())) log::real_disk().remove(entry.path());
+  }
+  return gone;
+}
+
+}  // namespace strata::incident_recorder

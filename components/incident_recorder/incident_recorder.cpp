@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/incident_recorder/incident_recorder.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "components/bus/recorded_topic.hpp"
+#include "components/convert/cdr.hpp"
+#include "components/runtime/diagnostics.hpp"
+#include "core/base/error.hpp"
+
+namespace strata::incident_recorder {
+namespace {
+
+constexpr double kBytesPerMb = 1e6;
+
+std::int64_t unix_now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+IncidentRecorder::Clock::duration seconds(double value) {
+  return std::chrono::duration_cast<IncidentRecorder::Clock::duration>(
+      std::chrono::duration<double>(value));
+}
+
+}  // namespace
+
+void IncidentRecorder::on_configure() {
+  config_ = read_parameters<IncidentRecorderConfig>();
+  topics_kept_.clear();
+  ring_.emplace(std::chrono::duration<double>(config_.before_s),
+                static_cast<std::size_t>(config_.memory_mb * kBytesPerMb));
+  triggers_.emplace(config_.when);
+  incidents_ = 0;
+  rests_until_ = {};
+  if (lockstep()) return;
+  if (!context().dry_run) {
+    std::error_code error;
+    std::filesystem::create_directories(config_.out, error);
+    if (error) {
+      throw OutputError(config_.out, "cannot be made: " + error.message(),
+                        "choose another folder for incidents");
+    }
+  }
+  offer<bus::srv::Trigger>("~/keep_incident", [this](const auto&) {
+    std_srvs::srv::Trigger_Response response;
+    response.success(state() == runtime::LifecycleState::kActive);
+    response.message(response.success() ? "kept in " + config_.out : "is not active");
+    if (response.success()) begin({"asked", full_name(), "asked for by ~/keep_incident"});
+    return response;
+  });
+  for (std::string& topic : config_.topics) topic = resolve(topic);
+  watch(runtime::kDiagnosticsTopic,
+        {bus::MessageType<diagnostic_msgs::msg::DiagnosticArray>::name, true, false});
+  watch_topics();
+}
+
+void IncidentRecorder::watch_topics() {
+  for (const auto& [topic, published] : context().participant->published_topics()) {
+    const bool is_own = topic.starts_with(full_name() + "/");
+    if (is_own || topic.starts_with("/strata_lockstep/")) continue;
+    const bool is_wanted =
+        config_.topics.empty() ||
+        std::find(config_.topics.begin(), config_.topics.end(), topic) != config_.topics.end();
+    if (is_wanted) watch(topic, published);
+  }
+}
+
+void IncidentRecorder::watch(const std::string& topic, const bus::PublishedTopic& published) {
+  if (topics_kept_.contains(topic)) return;
+  const auto kept = std::make_shared<const KeptTopic>(KeptTopic{
+      topic, published.type, bus::offered_qos_text(published), published.transient_local});
+  subscribe_raw(topic, published.type, bus::qos_to_record(published),
+                [this, kept](const bus::RawMessage& message) { take(kept, message); });
+  topics_kept_[topic] = kept;
+}
+
+void IncidentRecorder::take(const std::shared_ptr<const KeptTopic>& topic,
+                            const bus::RawMessage& message) {
+  const auto kept = std::make_shared<const KeptMessage>(KeptMessage{
+      topic, message.identity.writer, Stamp{message.source_stamp_ns}, Clock::now(), message.cdr});
+  ring_->add(kept);
+  if (incident_) incident_->add(kept);
+  if (topic->name == runtime::kDiagnosticsTopic) judge(message);
+}
+
+void IncidentRecorder::judge(const bus::RawMessage& message) {
+  const auto told = convert::from_cdr<diagnostic_msgs::msg::DiagnosticArray>(
+      message.cdr, runtime::kDiagnosticsTopic);
+  const std::string own = full_name().substr(1) + ": ";
+  for (const auto& status : told.status()) {
+    if (status.name().starts_with(own)) continue;  // its own trouble is no incident of the robot
+    const auto reason = triggers_->take(status);
+    if (reason && (incident_ || Clock::now() >= rests_until_)) begin(*reason);
+  }
+}
+
+void IncidentRecorder::begin(const IncidentReason& reason) {
+  const Clock::time_point now = Clock::now();
+  if (incident_ && now < ends_at_) {
+    incident_->add(reason);
+    ends_at_ = std::min(now + seconds(config_.after_s), ends_latest_);
+    return;
+  }
+  if (incident_) return;  // the one before is still on its way to the disk
+  ring_->forget(now);
+  IncidentRecord record;
+  record.at_ns = unix_now_ns();
+  record.folder = free_name(config_.out, record.at_ns, reason.kind);
+  record.reasons = {reason};
+  record.before_s = config_.before_s;
+  record.after_s = config_.after_s;
+  const IncidentPlan plan{config_.out, config_.keep_files,
+                          static_cast<std::uint64_t>(config_.disk_mb * kBytesPerMb),
+                          static_cast<std::size_t>(config_.memory_mb * kBytesPerMb)};
+  say(runtime::LogLevel::kWarn, "incident: " + reason.text + "; kept in " + record.folder.string());
+  incident_ = std::make_unique<Incident>(plan, std::move(record), ring_->messages());
+  ends_at_ = now + seconds(config_.after_s);
+  ends_latest_ = now + kLongest;
+  rests_until_ = ends_at_ + seconds(config_.rest_s);
+  ++incidents_;
+}
+
+void IncidentRecorder::settle() {
+  if (!incident_) return;
+  for (const std::string& problem : incident_->take_problems()) {
+    tell(OutputError(config_.out, problem, "keep room on the disk"));
+  }
+  if (!incident_->is_done()) return;
+  incident_.reset();
+}
+
+void IncidentRecorder::on_tick() {
+  watch_topics();
+  const Clock::time_point now = Clock::now();
+  ring_->forget(now);
+  if (incident_ && now >= ends_at_) incident_->end();
+  settle();
+}
+
+void IncidentRecorder::on_deactivate() {
+  if (!incident_) return;
+  std::unique_ptr<Incident> last = std::move(incident_);
+  const std::string folder = last->record().folder.string();
+  last->end();
+  while (!last->is_done()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (const std::string& problem : last->take_problems()) {
+    tell(OutputError(folder, problem, "keep room on the disk"));
+  }
+}
+
+void IncidentRecorder::on_cleanup() {
+  incident_.reset();
+  topics_kept_.clear();
+  ring_.reset();
+  triggers_.reset();
+}
+
+void IncidentRecorder::on_diagnose(runtime::Health& health) const {
+  if (!ring_) return;
+  health.add("incidents", incidents_);
+  health.add("is writing one", std::string(incident_ ? "true" : "false"));
+  health.add("kept in memory, MB", static_cast<double>(ring_->bytes()) / kBytesPerMb);
+  health.add("gone before their time", ring_->gone_early());
+}
+
+}  // namespace strata::incident_recorder

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+/// strata::IncidentRecorder: keeps the last minute of every topic in memory, and writes it down
+/// when something goes wrong.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "components/bus/participant.hpp"
+#include "components/incident_recorder/config.hpp"
+#include "components/incident_recorder/incident.hpp"
+#include "components/incident_recorder/incident_triggers.hpp"
+#include "components/incident_recorder/message_ring.hpp"
+#include "components/runtime/component.hpp"
+
+namespace strata::incident_recorder {
+
+/// Reads as the writers that are there offer, as strata::Recorder does. What begins an incident is
+/// read off /diagnostics (IncidentTriggers), or asked for by the service ~/keep_incident
+/// (std_srvs/Trigger). One at a time is written; what goes wrong while it lasts prolongs it, to
+/// kLongest at most, and is named in its record. In lockstep it rests: a replay of an incident must
+/// not make another.
+class IncidentRecorder final : public runtime::Component {
+ public:
+  using Component::Component;
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::minutes kLongest{10};
+
+ private:
+  void on_declare() override { declare_parameters<IncidentRecorderConfig>(); }
+  void on_configure() override;
+  void on_tick() override;
+  void on_deactivate() override;
+  void on_cleanup() override;
+  void on_diagnose(runtime::Health& health) const override;
+  void watch_topics();
+  void watch(const std::string& topic, const bus::PublishedTopic& published);
+  void take(const std::shared_ptr<const KeptTopic>& topic, const bus::RawMessage& message);
+  void judge(const bus::RawMessage& message);
+  void begin(const IncidentReason& reason);
+  /// Lets go of one that is on the disk.
+  void settle();
+
+  IncidentRecorderConfig config_;
+  std::map<std::string, std::shared_ptr<const KeptTopic>> topics_kept_;
+  std::optional<MessageRing> ring_;
+  std::optional<IncidentTriggers> triggers_;
+  std::unique_ptr<Incident> incident_;
+  Clock::time_point ends_at_;
+  Clock::time_point ends_latest_;
+  Clock::time_point rests_until_;
+  std::uint64_t incidents_ = 0;
+};
+
+}  // namespace strata::incident_recorder

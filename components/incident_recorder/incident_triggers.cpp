@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/incident_recorder/incident_triggers.hpp"
+
+#include "components/log/text.hpp"
+#include "components/runtime/diagnostics.hpp"
+
+namespace strata::incident_recorder {
+namespace {
+
+constexpr const char* kLost = "lost";
+constexpr const char* kOutdated = "map_outdated";
+
+std::string value_of(const diagnostic_msgs::msg::DiagnosticStatus& status, const std::string& key) {
+  for (const auto& entry : status.values()) {
+    if (entry.key() == key) return entry.value();
+  }
+  return "";
+}
+
+}  // namespace
+
+bool IncidentTriggers::falls(Source& source, const std::string& score) const {
+  const auto value = log::parse_double(score);
+  if (!value) return false;
+  if (*value >= 0.5 * (1.0 + config_.score_below)) source.is_armed = true;
+  if (*value >= config_.score_below || !source.is_armed) return false;
+  source.is_armed = false;
+  return true;
+}
+
+std::optional<IncidentReason> IncidentTriggers::take(
+    const diagnostic_msgs::msg::DiagnosticStatus& status) {
+  const std::string& name = status.name();
+  const bool is_known = sources_.contains(name);
+  if (!is_known && sources_.size() >= kMaxSources) return std::nullopt;
+  Source& source = sources_[name];
+  const Source before = source;
+  source.level = status.level();
+  source.verdict = value_of(status, "verdict");
+  const std::string score = value_of(status, "score");
+  const bool has_fallen = falls(source, score);
+  if (!is_known) return std::nullopt;
+
+  const auto becomes = [&](const char* verdict) {
+    return source.verdict == verdict && before.verdict != verdict;
+  };
+  if (config_.on_lost && becomes(kLost)) {
+    return IncidentReason{"lost", name, name + " says that the robot is lost"};
+  }
+  if (has_fallen) return IncidentReason{"score", name, name + ": score fell to " + score};
+  // Stale counts as an error: who watches others says so of the silent.
+  const auto error = static_cast<std::uint8_t>(runtime::HealthLevel::kError);
+  const bool is_told_as_lost = source.verdict == kLost;
+  if (config_.on_error && source.level >= error && before.level < error && !is_told_as_lost) {
+    return IncidentReason{"error", name, name + ": " + status.message()};
+  }
+  if (config_.on_outdated && becomes(kOutdated)) {
+    return IncidentReason{"outdated", name, name + " says that the map is outdated here"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace strata::incident_recorder
