@@ -53,19 +53,9 @@ class Ros1BagReader final : public PiecewiseBagReader {
   }
 
   void find_pieces() override {
-    check_format();
+    require_ros1_format(read(0, 20), name());
     scan_file();
     inspect();
-  }
-
-  void check_format() {
-    const Bytes start = read(0, 20);
-    const std::string magic(start.begin(), start.end());
-    if (magic.starts_with(kRos1Magic)) return;
-    throw InputError(name(),
-                     "is a ROS 1 bag of another format (" + magic.substr(0, magic.find('\n')) +
-                         "), and only 2.0 can be read",
-                     "have ROS 1 write it anew: `rosbag filter OLD.bag NEW.bag True`");
   }
 
   /// Why there is no record; empty when there is one, whose data may be cut.
@@ -95,6 +85,8 @@ class Ros1BagReader final : public PiecewiseBagReader {
     if (why.empty() && header.op == Ros1Op::kBagHeader && !header.is_cut) {
       refuse_encrypted(header.fields);
       index_at_ = header.fields.number<std::uint64_t>("index_pos").value_or(0);
+      index_records_ = header.fields.number<std::uint32_t>("conn_count").value_or(0);
+      index_records_ += header.fields.number<std::uint32_t>("chunk_count").value_or(0);
       at = header.data_at + header.data_size;
     } else {
       note_damage(at, "the bag's header is damaged");
@@ -120,7 +112,8 @@ class Ros1BagReader final : public PiecewiseBagReader {
   /// At the end of the bag: all connections again, and where the chunks lie.
   void read_index() {
     std::uint64_t at = index_at_;
-    while (at < file_size()) {
+    std::uint64_t records = 0;
+    for (; at < file_size(); ++records) {
       Record record;
       if (!read_record(at, record).empty() || record.is_cut) return;
       if (record.op == Ros1Op::kConnection) {
@@ -134,7 +127,7 @@ class Ros1BagReader final : public PiecewiseBagReader {
       }
       at = record.data_at + record.data_size;
     }
-    has_whole_index_ = true;
+    has_whole_index_ = records >= index_records_;
   }
 
   /// Where to go on: behind the record, or, where there is none, at the next chunk that the index
@@ -143,15 +136,21 @@ class Ros1BagReader final : public PiecewiseBagReader {
     Record record;
     const std::string why = read_record(at, record);
     if (!why.empty()) {
-      const auto next = chunks_at_.upper_bound(at);
-      const bool goes_on = next != chunks_at_.end() && *next < end;
+      const std::uint64_t next = next_chunk(at, end);
       note_damage(at, why + "; " +
-                          (goes_on ? "what lies before the next chunk is left out"
-                                   : "nothing behind it is read"));
-      return goes_on ? *next : end;
+                          (next < end ? "what lies before the next chunk is left out"
+                                      : "nothing behind it is read"));
+      return next;
     }
-    const std::uint64_t behind = record.is_cut ? file_size() : record.data_at + record.data_size;
-    if (record.is_cut) note_damage(at, "the file is cut in this record");
+    if (record.op == Ros1Op::kIndex) correct_size(record, end);
+    const std::uint64_t stated = record.is_cut ? file_size() : record.data_at + record.data_size;
+    const std::uint64_t behind = std::max(next_chunk(at, std::min(stated, end)), record.data_at);
+    if (record.is_cut && behind == file_size()) {
+      note_damage(at, "the file is cut in this record");
+    } else if (stated > behind) {
+      note_damage(at, "this record states more bytes than it has");
+      record.is_cut = true;
+    }
     if (record.op == Ros1Op::kChunk) return add_chunk(at, record, behind);
     if (record.is_cut) return behind;
     if (record.op == Ros1Op::kMessage) {
@@ -161,9 +160,32 @@ class Ros1BagReader final : public PiecewiseBagReader {
     } else if (record.op == Ros1Op::kConnection) {
       take_connection(record.fields, read(record.data_at, record.data_size), at);
     } else if (record.op == Ros1Op::kIndex && !pieces().empty()) {
-      take_index(read(record.data_at, record.data_size), pieces().back());
+      BagPiece& chunk = pieces().back();
+      const Bytes index = read(record.data_at, record.data_size);
+      chunk.begin_ns = std::min(chunk.begin_ns, ros1_index_begin_ns(index));
     }
     return behind;
+  }
+
+  /// The first chunk behind a place that the index knows and that is one; end when there is none.
+  std::uint64_t next_chunk(std::uint64_t at, std::uint64_t end) {
+    for (auto next = chunks_at_.upper_bound(at); next != chunks_at_.end() && *next < end; ++next) {
+      Record record;
+      if (read_record(*next, record).empty() && record.op == Ros1Op::kChunk) return *next;
+    }
+    return end;
+  }
+
+  /// Bags of 2010 state 20 bytes for each entry of an index where they have 12. ROS goes by how
+  /// many entries it counts, so this does where a record follows then.
+  void correct_size(Record& record, std::uint64_t end) {
+    const std::uint64_t size = 12ULL * record.fields.number<std::uint32_t>("count").value_or(0);
+    if (size == 0 || size >= record.data_size) return;
+    const std::uint64_t behind = record.data_at + size;
+    Record next;
+    if (behind != end && (behind > end || !read_record(behind, next).empty())) return;
+    record.data_size = size;
+    record.is_cut = false;
   }
 
   std::uint64_t add_chunk(std::uint64_t at, const Record& record, std::uint64_t behind) {
@@ -171,7 +193,7 @@ class Ros1BagReader final : public PiecewiseBagReader {
                    static_cast<std::uint8_t>(Ros1Op::kChunk)};
     const std::string method = method_of(record);
     methods_.insert(method);
-    // Recording writes the lengths when a chunk is finished. In one that is not packed the records
+    // Recording writes the lengths when a chunk is finished; the records of one that is not packed
     // follow as if they lay outside.
     const bool is_unfinished = record.data_size == 0 && method != "none" && behind < file_size() &&
                                record.fields.number<std::uint32_t>("size").value_or(0) == 0;
@@ -182,16 +204,6 @@ class Ros1BagReader final : public PiecewiseBagReader {
     }
     pieces().push_back(chunk);
     return behind;
-  }
-
-  /// Of a connection in the chunk before: times and places of its messages.
-  static void take_index(const Bytes& data, BagPiece& chunk) {
-    ByteCursor cursor{View(data)};
-    while (cursor.left() >= 12) {
-      const Stamp stamp = ros1_time(cursor.number<std::uint64_t>());
-      cursor.number<std::uint32_t>();
-      chunk.begin_ns = std::min(chunk.begin_ns, static_cast<std::uint64_t>(stamp.ns));
-    }
   }
 
   /// What the index would have told: connections, and when chunks begin.
@@ -267,6 +279,7 @@ class Ros1BagReader final : public PiecewiseBagReader {
   }
 
   std::uint64_t index_at_ = 0;
+  std::uint64_t index_records_ = 0;  ///< so many belong to the index
   bool has_whole_index_ = false;
   std::set<std::uint64_t> chunks_at_;  ///< by the index
   std::set<std::string> methods_;

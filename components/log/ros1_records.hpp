@@ -16,6 +16,10 @@
 namespace strata::log {
 
 constexpr std::string_view kRos1Magic = "#ROSBAG V2.0\n";
+/// Throws InputError unless these are the first bytes of a bag of format 2.0 (20 tell enough).
+/// name: of the file.
+void require_ros1_format(View start, const std::string& name);
+
 /// With its lengths; what it does not need is filled with spaces.
 constexpr std::uint64_t kRos1BagHeaderBytes = 4104;
 
@@ -55,6 +59,10 @@ class Ros1Fields {
 };
 
 [[nodiscard]] Stamp ros1_time(std::uint64_t time);
+
+/// When the oldest message was recorded of those that the data of an index record tell, which are
+/// one connection's in the chunk before it; the largest number where it tells none. O(bytes).
+[[nodiscard]] std::uint64_t ros1_index_begin_ns(View data);
 
 /// Calls visit(fields, data) for every record of a chunk's content; false when it ends in one.
 template <typename Visit>

@@ -197,7 +197,9 @@ void Ros1BagMaker::finish_chunk(bool with_lengths) {
                                   .field("ver", le32(1))
                                   .field("conn", le32(id))
                                   .field("count", le32(count));
-      if (format_.end == Ros1End::kWhole) file_ += record(index, places.bytes());
+      if (format_.end != Ros1End::kWhole) continue;
+      file_ += Ros1Bytes().text(index.bytes()).u32(format_.stated_entry_bytes * count).bytes();
+      file_ += places.bytes();
     }
   }
   chunks_.push_back(std::exchange(chunk_, {}));

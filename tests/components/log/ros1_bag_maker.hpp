@@ -72,6 +72,9 @@ struct Ros1Format {
   std::string compression = "none";  ///< or bz2, lz4
   std::size_t chunk_bytes = 20'000;
   Ros1End end = Ros1End::kWhole;
+  /// Before a chunk's index stands how long it is. ROS 1 of 2010 stated 20 bytes for each entry of
+  /// 12; whoever reads goes by how many entries it counts.
+  std::uint32_t stated_entry_bytes = 12;
 };
 
 class Ros1BagMaker {
