@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/log/bag_streams.hpp"
 
+#include <map>
+#include <string>
 #include <utility>
 
 #include "strata_idl/nav_msgs.h"
@@ -48,6 +50,7 @@ class StreamReader {
       }
       if (++done % 1000 == 0) report_progress(options_.progress, "read log", done, 0);
     }
+    if (streams_.moving.empty()) take_other_odometry_frame();
     report_.storage = reader->description();
     const BagDamage& damage = reader->damage();
     if (damage.count > 0) {
@@ -119,15 +122,33 @@ class StreamReader {
     if (is_static) {
       if (!streams_.frames.add_fixed(transform)) not_finite();
     } else if (parent != frame_name(options_.odom_frame)) {
-      if (!streams_.frames.add_moving(transform)) not_finite();
+      if (!streams_.frames.add_moving(transform)) return not_finite();
+      if (options_.use_odometry && parent.starts_with("odom")) {
+        add_moving(transform, other_odometry_[parent][child]);
+      }
     } else if (options_.use_odometry) {
-      const Pose3 pose = convert::from_message(transform.transform());
-      if (!is_sound(pose)) return not_finite();
+      if (!is_sound(convert::from_message(transform.transform()))) return not_finite();
       note_rotation(transform.transform().rotation());
-      OdometryStream& stream = streams_.moving[child];
-      stream.frame = parent;
-      stream.child = child;
-      stream.samples.push_back({convert::from_message(transform.header().stamp()), planar(pose)});
+      add_moving(transform, streams_.moving[child]);
+    }
+  }
+
+  static void add_moving(const geometry_msgs::msg::TransformStamped& transform,
+                         OdometryStream& stream) {
+    stream.frame = frame_name(transform.header().frame_id());
+    stream.child = frame_name(transform.child_frame_id());
+    stream.samples.push_back({convert::from_message(transform.header().stamp()),
+                              planar(convert::from_message(transform.transform()))});
+  }
+
+  /// Robots of ROS 1 have odom_combined and the like.
+  void take_other_odometry_frame() {
+    if (other_odometry_.empty()) return;
+    streams_.moving = std::move(other_odometry_.begin()->second);
+    if (other_odometry_.size() > 1 && streams_.odometry.empty()) {
+      report_.warnings.push_back("of " + std::to_string(other_odometry_.size()) +
+                                 " frames of odometry " + other_odometry_.begin()->first +
+                                 " is used");
     }
   }
 
@@ -135,6 +156,8 @@ class StreamReader {
   const ReadOptions& options_;
   ReadReport& report_;
   BagStreams streams_;
+  /// By frame: moving in one that is not called as options_ has it, but begins with "odom".
+  std::map<std::string, std::map<std::string, OdometryStream>> other_odometry_;
   std::size_t unset_rotations_ = 0;
 };
 

@@ -9,9 +9,10 @@
 namespace strata::log {
 namespace {
 
-/// But for the last digits, which who computes the transform anew may change.
+/// But for what no scan can show: the last digits of who computes the transform anew, the steps of
+/// a servo that holds a scanner.
 bool is_same(const Pose3& a, const Pose3& b) {
-  constexpr double kTolerance = 1e-6;  // m, and parts of a quaternion
+  constexpr double kTolerance = 5e-4;  // m, and parts of a quaternion: 0.001 rad
   const auto& p = a.rotation.coeffs();
   const auto& q = b.rotation.coeffs();
   return (a.translation - b.translation).norm() < kTolerance &&
@@ -22,11 +23,6 @@ bool is_same(const Pose3& a, const Pose3& b) {
 
 Pose2 moved_by(const Pose2& odom_from_child, const Pose2& child_from_robot) {
   return child_from_robot == Pose2{} ? odom_from_child : odom_from_child * child_from_robot;
-}
-
-std::string missing_mounting(const std::string& sensor_frame, const std::string& robot_frame) {
-  return "tf_static does not connect " + sensor_frame + " to " + robot_frame +
-         "; the laser is taken to sit at its origin";
 }
 
 bool is_sound(const Pose3& pose) {
@@ -78,6 +74,15 @@ std::optional<Pose3> RobotFrames::mounting(const std::string& sensor_frame,
                                            const std::string& odometry_child) const {
   const auto fixed = connected(fixed_, sensor_frame, odometry_child);
   return fixed ? fixed : connected(steady_, sensor_frame, odometry_child);
+}
+
+std::string RobotFrames::missing_mounting(const std::string& sensor_frame,
+                                          const std::string& odometry_child) const {
+  const std::string robot = pose_frame(odometry_child);
+  const bool moves = connected(all_, sensor_frame, odometry_child).has_value();
+  return (moves ? sensor_frame + " moves against " + robot + ", as /tf tells"
+                : "tf_static does not connect " + sensor_frame + " to " + robot) +
+         "; the laser is taken to sit at its origin";
 }
 
 bool RobotFrames::is_fixed(const std::string& sensor_frame,

@@ -198,7 +198,7 @@ void SensorInput::release() {
   WaitingScan waiting = queue_.pop();
   const std::string& frame = queue_.scanners()[waiting.scanner].frame;
   const std::optional<Pose3> found = frames_.mounting(frame, from.child);
-  if (!found) warn(log::missing_mounting(frame, frames_.pose_frame(from.child)));
+  if (!found) warn(frames_.missing_mounting(frame, from.child));
   const Pose3 mounting = found.value_or(Pose3{});
   log::mount(waiting.sensed, mounting, config_.cloud);
   log::OdometryAt odometry;
@@ -229,7 +229,7 @@ void SensorInput::diagnose(Health& health) const {
   const Source from = source();
   for (const Scanner& scanner : queue_.scanners()) {
     if (assumed_.count(scanner.frame) != 0 && !frames_.mounting(scanner.frame, from.child)) {
-      health.warn(log::missing_mounting(scanner.frame, frames_.pose_frame(from.child)));
+      health.warn(frames_.missing_mounting(scanner.frame, from.child));
     }
     if (scanner.is_silent) {
       health.warn(config_.all_scan_topics()[scanner.topic] + " is silent; the others go on");
