@@ -72,12 +72,12 @@ def unreadable(tries, material):
 
 def cut_anywhere(tries, material):
     """Whatever is left of a log that was cut is read, or refused in one line."""
-    for name in ("world/log.clf", "good.mcap", "good.db3"):
+    for name in ("world/log.clf", "good.mcap", "good.db3", "good.bag"):
         whole = material.bytes_of(name)
         for share in range(5, 100, 5):
             ending = os.path.splitext(name)[1]
             path = material.write("cut" + ending, whole[:len(whole) * share // 100])
             ended = tries.strata_try(f"info: {name} cut at {share}%", ["info", path], (0, 2))
             if ": error:" not in ended and ending != ".clf":
-                whole_or_told = "damaged" in ended or re.search("scans +112,", ended)
+                whole_or_told = "damaged" in ended or re.search("scans +(112|3),", ended)
                 tries.hold(f"info: {name} cut at {share}% is told", whole_or_told)

@@ -22,6 +22,8 @@ class Material:
         self.lines = open(self.log).read().splitlines()
         self.make("convert", self.log, self.at("good.mcap"), "--quiet")
         self.make("convert", self.log, self.at("good.db3"), "--quiet")
+        with open(os.path.join(source, "tests/fuzz/corpus/bag/ros1_lz4.bag"), "rb") as bag:
+            self.write("good.bag", bag.read())
         self.make("learn", self.log, "--out", self.at("maps"), "--quiet")
 
     def at(self, name):
@@ -57,6 +59,7 @@ class Material:
         packed = gzip.compress("\n".join(self.lines).encode())
         mcap = self.bytes_of("good.mcap")
         db3 = self.bytes_of("good.db3")
+        ros1 = self.bytes_of("good.bag")
         header = [line for line in self.lines if not line.startswith("ROBOTLASER1")]
         os.makedirs(self.at("empty_folder"), exist_ok=True)
         os.makedirs(self.at("folder_of_rubbish"), exist_ok=True)
@@ -86,6 +89,10 @@ class Material:
             "mcap of rubbish": self.write("rubbish.mcap", mcap[:8] + rubbish),
             "sqlite cut at once": self.write("cut_begin.db3", db3[:300]),
             "sqlite of rubbish": self.write("rubbish.db3", db3[:100] + rubbish),
+            "bag of ROS 1 cut at once": self.write("cut_begin.bag", ros1[:4200]),
+            "bag of ROS 1 cut in its first line": self.write("cut_line.bag", ros1[:10]),
+            "bag of ROS 1 of rubbish": self.write("rubbish.bag", ros1[:13] + rubbish),
+            "bag of ROS 1 of 2009": self.write("old.bag", b"#ROSRECORD V1.2\n" + rubbish),
             "empty folder": self.at("empty_folder"),
             "folder of rubbish": self.at("folder_of_rubbish"),
             "long name": self.at("n" * 300 + ".clf"),
