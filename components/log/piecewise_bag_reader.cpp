@@ -20,7 +20,10 @@ void PiecewiseBagReader::start() {
   messages_.set_pieces(std::move(pieces_));
   messages_.prefetch([this](const BagPiece& piece) { load(piece); });
   if (topics().empty() && damage_.count > 0) {
-    throw InputError(name_, damage_.first, "check that it was copied whole");
+    const std::string& first = damage_.first;  // begins with the name
+    const std::string why =
+        first.starts_with(name_ + ": ") ? first.substr(name_.size() + 2) : first;
+    throw InputError(name_, why, "check that it was copied whole");
   }
 }
 

@@ -120,6 +120,8 @@ TEST_F(DamagedRos1Bag, WithNothingInItIsRefusedWithPlaceAndRemedy) {
   const std::string whole = bag("none");
   EXPECT_THAT(error_of(whole.substr(0, 13)), HasSubstr("byte 13"));
   EXPECT_THAT(error_of(whole.substr(0, 5000)), HasSubstr("byte"));
+  const std::string once = error_of(whole.substr(0, 4200));
+  EXPECT_EQ(once.find("drive.bag"), once.rfind("drive.bag")) << once;
   EXPECT_THAT(error_of("#ROSBAG V2.0\n" + std::string(9000, 'x')), HasSubstr("byte 13"));
 }
 
