@@ -54,7 +54,7 @@ function(strata_tests name)
   add_executable(${target} ${TESTS_SOURCES})
   list(TRANSFORM TESTS_LINKS PREPEND strata_)
   target_link_libraries(${target} PRIVATE ${TESTS_LINKS} ${TESTS_PACKAGES} strata_test_support
-    strata_warnings GTest::gmock GTest::gtest_main)
+    strata_simd_target strata_warnings GTest::gmock GTest::gtest_main)
   strata_every_simd_target(${target} ${TESTS_PACKAGES})
   strata_use_precompiled(${target} FOR_TESTS)
   if(NOT TESTS_TIMEOUT)

@@ -4,13 +4,21 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <ctime>
 #include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <hwy/targets.h>
 
 namespace strata::bench {
+
+/// Name of the SIMD target that kernels run with: the machine's best, or STRATA_SIMD_TARGET.
+inline const char* simd_target() {
+  const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
+  return hwy::TargetName(targets & -targets);
+}
 
 /// CPU times of whole rounds; what else the machine does hits both forms.
 class Ratios {
@@ -26,10 +34,11 @@ class Ratios {
     limit_.back() += seconds_of(limit);
   }
   /// Counters ours_ns and limit_ns, medians for one of `items`, and ratio, the median of the
-  /// rounds' quotients. Requires a round.
+  /// rounds' quotients; the label is the SIMD target. Requires a round.
   void report(benchmark::State& state, double items) const {
     std::vector<double> ratios;
     for (std::size_t n = 0; n < ours_.size(); ++n) ratios.push_back(ours_[n] / limit_[n]);
+    state.SetLabel(simd_target());
     state.counters["ours_ns"] = median(ours_) / items * 1e9;
     state.counters["limit_ns"] = median(limit_) / items * 1e9;
     state.counters["ratio"] = median(std::move(ratios));

@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
+// Highway compiles this file once for each SIMD target and picks one at run time.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "tests/bench/limits/limits.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tests/bench/limits/limit_mcl.cpp"
+// clang-format off
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+// clang-format on
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
-#include "tests/bench/limits/limits.hpp"
-
-namespace strata::limit {
+HWY_BEFORE_NAMESPACE();
+namespace strata::limit::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
+#include "tests/bench/limits/lanes.inc"
 using DU = hn::RebindToUnsigned<D>;
-using DI = hn::RebindToSigned<D>;
 using V = hn::Vec<D>;
 
 /// xorshift32, a state a lane.
@@ -39,10 +45,7 @@ void normals(std::uint32_t* state, V& a, V& b) {
 
 }  // namespace
 
-Particles::Particles(std::size_t count)
-    : x(count), y(count), theta(count), cosine(count), sine(count), sum(count), weight(count) {}
-
-void weigh_gather(const Field& field, const Points& points, Particles& particles) {
+void weigh_gather_lanes(const Field& field, const Points& points, Particles& particles) {
   const D d;
   const DI di;
   const auto zero = hn::Zero(d);
@@ -70,7 +73,7 @@ void weigh_gather(const Field& field, const Points& points, Particles& particles
   }
 }
 
-void weigh_plain(const Field& field, const Points& points, Particles& particles) {
+void weigh_plain_lanes(const Field& field, const Points& points, Particles& particles) {
   const auto last_x = static_cast<float>(field.width - 1);
   const auto last_y = static_cast<float>(field.height - 1);
   const float* const x = particles.x.data();
@@ -96,51 +99,36 @@ void weigh_plain(const Field& field, const Points& points, Particles& particles)
   }
 }
 
-Mcl::Mean Mcl::update(const Motion& motion, const Field& field, const Points& points,
-                      float tempering) {
-  move(motion);
-  weigh_gather(field, points, now_);
-  const Mean mean = estimate(tempering);
-  resample();
-  return mean;
-}
-
-void Mcl::move(const Motion& motion) {
-  if (!is_seeded_) {
-    for (std::size_t i = 0; i < state_.size(); ++i) {
-      state_[i] = static_cast<std::uint32_t>(i + 1) * 0x9E3779B9U;
-    }
-    is_seeded_ = true;
-  }
+void move_lanes(const Motion& motion, std::uint32_t* state, Particles& now) {
   const D d;
   const std::size_t lanes = hn::Lanes(d);
   const auto r_stddev = hn::Set(d, motion.rotation_stddev);
   const auto t_stddev = hn::Set(d, motion.translation_stddev);
-  for (std::size_t i = 0; i + lanes <= now_.size(); i += lanes) {
+  for (std::size_t i = 0; i + lanes <= now.size(); i += lanes) {
     V n1;
     V n2;
     V n3;
     V unused;
-    normals(&state_[i], n1, n2);
-    normals(&state_[i], n3, unused);
-    const auto r1 = hn::Add(hn::LoadU(d, &now_.theta[i]),
+    normals(&state[i], n1, n2);
+    normals(&state[i], n3, unused);
+    const auto r1 = hn::Add(hn::LoadU(d, &now.theta[i]),
                             hn::MulAdd(r_stddev, n1, hn::Set(d, motion.rotation1)));
     const auto t = hn::MulAdd(t_stddev, n2, hn::Set(d, motion.translation));
     const auto theta = hn::Add(r1, hn::MulAdd(r_stddev, n3, hn::Set(d, motion.rotation2)));
-    hn::StoreU(hn::MulAdd(t, hn::Cos(d, r1), hn::LoadU(d, &now_.x[i])), d, &now_.x[i]);
-    hn::StoreU(hn::MulAdd(t, hn::Sin(d, r1), hn::LoadU(d, &now_.y[i])), d, &now_.y[i]);
-    hn::StoreU(theta, d, &now_.theta[i]);
-    hn::StoreU(hn::Cos(d, theta), d, &now_.cosine[i]);
-    hn::StoreU(hn::Sin(d, theta), d, &now_.sine[i]);
+    hn::StoreU(hn::MulAdd(t, hn::Cos(d, r1), hn::LoadU(d, &now.x[i])), d, &now.x[i]);
+    hn::StoreU(hn::MulAdd(t, hn::Sin(d, r1), hn::LoadU(d, &now.y[i])), d, &now.y[i]);
+    hn::StoreU(theta, d, &now.theta[i]);
+    hn::StoreU(hn::Cos(d, theta), d, &now.cosine[i]);
+    hn::StoreU(hn::Sin(d, theta), d, &now.sine[i]);
   }
 }
 
-Mcl::Mean Mcl::estimate(float tempering) {
+Mcl::Mean estimate_lanes(float tempering, Particles& now) {
   const D d;
   const std::size_t lanes = hn::Lanes(d);
-  auto most = hn::LoadU(d, &now_.sum[0]);
-  for (std::size_t i = 0; i + lanes <= now_.size(); i += lanes) {
-    most = hn::Max(most, hn::LoadU(d, &now_.sum[i]));
+  auto most = hn::LoadU(d, &now.sum[0]);
+  for (std::size_t i = 0; i + lanes <= now.size(); i += lanes) {
+    most = hn::Max(most, hn::LoadU(d, &now.sum[i]));
   }
   most = hn::MaxOfLanes(d, most);
   const auto factor = hn::Set(d, 1.0F / tempering);
@@ -149,38 +137,77 @@ Mcl::Mean Mcl::estimate(float tempering) {
   auto y_sum = w_sum;
   auto c_sum = w_sum;
   auto s_sum = w_sum;
-  for (std::size_t i = 0; i + lanes <= now_.size(); i += lanes) {
-    const auto w = hn::Exp(d, hn::Mul(hn::Sub(hn::LoadU(d, &now_.sum[i]), most), factor));
-    hn::StoreU(w, d, &now_.weight[i]);
+  for (std::size_t i = 0; i + lanes <= now.size(); i += lanes) {
+    const auto w = hn::Exp(d, hn::Mul(hn::Sub(hn::LoadU(d, &now.sum[i]), most), factor));
+    hn::StoreU(w, d, &now.weight[i]);
     w_sum = hn::Add(w_sum, w);
-    x_sum = hn::MulAdd(w, hn::LoadU(d, &now_.x[i]), x_sum);
-    y_sum = hn::MulAdd(w, hn::LoadU(d, &now_.y[i]), y_sum);
-    c_sum = hn::MulAdd(w, hn::LoadU(d, &now_.cosine[i]), c_sum);
-    s_sum = hn::MulAdd(w, hn::LoadU(d, &now_.sine[i]), s_sum);
+    x_sum = hn::MulAdd(w, hn::LoadU(d, &now.x[i]), x_sum);
+    y_sum = hn::MulAdd(w, hn::LoadU(d, &now.y[i]), y_sum);
+    c_sum = hn::MulAdd(w, hn::LoadU(d, &now.cosine[i]), c_sum);
+    s_sum = hn::MulAdd(w, hn::LoadU(d, &now.sine[i]), s_sum);
   }
   const float w = hn::GetLane(hn::SumOfLanes(d, w_sum));
   return {hn::GetLane(hn::SumOfLanes(d, x_sum)) / w, hn::GetLane(hn::SumOfLanes(d, y_sum)) / w,
           hn::GetLane(hn::SumOfLanes(d, c_sum)) / w, hn::GetLane(hn::SumOfLanes(d, s_sum)) / w};
 }
 
-void Mcl::resample() {
+void resample_lanes(Particles& now, Particles& next) {
   double total = 0.0;
-  for (const float w : now_.weight) total += static_cast<double>(w);
-  const double step = total / static_cast<double>(now_.size());
+  for (const float w : now.weight) total += static_cast<double>(w);
+  const double step = total / static_cast<double>(now.size());
   double target = 0.5 * step;
-  double cumulated = static_cast<double>(now_.weight[0]);
+  double cumulated = static_cast<double>(now.weight[0]);
   std::size_t i = 0;
-  for (std::size_t j = 0; j < now_.size(); ++j, target += step) {
-    while (cumulated < target && i + 1 < now_.size()) {
-      cumulated += static_cast<double>(now_.weight[++i]);
+  for (std::size_t j = 0; j < now.size(); ++j, target += step) {
+    while (cumulated < target && i + 1 < now.size()) {
+      cumulated += static_cast<double>(now.weight[++i]);
     }
-    next_.x[j] = now_.x[i];
-    next_.y[j] = now_.y[i];
-    next_.theta[j] = now_.theta[i];
+    next.x[j] = now.x[i];
+    next.y[j] = now.y[i];
+    next.theta[j] = now.theta[i];
   }
-  std::swap(now_.x, next_.x);
-  std::swap(now_.y, next_.y);
-  std::swap(now_.theta, next_.theta);
+  std::swap(now.x, next.x);
+  std::swap(now.y, next.y);
+  std::swap(now.theta, next.theta);
+}
+
+}  // namespace strata::limit::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace strata::limit {
+
+HWY_EXPORT(weigh_gather_lanes);
+HWY_EXPORT(weigh_plain_lanes);
+HWY_EXPORT(move_lanes);
+HWY_EXPORT(estimate_lanes);
+HWY_EXPORT(resample_lanes);
+
+Particles::Particles(std::size_t count)
+    : x(count), y(count), theta(count), cosine(count), sine(count), sum(count), weight(count) {}
+
+void weigh_gather(const Field& field, const Points& points, Particles& particles) {
+  HWY_DYNAMIC_DISPATCH(weigh_gather_lanes)(field, points, particles);
+}
+
+void weigh_plain(const Field& field, const Points& points, Particles& particles) {
+  HWY_DYNAMIC_DISPATCH(weigh_plain_lanes)(field, points, particles);
+}
+
+Mcl::Mcl(std::size_t count) : now_(count), next_(count), state_(count * 2 + 64) {
+  for (std::size_t i = 0; i < state_.size(); ++i) {
+    state_[i] = static_cast<std::uint32_t>(i + 1) * 0x9E3779B9U;
+  }
+}
+
+Mcl::Mean Mcl::update(const Motion& motion, const Field& field, const Points& points,
+                      float tempering) {
+  HWY_DYNAMIC_DISPATCH(move_lanes)(motion, state_.data(), now_);
+  weigh_gather(field, points, now_);
+  const Mean mean = HWY_DYNAMIC_DISPATCH(estimate_lanes)(tempering, now_);
+  HWY_DYNAMIC_DISPATCH(resample_lanes)(now_, next_);
+  return mean;
 }
 
 }  // namespace strata::limit
+#endif  // HWY_ONCE

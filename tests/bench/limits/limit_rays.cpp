@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
+// Highway compiles this file once for each SIMD target and picks one at run time.
 #include <cmath>
-
-#include <hwy/highway.h>
 
 #include "tests/bench/limits/limits.hpp"
 
-namespace strata::limit {
-namespace hn = hwy::HWY_NAMESPACE;
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tests/bench/limits/limit_rays.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
 
-std::size_t traverse(const std::vector<Segment>& segments, std::int32_t width, CellSum* cells) {
+HWY_BEFORE_NAMESPACE();
+namespace strata::limit::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+#include "tests/bench/limits/lanes.inc"
+
+std::size_t traverse_lanes(const std::vector<Segment>& segments, std::int32_t width,
+                           CellSum* cells) {
   std::size_t visited = 0;
   for (const Segment& segment : segments) {
     const float dx = segment.x1 - segment.x0;
@@ -20,7 +27,7 @@ std::size_t traverse(const std::vector<Segment>& segments, std::int32_t width, C
     const std::int32_t rows = std::abs(static_cast<std::int32_t>(segment.y1) - j0);
     const float delta_x = columns > 0 ? length / std::abs(dx) : 1e30F;
     const float delta_y = rows > 0 ? length / std::abs(dy) : 1e30F;
-    const auto edge = [](float start, std::int32_t cell, float d) {
+    const auto edge = [](float start, std::int32_t cell, float d) HWY_ATTR {
       return d > 0.0F ? static_cast<float>(cell + 1) - start : start - static_cast<float>(cell);
     };
     float next_x = columns > 0 ? edge(segment.x0, i0, dx) * delta_x : 1e30F;
@@ -46,10 +53,10 @@ std::size_t traverse(const std::vector<Segment>& segments, std::int32_t width, C
   return visited;
 }
 
-void cast(const Field& distances, const float* x, const float* y, const float* c, const float* s,
-          std::size_t count, float most, float* ranges) {
-  const hn::ScalableTag<float> d;
-  const hn::RebindToSigned<decltype(d)> di;
+void cast_lanes(const Field& distances, const float* x, const float* y, const float* c,
+                const float* s, std::size_t count, float most, float* ranges) {
+  const D d;
+  const DI di;
   const std::size_t lanes = hn::Lanes(d);
   const auto zero = hn::Zero(d);
   const auto last_x = hn::Set(d, static_cast<float>(distances.width - 1));
@@ -76,4 +83,23 @@ void cast(const Field& distances, const float* x, const float* y, const float* c
   }
 }
 
+}  // namespace strata::limit::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace strata::limit {
+
+HWY_EXPORT(traverse_lanes);
+HWY_EXPORT(cast_lanes);
+
+std::size_t traverse(const std::vector<Segment>& segments, std::int32_t width, CellSum* cells) {
+  return HWY_DYNAMIC_DISPATCH(traverse_lanes)(segments, width, cells);
+}
+
+void cast(const Field& distances, const float* x, const float* y, const float* c, const float* s,
+          std::size_t count, float most, float* ranges) {
+  HWY_DYNAMIC_DISPATCH(cast_lanes)(distances, x, y, c, s, count, most, ranges);
+}
+
 }  // namespace strata::limit
+#endif  // HWY_ONCE

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What this machine can do at best: the bare form of each hot loop, without the exactness,
-/// reproducibility and options of the real one, compiled for the machine it runs on. Benchmarks
-/// quote ratios to these, measured in the same run. Plain arrays only: these files are compiled
-/// with other flags than the rest, so no type of another library may pass.
+/// reproducibility and options of the real one, compiled for each SIMD target and run with the one
+/// that the real one runs with. Benchmarks quote ratios to these, measured in the same run. Plain
+/// arrays only: these files are compiled with other flags than the rest, so no type of another
+/// library may pass.
 #pragma once
 
 #include <cstddef>
@@ -45,7 +46,7 @@ struct Motion {
 /// shift register, weights, estimate, systematic resampling in one pass.
 class Mcl {
  public:
-  explicit Mcl(std::size_t count) : now_(count), next_(count), state_(count * 2 + 64) {}
+  explicit Mcl(std::size_t count);
   [[nodiscard]] Particles& particles() { return now_; }
   /// The weighted mean after `points` were seen.
   struct Mean {
@@ -54,12 +55,8 @@ class Mcl {
   Mean update(const Motion& motion, const Field& field, const Points& points, float tempering);
 
  private:
-  void move(const Motion& motion);
-  Mean estimate(float tempering);
-  void resample();
   Particles now_, next_;
   std::vector<std::uint32_t> state_;
-  bool is_seeded_ = false;
 };
 
 struct CellSum {
