@@ -30,19 +30,21 @@ struct RayColumns {
   double t = 0.0;
 };
 
-/// Cells in the order of the ray: each one's number, as the bits of a double, and the length inside
-/// it in metres.
+/// A cell's number, as the bits of a double, and the length inside it in metres.
+struct alignas(16) RayCell {
+  double number;
+  double length_m;
+};
+/// Cells in the order of the ray.
 struct RayCells {
   static constexpr std::size_t kColumns = 128;  ///< of one call
-  static constexpr std::size_t kMax = 2 * kColumns + 32;
-  double number[kMax];
-  double length_m[kMax];
+  RayCell cell[2 * kColumns + 8];               // a vector's worth may follow the last one
 };
 
 /// Fills `cells` with those of the next columns, moves `ray` on and returns how many they are. 0 at
 /// the end of the ray, and where the ray comes so close to a corner that rounding decides which
 /// line is crossed first; the caller takes it from there one cell at a time, as on machines without
-/// SIMD. The same bits on every machine. Requires finite numbers.
+/// four lanes of double. The same bits on every machine. Requires finite numbers.
 std::size_t next_cells(RayColumns& ray, RayCells& cells);
 
 }  // namespace strata::detail

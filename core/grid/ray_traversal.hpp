@@ -141,8 +141,8 @@ void walk_columns(const RayLines& lines, const IndexCursor& start, Visit&& visit
   RayCells cells;
   while (const std::size_t count = next_cells(ray, cells)) {
     for (std::size_t k = 0; k < count; ++k) {
-      visit(static_cast<std::size_t>(std::bit_cast<std::uint64_t>(cells.number[k])),
-            cells.length_m[k]);
+      const RayCell& cell = cells.cell[k];
+      visit(static_cast<std::size_t>(std::bit_cast<std::uint64_t>(cell.number)), cell.length_m);
     }
   }
   if (ray.column > lines.left_a) return;
