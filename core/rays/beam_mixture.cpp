@@ -22,7 +22,7 @@ BeamMixture::BeamMixture(const BeamMixtureConfig& config, double r_max_m)
       r_max_m_(r_max_m),
       peak_(1.0 / (config.hit_stddev_m * std::sqrt(2.0 * std::numbers::pi))),
       half_inverse_(0.5 / (config.hit_stddev_m * config.hit_stddev_m)),
-      short_scale_(config.short_weight / -std::expm1(-config.short_rate_per_m * r_max_m)) {
+      short_scale_(short_scale_of(config, r_max_m)) {
   require_valid(config, "beam_mixture");
 }
 

@@ -69,6 +69,7 @@ class BeamMixture {
   [[nodiscard]] BeamMixture limited_to(double r_max_m) const {
     BeamMixture result = *this;
     result.r_max_m_ = r_max_m;
+    result.short_scale_ = short_scale_of(config_, r_max_m);
     return result;
   }
   [[nodiscard]] const BeamMixtureConfig& config() const { return config_; }
@@ -95,12 +96,15 @@ class BeamMixture {
   [[nodiscard]] bool is_inlier(bool is_hit, double range_m, double expected_m) const;
 
  private:
+  [[nodiscard]] static double short_scale_of(const BeamMixtureConfig& config, double r_max_m) {
+    return config.short_weight / -std::expm1(-config.short_rate_per_m * r_max_m);
+  }
+
   BeamMixtureConfig config_;
   double r_max_m_;
-  double peak_;  // 1 / (s sqrt(2 pi))
-  double half_inverse_;
-  double short_scale_;  ///< so that the short readings of a free beam have their weight  // 1 / (2
-                        ///< s^2)
+  double peak_;          ///< 1 / (s sqrt(2 pi))
+  double half_inverse_;  ///< 1 / (2 s^2)
+  double short_scale_;   ///< so that the short readings of a free beam have their weight
 };
 
 }  // namespace strata::rays

@@ -150,6 +150,22 @@ TEST(ScanMixture, EveryTargetMixesRowsAsTheSumOfTheirLikelihoods) {
   }
 }
 
+TEST(BeamMixture, LimitedToAnotherRangeIsTheMixtureOfThatRange) {
+  for (const double r_max : {0.5, 8.0, 30.0}) {
+    const BeamMixture limited = BeamMixture({}, 1.0).limited_to(r_max);
+    const BeamMixture made({}, r_max);
+    for (const double free_m : {0.0, 0.3 * r_max, 0.9 * r_max}) {
+      for (const double z : {0.1 * r_max, 0.5 * r_max, 0.95 * r_max}) {
+        EXPECT_EQ(limited.likelihood_beyond(true, z, free_m),
+                  made.likelihood_beyond(true, z, free_m));
+        EXPECT_EQ(limited.density(z, free_m), made.density(z, free_m));
+      }
+      EXPECT_EQ(limited.likelihood_beyond(false, r_max, free_m),
+                made.likelihood_beyond(false, r_max, free_m));
+    }
+  }
+}
+
 TEST(BeamMixture, BeyondAFreeWayIsADistributionToo) {
   const double r_max = 8.0;
   const BeamMixture mixture({}, r_max);
