@@ -41,7 +41,7 @@ VirtualScanner::VirtualScanner(const PolarBins& bins, const VisibilityConfig& co
     : bins_(bins),
       config_(config),
       boundary_m_(static_cast<std::size_t>(bins.angle_bins)),
-      boundary_is_surface_(static_cast<std::size_t>(bins.angle_bins)) {
+      boundary_(static_cast<std::size_t>(bins.angle_bins)) {
   for (int a = 0; a < bins.angle_bins; ++a) {
     cos_.push_back(std::cos(bins.center_bearing_rad(a)));
     sin_.push_back(std::sin(bins.center_bearing_rad(a)));
@@ -55,7 +55,7 @@ void VirtualScanner::add_unknown_sector(const Eigen::Vector2d& laser_m, double f
   for (int i = 0; i <= steps; ++i) {
     const double angle = from_rad + (to_rad - from_rad) * i / steps;
     polygon_.push_back({laser_m.x() + config_.own_place_m * std::cos(angle),
-                        laser_m.y() + config_.own_place_m * std::sin(angle), false, false});
+                        laser_m.y() + config_.own_place_m * std::sin(angle), false, false, true});
   }
 }
 
@@ -79,7 +79,7 @@ void VirtualScanner::build_polygon(const PosedScan& posed, const Eigen::Vector2d
       add_unknown_sector(laser_m, last_rad, angle);
     }
     polygon_.push_back({laser_m.x() + reach.range_m * std::cos(angle),
-                        laser_m.y() + reach.range_m * std::sin(angle), reach.is_hit, false});
+                        laser_m.y() + reach.range_m * std::sin(angle), reach.is_hit, false, false});
     last_rad = angle;
     any = true;
   }
@@ -147,7 +147,9 @@ void VirtualScanner::measure_boundary() {
       const double t = (p.x_m * edge_y - p.y_m * edge_x) / denominator;
       if (t > 0.0 && t < boundary_m_[bin]) {
         boundary_m_[bin] = t;
-        boundary_is_surface_[bin] = p.joins_next ? 1 : 0;
+        boundary_[bin] = p.joins_next                                 ? Boundary::kSurface
+                         : p.is_own_place && polygon_[j].is_own_place ? Boundary::kUnseen
+                                                                      : Boundary::kBetween;
       }
     }
   }
@@ -172,13 +174,14 @@ bool VirtualScanner::transform(const PosedScan& scan, const Eigen::Vector2d& nod
     if (!(result[bin] <= static_cast<float>(range_m))) result[bin] = static_cast<float>(range_m);
   }
   for (std::size_t a = 0; a < count; ++a) {
-    if (std::isnan(result[a]) && std::isfinite(boundary_m_[a]) && boundary_is_surface_[a] != 0) {
+    if (std::isnan(result[a]) && std::isfinite(boundary_m_[a]) &&
+        boundary_[a] == Boundary::kSurface) {
       result[a] = static_cast<float>(boundary_m_[a]);
     }
     const bool unknown = std::isnan(result[a]);
     const double reach_m = unknown ? boundary_m_[a] : static_cast<double>(result[a]);
-    const bool open = unknown ? std::isfinite(reach_m) && reach_m >= bins_.max_range_m
-                              : reach_m >= bins_.max_range_m;
+    const bool seen = std::isfinite(reach_m) && boundary_[a] != Boundary::kUnseen;
+    const bool open = reach_m >= bins_.max_range_m && (seen || !unknown);
     if (open) result[a] = kOverflowRange;
   }
   return true;

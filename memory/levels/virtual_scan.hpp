@@ -72,7 +72,7 @@ using VirtualScan = std::vector<float>;
 /// counts only if the node would see it: the node must lie inside the star polygon of the scan, and
 /// the way from node to point must stay inside it, to within one bin. Of several points in an angle
 /// bin the nearest counts; a bin between two points of one surface takes the range of the line that
-/// joins them. Where the polygon reaches max_range_m without a point, the bin overflows.
+/// joins them. Where beams reach max_range_m without a point, the bin overflows.
 class VirtualScanner {
  public:
   VirtualScanner(const PolarBins& bins, const VisibilityConfig& config);
@@ -89,6 +89,14 @@ class VirtualScanner {
     bool is_hit = false;
     /// This corner and the next are hits of neighbouring beams on one surface.
     bool joins_next = false;
+    /// No beam's end, but the edge of the ground that is taken as free where no beam looks.
+    bool is_own_place = false;
+  };
+  /// An edge of the polygon.
+  enum class Boundary : unsigned char {
+    kBetween,  ///< beams that end at two surfaces, or at none
+    kSurface,  ///< two hits on one surface
+    kUnseen,   ///< no beam looks there
   };
   void build_polygon(const PosedScan& scan, const Eigen::Vector2d& node_m);
   void add_unknown_sector(const Eigen::Vector2d& laser_m, double from_rad, double to_rad);
@@ -104,7 +112,7 @@ class VirtualScanner {
   std::vector<Vertex> polygon_;     ///< counter-clockwise about the laser
   std::vector<double> angle_;       ///< of each corner about the node, in bins, [0, angle_bins)
   std::vector<double> boundary_m_;  ///< first crossing of the polygon along each bin's centre
-  std::vector<unsigned char> boundary_is_surface_;  ///< ... on an edge that joins two hits
+  std::vector<Boundary> boundary_;  ///< ... and what is there
 };
 
 }  // namespace strata::memory

@@ -193,6 +193,18 @@ TEST(VirtualScan, OverflowsWhereTheScanReachesFarEnough) {
   EXPECT_TRUE(std::isnan(transform(scan, {0.0, 0.0}, distrust)[0]));
 }
 
+TEST(VirtualScan, WhatNoBeamLooksAtIsNotOpenHoweverNearTheLimitIs) {
+  // A half circle ahead; the node lies 0.6 m ahead, so that the ground about the laser that is
+  // taken as free ends further behind it than the limit.
+  const PolarBins near{360, 20, 1.5};
+  const PosedScan scan = observe(room, {0.0, 0.0, 0.0}, 180, kPi);
+  VirtualScanner scanner(near, {});
+  VirtualScan result;
+  ASSERT_TRUE(scanner.transform(scan, {0.6, 0.0}, result));
+  EXPECT_TRUE(std::isnan(result[180])) << "behind: " << result[180];
+  EXPECT_TRUE(std::isinf(result[0])) << "ahead, where the wall is 4.4 m away";
+}
+
 TEST(VirtualScan, LeavesOutBeamsThatArePeople) {
   PosedScan scan = observe(room, {0.0, 0.0, 0.0}, 360, 2.0 * kPi);
   scan.static_probability.assign(360, 1.0F);
