@@ -75,7 +75,7 @@ int LevelMixture::update(const NodeMap& map, const Pose2& map_from_laser, const 
   auto& [bearings, measured, expected, score] = scratch_;
   bearings.clear();
   measured.clear();
-  const std::size_t step = std::max<std::size_t>(1, scan.size() / kMaxBeams);
+  const std::size_t step = std::max<std::size_t>(1, (scan.size() + kMaxBeams - 1) / kMaxBeams);
   for (std::size_t beam = 0; beam < scan.size(); beam += step) {
     const BeamKind kind = scan.kind(beam);
     if (kind != BeamKind::kHit && kind != BeamKind::kNoReturn) continue;

@@ -90,6 +90,23 @@ float believed_range_m(const LevelMixture& mixture, const NodeMap& map, const Po
   return std::numeric_limits<float>::quiet_NaN();
 }
 
+// Every 2nd of 119 beams is looked at, not each: what only the others see changes nothing.
+TEST(LevelMixture, LooksAtNoMoreThanSixtyBeams) {
+  const auto map = memory_with_new_box().decode();
+  const Pose2 pose{0.1, 0.1, 0.3};
+  Scan scan = observe(pose, 500.0, true).scan;
+  scan.ranges_m.resize(119);
+  Scan other = scan;
+  for (std::size_t beam = 1; beam < other.size(); beam += 2) other.ranges_m[beam] = 0.3F;
+  LevelMixture of_scan({}, 3);
+  LevelMixture of_other({}, 3);
+  of_scan.update(*map, pose, scan);
+  of_other.update(*map, pose, other);
+  for (std::size_t level = 0; level < 3; ++level) {
+    EXPECT_EQ(of_other.weights(0)[level], of_scan.weights(0)[level]);
+  }
+}
+
 TEST(LevelMixture, ExpectsTheRangesOfTheLevelItBelieves) {
   const auto map = memory_with_new_box().decode();
   const Pose2 pose{0.0, 0.0, 0.0};
