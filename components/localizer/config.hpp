@@ -99,6 +99,7 @@ struct LocalizerComponentConfig {
   patch_beams::PatchBeamModelConfig sensor;
   localization::LikelihoodFieldModelConfig likelihood_field;
   memory::DecodingConfig decoding;
+  maps::TimescaleUseConfig timescale_use;
   std::string initial_pose_topic = "initialpose";
   std::string pose_topic = "amcl_pose";
   std::string particles_topic = "particle_cloud";
@@ -143,6 +144,7 @@ struct LocalizerComponentConfig {
     v.group("decoding", c.decoding,
             "how levels of the memory in the maps folder become expected scans; those from "
             "map_topics.nodes are decoded where the memory is");
+    v.group("timescale_use", c.timescale_use, "how the timescale memory is used");
     v.field("initial_pose_topic", c.initial_pose_topic,
             {.doc = "geometry_msgs/PoseWithCovarianceStamped in: start again from there"});
     v.field("pose_topic", c.pose_topic,

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/localizer/live_maps.hpp"
 
+#include <memory>
 #include <utility>
 
 #include "components/convert/map_messages.hpp"
 #include "components/convert/patch_messages.hpp"
 #include "components/maps/node_map_message.hpp"
 #include "core/base/error.hpp"
+#include "core/rays/ray_caster.hpp"
 
 namespace strata::localizer {
 
@@ -27,12 +29,16 @@ bool LiveMaps::needs(MapPart part) const {
 
 void LiveMaps::add(const nav_msgs::msg::OccupancyGrid& message) {
   maps_.occupancy = convert::from_message(message);
-  if (!needs(MapPart::kFiltered)) maps_.filtered = maps_.occupancy;  // the free space
+  if (!needs(MapPart::kFiltered)) {
+    maps_.filtered = maps_.occupancy;  // the free space
+    maps_.filtered_caster.reset();
+  }
   is_new_ = true;
 }
 
 void LiveMaps::add(const strata_msgs::msg::ReflectionGrid& message) {
   maps_.filtered = convert::from_message(message);
+  maps_.filtered_caster.reset();
   // For the other models it is only the free space: they wait for news of their own.
   is_new_ = is_new_ || model_->needs_part(MapPart::kFiltered);
 }
@@ -40,6 +46,7 @@ void LiveMaps::add(const strata_msgs::msg::ReflectionGrid& message) {
 void LiveMaps::add(const strata_msgs::msg::PatchMap& message) {
   maps_.patches = convert::from_message(message);
   maps_.filtered = maps_.patches->base;  // the free space, as of now
+  maps_.filtered_caster.reset();
   is_new_ = true;
 }
 
@@ -55,6 +62,11 @@ bool LiveMaps::is_complete() const {
 
 const maps::Maps& LiveMaps::take() {
   is_new_ = false;
+  const bool casts = maps_.timescale_use.base_map && model_->needs_part(MapPart::kTimescale);
+  // A node map comes every second, the grid below it once: its distances are worked out once.
+  if (casts && !maps_.filtered_caster) {
+    maps_.filtered_caster = std::make_shared<const rays::RayCaster>(maps_.filtered);
+  }
   return maps_;
 }
 

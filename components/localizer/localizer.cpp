@@ -25,6 +25,7 @@ void Localizer::on_configure() {
   if (!config_.maps.empty()) {
     known = maps::read_maps(config_.maps);
     known->decoding = config_.decoding;
+    known->timescale_use = config_.timescale_use;
     use_maps(*known, start_of(config_.start));
   }
   advertise_topics();
@@ -93,6 +94,9 @@ void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussi
 
 void Localizer::subscribe_maps() {
   live_maps_.emplace(maps::map_models().at(config_.model), config_.map_topics);
+  maps::Maps none_yet;
+  none_yet.timescale_use = config_.timescale_use;
+  live_maps_->begin_with(none_yet);
   const MapTopicsConfig& topics = config_.map_topics;
   const auto add = [this](const auto& message) { live_maps_->add(message); };
   if (live_maps_->needs(maps::MapPart::kOccupancy)) {

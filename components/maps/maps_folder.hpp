@@ -13,12 +13,17 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/maps/timescale_use.hpp"
 #include "core/base/progress.hpp"
 #include "core/patch/patch_map.hpp"
 #include "core/slam/slam.hpp"
 #include "memory/decoding/decoding_config.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 #include "memory/store/store.hpp"
+
+namespace strata::rays {
+class RayCaster;
+}
 
 namespace strata::maps {
 
@@ -66,6 +71,10 @@ struct Maps {
   /// What `timescale` expects, when a snapshot was made already, or where only that is known, as of
   /// maps that came over DDS; null: made when needed.
   std::shared_ptr<const memory::NodeMap> nodes;
+  /// ... and is used; the same.
+  TimescaleUseConfig timescale_use;
+  /// Casts beams in `filtered`; null: made when needed.
+  std::shared_ptr<const rays::RayCaster> filtered_caster;
   std::optional<Pose2> map_from_truth;
   /// A map that was not learned here (a map_server file), and where it lies.
   ReflectionGrid given;

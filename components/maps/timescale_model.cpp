@@ -18,6 +18,13 @@ using rays::BeamMixture;
 using rays::ScanBeams;
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
+/// Nodes and grid differ by no more than this about one surface.
+constexpr double kAgreement_m = 0.3;
+
+/// Whether nodes say no more than that the way is free.
+bool is_open_ended(const NodeOutline::Reach& reach, double r_max_m) {
+  return reach.end != NodeOutline::Edge::kSurface && reach.range_m < r_max_m;
+}
 
 }  // namespace
 
@@ -34,9 +41,11 @@ void TimescaleModel::BelievedLevels::add(const Believed& level) {
 
 TimescaleModel::TimescaleModel(std::shared_ptr<const memory::TimescaleMemory> memory,
                                std::shared_ptr<const NodeMap> map,
-                               const localization::BeamModelConfig& config, const TimescaleUse& use)
+                               const localization::BeamModelConfig& config, const TimescaleUse& use,
+                               std::shared_ptr<const rays::RayCaster> base)
     : memory_(std::move(memory)),
       map_(std::move(map)),
+      base_(std::move(base)),
       config_(config),
       beam_mixture_(config.mixture, 1.0),
       use_(use),
@@ -58,31 +67,56 @@ TimescaleModel::BelievedLevels TimescaleModel::believed() const {
   return levels;
 }
 
-void TimescaleModel::weigh(const NodeMap::View& view, double heading_cosine, double heading_sine,
-                           const Scratch& scratch, std::size_t begin, std::size_t count,
-                           double* log_p) const {
-  const ScanBeams& beams = scratch.beams;
-  std::array<Eigen::Vector2d, kBlock> directions;
+double TimescaleModel::beyond_m(const Eigen::Vector2d& laser_m, const Eigen::Vector2d& direction,
+                                double free_m, double base_m, double r_max_m) const {
+  if (base_m >= free_m - kAgreement_m) return std::max(base_m, free_m);
+  // What the base map has before that, the nodes have seen through.
+  const Eigen::Vector2d from_m = laser_m + free_m * direction;
+  return free_m +
+         base_->range_m(from_m.x(), from_m.y(), direction.x(), direction.y(), r_max_m - free_m);
+}
+
+void TimescaleModel::cast_in_base(const Pose2& laser, const Scratch& scratch, Beams& beams) const {
+  std::array<std::int32_t, kBlock> cells;
+  rays::BeamBundle bundle;
+  bundle.x_m = laser.x;
+  bundle.y_m = laser.y;
+  bundle.heading_cosine = std::cos(laser.theta);
+  bundle.heading_sine = std::sin(laser.theta);
+  bundle.cosine = scratch.beams.cosine.data() + beams.begin;
+  bundle.sine = scratch.beams.sine.data() + beams.begin;
+  bundle.count = beams.count;
+  bundle.max_range_m = scratch.beams.r_max_m;
+  base_->expected_ranges_m(bundle, beams.base_m.data(), cells.data());
+  beams.is_cast = true;
+}
+
+void TimescaleModel::weigh(const Pose2& laser, const NodeMap::View& view, const Scratch& scratch,
+                           Beams& beams, double* log_p) const {
+  const ScanBeams& all = scratch.beams;
   std::array<NodeOutline::Reach, kBlock> reach;
   std::array<double, kBlock> expected_m;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double c = beams.cosine[begin + k];
-    const double s = beams.sine[begin + k];
-    directions[k] = {heading_cosine * c - heading_sine * s, heading_sine * c + heading_cosine * s};
-  }
-  map_->reach(view, std::span(directions.data(), count), std::span(reach.data(), count));
-  for (std::size_t k = 0; k < count; ++k) {
+  map_->reach(view, std::span(beams.direction.data(), beams.count),
+              std::span(reach.data(), beams.count));
+  const bool has_base = has_base_at(beams.laser_m);
+  for (std::size_t k = 0; k < beams.count; ++k) {
     expected_m[k] = reach[k].end == NodeOutline::Edge::kSurface ? reach[k].range_m : kNothing;
+    if (!has_base || !is_open_ended(reach[k], all.r_max_m)) continue;
+    if (!beams.is_cast) cast_in_base(laser, scratch, beams);
+    expected_m[k] =
+        beyond_m(beams.laser_m, beams.direction[k], reach[k].range_m, beams.base_m[k], all.r_max_m);
   }
-  scratch.mixture.log_likelihoods(begin, count, expected_m.data(), log_p);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (reach[k].end == NodeOutline::Edge::kSurface || reach[k].range_m >= beams.r_max_m) continue;
-    if (beams.is_hit[begin + k] != 0 && beams.range_m[begin + k] < reach[k].range_m) {
-      log_p[k] = scratch.log_within_free[begin + k];
+  scratch.mixture.log_likelihoods(beams.begin, beams.count, expected_m.data(), log_p);
+  if (has_base) return;
+  for (std::size_t k = 0; k < beams.count; ++k) {
+    if (!is_open_ended(reach[k], all.r_max_m)) continue;
+    const std::size_t beam = beams.begin + k;
+    if (all.is_hit[beam] != 0 && all.range_m[beam] < reach[k].range_m) {
+      log_p[k] = scratch.log_within_free[beam];
       continue;
     }
     log_p[k] = rays::log_likelihood_of(scratch.mixture.mixture().likelihood_beyond(
-        beams.is_hit[begin + k] != 0, beams.range_m[begin + k], reach[k].range_m));
+        all.is_hit[beam] != 0, all.range_m[beam], reach[k].range_m));
   }
 }
 
@@ -97,19 +131,39 @@ double TimescaleModel::log_likelihood_at(const Pose2& laser, const BelievedLevel
   std::array<double, BelievedLevels::kMax> weights;
   for (std::size_t l = 0; l < levels.size(); ++l) weights[l] = levels[l].weight;
   std::array<double, BelievedLevels::kMax * kBlock> log_p;
+  Beams beams;
+  beams.laser_m = laser.translation();
   double sum = 0.0;
-  for (std::size_t begin = 0; begin < scratch.beams.size(); begin += kBlock) {
-    const std::size_t count = std::min(kBlock, scratch.beams.size() - begin);
+  for (; beams.begin < scratch.beams.size(); beams.begin += kBlock) {
+    beams.count = std::min(kBlock, scratch.beams.size() - beams.begin);
+    beams.is_cast = false;
+    for (std::size_t k = 0; k < beams.count; ++k) {
+      const double beam_c = scratch.beams.cosine[beams.begin + k];
+      const double beam_s = scratch.beams.sine[beams.begin + k];
+      beams.direction[k] = {c * beam_c - s * beam_s, s * beam_c + c * beam_s};
+    }
     for (std::size_t l = 0; l < levels.size(); ++l) {
-      weigh(views[l], c, s, scratch, begin, count, log_p.data() + l * kBlock);
+      weigh(laser, views[l], scratch, beams, log_p.data() + l * kBlock);
     }
     if (levels.size() > 1) {
-      rays::mix_rows(std::span(weights.data(), levels.size()), log_p.data(), kBlock, count,
+      rays::mix_rows(std::span(weights.data(), levels.size()), log_p.data(), kBlock, beams.count,
                      log_p.data());
     }
-    for (std::size_t k = 0; k < count; ++k) sum += log_p[k];
+    for (std::size_t k = 0; k < beams.count; ++k) sum += log_p[k];
   }
   return sum;
+}
+
+NodeOutline::Reach TimescaleModel::reach_at(int level, const Eigen::Vector2d& laser_m,
+                                            const Eigen::Vector2d& direction,
+                                            double r_max_m) const {
+  NodeOutline::Reach reach = map_->reach(map_->view(level, laser_m), direction);
+  if (!is_open_ended(reach, r_max_m) || !has_base_at(laser_m)) return reach;
+  const double base_m =
+      base_->range_m(laser_m.x(), laser_m.y(), direction.x(), direction.y(), r_max_m);
+  reach.range_m = beyond_m(laser_m, direction, reach.range_m, base_m, r_max_m);
+  reach.end = std::isinf(reach.range_m) ? NodeOutline::Edge::kOpen : NodeOutline::Edge::kSurface;
+  return reach;
 }
 
 void TimescaleModel::prepare(const Scan& scan, Scratch& scratch) const {
@@ -161,7 +215,7 @@ localization::InlierShares TimescaleModel::inlier_shares(
     bool is_seen = false;
     bool is_stopped = beams.is_hit[k] != 0;
     const bool is_inlier = std::any_of(levels.begin(), levels.end(), [&](const Believed& level) {
-      const auto reach = map_->reach(map_->view(level.level, laser.translation()), direction);
+      const auto reach = reach_at(level.level, laser.translation(), direction, beams.r_max_m);
       if (reach.end == NodeOutline::Edge::kUnseen && reach.range_m < beams.r_max_m) return false;
       is_seen = true;
       is_stopped = is_stopped && beams.range_m[k] < reach.range_m;
@@ -184,18 +238,19 @@ localization::InlierShares TimescaleModel::inlier_shares(
 
 std::unique_ptr<localization::SensorModel> TimescaleModel::for_one_run() const {
   if (!use_.goes_on_learning && use_.level) return nullptr;
-  auto own = std::make_unique<TimescaleModel>(memory_, map_, config_, use_);
+  auto own = std::make_unique<TimescaleModel>(memory_, map_, config_, use_, base_);
   if (use_.goes_on_learning) own->own_memory_.emplace(*memory_);
   return own;
 }
 
-void TimescaleModel::learn(const Observation& observation, const Pose2Gaussian& map_from_robot) {
+void TimescaleModel::learn(const Observation& observation, const Pose2Gaussian& map_from_robot,
+                           const localization::PoseTrust& trust) {
   const Pose2 laser = map_from_robot.mean * observation.scan.robot_from_laser;
   if (!use_.level) {
     mixture_.update(*map_, laser, observation.scan);
     node_ = mixture_.node_at(*map_, laser.translation());
   }
-  if (!own_memory_) return;
+  if (!own_memory_ || trust.is_in_doubt || trust.score < use_.min_score) return;
   posed_.run = observation.run;
   posed_.scan = observation.scan;
   posed_.map_from_robot = map_from_robot.mean;
@@ -220,7 +275,7 @@ double TimescaleModel::expected_range_m(const Pose2& map_from_laser, double bear
   const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
   for (const Believed& level : believed()) {
     const auto reach =
-        map_->reach(map_->view(level.level, map_from_laser.translation()), direction);
+        reach_at(level.level, map_from_laser.translation(), direction, map_->bins().max_range_m);
     if (reach.end == NodeOutline::Edge::kSurface) return reach.range_m;
     if (reach.end == NodeOutline::Edge::kOpen) return kNothing;
   }

@@ -8,10 +8,12 @@
 #include <optional>
 #include <vector>
 
+#include "components/maps/timescale_use.hpp"
 #include "core/localization/object_pool.hpp"
 #include "core/localization/range_provider_model.hpp"
 #include "core/localization/sensor_model.hpp"
 #include "core/rays/beam_mixture.hpp"
+#include "core/rays/ray_caster.hpp"
 #include "core/rays/scan_mixture.hpp"
 #include "memory/nodes/level_mixture.hpp"
 #include "memory/nodes/timescale_memory.hpp"
@@ -24,6 +26,8 @@ struct TimescaleUse {
   std::optional<int> level;
   /// The memory takes in the scans that it localizes.
   bool goes_on_learning = true;
+  /// ... whose pose has at least this score, and is not in doubt.
+  double min_score = 0.0;
   /// What it took in counts for localizing only after this, or the robot would pull the map along
   /// with the errors of its own pose.
   double unsettled_s = 20.0;
@@ -38,12 +42,16 @@ struct TimescaleUse {
 ///
 /// The weights w_l are those of the node that the robot was last believed to be at, the same for
 /// all particles, and follow how well each level explains the scans there. Where a level knows only
-/// that a beam's way is free up to some range, the beam may end anywhere beyond.
+/// that a beam's way is free up to some range, or nothing, the beam goes on in the base map, the
+/// "previously given, static map" of [kessler2010what, abstract]; without one it may end anywhere
+/// beyond.
 class TimescaleModel final : public localization::SensorModel {
  public:
+  /// base: null for none.
   TimescaleModel(std::shared_ptr<const memory::TimescaleMemory> memory,
                  std::shared_ptr<const memory::NodeMap> map,
-                 const localization::BeamModelConfig& config, const TimescaleUse& use);
+                 const localization::BeamModelConfig& config, const TimescaleUse& use,
+                 std::shared_ptr<const rays::RayCaster> base = nullptr);
 
   std::size_t log_likelihoods(const Scan& scan, const localization::Weighing& weighing,
                               localization::ParticleSet& particles,
@@ -53,7 +61,8 @@ class TimescaleModel final : public localization::SensorModel {
       const Scan& scan, const Pose2& map_from_robot,
       const localization::ParticleSet& particles) const override;
   [[nodiscard]] std::unique_ptr<SensorModel> for_one_run() const override;
-  void learn(const Observation& observation, const Pose2Gaussian& map_from_robot) override;
+  void learn(const Observation& observation, const Pose2Gaussian& map_from_robot,
+             const localization::PoseTrust& trust) override;
   void adopt(const SensorModel& before) override;
 
   /// Metres that the most trusted level expects, or the next one where it knows nothing; +infinity
@@ -91,14 +100,36 @@ class TimescaleModel final : public localization::SensorModel {
     std::vector<double> log_within_free;
   };
   void prepare(const Scan& scan, Scratch& scratch) const;
+  /// Up to kBlock beams of a scan from one place, and how far each goes in the base map.
+  struct Beams {
+    Eigen::Vector2d laser_m;
+    std::size_t begin = 0;
+    std::size_t count = 0;
+    std::array<Eigen::Vector2d, kBlock> direction;
+    std::array<double, kBlock> base_m;
+    bool is_cast = false;
+  };
+  [[nodiscard]] bool has_base_at(const Eigen::Vector2d& laser_m) const {
+    return base_ != nullptr && base_->knows(laser_m);
+  }
+  /// How far a beam goes whose way the nodes know to be free up to free_m, and which goes base_m in
+  /// the base map; +infinity for no obstacle within r_max_m.
+  [[nodiscard]] double beyond_m(const Eigen::Vector2d& laser_m, const Eigen::Vector2d& direction,
+                                double free_m, double base_m, double r_max_m) const;
+  void cast_in_base(const Pose2& laser, const Scratch& scratch, Beams& beams) const;
   /// log_p[k] = ln p(beam begin + k | one level) for k < count <= kBlock.
-  void weigh(const memory::NodeMap::View& view, double heading_cosine, double heading_sine,
-             const Scratch& scratch, std::size_t begin, std::size_t count, double* log_p) const;
+  void weigh(const Pose2& laser, const memory::NodeMap::View& view, const Scratch& scratch,
+             Beams& beams, double* log_p) const;
+  /// What a level expects of one beam, the base map where it says nothing.
+  [[nodiscard]] memory::NodeOutline::Reach reach_at(int level, const Eigen::Vector2d& laser_m,
+                                                    const Eigen::Vector2d& direction,
+                                                    double r_max_m) const;
   [[nodiscard]] double log_likelihood_at(const Pose2& laser, const BelievedLevels& levels,
                                          const Scratch& scratch) const;
 
   std::shared_ptr<const memory::TimescaleMemory> memory_;
   std::shared_ptr<const memory::NodeMap> map_;
+  std::shared_ptr<const rays::RayCaster> base_;
   localization::BeamModelConfig config_;
   rays::BeamMixture beam_mixture_;
   TimescaleUse use_;

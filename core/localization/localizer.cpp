@@ -162,7 +162,7 @@ void Localizer::weigh_companions(const Observation& observation, double temperin
     if (const PatchStates* states = model_->patch_states()) states->absorb(pose, particles_);
     if (own_model_ == nullptr) continue;
     own_model_->learn(companion->observation,
-                      {pose.mean * companion->now_from_then, pose.covariance});
+                      {pose.mean * companion->now_from_then, pose.covariance}, trust());
   }
 }
 
@@ -187,6 +187,11 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
     if (is_one_place(pose, config_.recovery.uncertain_stddev_m)) at_reading_ = pose;
   }
   return make_result(pose, is_weighed);
+}
+
+PoseTrust Localizer::trust() const {
+  const bool is_open = is_seeking_ || places_.is_active();
+  return {score_.value(), is_open || monitor_.health().is_in_doubt};
 }
 
 /// What the scan says of the pose that was found with it.
@@ -227,7 +232,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   } else {
     score_.drive_unseen(moved_.translation().norm());
   }
-  if (own_model_ != nullptr) own_model_->learn(observation, pose);
+  if (own_model_ != nullptr) own_model_->learn(observation, pose, trust());
   settle_motion(pose);
   last_weighed_ = now;
   turns_.use();

@@ -112,6 +112,8 @@ class Localizer {
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
   void follow_motion(const Pose2& moved_before);
   void settle_motion(const Pose2Gaussian& pose);
+  /// How far what was weighed so far lets the pose be believed.
+  [[nodiscard]] PoseTrust trust() const;
   void judge(const Observation& observation, const Pose2Gaussian& pose, double likelihood_per_beam);
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
   void weigh_companions(const Observation& observation, double tempering);

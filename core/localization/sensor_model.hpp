@@ -25,6 +25,12 @@ struct Weighing {
   double share = 1.0;
 };
 
+/// How far a pose is to be believed that somebody learns from.
+struct PoseTrust {
+  double score = 1.0;        ///< 0 to 1, of PoseScore
+  bool is_in_doubt = false;  ///< lost, about to be, or one of several places
+};
+
 /// A map and how beams behave in it. Const and without hidden state, so that several localizers may
 /// share one; what a model remembers of a run lies in the particles, or in a copy for one run.
 class SensorModel {
@@ -64,7 +70,8 @@ class SensorModel {
   [[nodiscard]] virtual std::unique_ptr<SensorModel> for_one_run() const { return nullptr; }
   /// A scan was weighed, and this is where the robot is believed to be. Called on such a copy only,
   /// after log_likelihoods. Must not depend on the number of threads.
-  virtual void learn(const Observation& /*observation*/, const Pose2Gaussian& /*map_from_robot*/) {}
+  virtual void learn(const Observation& /*observation*/, const Pose2Gaussian& /*map_from_robot*/,
+                     const PoseTrust& /*trust*/) {}
   /// This copy takes the place of `before` in the middle of a run: what that one has learned about
   /// the scans, and still fits this map, goes on.
   virtual void adopt(const SensorModel& /*before*/) {}

@@ -8,6 +8,7 @@
 #include "components/log/log_config.hpp"
 #include "components/maps/learn_config.hpp"
 #include "components/maps/map_models.hpp"
+#include "components/maps/timescale_use.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "core/patch_beams/patch_beam_model.hpp"
 #include "core/topology/mapper_config.hpp"
@@ -65,6 +66,7 @@ struct CompareConfig {
   CompareProtocol protocol;
   maps::LearnConfig learn = learn_at_given_poses();
   memory::DecodingConfig decoding;
+  maps::TimescaleUseConfig timescale_use;
   localization::LocalizerConfig localizer;
   patch_beams::PatchBeamModelConfig sensor;
   topology::TopologyMapperConfig topology;
@@ -74,6 +76,7 @@ struct CompareConfig {
     v.group("protocol", c.protocol, "what is compared, and how");
     v.group("learn", c.learn, "how the maps are learned");
     v.group("decoding", c.decoding, "how levels of the timescale memory become expected scans");
+    v.group("timescale_use", c.timescale_use, "how the timescale memory is used");
     v.group("localizer", c.localizer, "the particle filter, the same for every model");
     v.group("sensor", c.sensor, "the beam model, the same for every model");
     v.group("topology", c.topology,

@@ -29,7 +29,7 @@ Learned learn_again(const Runs& runs, const FullMemory& full, const CompareConfi
                          job.seeds.front(), job.threads, job.progress);
   learned.result.places = full.learned.result.places;
   add_place_patches(config, job, learned.result);
-  learned.maps = maps_of(learned.result, config.decoding);
+  learned.maps = maps_of(learned.result, config.decoding, config.timescale_use);
   return learned;
 }
 

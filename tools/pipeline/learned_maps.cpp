@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.hpp"
+#include "core/rays/ray_caster.hpp"
 #include "tools/pipeline/place_patches.hpp"
 
 namespace strata::pipeline {
@@ -54,7 +55,8 @@ Poses joint_trajectory(const Runs& runs, const CompareConfig& config, int thread
   return poses_of(all.slam, runs.observations);
 }
 
-maps::Maps maps_of(const LearnResult& result, const memory::DecodingConfig& decoding) {
+maps::Maps maps_of(const LearnResult& result, const memory::DecodingConfig& decoding,
+                   const maps::TimescaleUseConfig& use) {
   maps::Maps maps;
   maps.occupancy = result.slam.occupancy;
   maps.filtered = result.slam.filtered;
@@ -62,7 +64,11 @@ maps::Maps maps_of(const LearnResult& result, const memory::DecodingConfig& deco
   maps.place_patches = result.place_patches;
   maps.timescale = result.timescale;
   maps.decoding = decoding;
+  maps.timescale_use = use;
   if (maps.timescale) maps.nodes = maps.timescale->decode(decoding);
+  if (maps.timescale && use.base_map) {
+    maps.filtered_caster = std::make_shared<const rays::RayCaster>(maps.filtered);
+  }
   return maps;
 }
 
@@ -88,7 +94,7 @@ Learned learn_split(const Runs& runs, const Split& split, const Poses& poses,
                          job.threads, job.progress);
   add_place_patches(config, job, learned.result);
   learned.truths = poses;
-  learned.maps = maps_of(learned.result, config.decoding);
+  learned.maps = maps_of(learned.result, config.decoding, config.timescale_use);
   maps::Maps& maps = learned.maps;
   maps.given = job.given_map;
   if (any_known(runs.truths)) {

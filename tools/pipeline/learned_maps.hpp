@@ -29,7 +29,8 @@ using Poses = std::vector<std::optional<Pose2>>;
                                      Progress* progress);
 
 /// What was learned, ready to localize in; `decoding` as memory::decode.
-[[nodiscard]] maps::Maps maps_of(const LearnResult& result, const memory::DecodingConfig& decoding);
+[[nodiscard]] maps::Maps maps_of(const LearnResult& result, const memory::DecodingConfig& decoding,
+                                 const maps::TimescaleUseConfig& use = {});
 
 /// When a model that is compared needs them; places known already are kept.
 void add_place_patches(const CompareConfig& config, const CompareJob& job, LearnResult& result);

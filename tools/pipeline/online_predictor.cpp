@@ -78,6 +78,9 @@ class MemoryWatcher final : public OnlinePredictor {
         resolution_m_(maps.filtered.resolution_m()) {
     now_.timescale = memory_;
     now_.decoding = maps.decoding;
+    now_.timescale_use = maps.timescale_use;
+    now_.filtered = maps.filtered;
+    now_.filtered_caster = maps.filtered_caster;
   }
   void go_to(const Pose2& /*map_from_robot*/, Stamp /*stamp*/) override {}
   maps::RangeFunction expected_range() override {

@@ -183,6 +183,9 @@ std::vector<EventOutcome> follow_memory(const TestScans& test, const maps::Maps&
   maps::Maps now;
   now.timescale = live;
   now.decoding = maps.decoding;
+  now.timescale_use = maps.timescale_use;
+  now.filtered = maps.filtered;
+  now.filtered_caster = maps.filtered_caster;
   EventFollower follower(test, sensor.beam.beams.max_range_m);
   for (std::size_t i = 0; i < test.observations.size(); ++i) {
     if (!test.truths[i]) continue;

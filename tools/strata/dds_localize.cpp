@@ -142,6 +142,7 @@ localizer::LocalizerComponentConfig config_of(const pipeline::LocalizeJob& job,
   config.localizer = job.config;
   config.sensor = compared.sensor;
   config.decoding = compared.decoding;
+  config.timescale_use = compared.timescale_use;
   return config;
 }
 

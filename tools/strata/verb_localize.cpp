@@ -46,6 +46,7 @@ struct LocalizeConfig {
   patch_beams::PatchBeamModelConfig sensor;
   localization::LikelihoodFieldModelConfig likelihood_field;
   memory::DecodingConfig decoding;
+  maps::TimescaleUseConfig timescale_use;
   log::LogConfig log;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -54,6 +55,7 @@ struct LocalizeConfig {
     v.group("sensor", c.sensor, "what beams measure in a map");
     v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
     v.group("decoding", c.decoding, "how levels of the timescale memory become expected scans");
+    v.group("timescale_use", c.timescale_use, "how the timescale memory is used");
     v.group("log", c.log, "what the log does not say of itself");
   }
 };
@@ -153,6 +155,7 @@ void run_localize(const Options& options, VerbContext& context) {
   input.logs = {options.log};
   maps::Maps maps = maps::read_maps(options.maps);
   maps.decoding = config.decoding;
+  maps.timescale_use = config.timescale_use;
   const maps::MapModel model =
       config.sensor_model == maps::SensorModelKind::kBeam
           ? maps::make_map_model(maps, options.model, config.sensor)

@@ -29,16 +29,21 @@ MapModel timescale_model(const Maps& maps, PatchBeamModelConfig config, bool goe
   // A map from its topic shows what the memory expects, not what it remembers.
   use.goes_on_learning = goes_on_learning && maps.timescale != nullptr;
   if (level) use.level = nodes->level_index(*level);
+  use.min_score = maps.timescale_use.min_score;
+  const auto base = maps.timescale_use.base_map ? caster_of_filtered(maps) : nullptr;
   const auto sensor =
-      std::make_shared<const TimescaleModel>(maps.timescale, nodes, config.beam, use);
+      std::make_shared<const TimescaleModel>(maps.timescale, nodes, config.beam, use, base);
   MapModel model;
   model.sensor = sensor;
   model.best_prediction = [ranges = ranges_of(sensor)](const localization::ParticleSet&) {
     return ranges;
   };
   const std::size_t levels = use.level ? nodes->level_names().size() : 1;
-  model.bytes = bytes / levels;
-  model.resident_bytes = ((maps.timescale ? maps.timescale->bytes() : 0) + nodes->bytes()) / levels;
+  const std::size_t base_cells = base ? maps.filtered.size() : 0;
+  model.bytes = bytes / levels + base_cells;
+  model.resident_bytes =
+      ((maps.timescale ? maps.timescale->bytes() : 0) + nodes->bytes()) / levels +
+      base_cells * kCasterBytes;
   return model;
 }
 

@@ -183,10 +183,13 @@ TEST(MapModels, OfPatchesExpectTheConfigurationThatTheScansShow) {
 }
 
 TEST(MapModels, CountAByteACellOfEveryGrid) {
-  const Maps maps = test_room::make_maps();
+  Maps maps = test_room::make_maps();
   EXPECT_EQ(make_map_model(maps, "occupancy", {}).bytes, maps.occupancy.size());
   EXPECT_EQ(make_map_model(maps, "patch", {}).bytes,
             maps.patches->base.size() + 2 * maps.patches->submaps[0].rect.area());
+  EXPECT_EQ(make_map_model(maps, "timescale", {}).bytes,
+            maps.timescale->bytes() + maps.filtered.size());
+  maps.timescale_use.base_map = false;
   EXPECT_EQ(make_map_model(maps, "timescale", {}).bytes, maps.timescale->bytes());
 }
 
