@@ -104,10 +104,8 @@ void write_grid_maps(const fs::path& dir, const slam::SlamResult& result) {
   log::write_map(dir / "filtered.yaml", result.filtered);
 
   std::map<int, std::vector<memory::TrajectoryPose>> runs;
-  std::map<int, std::vector<PosedScan>> scans;
   std::vector<log::StampedPose> all;
   for (const PosedScan& scan : result.scans) {
-    scans[scan.run].push_back(scan);
     runs[scan.run].push_back({scan.scan.stamp, scan.map_from_robot, std::nullopt});
     all.push_back({scan.scan.stamp, scan.map_from_robot});
   }
@@ -117,7 +115,13 @@ void write_grid_maps(const fs::path& dir, const slam::SlamResult& result) {
     store.save_grid(kFilteredGrid, result.filtered);
     store.save_grid(kCountsGrid, result.raw.cells());
     for (const auto& [run, poses] : runs) store.save_trajectory(run, poses);
-    for (const auto& [run, of_run] : scans) store.save_scans(run, of_run);
+    // The scans of a run lie one after the other.
+    for (auto begin = result.scans.begin(); begin != result.scans.end();) {
+      const auto end = std::find_if(begin, result.scans.end(),
+                                    [&](const PosedScan& scan) { return scan.run != begin->run; });
+      store.save_scans(begin->run, {begin, end});
+      begin = end;
+    }
     store.save_text(kSlamKey, summarize_slam(result).dump());
   });
 }

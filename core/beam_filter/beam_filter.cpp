@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <utility>
 
 #include "core/grid/count_scans.hpp"
@@ -28,26 +30,33 @@ struct Likelihoods {
 /// EM over one set of counts. Only cells with hits move: the others are 0 or unknown for good.
 class CountsFilter {
  public:
-  CountsFilter(const Grid<CellCounts>& counts, const BeamFilterConfig& config)
-      : counts_(counts),
-        config_(config),
-        reflection_(counts.resolution_m(), counts.rect(),
-                    std::numeric_limits<double>::quiet_NaN()) {
-    for (std::size_t i = 0; i < counts.size(); ++i) {
-      if (!(counts.values()[i].total() >= config.min_evidence)) continue;
-      reflection_.values()[i] = 0.0;
-      if (counts.values()[i].hits > 0.0)
-        hit_cells_.push_back(i);
-      else
-        passed_ += counts.values()[i].misses;
-    }
+  CountsFilter(const TiledGrid<CellCounts>& counts, const BeamFilterConfig& config)
+      : config_(config),
+        hit_index_(counts.resolution_m(), counts.rect(), -1),
+        map_(make_reflection_grid(counts.resolution_m(), counts.rect())) {
+    counts.visit_rows([&](const Cell& first, std::span<const CellCounts> row) {
+      float* known = &map_.at(first);
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        if (!(row[i].total() >= config.min_evidence)) continue;
+        known[i] = 0.0F;
+        if (row[i].hits > 0.0) {
+          hit_cells_.push_back({{first.x + static_cast<int>(i), first.y}, row[i], 0.0});
+        } else {
+          passed_ += row[i].misses;
+        }
+      }
+    });
     judged_.resize(hit_cells_.size());
+    if (!config.endpoint_tolerance) return;
+    for (std::size_t k = 0; k < hit_cells_.size(); ++k) {
+      hit_index_.at(hit_cells_[k].cell) = static_cast<std::int32_t>(k);
+    }
   }
 
   /// Round 0: e is the prior for every beam.
   void start() {
-    for (const std::size_t i : hit_cells_) {
-      reflection_.values()[i] = config_.prior * ratio(i);
+    for (HitCell& hit : hit_cells_) {
+      hit.reflection = config_.prior * (hit.counts.hits / hit.counts.total());
     }
   }
 
@@ -55,15 +64,13 @@ class CountsFilter {
   void step() {
     judge();
     for (std::size_t k = 0; k < hit_cells_.size(); ++k) {
-      const std::size_t i = hit_cells_[k];
-      reflection_.values()[i] = em_step(judged_[k], counts_.values()[i], config_.prior);
+      hit_cells_[k].reflection = em_step(judged_[k], hit_cells_[k].counts, config_.prior);
     }
   }
 
   void jump_to_limit() {
-    for (const std::size_t i : hit_cells_) {
-      reflection_.values()[i] =
-          closed_form(counts_.values()[i], config_.prior, config_.min_evidence);
+    for (HitCell& hit : hit_cells_) {
+      hit.reflection = closed_form(hit.counts, config_.prior, config_.min_evidence);
     }
   }
 
@@ -73,9 +80,9 @@ class CountsFilter {
     const double free = passed_ * log_pass(0.0);
     Likelihoods sum{free, free};
     for (std::size_t k = 0; k < hit_cells_.size(); ++k) {
-      const CellCounts& counts = counts_.values()[hit_cells_[k]];
+      const CellCounts& counts = hit_cells_[k].counts;
       const double m = clamp_for_log(judged_[k]);
-      const double passing = counts.misses * log_pass(reflection_.values()[hit_cells_[k]]);
+      const double passing = counts.misses * log_pass(hit_cells_[k].reflection);
       const double e = expectation(judged_[k], config_.prior);
       sum.incomplete += passing + counts.hits * log_end(m, config_.prior);
       sum.expected +=
@@ -85,32 +92,38 @@ class CountsFilter {
     return sum;
   }
 
-  [[nodiscard]] ReflectionGrid map() const {
-    ReflectionGrid result = make_reflection_grid(reflection_.resolution_m(), reflection_.rect());
-    std::transform(reflection_.values().begin(), reflection_.values().end(),
-                   result.values().begin(), [](double m) { return static_cast<float>(m); });
-    return result;
+  /// Gives the map away.
+  [[nodiscard]] ReflectionGrid take_map() {
+    for (const HitCell& hit : hit_cells_) map_.at(hit.cell) = static_cast<float>(hit.reflection);
+    return std::move(map_);
   }
 
  private:
-  [[nodiscard]] double ratio(std::size_t i) const {
-    return counts_.values()[i].hits / counts_.values()[i].total();
+  struct HitCell {
+    Cell cell;
+    CellCounts counts;
+    double reflection = 0.0;
+  };
+  [[nodiscard]] double reflection(const Cell& cell) const {
+    const std::int32_t index = hit_index_.get(cell);
+    if (index >= 0) return hit_cells_[static_cast<std::size_t>(index)].reflection;
+    return static_cast<double>(map_.get(cell));
   }
   void judge() {
     for (std::size_t k = 0; k < hit_cells_.size(); ++k) {
       judged_[k] = config_.endpoint_tolerance
-                       ? judging_reflection(reflection_.cell(hit_cells_[k]), true,
-                                            [&](const Cell& cell) { return reflection_.get(cell); })
-                       : reflection_.values()[hit_cells_[k]];
+                       ? judging_reflection(hit_cells_[k].cell, true,
+                                            [&](const Cell& cell) { return reflection(cell); })
+                       : hit_cells_[k].reflection;
     }
   }
 
-  const Grid<CellCounts>& counts_;
   const BeamFilterConfig& config_;
-  Grid<double> reflection_;
-  std::vector<std::size_t> hit_cells_;
-  std::vector<double> judged_;  ///< per hit cell, what judges a beam that ends there
-  double passed_ = 0.0;         ///< misses of known cells without hits
+  std::vector<HitCell> hit_cells_;     ///< known cells with hits, row by row
+  TiledGrid<std::int32_t> hit_index_;  ///< which of those a cell is, for its neighbours; -1: none
+  std::vector<double> judged_;         ///< per hit cell, what judges a beam that ends there
+  double passed_ = 0.0;                ///< misses of known cells without hits
+  ReflectionGrid map_;                 ///< 0 where known; what hit cells reflect comes at the end
 };
 
 /// Hits, and those judged dynamic.
@@ -200,7 +213,7 @@ CountsResult filter_counts(const CountingMap& raw, const BeamFilterConfig& confi
     }
     result.converged = small_gains >= 2;
   }
-  result.filtered = filter.map();
+  result.filtered = filter.take_map();
   return result;
 }
 

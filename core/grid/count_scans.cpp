@@ -32,43 +32,45 @@ CellRect extent_of(const PosedScan& scan, double resolution_m, const CountingOpt
 CountingMap count_scans(std::span<const PosedScan> scans, double resolution_m,
                         const CountingOptions& options, BeamWeights weights, WorkerPool& pool,
                         Progress* progress) {
+  std::vector<const PosedScan*> all;
+  all.reserve(scans.size());
+  for (const PosedScan& scan : scans) all.push_back(&scan);
+  return count_scans(std::span<const PosedScan* const>(all), resolution_m, options, weights, pool,
+                     progress);
+}
+
+CountingMap count_scans(std::span<const PosedScan* const> scans, double resolution_m,
+                        const CountingOptions& options, BeamWeights weights, WorkerPool& pool,
+                        Progress* progress) {
   const std::size_t stretches =
       std::clamp(scans.size() / kScansPerStretch, std::size_t{1}, kMaxStretches);
   const std::size_t stretch = (scans.size() + stretches - 1) / stretches;
   auto stretch_begin = [&](std::size_t i) { return std::min(scans.size(), i * stretch); };
 
-  std::vector<CountingMap> partial(stretches, CountingMap(resolution_m));
-  pool.for_chunks(stretches, 1, [&](std::size_t i, std::size_t, std::size_t) {
-    CellRect extent;
-    for (std::size_t k = stretch_begin(i); k < stretch_begin(i + 1); ++k) {
-      extent = extent.united(extent_of(scans[k], resolution_m, options));
+  // As many stretches at a time as there are threads, and added in order: no more maps are held.
+  const auto at_once = std::min(stretches, static_cast<std::size_t>(pool.threads()));
+  CountingMap sum(resolution_m);
+  for (std::size_t first = 0; first < stretches; first += at_once) {
+    const std::size_t some = std::min(at_once, stretches - first);
+    std::vector<CountingMap> partial(some, CountingMap(resolution_m));
+    for (std::size_t round = 0; round < stretch; round += kScansPerRound) {
+      report_progress(progress, "count beams", stretch_begin(first) + round * some, scans.size());
+      pool.for_chunks(some, 1, [&](std::size_t i, std::size_t, std::size_t) {
+        const std::size_t begin = stretch_begin(first + i) + round;
+        const std::size_t end = std::min(stretch_begin(first + i + 1), begin + kScansPerRound);
+        for (std::size_t k = begin; k < end; ++k) {
+          partial[i].add_tightly(*scans[k], options, weights);
+        }
+      });
     }
-    partial[i] = CountingMap(Grid<CellCounts>(resolution_m, extent));
-  });
-  for (std::size_t round = 0; round < stretch; round += kScansPerRound) {
-    report_progress(progress, "count beams", round * stretches, stretch * stretches);
-    pool.for_chunks(stretches, 1, [&](std::size_t i, std::size_t, std::size_t) {
-      const std::size_t end =
-          std::min(stretch_begin(i + 1), stretch_begin(i) + round + kScansPerRound);
-      for (std::size_t k = stretch_begin(i) + round; k < end; ++k) {
-        partial[i].add(scans[k], options, 1.0, weights);
-      }
-    });
+    if (stretches == 1) sum = std::move(partial.front());
+    for (std::size_t i = 0; i < some && stretches > 1; ++i) {
+      sum.add(partial[i]);
+      partial[i] = CountingMap(resolution_m);
+    }
   }
   report_progress(progress, "count beams", scans.size(), scans.size());
-  if (stretches == 1) return std::move(partial.front());
-
-  CellRect extent;
-  for (const CountingMap& map : partial) extent = extent.united(map.cells().rect());
-  Grid<CellCounts> sum(resolution_m, extent);
-  for (const CountingMap& map : partial) {
-    for (std::size_t i = 0; i < map.cells().size(); ++i) {
-      CellCounts& cell = sum.at(map.cells().cell(i));
-      cell.hits += map.cells().values()[i].hits;
-      cell.misses += map.cells().values()[i].misses;
-    }
-  }
-  return CountingMap(std::move(sum));
+  return sum;
 }
 
 }  // namespace strata

@@ -13,9 +13,13 @@ namespace strata {
 /// The counts of all scans. The log is cut into at most eight stretches by its length alone, each
 /// counted in order, and their maps are added in order: up to rounding the same as adding one scan
 /// after the other, and exactly so below 128 scans. The rectangle covers all rays tightly.
-/// Throws Cancelled. O(beams x cells a beam crosses); memory: one map per stretch, each as large as
-/// the stretch needs.
+/// Throws Cancelled. O(beams x cells a beam crosses); memory: the sum, and the map of a stretch per
+/// thread.
 [[nodiscard]] CountingMap count_scans(std::span<const PosedScan> scans, double resolution_m,
+                                      const CountingOptions& options, BeamWeights weights,
+                                      WorkerPool& pool, Progress* progress = nullptr);
+/// The same for some scans out of many, none of them null.
+[[nodiscard]] CountingMap count_scans(std::span<const PosedScan* const> scans, double resolution_m,
                                       const CountingOptions& options, BeamWeights weights,
                                       WorkerPool& pool, Progress* progress = nullptr);
 

@@ -2,17 +2,19 @@
 #include "core/grid/counting_map.hpp"
 
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/grid/count_scans.hpp"
 #include "core/grid/growth.hpp"
-#include "core/grid/ray_traversal.hpp"
+#include "core/grid/tiled_traversal.hpp"
 
 namespace strata {
 
-void CountingMap::add(const PosedScan& scan, const CountingOptions& options, double weight,
-                      BeamWeights beams) {
+template <typename Cover>
+void CountingMap::count(const PosedScan& scan, const CountingOptions& options, double weight,
+                        BeamWeights beams, const Cover& cover) {
   const double resolution = resolution_m();
   std::vector<std::pair<std::size_t, Ray>> rays;
   rays.reserve(scan.scan.size());
@@ -22,16 +24,15 @@ void CountingMap::add(const PosedScan& scan, const CountingOptions& options, dou
     needed = needed.united(extent_of(ray, resolution));
   });
   if (needed.empty()) return;
-  cells_.grow(with_room(cells_, needed));
+  cover(needed);
   const bool weighted =
       beams == BeamWeights::kStaticProbability && !scan.static_probability.empty();
   const double per_cell = weight / resolution;
-  std::vector<CellCounts>& counts = cells_.values();
   for (const auto& [beam, ray] : rays) {
-    CellCounts& end = counts[cells_.index(cell_at(ray.to_m, resolution))];
+    CellCounts& end = cells_.at(cell_at(ray.to_m, resolution));
     const double before = end.misses;
-    traverse_ray(cells_, ray.from_m, ray.to_m, [&](std::size_t index, double length_m) {
-      counts[index].misses += per_cell * length_m;
+    traverse_ray(cells_, ray.from_m, ray.to_m, [&](CellCounts& counts, double length_m) {
+      counts.misses += per_cell * length_m;
     });
     if (!ray.is_hit) continue;
     const double e = weighted ? static_cast<double>(scan.static_probability[beam]) : 1.0;
@@ -41,13 +42,37 @@ void CountingMap::add(const PosedScan& scan, const CountingOptions& options, dou
   }
 }
 
+void CountingMap::add(const PosedScan& scan, const CountingOptions& options, double weight,
+                      BeamWeights beams) {
+  count(scan, options, weight, beams,
+        [&](const CellRect& needed) { cells_.grow(with_room(cells_.rect(), needed)); });
+}
+
+void CountingMap::add_tightly(const PosedScan& scan, const CountingOptions& options,
+                              BeamWeights beams) {
+  count(scan, options, 1.0, beams, [&](const CellRect& needed) { cells_.cover(needed); });
+}
+
+void CountingMap::add(const CountingMap& other) {
+  cells_.cover(other.cells_.rect());
+  other.cells_.visit_rows([&](const Cell& first, std::span<const CellCounts> row) {
+    CellCounts* sum = &cells_.at(first);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      sum[i].hits += row[i].hits;
+      sum[i].misses += row[i].misses;
+    }
+  });
+}
+
 ReflectionGrid CountingMap::reflection(double min_evidence) const {
   ReflectionGrid result = make_reflection_grid(resolution_m(), cells_.rect());
-  for (std::size_t i = 0; i < cells_.size(); ++i) {
-    const CellCounts& counts = cells_.values()[i];
-    if (counts.total() < min_evidence) continue;
-    result.values()[i] = static_cast<float>(counts.hits / counts.total());
-  }
+  cells_.visit_rows([&](const Cell& first, std::span<const CellCounts> row) {
+    float* values = &result.at(first);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (row[i].total() < min_evidence) continue;
+      values[i] = static_cast<float>(row[i].hits / row[i].total());
+    }
+  });
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/grid/grid.hpp"
 #include "core/grid/reflection_grid.hpp"
+#include "core/grid/tiled_grid.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata {
@@ -44,14 +45,14 @@ enum class BeamWeights {
 
 /// alpha_j, beta_j of [stachniss2003chapter] eqs. (1.12)-(1.15), with beams weighted by length: a
 /// beam adds l_k = (length inside the cell) / resolution to the misses of each cell it crosses; the
-/// cell where it ends gets no miss from it.
+/// cell where it ends gets no miss from it. Memory follows the cells that beams crossed.
 class CountingMap {
  public:
-  explicit CountingMap(double resolution_m = 0.05) : cells_(resolution_m, CellRect{}) {}
-  explicit CountingMap(Grid<CellCounts> cells) : cells_(std::move(cells)) {}
+  explicit CountingMap(double resolution_m = 0.05) : cells_(resolution_m) {}
+  explicit CountingMap(TiledGrid<CellCounts> cells) : cells_(std::move(cells)) {}
 
-  [[nodiscard]] const Grid<CellCounts>& cells() const { return cells_; }
-  [[nodiscard]] Grid<CellCounts>& cells() { return cells_; }
+  [[nodiscard]] const TiledGrid<CellCounts>& cells() const { return cells_; }
+  [[nodiscard]] TiledGrid<CellCounts>& cells() { return cells_; }
   [[nodiscard]] double resolution_m() const { return cells_.resolution_m(); }
 
   /// Adds every beam of a scan; grows as needed. A hit in the end cell counts e (its static
@@ -60,11 +61,19 @@ class CountingMap {
   void add(const PosedScan& scan, const CountingOptions& options = {}, double weight = 1.0,
            BeamWeights beams = BeamWeights::kStaticProbability);
 
+  /// The same without cells to spare around the beams.
+  void add_tightly(const PosedScan& scan, const CountingOptions& options, BeamWeights beams);
+  /// Adds the counts of another map of the same resolution. O(cells that its beams crossed).
+  void add(const CountingMap& other);
+
   /// m_j = hits / (hits + misses); unknown where the total is below min_evidence. O(cells).
   [[nodiscard]] ReflectionGrid reflection(double min_evidence = 0.5) const;
 
  private:
-  Grid<CellCounts> cells_;
+  template <typename Cover>
+  void count(const PosedScan& scan, const CountingOptions& options, double weight,
+             BeamWeights beams, const Cover& cover);
+  TiledGrid<CellCounts> cells_;
 };
 
 /// Where a beam's ray starts and ends in the map, and whether it ends in a hit. A beam that says

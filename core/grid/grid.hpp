@@ -79,6 +79,20 @@ struct CellRect {
   }
 };
 
+/// A rectangle that covers `rect` and `needed`, with 64 cells to spare on the sides that grow, so
+/// that a robot that drives on rarely makes its map grow; `rect` where it holds `needed`.
+[[nodiscard]] inline CellRect grown(const CellRect& rect, const CellRect& needed) {
+  const CellRect united = rect.united(needed);
+  if (united == rect) return rect;
+  const int spare = 64;
+  CellRect target = united;
+  if (united.min.x < rect.min.x || rect.empty()) target.min.x -= spare;
+  if (united.min.y < rect.min.y || rect.empty()) target.min.y -= spare;
+  if (united.max.x > rect.max.x || rect.empty()) target.max.x += spare;
+  if (united.max.y > rect.max.y || rect.empty()) target.max.y += spare;
+  return target;
+}
+
 /// Values of type T on a rectangle of cells, row by row in y, x fastest.
 template <typename T>
 class Grid {
@@ -123,19 +137,11 @@ class Grid {
   [[nodiscard]] const std::vector<T>& values() const { return values_; }
   [[nodiscard]] const T& fill() const { return fill_; }
 
-  /// Makes the grid cover `needed` too, with 64 cells to spare on the sides that grow, so that a
-  /// robot that drives on rarely makes it grow; new cells get the fill value. O(area) when it
-  /// grows.
+  /// Makes the grid cover `needed` too, with cells to spare (see `grown`); new cells get the fill
+  /// value. O(area) when it grows.
   void grow(const CellRect& needed) {
-    const CellRect united = rect_.united(needed);
-    if (united == rect_) return;
-    const int spare = 64;
-    CellRect target = united;
-    if (united.min.x < rect_.min.x || rect_.empty()) target.min.x -= spare;
-    if (united.min.y < rect_.min.y || rect_.empty()) target.min.y -= spare;
-    if (united.max.x > rect_.max.x || rect_.empty()) target.max.x += spare;
-    if (united.max.y > rect_.max.y || rect_.empty()) target.max.y += spare;
-    *this = cropped(target);
+    const CellRect target = grown(rect_, needed);
+    if (target != rect_) *this = cropped(target);
   }
 
   /// The same values on another rectangle; the fill value where this grid has none.

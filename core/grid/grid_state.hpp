@@ -9,6 +9,7 @@
 
 #include "core/base/state_archive.hpp"
 #include "core/grid/grid.hpp"
+#include "core/grid/tiled_grid.hpp"
 
 namespace strata {
 
@@ -50,6 +51,18 @@ void state_of(Grid<T>& grid, StateReader& archive) {
   }
   grid = Grid<T>(resolution_m, rect, fill);
   grid.values() = std::move(values);
+}
+
+/// Tiled grids as grids.
+template <typename T>
+void state_of(const TiledGrid<T>& grid, StateWriter& archive) {
+  archive(grid.dense());
+}
+template <typename T>
+void state_of(TiledGrid<T>& grid, StateReader& archive) {
+  Grid<T> dense;
+  archive(dense);
+  grid = TiledGrid<T>(dense);
 }
 
 }  // namespace strata

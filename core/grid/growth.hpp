@@ -6,13 +6,11 @@
 
 namespace strata {
 
-/// What to hand to grid.grow() so that it covers `needed` and rarely has to grow again: on the
-/// sides where it must grow, a quarter of its extent more. Growing to n cells step by step then
-/// costs O(n) in all, and an axis is never more than a quarter (and a constant) longer than needed
-/// in each direction.
-template <typename T>
-[[nodiscard]] CellRect with_room(const Grid<T>& grid, const CellRect& needed) {
-  const CellRect& now = grid.rect();
+/// What to hand to grow() of a grid on `now` so that it covers `needed` and rarely has to grow
+/// again: on the sides where it must grow, a quarter of its extent more. Growing to n cells step by
+/// step then costs O(n) in all, and an axis is never more than a quarter (and a constant) longer
+/// than needed in each direction.
+[[nodiscard]] inline CellRect with_room(const CellRect& now, const CellRect& needed) {
   if (now.empty() || needed.empty()) return needed;
   const int room_x = now.width() / 4;
   const int room_y = now.height() / 4;

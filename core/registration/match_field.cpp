@@ -230,7 +230,7 @@ std::size_t MatchField::add(const SurfacePoint& point) {
   const int reach = reach_cells();
   const Cell center{cell_coordinate(point.x_m, resolution), cell_coordinate(point.y_m, resolution)};
   const CellRect rect = CellRect{center, {center.x + 1, center.y + 1}}.inflated(reach);
-  const CellRect wide = with_room(nearest_, rect);
+  const CellRect wide = with_room(nearest_.rect(), rect);
   nearest_.grow(wide);
   squared_m2_.grow(wide);
   const std::size_t index = points_.size();

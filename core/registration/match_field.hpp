@@ -77,6 +77,10 @@ class MatchField {
   /// Makes room for points up to these corners at once, where many are to come: growing point by
   /// point copies the field again and again. O(area).
   void reserve(const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m);
+  /// Gives back what only `add` needs: the points are all there.
+  void forget_distances() {
+    squared_m2_ = Grid<float>(resolution_m(), CellRect{}, squared_m2_.fill());
+  }
   /// Adds a point and takes over the cells that are nearest to it; returns its index.
   std::size_t add(const SurfacePoint& point);
   /// Changes a point in place; which cells are nearest to it stays as it was when it was added, so

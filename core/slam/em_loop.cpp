@@ -18,34 +18,33 @@ namespace {
 constexpr double kFall = 0.01;
 constexpr std::size_t kChunk = 64;
 
-/// Copies of the scans that enter the map, without labels; `refresh` brings their poses up to date.
-class MappedScans {
- public:
-  MappedScans(std::span<const PosedScan> scans, const std::vector<bool>& mapped) {
-    for (std::size_t i = 0; i < scans.size(); ++i) {
-      if (!mapped[i]) continue;
-      copies_.push_back({scans[i].run, scans[i].scan, scans[i].map_from_robot, {}});
-      from_.push_back(i);
-    }
+std::vector<const PosedScan*> mapped_scans(std::span<const PosedScan> scans,
+                                           const std::vector<bool>& mapped) {
+  std::vector<const PosedScan*> result;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (mapped[i]) result.push_back(&scans[i]);
   }
-  [[nodiscard]] std::span<const PosedScan> refresh(std::span<const PosedScan> scans) {
-    for (std::size_t k = 0; k < from_.size(); ++k) {
-      copies_[k].map_from_robot = scans[from_[k]].map_from_robot;
-    }
-    return copies_;
-  }
+  return result;
+}
 
- private:
-  std::vector<PosedScan> copies_;
-  std::vector<std::size_t> from_;
-};
+/// What scans of the map can hit within max_range_m.
+CellRect reach_of(std::span<const PosedScan* const> mapped, double max_range_m,
+                  double resolution_m) {
+  CellRect rect;
+  for (const PosedScan* scan : mapped) {
+    const Cell at = cell_at(scan->map_from_laser().translation(), resolution_m);
+    rect = rect.united({at, {at.x + 1, at.y + 1}});
+  }
+  return rect.inflated(static_cast<int>(max_range_m / resolution_m) + 1);
+}
 
 /// Matches every scan that may move to the map of static beams.
 void match_again(std::span<PosedScan> scans, const std::vector<bool>& mapped,
                  const std::vector<bool>& moves, const EmConfig& config,
                  const TrackingConfig& tracking, double resolution_m, WorkerPool& pool,
-                 Progress* progress) {
+                 const CellRect& extent, Progress* progress) {
   SurfaceMap map(resolution_m, tracking.field);
+  map.reserve(extent);
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (i % 512 == 0) report_progress(progress, "map static beams", i, scans.size());
     if (!mapped[i]) continue;
@@ -84,7 +83,8 @@ EmResult run_em(std::span<PosedScan> scans, const std::vector<bool>& mapped,
   const int rounds = any_moves && config.match_again ? config.max_iterations : 0;
   std::vector<Pose2> best_poses(scans.size());
   std::vector<double> trace;
-  MappedScans counted(scans, mapped);
+  const std::vector<const PosedScan*> counted = mapped_scans(scans, mapped);
+  CellRect extent;  // of the counts at the present poses
   // Within the loop each cell is judged by itself: matching wants walls as thin as they come.
   beam_filter::BeamFilterConfig strict = filter;
   strict.endpoint_tolerance = false;
@@ -92,10 +92,13 @@ EmResult run_em(std::span<PosedScan> scans, const std::vector<bool>& mapped,
   for (int round = 0; round <= rounds; ++round) {
     if (round > 0) {
       beam_filter::label_all(scans, best.filtered, strict, pool, progress);
-      match_again(scans, mapped, moves, config, tracking, filter.resolution_m, pool, progress);
+      const CellRect reach = reach_of(counted, tracking.max_range_m, filter.resolution_m);
+      match_again(scans, mapped, moves, config, tracking, filter.resolution_m, pool,
+                  extent.intersected(reach), progress);
     }
-    CountingMap raw = count_scans(counted.refresh(scans), filter.resolution_m, filter.counting,
+    CountingMap raw = count_scans(counted, filter.resolution_m, filter.counting,
                                   BeamWeights::kAllStatic, pool, progress);
+    extent = raw.cells().rect();
     beam_filter::CountsResult counts = beam_filter::filter_counts(raw, strict);
     const double now = counts.log_likelihood.empty() ? 0.0 : counts.log_likelihood.back();
     if (trace.empty() || now > *std::max_element(trace.begin(), trace.end())) {

@@ -6,7 +6,16 @@ namespace strata::slam {
 registration::MatchField field_of(const LocalMap& local_map, double resolution_m,
                                   const registration::MatchFieldConfig& config) {
   registration::MatchField field(resolution_m, config);
+  if (local_map.points.empty()) return field;
+  Eigen::Vector2d least(local_map.points.front().x_m, local_map.points.front().y_m);
+  Eigen::Vector2d most = least;
+  for (const registration::SurfacePoint& point : local_map.points) {
+    least = least.cwiseMin(Eigen::Vector2d(point.x_m, point.y_m));
+    most = most.cwiseMax(Eigen::Vector2d(point.x_m, point.y_m));
+  }
+  field.reserve(least, most);
   for (const registration::SurfacePoint& point : local_map.points) field.add(point);
+  field.forget_distances();
   return field;
 }
 

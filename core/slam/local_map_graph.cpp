@@ -165,6 +165,15 @@ void LocalMapGraph::rebuild_graph(const std::vector<Closure>& closures) {
   optimize();
 }
 
+void LocalMapGraph::forget_surfaces() {
+  cache_.clear();
+  for (Endpoints& cloud : clouds_) cloud = {};
+  for (LocalMap& local_map : local_maps_) {
+    local_map.points = {};
+    local_map.states = StateGrid(resolution_m_, CellRect{}, SurfaceState::kUnknown);
+  }
+}
+
 bool LocalMapGraph::is_sound() const {
   const std::size_t count = local_maps_.size();
   const auto joins_known = [&](const pose_graph::Edge& edge) {

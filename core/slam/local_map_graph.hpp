@@ -45,6 +45,9 @@ class LocalMapGraph {
   /// all closures by the outcome, and optimizes [lu1997globally]; `rounds` times.
   void tighten(int rounds, Progress* progress);
 
+  /// Gives back what the local maps see, which only closures ask for: no more are to come.
+  void forget_surfaces();
+
   [[nodiscard]] std::size_t size() const { return local_maps_.size(); }
   [[nodiscard]] const LocalMap& local_map(std::size_t index) const { return local_maps_[index]; }
   [[nodiscard]] const Pose2& map_from_local_map(std::size_t index) const {

@@ -79,6 +79,7 @@ SlamResult Slam::State::finish(int rounds, Progress* progress) {
     moves.push_back(!stays(record));
     result.scans.push_back(std::move(record.posed));
   }
+  graph.forget_surfaces();
   improve(result, rounds, progress);
   return result;
 }
@@ -179,6 +180,9 @@ SlamResult Slam::finish_passes(Progress* progress) {
     before.poses.push_back(scan.map_from_robot);
     before.stamps.push_back(scan.scan.stamp);
   }
+  result.raw = CountingMap(state_->config.beam_filter.resolution_m);
+  result.occupancy = {};
+  result.filtered = {};
   auto again = std::make_unique<State>(state_->config, state_->pool.threads(), KeepConfig{});
   state_->track_again(result, *again);
   state_ = std::move(again);

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "core/grid/counting_map.hpp"
-#include "core/grid/growth.hpp"
-#include "core/grid/ray_traversal.hpp"
+#include "core/grid/tiled_traversal.hpp"
 
 namespace strata::slam {
-Eigen::Vector2d SurfaceMap::mean_hit(const Cell& cell, const CellData& data) const {
+Eigen::Vector2d SurfaceMap::mean_hit(const Cell& cell, const HitCell& data) const {
   const double resolution = cells_.resolution_m();
   return {cell.x * resolution + static_cast<double>(data.sum_x / data.hits),
           cell.y * resolution + static_cast<double>(data.sum_y / data.hits)};
@@ -19,16 +19,15 @@ registration::NormalScatter SurfaceMap::normal_among(const Cell& cell) const {
   std::vector<Eigen::Vector2d> hits_m;
   for (int y = cell.y - kAmong; y <= cell.y + kAmong; ++y) {
     for (int x = cell.x - kAmong; x <= cell.x + kAmong; ++x) {
-      if (!cells_.contains({x, y})) continue;
-      const CellData& other = cells_.at({x, y});
-      if (is_surface(other)) hits_m.push_back(mean_hit({x, y}, other));
+      const HitCell* other = hit_cell({x, y});
+      if (other != nullptr && is_surface(*other)) hits_m.push_back(mean_hit({x, y}, *other));
     }
   }
   return registration::normal_of(hits_m);
 }
 
-void SurfaceMap::set_point(registration::SurfacePoint& point, const Cell& cell,
-                           const CellData& data, const registration::NormalScatter& normals) const {
+void SurfaceMap::set_point(registration::SurfacePoint& point, const Cell& cell, const HitCell& data,
+                           const registration::NormalScatter& normals) const {
   const Eigen::Vector2d at = mean_hit(cell, data);
   point.x_m = at.x();
   point.y_m = at.y();
@@ -52,7 +51,7 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
     }
   });
   if (needed.empty()) return;
-  cells_.grow(with_room(cells_, needed));
+  cells_.cover(needed);
   touched_ = touched_.united(needed);
   changed_.clear();
   const Endpoints hits = endpoints_in_robot(scan);
@@ -63,39 +62,13 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
   const double turn = frame_from_laser.theta - scan.robot_from_laser.theta;
   const double c2 = std::cos(2.0 * turn);
   const double s2 = std::sin(2.0 * turn);
-  const auto per_metre = static_cast<float>(1.0 / resolution);
   for (const auto& [beam, ray] : rays_) {
-    const Cell end = cell_at(ray.to_m, resolution);
-    const std::size_t end_index = cells_.index(end);
-    const bool is_hit = ray.is_hit;
-    if (carve) {
-      traverse_ray(cells_, ray.from_m, ray.to_m, [&](std::size_t index, double length_m) {
-        if (is_hit && index == end_index) return;
-        CellData& data = cells_.values()[index];
-        data.misses += per_metre * static_cast<float>(length_m);
-        // Beams that pass change nothing of a point but whether it is still there.
-        if (data.point >= 0 && !is_surface(data)) {
-          field_.hide(static_cast<std::size_t>(data.point));
-        }
-      });
-    }
-    if (!is_hit) continue;
-    const float weight = beam_weights.empty() ? 1.0F : beam_weights[beam];
-    CellData& data = cells_.values()[end_index];
-    data.hits += weight;
-    data.misses += 1.0F - weight;
-    data.sum_x += weight * static_cast<float>(ray.to_m.x() - end.x * resolution);
-    data.sum_y += weight * static_cast<float>(ray.to_m.y() - end.y * resolution);
+    if (carve) carve_ray(ray);
+    if (!ray.is_hit) continue;
     while (hits.beam[next_hit] < beam) ++next_hit;
-    const registration::NormalScatter& n = surfaces_[next_hit].normal;
-    const double difference = 0.5 * static_cast<double>(n.xx - n.yy);
-    const double cross = static_cast<double>(n.xy);
-    const double mean = 0.5 * static_cast<double>(n.xx + n.yy);
-    const double turned = c2 * difference - s2 * cross;
-    data.normals.xx += weight * static_cast<float>(mean + turned);
-    data.normals.yy += weight * static_cast<float>(mean - turned);
-    data.normals.xy += weight * static_cast<float>(s2 * difference + c2 * cross);
-    if (weight > 0.0F) data.slack_m = std::min(data.slack_m, surfaces_[next_hit].slack_m);
+    const Cell end = cell_at(ray.to_m, resolution);
+    add_hit(end, ray.to_m, beam_weights.empty() ? 1.0F : beam_weights[beam], surfaces_[next_hit],
+            c2, s2);
     changed_.push_back(end);
   }
   std::sort(changed_.begin(), changed_.end());
@@ -103,8 +76,98 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
   for (const Cell& cell : changed_) refresh(cell);
 }
 
+void SurfaceMap::carve_ray(const Ray& ray) {
+  const auto per_metre = static_cast<float>(1.0 / cells_.resolution_m());
+  const Code* end = ray.is_hit ? &cells_.at(cell_at(ray.to_m, cells_.resolution_m())) : nullptr;
+  traverse_ray(cells_, ray.from_m, ray.to_m, [&](Code& code, double length_m) {
+    if (&code == end) return;
+    const float misses = per_metre * static_cast<float>(length_m);
+    if (!is_hit(code)) {
+      code = code_of(misses_of(code) + misses);
+      return;
+    }
+    HitCell& data = hit_cells_[index_of(code)];
+    data.misses += misses;
+    // Beams that pass change nothing of a point but whether it is still there.
+    if (data.point >= 0 && !is_surface(data)) field_.hide(static_cast<std::size_t>(data.point));
+  });
+}
+
+void SurfaceMap::add_hit(const Cell& cell, const Eigen::Vector2d& at_m, float weight,
+                         const registration::SweepSurface& surface, double c2, double s2) {
+  const double resolution = cells_.resolution_m();
+  HitCell& data = begin_hit_cell(cells_.at(cell));
+  data.hits += weight;
+  data.misses += 1.0F - weight;
+  data.sum_x += weight * static_cast<float>(at_m.x() - cell.x * resolution);
+  data.sum_y += weight * static_cast<float>(at_m.y() - cell.y * resolution);
+  const registration::NormalScatter& n = surface.normal;
+  const double difference = 0.5 * static_cast<double>(n.xx - n.yy);
+  const double cross = static_cast<double>(n.xy);
+  const double mean = 0.5 * static_cast<double>(n.xx + n.yy);
+  const double turned = c2 * difference - s2 * cross;
+  data.normals.xx += weight * static_cast<float>(mean + turned);
+  data.normals.yy += weight * static_cast<float>(mean - turned);
+  data.normals.xy += weight * static_cast<float>(s2 * difference + c2 * cross);
+  if (weight > 0.0F) data.slack_m = std::min(data.slack_m, surface.slack_m);
+}
+
+SurfaceMap::HitCell& SurfaceMap::begin_hit_cell(Code& code) {
+  if (!is_hit(code)) {
+    HitCell data;
+    data.misses = misses_of(code);
+    code = ~static_cast<Code>(hit_cells_.size());
+    hit_cells_.push_back(data);
+  }
+  return hit_cells_[index_of(code)];
+}
+
+void SurfaceMap::reserve(const CellRect& rect) {
+  if (rect.empty()) return;
+  cells_.cover(rect);
+  const double resolution = cells_.resolution_m();
+  field_.reserve(cell_center(rect.min, resolution),
+                 cell_center({rect.max.x - 1, rect.max.y - 1}, resolution));
+}
+
+void SurfaceMap::forget_counts() {
+  cells_ = TiledGrid<Code>(cells_.resolution_m());
+  hit_cells_ = {};
+  field_.forget_distances();
+}
+
+Grid<SurfaceMap::HitCell> SurfaceMap::saved_cells() const {
+  Grid<HitCell> saved(cells_.resolution_m(), cells_.rect());
+  cells_.visit_rows([&](const Cell& first, std::span<const Code> row) {
+    HitCell* cells = &saved.at(first);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (is_hit(row[i])) {
+        cells[i] = hit_cells_[index_of(row[i])];
+      } else {
+        cells[i].misses = misses_of(row[i]);
+      }
+    }
+  });
+  return saved;
+}
+
+void SurfaceMap::restore_cells(const Grid<HitCell>& saved) {
+  cells_ = TiledGrid<Code>(saved.resolution_m(), saved.rect());
+  hit_cells_.clear();
+  for (std::size_t i = 0; i < saved.size(); ++i) {
+    const HitCell& cell = saved.values()[i];
+    HitCell passed;
+    passed.misses = cell.misses;
+    if (std::memcmp(&cell, &passed, sizeof cell) == 0 && !std::signbit(cell.misses)) {
+      if (cell.misses != 0.0F) cells_.at(saved.cell(i)) = code_of(cell.misses);
+    } else {
+      begin_hit_cell(cells_.at(saved.cell(i))) = cell;
+    }
+  }
+}
+
 void SurfaceMap::refresh(const Cell& cell) {
-  CellData& data = cells_.at(cell);
+  HitCell& data = hit_cells_[index_of(cells_.get(cell))];
   bool surface = is_surface(data);
   registration::NormalScatter normals = data.normals;
   if (surface && is_unresolved(data)) {
@@ -126,16 +189,18 @@ void SurfaceMap::refresh(const Cell& cell) {
 }
 
 SurfaceState SurfaceMap::state(const Eigen::Vector2d& point_m) const {
-  const Cell cell = cells_.cell_at(point_m);
-  if (!cells_.contains(cell)) return SurfaceState::kUnknown;
-  const CellData& data = cells_.at(cell);
+  const Cell cell = cell_at(point_m, cells_.resolution_m());
+  const Code code = cells_.get(cell);
+  if (!is_hit(code)) return misses_of(code) < 0.5F ? SurfaceState::kUnknown : SurfaceState::kFree;
+  const HitCell& data = hit_cells_[index_of(code)];
   if (data.hits + data.misses < 0.5F) return SurfaceState::kUnknown;
   return is_surface(data) ? SurfaceState::kOccupied : SurfaceState::kFree;
 }
 
 bool SurfaceMap::occupied_near(const Eigen::Vector2d& point_m) const {
-  return any_beside(cells_.cell_at(point_m), [&](const Cell& cell) {
-    return cells_.contains(cell) && is_surface(cells_.at(cell));
+  return any_beside(cell_at(point_m, cells_.resolution_m()), [&](const Cell& cell) {
+    const HitCell* hit = hit_cell(cell);
+    return hit != nullptr && is_surface(*hit);
   });
 }
 

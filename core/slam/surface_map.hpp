@@ -3,6 +3,7 @@
 /// field that follows it scan by scan.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -12,6 +13,7 @@
 #include "core/geometry/pose2.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/grid/grid.hpp"
+#include "core/grid/tiled_grid.hpp"
 #include "core/registration/match_field.hpp"
 #include "core/scan/scan.hpp"
 
@@ -27,7 +29,7 @@ enum class SurfaceState : std::uint8_t { kUnknown, kFree, kOccupied };
 class SurfaceMap {
  public:
   SurfaceMap(double resolution_m, const registration::MatchFieldConfig& config)
-      : cells_(resolution_m, CellRect{}), field_(resolution_m, config) {}
+      : cells_(resolution_m), field_(resolution_m, config) {}
 
   /// Adds a scan taken at frame_from_laser. beam_weights: e(t,n), empty: 1. Beams longer than
   /// max_range_m carve free space up to there and end in nothing. carve = false: only hits enter,
@@ -39,40 +41,47 @@ class SurfaceMap {
   [[nodiscard]] SurfaceState state(const Eigen::Vector2d& point_m) const;
   /// Share of the beams that reached the point's cell which ended there; 0 where none did.
   [[nodiscard]] double reflection(double x_m, double y_m) const {
-    const Cell cell{cell_coordinate(x_m, cells_.resolution_m()),
-                    cell_coordinate(y_m, cells_.resolution_m())};
-    if (!cells_.contains(cell)) return 0.0;
-    const CellData& data = cells_.at(cell);
-    return data.hits > 0.0F ? static_cast<double>(data.hits / (data.hits + data.misses)) : 0.0;
+    const HitCell* hit = hit_cell(
+        {cell_coordinate(x_m, cells_.resolution_m()), cell_coordinate(y_m, cells_.resolution_m())});
+    if (hit == nullptr || !(hit->hits > 0.0F)) return 0.0;
+    return static_cast<double>(hit->hits / (hit->hits + hit->misses));
   }
   /// Occupied somewhere in the 3 x 3 cells about the point.
   [[nodiscard]] bool occupied_near(const Eigen::Vector2d& point_m) const;
   /// The rectangle of cells touched so far.
   [[nodiscard]] const CellRect& touched() const { return touched_; }
-  /// Gives the counts back and keeps only the field.
-  void forget_counts() { cells_ = Grid<CellData>(cells_.resolution_m(), CellRect{}); }
+  /// Makes room for scans within the rectangle at once, as MatchField::reserve does.
+  void reserve(const CellRect& rect);
+  /// Gives the counts back and keeps only the field, to which nothing can be added any more.
+  void forget_counts();
 
   /// For saved states; resolution and config are the constructor's.
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
     const double resolution_m = self.cells_.resolution_m();
-    archive(self.cells_);
-    archive(self.field_);
-    archive(self.touched_);
     if constexpr (Archive::kReads) {
-      if (self.cells_.resolution_m() != resolution_m ||
-          self.field_.resolution_m() != resolution_m) {
+      Grid<HitCell> saved;
+      archive(saved);
+      archive(self.field_);
+      archive(self.touched_);
+      if (saved.resolution_m() != resolution_m || self.field_.resolution_m() != resolution_m) {
         archive.fail("has a map of another resolution");
       }
       const auto count = static_cast<std::int64_t>(self.field_.points().size());
-      for (const CellData& data : self.cells_.values()) {
-        if (data.point < -1 || data.point >= count) archive.fail("has a damaged map");
+      for (const HitCell& cell : saved.values()) {
+        if (cell.point < -1 || cell.point >= count) archive.fail("has a damaged map");
       }
+      self.restore_cells(saved);
+    } else {
+      archive(self.saved_cells());
+      archive(self.field_);
+      archive(self.touched_);
     }
   }
 
  private:
-  struct CellData {
+  /// A cell that beams ended in.
+  struct HitCell {
     float hits = 0.0F;
     float misses = 0.0F;
     float sum_x = 0.0F;  // of hits, relative to the cell's least corner
@@ -81,25 +90,45 @@ class SurfaceMap {
     float slack_m = std::numeric_limits<float>::infinity();  // the least of all hits
     std::int32_t point = -1;                                 // index in the field
   };
-  [[nodiscard]] bool is_surface(const CellData& data) const {
+  /// Most cells were only passed: one holds the bits of its misses, which are not negative, or
+  /// ~index of its HitCell.
+  using Code = std::int32_t;
+  [[nodiscard]] static float misses_of(Code code) { return std::bit_cast<float>(code); }
+  [[nodiscard]] static Code code_of(float misses) { return std::bit_cast<Code>(misses); }
+  [[nodiscard]] static bool is_hit(Code code) { return code < 0; }
+  [[nodiscard]] static std::size_t index_of(Code code) { return static_cast<std::size_t>(~code); }
+  /// Null where no beam ended.
+  [[nodiscard]] const HitCell* hit_cell(const Cell& cell) const {
+    const Code code = cells_.get(cell);
+    return is_hit(code) ? &hit_cells_[index_of(code)] : nullptr;
+  }
+  /// The cell as one that beams end in. Requires a cell of the grid.
+  [[nodiscard]] HitCell& begin_hit_cell(Code& code);
+  void carve_ray(const Ray& ray);
+  void add_hit(const Cell& cell, const Eigen::Vector2d& at_m, float weight,
+               const registration::SweepSurface& surface, double c2, double s2);
+  [[nodiscard]] Grid<HitCell> saved_cells() const;
+  void restore_cells(const Grid<HitCell>& saved);
+  [[nodiscard]] bool is_surface(const HitCell& data) const {
     return data.hits >= static_cast<float>(field_.config().occupied_reflection) *
                             (data.hits + data.misses) &&
            data.hits > 0.0F;
   }
   /// Whether no scan told which way the surface runs, as when the beams lie far apart.
-  [[nodiscard]] static bool is_unresolved(const CellData& data) {
+  [[nodiscard]] static bool is_unresolved(const HitCell& data) {
     return data.normals.xx + data.normals.yy < 0.5F * data.hits;
   }
   /// How far about a cell others tell which way its surface runs.
   static constexpr int kAmong = 6;
-  [[nodiscard]] Eigen::Vector2d mean_hit(const Cell& cell, const CellData& data) const;
+  [[nodiscard]] Eigen::Vector2d mean_hit(const Cell& cell, const HitCell& data) const;
   /// Which way the surface runs by the cells about it; empty where they are too few.
   [[nodiscard]] registration::NormalScatter normal_among(const Cell& cell) const;
   void refresh(const Cell& cell);
-  void set_point(registration::SurfacePoint& point, const Cell& cell, const CellData& data,
+  void set_point(registration::SurfacePoint& point, const Cell& cell, const HitCell& data,
                  const registration::NormalScatter& normals) const;
 
-  Grid<CellData> cells_;
+  TiledGrid<Code> cells_;
+  std::vector<HitCell> hit_cells_;
   registration::MatchField field_;
   CellRect touched_;
   // Scratch.

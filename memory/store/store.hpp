@@ -80,6 +80,7 @@ class Store {
   /// Grids by name, e.g. "filtered"; a later save replaces. O(cells), zstd-compressed.
   void save_grid(const std::string& name, const ReflectionGrid& grid);
   void save_grid(const std::string& name, const Grid<CellCounts>& grid);
+  void save_grid(const std::string& name, const TiledGrid<CellCounts>& grid);
   [[nodiscard]] ReflectionGrid load_reflection_grid(const std::string& name) const;
   [[nodiscard]] Grid<CellCounts> load_counts_grid(const std::string& name) const;
   [[nodiscard]] bool has_grid(const std::string& name) const;

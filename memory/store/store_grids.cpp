@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "core/base/damage.hpp"
 #include "memory/store/detail/blob.hpp"
@@ -27,24 +32,54 @@ struct GridKind<std::uint8_t> {
 /// Grids that belong to a larger value have names with this mark, and are not listed.
 constexpr char kInnerMark = '/';
 
-}  // namespace
-
 template <typename T>
-void write_grid(Database& database, const std::string& name, const Grid<T>& grid) {
+std::vector<std::byte> planes_of(const Grid<T>& grid) {
+  return to_planes(std::span<const T>(grid.values()));
+}
+
+/// The planes of the dense grid, without making it.
+template <typename T>
+std::vector<std::byte> planes_of(const TiledGrid<T>& grid) {
+  const std::size_t size = grid.size();
+  std::vector<std::byte> planes(size * sizeof(T));
+  const auto write = [&](std::size_t index, const T& value) {
+    std::byte raw[sizeof(T)];
+    std::memcpy(raw, &value, sizeof(T));
+    for (std::size_t b = 0; b < sizeof(T); ++b) planes[b * size + index] = raw[b];
+  };
+  for (std::size_t i = 0; i < size; ++i) write(i, grid.fill());
+  const auto width = static_cast<std::size_t>(grid.rect().width());
+  grid.visit_rows([&](const Cell& first, std::span<const T> row) {
+    const std::size_t start = static_cast<std::size_t>(first.y - grid.rect().min.y) * width +
+                              static_cast<std::size_t>(first.x - grid.rect().min.x);
+    for (std::size_t i = 0; i < row.size(); ++i) write(start + i, row[i]);
+  });
+  return planes;
+}
+
+template <typename AnyGrid>
+void write_any(Database& database, const std::string& name, const char* kind, const AnyGrid& grid) {
   const CellRect& rect = grid.rect();
   Statement(database,
             "REPLACE INTO grid (name, kind, resolution_m, min_x, min_y, max_x, max_y, fill, data) "
             "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(name)
-      .bind(std::string(GridKind<T>::name))
+      .bind(std::string(kind))
       .bind(grid.resolution_m())
       .bind(rect.min.x)
       .bind(rect.min.y)
       .bind(rect.max.x)
       .bind(rect.max.y)
       .bind(std::as_bytes(std::span(&grid.fill(), 1)))
-      .bind(compress(to_planes(std::span<const T>(grid.values()))))
+      .bind(compress(planes_of(grid)))
       .run();
+}
+
+}  // namespace
+
+template <typename T>
+void write_grid(Database& database, const std::string& name, const Grid<T>& grid) {
+  write_any(database, name, GridKind<T>::name, grid);
 }
 
 template <typename T>
@@ -92,6 +127,11 @@ void Store::save_grid(const std::string& name, const ReflectionGrid& grid) {
 
 void Store::save_grid(const std::string& name, const Grid<CellCounts>& grid) {
   transaction([&] { detail::write_grid(impl_->database, name, grid); });
+}
+
+void Store::save_grid(const std::string& name, const TiledGrid<CellCounts>& grid) {
+  transaction(
+      [&] { detail::write_any(impl_->database, name, detail::GridKind<CellCounts>::name, grid); });
 }
 
 ReflectionGrid Store::load_reflection_grid(const std::string& name) const {

@@ -27,11 +27,12 @@ struct FreeContext {
 std::vector<std::byte> compress(std::span<const std::byte> bytes) {
   const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
-  std::vector<std::byte> blob(ZSTD_compressBound(bytes.size()));
+  // Not set to zero: memory that is never written to is never taken.
+  const std::size_t most = ZSTD_compressBound(bytes.size());
+  const auto blob = std::make_unique_for_overwrite<std::byte[]>(most);
   const std::size_t size =
-      ZSTD_compress2(context.get(), blob.data(), blob.size(), bytes.data(), bytes.size());
-  blob.resize(size);
-  return blob;
+      ZSTD_compress2(context.get(), blob.get(), most, bytes.data(), bytes.size());
+  return {blob.get(), blob.get() + size};
 }
 
 std::vector<std::byte> decompress(std::span<const std::byte> blob, const std::string& place) {

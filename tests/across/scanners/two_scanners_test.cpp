@@ -249,7 +249,7 @@ TEST(TwoScanners, BothStayInTheMapOfTheOnlineFilter) {
   }
   const auto hits = [](const beam_filter::OnlineFilter& filter) {
     double sum = 0.0;
-    for (const CellCounts& cell : filter.counts().cells().values()) sum += cell.hits;
+    for (const CellCounts& cell : filter.counts().cells().dense().values()) sum += cell.hits;
     return sum;
   };
   // As many key scans, half of them with a fifth of the beams.

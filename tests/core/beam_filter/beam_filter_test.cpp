@@ -158,7 +158,7 @@ TEST(FilterAtFixedPoses, KeepsUnseenCellsUnknown) {
   std::size_t unknown = 0;
   for (std::size_t i = 0; i < result.filtered.size(); ++i) {
     const bool known = is_known(result.filtered.values()[i]);
-    EXPECT_EQ(known, result.raw.cells().values()[i].total() >= 0.5);
+    EXPECT_EQ(known, result.raw.cells().get(result.raw.cells().cell(i)).total() >= 0.5);
     unknown += known ? 0 : 1;
   }
   EXPECT_GT(unknown, 0U);
@@ -262,7 +262,7 @@ TEST(Label, FollowsTheCellWhereTheBeamEnds) {
 // A wall on the border of two cells: noise leaves a tenth of its beams in the nearer one.
 TEST(FilterCounts, ToleranceKeepsTheCellsBeforeAWall) {
   CountingMap raw(0.05);
-  raw.cells() = Grid<CellCounts>(0.05, CellRect{{0, 0}, {9, 1}});
+  raw.cells() = TiledGrid<CellCounts>(0.05, CellRect{{0, 0}, {9, 1}});
   raw.cells().at({4, 0}) = {1.0, 9.0};
   raw.cells().at({5, 0}) = {9.0, 0.0};
   raw.cells().at({1, 0}) = {1.0, 9.0};  // someone passed

@@ -64,7 +64,7 @@ inline double incomplete_log_likelihood(const CountingMap& raw, const Reflection
                                         const BeamFilterConfig& config) {
   double sum = 0.0;
   for (std::size_t i = 0; i < raw.cells().size(); ++i) {
-    const CellCounts& counts = raw.cells().values()[i];
+    const CellCounts& counts = raw.cells().get(raw.cells().cell(i));
     if (counts.hits == 0.0 && counts.misses == 0.0) continue;
     const Cell cell = raw.cells().cell(i);
     if (const float m = map.get(cell); is_known(m))

@@ -125,7 +125,7 @@ TEST(OnlineFilter, HoldsTheWindowAndTheKeyScansAndNothingElse) {
   WorkerPool pool(1);
   const CountingMap expected =
       count_scans(kept, filter.counts().resolution_m(), {}, BeamWeights::kAllStatic, pool);
-  const Grid<CellCounts>& cells = filter.counts().cells();
+  const Grid<CellCounts> cells = filter.counts().cells().dense();
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const CellCounts& other = expected.cells().get(cells.cell(i));
     ASSERT_NEAR(cells.values()[i].hits, other.hits, 1e-9);

@@ -79,8 +79,8 @@ void expect_equal(const CountingMap& map, const std::map<Cell, CellCounts>& expe
   for (std::size_t i = 0; i < map.cells().size(); ++i) {
     const auto found = expected.find(map.cells().cell(i));
     const CellCounts counts = found == expected.end() ? CellCounts{} : found->second;
-    ASSERT_NEAR(map.cells().values()[i].hits, counts.hits, 1e-9);
-    ASSERT_NEAR(map.cells().values()[i].misses, counts.misses, 1e-8);
+    ASSERT_NEAR(map.cells().get(map.cells().cell(i)).hits, counts.hits, 1e-9);
+    ASSERT_NEAR(map.cells().get(map.cells().cell(i)).misses, counts.misses, 1e-8);
   }
 }
 
@@ -128,7 +128,7 @@ TEST(CountingMap, CountsAllBeamsWhenLabelsAreToBeIgnored) {
 TEST(CountingMap, ReflectionIsTheShareOfHitsAndUnknownWithoutEvidence) {
   Grid<CellCounts> cells(kResolution, {{0, 0}, {4, 1}});
   cells.values() = {{3.0, 1.0}, {0.0, 0.4}, {0.0, 0.5}, {2.0, 0.0}};
-  const ReflectionGrid map = CountingMap(cells).reflection();
+  const ReflectionGrid map = CountingMap(TiledGrid(cells)).reflection();
   EXPECT_EQ(map.values()[0], 0.75F);
   EXPECT_FALSE(is_known(map.values()[1]));
   EXPECT_EQ(map.values()[2], 0.0F);
@@ -150,8 +150,8 @@ TEST(CountScans, EqualsAddingOneScanAfterTheOther) {
       const CellCounts& counts = expected.cells().get(map.cells().cell(i));
       // Stretches are added in another order than scans; short logs are one stretch.
       const double tolerance = count < 128 ? 0.0 : 1e-9;
-      ASSERT_NEAR(map.cells().values()[i].hits, counts.hits, tolerance);
-      ASSERT_NEAR(map.cells().values()[i].misses, counts.misses, tolerance);
+      ASSERT_NEAR(map.cells().get(map.cells().cell(i)).hits, counts.hits, tolerance);
+      ASSERT_NEAR(map.cells().get(map.cells().cell(i)).misses, counts.misses, tolerance);
     }
     for (const int threads : {2, 8}) {
       WorkerPool pool(threads);
@@ -159,8 +159,10 @@ TEST(CountScans, EqualsAddingOneScanAfterTheOther) {
           count_scans(some, kResolution, {}, BeamWeights::kStaticProbability, pool);
       ASSERT_EQ(again.cells().rect(), map.cells().rect());
       for (std::size_t i = 0; i < map.cells().size(); ++i) {
-        ASSERT_EQ(again.cells().values()[i].hits, map.cells().values()[i].hits);
-        ASSERT_EQ(again.cells().values()[i].misses, map.cells().values()[i].misses);
+        ASSERT_EQ(again.cells().get(again.cells().cell(i)).hits,
+                  map.cells().get(map.cells().cell(i)).hits);
+        ASSERT_EQ(again.cells().get(again.cells().cell(i)).misses,
+                  map.cells().get(map.cells().cell(i)).misses);
       }
     }
   }
@@ -180,7 +182,7 @@ TEST(LogOddsMap, AddsLogOddsOfHitsAndOfPassedLengths) {
   const double hit = std::log(config.hit_probability / (1.0 - config.hit_probability));
   const double miss = std::log(config.miss_probability / (1.0 - config.miss_probability));
   for (std::size_t i = 0; i < counts.cells().size(); ++i) {
-    const CellCounts& cell = counts.cells().values()[i];
+    const CellCounts& cell = counts.cells().get(counts.cells().cell(i));
     const double expected = cell.hits * hit + cell.misses * miss;
     const float value = map.log_odds().get(counts.cells().cell(i));
     ASSERT_NEAR(value, expected, 1e-4 * (1.0 + std::abs(expected)));

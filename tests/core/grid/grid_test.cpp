@@ -64,7 +64,7 @@ TEST(Grid, GrowsSeldomHoweverFarItGoesStepByStep) {
   for (int x = 0; x < 100'000; ++x) {
     const CellRect before = grid.rect();
     const Cell cell{x % 2 == 0 ? x / 2 : -x / 2, 0};  // both ways at once
-    grid.grow(with_room(grid, {cell, {cell.x + 1, cell.y + 1}}));
+    grid.grow(with_room(grid.rect(), {cell, {cell.x + 1, cell.y + 1}}));
     ASSERT_TRUE(grid.contains(cell));
     if (!(grid.rect() == before)) ++grown;
   }

@@ -59,7 +59,7 @@ class LogOddsMap {
     const double resolution = cells_.resolution_m();
     const CellRect extent = extent_of(scan, resolution, options);
     if (extent.empty()) return;
-    cells_.grow(with_room(cells_, extent));
+    cells_.grow(with_room(cells_.rect(), extent));
     for_each_ray(scan.scan, scan.map_from_laser(), options, [&](std::size_t beam, const Ray& ray) {
       const Cell end = cell_at(ray.to_m, resolution);
       traverse_ray(ray.from_m, ray.to_m, resolution, [&](const Cell& cell, double length_m) {

@@ -94,7 +94,7 @@ StaticMaps static_maps(const std::vector<PosedScan>& scans) {
   maps.filtered = make_reflection_grid(0.05, counts.cells().rect());
   for (std::size_t i = 0; i < counts.cells().size(); ++i) {
     maps.filtered.values()[i] = static_cast<float>(
-        beam_filter::closed_form(counts.cells().values()[i], kPrior, kMinEvidence));
+        beam_filter::closed_form(counts.cells().get(counts.cells().cell(i)), kPrior, kMinEvidence));
   }
   return maps;
 }
