@@ -9,7 +9,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/strata)
 # The find_package name of an imported target.
 function(strata_package_of target out)
   set(names Eigen3::Eigen=Eigen3 Threads::Threads=Threads Ceres::ceres=Ceres yaml-cpp=yaml-cpp
-    SQLite::SQLite3=SQLite3 zstd::libzstd_shared=zstd ZLIB::ZLIB=ZLIB BZip2::BZip2=BZip2 PNG::PNG=PNG
+    SQLite::SQLite3=SQLite3 zstd::libzstd_shared=zstd ZLIB::ZLIB=ZLIB BZip2::BZip2=BZip2 PNG::PNG=PNG Boost::headers=Boost
     nlohmann_json::nlohmann_json=nlohmann_json CLI11::CLI11=CLI11
     fastcdr=fastcdr fastrtps=fastrtps hwy::hwy=HWY octomap=octomap OpenSSL::Crypto=OpenSSL)
   foreach(pair ${names})

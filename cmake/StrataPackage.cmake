@@ -44,6 +44,6 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libceres-dev, libhw
 if(STRATA_COMPONENTS)
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     ", libfastrtps-dev, libfastcdr-dev, libyaml-cpp-dev, liblz4-dev, libbz2-dev, zlib1g-dev, libpng-dev,"
-    " librsvg2-bin, libssl-dev, nlohmann-json3-dev, libcli11-dev")
+    " librsvg2-bin, libssl-dev, nlohmann-json3-dev, libcli11-dev, libboost-dev")
 endif()
 include(CPack)

@@ -6,6 +6,7 @@
 
 #include "components/beam_filter/config.hpp"
 #include "components/incident_recorder/config.hpp"
+#include "components/live_view/config.hpp"
 #include "components/localizer/config.hpp"
 #include "components/log/log_config.hpp"
 #include "components/map_saver/config.hpp"
@@ -68,6 +69,7 @@ std::vector<Page> make_pages() {
       component_page<recorder::RecorderConfig>("recorder", "Recorder"),
       component_page<incident_recorder::IncidentRecorderConfig>("incident_recorder",
                                                                 "IncidentRecorder"),
+      component_page<live_view::LiveViewConfig>("live_view", "LiveView"),
       page<log::LogConfig>("log.md", "Settings of reading logs",
                            "What stands below `log:` in what `strata learn`, `localize` and "
                            "`compare` read with `--config` (`components/log`)."),

@@ -41,6 +41,7 @@ std::string parameters_of(const std::string& type, const std::filesystem::path& 
   if (type == "strata::Player") {
     return "{log: '" + written_log(folder).string() + "', loop: true, rate: 100.0}";
   }
+  if (type == "strata::LiveView") return "{port: 0}";
   if (type == "strata::Localizer") return "{start: {pose: [0.0, 0.0, 0.0]}, model: occupancy}";
   if (type == "strata::ScanMatcher") {
     return "{maps: {folder: '" + (folder / "maps").string() + "', publish_every_s: 0.01}}";

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/live_view/live_view.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "components/bus/service.hpp"
+#include "components/convert/message_definitions.hpp"
+#include "components/live_view/page.hpp"
+#include "core/base/error.hpp"
+
+namespace strata::live_view {
+namespace {
+
+constexpr auto kServicePatience = std::chrono::seconds(3);
+/// Messages of one topic that may come between two looks of the component.
+constexpr int kDepth = 20;
+
+}  // namespace
+
+void LiveView::on_configure() {
+  config_ = read_parameters<LiveViewConfig>();
+  if (lockstep()) return;
+  CommandNames commands;
+  if (config_.allow_commands) {
+    commands = {resolve(config_.initial_pose_topic), resolve(config_.relocalize_service)};
+    publish_pose_ = advertise<geometry_msgs::msg::PoseWithCovarianceStamped>(
+        config_.initial_pose_topic, "default");
+  }
+  if (context().dry_run) return;
+  const auto max_viewers = static_cast<std::size_t>(config_.max_viewers);
+  hub_ = std::make_shared<ViewHub>("strata " + full_name(), commands, max_viewers);
+  WebServerOptions options;
+  options.address = config_.address;
+  options.port = static_cast<std::uint16_t>(config_.port);
+  options.rules = {config_.token, config_.origins};
+  options.page = page();
+  try {
+    server_ = std::make_unique<WebServer>(options, hub_, max_viewers);
+  } catch (const ConfigError& error) {
+    throw ConfigError(full_name() + ": " + error.place(), error.problem(), error.remedy());
+  }
+  say(runtime::LogLevel::kInfo, "the live view is at " + server_->url());
+}
+
+void LiveView::on_tick() {
+  if (!hub_) return;
+  offer_topics();
+  read_what_is_wanted();
+  for (const ViewCommand& command : hub_->take_commands()) {
+    guarded([&] { perform(command); });
+  }
+}
+
+void LiveView::offer_topics() {
+  for (const auto& [topic, published] : context().participant->published_topics()) {
+    if (topic.starts_with("/strata_lockstep/")) continue;
+    const auto [entry, is_new] = channels_.try_emplace(topic, 0);
+    if (!is_new) continue;
+    const std::string schema = convert::message_definition(published.type);
+    if (schema.empty()) continue;  // nobody could decode it
+    entry->second = hub_->advertise(topic, published.type, schema, published.transient_local);
+    offered_[entry->second] = {topic, published.type, published.transient_local};
+  }
+}
+
+void LiveView::read_what_is_wanted() {
+  for (const std::uint32_t channel : hub_->wanted()) {
+    Offered& offered = offered_.at(channel);
+    if (std::exchange(offered.is_read, true)) continue;
+    bus::QosProfile qos = bus::qos_profile("sensor_data");
+    qos.reliable = offered.latched;
+    qos.transient_local = offered.latched;
+    qos.depth = kDepth;
+    subscribe_raw(
+        offered.topic, offered.type, qos, [hub = hub_, channel](const bus::RawMessage& message) {
+          hub->publish(channel, std::make_shared<const ViewMessage>(
+                                    ViewMessage{static_cast<std::uint64_t>(message.source_stamp_ns),
+                                                message.identity.writer, message.cdr}));
+        });
+  }
+}
+
+void LiveView::perform(const ViewCommand& command) {
+  if (command.kind == ViewCommand::Kind::kRelocalize) return relocalize(command);
+  // Decoded, so that what is no pose goes no further.
+  publish_pose_(convert::from_cdr<geometry_msgs::msg::PoseWithCovarianceStamped>(
+      command.cdr, "a viewer's " + config_.initial_pose_topic));
+}
+
+void LiveView::relocalize(const ViewCommand& command) {
+  if (is_calling_.exchange(true)) {
+    hub_->answer(command, "a call is under way");
+    return;
+  }
+  // On a thread of its own: who answers may be in this process, on this very thread.
+  call_ = std::jthread([this, command, hub = hub_, participant = context().participant,
+                        service = resolve(config_.relocalize_service)] {
+    std::string problem = "nobody answers " + service;
+    try {
+      if (bus::call_service<bus::srv::Empty>(participant, service, {}, kServicePatience)) {
+        problem.clear();
+      }
+    } catch (const std::exception& error) {
+      problem = error.what();
+    }
+    hub->answer(command, problem);
+    is_calling_ = false;
+  });
+}
+
+void LiveView::on_cleanup() {
+  server_.reset();
+  if (call_.joinable()) call_.join();
+  hub_.reset();
+  channels_.clear();
+  offered_.clear();
+  publish_pose_ = nullptr;
+}
+
+void LiveView::on_diagnose(runtime::Health& health) const {
+  if (!server_) return;
+  const ViewHub::Counts counts = hub_->counts();
+  health.add("url", server_->url());
+  health.add("viewers", std::uint64_t{counts.viewers});
+  health.add("messages_sent", counts.sent);
+  health.add("messages_left_out", counts.dropped);
+  health.add("requests_refused", counts.refused);
+}
+
+}  // namespace strata::live_view

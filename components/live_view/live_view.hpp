@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+/// strata::LiveView: topics in, a page in the browser and Foxglove's protocol out.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "components/live_view/config.hpp"
+#include "components/live_view/view_hub.hpp"
+#include "components/live_view/web_server.hpp"
+#include "components/runtime/component.hpp"
+
+namespace strata::live_view {
+
+/// Offers every topic of the domain whose type is known here to viewers, message by message as the
+/// bytes they came in; a topic is read from when the first viewer wants it. Reads latched topics
+/// reliably, others best-effort: no writer waits for it. Out, for viewers: initialpose; and it
+/// calls reinitialize_global_localization. In lockstep it does nothing.
+class LiveView final : public runtime::Component {
+ public:
+  using Component::Component;
+
+ private:
+  void on_declare() override { declare_parameters<LiveViewConfig>(); }
+  void on_configure() override;
+  void on_tick() override;
+  void on_cleanup() override;
+  void on_diagnose(runtime::Health& health) const override;
+  void offer_topics();
+  void read_what_is_wanted();
+  void perform(const ViewCommand& command);
+  void relocalize(const ViewCommand& command);
+
+  struct Offered {
+    std::string topic;
+    std::string type;
+    bool latched = false;
+    bool is_read = false;
+  };
+
+  LiveViewConfig config_;
+  std::shared_ptr<ViewHub> hub_;
+  std::map<std::string, std::uint32_t> channels_;  ///< by topic; 0: of a type not known
+  std::map<std::uint32_t, Offered> offered_;
+  std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
+  std::atomic<bool> is_calling_{false};
+  std::jthread call_;                  // waits for a service's answer, so that nothing else does
+  std::unique_ptr<WebServer> server_;  // last: its thread uses the hub
+};
+
+}  // namespace strata::live_view

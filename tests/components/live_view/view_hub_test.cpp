@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/live_view/view_hub.hpp"
+
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace strata::live_view {
+namespace {
+
+using Json = nlohmann::json;
+
+class ViewHubTest : public testing::Test {
+ protected:
+  ViewHub hub_{"strata", {"/initialpose", "/reinitialize_global_localization"}, 2};
+  int woken_ = 0;
+
+  ViewerId joined() {
+    return hub_.join([this] { ++woken_; }).value();
+  }
+  static SharedMessage message(std::uint8_t content, std::uint8_t writer = 1) {
+    ViewMessage made;
+    made.stamp_ns = 7;
+    made.writer[0] = writer;
+    made.cdr = {0, 1, 0, 0, content};
+    return std::make_shared<const ViewMessage>(made);
+  }
+  /// What is not binary, in order, until there is nothing more.
+  std::vector<Json> texts(ViewerId viewer) {
+    std::vector<Json> found;
+    while (const auto frame = hub_.next(viewer)) {
+      if (!frame->is_binary) found.push_back(Json::parse(frame->head));
+    }
+    return found;
+  }
+  void subscribe(ViewerId viewer, std::uint32_t id, std::uint32_t channel) {
+    hub_.take(viewer, false,
+              Json{{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}}
+                  .dump());
+  }
+  /// The last bytes of the messages that wait for a viewer.
+  std::vector<int> contents(ViewerId viewer) {
+    std::vector<int> found;
+    while (const auto frame = hub_.next(viewer)) {
+      if (frame->message) found.push_back(frame->message->cdr.back());
+    }
+    return found;
+  }
+};
+
+TEST_F(ViewHubTest, SaysFirstWhoItIsThenWhatThereIs) {
+  hub_.advertise("/scan", "sensor_msgs/msg/LaserScan", "float32 angle_min\n", false);
+  const auto found = texts(joined());
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(found[0].at("op"), "serverInfo");
+  EXPECT_EQ(found[0].at("supportedEncodings"), Json({"cdr"}));
+  EXPECT_EQ(found[1].at("channels")[0], Json({{"id", 1},
+                                              {"topic", "/scan"},
+                                              {"encoding", "cdr"},
+                                              {"schemaName", "sensor_msgs/msg/LaserScan"},
+                                              {"schema", "float32 angle_min\n"},
+                                              {"schemaEncoding", "ros2msg"}}));
+  EXPECT_EQ(found[2].at("op"), "advertiseServices");
+}
+
+TEST_F(ViewHubTest, SendsAMessageAsTheProtocolSays) {
+  const auto scan = hub_.advertise("/scan", "a/msg/B", "x", false);
+  const ViewerId viewer = joined();
+  (void)texts(viewer);
+  subscribe(viewer, 0x01020304, scan);
+  hub_.publish(scan, message(9));
+  const auto frame = hub_.next(viewer);
+  ASSERT_TRUE(frame.has_value());
+  EXPECT_TRUE(frame->is_binary);
+  EXPECT_EQ(frame->head, (std::vector<std::uint8_t>{1, 4, 3, 2, 1, 7, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(frame->message->cdr, (std::vector<std::uint8_t>{0, 1, 0, 0, 9}));
+}
+
+TEST_F(ViewHubTest, KeepsTheNewestOfEachWriterForAViewerThatDoesNotRead) {
+  const auto scan = hub_.advertise("/scan", "a/msg/B", "x", false);
+  const ViewerId slow = joined();
+  (void)texts(slow);
+  subscribe(slow, 1, scan);
+  const int woken_before = woken_;
+  for (int i = 0; i < 200; ++i) {
+    hub_.publish(scan, message(static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i % 2)));
+  }
+  EXPECT_EQ(woken_, woken_before + 1) << "woken once until it has taken all";
+  EXPECT_EQ(hub_.counts().waiting, 2U);
+  EXPECT_EQ(hub_.counts().dropped, 198U);
+  EXPECT_EQ(contents(slow), (std::vector<int>{198, 199}));
+}
+
+TEST_F(ViewHubTest, KeepsAtMost64WritersOfATopic) {
+  const auto tf = hub_.advertise("/tf_static", "a/msg/B", "x", true);
+  const ViewerId slow = joined();
+  subscribe(slow, 1, tf);
+  for (int i = 0; i < 100; ++i) {
+    hub_.publish(tf, message(static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i)));
+  }
+  EXPECT_EQ(hub_.counts().waiting, 64U);
+  const ViewerId late = joined();
+  subscribe(late, 1, tf);
+  EXPECT_EQ(contents(late).size(), 64U);
+}
+
+TEST_F(ViewHubTest, GivesALateViewerTheLatchedMessagesOfEveryWriterAndNoOthers) {
+  const auto map = hub_.advertise("/map", "a/msg/B", "x", true);
+  const auto scan = hub_.advertise("/scan", "a/msg/B", "x", false);
+  hub_.publish(map, message(1, 1));
+  hub_.publish(map, message(2, 2));
+  hub_.publish(map, message(3, 1));
+  hub_.publish(scan, message(4));
+  const ViewerId late = joined();
+  subscribe(late, 1, map);
+  subscribe(late, 2, scan);
+  EXPECT_EQ(contents(late), (std::vector<int>{2, 3}));
+}
+
+TEST_F(ViewHubTest, ServesTopicsInTurn) {
+  const auto first = hub_.advertise("/a", "a/msg/B", "x", false);
+  const auto second = hub_.advertise("/b", "a/msg/B", "x", false);
+  const ViewerId viewer = joined();
+  (void)texts(viewer);
+  subscribe(viewer, 1, first);
+  subscribe(viewer, 2, second);
+  for (std::uint8_t writer = 0; writer < 3; ++writer) hub_.publish(first, message(1, writer));
+  hub_.publish(second, message(2));
+  EXPECT_EQ(contents(viewer), (std::vector<int>{1, 2, 1, 1}));
+}
+
+TEST_F(ViewHubTest, StopsWhatIsUnsubscribedAndForgetsWhoLeaves) {
+  const auto scan = hub_.advertise("/scan", "a/msg/B", "x", false);
+  const ViewerId viewer = joined();
+  subscribe(viewer, 1, scan);
+  EXPECT_EQ(hub_.wanted(), std::vector<std::uint32_t>{scan});
+  hub_.take(viewer, false, R"({"op":"unsubscribe","subscriptionIds":[1,99,-3,"x"]})");
+  EXPECT_TRUE(hub_.wanted().empty());
+  subscribe(viewer, 2, scan);
+  hub_.leave(viewer);
+  EXPECT_TRUE(hub_.wanted().empty());
+  hub_.publish(scan, message(1));
+  EXPECT_FALSE(hub_.next(viewer).has_value());
+}
+
+TEST_F(ViewHubTest, RefusesMoreViewersThanItMayHave) {
+  const ViewerId first = joined();
+  (void)joined();
+  EXPECT_FALSE(hub_.join([] {}).has_value());
+  hub_.leave(first);
+  EXPECT_TRUE(hub_.join([] {}).has_value());
+}
+
+TEST_F(ViewHubTest, LetsViewersPublishThePoseAndNothingElse) {
+  const ViewerId viewer = joined();
+  const std::string type = "geometry_msgs/msg/PoseWithCovarianceStamped";
+  const auto advertise = [&](int id, const std::string& topic) {
+    hub_.take(viewer, false,
+              Json{{"op", "advertise"},
+                   {"channels",
+                    {{{"id", id}, {"topic", topic}, {"schemaName", type}, {"encoding", "cdr"}}}}}
+                  .dump());
+  };
+  advertise(1, "/cmd_vel");
+  hub_.take(viewer, true, std::string("\1\1\0\0\0pose", 9));
+  EXPECT_TRUE(hub_.take_commands().empty());
+  EXPECT_EQ(hub_.counts().refused, 2U);
+  advertise(1, "/initialpose");
+  hub_.take(viewer, true, std::string("\1\1\0\0\0pose", 9));
+  const auto commands = hub_.take_commands();
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0].cdr, (std::vector<std::uint8_t>{'p', 'o', 's', 'e'}));
+}
+
+TEST_F(ViewHubTest, BoundsWhatWaitsOfViewersThatAskForMuch) {
+  const ViewerId viewer = joined();
+  const std::string call("\2\1\0\0\0\5\0\0\0\3\0\0\0cdr", 16);
+  for (int i = 0; i < 5000; ++i) hub_.take(viewer, true, call);
+  EXPECT_EQ(hub_.take_commands().size(), 16U);
+  EXPECT_LE(texts(viewer).size(), 1000U);
+}
+
+TEST_F(ViewHubTest, AnswersACallToWhoCalled) {
+  const ViewerId viewer = joined();
+  hub_.take(viewer, true, std::string("\2\1\0\0\0\5\0\0\0\3\0\0\0cdr", 16));
+  const auto commands = hub_.take_commands();
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0].kind, ViewCommand::Kind::kRelocalize);
+  (void)texts(viewer);
+  hub_.answer(commands[0], "");
+  const auto frame = hub_.next(viewer);
+  ASSERT_TRUE(frame.has_value());
+  const std::string expected("\3\1\0\0\0\5\0\0\0\3\0\0\0cdr\0\1\0\0\0", 21);
+  EXPECT_EQ(std::string(frame->head.begin(), frame->head.end()), expected);
+  hub_.answer(commands[0], "nobody answers");
+  const auto failure = texts(viewer);
+  ASSERT_EQ(failure.size(), 1U);
+  EXPECT_EQ(failure[0].at("op"), "serviceCallFailure");
+  EXPECT_EQ(failure[0].at("callId"), 5);
+}
+
+TEST(ViewHubWithoutCommands, OffersAndTakesNone) {
+  ViewHub hub("strata", {}, 1);
+  const ViewerId viewer = hub.join([] {}).value();
+  const auto info = hub.next(viewer);
+  EXPECT_TRUE(Json::parse(info->head).at("capabilities").empty());
+  EXPECT_FALSE(hub.next(viewer).has_value());
+  hub.take(viewer, false,
+           R"({"op":"advertise","channels":[{"id":1,"topic":"","encoding":"cdr",)"
+           R"("schemaName":"geometry_msgs/msg/PoseWithCovarianceStamped"}]})");
+  hub.take(viewer, true, std::string("\1\1\0\0\0", 5));
+  hub.take(viewer, true, std::string("\2\1\0\0\0\5\0\0\0\3\0\0\0cdr", 16));
+  EXPECT_TRUE(hub.take_commands().empty());
+  EXPECT_EQ(hub.counts().refused, 3U);
+}
+
+TEST_F(ViewHubTest, LivesThroughMutatedMessages) {
+  const auto scan = hub_.advertise("/scan", "a/msg/B", "x", false);
+  const ViewerId viewer = joined();
+  const std::vector<std::string> seeds = {
+      R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})",
+      R"({"op":"unsubscribe","subscriptionIds":[0,1]})",
+      R"({"op":"advertise","channels":[{"id":1,"topic":"/initialpose","encoding":"cdr"}]})",
+      std::string("\1\1\0\0\0\0\1\0\0", 9), std::string("\2\1\0\0\0\5\0\0\0\3\0\0\0cdr", 16)};
+  std::mt19937 random(1);
+  const auto below = [&](std::size_t bound) { return random() % bound; };
+  for (int i = 0; i < 20000; ++i) {
+    std::string bytes = seeds[below(seeds.size())];
+    for (std::size_t n = below(4); n > 0 && !bytes.empty(); --n) {
+      const std::size_t at = below(bytes.size());
+      switch (below(3)) {
+        case 0:
+          bytes[at] = static_cast<char>(below(256));
+          break;
+        case 1:
+          bytes.erase(at, below(8));
+          break;
+        default:
+          bytes.insert(at, std::to_string(random()));
+          break;
+      }
+    }
+    hub_.take(viewer, below(2) == 0, bytes);
+    if (i % 100 == 0) {
+      hub_.publish(scan, message(1));
+      (void)contents(viewer);
+      (void)hub_.take_commands();
+    }
+  }
+  EXPECT_GT(hub_.counts().refused, 1000U);
+  (void)texts(viewer);
+  hub_.take(viewer, false, R"({"op":"clientInfo"})");
+  EXPECT_FALSE(hub_.next(viewer).has_value());
+}
+
+TEST_F(ViewHubTest, TakesDeepNestsForNoMessage) {
+  const ViewerId viewer = joined();
+  hub_.take(viewer, false, std::string(200000, '['));
+  hub_.take(viewer, false, std::string(100000, '[') + std::string(100000, ']'));
+  EXPECT_EQ(hub_.counts().refused, 2U);
+}
+
+}  // namespace
+}  // namespace strata::live_view
