@@ -96,7 +96,10 @@ class SurfaceMap {
   [[nodiscard]] static float misses_of(Code code) { return std::bit_cast<float>(code); }
   [[nodiscard]] static Code code_of(float misses) { return std::bit_cast<Code>(misses); }
   [[nodiscard]] static bool is_hit(Code code) { return code < 0; }
-  [[nodiscard]] static std::size_t index_of(Code code) { return static_cast<std::size_t>(~code); }
+  [[nodiscard]] static std::size_t index_of(Code code) {
+    const Code index = ~code;
+    return static_cast<std::size_t>(index);
+  }
   /// Null where no beam ended.
   [[nodiscard]] const HitCell* hit_cell(const Cell& cell) const {
     const Code code = cells_.get(cell);

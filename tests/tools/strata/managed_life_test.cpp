@@ -53,6 +53,8 @@ class EveryComponent : public test::ReplayFixture {
     // What it plays again and again has stamps that the others would rightly complain of.
     add("Player", "rate: 1000, log: " + log().string(), "/old");
     add("Recorder", "out: " + at("bag").string() + ", topics: [scan]", "/old");
+    add("IncidentRecorder", "out: " + at("incidents").string() + ", topics: [scan]", "/old");
+    add("LiveView", "port: 0");
   }
   void lead(void (runtime::Component::*transition)(), LifecycleState goal) {
     for (const auto& component : host_->components()) {
