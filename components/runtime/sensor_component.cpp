@@ -61,7 +61,10 @@ void SensorComponent::subscribe_sensors(const SensorInputConfig& wanted, const s
 
 void SensorComponent::take_observations() {
   const std::vector<Observation> observations = input_->take();
-  for (const std::string& warning : input_->take_warnings()) tell(std::runtime_error(warning));
+  const auto tell_warnings = [this] {
+    for (const std::string& warning : input_->take_warnings()) tell(std::runtime_error(warning));
+  };
+  tell_warnings();
   for (const Observation& observation : observations) {
     if (lockstep() || stamps_.believes(observation.scan.stamp)) {
       on_observation(observation);
@@ -70,6 +73,8 @@ void SensorComponent::take_observations() {
                       "see what publishes it; after a gap the next scan is taken"));
     }
   }
+  for (const Observation& observation : observations) input_->watch_clock(observation);
+  tell_warnings();
 }
 
 void SensorComponent::diagnose_input(Health& health) const {

@@ -86,8 +86,9 @@ void SensorInput::add_odometry(LiveOdometry& odometry, Stamp stamp, const Pose2&
 }
 
 /// What the player sends in lockstep is by one clock already.
-void SensorInput::watch_clock(const Scan& scan) {
-  clock_.add(scan);
+void SensorInput::watch_clock(const Observation& observation) {
+  if (!waits_ || !observation.has_odometry) return;
+  clock_.add(observation.scan);
   const std::optional<double> lag_s = clock_.lag_s();
   if (!lag_s || std::abs(*lag_s - lag_s_) < log::kMinOdometryLagS) return;
   std::ostringstream text;
@@ -221,7 +222,6 @@ void SensorInput::release() {
   }
   auto observation =
       log::join(std::move(waiting.sensed), odometry, {.reversed = is_upside_down(mounting)}, true);
-  if (waits_ && observation->has_odometry) watch_clock(observation->scan);
   ready_.push_back(std::move(*observation));
 }
 

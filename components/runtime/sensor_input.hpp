@@ -55,6 +55,10 @@ class SensorInput {
   /// The scans that are complete now, in order of time.
   [[nodiscard]] std::vector<Observation> take();
 
+  /// Compares the turns of an observation of `take` with odometry's, for those that come. It takes
+  /// longer than all else here: work on the observation first. O(turns x beams).
+  void watch_clock(const Observation& observation);
+
   /// What was met since the last call, each kind once.
   [[nodiscard]] std::vector<std::string> take_warnings();
   void diagnose(Health& health) const;
@@ -78,7 +82,6 @@ class SensorInput {
   [[nodiscard]] bool has_waited_long(const WaitingScan& oldest) const;
   void give_up(const WaitingScan& waiting);
   void release();
-  void watch_clock(const Scan& scan);
 
   SensorInputConfig config_;
   bool waits_;

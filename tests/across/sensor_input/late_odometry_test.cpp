@@ -80,6 +80,7 @@ Heard drive(SensorInputConfig config, double lag_s) {
       next_scan_s += 0.1;
     }
     for (const Observation& seen : input.take()) {
+      input.watch_clock(seen);
       ++heard.scans;
       const double at_s = seen.scan.stamp.seconds();
       if (at_s < 80.0 || !seen.has_odometry) continue;

@@ -110,7 +110,10 @@ class RecordedRobot {
     std::vector<Observation> taken;
     for (const Message& message : in_order()) {
       message.give(input, config);
-      for (Observation& observation : input.take()) taken.push_back(std::move(observation));
+      for (Observation& observation : input.take()) {
+        input.watch_clock(observation);
+        taken.push_back(std::move(observation));
+      }
     }
     warnings = input.take_warnings();
     return taken;
