@@ -1,7 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/bus/recorded_topic.hpp"
 
+#include <algorithm>
+
 namespace strata::bus {
+
+std::map<std::string, PublishedTopic> topics_to_record(const Participant& participant,
+                                                       const std::string& recorder,
+                                                       const std::vector<std::string>& wanted) {
+  auto topics = participant.published_topics();
+  std::erase_if(topics, [&](const auto& entry) {
+    const std::string& topic = entry.first;
+    if (topic.starts_with(recorder + "/") || topic.starts_with("/strata_lockstep/")) return true;
+    return !wanted.empty() && std::find(wanted.begin(), wanted.end(), topic) == wanted.end();
+  });
+  return topics;
+}
 
 QosProfile qos_to_record(const PublishedTopic& published) {
   constexpr int kDepth = 1000;

@@ -2,12 +2,21 @@
 /// How a topic is read to be recorded, and what a bag says of its writers.
 #pragma once
 
+#include <map>
 #include <string>
+#include <vector>
 
 #include "components/bus/participant.hpp"
 #include "components/bus/qos.hpp"
 
 namespace strata::bus {
+
+/// What is published, by topic, as far as whoever records by the full name `recorder` wants it:
+/// without what tells of the recorder itself and what leads a lockstep replay. wanted: full topics;
+/// empty: all.
+[[nodiscard]] std::map<std::string, PublishedTopic> topics_to_record(
+    const Participant& participant, const std::string& recorder,
+    const std::vector<std::string>& wanted);
 
 /// As the writers offer: reliably when all do, latched messages too; best effort and volatile
 /// matches every writer. Deep enough that a burst does not push messages out.

@@ -156,14 +156,8 @@ void Recorder::write_bag(const std::function<void()>& write) {
 }
 
 void Recorder::record_what_is_published() {
-  for (const auto& [topic, published] : context().participant->published_topics()) {
-    // What tells of the recorder itself is no part of what it records.
-    const bool is_own = topic.starts_with(full_name() + "/");
-    if (is_own || topic.starts_with("/strata_lockstep/")) continue;
-    const bool wanted =
-        config_.topics.empty() ||
-        std::find(config_.topics.begin(), config_.topics.end(), topic) != config_.topics.end();
-    if (!wanted) continue;
+  const auto topics = bus::topics_to_record(*context().participant, full_name(), config_.topics);
+  for (const auto& [topic, published] : topics) {
     record(topic, published);
     place_of(topic, &published);
   }
