@@ -16,14 +16,17 @@ constexpr auto kFlushPeriod = std::chrono::milliseconds(500);
 
 Incident::Incident(IncidentPlan plan, IncidentRecord record, std::vector<KeptMessagePtr> messages)
     : plan_(std::move(plan)),
+      folder_(record.folder),
       record_(std::move(record)),
       reasons_(record_.reasons),
       waiting_(messages.begin(), messages.end()),
       thread_([this] { run(); }) {}
 
-Incident::~Incident() {
+Incident::~Incident() { finish(); }
+
+void Incident::finish() {
   end();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void Incident::add(KeptMessagePtr message) {
@@ -98,7 +101,8 @@ void Incident::write_all() {
   complete(bag);
 }
 
-/// The record comes first: a process that is killed from here on leaves an incident that is listed.
+/// The record comes first: a process that is killed from here on leaves an incident that is listed,
+/// and its files are kept for it.
 void Incident::begin(log::BagWriter& bag) {
   write_record(record_);
   try {
@@ -107,8 +111,9 @@ void Incident::begin(log::BagWriter& bag) {
     std::vector<std::string> problems;
     record_.files = keep_files(plan_.incidents, plan_.keep_files, problems);
     for (const std::string& problem : problems) {
-      tell(record_.folder.string() + ": keeps no copy of " + problem + "; see keep_files");
+      tell(folder_.string() + ": keeps no copy of " + problem + "; see keep_files");
     }
+    if (!record_.files.empty()) write_record(record_);
   } catch (const std::exception& error) {
     tell(error.what());
   }

@@ -44,12 +44,13 @@ class Incident {
   void add(IncidentReason reason);
   /// Nothing more comes; returns at once.
   void end();
+  /// Ends it and waits until it is done.
+  void finish();
   /// Whether everything is on the disk, or cannot come there.
   [[nodiscard]] bool is_done() const;
   /// What went wrong, since the last call.
   [[nodiscard]] std::vector<std::string> take_problems();
-  /// As it is on the disk; once it is done.
-  [[nodiscard]] const IncidentRecord& record() const { return record_; }
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
  private:
   void run();
@@ -59,7 +60,8 @@ class Incident {
   void complete(log::BagWriter& bag);
   void tell(const std::string& problem);
 
-  IncidentPlan plan_;
+  const IncidentPlan plan_;
+  const std::filesystem::path folder_;
   IncidentRecord record_;  // the thread's until it is done, as both below
   std::map<std::string, std::size_t> places_;
   bool is_stuck_ = false;

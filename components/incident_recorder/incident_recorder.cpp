@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 #include "components/bus/recorded_topic.hpp"
@@ -48,10 +47,13 @@ void IncidentRecorder::on_configure() {
     }
   }
   offer<bus::srv::Trigger>("~/keep_incident", [this](const auto&) {
+    const bool is_active = state() == runtime::LifecycleState::kActive;
+    if (is_active) begin({"asked", full_name(), "asked for by ~/keep_incident"});
     std_srvs::srv::Trigger_Response response;
-    response.success(state() == runtime::LifecycleState::kActive);
-    response.message(response.success() ? "kept in " + config_.out : "is not active");
-    if (response.success()) begin({"asked", full_name(), "asked for by ~/keep_incident"});
+    response.success(is_active);
+    response.message(!is_active ? "is not active"
+                     : next_    ? "is kept when the one before is on the disk"
+                                : "is kept in " + incident_->folder().string());
     return response;
   });
   for (std::string& topic : config_.topics) topic = resolve(topic);
@@ -61,14 +63,8 @@ void IncidentRecorder::on_configure() {
 }
 
 void IncidentRecorder::watch_topics() {
-  for (const auto& [topic, published] : context().participant->published_topics()) {
-    const bool is_own = topic.starts_with(full_name() + "/");
-    if (is_own || topic.starts_with("/strata_lockstep/")) continue;
-    const bool is_wanted =
-        config_.topics.empty() ||
-        std::find(config_.topics.begin(), config_.topics.end(), topic) != config_.topics.end();
-    if (is_wanted) watch(topic, published);
-  }
+  const auto topics = bus::topics_to_record(*context().participant, full_name(), config_.topics);
+  for (const auto& [topic, published] : topics) watch(topic, published);
 }
 
 void IncidentRecorder::watch(const std::string& topic, const bus::PublishedTopic& published) {
@@ -105,9 +101,13 @@ void IncidentRecorder::begin(const IncidentReason& reason) {
   if (incident_ && now < ends_at_) {
     incident_->add(reason);
     ends_at_ = std::min(now + seconds(config_.after_s), ends_latest_);
+    rests_until_ = ends_at_ + seconds(config_.rest_s);
     return;
   }
-  if (incident_) return;  // the one before is still on its way to the disk
+  if (incident_) {  // the one before is still on its way to the disk
+    if (!next_) next_ = reason;
+    return;
+  }
   ring_->forget(now);
   IncidentRecord record;
   record.at_ns = unix_now_ns();
@@ -133,6 +133,7 @@ void IncidentRecorder::settle() {
   }
   if (!incident_->is_done()) return;
   incident_.reset();
+  if (const auto reason = std::exchange(next_, std::nullopt)) begin(*reason);
 }
 
 void IncidentRecorder::on_tick() {
@@ -144,18 +145,15 @@ void IncidentRecorder::on_tick() {
 }
 
 void IncidentRecorder::on_deactivate() {
+  next_.reset();
   if (!incident_) return;
-  std::unique_ptr<Incident> last = std::move(incident_);
-  const std::string folder = last->record().folder.string();
-  last->end();
-  while (!last->is_done()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  for (const std::string& problem : last->take_problems()) {
-    tell(OutputError(folder, problem, "keep room on the disk"));
-  }
+  incident_->finish();
+  settle();
 }
 
 void IncidentRecorder::on_cleanup() {
   incident_.reset();
+  next_.reset();
   topics_kept_.clear();
   ring_.reset();
   triggers_.reset();

@@ -41,6 +41,8 @@ class IncidentRecorder final : public runtime::Component {
   void watch(const std::string& topic, const bus::PublishedTopic& published);
   void take(const std::shared_ptr<const KeptTopic>& topic, const bus::RawMessage& message);
   void judge(const bus::RawMessage& message);
+  /// Begins an incident, prolongs the one that lasts, or leaves the reason for when the one before
+  /// is on the disk.
   void begin(const IncidentReason& reason);
   /// Lets go of one that is on the disk.
   void settle();
@@ -50,6 +52,7 @@ class IncidentRecorder final : public runtime::Component {
   std::optional<MessageRing> ring_;
   std::optional<IncidentTriggers> triggers_;
   std::unique_ptr<Incident> incident_;
+  std::optional<IncidentReason> next_;  ///< came while the one before went to the disk
   Clock::time_point ends_at_;
   Clock::time_point ends_latest_;
   Clock::time_point rests_until_;
