@@ -2,6 +2,7 @@
 #include "components/live_view/live_view.hpp"
 
 #include <chrono>
+#include <system_error>
 #include <utility>
 
 #include "components/bus/service.hpp"
@@ -94,8 +95,8 @@ void LiveView::relocalize(const ViewCommand& command) {
     return;
   }
   // On a thread of its own: who answers may be in this process, on this very thread.
-  call_ = std::jthread([this, command, hub = hub_, participant = context().participant,
-                        service = resolve(config_.relocalize_service)] {
+  const auto call = [this, command, hub = hub_, participant = context().participant,
+                     service = resolve(config_.relocalize_service)] {
     std::string problem = "nobody answers " + service;
     try {
       if (bus::call_service<bus::srv::Empty>(participant, service, {}, kServicePatience)) {
@@ -106,7 +107,13 @@ void LiveView::relocalize(const ViewCommand& command) {
     }
     hub->answer(command, problem);
     is_calling_ = false;
-  });
+  };
+  try {
+    call_ = std::jthread(call);
+  } catch (const std::system_error&) {
+    is_calling_ = false;
+    throw;
+  }
 }
 
 void LiveView::on_cleanup() {

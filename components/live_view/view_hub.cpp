@@ -2,11 +2,11 @@
 #include "components/live_view/view_hub.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include <nlohmann/json.hpp>
 
 #include "components/live_view/foxglove_texts.hpp"
+#include "components/live_view/viewer_json.hpp"
 
 namespace strata::live_view {
 namespace {
@@ -21,36 +21,6 @@ constexpr std::size_t kMaxAnswers = 1000;
 constexpr std::size_t kMaxCommands = 16;
 
 std::vector<std::uint8_t> bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
-
-std::optional<std::uint32_t> number_of(const Json& object, const char* key) {
-  if (!object.is_object()) return std::nullopt;
-  const auto found = object.find(key);
-  if (found == object.end() || !found->is_number_unsigned()) return std::nullopt;
-  const auto value = found->get<std::uint64_t>();
-  if (value > std::numeric_limits<std::uint32_t>::max()) return std::nullopt;
-  return static_cast<std::uint32_t>(value);
-}
-
-std::string string_of(const Json& object, const char* key) {
-  if (!object.is_object()) return "";
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
-const Json& list_of(const Json& object, const char* key) {
-  static const Json none = Json::array();
-  const auto found = object.find(key);
-  return found != object.end() && found->is_array() ? *found : none;
-}
-
-/// Little-endian, at an offset that is there.
-std::uint32_t number_at(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < sizeof(value); ++i) {
-    value |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[at + i])) << (8 * i);
-  }
-  return value;
-}
 
 }  // namespace
 
@@ -226,7 +196,7 @@ void ViewHub::take_text(Viewer& viewer, std::string_view text) {
     }
   } else if (op == "unsubscribe") {
     for (const Json& id : list_of(json, "subscriptionIds")) {
-      if (id.is_number_unsigned()) viewer.subscriptions.erase(id.get<std::uint32_t>());
+      if (const auto number = number_of(id)) viewer.subscriptions.erase(*number);
     }
   } else if (op == "advertise") {
     for (const Json& entry : list_of(json, "channels")) {
@@ -246,7 +216,7 @@ void ViewHub::take_text(Viewer& viewer, std::string_view text) {
     }
   } else if (op == "unadvertise") {
     for (const Json& id : list_of(json, "channelIds")) {
-      if (id.is_number_unsigned()) viewer.own_channels.erase(id.get<std::uint32_t>());
+      if (const auto number = number_of(id)) viewer.own_channels.erase(*number);
     }
   } else if (op != "clientInfo") {
     refuse(viewer, "this server does not know that op");

@@ -41,12 +41,6 @@ const typename Streams::value_type* choose(const Streams& streams, const std::st
   return &chosen;
 }
 
-/// Simulators publish the truth in the form of odometry, `/base_pose_ground_truth`.
-bool says_truth(const std::string& topic) {
-  return topic.find("ground_truth") != std::string::npos ||
-         topic.find("groundtruth") != std::string::npos;
-}
-
 class BagParser {
  public:
   BagParser(const std::filesystem::path& path, const ReadOptions& options, ReadReport& report)
@@ -133,22 +127,7 @@ class BagParser {
     return choose(streams_.moving, "", "", "moving frames in tf", report_);
   }
 
-  /// Unless it is named.
-  void leave_out_truth() {
-    for (auto stream = streams_.odometry.begin(); stream != streams_.odometry.end();) {
-      if (!says_truth(stream->first) || stream->first == options_.odom_topic) {
-        ++stream;
-        continue;
-      }
-      report_.warnings.push_back(stream->first +
-                                 " is the truth by its name, and not taken for odometry (--truth " +
-                                 path_.string() + ":" + stream->first + " compares with it)");
-      stream = streams_.odometry.erase(stream);
-    }
-  }
-
   std::vector<OdometrySample> choose_odometry(LogContent& content) {
-    leave_out_truth();
     const auto* chosen =
         choose(streams_.odometry, options_.odom_topic, "/odom", "odometry", report_);
     report_.odometry_source = "none";

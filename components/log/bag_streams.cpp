@@ -27,6 +27,12 @@ void append(SensedScan scan, ScanStream& stream, ReadReport& report) {
   stream.push_back(std::move(scan));
 }
 
+/// Simulators publish the truth in the form of odometry, `/base_pose_ground_truth`.
+bool says_truth(const std::string& topic) {
+  return topic.find("ground_truth") != std::string::npos ||
+         topic.find("groundtruth") != std::string::npos;
+}
+
 class StreamReader {
  public:
   StreamReader(const std::filesystem::path& path, const ReadOptions& options, ReadReport& report)
@@ -50,6 +56,7 @@ class StreamReader {
       }
       if (++done % 1000 == 0) report_progress(options_.progress, "read log", done, 0);
     }
+    leave_out_truth();
     if (streams_.moving.empty()) take_other_odometry_frame();
     report_.storage = reader->description();
     const BagDamage& damage = reader->damage();
@@ -130,6 +137,20 @@ class StreamReader {
       if (!is_sound(convert::from_message(transform.transform()))) return not_finite();
       note_rotation(transform.transform().rotation());
       add_moving(transform, streams_.moving[child]);
+    }
+  }
+
+  /// Unless it is named.
+  void leave_out_truth() {
+    for (auto stream = streams_.odometry.begin(); stream != streams_.odometry.end();) {
+      if (!says_truth(stream->first) || stream->first == options_.odom_topic) {
+        ++stream;
+        continue;
+      }
+      report_.warnings.push_back(stream->first +
+                                 " is the truth by its name, and not taken for odometry (--truth " +
+                                 path_.string() + ":" + stream->first + " compares with it)");
+      stream = streams_.odometry.erase(stream);
     }
   }
 

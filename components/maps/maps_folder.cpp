@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,17 @@ constexpr const char* kTruthKey = "map_from_truth";
 constexpr const char* kOccupancyGrid = "occupancy";
 constexpr const char* kFilteredGrid = "filtered";
 constexpr const char* kCountsGrid = "counts";
+
+/// In order. Copied into `room` only where another run's lie between them.
+std::span<const PosedScan> scans_of_run(std::span<const PosedScan> scans, int run,
+                                        std::vector<PosedScan>& room) {
+  const auto is_of_run = [run](const PosedScan& scan) { return scan.run == run; };
+  const auto begin = std::find_if(scans.begin(), scans.end(), is_of_run);
+  const auto end = std::find_if_not(begin, scans.end(), is_of_run);
+  if (std::none_of(end, scans.end(), is_of_run)) return {begin, end};
+  std::copy_if(begin, scans.end(), std::back_inserter(room), is_of_run);
+  return room;
+}
 
 memory::Store open_for_writing(const fs::path& dir) {
   std::error_code error;
@@ -115,12 +127,9 @@ void write_grid_maps(const fs::path& dir, const slam::SlamResult& result) {
     store.save_grid(kFilteredGrid, result.filtered);
     store.save_grid(kCountsGrid, result.raw.cells());
     for (const auto& [run, poses] : runs) store.save_trajectory(run, poses);
-    // The scans of a run lie one after the other.
-    for (auto begin = result.scans.begin(); begin != result.scans.end();) {
-      const auto end = std::find_if(begin, result.scans.end(),
-                                    [&](const PosedScan& scan) { return scan.run != begin->run; });
-      store.save_scans(begin->run, {begin, end});
-      begin = end;
+    for (const auto& [run, poses] : runs) {
+      std::vector<PosedScan> room;
+      store.save_scans(run, scans_of_run(result.scans, run, room));
     }
     store.save_text(kSlamKey, summarize_slam(result).dump());
   });

@@ -40,10 +40,9 @@ class Component {
   Component(const Component&) = delete;
   Component& operator=(const Component&) = delete;
 
-  /// Called by the host from outside the mailbox; each waits until it is done and passes errors on.
-  /// They do nothing when the state is not the one they start from. All or nothing: when one
-  /// throws, the component is as it was before, and may be asked again. configure() joins first,
-  /// unless the component has.
+  /// Called by the host from outside the mailbox; each waits until it is done and passes errors on,
+  /// or does nothing in another state than it starts from. When one throws, the component is as it
+  /// was before, and may be asked again. configure() joins first, unless the component has.
   void configure();
   void activate();
   void deactivate();
@@ -68,8 +67,7 @@ class Component {
  protected:
   /// declare_parameters with the config struct, so that others see them before the first configure.
   virtual void on_declare() {}
-  /// Read parameters, subscribe, advertise; throws ConfigError and InputError. Runs again after a
-  /// cleanup.
+  /// Read parameters, subscribe, advertise; again after a cleanup. Throws ConfigError, InputError.
   virtual void on_configure() = 0;
   virtual void on_activate() {}
   /// Live: what it throws is told, and the component is inactive all the same.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <new>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -25,6 +26,8 @@ class TiledGrid {
   static constexpr int kSide = 1 << kSideBits;  ///< of a tile, in cells
   /// Bits of a cell's number that say its column; a grid is never wider.
   static constexpr int kPitchBits = 26;
+  /// Room for tiles beyond those needed, on the sides that grow.
+  static constexpr int kSpareTiles = 8;
 
   explicit TiledGrid(double resolution_m = 0.05, const CellRect& rect = {}, const T& fill = T())
       : resolution_m_(resolution_m), fill_(fill) {
@@ -69,33 +72,36 @@ class TiledGrid {
   /// Allocates the cell's tile; the reference holds as long as the grid. Requires contains(cell).
   [[nodiscard]] T& at(const Cell& cell) { return tile(tile_index(cell))[within(cell)]; }
 
-  /// Makes the rectangle hold `needed` too. O(tiles) when it grows.
+  /// Makes the rectangle hold `needed` too. Throws std::bad_alloc, and stays as it is, for one of
+  /// 2^kPitchBits columns or more. O(tiles) when it grows.
   void cover(const CellRect& needed) {
-    rect_ = rect_.united(needed);
-    const CellRect tiles = tiles_of(rect_);
-    if (tiles.united(directory_) == directory_) return;
-    CellRect wide = tiles.united(directory_);
-    const int spare = 8;
-    if (!directory_.empty()) {
-      if (wide.min.x < directory_.min.x) wide.min.x -= spare;
-      if (wide.min.y < directory_.min.y) wide.min.y -= spare;
-      if (wide.max.x > directory_.max.x) wide.max.x += spare;
-      if (wide.max.y > directory_.max.y) wide.max.y += spare;
-    }
-    std::vector<std::vector<T>> moved(wide.area());
-    for (int y = directory_.min.y; y < directory_.max.y; ++y) {
-      for (int x = directory_.min.x; x < directory_.max.x; ++x) {
-        moved[place(wide, {x, y})] = std::move(tiles_[place(directory_, {x, y})]);
+    const CellRect rect = rect_.united(needed);
+    CellRect wide = tiles_of(rect).united(directory_);
+    if (wide.width() > kMaxTilesWide) throw std::bad_alloc();  // a cell's number has no room
+    if (wide != directory_) {
+      if (!directory_.empty()) {
+        if (wide.min.x < directory_.min.x) wide.min.x -= kSpareTiles;
+        if (wide.min.y < directory_.min.y) wide.min.y -= kSpareTiles;
+        if (wide.max.x > directory_.max.x) wide.max.x += kSpareTiles;
+        if (wide.max.y > directory_.max.y) wide.max.y += kSpareTiles;
       }
+      std::vector<std::vector<T>> moved(wide.area());
+      for (int y = directory_.min.y; y < directory_.max.y; ++y) {
+        for (int x = directory_.min.x; x < directory_.max.x; ++x) {
+          moved[place(wide, {x, y})] = std::move(tiles_[place(directory_, {x, y})]);
+        }
+      }
+      tiles_ = std::move(moved);
+      directory_ = wide;
     }
-    tiles_ = std::move(moved);
-    directory_ = wide;
+    rect_ = rect;
   }
   /// Grows the rectangle as Grid::grow does, with cells to spare.
   void grow(const CellRect& needed) { cover(grown(rect_, needed)); }
 
   /// Calls visit(Cell first, std::span<const T>) for the allocated cells of the rectangle, a piece
-  /// of a row at a time, in the order of a Grid: row by row in y, x ascending. O(allocated cells).
+  /// of a row at a time, in the order of a Grid: row by row in y, x ascending. O(allocated cells +
+  /// rows x tiles across).
   template <typename Visit>
   void visit_rows(Visit&& visit) const {
     for (int y = rect_.min.y; y < rect_.max.y; ++y) {
@@ -146,6 +152,7 @@ class TiledGrid {
   };
 
  private:
+  static constexpr int kMaxTilesWide = (1 << (kPitchBits - kSideBits)) - 2 * kSpareTiles;
   [[nodiscard]] static CellRect tiles_of(const CellRect& rect) {
     if (rect.empty()) return {};
     return {{rect.min.x >> kSideBits, rect.min.y >> kSideBits},

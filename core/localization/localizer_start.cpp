@@ -20,6 +20,36 @@ Eigen::Matrix3d square_root(const Eigen::Matrix3d& covariance) {
 
 }  // namespace
 
+void Localizer::start(std::size_t count) {
+  // Steps of different starts must not share random numbers.
+  step_ = ++start_count_ << 32U;
+  is_started_ = true;
+  run_.reset();
+  odometry_.reset();
+  at_reading_.reset();
+  is_missing_ = is_untold_ = is_patched_ = false;
+  last_weighed_.reset();
+  moved_ = Pose2{};
+  scans_since_weighed_ = 0;
+  turns_ = {};
+  companions_.clear();
+  must_weigh_ = false;
+  are_beliefs_pooled_ = false;
+  monitor_.reset();
+  is_seeking_ = false;
+  places_.clear();
+  score_.reset();
+  particles_ = ParticleSet{};
+  particles_.resize(count);
+  if (const PatchStates* states = model_->patch_states()) {
+    states->prepare(particles_);
+    resampled_ = particles_;
+  } else {
+    resampled_ = ParticleSet{};
+  }
+  set_uniform_weights(particles_);
+}
+
 void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
   if (!is_finite(map_from_robot.mean) || !map_from_robot.covariance.allFinite()) {
     throw InputError("start pose", "has a number that is not finite",

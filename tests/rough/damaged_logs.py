@@ -72,12 +72,13 @@ def unreadable(tries, material):
 
 def cut_anywhere(tries, material):
     """Whatever is left of a log that was cut is read, or refused in one line."""
-    for name in ("world/log.clf", "good.mcap", "good.db3", "good.bag"):
+    whole_scans = {"world/log.clf": 112, "good.mcap": 112, "good.db3": 112, "good.bag": 3}
+    for name, scans in whole_scans.items():
         whole = material.bytes_of(name)
         for share in range(5, 100, 5):
             ending = os.path.splitext(name)[1]
             path = material.write("cut" + ending, whole[:len(whole) * share // 100])
             ended = tries.strata_try(f"info: {name} cut at {share}%", ["info", path], (0, 2))
             if ": error:" not in ended and ending != ".clf":
-                whole_or_told = "damaged" in ended or re.search("scans +(112|3),", ended)
+                whole_or_told = "damaged" in ended or re.search(f"scans +{scans},", ended)
                 tries.hold(f"info: {name} cut at {share}% is told", whole_or_told)

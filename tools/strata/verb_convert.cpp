@@ -3,21 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <limits>
-#include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "components/log/bag_copy.hpp"
 #include "components/log/carmen.hpp"
-#include "components/log/disk.hpp"
 #include "components/log/log_reader.hpp"
 #include "components/log/log_writer.hpp"
 #include "components/log/ros_stamps.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
+#include "tools/strata/convert_output.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
 
@@ -66,58 +63,6 @@ log::BagOptions bag_format(const Options& options, const std::string& format) {
     if (options.compression == "lz4") bag.chunks = log::BagCompression::kLz4;
   }
   return bag;
-}
-
-/// A bag is a folder. For an OUT that names a storage file the file alone is put there; `write`
-/// fills a folder.
-void write_bag_or_file(const fs::path& out, StagedPaths& staged,
-                       const std::function<void(const fs::path&)>& write) {
-  const std::string ending = out.extension().string();
-  if (ending != ".db3" && ending != ".mcap") {
-    write(out);
-    return;
-  }
-  log::remove_left_over(out);
-  const fs::path aside = log::staged_name(out);
-  staged.add(aside);
-  std::error_code ignored;
-  try {
-    fs::remove_all(aside);
-    fs::create_directory(aside);
-    write(aside / "bag");
-    for (const auto& entry : fs::directory_iterator(aside / "bag")) {
-      if (entry.path().extension() == ".yaml") continue;
-      log::put_in_place(log::real_disk(), entry.path(), out);
-    }
-  } catch (...) {
-    fs::remove_all(aside, ignored);
-    staged.forget(aside);
-    throw;
-  }
-  fs::remove_all(aside, ignored);
-  staged.forget(aside);
-}
-
-/// Told before the work: OUT cannot be written, or is a folder that a file would replace.
-void require_writable(const fs::path& out, bool is_file) {
-  std::error_code error;
-  const auto refuse = [&](const std::string& why, const char* remedy) {
-    throw OutputError(out.string(), why, remedy);
-  };
-  const bool is_folder = fs::is_directory(out, error);
-  if (is_file && is_folder) refuse("is a folder, not a file", "give OUT another name");
-  if (!is_file && fs::exists(out, error) && (!is_folder || !fs::is_empty(out, error))) {
-    refuse("exists already", "choose another name or remove it");
-  }
-  const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
-  if (!is_file && !fs::exists(folder, error)) return;  // made for the bag
-  if (!fs::is_directory(folder, error)) refuse("its folder does not exist", "make it first");
-  // As the name will be: the longest that is needed, where nothing else can be in the way.
-  const fs::path probe = log::staged_name(out);
-  log::remove_left_over(out);
-  const bool is_made = fs::create_directory(probe, error);
-  if (!is_made) refuse("cannot be written: " + error.message(), "choose another OUT");
-  fs::remove(probe, error);
 }
 
 void sort_out_to(Options& options) {
@@ -224,22 +169,9 @@ void translate(const Options& options, const std::string& format, VerbContext& c
                std::to_string(content.odometry.size()) + " odometry samples");
 }
 
-/// Writing would end what is being read: OUT is IN, or a file of the bag that IN is.
-void refuse_to_write_over_the_input(const Options& options) {
-  std::error_code error;
-  const fs::path out = fs::absolute(options.out);
-  const bool is_input = fs::equivalent(options.in, out, error);
-  const bool is_part = fs::is_directory(options.in, error) && fs::is_regular_file(out, error) &&
-                       fs::equivalent(options.in, out.parent_path(), error);
-  if (!is_input && !is_part) return;
-  throw OutputError(options.out,
-                    is_input ? "is the log to convert" : "is a part of the log to convert",
-                    "give OUT another name");
-}
-
 void run(Options& options, VerbContext& context) {
   sort_out_to(options);
-  refuse_to_write_over_the_input(options);
+  refuse_to_write_over(options.in, options.out);
   const std::string format = target_format(options);
   if (options.compression_mode != "none" && format == "carmen") {
     throw InputError("--compression-mode", "is for bags, and CARMEN logs are text",

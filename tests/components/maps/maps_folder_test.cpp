@@ -62,6 +62,16 @@ TEST(MapsFolder, GivesEveryPartBackBitForBit) {
   EXPECT_EQ(submap.sequences[2].membership, (std::vector<double>{0.3, 0.7}));
 }
 
+TEST(MapsFolder, KeepsEveryScanOfRunsThatTakeTurns) {
+  const TemporaryDirectory dir;
+  slam::SlamResult slam = test_room::make_slam_result();
+  ASSERT_GT(slam.scans.size(), 4U);
+  for (std::size_t i = 0; i < slam.scans.size(); ++i) slam.scans[i].run = static_cast<int>(i % 2);
+  write_grid_maps(dir.path(), slam);
+  const memory::Store store = open_for_reading(dir.path());
+  EXPECT_EQ(store.load_scans(0).size() + store.load_scans(1).size(), slam.scans.size());
+}
+
 TEST(MapsFolder, LeavesMapServerFilesThatSayTheSame) {
   const TemporaryDirectory dir;
   const slam::SlamResult slam = test_room::make_slam_result();

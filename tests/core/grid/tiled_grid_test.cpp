@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <new>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -65,6 +66,15 @@ TEST(TiledGrid, KeepsItsValuesWhereItGrows) {
     ASSERT_EQ(tiled.get(tiled.cell(i)), dense.values()[i]);
   }
   EXPECT_EQ(tiled.get({tiled.rect().max.x, 0}), -1);
+}
+
+TEST(TiledGrid, RefusesMoreColumnsThanACellsNumberHasRoomFor) {
+  TiledGrid<int> tiled(kResolution, {{0, 0}, {40, 40}}, 0);
+  tiled.at({39, 39}) = 7;
+  const CellRect before = tiled.rect();
+  EXPECT_THROW(tiled.cover({{0, 0}, {1 << TiledGrid<int>::kPitchBits, 1}}), std::bad_alloc);
+  EXPECT_EQ(tiled.rect(), before);
+  EXPECT_EQ(tiled.get({39, 39}), 7);
 }
 
 TEST(TiledGrid, VisitsWhatWasWrittenInTheOrderOfAGrid) {
