@@ -160,8 +160,7 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
 }
 
 PoseTrust Localizer::trust() const {
-  const bool is_open = is_seeking_ || places_.is_active();
-  return {score_.value(), is_open || monitor_.health().is_in_doubt};
+  return {score_.value(), is_open() || monitor_.health().is_in_doubt};
 }
 
 /// What the scan says of the pose that was found with it.
@@ -170,8 +169,7 @@ void Localizer::judge(const Observation& observation, const Pose2Gaussian& pose,
   const InlierShares shares =
       model_->inlier_shares_given(result_.submaps, observation.scan, pose.mean, particles_);
   const double stddev_m = position_stddev(pose);
-  const bool is_open = is_seeking_ || places_.is_active();
-  if (is_open || annealed_updates_ < config_.global_start.annealing_updates) score_.doubt();
+  if (is_open() || annealed_updates_ < config_.global_start.annealing_updates) score_.doubt();
   score_.add(observation.scan, pose.mean, shares, result_.submaps, particles_, *model_, stddev_m);
   monitor_.add(likelihood_per_beam, shares, stddev_m, score_.value());
 }
@@ -260,7 +258,7 @@ const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool
   result_.effective_sample_size = effective_sample_size(particles_);
   result_.particles = particles_.size();
   result_.weighed = weighed;
-  result_.is_ambiguous = is_seeking_ || places_.is_active();
+  result_.is_ambiguous = is_open();
   result_.places.clear();
   if (places_.is_active()) result_.places = places_.beliefs();
   result_.converged =

@@ -112,6 +112,8 @@ class Localizer {
   [[nodiscard]] Pose2 motion_since_last(const Observation& observation);
   void follow_motion(const Pose2& moved_before);
   void settle_motion(const Pose2Gaussian& pose);
+  /// Several places are possible still.
+  [[nodiscard]] bool is_open() const { return is_seeking_ || places_.is_active(); }
   /// How far what was weighed so far lets the pose be believed.
   [[nodiscard]] PoseTrust trust() const;
   void judge(const Observation& observation, const Pose2Gaussian& pose, double likelihood_per_beam);

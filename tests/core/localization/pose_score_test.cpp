@@ -5,7 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -204,6 +207,53 @@ TEST(ScoreVerdict, APoseThatIsLikelierRightIsNotCalledLost) {
     for (int n = 0; n < 50; ++n) monitor.add(0.5, {0.95, 1.0}, 0.05, 0.95);
     for (int n = 0; n < 20; ++n) monitor.add(0.5, {0.3, 1.0}, 0.05, score);
     EXPECT_EQ(monitor.health().state == HealthState::kLost, score < 0.5) << score;
+  }
+}
+
+/// A grid that a run learns from: what it is told of each pose.
+class Learner final : public SensorModel {
+ public:
+  explicit Learner(std::shared_ptr<std::vector<PoseTrust>> told) : told_(std::move(told)) {}
+  std::size_t log_likelihoods(const Scan& scan, const Weighing& weighing, ParticleSet& particles,
+                              std::span<double> log_likelihood, WorkerPool& pool) const override {
+    return grid_->log_likelihoods(scan, weighing, particles, log_likelihood, pool);
+  }
+  [[nodiscard]] double tempering() const override { return grid_->tempering(); }
+  [[nodiscard]] InlierShares inlier_shares(const Scan& scan, const Pose2& map_from_robot,
+                                           const ParticleSet& particles) const override {
+    return grid_->inlier_shares(scan, map_from_robot, particles);
+  }
+  [[nodiscard]] std::unique_ptr<SensorModel> for_one_run() const override {
+    return std::make_unique<Learner>(told_);
+  }
+  void learn(const Observation& /*observation*/, const Pose2Gaussian& /*map_from_robot*/,
+             const PoseTrust& trust) override {
+    told_->push_back(trust);
+  }
+
+ private:
+  std::shared_ptr<const SensorModel> grid_ = make_grid_beam_model(map_of(room()));
+  std::shared_ptr<std::vector<PoseTrust>> told_;
+};
+
+TEST(ScoreOfALearner, IsWhatTheRunSaysOfThePose) {
+  const Pose2 right{1.5, 2.2, 0.0};
+  for (const bool is_right : {true, false}) {
+    SCOPED_TRACE(is_right);
+    Drive drive(right, 5);
+    const auto told = std::make_shared<std::vector<PoseTrust>>();
+    Localizer localizer({}, std::make_shared<Learner>(told), 3);
+    localizer.initialize(
+        {is_right ? right : Pose2{8.5, 1.2, 1.0}, Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal()});
+    LocalizationResult result;
+    for (int n = 0; n < 40; ++n) {
+      drive.step({0.05, 0.0, 0.0});
+      result = localizer.update(drive.look(room()));
+    }
+    ASSERT_FALSE(told->empty());
+    EXPECT_EQ(told->back().score, result.score);
+    EXPECT_EQ(told->back().score > 0.5, is_right) << told->back().score;
+    EXPECT_EQ(told->back().is_in_doubt, result.is_ambiguous || result.health.is_in_doubt);
   }
 }
 
