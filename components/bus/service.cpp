@@ -2,6 +2,7 @@
 #include "components/bus/service.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "core/base/error.hpp"
 
@@ -40,19 +41,23 @@ RawReader make_reader(const std::shared_ptr<Participant>& participant, const std
 
 }  // namespace
 
-std::optional<ServiceRequest> read_service_request(const RawMessage& message) {
-  if (message.cdr.size() < kHeaderBytes) return std::nullopt;
+ServiceRequest read_service_request(const RawMessage& message) {
+  const bool has_prefix = vendor_of(message.identity.writer) == kVendorCyclone;
+  if (message.cdr.size() < kHeaderBytes + (has_prefix ? kPrefixBytes : 0)) {
+    throw InputError("a request to a service",
+                     "has " + std::to_string(message.cdr.size()) + " bytes, fewer than its header",
+                     "look at the client that sent it");
+  }
   ServiceRequest request;
   request.client = message.identity.writer;
   request.is_big_endian = message.cdr[1] == 0;
   request.reply_to = message.identity;
   // A client of Fast DDS may name the reader that waits.
   if (message.related.writer != Guid{}) request.reply_to.writer = message.related.writer;
-  if (vendor_of(message.identity.writer) != kVendorCyclone) {
+  if (!has_prefix) {
     request.cdr = message.cdr;
     return request;
   }
-  if (message.cdr.size() < kHeaderBytes + kPrefixBytes) return std::nullopt;
   const auto body = message.cdr.begin() + kHeaderBytes;
   request.prefix.emplace();
   std::copy_n(body, kPrefixBytes, request.prefix->begin());
@@ -85,9 +90,7 @@ ServiceServer::ServiceServer(const std::shared_ptr<Participant>& participant,
                           std::move(on_match))),
       reader_(make_reader(participant, name, TopicKind::kRequest, type, qos,
                           [on_request = std::move(on_request)](const RawMessage& message) {
-                            if (auto request = read_service_request(message)) {
-                              on_request(std::move(*request));
-                            }
+                            on_request(read_service_request(message));
                           })) {}
 
 void ServiceServer::reply(const ServiceRequest& request, const std::vector<std::uint8_t>& cdr) {

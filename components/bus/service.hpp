@@ -38,9 +38,9 @@ struct ServiceRequest {
   bool is_big_endian = false;
 };
 
-/// Tells the two kinds apart by the maker that the writer's GUID names. None when the bytes are too
-/// few.
-[[nodiscard]] std::optional<ServiceRequest> read_service_request(const RawMessage& message);
+/// Tells the two kinds apart by the maker that the writer's GUID names. Throws InputError when the
+/// bytes are too few.
+[[nodiscard]] ServiceRequest read_service_request(const RawMessage& message);
 /// The bytes of a reply: `cdr`, with the request's prefix when it had one.
 [[nodiscard]] std::vector<std::uint8_t> service_reply_bytes(const ServiceRequest& request,
                                                             const std::vector<std::uint8_t>& cdr);

@@ -112,12 +112,11 @@ void receive_request(Input bytes) {
   message.identity.writer[0] = static_cast<std::uint8_t>(vendor >> 8);
   message.identity.writer[1] = static_cast<std::uint8_t>(vendor & 0xFF);
   message.cdr.assign(bytes.begin() + 1, bytes.end());
-  const auto request = bus::read_service_request(message);
-  if (!request) return;
+  const bus::ServiceRequest request = bus::read_service_request(message);
   // The reply names the client and has the four bytes of its header besides.
-  const std::vector<std::uint8_t> reply = bus::service_reply_bytes(*request, {0, 1, 0, 0, 7});
-  if (reply.size() != (request->prefix ? 21 : 5)) __builtin_trap();
-  kServices[(bytes[0] & 127) % std::size(kServices)](request->cdr);
+  const std::vector<std::uint8_t> reply = bus::service_reply_bytes(request, {0, 1, 0, 0, 7});
+  if (reply.size() != (request.prefix ? 21 : 5)) __builtin_trap();
+  kServices[(bytes[0] & 127) % std::size(kServices)](request.cdr);
 }
 
 constexpr void (*kKinds[])(Input) = {
