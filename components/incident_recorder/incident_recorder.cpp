@@ -8,6 +8,7 @@
 
 #include "components/bus/recorded_topic.hpp"
 #include "components/convert/cdr.hpp"
+#include "components/log/writable_place.hpp"
 #include "components/runtime/diagnostics.hpp"
 #include "core/base/error.hpp"
 
@@ -38,7 +39,9 @@ void IncidentRecorder::on_configure() {
   incidents_ = 0;
   rests_until_ = {};
   if (lockstep()) return;
-  if (!context().dry_run) {
+  if (context().dry_run) {
+    log::require_folder_place(config_.out);
+  } else {
     std::error_code error;
     std::filesystem::create_directories(config_.out, error);
     if (error) {

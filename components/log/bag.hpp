@@ -87,6 +87,9 @@ struct BagGap {
   bool lasts = false;    ///< nothing can be written now
 };
 
+/// That a bag could be begun there: the folder is empty or missing. Throws OutputError.
+void require_new_folder(const std::filesystem::path& folder);
+
 /// Writes a bag folder as it goes: what was written more than a second or a megabyte ago survives
 /// a crash. `close` completes it (summary, metadata.yaml); the destructor does, ignoring errors.
 /// What is written after `close` goes to another file of the same bag, until the next `close`.

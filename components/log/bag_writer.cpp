@@ -18,12 +18,17 @@ constexpr auto kRetryPeriod = std::chrono::milliseconds(500);
 
 }  // namespace
 
-BagWriter::BagWriter(const fs::path& folder, const BagOptions& options)
-    : state_(std::make_unique<State>()) {
+void require_new_folder(const fs::path& folder) {
   std::error_code error;
   if (fs::exists(folder, error) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
     throw OutputError(folder.string(), "exists already", "choose another name or remove it");
   }
+}
+
+BagWriter::BagWriter(const fs::path& folder, const BagOptions& options)
+    : state_(std::make_unique<State>()) {
+  require_new_folder(folder);
+  std::error_code error;
   fs::create_directories(folder, error);
   if (error) {
     throw OutputError(folder.string(), "cannot be made: " + error.message(),

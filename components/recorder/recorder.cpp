@@ -8,6 +8,7 @@
 #include "components/bus/bag_service_types.hpp"
 #include "components/bus/recorded_topic.hpp"
 #include "components/convert/geometry_messages.hpp"
+#include "components/log/writable_place.hpp"
 
 namespace strata::recorder {
 namespace {
@@ -50,12 +51,16 @@ void Recorder::on_configure() {
   config_ = read_parameters<RecorderConfig>();
   recorded_.clear();
   log_time_.reset();
-  if (!context().dry_run) {
-    // Configured again, it finds its own bag there; another's is left alone.
-    const std::filesystem::path out = normal_form(config_.out);
-    const bool may_number = config_.number_if_exists || own_outs_.contains(out);
-    bag_ = std::make_unique<log::BagWriter>(free_folder(config_, may_number), bag_options(config_));
-    own_outs_.insert(out);
+  // Configured again, it finds its own bag there; another's is left alone.
+  const std::filesystem::path out = normal_form(config_.out);
+  const bool may_number = config_.number_if_exists || context().own_folders->contains(out);
+  const std::filesystem::path folder = free_folder(config_, may_number);
+  if (context().dry_run) {
+    log::require_new_folder(folder);
+    log::require_folder_place(folder);
+  } else {
+    bag_ = std::make_unique<log::BagWriter>(folder, bag_options(config_));
+    context().own_folders->insert(out);
   }
   if (lockstep()) {
     subscribe<rosgraph_msgs::msg::Clock>("/clock", "clock", [this](const auto& message) {

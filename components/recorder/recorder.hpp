@@ -71,7 +71,6 @@ class Recorder final : public runtime::Component {
 
   RecorderConfig config_;
   std::unique_ptr<log::BagWriter> bag_;
-  std::set<std::filesystem::path> own_outs_;  ///< in this life and those before
   std::map<std::string, Recorded> recorded_;  ///< by topic
   std::list<Held> held_;                      ///< latched, while paused; in the order they came
   std::optional<Stamp> log_time_;             ///< lockstep

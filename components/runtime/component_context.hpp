@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 
 #include <yaml-cpp/yaml.h>
@@ -47,6 +48,9 @@ struct ComponentContext {
   std::function<std::unique_ptr<Component>(ComponentContext)> make;
   /// Only configured, to be looked at: writes no files.
   bool dry_run = false;
+  /// Folders that the component made, in this life and those before: it may go on beside them.
+  std::shared_ptr<std::set<std::filesystem::path>> own_folders =
+      std::make_shared<std::set<std::filesystem::path>>();
   /// Told of an error in a live callback; called on the component's thread.
   std::function<void(const std::string&)> on_error;
 };

@@ -2,6 +2,8 @@
 #include "components/runtime/trial.hpp"
 
 #include <exception>
+#include <filesystem>
+#include <set>
 #include <utility>
 
 namespace strata::runtime {
@@ -10,6 +12,7 @@ Trial::Trial(const ComponentContext& context) : context_(context) {
   // YAML nodes are handles: the component may change what they lead to.
   context_.parameters = YAML::Clone(context.parameters);
   context_.common_parameters = YAML::Clone(context.common_parameters);
+  context_.own_folders = std::make_shared<std::set<std::filesystem::path>>(*context.own_folders);
   context_.dry_run = true;
   context_.on_error = nullptr;
 }

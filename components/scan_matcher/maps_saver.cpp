@@ -48,25 +48,6 @@ bool has_all_scans(const slam::Slam& slam) {
   return has_all && next == slam.kept_scans();
 }
 
-/// Somebody may have put maps there since the mapper began.
-void require_replaceable(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::exists(folder, error)) return;
-  if (fs::is_directory(folder, error) && fs::is_empty(folder, error)) return;
-  if (!fs::exists(folder / maps::kStoreFile, error)) {
-    throw OutputError(folder.string(), "holds something else than maps, which saving would replace",
-                      "name another maps.folder");
-  }
-  const std::string log = maps::log_of(folder);
-  if (log == kLiveLog) return;
-  throw OutputError(folder.string(),
-                    log.empty()
-                        ? "holds maps without a summary, of which nobody knows whose they are"
-                        : "holds maps of '" + log + "', which saving would replace",
-                    "name another maps.folder, or localize in them and go on learning "
-                    "(online.yaml)");
-}
-
 /// Of savers whose process was killed.
 void remove_leftovers(const fs::path& folder) {
   const std::string mark = "." + folder.filename().string() + ".partial-";
@@ -93,6 +74,24 @@ class MapsSaver::UntilItEnds : public Progress {
  private:
   const std::atomic<bool>& ends_;
 };
+
+void require_replaceable(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  if (fs::is_directory(folder, error) && fs::is_empty(folder, error)) return;
+  if (!fs::exists(folder / maps::kStoreFile, error)) {
+    throw OutputError(folder.string(), "holds something else than maps, which saving would replace",
+                      "name another maps.folder");
+  }
+  const std::string log = maps::log_of(folder);
+  if (log == kLiveLog) return;
+  throw OutputError(folder.string(),
+                    log.empty()
+                        ? "holds maps without a summary, of which nobody knows whose they are"
+                        : "holds maps of '" + log + "', which saving would replace",
+                    "name another maps.folder, or localize in them and go on learning "
+                    "(online.yaml)");
+}
 
 MapsSaver::MapsSaver(const fs::path& folder, SaverConfig config)
     : folder_(fs::weakly_canonical(fs::absolute(folder))),

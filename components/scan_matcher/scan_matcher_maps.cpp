@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "components/convert/patch_messages.hpp"
+#include "components/log/writable_place.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/runtime/share_of_time.hpp"
@@ -31,8 +32,13 @@ void ScanMatcher::open_live_maps() {
       reply(response);
     });
   });
-  if (config_.maps.folder.empty() || context().dry_run) return;
-  if (const auto damage = damage_of_live_maps(config_.maps.folder)) {
+  if (config_.maps.folder.empty()) return;
+  const auto damage = damage_of_live_maps(config_.maps.folder);
+  if (context().dry_run) {
+    if (!damage) require_replaceable(config_.maps.folder);
+    return log::require_folder_place(config_.maps.folder);
+  }
+  if (damage) {
     (void)restored(config_.maps.folder, [&] { throw *damage; });
   }
   saver_.emplace(config_.maps.folder, SaverConfig{config_.slam, config_.live, config_.maps.patch});

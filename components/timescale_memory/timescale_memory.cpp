@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "components/convert/scan_messages.hpp"
+#include "components/log/writable_place.hpp"
 #include "components/maps/changes_json.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/node_map_message.hpp"
@@ -46,7 +47,9 @@ void TimescaleMemory::on_configure() {
   require_level(config_, "changes_before", config_.changes_before);
   require_level(config_, "changes_now", config_.changes_now);
   keep_live(config_, {"publish_period_s", "changes_period_s"});
-  if (!lockstep() && !config_.store.empty() && !context().dry_run) {
+  const bool is_kept = !lockstep() && !config_.store.empty();
+  if (is_kept && context().dry_run) log::require_file_place(config_.store);
+  if (is_kept && !context().dry_run) {
     open_store();
   } else {
     memory_.emplace(config_.timescale, context().seed);

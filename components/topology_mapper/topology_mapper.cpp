@@ -9,6 +9,7 @@
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/log/whole_folder.hpp"
+#include "components/log/writable_place.hpp"
 #include "components/topologies/topology_files.hpp"
 #include "components/topologies/topology_messages.hpp"
 #include "core/base/error.hpp"
@@ -33,7 +34,9 @@ void TopologyMapper::on_configure() {
   subscribe<strata_msgs::msg::ScanPose>("given_pose", "default",
                                         [this](const auto& message) { given_ = message; });
   subscribe_sensors(config_.input, config_.sensor_qos);
-  if (!lockstep() && !config_.store.file.empty() && !context().dry_run) open_store();
+  if (lockstep() || config_.store.file.empty()) return;
+  if (context().dry_run) return log::require_file_place(config_.store.file);
+  open_store();
 }
 
 void TopologyMapper::make_mapper() {

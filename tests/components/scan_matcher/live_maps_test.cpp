@@ -20,6 +20,7 @@
 #include "components/log/damaged_file.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/runtime/parameters.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/scan_matcher/mapping_robot.hpp"
 #include "tests/support/comes_true.hpp"
@@ -115,6 +116,24 @@ TEST_F(LiveMaps, SayWhyTheyCannotBeSaved) {
   ASSERT_GT(drive_part(0.0, 0.1), 5U);
   EXPECT_THAT(save().message(), HasSubstr("maps.folder"));
   EXPECT_FALSE(save().success());
+}
+
+TEST_F(LiveMaps, AreNotToBeKeptWhereConfiguringWouldRefuseIt) {
+  begin_with_folder();
+  const auto set = [&](const fs::path& folder) {
+    rcl_interfaces::srv::SetParameters_Request request;
+    request.parameters(
+        {runtime::parameter("maps.folder", runtime::parameter_value(folder.string()))});
+    const auto response = bus::call_service<bus::srv::SetParameters>(
+        participant_, "/slam/set_parameters", request, std::chrono::seconds(60));
+    return response && response->results()[0].successful();
+  };
+  fs::create_directories(folder_.path() / "other");
+  std::ofstream(folder_.path() / "other" / "notes.txt") << "no maps";
+  EXPECT_FALSE(set(folder_.path() / "other"));
+  EXPECT_FALSE(set(folder_.path() / "other" / "notes.txt" / "below"));
+  EXPECT_TRUE(set(folder_.path() / "another"));
+  EXPECT_FALSE(fs::exists(folder_.path() / "another"));
 }
 
 TEST_F(LiveMaps, AreSavedWhenTheProcessEnds) {
