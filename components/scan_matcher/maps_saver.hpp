@@ -29,8 +29,8 @@ struct SaverConfig {
   patch::PatchLearnerConfig patch;
 };
 
-/// That saving would replace nothing but maps of a live mapper, or nothing at all. Somebody may have
-/// put maps there since the mapper began. Throws OutputError.
+/// That saving would replace nothing but maps of a live mapper, or nothing at all. Somebody may
+/// have put maps there since the mapper began. Throws OutputError.
 void require_replaceable(const std::filesystem::path& folder);
 
 /// What is known at one moment.
