@@ -5,6 +5,7 @@
 
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/log/stored_bytes.hpp"
 
 namespace strata::beam_filter {
 
@@ -86,6 +87,7 @@ void BeamFilter::on_diagnose(runtime::Health& health) const {
   health.add("scans", scans_);
   health.add("scans in window", static_cast<std::uint64_t>(online_->scans_in_window()));
   health.add("cells of the map", static_cast<std::uint64_t>(online_->counts().cells().size()));
+  if (store_) health.add("store_bytes", log::stored_bytes(store_->file()));
 }
 
 void BeamFilter::on_cleanup() {

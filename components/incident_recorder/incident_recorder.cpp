@@ -8,6 +8,7 @@
 
 #include "components/bus/recorded_topic.hpp"
 #include "components/convert/cdr.hpp"
+#include "components/log/stored_bytes.hpp"
 #include "components/log/writable_place.hpp"
 #include "components/runtime/diagnostics.hpp"
 #include "core/base/error.hpp"
@@ -168,6 +169,7 @@ void IncidentRecorder::on_diagnose(runtime::Health& health) const {
   health.add("is writing one", std::string(incident_ ? "true" : "false"));
   health.add("kept in memory, MB", static_cast<double>(ring_->bytes()) / kBytesPerMb);
   health.add("gone before their time", ring_->gone_early());
+  health.add("store_bytes", log::stored_bytes(config_.out));
 }
 
 }  // namespace strata::incident_recorder

@@ -10,6 +10,7 @@
 #include "components/convert/patch_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/log/damaged_file.hpp"
+#include "components/log/stored_bytes.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/runtime/share_of_time.hpp"
@@ -206,6 +207,7 @@ void PatchLearner::on_diagnose(runtime::Health& health) const {
              static_cast<std::uint64_t>(status.forgotten_configurations));
   health.add("bytes", static_cast<std::uint64_t>(status.bytes));
   health.add("times that loop closures moved scans", moves_);
+  if (store_) health.add("store_bytes", log::stored_bytes(config_.online.store.folder));
   if (relearner_ && relearner_->is_busy()) health.add("learns again", "from scans that moved");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The part of a component that takes messages from others and gives them to the callbacks.
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "components/runtime/component_subscription.hpp"
@@ -10,6 +11,8 @@ namespace {
 
 /// Live: as many bytes of one topic may wait for a component that does not keep up.
 constexpr std::size_t kMaxWaitingBytes = 256U << 20U;
+
+double seconds_of(std::chrono::duration<double> time) { return time.count(); }
 
 /// For one more element, so that adding it cannot fail.
 template <typename T>
@@ -57,6 +60,7 @@ bool Component::keep(Subscription& subscription, bus::RawMessage message) {
   const std::lock_guard lock(subscription.mutex);
   ++subscription.received;
   ++received_;
+  subscription.sequences.take(message.identity);
   subscription.waiting_bytes += message.cdr.size();
   subscription.waiting.push_back(std::move(message));
   if (lockstep()) return true;
@@ -107,7 +111,15 @@ bool Component::take_live(Subscription& subscription) {
     return true;
   }
   const std::uint64_t failed_before = failed_;
+  const auto begin = std::chrono::steady_clock::now();
   guarded([&] { subscription.callback(message); });
+  subscription.work_times.add(seconds_of(std::chrono::steady_clock::now() - begin));
+  // A latched one may be as old as it likes.
+  if (!subscription.latched && message.source_stamp_ns > 0) {
+    const std::chrono::nanoseconds written(message.source_stamp_ns);
+    subscription.latencies.add(
+        seconds_of(std::chrono::system_clock::now().time_since_epoch() - written));
+  }
   ++(failed_ == failed_before ? processed_ : skipped_);
   return true;
 }

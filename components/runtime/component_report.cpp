@@ -4,6 +4,7 @@
 
 #include "components/log/damaged_file.hpp"
 #include "components/runtime/component_subscription.hpp"
+#include "components/runtime/free_memory.hpp"
 
 namespace strata::runtime {
 
@@ -109,10 +110,18 @@ void Component::diagnose() {
   health.add("dropped requests", dropped_requests);
   health.add("caught", context_.participant->caught().count() + context_.mailbox->caught().count() +
                            untold_.count());
+  health.add("process_memory_bytes", std::uint64_t{resident_bytes()});
   if (!last_error_.empty()) health.add("last_error", last_error_);
   for (const auto& subscription : subscriptions_) {
     const std::lock_guard lock(subscription->mutex);
     health.add("received " + subscription->topic, subscription->received);
+    health.add("lost " + subscription->topic, subscription->sequences.missing());
+    if (subscription->work_times.count() > 0) {
+      health.add("work times " + subscription->topic, subscription->work_times.text());
+    }
+    if (subscription->latencies.count() > 0) {
+      health.add("latencies " + subscription->topic, subscription->latencies.text());
+    }
   }
   for (const auto& writer : writers_) health.add("published " + writer->topic(), writer->count());
   if (is_active()) on_diagnose(health);

@@ -11,6 +11,8 @@
 #include <string>
 
 #include "components/runtime/component.hpp"
+#include "components/runtime/sequence_watch.hpp"
+#include "components/runtime/time_histogram.hpp"
 
 namespace strata::runtime {
 
@@ -23,6 +25,9 @@ struct Component::Subscription {
   std::deque<bus::RawMessage> waiting;  // under mutex
   std::size_t waiting_bytes = 0;        // under mutex
   std::uint64_t received = 0;           // under mutex
+  SequenceWatch sequences;              // under mutex
+  TimeHistogram work_times;  // live, on the mailbox: how long its messages were worked on
+  TimeHistogram latencies;   // ... and from when they were written to the end of that
   std::unique_ptr<bus::RawReader> reader;
 };
 

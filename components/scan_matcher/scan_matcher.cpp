@@ -9,6 +9,7 @@
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/log/stored_bytes.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/error.hpp"
 #include "core/slam/resumed_place.hpp"
@@ -171,6 +172,7 @@ void ScanMatcher::on_diagnose(runtime::Health& health) const {
   if (is_lost_) health.warn("looks for its place in the map of the earlier runs");
   health.add("scans kept", static_cast<std::uint64_t>(slam_->kept_scans()));
   health.add("local maps kept", static_cast<std::uint64_t>(slam_->kept_local_maps()));
+  if (store_) health.add("store_bytes", log::stored_bytes(store_->file()));
   if (!saver_) return;
   health.add("seconds the last saving of maps took", saver_->last_s());
   health.add("saved sub-maps at live poses", static_cast<std::uint64_t>(saver_->live_submaps()));

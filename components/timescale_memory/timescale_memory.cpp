@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "components/convert/scan_messages.hpp"
+#include "components/log/stored_bytes.hpp"
 #include "components/log/writable_place.hpp"
 #include "components/maps/changes_json.hpp"
 #include "components/maps/maps_folder.hpp"
@@ -88,6 +89,7 @@ void TimescaleMemory::on_diagnose(runtime::Health& health) const {
   health.add("nodes", std::uint64_t{memory_->nodes().size()});
   health.add("nodes in RAM", std::uint64_t{memory_->resident()});
   health.add("observations", memory_->observations());
+  if (file_) health.add("store_bytes", log::stored_bytes(config_.store));
 }
 
 void TimescaleMemory::on_tick() {

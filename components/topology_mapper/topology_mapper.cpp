@@ -8,6 +8,7 @@
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/log/stored_bytes.hpp"
 #include "components/log/whole_folder.hpp"
 #include "components/log/writable_place.hpp"
 #include "components/topologies/topology_files.hpp"
@@ -215,6 +216,7 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
   health.add("topologies that did not converge", std::uint64_t{counts.not_converged});
   health.add("landmarks nearly at one place", std::uint64_t{counts.near_landmarks});
   health.add("update_time_s", update_s_);
+  if (store_) health.add("store_bytes", log::stored_bytes(config_.store.file));
   health.add("longest_update_time_s", max_update_s_);
 }
 
