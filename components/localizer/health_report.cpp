@@ -1,13 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/localizer/health_report.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include <Eigen/Eigenvalues>
 
 #include "components/convert/geometry_messages.hpp"
 
 namespace strata::localizer {
 
 using localization::HealthState;
+
+namespace {
+
+std::string truth(bool value) { return value ? "true" : "false"; }
+
+/// The circle of this radius holds 95% of a Gaussian that spreads in all directions as in its
+/// widest: the square root of the chi-squared quantile for two degrees of freedom.
+double deviation_range_m(const Eigen::Matrix3d& covariance) {
+  constexpr double kQuantile = 2.4477468306808161;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance.topLeftCorner<2, 2>(),
+                                                              Eigen::EigenvaluesOnly);
+  return kQuantile * std::sqrt(std::max(0.0, solver.eigenvalues().y()));
+}
+
+}  // namespace
 
 HealthReport make_health_report(const std::string& model,
                                 const localization::LocalizationResult& result,
@@ -16,6 +34,7 @@ HealthReport make_health_report(const std::string& model,
   report.model = model;
   report.health = result.health;
   report.health.position_stddev_m = std::sqrt(result.pose.covariance.topLeftCorner<2, 2>().trace());
+  report.deviation_range_m = deviation_range_m(result.pose.covariance);
   report.score = result.score;
   report.heading_stddev_rad = std::sqrt(result.pose.covariance(2, 2));
   report.effective_sample_size = result.effective_sample_size;
@@ -32,7 +51,7 @@ strata_msgs::msg::LocalizationHealth to_message(const HealthReport& report, Stam
   strata_msgs::msg::LocalizationHealth message;
   message.header(convert::make_header(stamp, frame));
   message.model(report.model);
-  message.localized(report.converged && !report.is_lost());
+  message.localized(report.is_localized());
   message.lost(report.is_lost());
   message.particles(static_cast<std::uint32_t>(report.particles));
   message.effective_sample_size(report.effective_sample_size);
@@ -55,15 +74,23 @@ void describe(const HealthReport& report, runtime::Health& health) {
   }
   health.add("model", report.model);
   health.add("particles", std::uint64_t{report.particles});
-  health.add("ambiguous", report.is_ambiguous ? "true" : "false");
+  health.add("ambiguous", truth(report.is_ambiguous));
   health.add("places", std::uint64_t{report.places});
   health.add("position_std_m", report.health.position_stddev_m);
   health.add("heading_std_rad", report.heading_stddev_rad);
   health.add("update_time_s", report.update_time.count());
   health.add("verdict", enum_name(report.health.state));
   health.add("score", report.score);
+  health.add("localizationScore", report.score);
+  health.add("deviationRange", report.deviation_range_m);
+  health.add("localized", truth(report.is_localized()));
   health.add("explained_share", report.health.inlier_share_fast);
   health.add("judged_share", report.health.judged_share_fast);
+}
+
+void describe_unknown_place(runtime::Health& health) {
+  health.add("localizationScore", 0.0);
+  health.add("localized", truth(false));
 }
 
 }  // namespace strata::localizer

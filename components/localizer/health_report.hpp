@@ -16,6 +16,8 @@ struct HealthReport {
   std::string model;  ///< name of the map model
   localization::LocalizationHealth health;
   double score = 0.0;  ///< LocalizationResult::score
+  /// The robot is within this distance of the pose with 95% or more, if its covariance is right.
+  double deviation_range_m = 0.0;
   double heading_stddev_rad = 0.0;
   double effective_sample_size = 0.0;
   std::size_t particles = 0;
@@ -24,6 +26,8 @@ struct HealthReport {
   std::size_t places = 0;  ///< that are still possible while it is; 0: none was found yet
   std::chrono::duration<double> update_time{0.0};
 
+  /// Whether the pose can be trusted: VDA 5050's `localized`.
+  [[nodiscard]] bool is_localized() const { return converged && !is_lost(); }
   [[nodiscard]] bool is_lost() const { return health.state == localization::HealthState::kLost; }
 };
 
@@ -38,7 +42,10 @@ struct HealthReport {
                                                               const std::string& frame);
 
 /// An error when lost; a warning while not localized, and where the map is outdated; and the
-/// figures.
+/// figures, among them localizationScore, deviationRange [m] and localized as VDA 5050 names them.
 void describe(const HealthReport& report, runtime::Health& health);
+
+/// VDA 5050's figures before the first scan: not localized, score 0, no range.
+void describe_unknown_place(runtime::Health& health);
 
 }  // namespace strata::localizer

@@ -71,6 +71,7 @@ bool Localizer::resume(const Observation& observation) {
 }
 
 void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussian>& start) {
+  ++maps_taken_;
   model_ = config_.sensor_model == maps::SensorModelKind::kBeam
                ? maps::make_map_model(maps, config_.model, config_.sensor)
                : maps::make_likelihood_field_model(maps, config_.model, config_.likelihood_field);
@@ -213,10 +214,14 @@ void Localizer::localize(const Observation& observation) {
 void Localizer::on_diagnose(runtime::Health& health) const {
   diagnose_input(health);
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
+  health.add("maps", config_.maps.empty() ? std::string("topics") : config_.maps);
+  health.add("maps taken", maps_taken_);
   if (health_) {
     describe(*health_, health);
+    health.add("update times", update_times_.text());
   } else {
     health.warn("no scan has come yet");
+    describe_unknown_place(health);
   }
 }
 
@@ -248,6 +253,8 @@ void Localizer::on_cleanup() {
   waits_for_odometry_ = false;
   was_ambiguous_ = false;
   health_.reset();
+  update_times_ = {};
+  maps_taken_ = 0;
   record_ = {};
   particle_writer_.reset();
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "components/maps/localization_files.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/runtime/sensor_component.hpp"
+#include "components/runtime/time_histogram.hpp"
 #include "core/localization/localizer.hpp"
 
 namespace strata::localizer {
@@ -83,7 +85,9 @@ class Localizer final : public runtime::SensorComponent {
   std::optional<CurrentMap> current_map_;
   std::unique_ptr<localization::Localizer> localizer_;
   std::optional<HealthReport> health_;  // as of the last scan
-  maps::LocalizationRecord record_;     // lockstep only: live it would grow without end
+  runtime::TimeHistogram update_times_;
+  std::uint64_t maps_taken_ = 0;     ///< that it began to localize in
+  maps::LocalizationRecord record_;  // lockstep only: live it would grow without end
   std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
   std::function<void(const tf2_msgs::msg::TFMessage&)> publish_tf_;
   std::function<void(const nav2_msgs::msg::ParticleCloud&)> publish_candidates_;

@@ -121,6 +121,7 @@ void Localizer::publish_current_map(Stamp stamp,
 
 void Localizer::publish_health(Stamp stamp, const localization::LocalizationResult& result,
                                std::chrono::duration<double> update_time) {
+  update_times_.add(update_time.count());
   health_ = make_health_report(config_.model, result, update_time);
   publish_health_(to_message(*health_, stamp, config_.map_frame));
   std_msgs::msg::Float64 score;

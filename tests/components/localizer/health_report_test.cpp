@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/localizer/health_report.hpp"
 
+#include <cmath>
+#include <random>
+
 #include <gmock/gmock.h>
 
 namespace strata::localizer {
@@ -36,6 +39,42 @@ TEST(HealthReport, TellsTheVerdictAndWhatItRestsOn) {
   EXPECT_THAT(health.values(), Contains(Pair("verdict", "map_outdated")));
   EXPECT_THAT(health.values(), Contains(Pair("judged_share", "0.25")));
   EXPECT_THAT(health.values(), Contains(Pair("score", "0.625")));
+}
+
+TEST(HealthReport, NamesItsFiguresAsVda5050Does) {
+  const runtime::Health good = described(HealthState::kGood, true);
+  EXPECT_THAT(good.values(), Contains(Pair("localizationScore", "0.625")));
+  EXPECT_THAT(good.values(), Contains(Pair("localized", "true")));
+  EXPECT_THAT(described(HealthState::kMapOutdated, true).values(),
+              Contains(Pair("localized", "true")));
+  EXPECT_THAT(described(HealthState::kLost, true).values(), Contains(Pair("localized", "false")));
+  EXPECT_THAT(described(HealthState::kGood, false).values(), Contains(Pair("localized", "false")));
+  runtime::Health before;
+  describe_unknown_place(before);
+  EXPECT_THAT(before.values(),
+              testing::ElementsAre(Pair("localizationScore", "0"), Pair("localized", "false")));
+}
+
+TEST(HealthReport, HasADeviationRangeThatHoldsThePoseWithNinetyFivePercent) {
+  // Longest across the axes: 0.4 m along a diagonal, 0.1 m beside it.
+  localization::LocalizationResult result;
+  result.pose.covariance.topLeftCorner<2, 2>() << 0.085, 0.075, 0.075, 0.085;
+  const double range_m = make_health_report("patch", result, {}).deviation_range_m;
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const auto share_within = [&](double along_m, double beside_m) {
+    int within = 0;
+    constexpr int kDraws = 100'000;
+    for (int i = 0; i < kDraws; ++i) {
+      const double a = along_m * normal(random);
+      const double b = beside_m * normal(random);
+      if (std::hypot(a, b) <= range_m) ++within;
+    }
+    return static_cast<double>(within) / kDraws;
+  };
+  EXPECT_NEAR(share_within(0.4, 0.4), 0.95, 0.003) << "as wide in all directions";
+  EXPECT_GT(share_within(0.4, 0.1), 0.95);
+  EXPECT_NEAR(range_m, 0.979, 0.001);
 }
 
 TEST(HealthReport, IsNotLocalizedInAMessageWhenLostOrSpreadWidely) {
