@@ -9,6 +9,7 @@ if(STRATA_COMPONENTS)
   install(DIRECTORY ${CMAKE_BINARY_DIR}/strata_msgs DESTINATION ${CMAKE_INSTALL_DATADIR}/strata
     COMPONENT program)
   install(FILES README.md CHANGELOG.md packaging/strata.service packaging/udp_only.xml
+    packaging/grafana_dashboard.json packaging/prometheus.yml
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strata COMPONENT program)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/strata RENAME copyright
     COMPONENT program)

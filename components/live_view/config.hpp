@@ -32,6 +32,7 @@ struct LiveViewConfig {
   std::vector<std::string> origins;
   int max_viewers = 20;
   bool allow_commands = true;
+  bool metrics = true;
   std::string initial_pose_topic = "initialpose";
   std::string relocalize_service = "reinitialize_global_localization";
   template <class Self, class V>
@@ -59,6 +60,8 @@ struct LiveViewConfig {
             {.doc = "so many at a time; more are refused", .min = 1, .max = 1000});
     v.field("allow_commands", c.allow_commands,
             {.doc = "viewers may set the pose and ask for a global search; else they only look"});
+    v.field("metrics", c.metrics,
+            {.doc = "answers /metrics for Prometheus; reads /diagnostics for it, viewers or not"});
     v.field("initial_pose_topic", c.initial_pose_topic,
             {.doc = "geometry_msgs/PoseWithCovarianceStamped out: where a viewer says that the "
                     "robot is"});

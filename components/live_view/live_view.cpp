@@ -16,6 +16,8 @@ namespace {
 constexpr auto kServicePatience = std::chrono::seconds(3);
 /// Messages of one topic that may come between two looks of the component.
 constexpr int kDepth = 20;
+/// Statuses that may: one a second of each component, and all at once when a robot starts.
+constexpr int kStatusDepth = 200;
 
 }  // namespace
 
@@ -36,12 +38,27 @@ void LiveView::on_configure() {
   options.port = static_cast<std::uint16_t>(config_.port);
   options.rules = {config_.token, config_.origins};
   options.page = page();
+  if (config_.metrics) options.metrics = gather_metrics();
   try {
     server_ = std::make_unique<WebServer>(options, hub_, max_viewers);
   } catch (const ConfigError& error) {
     throw ConfigError(full_name() + ": " + error.place(), error.problem(), error.remedy());
   }
   say(runtime::LogLevel::kInfo, "the live view is at " + server_->url());
+}
+
+MetricsSource LiveView::gather_metrics() {
+  const auto board = std::make_shared<StatusBoard>();
+  subscribe<diagnostic_msgs::msg::DiagnosticArray>(
+      runtime::kDiagnosticsTopic, "default",
+      [board](const auto& array) { board->take(array, StatusBoard::Clock::now()); }, kStatusDepth);
+  return [board](std::string_view accept) {
+    MetricText metrics;
+    board->write(metrics, StatusBoard::Clock::now());
+    write_process(metrics);
+    const MetricFormat format = format_for(accept);
+    return WebText{std::string(content_type(format)), metrics.text(format)};
+  };
 }
 
 void LiveView::on_tick() {

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "components/live_view/config.hpp"
+#include "components/live_view/status_board.hpp"
 #include "components/live_view/view_hub.hpp"
 #include "components/live_view/web_server.hpp"
 #include "components/runtime/component.hpp"
@@ -20,7 +21,8 @@ namespace strata::live_view {
 /// Offers every topic of the domain whose type is known here to viewers, message by message as the
 /// bytes they came in; a topic is read from when the first viewer wants it. Reads latched topics
 /// reliably, others best-effort: no writer waits for it. Out, for viewers: initialpose; and it
-/// calls reinitialize_global_localization. In lockstep it does nothing.
+/// calls reinitialize_global_localization. What all components say on /diagnostics, which it reads
+/// from the start, it answers as metrics at /metrics. In lockstep it does nothing.
 class LiveView final : public runtime::Component {
  public:
   using Component::Component;
@@ -31,6 +33,8 @@ class LiveView final : public runtime::Component {
   void on_tick() override;
   void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;
+  /// Reads /diagnostics and says how its figures are answered.
+  [[nodiscard]] MetricsSource gather_metrics();
   void offer_topics();
   void read_what_is_wanted();
   void perform(const ViewCommand& command);

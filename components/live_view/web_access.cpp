@@ -48,16 +48,16 @@ bool is_address_of_loopback(std::string_view name) {
 
 Verdict judge(const AccessRules& rules, const WebRequest& request) {
   if (request.method != "GET") return {405, "only GET is answered here"};
-  const std::size_t question = request.target.find('?');
-  if (request.target.substr(0, question) != "/") return {404, "there is nothing but /"};
+  const std::string_view path = path_of(request.target);
+  if (path != "/" && path != kMetricsPath) return {404, "there is nothing but / and /metrics"};
   if (!rules.token.empty()) {
     const std::string_view query =
-        question == request.target.npos ? std::string_view{} : request.target.substr(question + 1);
+        request.target.substr(std::min(request.target.size(), path.size() + 1));
     if (is_same(token_in(query), rules.token) ||
         is_same(bearer_in(request.authorization), rules.token)) {
       return {};
     }
-    return {401, "give the token, as in /?token=TOKEN"};
+    return {401, "give the token, as in ?token=TOKEN"};
   }
   if (!is_address_of_loopback(name_of(request.host))) {
     return {403, "open it as localhost, or set a token"};

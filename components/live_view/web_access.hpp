@@ -8,6 +8,13 @@
 
 namespace strata::live_view {
 
+inline constexpr std::string_view kMetricsPath = "/metrics";
+
+/// Of a request's target: what stands before its query.
+[[nodiscard]] inline std::string_view path_of(std::string_view target) {
+  return target.substr(0, target.find('?'));
+}
+
 struct AccessRules {
   std::string token;                 ///< empty: none is needed
   std::vector<std::string> origins;  ///< of other hosts' pages that may connect without it
@@ -26,10 +33,11 @@ struct Verdict {
   std::string why;   ///< in words, unless it is 200
 };
 
-/// Only GET and only "/". With a token: by the query's `token` or "Authorization: Bearer TOKEN",
-/// compared in a time that does not tell how much of it is right. Without: the Host must be this
-/// machine by a loopback name, so that a foreign name that was made to point here (DNS rebinding)
-/// is refused, and the Origin, where a browser sends it, must be that host or one of the rules'.
+/// Only GET, and only "/" and kMetricsPath. With a token: by the query's `token` or "Authorization:
+/// Bearer TOKEN", compared in a time that does not tell how much of it is right. Without: the Host
+/// must be this machine by a loopback name, so that a foreign name that was made to point here (DNS
+/// rebinding) is refused, and the Origin, where a browser sends it, must be that host or one of the
+/// rules'.
 [[nodiscard]] Verdict judge(const AccessRules& rules, const WebRequest& request);
 
 }  // namespace strata::live_view

@@ -59,6 +59,7 @@ struct WebServer::State {
     }
     shared.rules = options.rules;
     shared.page = options.page;
+    shared.metrics = options.metrics;
   }
   void accept() {
     acceptor.async_accept([this](error_code error, tcp::socket socket) {

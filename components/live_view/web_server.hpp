@@ -9,6 +9,7 @@
 
 #include "components/live_view/view_hub.hpp"
 #include "components/live_view/web_access.hpp"
+#include "components/live_view/web_text.hpp"
 
 namespace strata::live_view {
 
@@ -17,11 +18,12 @@ struct WebServerOptions {
   std::uint16_t port = 0;  ///< 0: any that is free
   AccessRules rules;
   std::string_view page;  ///< lives longer than the server
+  MetricsSource metrics;  ///< null: there are none
 };
 
-/// Serves until it is destroyed. What is malformed, too long (8 kB of HTTP, 256 kB of a message) or
-/// slow (10 s for a request) ends that connection and nothing else; so does a 65th connection
-/// beside max_viewers.
+/// Serves the page, the metrics and viewers until it is destroyed. What is malformed, too long (8
+/// kB of HTTP, 256 kB of a message) or slow (10 s for a request) ends that connection and nothing
+/// else; so does a 65th connection beside max_viewers.
 class WebServer {
  public:
   /// Throws ConfigError when the address is none or the port is taken.

@@ -168,6 +168,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                         view_of(request[http::field::host]), view_of(request[http::field::origin]),
                         view_of(request[http::field::authorization])});
     if (verdict.status != 200) return send(verdict.status, verdict.why);
+    if (path_of(view_of(request.target())) == kMetricsPath) return send_metrics();
     if (!websocket::is_upgrade(request)) return send_page();
     const std::string subprotocol = subprotocol_of(request);
     if (subprotocol.empty()) {
@@ -182,6 +183,13 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     response_.body() = text + "\n";
     write();
   }
+  void send_metrics() {
+    if (!shared_.metrics) return send(404, "there are no metrics here");
+    const WebText made = shared_.metrics(view_of(parser_.get()[http::field::accept]));
+    make_response(200, made.content_type);
+    response_.body() = made.text;
+    write();
+  }
   void send_page() {
     make_response(200, "text/html; charset=utf-8");
     // Nothing but what the page holds itself runs, and it talks to nobody but this server.
@@ -192,7 +200,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     response_.body() = std::string(shared_.page);
     write();
   }
-  void make_response(int status, const char* type) {
+  void make_response(int status, const std::string& type) {
     response_.version(11);
     response_.result(static_cast<unsigned>(status));
     response_.set(http::field::content_type, type);

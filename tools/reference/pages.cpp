@@ -25,6 +25,7 @@
 #include "core/topology/mapper_config.hpp"
 #include "memory/nodes/timescale_config.hpp"
 #include "tools/reference/map_models_page.hpp"
+#include "tools/reference/metrics_page.hpp"
 #include "tools/simulate/scenario.hpp"
 
 namespace strata::reference {
@@ -88,6 +89,7 @@ std::vector<Page> make_pages() {
                                      "with `version: 1`. Examples lie "
                                      "in `tools/simulate/scenarios`."),
       {"map_models.md", map_models_page(maps::map_models()), {}, {}},
+      {"metrics.md", metrics_page(), {}, {}},
   };
 }
 

@@ -2,6 +2,7 @@
 /// A robot that publishes over DDS, and viewers of it.
 #include "components/live_view/live_view.hpp"
 
+#include <map>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -9,6 +10,8 @@
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/live_view/register.hpp"
+#include "components/runtime/diagnostics.hpp"
+#include "tests/components/live_view/metric_reader.hpp"
 #include "tests/components/live_view/web_client.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/comes_true.hpp"
@@ -106,6 +109,26 @@ TEST_F(LiveViewTest, GivesTwoViewersTheMapAndScansBitForBit) {
       EXPECT_EQ(viewer->message_of(2), convert::to_cdr(scan(i))) << i;
     }
   }
+}
+
+TEST_F(LiveViewTest, AnswersMetricsOfEveryComponentOnTheDomain) {
+  runtime::Diagnostics other(robot_, "/robot/localizer");
+  const std::uint16_t at = port();
+  const std::string wanted = "strata_localization_score{component=\"/robot/localizer\"}";
+  std::map<std::string, double> samples;
+  EXPECT_TRUE(test::comes_true([&] {
+    runtime::Health health;
+    health.add("localizationScore", 0.75);
+    other.publish(health, Stamp{1});
+    const std::string answer = test::exchange(
+        at,
+        "GET /metrics HTTP/1.1\r\nHost: localhost\r\nAccept: application/openmetrics-text\r\n\r\n");
+    EXPECT_THAT(answer, testing::HasSubstr("application/openmetrics-text; version=1.0.0"));
+    samples = test::MetricReader(true).read(answer.substr(answer.find("\r\n\r\n") + 4)).samples;
+    return samples.contains(wanted) && samples.contains("strata_view_viewers{component=\"/view\"}");
+  }));
+  EXPECT_EQ(samples[wanted], 0.75);
+  EXPECT_EQ(samples["strata_component_active{component=\"/view\"}"], 1.0);
 }
 
 TEST_F(LiveViewTest, ReadsNothingThatNoViewerWants) {

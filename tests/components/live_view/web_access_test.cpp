@@ -64,9 +64,19 @@ TEST(WebAccess, RefusesEveryOtherToken) {
   EXPECT_EQ(judge(rules, at("/?xtoken=" + kToken)).status, 401);
 }
 
-TEST(WebAccess, HasNothingButThePage) {
-  for (const char* target : {"/etc/passwd", "/../../etc/passwd", "//", "/.", "/%2e%2e/", "", "*",
-                             "http://localhost:8765/", "/index.html?token=x"}) {
+TEST(WebAccess, GuardsTheMetricsAsThePage) {
+  EXPECT_EQ(judge({}, {"GET", "/metrics", "localhost:8765", "", ""}).status, 200);
+  EXPECT_EQ(judge({}, {"GET", "/metrics", "robot:8765", "", ""}).status, 403);
+  EXPECT_EQ(judge({}, {"GET", "/metrics", "localhost", "https://evil.example", ""}).status, 403);
+  const AccessRules rules{kToken, {}};
+  EXPECT_EQ(judge(rules, at("/metrics")).status, 401);
+  EXPECT_EQ(judge(rules, at("/metrics?token=" + kToken)).status, 200);
+}
+
+TEST(WebAccess, HasNothingButThePageAndTheMetrics) {
+  for (const char* target :
+       {"/etc/passwd", "/../../etc/passwd", "//", "/.", "/%2e%2e/", "", "*",
+        "http://localhost:8765/", "/index.html?token=x", "/metrics/", "/metricsx"}) {
     WebRequest request = local();
     request.target = target;
     EXPECT_EQ(judge({}, request).status, 404) << target;

@@ -4,6 +4,7 @@
 
 #include <random>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +26,11 @@ class WebServerTest : public testing::Test {
   std::unique_ptr<WebServer> server_ = make({});
 
   std::unique_ptr<WebServer> make(const AccessRules& rules) {
-    return std::make_unique<WebServer>(WebServerOptions{"127.0.0.1", 0, rules, page()}, hub_, 2);
+    const auto metrics = [](std::string_view accept) {
+      return WebText{"text/of-metrics", "metrics for " + std::string(accept) + "\n"};
+    };
+    return std::make_unique<WebServer>(WebServerOptions{"127.0.0.1", 0, rules, page(), metrics},
+                                       hub_, 2);
   }
   std::string get(const std::string& target, const std::string& more = "") {
     return test::exchange(server_->port(),
@@ -47,12 +52,61 @@ TEST_F(WebServerTest, SendsThePageAndForbidsItToLoadAnythingElse) {
   EXPECT_EQ(page().find("https://"), std::string_view::npos) << "it works offline";
 }
 
+TEST_F(WebServerTest, AnswersMetricsInTheFormThatIsAskedFor) {
+  const std::string answer = get("/metrics", "Accept: a/b\r\n");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(answer, HasSubstr("Content-Type: text/of-metrics\r\n"));
+  EXPECT_EQ(answer.substr(answer.find("\r\n\r\n") + 4), "metrics for a/b\n");
+  server_ =
+      std::make_unique<WebServer>(WebServerOptions{"127.0.0.1", 0, {}, page(), nullptr}, hub_, 2);
+  EXPECT_THAT(get("/metrics"), StartsWith("HTTP/1.1 404"));
+}
+
+TEST_F(WebServerTest, OutlivesThoseWhoSendNothingOrNeverEnd) {
+  // More than are served at a time, each with a request that does not end.
+  boost::asio::io_context io;
+  std::vector<test::tcp::socket> slow;
+  const test::tcp::endpoint place(boost::asio::ip::make_address("127.0.0.1"), server_->port());
+  boost::system::error_code error;
+  for (int i = 0; i < 200; ++i) {
+    slow.emplace_back(io).connect(place, error);
+    if (i % 2 == 0) {
+      boost::asio::write(slow.back(), boost::asio::buffer(std::string("GET / HT")), error);
+    }
+  }
+  // They keep their places for as long as a request may take, and no longer.
+  std::string answer;
+  ASSERT_TRUE(test::comes_true([&] {
+    answer = get("/");
+    return answer.starts_with("HTTP/1.1 200");
+  }));
+  expect_alive();
+}
+
+TEST_F(WebServerTest, OutlivesThousandsWhoComeAndGo) {
+  boost::asio::io_context io;
+  const test::tcp::endpoint place(boost::asio::ip::make_address("127.0.0.1"), server_->port());
+  boost::system::error_code error;
+  for (int i = 0; i < 3000; ++i) {
+    test::tcp::socket socket(io);
+    socket.connect(place, error);
+    if (i % 3 != 0) {
+      const std::string request = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
+      boost::asio::write(socket, boost::asio::buffer(request), error);
+    }
+  }
+  ASSERT_TRUE(test::comes_true([&] { return get("/metrics").starts_with("HTTP/1.1 200"); }));
+  expect_alive();
+}
+
 TEST_F(WebServerTest, RefusesWhatIsNotThere) {
   EXPECT_THAT(get("/../../../etc/passwd"), StartsWith("HTTP/1.1 404"));
   EXPECT_THAT(get("/", "Origin: https://evil.example\r\n"), StartsWith("HTTP/1.1 403"));
   EXPECT_THAT(test::exchange(server_->port(), "POST / HTTP/1.1\r\nHost: localhost\r\n\r\n"),
               StartsWith("HTTP/1.1 405"));
   EXPECT_THAT(test::exchange(server_->port(), "nonsense\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(get("/metrics", "X: " + std::string(5 << 20, 'x') + "\r\n"),
+              testing::Not(HasSubstr("200")));
   EXPECT_THAT(get("/", "X: " + std::string(100000, 'x') + "\r\n"), testing::Not(HasSubstr("200")));
   expect_alive();
 }
@@ -145,13 +199,13 @@ TEST_F(WebServerTest, LivesThroughMutatedConnections) {
 
 TEST_F(WebServerTest, SaysWhenItsPortIsTaken) {
   try {
-    const WebServer second({"127.0.0.1", server_->port(), {}, page()}, hub_, 2);
+    const WebServer second({"127.0.0.1", server_->port(), {}, page(), nullptr}, hub_, 2);
     FAIL() << "took a port that is taken";
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), HasSubstr(std::to_string(server_->port())));
     EXPECT_THAT(error.what(), HasSubstr("taken by another program"));
   }
-  EXPECT_THROW(WebServer({"nowhere", 0, {}, page()}, hub_, 2), ConfigError);
+  EXPECT_THROW(WebServer({"nowhere", 0, {}, page(), nullptr}, hub_, 2), ConfigError);
 }
 
 }  // namespace
