@@ -8,7 +8,10 @@
 #include <new>
 #include <system_error>
 
+#include <fcntl.h>
 #include <lz4frame.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zstd.h>
 
@@ -21,6 +24,8 @@ namespace strata::log {
 namespace {
 
 constexpr std::size_t kBlockBytes = 1 << 18;
+/// How names of unpacked files begin.
+constexpr const char* kUnpacked = "strata-unpacked-";
 
 struct FreeZstd {
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
@@ -99,6 +104,34 @@ std::string unpack(std::istream& in, BagCompression compression, std::ostream& o
   return decoder.finished() ? "" : "it is cut";
 }
 
+/// Of processes that were killed, which left them without a lock. Others' cannot be opened.
+void remove_unpacked_of_killed() {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(fs::temp_directory_path(error), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kUnpacked)) continue;
+    const int file = open(entry.path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (file < 0) continue;
+    if (flock(file, LOCK_EX | LOCK_NB) == 0) fs::remove(entry.path(), error);
+    ::close(file);
+  }
+}
+
+/// An empty file of its own, open and locked; its name goes into `path`. Negative where none can be
+/// made.
+int make_locked(fs::path& path) {
+  for (;;) {
+    std::string name = (fs::temp_directory_path() / kUnpacked).string() + "XXXXXX";
+    const int file = mkostemp(name.data(), O_CLOEXEC);
+    path = name;
+    if (file < 0) return file;
+    struct stat status {};
+    (void)flock(file, LOCK_EX | LOCK_NB);
+    if (fstat(file, &status) != 0 || status.st_nlink > 0) return file;
+    ::close(file);  // taken for left over, before it had the lock
+  }
+}
+
 }  // namespace
 
 std::string_view compression_name(BagCompression compression) {
@@ -173,27 +206,27 @@ Bytes decompress(View packed, BagCompression compression, std::uint64_t limit, s
 UnpackedFile::UnpackedFile(const fs::path& file) {
   std::ifstream in(readable_path(file), std::ios::binary);
   if (!in) throw InputError(file.string(), "cannot be opened", "check its permissions");
-  std::string pattern = (fs::temp_directory_path() / "strata-unpacked-XXXXXX").string();
-  const int descriptor = mkstemp(pattern.data());
-  if (descriptor >= 0) ::close(descriptor);
-  path_ = pattern;
+  remove_unpacked_of_killed();
+  lock_ = make_locked(path_);
   std::ofstream out(path_, std::ios::binary);
-  if (descriptor >= 0 && out) {
+  if (lock_ >= 0 && out) {
     const std::string why = unpack(in, compression_of_file(file), out);
     if (!why.empty()) damage_ = file.string() + ": its compressed content ends early: " + why;
     out.close();
   }
-  if (descriptor < 0 || !out) {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-    throw InputError(file.string(), "cannot be unpacked into " + path_.parent_path().string(),
-                     "free some space there, or set TMPDIR to another folder");
-  }
+  if (lock_ >= 0 && out) return;
+  remove();
+  throw InputError(file.string(), "cannot be unpacked into " + path_.parent_path().string(),
+                   "free some space there, or set TMPDIR to another folder");
 }
 
-UnpackedFile::~UnpackedFile() {
+UnpackedFile::~UnpackedFile() { remove(); }
+
+void UnpackedFile::remove() const {
+  if (lock_ < 0) return;
   std::error_code ignored;
   fs::remove(path_, ignored);
+  ::close(lock_);
 }
 
 void pack_file(const fs::path& file, const fs::path& packed) {

@@ -30,7 +30,8 @@ using View = std::span<const std::uint8_t>;
                                std::string& error);
 
 /// The content of a compressed file, or of a pipe, in a temporary file, which goes with the object;
-/// what was opened before stays readable.
+/// what was opened before stays readable. The file is locked: one that nobody holds is of a process
+/// that was killed, and the next object takes it away.
 class UnpackedFile {
  public:
   /// Throws InputError when the file cannot be read, or its content put into the temporary folder.
@@ -43,6 +44,9 @@ class UnpackedFile {
   [[nodiscard]] const std::string& damage() const { return damage_; }
 
  private:
+  void remove() const;
+
+  int lock_ = -1;  ///< of the open file; -1: none could be made
   std::filesystem::path path_;
   std::string damage_;
 };

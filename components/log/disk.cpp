@@ -6,6 +6,7 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -30,6 +31,20 @@ constexpr const char* kMark = ".partial-";
 /// Of a name without folder: the current one.
 fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+/// Has ended and was not asked how, as what is killed in a container whose first process asks
+/// nobody.
+bool is_zombie(pid_t process) {
+  std::ifstream in("/proc/" + std::to_string(process) + "/stat");
+  std::string text;
+  std::getline(in, text);
+  const std::size_t name_end = text.rfind(')');  // a name may hold anything
+  return name_end != std::string::npos && text.compare(name_end, 3, ") Z") == 0;
+}
+
+bool is_gone(pid_t process) {
+  return (kill(process, 0) != 0 && errno == ESRCH) || is_zombie(process);
 }
 
 fs::path before_name(const fs::path& path) {
@@ -132,7 +147,7 @@ void remove_left_over(const fs::path& path) {
     const auto parsed = std::from_chars(name.data() + prefix.size(), end, process);
     if (parsed.ec != std::errc{} || parsed.ptr != end || process <= 0) continue;
     std::error_code ignored;
-    if (kill(process, 0) != 0 && errno == ESRCH) fs::remove_all(entry.path(), ignored);
+    if (is_gone(process)) fs::remove_all(entry.path(), ignored);
   }
 }
 

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/scan_matcher/maps_saver.hpp"
 
-#include <cerrno>
 #include <chrono>
 #include <cstddef>
 #include <cstdlib>
 #include <system_error>
 #include <utility>
 
-#include <signal.h>
 #include <sys/resource.h>
 #include <time.h>
 
 #include "components/convert/patch_messages.hpp"
+#include "components/log/disk.hpp"
 #include "components/log/whole_folder.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/scan_matcher/damaged_maps.hpp"
@@ -46,20 +45,6 @@ bool has_all_scans(const slam::Slam& slam) {
     ++next;
   });
   return has_all && next == slam.kept_scans();
-}
-
-/// Of savers whose process was killed.
-void remove_leftovers(const fs::path& folder) {
-  const std::string mark = "." + folder.filename().string() + ".partial-";
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder.parent_path(), error)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(mark)) continue;
-    const int process = std::atoi(name.c_str() + mark.size());
-    const bool is_gone = process <= 0 || (kill(process, 0) != 0 && errno == ESRCH);
-    std::error_code ignored;
-    if (is_gone) fs::remove_all(entry.path(), ignored);
-  }
 }
 
 }  // namespace
@@ -99,7 +84,7 @@ MapsSaver::MapsSaver(const fs::path& folder, SaverConfig config)
       work_([this](const Job& job) { work_on(job); }) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   log::put_back(log::real_disk(), folder_);
-  remove_leftovers(folder_);
+  log::remove_left_over(folder_);  // of savers whose process was killed
   require_replaceable(folder_);
 }
 

@@ -40,7 +40,7 @@ class FolderInTheMaking {
   explicit FolderInTheMaking(fs::path place)
       : place_(std::move(place)),
         partial_(place_.parent_path() /
-                 ("." + place_.filename().string() + ".partial" + std::to_string(getpid()))) {
+                 ("." + place_.filename().string() + ".partial-" + std::to_string(getpid()))) {
     writing_to(place_, [&] {
       fs::remove_all(partial_);
       fs::create_directories(partial_);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata keystore`: who may join a secured domain, and what each may read and write there.
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,12 +10,15 @@
 #include <nlohmann/json.hpp>
 
 #include "components/bus/names.hpp"
+#include "components/log/disk.hpp"
 #include "components/security/keystore.hpp"
 #include "core/base/error.hpp"
 #include "tools/strata/composition_options.hpp"
 #include "tools/strata/explained_hosts.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+
+namespace fs = std::filesystem;
 
 namespace strata::tools {
 namespace {
@@ -151,6 +155,7 @@ void add_keystore(CLI::App& app, VerbContext& context) {
         const std::string& name = action->get_name();
         if (name != "permissions") refuse_config(context.options, "a keystore has no settings");
         if (name == "create") {
+          log::remove_left_over(fs::absolute(options->keystore).lexically_normal());
           (void)security::Keystore::create(options->keystore);
           context.note("made " + options->keystore + "; keep its private/ away from robots");
         } else if (name == "add") {

@@ -8,6 +8,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "components/log/bag.hpp"
 #include "components/log/compression.hpp"
@@ -72,6 +74,35 @@ TEST_P(Packing, IsKnownByContentWhereMetadataIsLostOrAFileIsGivenAlone) {
   EXPECT_EQ(read_bag(bag).messages, some_messages());
   const std::string name = std::string("bag_0") + (mcap() ? ".mcap" : ".db3");
   EXPECT_EQ(read_bag(bag / (whole_file() ? name + ".zstd" : name)).messages, some_messages());
+}
+
+TEST_P(Packing, TakesAwayTheUnpackedCopyOfAProcessThatWasKilled) {
+  const fs::path bag = write(some_messages());
+  const fs::path file = bag / (std::string("bag_0") + (mcap() ? ".mcap" : ".db3") + ".zstd");
+  if (!whole_file()) return;  // nothing is unpacked as a whole
+  const fs::path own = folder_.path() / "tmp";
+  fs::create_directory(own);
+  const char* before = std::getenv("TMPDIR");
+  const std::string old = before == nullptr ? "" : before;
+  setenv("TMPDIR", own.c_str(), 1);
+  const pid_t killed = fork();
+  if (killed == 0) {
+    const UnpackedFile unpacked(file);
+    _exit(0);  // as by a kill: no destructor runs
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(killed, &status, 0), killed);
+  const auto copies = [&] { return std::distance(fs::directory_iterator(own), {}); };
+  EXPECT_EQ(copies(), 1);
+  {
+    const UnpackedFile mine(file);
+    EXPECT_EQ(copies(), 1);
+    const UnpackedFile other(file);
+    EXPECT_EQ(copies(), 2) << "what is in use stays";
+    EXPECT_EQ(read_bag(mine.path()).messages, some_messages());
+  }
+  EXPECT_EQ(copies(), 0);
+  old.empty() ? unsetenv("TMPDIR") : setenv("TMPDIR", old.c_str(), 1);
 }
 
 TEST_P(Packing, LeavesNoUnpackedCopyBehind) {

@@ -9,6 +9,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -97,6 +98,19 @@ TEST_F(WhatIsWritten, ByAProcessThatIsGoneIsTakenAwayByTheNext) {
   { const WholeFolder folder(folder_.path() / "kb"); }
   EXPECT_FALSE(fs::exists(left(std::to_string(gone))));
   for (const fs::path& other : others) EXPECT_TRUE(fs::exists(other)) << other;
+}
+
+TEST_F(WhatIsWritten, ByAProcessThatNobodyAskedHowItEndedIsTakenAwayToo) {
+  const pid_t ended = fork();
+  if (ended == 0) _exit(0);
+  siginfo_t how{};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(ended), &how, WEXITED | WNOWAIT), 0);
+  const fs::path left = folder_.path() / (".kb.partial-" + std::to_string(ended));
+  fs::create_directory(left);
+  remove_left_over(folder_.path() / "kb");
+  EXPECT_FALSE(fs::exists(left));
+  int status = 0;
+  EXPECT_EQ(waitpid(ended, &status, 0), ended);
 }
 
 TEST_F(WhatIsWritten, CanTakeAnothersPlaceAndGiveItsOwn) {
