@@ -134,7 +134,13 @@ void Recorder::on_activate() {
 }
 
 void Recorder::on_tick() {
-  record_what_is_published();
+  try {
+    record_what_is_published();
+  } catch (...) {
+    misses_more_ = true;
+    is_whole_ = false;
+    throw;
+  }
   const auto now = std::chrono::steady_clock::now();
   if (!bag_ || now - flushed_ < kFlushPeriod) return;
   flushed_ = now;
@@ -147,8 +153,13 @@ void Recorder::write_bag(const std::function<void()>& write) {
     write();
   } catch (const OutputError& error) {
     problem = error;
+  } catch (...) {
+    misses_more_ = true;
+    is_whole_ = false;
+    throw;
   }
   const log::BagGap gap = bag_->gap();
+  is_whole_ = !misses_more_ && !gap.lasts && gap.lost == 0;
   const bool was_stuck = std::exchange(is_stuck_, gap.lasts);
   if (was_stuck && !gap.lasts) {
     const std::size_t lost = gap.lost - std::exchange(told_lost_, gap.lost);
@@ -233,6 +244,7 @@ void Recorder::write(const std::string& topic, const bus::RawMessage& message, S
 
 void Recorder::on_deactivate() {
   if (!bag_) return;
+  is_whole_ = false;
   bag_->close();
   write_bag([] {});  // tells what was lost before
 }
@@ -249,6 +261,8 @@ void Recorder::on_cleanup() {
   recorded_.clear();
   held_.clear();
   is_stuck_ = false;
+  misses_more_ = false;
+  is_whole_ = true;
   told_lost_ = 0;
 }
 

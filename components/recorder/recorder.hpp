@@ -2,6 +2,7 @@
 /// strata::Recorder: topics in, a rosbag2 bag out, message by message as the bytes they came in.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -29,6 +30,9 @@ namespace strata::recorder {
 class Recorder final : public runtime::Component {
  public:
   using Component::Component;
+  /// Whether the bag has all that has come, as far as it was looked at: a disk that was full in
+  /// between may have cost nothing. Once deactivated: whether the bag is complete. From any thread.
+  [[nodiscard]] bool is_whole() const { return is_whole_; }
 
  private:
   /// A topic that is read; its place in the bag is given when its writers are known.
@@ -75,7 +79,9 @@ class Recorder final : public runtime::Component {
   std::list<Held> held_;                      ///< latched, while paused; in the order they came
   std::optional<Stamp> log_time_;             ///< lockstep
   std::chrono::steady_clock::time_point flushed_;
-  bool is_stuck_ = false;  ///< as told
+  bool is_stuck_ = false;     ///< as told
+  bool misses_more_ = false;  ///< what no full disk explains
+  std::atomic<bool> is_whole_ = true;
   std::size_t told_lost_ = 0;
 };
 

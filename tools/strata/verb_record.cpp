@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "components/recorder/recorder.hpp"
 #include "components/runtime/host.hpp"
 #include "tools/all_components/all_components.hpp"
 #include "tools/strata/composition_options.hpp"
@@ -43,6 +44,7 @@ void record(const RecordOptions& options, VerbContext& context) {
   const runtime::Registry registry = all_components();
   runtime::Host host(composition, composition.processes[0], registry, join(composition, context),
                      {});
+  const auto& recorder = dynamic_cast<const recorder::Recorder&>(*host.components().front());
   host.activate();
   context.interrupt().set_grace(std::chrono::duration<double>(kStopPatience).count());
   context.note("recording into " + options.out + "; Ctrl-C ends it");
@@ -57,11 +59,11 @@ void record(const RecordOptions& options, VerbContext& context) {
     host.tick();
     tell_errors();  // and goes on: there may be room again
   }
-  host.stop();
+  host.components().front()->deactivate();
   tell_errors();  // the bag's last chunk and its index are written at the end
-  if (!first_error.empty()) {
-    throw OutputError(options.out, first_error, "then record again");
-  }
+  const bool is_whole = recorder.is_whole();
+  host.stop();
+  if (!is_whole) throw OutputError(options.out, first_error, "then record again");
 }
 
 }  // namespace
