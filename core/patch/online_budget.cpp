@@ -34,6 +34,7 @@ void OnlinePatchLearner::pool_surplus(Track& track) {
     if (most->size() < 2) return;
     const std::size_t a = (*most)[0];
     const std::size_t b = (*most)[1];
+    track.history.pool(a, b);  // all or nothing; what follows asks for no memory
     Kept& into = track.kept[b];
     for (std::size_t c = 0; c < into.counts.size(); ++c) {
       into.counts.values()[c].hits += track.kept[a].counts.values()[c].hits;
@@ -43,7 +44,6 @@ void OnlinePatchLearner::pool_surplus(Track& track) {
     infos[b].scans = into.info.scans;
     // Once the scans of the older are forgotten, a new sub-map here takes over what they counted.
     into.first_scan = std::min(into.first_scan, track.kept[a].first_scan);
-    track.history.pool(a, b);
     track.kept.erase(track.kept.begin() + static_cast<std::ptrdiff_t>(a));
     infos.erase(infos.begin() + static_cast<std::ptrdiff_t>(a));
     ++status_.pooled_sequences;
@@ -72,15 +72,18 @@ void OnlinePatchLearner::forget_configuration() {
     }
   }
   if (from == nullptr) return;
-  std::vector<Kept> left;
   std::vector<std::uint32_t> places(from->kept.size(), SequenceHistory::kGone);
+  std::uint32_t count_left = 0;
   for (std::size_t i = 0; i < from->kept.size(); ++i) {
-    if (likeliest(from->submap.sequences[i].membership) == oldest) continue;
-    places[i] = static_cast<std::uint32_t>(left.size());
-    left.push_back(std::move(from->kept[i]));
+    if (likeliest(from->submap.sequences[i].membership) != oldest) places[i] = count_left++;
   }
-  SequenceHistory history(left.size());
+  SequenceHistory history(count_left);
   history.add(from->history, places);
+  std::vector<Kept> left;
+  left.reserve(count_left);  // what follows asks for no memory
+  for (std::size_t i = 0; i < from->kept.size(); ++i) {
+    if (places[i] != SequenceHistory::kGone) left.push_back(std::move(from->kept[i]));
+  }
   from->history = std::move(history);
   from->kept = std::move(left);
   from->is_dirty = true;

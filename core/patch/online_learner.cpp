@@ -34,7 +34,7 @@ bool OnlinePatchLearner::add(PosedScan scan) {
   if (!is_finite(scan.map_from_robot)) return false;
   scan.static_probability = {};
   scan.scan.ranges_m.shrink_to_fit();
-  const auto index = static_cast<std::uint32_t>(status_.scans_seen++);
+  const auto index = static_cast<std::uint32_t>(status_.scans_seen);
   const bool is_new_run = scans_.empty() || scan.run != last_run_;
   const Stamp now = scan.scan.stamp;
   last_run_ = scan.run;
@@ -47,13 +47,25 @@ bool OnlinePatchLearner::add(PosedScan scan) {
     has_changed = check();
   }
   visits_.add(scan, index);
-  scan_bytes_ += scan_bytes_of(scan);
-  scans_.push_back(std::move(scan));
-  reach_m_.push_back(0.0F);
+  keep_scan(std::move(scan));
   follow_sequences(scans_.back(), index);
   has_changed = learn_dirty() || has_changed;
   hold_budget();
   return has_changed;
+}
+
+/// All or nothing: the scan's number is its place among those that are kept.
+void OnlinePatchLearner::keep_scan(PosedScan scan) {
+  const std::size_t bytes = scan_bytes_of(scan);
+  reach_m_.push_back(0.0F);
+  try {
+    scans_.push_back(std::move(scan));
+  } catch (...) {
+    reach_m_.pop_back();
+    throw;
+  }
+  scan_bytes_ += bytes;
+  ++status_.scans_seen;
 }
 
 void OnlinePatchLearner::follow_sequences(const PosedScan& scan, std::uint32_t index) {
@@ -85,8 +97,14 @@ void OnlinePatchLearner::keep(Track& track, const Sequence& sequence) const {
     kept.counts.values()[i] = {static_cast<float>(cell.hits), static_cast<float>(cell.misses)};
   }
   const bool is_first = track.kept.empty();
-  track.history.append(is_first ? 0.0 : (kept.info.begin - track.kept.back().info.end).seconds());
+  const double since_s = is_first ? 0.0 : (kept.info.begin - track.kept.back().info.end).seconds();
   track.kept.push_back(std::move(kept));
+  try {
+    track.history.append(since_s);
+  } catch (...) {
+    track.kept.pop_back();  // an entry each
+    throw;
+  }
   track.is_dirty = true;
 }
 
@@ -123,30 +141,32 @@ bool OnlinePatchLearner::look_at(const CellRect& window, std::span<const CellRec
 void OnlinePatchLearner::update_tracks() {
   const std::vector<Region> regions =
       join_regions(grow_regions(contradictory_, config_.regions), base_, config_.regions);
-  std::vector<Track> before = std::exchange(tracks_, {});
+  // Takes the place of the tracks when it is whole: memory may run out meanwhile.
+  std::vector<Track> next;
   std::vector<Track> fresh;
   for (const Region& region : regions) {
-    const auto same = std::find_if(before.begin(), before.end(), [&](const Track& track) {
+    const auto same = std::find_if(tracks_.begin(), tracks_.end(), [&](const Track& track) {
       return track.region.rect == region.rect;
     });
-    if (same == before.end()) {
+    if (same == tracks_.end()) {
       fresh.push_back({region, SequenceBuilder(config_.sequences), {}, {}, {}, true});
       continue;
     }
     // What was counted there holds, whichever of its cells are compared.
-    tracks_.push_back(*same);
+    next.push_back(*same);
     if (same->region.cells == region.cells) continue;
-    tracks_.back().region = region;
-    tracks_.back().is_dirty = true;
+    next.back().region = region;
+    next.back().is_dirty = true;
   }
-  for (Track& track : fresh) take_over(before, track);
+  for (Track& track : fresh) take_over(tracks_, track);
   recall(fresh);
-  for (Track& track : fresh) tracks_.push_back(std::move(track));
-  std::sort(tracks_.begin(), tracks_.end(), [](const Track& a, const Track& b) {
+  for (Track& track : fresh) next.push_back(std::move(track));
+  std::sort(next.begin(), next.end(), [](const Track& a, const Track& b) {
     return std::tie(a.region.rect.min.y, a.region.rect.min.x, a.region.rect.max.y,
                     a.region.rect.max.x) < std::tie(b.region.rect.min.y, b.region.rect.min.x,
                                                     b.region.rect.max.y, b.region.rect.max.x);
   });
+  tracks_ = std::move(next);
 }
 
 /// Sequences whose scans are forgotten come from sub-maps that were here before; what those did not

@@ -158,6 +158,7 @@ class OnlinePatchLearner {
   /// Whether what was restored fits together.
   [[nodiscard]] bool has_sound_scans() const;
   [[nodiscard]] bool is_sound(const Track& track) const;
+  void keep_scan(PosedScan scan);
   void follow_sequences(const PosedScan& scan, std::uint32_t index);
   void keep(Track& track, const Sequence& sequence) const;
   [[nodiscard]] bool check();

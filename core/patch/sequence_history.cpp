@@ -31,23 +31,29 @@ void SequenceHistory::append(double dt_s) {
   if (counts_.size() < 2 || !(dt_s > 0.0) || !std::isfinite(dt_s)) return;
   // New entries have no transitions yet: nothing to look for.
   const auto to = static_cast<std::uint32_t>(counts_.size() - 1);
-  transitions_.push_back({to - 1, to, dt_s, 1.0});
+  try {
+    transitions_.push_back({to - 1, to, dt_s, 1.0});
+  } catch (...) {
+    counts_.pop_back();
+    throw;
+  }
 }
 
 void SequenceHistory::pool(std::size_t from, std::size_t into) {
-  counts_[into] += counts_[from];
-  counts_.erase(counts_.begin() + static_cast<std::ptrdiff_t>(from));
+  SequenceHistory pooled = *this;
+  pooled.counts_[into] += counts_[from];
+  pooled.counts_.erase(pooled.counts_.begin() + static_cast<std::ptrdiff_t>(from));
+  pooled.transitions_.clear();
   const auto place = [&](std::uint32_t i) {
     const std::size_t joined = i == from ? into : i;
     return static_cast<std::uint32_t>(joined > from ? joined - 1 : joined);
   };
-  std::vector<Transition> before;
-  before.swap(transitions_);
-  for (Transition t : before) {
+  for (Transition t : transitions_) {
     t.from = place(t.from);
     t.to = place(t.to);
-    add_transition(t);
+    pooled.add_transition(t);
   }
+  *this = std::move(pooled);
 }
 
 void SequenceHistory::add(const SequenceHistory& other, std::span<const std::uint32_t> places) {

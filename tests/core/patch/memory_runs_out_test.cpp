@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A learner that gets no memory in the middle of its work loses what it was at, and nothing else:
+/// what it holds fits together, and it goes on. A program of its own, since it replaces the global
+/// allocation functions.
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "core/patch/online_learner.hpp"
+#include "core/random/stream.hpp"
+#include "tests/core/patch/toy_map.hpp"
+#include "tests/core/patch/toy_world.hpp"
+#include "tests/support/counted_allocations.hpp"
+
+namespace strata::patch {
+namespace {
+
+/// Restoring looks at all that a learner holds.
+void expect_sound(const OnlinePatchLearner& learner, const OnlineConfig& online,
+                  const ReflectionGrid& base) {
+  OnlinePatchLearner other({}, online, base, 1);
+  ASSERT_NO_THROW(other.restore_state(learner.save_state(), "the learner"));
+}
+
+/// memory_mb: little makes it forget scans, sequences and configurations all the time.
+std::size_t learn_with_failures(double memory_mb, std::uint64_t seed) {
+  RandomStream random(seed, StreamId::kTest, 7);
+  std::vector<bool> closed;
+  for (int visit = 0; visit < 24; ++visit) {
+    closed.push_back(visit < 4 ? visit % 2 == 0 : random.bernoulli(0.5));
+  }
+  const auto scans = test::drive_past_door(closed, 0.01, 0.0, seed, test::Visits::kOneRun);
+  const ReflectionGrid base = test::map_of(scans);
+  OnlineConfig online;
+  online.memory_mb = memory_mb;
+  online.max_sequences = 10;
+  OnlinePatchLearner learner({}, online, base, 1);
+  std::size_t failures = 0;
+  for (const PosedScan& scan : scans) {
+    if (random.bernoulli(0.15)) {
+      const double most = random.bernoulli(0.2) ? 2000.0 : 30.0;
+      strata::test::failing_allocation =
+          strata::test::allocations + 1 + static_cast<std::size_t>(random.uniform(0.0, most));
+    }
+    bool has_failed = false;
+    try {
+      (void)learner.add(scan);
+    } catch (const std::bad_alloc&) {
+      has_failed = true;
+    }
+    strata::test::failing_allocation = 0;
+    if (!has_failed) continue;
+    ++failures;
+    expect_sound(learner, online, base);
+    if (testing::Test::HasFatalFailure()) return failures;
+  }
+  EXPECT_FALSE(learner.finish().submaps.empty()) << "the door is found all the same";
+  return failures;
+}
+
+TEST(MemoryRunsOut, AndALearnerStaysSoundAndGoesOn) {
+  EXPECT_GT(learn_with_failures(256.0, 1), 40U);
+}
+
+TEST(MemoryRunsOut, AndALearnerThatForgetsStaysSoundAndGoesOn) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(seed);
+    EXPECT_GT(learn_with_failures(1.0, seed), 40U);
+  }
+}
+
+}  // namespace
+}  // namespace strata::patch
