@@ -224,6 +224,12 @@ TEST_F(IncidentRecorderTest, OnAFullDiskGoesOnAndSaysSo) {
     }));
     ASSERT_FALSE(errors.empty());
     EXPECT_THAT(errors[0], HasSubstr("incidents"));
+    EXPECT_THAT(errors, SizeIs(1));
+    for (int i = 0; i < 50; ++i) {
+      tell("lost");
+      host_->tick();
+    }
+    EXPECT_THAT(host_->take_errors(), testing::IsEmpty()) << "told once";
   }
   tell("good");
   tell("lost");
