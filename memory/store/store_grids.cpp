@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -32,29 +33,52 @@ struct GridKind<std::uint8_t> {
 /// Grids that belong to a larger value have names with this mark, and are not listed.
 constexpr char kInnerMark = '/';
 
-template <typename T>
-std::vector<std::byte> planes_of(const Grid<T>& grid) {
-  return to_planes(std::span<const T>(grid.values()));
+/// Calls visit(Cell first, std::span<const T>) row by row, as TiledGrid::visit_rows does.
+template <typename T, typename Visit>
+void visit_rows(const Grid<T>& grid, Visit&& visit) {
+  const auto width = static_cast<std::size_t>(grid.width());
+  for (int y = grid.rect().min.y; y < grid.rect().max.y && width > 0; ++y) {
+    const Cell first{grid.rect().min.x, y};
+    visit(first, std::span<const T>(&grid.at(first), width));
+  }
+}
+template <typename T, typename Visit>
+void visit_rows(const TiledGrid<T>& grid, Visit&& visit) {
+  grid.visit_rows(visit);
 }
 
-/// The planes of the dense grid, without making it.
 template <typename T>
-std::vector<std::byte> planes_of(const TiledGrid<T>& grid) {
-  const std::size_t size = grid.size();
-  std::vector<std::byte> planes(size * sizeof(T));
-  const auto write = [&](std::size_t index, const T& value) {
-    std::byte raw[sizeof(T)];
-    std::memcpy(raw, &value, sizeof(T));
-    for (std::size_t b = 0; b < sizeof(T); ++b) planes[b * size + index] = raw[b];
-  };
-  for (std::size_t i = 0; i < size; ++i) write(i, grid.fill());
-  const auto width = static_cast<std::size_t>(grid.rect().width());
-  grid.visit_rows([&](const Cell& first, std::span<const T> row) {
-    const std::size_t start = static_cast<std::size_t>(first.y - grid.rect().min.y) * width +
-                              static_cast<std::size_t>(first.x - grid.rect().min.x);
-    for (std::size_t i = 0; i < row.size(); ++i) write(start + i, row[i]);
-  });
-  return planes;
+std::byte byte_of(const T& value, std::size_t place) {
+  std::byte raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  return raw[place];
+}
+
+/// to_planes of the values of the dense grid, compressed a row at a time: the planes of a large
+/// building take more memory than all else.
+template <typename T, template <typename> typename AnyGrid>
+std::vector<std::byte> packed_planes(const AnyGrid<T>& grid) {
+  const CellRect& rect = grid.rect();
+  Compressor planes(grid.size() * sizeof(T));
+  std::vector<std::byte> row(rect.empty() ? 0 : static_cast<std::size_t>(rect.width()));
+  for (std::size_t place = 0; place < sizeof(T); ++place) {
+    const std::byte fill = byte_of(grid.fill(), place);
+    std::fill(row.begin(), row.end(), fill);
+    int y = rect.min.y;
+    const auto go_on_to = [&](int next) {
+      for (; y < next; ++y) {
+        planes.add(row);
+        std::fill(row.begin(), row.end(), fill);
+      }
+    };
+    visit_rows(grid, [&](const Cell& first, std::span<const T> cells) {
+      go_on_to(first.y);
+      std::byte* to = &row[static_cast<std::size_t>(first.x - rect.min.x)];
+      for (const T& cell : cells) *to++ = byte_of(cell, place);
+    });
+    go_on_to(rect.max.y);
+  }
+  return planes.finish();
 }
 
 template <typename AnyGrid>
@@ -71,7 +95,7 @@ void write_any(Database& database, const std::string& name, const char* kind, co
       .bind(rect.max.x)
       .bind(rect.max.y)
       .bind(std::as_bytes(std::span(&grid.fill(), 1)))
-      .bind(compress(planes_of(grid)))
+      .bind(packed_planes(grid))
       .run();
 }
 

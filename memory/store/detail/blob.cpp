@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/store/detail/blob.hpp"
 
-#include <memory>
+#include <array>
+#include <new>
+#include <utility>
 
 #include <zstd.h>
 
@@ -21,12 +23,48 @@ constexpr unsigned long long kMaxBytes = 1ULL << 36U;
 struct FreeContext {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
 };
+using Context = std::unique_ptr<ZSTD_CCtx, FreeContext>;
+
+Context make_context() {
+  Context context(ZSTD_createCCtx());
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
+  return context;
+}
 
 }  // namespace
 
+struct Compressor::Stream {
+  Context context = make_context();
+  std::vector<std::byte> frame;
+
+  void pass(std::span<const std::byte> piece, ZSTD_EndDirective directive) {
+    std::array<std::byte, 1U << 16U> packed;
+    ZSTD_inBuffer in{piece.data(), piece.size(), 0};
+    std::size_t left = 0;  // within the context
+    do {
+      ZSTD_outBuffer out{packed.data(), packed.size(), 0};
+      left = ZSTD_compressStream2(context.get(), &out, &in, directive);
+      if (ZSTD_isError(left) != 0U) throw std::bad_alloc();  // nothing else can fail
+      frame.insert(frame.end(), packed.data(), packed.data() + out.pos);
+    } while (directive == ZSTD_e_end ? left > 0 : in.pos < in.size);
+  }
+};
+
+Compressor::Compressor(std::size_t content_bytes) : stream_(std::make_unique<Stream>()) {
+  ZSTD_CCtx_setPledgedSrcSize(stream_->context.get(), content_bytes);
+}
+
+Compressor::~Compressor() = default;
+
+void Compressor::add(std::span<const std::byte> piece) { stream_->pass(piece, ZSTD_e_continue); }
+
+std::vector<std::byte> Compressor::finish() {
+  stream_->pass({}, ZSTD_e_end);
+  return std::move(stream_->frame);
+}
+
 std::vector<std::byte> compress(std::span<const std::byte> bytes) {
-  const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
-  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
+  const Context context = make_context();
   // Not set to zero: memory that is never written to is never taken.
   const std::size_t most = ZSTD_compressBound(bytes.size());
   const auto blob = std::make_unique_for_overwrite<std::byte[]>(most);

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +18,25 @@ static_assert(std::endian::native == std::endian::little, "the store keeps littl
 
 /// zstd frame with its content checksum on, so that a flipped bit is found when reading.
 [[nodiscard]] std::vector<std::byte> compress(std::span<const std::byte> bytes);
+
+/// The same of content that comes in pieces and is never held as a whole. O(piece) memory beside
+/// the frame and a window of a few megabytes.
+class Compressor {
+ public:
+  /// content_bytes: of all pieces together, which the frame states.
+  explicit Compressor(std::size_t content_bytes);
+  ~Compressor();
+  Compressor(const Compressor&) = delete;
+  Compressor& operator=(const Compressor&) = delete;
+  void add(std::span<const std::byte> piece);
+  /// The whole frame. Requires that content_bytes were added.
+  [[nodiscard]] std::vector<std::byte> finish();
+
+ private:
+  struct Stream;
+  std::unique_ptr<Stream> stream_;
+};
+
 /// Throws InputError{place} when the blob is damaged or its content is not expected_size long.
 [[nodiscard]] std::vector<std::byte> decompress(std::span<const std::byte> blob,
                                                 std::size_t expected_size,
