@@ -82,27 +82,35 @@ EmResult run_em(std::span<PosedScan> scans, const std::vector<bool>& mapped,
   const bool any_moves = std::find(moves.begin(), moves.end(), true) != moves.end();
   const int rounds = any_moves && config.match_again ? config.max_iterations : 0;
   std::vector<Pose2> best_poses(scans.size());
+  bool has_best_raw = false;  // else it is counted again at the best poses
   std::vector<double> trace;
   const std::vector<const PosedScan*> counted = mapped_scans(scans, mapped);
   CellRect extent;  // of the counts at the present poses
   // Within the loop each cell is judged by itself: matching wants walls as thin as they come.
   beam_filter::BeamFilterConfig strict = filter;
   strict.endpoint_tolerance = false;
+  const auto count = [&] {
+    return count_scans(counted, filter.resolution_m, filter.counting, BeamWeights::kAllStatic, pool,
+                       progress);
+  };
   int small_gains = 0;
   for (int round = 0; round <= rounds; ++round) {
     if (round > 0) {
+      // Counts are what takes most memory: never those of two rounds at once.
+      best.raw = CountingMap(filter.resolution_m);
+      has_best_raw = false;
       beam_filter::label_all(scans, best.filtered, strict, pool, progress);
       const CellRect reach = reach_of(counted, tracking.max_range_m, filter.resolution_m);
       match_again(scans, mapped, moves, config, tracking, filter.resolution_m, pool,
                   extent.intersected(reach), progress);
     }
-    CountingMap raw = count_scans(counted, filter.resolution_m, filter.counting,
-                                  BeamWeights::kAllStatic, pool, progress);
+    CountingMap raw = count();
     extent = raw.cells().rect();
     beam_filter::CountsResult counts = beam_filter::filter_counts(raw, strict);
     const double now = counts.log_likelihood.empty() ? 0.0 : counts.log_likelihood.back();
     if (trace.empty() || now > *std::max_element(trace.begin(), trace.end())) {
       best.raw = std::move(raw);
+      has_best_raw = true;
       best.filtered = std::move(counts.filtered);
       best.iterations = round;
       for (std::size_t i = 0; i < scans.size(); ++i) best_poses[i] = scans[i].map_from_robot;
@@ -117,6 +125,7 @@ EmResult run_em(std::span<PosedScan> scans, const std::vector<bool>& mapped,
     if (small_gains >= 2) break;
   }
   for (std::size_t i = 0; i < scans.size(); ++i) scans[i].map_from_robot = best_poses[i];
+  if (!has_best_raw) best.raw = count();
   if (filter.endpoint_tolerance) best.filtered = filter_counts(best.raw, filter).filtered;
   best.dynamic_fraction = beam_filter::label_all(scans, best.filtered, filter, pool, progress);
   best.log_likelihood = std::move(trace);

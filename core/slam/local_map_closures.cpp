@@ -15,7 +15,9 @@
 namespace strata::slam {
 namespace {
 
-constexpr std::size_t kCacheSize = 32;
+/// What is kept of the local maps that were searched last; one alone may be larger. More would save
+/// little: along a way the same few are candidates again and again.
+constexpr std::size_t kCache_bytes = 24'000'000;
 /// Neighbours in a run share scans: what they say of each other is in the chain already.
 constexpr std::size_t kSharedScans = 2;
 
@@ -43,16 +45,30 @@ struct LocalMapGraph::Searchable {
   registration::CorrelativeTables tables;
   Searchable(registration::MatchField match_field, const registration::CorrelativeConfig& config)
       : field(std::move(match_field)), tables(field, config) {}
+  /// About so much: tables of coarser levels are a little wider.
+  [[nodiscard]] std::size_t bytes() const {
+    const std::size_t levels = static_cast<std::size_t>(tables.depth()) + 1;
+    return field.points().size() * sizeof(registration::SurfacePoint) +
+           field.nearest_points().size() * sizeof(std::int32_t) + levels * tables.rect().area();
+  }
 };
 
 std::shared_ptr<const LocalMapGraph::Searchable> LocalMapGraph::searchable(std::size_t index) {
-  for (const auto& [cached, value] : cache_) {
-    if (cached == index) return value;
+  const auto known = std::find_if(cache_.begin(), cache_.end(),
+                                  [&](const auto& cached) { return cached.first == index; });
+  if (known != cache_.end()) {
+    std::rotate(known, known + 1, cache_.end());  // the one used last is the last
+    return cache_.back().second;
   }
   auto value = std::make_shared<const Searchable>(
       field_of(local_maps_[index], resolution_m_, field_), config_.search);
-  if (cache_.size() >= kCacheSize) cache_.erase(cache_.begin());
   cache_.emplace_back(index, value);
+  std::size_t bytes = 0;
+  for (const auto& cached : cache_) bytes += cached.second->bytes();
+  while (bytes > kCache_bytes && cache_.size() > 1) {
+    bytes -= cache_.front().second->bytes();
+    cache_.erase(cache_.begin());
+  }
   return value;
 }
 

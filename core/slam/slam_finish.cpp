@@ -23,6 +23,13 @@ constexpr int kRoundsBefore = 3;
 /// Contradictions of a later pass, against those of an earlier one, that it has to be below.
 constexpr double kClearlyLess = 0.7;
 
+/// Beside the maps of the next pass they would be the most memory of all.
+void forget_maps(SlamResult& result) {
+  result.raw = CountingMap(result.raw.resolution_m());
+  result.occupancy = {};
+  result.filtered = {};
+}
+
 }  // namespace
 
 /// Each scan goes with its local map; between the middles of two local maps of a run the correction
@@ -85,6 +92,7 @@ SlamResult Slam::State::finish(int rounds, Progress* progress) {
 }
 
 void Slam::State::improve(SlamResult& result, int rounds, Progress* progress) {
+  forget_maps(result);
   EmConfig at_most = config.em;
   at_most.max_iterations = std::min(rounds, config.em.max_iterations);
   EmResult em = run_em(result.scans, mapped, moves, at_most, config.tracking, config.beam_filter,
@@ -180,9 +188,7 @@ SlamResult Slam::finish_passes(Progress* progress) {
     before.poses.push_back(scan.map_from_robot);
     before.stamps.push_back(scan.scan.stamp);
   }
-  result.raw = CountingMap(state_->config.beam_filter.resolution_m);
-  result.occupancy = {};
-  result.filtered = {};
+  forget_maps(result);
   auto again = std::make_unique<State>(state_->config, state_->pool.threads(), KeepConfig{});
   state_->track_again(result, *again);
   state_ = std::move(again);

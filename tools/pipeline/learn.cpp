@@ -28,8 +28,6 @@ LearnResult learn(const std::vector<Observation>& observations,
     patch::PatchLearner learner(config.patch, threads);
     for (const PosedScan& scan : result.slam.scans) learner.add(scan);
     result.patches = learner.finish(result.slam.filtered, progress);
-  } else {
-    result.patches.base = result.slam.filtered;
   }
 
   if (parts.timescale) {

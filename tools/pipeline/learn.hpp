@@ -27,7 +27,7 @@ struct LearnParts {
 
 struct LearnResult {
   slam::SlamResult slam;
-  patch::PatchMap patches;
+  patch::PatchMap patches;  ///< empty, base map too, where they were not asked for
   /// Whose sub-maps follow the places of a topology, and those places (see topology_places); when
   /// a comparison asks for it.
   std::optional<patch::PatchMap> place_patches;

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "components/runtime/free_memory.hpp"
+
 namespace strata::tools {
 namespace {
 
@@ -62,6 +64,7 @@ bool TerminalProgress::cancelled() const {
 }
 
 void TerminalProgress::update(std::string_view stage, std::size_t done, std::size_t total) {
+  if (stage != stage_) runtime::return_free_memory();
   if (style_ == Style::kQuiet) {
     if (stage != stage_) stage_ = stage;
     return;

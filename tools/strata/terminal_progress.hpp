@@ -18,7 +18,8 @@ namespace strata::tools {
 /// On a terminal: one line, redrawn at most ten times a second, with rate and time left, and gone
 /// at the end. Otherwise a line every ten seconds, and the first and the last of each stage. What
 /// is over within a second is not shown: on a terminal all of the work, else the stage. Quiet:
-/// nothing, but interrupts still cancel.
+/// nothing, but interrupts still cancel. Where a stage ends, what it freed goes back to the system:
+/// glibc keeps it, and the next stage takes other pieces.
 class TerminalProgress : public Progress {
  public:
   enum class Style { kBar, kLines, kQuiet };

@@ -2,11 +2,16 @@
 #include "tools/strata/terminal_progress.hpp"
 
 #include <chrono>
+#include <cstddef>
+#include <memory>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/support/peak_memory.hpp"
 
 namespace strata::tools {
 namespace {
@@ -38,6 +43,24 @@ class Progressing : public testing::Test {
   std::ostringstream out_;
   TerminalProgress::Time now_;
 };
+
+TEST_F(Progressing, ReturnsWhatAStageFreedToTheSystem) {
+  TerminalProgress progress = make(Style::kQuiet);
+  progress.update("count", 0, 1);
+  // Small blocks, and one behind them that stays: glibc cannot shrink its heap by itself.
+  constexpr std::size_t kBlock = 10'000;
+  constexpr std::size_t kBlocks = 10'000;
+  std::vector<std::unique_ptr<std::byte[]>> blocks;
+  for (std::size_t i = 0; i < kBlocks; ++i) blocks.push_back(std::make_unique<std::byte[]>(kBlock));
+  const auto behind = std::make_unique<std::byte[]>(kBlock);
+  blocks.clear();
+  const std::size_t before = test::status_bytes("VmRSS");
+  if (before < kBlock * kBlocks) GTEST_SKIP() << "the system has it back already";
+  progress.update("count", 1, 1);
+  EXPECT_GT(test::status_bytes("VmRSS"), kBlock * kBlocks) << "within a stage nothing is done";
+  progress.update("label", 0, 1);
+  EXPECT_LT(test::status_bytes("VmRSS") + kBlock * kBlocks / 2, before);
+}
 
 TEST_F(Progressing, InAPipeIsAFewWholeLines) {
   {
