@@ -33,6 +33,7 @@ struct LiveViewConfig {
   int max_viewers = 20;
   bool allow_commands = true;
   bool metrics = true;
+  bool keep_newest = false;
   std::string initial_pose_topic = "initialpose";
   std::string relocalize_service = "reinitialize_global_localization";
   template <class Self, class V>
@@ -62,6 +63,9 @@ struct LiveViewConfig {
             {.doc = "viewers may set the pose and ask for a global search; else they only look"});
     v.field("metrics", c.metrics,
             {.doc = "answers /metrics for Prometheus; reads /diagnostics for it, viewers or not"});
+    v.field("keep_newest", c.keep_newest,
+            {.doc = "reads every topic from the start and gives its newest message to who comes "
+                    "later, as if it were latched; for replays, where no topic is"});
     v.field("initial_pose_topic", c.initial_pose_topic,
             {.doc = "geometry_msgs/PoseWithCovarianceStamped out: where a viewer says that the "
                     "robot is"});

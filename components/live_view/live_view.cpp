@@ -4,6 +4,7 @@
 #include <chrono>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "components/bus/service.hpp"
 #include "components/convert/message_definitions.hpp"
@@ -77,13 +78,20 @@ void LiveView::offer_topics() {
     if (!is_new) continue;
     const std::string schema = convert::message_definition(published.type);
     if (schema.empty()) continue;  // nobody could decode it
-    entry->second = hub_->advertise(topic, published.type, schema, published.transient_local);
+    entry->second = hub_->advertise(topic, published.type, schema,
+                                    published.transient_local || config_.keep_newest);
     offered_[entry->second] = {topic, published.type, published.transient_local};
   }
 }
 
 void LiveView::read_what_is_wanted() {
-  for (const std::uint32_t channel : hub_->wanted()) {
+  std::vector<std::uint32_t> wanted;
+  if (config_.keep_newest) {
+    for (const auto& [channel, offered] : offered_) wanted.push_back(channel);
+  } else {
+    wanted = hub_->wanted();
+  }
+  for (const std::uint32_t channel : wanted) {
     Offered& offered = offered_.at(channel);
     if (std::exchange(offered.is_read, true)) continue;
     bus::QosProfile qos = bus::qos_profile("sensor_data");

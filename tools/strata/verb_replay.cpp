@@ -24,6 +24,7 @@
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/view_host.hpp"
 
 namespace fs = std::filesystem;
 
@@ -38,6 +39,7 @@ struct ReplayOptions {
   bool accept = false;
   std::vector<std::string> topics;
   std::optional<double> learn_until_s;
+  int view_port = 0;  ///< 0: no live view
   double rate = 0.0;  ///< 0: as fast as the components are
 };
 
@@ -134,6 +136,10 @@ void replay_into(const fs::path& out, const ReplayOptions& options, VerbContext&
   session.connect(runs, !is_one || !options.input.poses.empty(),
                   is_one ? std::optional<fs::path>(options.input.logs.front()) : std::nullopt);
   truth.wait_until_heard();
+  // Now that everybody has found everybody: its readers would be taken for those that are waited
+  // for.
+  const auto view = view_of(session.composition(), session.participant(),
+                            {.port = options.view_port, .keep_newest = true}, context);
   std::size_t begin = 0;
   if (options.learn_until_s) {
     begin = learned_scans(options, runs);
@@ -246,6 +252,7 @@ void add_replay(CLI::App& app, VerbContext& context) {
       "it (localizers without `maps`)");
   verb->add_option("--rate", options->rate, "1: wall-clock; as fast as possible when left out")
       ->check(positive());
+  add_view_option(*verb, options->view_port);
   add_run_options(*verb, options->input);
 }
 

@@ -19,6 +19,7 @@
 #include "tools/strata/service_notice.hpp"
 #include "tools/strata/shortage.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/view_host.hpp"
 
 namespace strata::tools {
 namespace {
@@ -29,6 +30,7 @@ struct RunOptions {
   bool check = false;
   bool lockstep = false;
   pid_t parent = 0;     ///< of a process of a composition: who started it
+  int view_port = 0;    ///< 0: no live view
   int ready_pipe = -1;  ///< of such a process: where to tell that it works
   [[nodiscard]] bool is_child() const { return parent != 0; }
 };
@@ -66,7 +68,8 @@ void run_here(const RunOptions& options, VerbContext& context,
   host_options.seed = context.options.seed;
   host_options.threads = context.options.threads;
   const runtime::Registry registry = all_components(composition);
-  runtime::Host host(composition, process, registry, join(composition, context), host_options);
+  const auto participant = join(composition, context);
+  runtime::Host host(composition, process, registry, participant, host_options);
   if (!options.lockstep) {
     host.activate();
     for (const auto& component : host.components()) {
@@ -76,6 +79,7 @@ void run_here(const RunOptions& options, VerbContext& context,
     }
     context.note("process " + process.name + " runs; Ctrl-C ends it");
   }
+  const auto view = view_of(composition, participant, {.port = options.view_port}, context);
   tell_that_it_works(options);
   // From here on there is something to lose.
   context.interrupt().set_grace(seconds_of(kStopPatience));
@@ -110,6 +114,12 @@ class Supervision {
   void run() {
     // The group's patience ends first; killed processes are told of.
     context_.interrupt().set_grace(seconds_of(kStopPatience) + 2.0, 5.0);
+    // Here, so that the page lives on when a process is started again.
+    std::unique_ptr<ViewHost> view;
+    if (options_.view_port != 0) {
+      view = view_of(composition_, join(composition_, context_), {.port = options_.view_port},
+                     context_);
+    }
     for (const runtime::ProcessEntry& process : composition_.processes) start(process.name);
     try {
       while (!context_.interrupt().wait_for(0.1) && tend()) {
@@ -241,6 +251,7 @@ void add_run(CLI::App& app, VerbContext& context) {
   verb->get_option("--set")->description(kCompositionSetHelp);
   verb->get_option("--config")->description(kCompositionConfigHelp);
   verb->add_option("--process", options->process, "only this process of the composition");
+  add_view_option(*verb, options->view_port);
   verb->add_flag("--check", options->check, "explain the composition, start nothing");
   verb->add_flag("--lockstep", options->lockstep)->group("");
   verb->add_option("--child", options->parent)->group("");

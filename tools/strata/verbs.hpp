@@ -30,6 +30,7 @@ void add_replay(CLI::App& app, VerbContext& context);
 void add_run(CLI::App& app, VerbContext& context);
 void add_simulate(CLI::App& app, VerbContext& context);
 void add_topology(CLI::App& app, VerbContext& context);
+void add_view(CLI::App& app, VerbContext& context);
 void add_volume(CLI::App& app, VerbContext& context);
 
 /// In the order of the help text.
@@ -48,6 +49,7 @@ inline constexpr AddVerb kVerbs[] = {
     add_replay,     //
     add_record,     //
     add_play,       //
+    add_view,       //
     add_incidents,  //
     add_doctor,     //
     add_keystore,   //

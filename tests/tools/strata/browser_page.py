@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A page in headless Chromium, for tests of what the live view shows."""
+import base64
+import json
+import os
+import re
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import time
+import urllib.request
+
+PATIENCE_S = 90
+
+
+def find_browser():
+    """Exits with 77, with which a test is skipped, where there is none."""
+    browser = shutil.which("chromium-headless-shell") or shutil.which("chromium")
+    if browser is None:
+        print("skipped: no Chromium is installed (Debian: chromium-headless-shell or chromium)")
+        sys.exit(77)
+    return browser
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def comes_true(condition, what):
+    """Asks again until it holds; the answer that did."""
+    until = time.monotonic() + PATIENCE_S
+    while time.monotonic() < until:
+        answer = condition()
+        if answer:
+            return answer
+        time.sleep(0.1)
+    sys.exit(f"does not come true: {what}")
+
+
+class Page:
+    """A page in Chromium, asked by its debugging protocol."""
+
+    def __init__(self, browser, url, folder):
+        port = free_port()
+        self.process = subprocess.Popen(
+            [browser, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1280,800",
+             f"--user-data-dir={folder}/profile", f"--remote-debugging-port={port}", url],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        target = comes_true(lambda: self.target(port), "Chromium has opened the page")
+        path = re.sub(r"^ws://[^/]*", "", target["webSocketDebuggerUrl"])
+        self.socket = socket.create_connection(("127.0.0.1", port))
+        self.socket.sendall(
+            f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\n"
+            f"Connection: Upgrade\r\nSec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}"
+            "\r\nSec-WebSocket-Version: 13\r\n\r\n".encode())
+        self.stream = self.socket.makefile("rb")
+        while self.stream.readline().strip():
+            pass
+        self.calls = 0
+
+    @staticmethod
+    def target(port):
+        try:
+            answer = urllib.request.urlopen(f"http://127.0.0.1:{port}/json", timeout=5)
+            return next((one for one in json.load(answer) if one["type"] == "page"), None)
+        except OSError:
+            return None
+
+    def call(self, method, **parameters):
+        self.calls += 1
+        text = json.dumps({"id": self.calls, "method": method, "params": parameters}).encode()
+        self.socket.sendall(bytes([0x81, 0xfe]) + struct.pack(">H", len(text)) + bytes(4) + text)
+        while True:
+            size = self.stream.read(2)[1] & 127
+            if size == 126:
+                size = struct.unpack(">H", self.stream.read(2))[0]
+            elif size == 127:
+                size = struct.unpack(">Q", self.stream.read(8))[0]
+            answer = json.loads(self.stream.read(size))
+            if answer.get("id") == self.calls:
+                return answer["result"]
+
+    def evaluate(self, expression):
+        return self.call("Runtime.evaluate", expression=expression)["result"].get("value")
+
+    def drawn(self):
+        """What its canvas shows: numbers of pixels by what they are of."""
+        return json.loads(self.evaluate("document.body && document.body.dataset.probe") or "{}")
+
+    def text(self, element):
+        return self.evaluate(f"document.getElementById('{element}').textContent")
+
+    def shoot(self, path):
+        picture = self.call("Page.captureScreenshot")["data"]
+        with open(path, "wb") as out:
+            out.write(base64.b64decode(picture))
+
+
+def shows_a_robot(drawn):
+    """Map, scan and pose; the scan with labels or without."""
+    beams = drawn.get("plain", 0) + drawn.get("static", 0)
+    return drawn.get("free", 0) > 2000 and drawn.get("wall", 0) > 20 and beams > 20 \
+        and drawn.get("pose", 0) > 20
+
+
+def listens(port):
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
