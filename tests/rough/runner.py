@@ -40,10 +40,11 @@ class Tries:
         if faults:
             self.failed.append(name)
 
-    def strata_try(self, name, arguments, code, line="", shell=None, user=None, cwd=None, fails=None):
+    def strata_try(self, name, arguments, code, line="", shell=None, user=None, cwd=None,
+                   or_fails=None):
         """code: the exit status, or a tuple of those allowed. line: a pattern that its output has.
         shell: a command of bash around it, with STRATA for the program and its arguments. user:
-        "nobody". fails: whether an error line is expected; where code is not 0."""
+        "nobody". or_fails: it may also end with 1 and a line of this pattern."""
         codes = code if isinstance(code, tuple) else (code,)
         words = [self.strata, *arguments]
         if shell is not None:
@@ -58,7 +59,9 @@ class Tries:
             return ""
         out = ended.stdout.decode(errors="replace")
         err = ended.stderr.decode(errors="replace")
-        self.judge(name, self.faults(ended.returncode, out, err, codes, line, fails),
+        if or_fails is not None and ended.returncode == 1:
+            codes, line = (1,), or_fails
+        self.judge(name, self.faults(ended.returncode, out, err, codes, line),
                    self.told(ended.returncode, out, err))
         return out + err
 
@@ -68,7 +71,7 @@ class Tries:
         return f"{code} " + (last[0][:160] if last else "")
 
     @staticmethod
-    def faults(code, out, err, codes, line, fails):
+    def faults(code, out, err, codes, line):
         faults = []
         if code < 0 or code > 128:
             number = -code if code < 0 else code - 128
@@ -76,7 +79,7 @@ class Tries:
         if code not in codes:
             faults.append(f"exit status {code}, expected {' or '.join(map(str, codes))}")
         errors = [text for text in err.splitlines() if ": error: " in text]
-        expects_error = code != 0 if fails is None else fails
+        expects_error = code != 0
         if expects_error and (len(errors) != 1 or not ERROR.match(errors[0])):
             faults.append("has no line with place, problem and remedy: " + err[-300:])
         if not expects_error and errors:

@@ -282,7 +282,6 @@ def interrupted(tries, material):
     err = running.stderr.read()
     running.wait()
     faults = tries.faults(running.returncode, "", err, (1,),
-                          "stopped on request, and nothing was changed; the same command begins",
-                          None)
+                          "stopped on request, and nothing was changed; the same command begins")
     tries.judge("Ctrl-C in learn", faults, tries.told(running.returncode, "", err))
     tries.hold("Ctrl-C leaves nothing", sorted(os.listdir(material.work)) == before)

@@ -11,7 +11,9 @@ import tempfile
 
 import damaged_logs
 import elsewhere
+import elsewhere_live
 import live
+import memory
 import odd_options
 import outputs
 import table
@@ -22,10 +24,11 @@ GROUPS = {
     "damaged_logs": [damaged_logs.run, damaged_logs.unreadable, damaged_logs.cut_anywhere],
     "odd_options": [odd_options.run],
     "outputs": [outputs.cannot_be_written, outputs.of_another_kind, outputs.with_more_runs],
+    "memory": [memory.run],
     "live": [live.mounting_of_nan, live.empty_messages, live.stores_in_use],
+    "elsewhere": [elsewhere.run, elsewhere_live.run],
     "table": [table.pipes, table.stamps, table.rotations, table.positions, table.numbers,
-              table.names, table.two_at_once, table.left_over, table.interrupted,
-              elsewhere.run],
+              table.names, table.two_at_once, table.left_over, table.interrupted],
 }
 
 

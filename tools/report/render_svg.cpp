@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -89,6 +90,27 @@ int run(std::vector<std::string> words, const MemoryFile& in, const MemoryFile& 
   return status;
 }
 
+/// What fontconfig and glib say, and how the system ends, a process that gets no memory or no
+/// thread.
+bool lacks_memory(int status, const std::string& said) {
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) return true;
+  return said.find("Resource temporarily unavailable") != std::string::npos ||
+         said.find("emory") != std::string::npos ||
+         said.find("failed to map segment") != std::string::npos;
+}
+
+[[noreturn]] void fail_to_draw(int status, const std::string& said) {
+  if (lacks_memory(status, said)) {
+    fail("cannot be drawn: memory or threads ran out for rsvg-convert",
+         "free some memory, or raise the limits on address space and processes (`ulimit -v`, "
+         "`ulimit -u`)");
+  }
+  const std::string why = WIFSIGNALED(status) ? std::string(": ") + strsignal(WTERMSIG(status))
+                                              : " with " + std::to_string(WEXITSTATUS(status));
+  fail("cannot be drawn: rsvg-convert ended" + why + (said.empty() ? "" : " and says: " + said),
+       "report this with the log at hand");
+}
+
 }  // namespace
 
 // In a process of its own: fontconfig, which letters need, never frees what it has read, and a
@@ -102,8 +124,7 @@ std::string render_svg_to_png(const std::string& svg, double scale) {
                           "--zoom=" + std::to_string(scale)},
                          picture, png, errors);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    fail("cannot be drawn: rsvg-convert says: " + errors.bytes(),
-         "report this with the log at hand");
+    fail_to_draw(status, errors.bytes());
   }
   return png.bytes();
 }

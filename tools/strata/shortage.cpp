@@ -97,13 +97,14 @@ std::string describe_shortage(const std::exception& error, const Work& work) {
   return "";
 }
 
-std::string shortage_in_words(std::string told) {
+std::string shortage_in_words(std::string told, std::string_view type, std::string_view name) {
   const auto put = [&told](const std::string& system, const std::string& words) {
     if (const std::size_t at = told.find(system); at != std::string::npos) {
       told.replace(at, system.size(), words);
     }
   };
-  put("std::bad_alloc", "memory ran out" + what_was_asked({}) + "; " + memory_advice("run", ""));
+  put("std::bad_alloc",
+      "memory ran out" + what_was_asked({}) + "; " + memory_advice_of_component(type, name));
   put("Resource temporarily unavailable",
       "no more threads can be made; raise the limits on processes and address space (`ulimit -u`, "
       "`ulimit -v`)");

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <exception>
 #include <string>
+#include <string_view>
 
 namespace strata::tools {
 
@@ -18,9 +19,10 @@ struct Work {
 /// std::system_error of a thread that could not be made. Empty for all else.
 [[nodiscard]] std::string describe_shortage(const std::exception& error, const Work& work = {});
 
-/// An error that a component told, with what the system says of a shortage put into words: what was
-/// asked for, and which settings take less. Any other as it is.
-[[nodiscard]] std::string shortage_in_words(std::string told);
+/// An error that the component `name` of that type told, with what the system says of a shortage
+/// put into words: what was asked for, and which settings take less. Any other as it is.
+[[nodiscard]] std::string shortage_in_words(std::string told, std::string_view type,
+                                            std::string_view name);
 
 /// That so much was asked for and is not there; what is in use then is noted with it. Needs no
 /// memory. Thread safe.

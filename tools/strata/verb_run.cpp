@@ -57,8 +57,18 @@ void tell_that_it_works(const RunOptions& options) {
   }
 }
 
-void tell(const std::vector<std::string>& errors, VerbContext& context) {
-  for (const std::string& error : errors) context.note("warning: " + shortage_in_words(error));
+/// error: begins with the full name of one of the process's components.
+std::string in_words(const std::string& error, const runtime::ProcessEntry& process) {
+  const std::string who = error.substr(0, error.find(':'));
+  for (const runtime::ComponentEntry& entry : process.components) {
+    if (who.ends_with("/" + entry.name)) return shortage_in_words(error, entry.type, entry.name);
+  }
+  return shortage_in_words(error, "", "");
+}
+
+void tell(const std::vector<std::string>& errors, const runtime::ProcessEntry& process,
+          VerbContext& context) {
+  for (const std::string& error : errors) context.note("warning: " + in_words(error, process));
 }
 
 void run_here(const RunOptions& options, VerbContext& context,
@@ -85,17 +95,17 @@ void run_here(const RunOptions& options, VerbContext& context,
   context.interrupt().set_grace(seconds_of(kStopPatience));
   while (!context.interrupt().wait_for(0.1)) {
     if (!options.lockstep) host.tick();
-    tell(host.take_errors(), context);
+    tell(host.take_errors(), process, context);
   }
   if (!options.is_child()) tell_service_manager("STOPPING=1");
   // What others sent until now is no loss of the end.
-  tell(host.take_errors(), context);
+  tell(host.take_errors(), process, context);
   host.stop();
   // What could not be written at the end is lost: no clean end, whoever started this.
   if (auto errors = host.take_errors(); !errors.empty()) {
-    const std::string first = shortage_in_words(errors.front());
+    const std::string first = in_words(errors.front(), process);
     errors.erase(errors.begin());
-    tell(errors, context);
+    tell(errors, process, context);
     throw Error("process " + process.name, "could not end well: " + first,
                 "mend that before the next start; what was written before is kept");
   }

@@ -2,10 +2,14 @@
 /// A process that may have little address space (`ulimit -v`): it runs, or says on one line why
 /// not.
 #include <algorithm>
+#include <filesystem>
 #include <new>
+#include <regex>
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +17,9 @@
 
 #include "tests/components/bus/domain.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/test_data.hpp"
 #include "tests/tools/strata/replay_fixture.hpp"
+#include "tools/strata/memory_advice.hpp"
 #include "tools/strata/shortage.hpp"
 
 namespace strata::tools {
@@ -87,11 +93,48 @@ TEST(Shortage, SaysWhatNeededHowMuchAndWhichSettingMakesItLess) {
 
 TEST(Shortage, OfAComponentIsPutIntoWords) {
   note_failed_allocation(64'000'000);
-  const std::string told = shortage_in_words("/scan_matcher: std::bad_alloc");
-  EXPECT_THAT(told, testing::StartsWith("/scan_matcher: memory ran out: it needed 64 MB more, "));
-  EXPECT_THAT(told, HasSubstr("online.learner.memory_mb"));
-  EXPECT_THAT(shortage_in_words("/a: Resource temporarily unavailable"), HasSubstr("ulimit -u"));
-  EXPECT_EQ(shortage_in_words("/a: the disk is full"), "/a: the disk is full");
+  const std::string told =
+      shortage_in_words("/a/filter: std::bad_alloc", "strata::BeamFilter", "filter");
+  EXPECT_THAT(told, testing::StartsWith("/a/filter: memory ran out: it needed 64 MB more, "));
+  EXPECT_THAT(told, HasSubstr("--set filter.filter.resolution_m=0.1; or"));
+  const auto of_another = [](const std::string& text) {
+    return shortage_in_words(text, "example::Alarm", "a");
+  };
+  EXPECT_THAT(of_another("/a: std::bad_alloc"), HasSubstr("fewer components, or more memory"));
+  EXPECT_THAT(of_another("/a: Resource temporarily unavailable"), HasSubstr("ulimit -u"));
+  EXPECT_EQ(of_another("/a: the disk is full"), "/a: the disk is full");
+}
+
+/// The keys that an advice tells to set, without the component's name.
+std::vector<std::string> keys_in(const std::string& advice, const std::string& before) {
+  const std::regex set("--set " + before + "([a-z_.]+)=");
+  std::vector<std::string> keys;
+  for (auto it = std::sregex_iterator(advice.begin(), advice.end(), set);
+       it != std::sregex_iterator(); ++it) {
+    keys.push_back((*it)[1]);
+  }
+  return keys;
+}
+
+TEST(Shortage, TellsOfSettingsThatEachComponentHas) {
+  const std::pair<const char*, const char*> pages[] = {
+      {"strata::ScanMatcher", "scan_matcher"},
+      {"strata::BeamFilter", "beam_filter"},
+      {"strata::PatchLearner", "patch_learner"},
+      {"strata::Localizer", "localizer"},
+      {"strata::TimescaleMemory", "timescale_memory"},
+      {"strata::TopologyMapper", "topology_mapper"},
+      {"strata::VolumeMapper", "volume_mapper"},
+      {"strata::IncidentRecorder", "incident_recorder"}};
+  for (const auto& [type, page] : pages) {
+    SCOPED_TRACE(type);
+    const auto keys = keys_in(memory_advice_of_component(type, "mine"), "mine\\.");
+    EXPECT_THAT(keys, testing::Not(IsEmpty()));
+    const std::string text =
+        test::bytes_of(std::filesystem::path(STRATA_SOURCE_DIR) / "docs/reference" /
+                       ("component_" + std::string(page) + ".md"));
+    for (const std::string& key : keys) EXPECT_THAT(text, HasSubstr("| `" + key + "` |"));
+  }
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
