@@ -63,7 +63,7 @@ bool is_contradictory(const VisitTable& table, const Cell& cell, const Contradic
   double total = 0.0;
   for (const Visit& visit : visits) {
     VisitEvidence e = capped(visit, config.max_evidence);
-    if (e.misses > 0.0 && was_hit_nearby(table, cell, visit, around)) {
+    if (e.misses > 0.0 && was_hit_nearby(table, cell, visit, around, config.few_free_share)) {
       // Ends beside the cell, on the same surface: no sign that it was free. Mostly free, it was
       // not occupied either: somebody stood there for a while.
       if (share_of(e) < config.few_occupied_share) continue;
@@ -108,7 +108,7 @@ bool was_seen_gone(const VisitTable& table, const Cell& cell, const Contradictio
   return std::any_of(visits.begin(), visits.end(), [&](const Visit& visit) {
     return static_cast<double>(visit.hits) <= config.few_free_share * visit.total() &&
            surface.is_crossed_by(visit, config.min_across) &&
-           !was_hit_nearby(table, cell, visit, around);
+           !was_hit_nearby(table, cell, visit, around, config.few_free_share);
   });
 }
 

@@ -50,7 +50,7 @@ class FewVisitsTest {
   [[nodiscard]] bool is_free_in(const Cell& cell, const Visit& visit) const {
     if (visit.total() < config_.few_min_beams) return false;
     if (static_cast<double>(visit.hits) > config_.few_free_share * visit.total()) return false;
-    return !was_hit_nearby(table_, cell, visit, around_);
+    return !was_hit_nearby(table_, cell, visit, around_, config_.few_free_share);
   }
   /// All pairs of an occupied and a free visit of the cell.
   void find_pairs(const Cell& cell, std::vector<VisitPair>& pairs) const {

@@ -46,14 +46,15 @@ std::vector<Cell> disc_offsets(double radius_m, double resolution_m) {
 }
 
 bool was_hit_nearby(const VisitTable& table, const Cell& cell, const Visit& visit,
-                    std::span<const Cell> offsets) {
+                    std::span<const Cell> offsets, double free_share) {
   for (const Cell& offset : offsets) {
     const auto others = table.at({cell.x + offset.x, cell.y + offset.y});
     auto other = std::partition_point(others.begin(), others.end(), [&](const Visit& v) {
       return v.last_scan < visit.first_scan;
     });
     for (; other != others.end() && other->overlaps(visit); ++other) {
-      if (static_cast<double>(other->hits) > 0.5) return true;
+      if (static_cast<double>(other->hits) > std::max(0.5, free_share * other->total()))
+        return true;
     }
   }
   return false;
@@ -71,9 +72,11 @@ void drop_displaced_surfaces(const VisitTable& table, const ContradictionConfig&
       if (is_permanent_nearby(table, cell, around, config)) ++beside;
       for (const Visit& visit : table.at(cell)) {
         // A hit within the tolerance made the visit no evidence for the change: nor is it against.
-        if (!is_free_in(visit, config) || was_hit_nearby(table, cell, visit, same)) continue;
+        if (!is_free_in(visit, config) ||
+            was_hit_nearby(table, cell, visit, same, config.few_free_share))
+          continue;
         ++free;
-        if (was_hit_nearby(table, cell, visit, around)) ++near;
+        if (was_hit_nearby(table, cell, visit, around, config.few_free_share)) ++near;
       }
     }
     if (static_cast<double>(near) < config.max_displaced_share * static_cast<double>(free) &&

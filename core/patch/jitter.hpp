@@ -15,10 +15,11 @@ namespace strata::patch {
 /// Offsets of the other cells within a radius; at least the eight neighbours.
 [[nodiscard]] std::vector<Cell> disc_offsets(double radius_m, double resolution_m);
 
-/// Whether a visit that shares time with `visit` hit one of the cells at the offsets from `cell`.
-/// O(offsets x log visits).
+/// Whether a visit that shares time with `visit` hit one of the cells at the offsets from `cell`:
+/// one whose share of hits is above free_share, since in a long visit many people may have stood at
+/// a cell that was free. O(offsets x log visits).
 [[nodiscard]] bool was_hit_nearby(const VisitTable& table, const Cell& cell, const Visit& visit,
-                                  std::span<const Cell> offsets);
+                                  std::span<const Cell> offsets, double free_share);
 
 /// Clears the components (CellLink::kOverAGap) that a displaced surface explains: where the
 /// component was free, the same visit hit something within displaced_reach_m, nearly all along it.

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/patch/change_in_view.hpp"
 #include "core/patch/configurations.hpp"
 #include "core/patch/contradiction.hpp"
 
@@ -81,29 +82,18 @@ void OnlinePatchLearner::follow_sequences(const PosedScan& scan, std::uint32_t i
 }
 
 void OnlinePatchLearner::keep(Track& track, const Sequence& sequence) const {
-  Sequence here = sequence;
-  for (std::uint32_t& scan : here.scans) scan -= first_scan_;
-  const Grid<CellCounts> counts =
-      count_sequence(scans_, here, track.region.rect, base_.resolution_m(), config_.counting);
-  const PosedScan& first = scans_[here.scans.front()];
-  const PosedScan& last = scans_[here.scans.back()];
-  Kept kept;
-  kept.first_scan = sequence.scans.front();
-  kept.last_scan = sequence.scans.back();
-  kept.info = {first.run, first.scan.stamp, last.scan.stamp, here.scans.size(), {}};
-  kept.counts = Grid<Evidence>(base_.resolution_m(), track.region.rect);
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const CellCounts& cell = counts.values()[i];
-    kept.counts.values()[i] = {static_cast<float>(cell.hits), static_cast<float>(cell.misses)};
-  }
-  const bool is_first = track.kept.empty();
-  const double since_s = is_first ? 0.0 : (kept.info.begin - track.kept.back().info.end).seconds();
-  track.kept.push_back(std::move(kept));
-  try {
-    track.history.append(since_s);
-  } catch (...) {
-    track.kept.pop_back();  // an entry each
-    throw;
+  for (const Sequence& part : cut_at(sequence, track.changes, config_.sequences.min_scans)) {
+    Kept kept = count_kept(track, part, sequence);
+    const bool is_first = track.kept.empty();
+    const double since_s =
+        is_first ? 0.0 : (kept.info.begin - track.kept.back().info.end).seconds();
+    track.kept.push_back(std::move(kept));
+    try {
+      track.history.append(since_s);
+    } catch (...) {
+      track.kept.pop_back();  // an entry each
+      throw;
+    }
   }
   track.is_dirty = true;
 }
@@ -113,9 +103,12 @@ bool OnlinePatchLearner::check() {
   if (tiles.empty()) return false;
   CellRect window;
   for (const CellRect& tile : tiles) window = window.united(tile);
-  if (!look_at(window, tiles)) return false;
-  update_tracks();
-  return true;
+  const bool differs = look_at(window, tiles);
+  if (differs) update_tracks();
+  for (Track& track : tracks_) {
+    if (!track.region.rect.intersected(window).empty()) follow_changes(track);
+  }
+  return differs;
 }
 
 bool OnlinePatchLearner::look_at(const CellRect& window, std::span<const CellRect> tiles) {
@@ -158,7 +151,10 @@ void OnlinePatchLearner::update_tracks() {
     next.back().region = region;
     next.back().is_dirty = true;
   }
-  for (Track& track : fresh) take_over(tracks_, track);
+  for (Track& track : fresh) {
+    take_over(tracks_, track);
+    track.changes = changes_of(track);
+  }
   recall(fresh);
   for (Track& track : fresh) next.push_back(std::move(track));
   std::sort(next.begin(), next.end(), [](const Track& a, const Track& b) {
@@ -194,8 +190,8 @@ void OnlinePatchLearner::take_over(const std::vector<Track>& before, Track& trac
   for (const Taken& one : taken) {
     const Kept& kept = before[one.from].kept[one.place];
     places[one.from][one.place] = static_cast<std::uint32_t>(track.kept.size());
-    track.kept.push_back(
-        {kept.first_scan, kept.last_scan, kept.info, kept.counts.cropped(track.region.rect)});
+    track.kept.push_back({kept.first_scan, kept.last_scan, kept.whole_first, kept.whole_last,
+                          kept.info, kept.counts.cropped(track.region.rect)});
   }
   track.history = SequenceHistory(taken.size());
   for (std::size_t o = 0; o < before.size(); ++o) {
@@ -242,8 +238,7 @@ bool OnlinePatchLearner::learn_dirty() {
   }
   pool_.for_chunks(dirty.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     Track& track = *dirty[i];
-    std::vector<SequenceInfo> infos;
-    for (const Kept& kept : track.kept) infos.push_back(kept.info);
+    const std::vector<SequenceInfo> infos = infos_of(track);
     const auto counts_of = [&](std::size_t s) {
       Grid<CellCounts> counts(base_.resolution_m(), track.region.rect);
       for (std::size_t c = 0; c < counts.size(); ++c) {
@@ -275,6 +270,7 @@ PatchMap OnlinePatchLearner::finish() {
   const CellRect all = visits_.rect();
   if (!all.empty() && look_at(all, std::span(&all, 1))) update_tracks();
   for (Track& track : tracks_) {
+    follow_changes(track);
     if (const auto ended = track.builder.finish()) keep(track, *ended);
   }
   (void)learn_dirty();

@@ -138,6 +138,8 @@ class OnlinePatchLearner {
   struct Kept {
     std::uint32_t first_scan = 0;
     std::uint32_t last_scan = 0;
+    std::uint32_t whole_first = 0;  // scan of the sequence that this is a part of, if it was cut
+    std::uint32_t whole_last = 0;
     SequenceInfo info;
     Grid<Evidence> counts;
   };
@@ -148,10 +150,11 @@ class OnlinePatchLearner {
     SequenceHistory history;  // an entry each
     Submap submap;
     bool is_dirty = false;
+    std::vector<std::uint32_t> changes{};  // the first scan after each, as far as known
   };
 
   template <class Self, class Archive>
-  static void state(Self& self, Archive& archive);
+  static void state(Self& self, Archive& archive, bool has_changes);
   [[nodiscard]] std::vector<Pose2> poses_by(const PoseOf& pose_of) const;
   /// As it was made, but for the base.
   void begin_again();
@@ -161,6 +164,14 @@ class OnlinePatchLearner {
   void keep_scan(PosedScan scan);
   void follow_sequences(const PosedScan& scan, std::uint32_t index);
   void keep(Track& track, const Sequence& sequence) const;
+  [[nodiscard]] Kept count_kept(const Track& track, const Sequence& part,
+                                const Sequence& whole) const;
+  [[nodiscard]] static std::vector<SequenceInfo> infos_of(const Track& track);
+  [[nodiscard]] std::vector<std::uint32_t> changes_of(const Track& track) const;
+  [[nodiscard]] Sequence sequence_within(const Track& track, std::uint32_t first,
+                                         std::uint32_t last) const;
+  /// Cuts kept sequences where their sub-map turns out to have changed in view.
+  void follow_changes(Track& track) const;
   [[nodiscard]] bool check();
   [[nodiscard]] bool look_at(const CellRect& window, std::span<const CellRect> tiles);
   void update_tracks();

@@ -13,10 +13,17 @@
 namespace strata::patch {
 namespace {
 
-/// Changes with the fields below: bytes of another version are refused, but for the one before,
-/// which had no history.
-constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0004;
-constexpr std::uint64_t kVersionBefore = 0x53'50'4c'31'0000'0003;
+/// Changes with the fields below: bytes of another version are refused, but for these before: none
+/// of them had changes in view, and the first no history.
+constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0005;
+constexpr std::uint64_t kWithoutChanges = 0x53'50'4c'31'0000'0004;
+constexpr std::uint64_t kWithoutHistory = 0x53'50'4c'31'0000'0003;
+
+/// What bytes of a version hold.
+struct Has {
+  bool history = true;
+  bool changes = true;
+};
 
 // What follows is read and written in one order.
 template <class Info, class Archive>
@@ -54,7 +61,7 @@ void submap_state(Map& submap, bool has_history, Archive& archive) {
 }
 
 template <class One, class Archive>
-void track_state(One& track, bool has_history, Archive& archive) {
+void track_state(One& track, const Has& has, Archive& archive) {
   archive(track.region.rect);
   archive(track.region.cells);
   archive(track.region.oversized);
@@ -62,19 +69,27 @@ void track_state(One& track, bool has_history, Archive& archive) {
   each(track.kept, archive, [&](auto& kept) {
     archive(kept.first_scan);
     archive(kept.last_scan);
+    if (has.changes) {
+      archive(kept.whole_first);
+      archive(kept.whole_last);
+    } else if constexpr (Archive::kReads) {
+      kept.whole_first = kept.first_scan;
+      kept.whole_last = kept.last_scan;
+    }
     sequence_info(kept.info, archive);
     archive(kept.counts);
   });
-  if (has_history) archive(track.history);
-  submap_state(track.submap, has_history, archive);
+  if (has.history) archive(track.history);
+  submap_state(track.submap, has.history, archive);
   archive(track.is_dirty);
+  if (has.changes) archive(track.changes);
 }
 
 }  // namespace
 
 template <class Self, class Archive>
-void OnlinePatchLearner::state(Self& self, Archive& archive) {
-  archive(self.visits_);
+void OnlinePatchLearner::state(Self& self, Archive& archive, bool has_changes) {
+  VisitStore::state(self.visits_, archive, has_changes);
   archive(self.contradictory_);
   archive(self.scans_);
   archive(self.reach_m_);
@@ -97,9 +112,9 @@ std::vector<std::uint8_t> OnlinePatchLearner::save_state() const {
   StateWriter writer;
   writer(kVersion);
   writer(base_);
-  state(*this, writer);
+  state(*this, writer, true);
   writer(static_cast<std::uint64_t>(tracks_.size()));
-  for (const Track& track : tracks_) track_state(track, true, writer);
+  for (const Track& track : tracks_) track_state(track, Has{}, writer);
   return writer.take();
 }
 
@@ -108,21 +123,19 @@ void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
   StateReader reader(bytes, place);
   std::uint64_t version = 0;
   reader(version);
-  if (version != kVersion && version != kVersionBefore) reader.refuse("is of another version");
-  const bool has_history = version == kVersion;
+  if (version < kWithoutHistory || version > kVersion) reader.refuse("is of another version");
+  const Has has{version > kWithoutHistory, version > kWithoutChanges};
   const double resolution_m = base_.resolution_m();
   reader(base_);
   if (base_.resolution_m() != resolution_m) reader.refuse("is of another resolution");
-  state(*this, reader);
+  state(*this, reader, has.changes);
   tracks_.clear();
   for (std::size_t left = reader.length(1); left > 0; --left) {
     tracks_.push_back({{}, SequenceBuilder(config_.sequences), {}, {}, {}, false});
     Track& track = tracks_.back();
-    track_state(track, has_history, reader);
-    if (has_history) continue;
-    std::vector<SequenceInfo> infos;
-    for (const Kept& kept : track.kept) infos.push_back(kept.info);
-    track.history = history_of(infos);
+    track_state(track, has, reader);
+    if (has.history) continue;
+    track.history = history_of(infos_of(track));
   }
   reader.expect_end();
   const bool is_whole = has_sound_scans() && contradictory_.resolution_m() == resolution_m &&
@@ -157,6 +170,7 @@ bool OnlinePatchLearner::is_sound(const Track& track) const {
   if (track.history.size() != track.kept.size()) return false;
   for (const Kept& kept : track.kept) {
     if (!covers(kept.counts) || kept.last_scan >= status_.scans_seen) return false;
+    if (kept.whole_first > kept.whole_last || kept.whole_last >= status_.scans_seen) return false;
   }
   const Submap& submap = track.submap;
   for (const Configuration& configuration : submap.configurations) {

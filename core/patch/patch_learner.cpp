@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/patch/change_in_view.hpp"
 #include "core/patch/configurations.hpp"
 #include "core/patch/sequence_history.hpp"
 
@@ -48,17 +49,29 @@ PatchMap PatchLearner::finish(const ReflectionGrid& filtered, Progress* progress
   map.base = filtered;
   map.entry_margin_m = config_.sequences.entry_margin_m;
   std::vector<Region> regions;
+  std::vector<std::vector<std::uint32_t>> changes;  // of each region, in view
   {
     VisitTable visits = find_visits(scans_, resolution, config_.visits, config_.counting, progress);
     visits.filter(config_.contradiction.prior);
     report_progress(progress, "test contradictions", 0, 1);
     regions = grow_regions(find_contradictions(visits, config_.contradiction), config_.regions);
+    regions = join_regions(std::move(regions), filtered, config_.regions);
+    for (const Region& region : regions) {
+      changes.push_back(changes_in_view(visits, region.cells, scans_, 0, config_.visits.gap_s));
+    }
   }
-  regions = join_regions(std::move(regions), filtered, config_.regions);
   std::vector<CellRect> rects;
   for (const Region& region : regions) rects.push_back(region.rect);
-  const auto sequences =
+  auto sequences =
       find_sequences(scans_, rects, resolution, config_.sequences, config_.counting, progress);
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    std::vector<Sequence> whole = std::exchange(sequences[r], {});
+    for (const Sequence& sequence : whole) {
+      for (Sequence& part : cut_at(sequence, changes[r], config_.sequences.min_scans)) {
+        sequences[r].push_back(std::move(part));
+      }
+    }
+  }
   std::vector<Submap> submaps(regions.size());
   for (std::size_t begin = 0; begin < regions.size(); begin += kRegionsPerReport) {
     report_progress(progress, "learn configurations", begin, regions.size());

@@ -56,6 +56,17 @@ void SequenceHistory::pool(std::size_t from, std::size_t into) {
   *this = std::move(pooled);
 }
 
+void SequenceHistory::split(std::size_t i, double dt_s) {
+  counts_.insert(counts_.begin() + static_cast<std::ptrdiff_t>(i) + 1, 1.0);
+  for (Transition& t : transitions_) {
+    if (t.from >= i) ++t.from;  // what followed the whole follows its end
+    if (t.to > i) ++t.to;
+  }
+  if (!(dt_s > 0.0) || !std::isfinite(dt_s)) return;
+  const auto first = static_cast<std::uint32_t>(i);
+  transitions_.push_back({first, first + 1, dt_s, 1.0});
+}
+
 void SequenceHistory::add(const SequenceHistory& other, std::span<const std::uint32_t> places) {
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (places[i] != kGone) counts_[places[i]] += other.counts_[i];

@@ -20,6 +20,7 @@ struct Transition {
   std::uint32_t to = 0;
   double dt_s = 0.0;  ///< from the end of one to the beginning of the next, above 0
   double count = 0.0;
+  bool operator==(const Transition&) const = default;
 };
 
 /// One entry a kept sequence, in the same order as these.
@@ -34,9 +35,14 @@ class SequenceHistory {
   void append(double dt_s);
   /// Entry `from` goes, and what it stood for counts for entry `into`. O(transitions).
   void pool(std::size_t from, std::size_t into);
+  /// Entry i, which stands for one sequence, was two: the second is entry i + 1 now, dt_s after the
+  /// first ended. O(transitions).
+  void split(std::size_t i, double dt_s);
   /// Adds what another history has seen of its entries, places[i] here of entry i there; kGone:
   /// forgotten, with what came before and after it. O(its transitions x these).
   void add(const SequenceHistory& other, std::span<const std::uint32_t> places);
+
+  bool operator==(const SequenceHistory&) const = default;
 
   static constexpr std::uint32_t kGone = 0xFFFFFFFFU;
 

@@ -20,8 +20,6 @@ CellRect cells_of_tile(const Cell& tile) {
           {(tile.x + 1) * kTileCells, (tile.y + 1) * kTileCells}};
 }
 
-bool is_occupied_in(const Visit& visit) { return visit.hits >= visit.misses; }
-
 }  // namespace
 
 VisitStore::VisitStore(double resolution_m, const VisitConfig& config,
@@ -30,37 +28,12 @@ VisitStore::VisitStore(double resolution_m, const VisitConfig& config,
       options_(visit_options(config, counting)),
       max_(std::max(2, most)),
       last_(resolution_m, CellRect{}, -1),
-      touched_(resolution_m, CellRect{}, 0) {}
+      touched_(resolution_m, CellRect{}, 0),
+      clock_(config),
+      changed_(resolution_m, CellRect{}, 0) {}
 
 void VisitStore::advance(const PosedScan& scan, std::uint32_t index) {
-  if (run_ != scan.run) {
-    recent_.clear();
-    run_ = scan.run;
-  }
-  while (!recent_.empty() && (scan.scan.stamp - recent_.front().second).seconds() > config_.gap_s) {
-    recent_.pop_front();
-  }
-  recent_.emplace_back(index, scan.scan.stamp);
-  joins_from_ = recent_.front().first;
-}
-
-Visit& VisitStore::current(const Cell& cell, std::uint32_t index) {
-  std::int32_t& last = last_.at(cell);
-  if (last < 0 || node(last).visit.last_scan < joins_from_) {
-    std::int32_t fresh = free_;
-    if (fresh < 0) {
-      fresh = static_cast<std::int32_t>(nodes_.size());
-      nodes_.emplace_back();
-    } else {
-      free_ = node(fresh).previous;
-    }
-    node(fresh) = {Visit{index, index, 0.0F, 0.0F, {}}, last};
-    last = fresh;
-    forget_surplus(last);
-  }
-  Visit& visit = node(last).visit;
-  visit.last_scan = index;
-  return visit;
+  clock_.advance(scan.run, scan.scan.stamp, index);
 }
 
 void VisitStore::add(const PosedScan& scan, std::uint32_t index) {
@@ -74,12 +47,18 @@ void VisitStore::add(const PosedScan& scan, std::uint32_t index) {
   });
   if (needed.empty()) return;
   last_.grow(needed);
-  touched_.grow({{tile_of(needed.min.x), tile_of(needed.min.y)},
-                 {tile_of(needed.max.x) + 1, tile_of(needed.max.y) + 1}});
+  const CellRect tiles{{tile_of(needed.min.x), tile_of(needed.min.y)},
+                       {tile_of(needed.max.x) + 1, tile_of(needed.max.y) + 1}};
+  touched_.grow(tiles);
+  changed_.grow(tiles);
   for_each_evidence(scan, resolution, options_, config_.end_reach_m,
                     [&](const Cell& cell, bool is_hit, float amount, const BeamAxis& axis) {
-                      current(cell, index).add(is_hit, amount, axis);
-                      touched_.at({tile_of(cell.x), tile_of(cell.y)}) = index + 1;
+                      const Cell tile{tile_of(cell.x), tile_of(cell.y)};
+                      touched_.at(tile) = index + 1;
+                      std::int32_t& newest = last_.at(cell);
+                      if (!chains_.add(newest, clock_, index, is_hit, amount, axis)) return;
+                      if (chains_.follows_change(newest, clock_)) changed_.at(tile) = 1;
+                      chains_.forget_surplus(newest, max_);
                     });
 }
 
@@ -89,13 +68,17 @@ std::vector<CellRect> VisitStore::take_ended(double window_m) {
   CellRect window;
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     std::uint32_t& touched = touched_.values()[i];
-    if (touched == 0 || touched - 1 >= joins_from_) continue;
-    const CellRect tile = cells_of_tile(touched_.cell(i));
+    const Cell place = touched_.cell(i);
+    std::uint8_t& changed = changed_.at(place);
+    const bool has_ended = touched != 0 && touched - 1 < clock_.joins_from();
+    if (!has_ended && changed == 0) continue;
+    const CellRect tile = cells_of_tile(place);
     const CellRect united = window.united(tile);
     if (!tiles.empty() && std::max(united.width(), united.height()) > max_cells) continue;
     window = united;
     tiles.push_back(tile);
-    touched = 0;
+    changed = 0;
+    if (has_ended) touched = 0;
   }
   return tiles;
 }
@@ -106,17 +89,14 @@ VisitTable VisitStore::table(const CellRect& window) const {
   std::vector<std::uint32_t> offsets{0};
   std::vector<Visit> visits;
   for (std::size_t i = 0; i < slots.size(); ++i) {
-    const auto begin = static_cast<std::ptrdiff_t>(visits.size());
+    const std::size_t begin = visits.size();
+    chains_.collect(last_.at(slots.cell(i)), visits);
     float hits = 0.0F;
-    for (std::int32_t n = last_.at(slots.cell(i)); n >= 0; n = node(n).previous) {
-      visits.push_back(node(n).visit);
-      hits += node(n).visit.hits;
-    }
+    for (std::size_t v = begin; v < visits.size(); ++v) hits += visits[v].hits;
     if (hits <= 0.0F) {
-      visits.resize(static_cast<std::size_t>(begin));
+      visits.resize(begin);
       continue;
     }
-    std::reverse(visits.begin() + begin, visits.end());
     slots.values()[i] = static_cast<std::int32_t>(offsets.size()) - 1;
     offsets.push_back(static_cast<std::uint32_t>(visits.size()));
   }
@@ -127,14 +107,17 @@ ReflectionGrid VisitStore::extended(const ReflectionGrid& known, double prior,
                                     double min_evidence) const {
   CellRect seen;
   std::vector<std::pair<Cell, float>> found;
+  std::vector<Visit> visits;
   for (std::size_t i = 0; i < last_.size(); ++i) {
     if (last_.values()[i] < 0) continue;
     const Cell cell = last_.cell(i);
     if (is_known(known.get(cell))) continue;
     CellCounts counts;
-    for (std::int32_t n = last_.values()[i]; n >= 0; n = node(n).previous) {
-      counts.hits += static_cast<double>(node(n).visit.hits);
-      counts.misses += static_cast<double>(node(n).visit.misses);
+    visits.clear();
+    chains_.collect(last_.values()[i], visits);
+    for (const Visit& visit : visits) {
+      counts.hits += static_cast<double>(visit.hits);
+      counts.misses += static_cast<double>(visit.misses);
     }
     const auto m = static_cast<float>(beam_filter::closed_form(counts, prior, min_evidence));
     if (!is_known(m)) continue;
@@ -147,67 +130,24 @@ ReflectionGrid VisitStore::extended(const ReflectionGrid& known, double prior,
   return result;
 }
 
-void VisitStore::forget_surplus(std::int32_t last) {
-  int count = 0;
-  int occupied = 0;
-  for (std::int32_t n = last; n >= 0; n = node(n).previous) {
-    ++count;
-    if (n != last && is_occupied_in(node(n).visit)) ++occupied;
-  }
-  for (; count > max_; --count) {
-    const bool drops_occupied = 2 * occupied >= count - 1;
-    std::int32_t after = -1;  // the node whose previous one goes
-    for (std::int32_t n = last; node(n).previous >= 0; n = node(n).previous) {
-      if (is_occupied_in(node(node(n).previous).visit) == drops_occupied) after = n;
-    }
-    const std::int32_t gone = node(after).previous;
-    node(after).previous = node(gone).previous;
-    node(gone) = {Visit{}, free_};
-    free_ = gone;
-    if (drops_occupied) --occupied;
-  }
-}
-
 void VisitStore::trim(int most) {
   max_ = std::max(2, most);
-  for (const std::int32_t last : last_.values()) {
-    if (last >= 0) forget_surplus(last);
-  }
-  // Packed anew, so that what was forgotten is given back.
-  std::deque<Node> packed;
   for (std::int32_t& last : last_.values()) {
-    std::int32_t* link = &last;
-    for (std::int32_t n = last; n >= 0;) {
-      packed.push_back(node(n));
-      *link = static_cast<std::int32_t>(packed.size()) - 1;
-      n = packed.back().previous;
-      link = &packed.back().previous;
-    }
+    chains_.end_trial(last);
+    chains_.forget_surplus(last, max_);
   }
-  nodes_ = std::move(packed);
-  free_ = -1;
+  chains_.pack(last_.values());
 }
 
 std::size_t VisitStore::bytes() const {
-  return nodes_.size() * sizeof(Node) + last_.size() * sizeof(std::int32_t) +
-         touched_.size() * sizeof(std::uint32_t) +
-         recent_.size() * sizeof(std::pair<std::uint32_t, Stamp>);
+  return chains_.bytes() + clock_.bytes() + last_.size() * sizeof(std::int32_t) +
+         touched_.size() * (sizeof(std::uint32_t) + sizeof(std::uint8_t));
 }
 
 bool VisitStore::is_sound(double resolution_m) const {
-  const bool is_aligned =
-      last_.resolution_m() == resolution_m && touched_.resolution_m() == resolution_m;
-  std::vector<bool> is_reached(nodes_.size(), false);
-  const auto leads_to_new_nodes = [&](std::int32_t i) {
-    for (; i >= 0; i = node(i).previous) {
-      const auto n = static_cast<std::size_t>(i);
-      if (n >= nodes_.size() || is_reached[n]) return false;
-      is_reached[n] = true;
-    }
-    return i == -1;
-  };
-  return max_ >= 2 && is_aligned && leads_to_new_nodes(free_) &&
-         std::all_of(last_.values().begin(), last_.values().end(), leads_to_new_nodes);
+  return max_ >= 2 && last_.resolution_m() == resolution_m &&
+         touched_.resolution_m() == resolution_m && changed_.resolution_m() == resolution_m &&
+         changed_.rect() == touched_.rect() && chains_.is_sound(last_.values());
 }
 
 }  // namespace strata::patch

@@ -8,13 +8,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
-#include <optional>
-#include <utility>
 #include <vector>
 
-#include "core/base/time.hpp"
 #include "core/grid/reflection_grid.hpp"
+#include "core/patch/visit_chains.hpp"
+#include "core/patch/visit_clock.hpp"
 #include "core/patch/visits.hpp"
 
 namespace strata::patch {
@@ -31,8 +29,8 @@ class VisitStore {
   /// The scan that time has come to. O(beams x cells a beam crosses).
   void add(const PosedScan& scan, std::uint32_t index);
   /// Tiles with news that nobody has looked at for longer than the gap, so that all their visits
-  /// have ended; those of one window of at most window_m. They count as seen to from now on. O(area
-  /// / tile area).
+  /// have ended, or where something changed in view; those of one window of at most window_m. They
+  /// count as seen to from now on. O(area / tile area).
   [[nodiscard]] std::vector<CellRect> take_ended(double window_m);
   /// As find_visits over all scans so far, within the window: the cells that some beam ended in. O(
   /// cells of the window and their visits).
@@ -43,19 +41,21 @@ class VisitStore {
   [[nodiscard]] ReflectionGrid extended(const ReflectionGrid& known, double prior,
                                         double min_evidence) const;
 
-  /// For core/base/state_archive.hpp; settings are not part of it.
+  /// For core/base/state_archive.hpp; settings are not part of it. Without changes in view as
+  /// before they were looked for.
   template <class Self, class Archive>
-  static void state(Self& self, Archive& archive) {
+  static void state(Self& self, Archive& archive, bool has_changes) {
     const double resolution_m = self.last_.resolution_m();
     archive(self.max_);
     archive(self.last_);
-    archive(self.nodes_);
-    archive(self.free_);
+    VisitChains::state(self.chains_, archive, has_changes);
     archive(self.touched_);
-    archive(self.recent_);
-    archive(self.run_);
-    archive(self.joins_from_);
+    VisitClock::state(self.clock_, archive, has_changes);
+    if (has_changes) archive(self.changed_);
     if constexpr (Archive::kReads) {
+      if (!has_changes) {
+        self.changed_ = Grid<std::uint8_t>(self.touched_.resolution_m(), self.touched_.rect(), 0);
+      }
       if (!self.is_sound(resolution_m)) archive.fail("has damaged visits");
     }
   }
@@ -66,30 +66,17 @@ class VisitStore {
   void trim(int most);
 
  private:
-  struct Node {
-    Visit visit;
-    std::int32_t previous = -1;  ///< of the same cell; of a free node the next free one
-  };
-  /// Whether every index of a node leads to one, and to none twice.
+  /// Whether every index of a visit leads to one, and to none twice.
   [[nodiscard]] bool is_sound(double resolution_m) const;
-  Visit& current(const Cell& cell, std::uint32_t index);
-  /// Down to max_ visits, the newest stays.
-  void forget_surplus(std::int32_t last);
-  [[nodiscard]] Node& node(std::int32_t i) { return nodes_[static_cast<std::size_t>(i)]; }
-  [[nodiscard]] const Node& node(std::int32_t i) const {
-    return nodes_[static_cast<std::size_t>(i)];
-  }
 
   VisitConfig config_;
   CountingOptions options_;
   int max_;
   Grid<std::int32_t> last_;  // newest visit of each cell; -1: none
-  std::deque<Node> nodes_;   // grows without a copy
-  std::int32_t free_ = -1;
+  VisitChains chains_;
   Grid<std::uint32_t> touched_;  // per tile: 1 + the last scan that saw it; 0: no news
-  std::deque<std::pair<std::uint32_t, Stamp>> recent_;  // scans within the gap, of this run
-  std::optional<int> run_;
-  std::uint32_t joins_from_ = 0;  // a visit that saw this scan or a later one goes on
+  VisitClock clock_;
+  Grid<std::uint8_t> changed_;  // per tile, as touched_: 1 where something changed in view
 };
 
 }  // namespace strata::patch

@@ -5,17 +5,13 @@
 
 #include "core/beam_filter/beam_model.hpp"
 #include "core/grid/count_scans.hpp"
+#include "core/patch/visit_chains.hpp"
+#include "core/patch/visit_clock.hpp"
 
 namespace strata::patch {
 namespace {
 
 constexpr std::size_t kProgressStride = 256;
-
-/// A visit under construction, linked to the previous visit of the same cell.
-struct LinkedVisit {
-  Visit visit;
-  std::int32_t previous = -1;
-};
 
 /// A slot for each cell that a beam ended in; -1 elsewhere.
 Grid<std::int32_t> make_slots(std::span<const PosedScan> scans, double resolution_m,
@@ -35,48 +31,17 @@ Grid<std::int32_t> make_slots(std::span<const PosedScan> scans, double resolutio
   return slots;
 }
 
-/// Appends visits per slot while the scans go by.
-class VisitCollector {
- public:
-  VisitCollector(std::span<const PosedScan> scans, std::size_t slots, Duration gap)
-      : scans_(scans), gap_(gap), last_(slots, -1) {}
-
-  Visit& current(std::int32_t slot, std::uint32_t scan) {
-    std::int32_t& last = last_[static_cast<std::size_t>(slot)];
-    if (last < 0 || is_new_visit(links_[static_cast<std::size_t>(last)].visit.last_scan, scan)) {
-      links_.push_back({Visit{scan, scan, 0.0F, 0.0F, {}}, last});
-      last = static_cast<std::int32_t>(links_.size()) - 1;
-    }
-    Visit& visit = links_[static_cast<std::size_t>(last)].visit;
-    visit.last_scan = scan;
-    return visit;
+VisitTable table_of(const VisitChains& chains, const std::vector<std::int32_t>& newest,
+                    Grid<std::int32_t> slots) {
+  std::vector<std::uint32_t> offsets(newest.size() + 1, 0);
+  std::vector<Visit> visits;
+  for (std::size_t slot = 0; slot < newest.size(); ++slot) {
+    offsets[slot] = static_cast<std::uint32_t>(visits.size());
+    chains.collect(newest[slot], visits);
   }
-
-  VisitTable finish(Grid<std::int32_t> slots) && {
-    std::vector<std::uint32_t> offsets(last_.size() + 1, 0);
-    std::vector<Visit> visits;
-    visits.reserve(links_.size());
-    for (std::size_t slot = 0; slot < last_.size(); ++slot) {
-      offsets[slot] = static_cast<std::uint32_t>(visits.size());
-      for (std::int32_t i = last_[slot]; i >= 0; i = links_[static_cast<std::size_t>(i)].previous) {
-        visits.push_back(links_[static_cast<std::size_t>(i)].visit);
-      }
-      std::reverse(visits.begin() + offsets[slot], visits.end());
-    }
-    offsets.back() = static_cast<std::uint32_t>(visits.size());
-    return {std::move(slots), std::move(offsets), std::move(visits)};
-  }
-
- private:
-  [[nodiscard]] bool is_new_visit(std::uint32_t before, std::uint32_t now) const {
-    return scans_[before].run != scans_[now].run ||
-           scans_[now].scan.stamp - scans_[before].scan.stamp > gap_;
-  }
-  std::span<const PosedScan> scans_;
-  Duration gap_;
-  std::vector<std::int32_t> last_;
-  std::vector<LinkedVisit> links_;
-};
+  offsets.back() = static_cast<std::uint32_t>(visits.size());
+  return {std::move(slots), std::move(offsets), std::move(visits)};
+}
 
 }  // namespace
 
@@ -139,17 +104,22 @@ VisitTable find_visits(std::span<const PosedScan> scans, double resolution_m,
   const CountingOptions options = visit_options(config, counting);
   std::size_t count = 0;
   Grid<std::int32_t> slots = make_slots(scans, resolution_m, options, count);
-  VisitCollector collector(scans, count, Duration::from_seconds(config.gap_s));
+  std::vector<std::int32_t> newest(count, -1);
+  VisitChains chains;
+  VisitClock clock(config);
   for (std::size_t t = 0; t < scans.size(); ++t) {
     if (t % kProgressStride == 0) report_progress(progress, "find visits", t, scans.size());
     const auto scan = static_cast<std::uint32_t>(t);
+    clock.advance(scans[t].run, scans[t].scan.stamp, scan);
     for_each_evidence(scans[t], resolution_m, options, config.end_reach_m,
                       [&](const Cell& cell, bool is_hit, float amount, const BeamAxis& axis) {
                         const std::int32_t slot = slots.get(cell);
-                        if (slot >= 0) collector.current(slot, scan).add(is_hit, amount, axis);
+                        if (slot < 0) return;
+                        (void)chains.add(newest[static_cast<std::size_t>(slot)], clock, scan,
+                                         is_hit, amount, axis);
                       });
   }
-  return std::move(collector).finish(std::move(slots));
+  return table_of(chains, newest, std::move(slots));
 }
 
 }  // namespace strata::patch

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What each visit saw of each cell: the evidence that the contradiction test compares.
 ///
-/// A visit of a cell is a run of scans that see it, ended by a gap of more than `gap_s` or with the
-/// recorded run (docs/theory/patch_maps.md, "Visits"). Kept only for cells that some beam ended in:
-/// one never hit cannot contradict itself. Memory is (such cells) x (visits of each).
+/// A visit of a cell is a run of scans that see it, ended by a gap of more than `gap_s`, by a
+/// change in view, or with the recorded run (docs/theory/patch_maps.md, "Visits"). Kept only for
+/// cells that some beam ended in: one never hit cannot contradict itself. Memory is (such cells) x
+/// (visits of each).
 #pragma once
 
 #include <cstdint>
@@ -85,6 +86,7 @@ class VisitTable {
 
 struct VisitConfig {
   double gap_s = 10.0;
+  double min_state_s = 30.0;
   double max_range_m = 8.0;
   double end_reach_m = 0.2;
   template <class Self, class V>
@@ -92,6 +94,12 @@ struct VisitConfig {
     v.field(
         "gap_s", c.gap_s,
         {.doc = "a cell unseen for longer than this begins a new visit", .unit = "s", .min = 0.0});
+    v.field(
+        "min_state_s", c.min_state_s,
+        {.doc = "a cell in view begins a new visit when it has shown one state for so long, and "
+                "then another for so long; 0: never",
+         .unit = "s",
+         .min = 0.0});
     v.field("max_range_m", c.max_range_m,
             {.doc = "contradictions are looked for this far from the laser; errors of heading "
                     "displace what lies farther; 0: no limit",

@@ -86,6 +86,20 @@ TEST(SequenceHistory, TimesOfUnlikeLengthStayApart) {
   EXPECT_EQ(history.transitions()[1].dt_s, 1000.0);
 }
 
+TEST(SequenceHistory, OfAWholeThatWasTwoKeepsWhoFollowedWhom) {
+  SequenceHistory history;
+  for (const double dt_s : {0.0, 10.0, 20.0}) history.append(dt_s);
+  history.split(1, 0.5);
+  SequenceHistory expected;
+  for (const double dt_s : {0.0, 10.0, 0.5, 20.0}) expected.append(dt_s);
+  EXPECT_EQ(history.counts(), expected.counts());
+  ASSERT_EQ(history.transitions().size(), 3U);
+  for (const Transition& t : expected.transitions()) {
+    EXPECT_EQ(std::count(history.transitions().begin(), history.transitions().end(), t), 1)
+        << t.from << " to " << t.to;
+  }
+}
+
 TEST(SequenceHistory, OfTwoPlacesIsOneWithWhatWasForgottenLeftOut) {
   SequenceHistory a;
   for (const double dt_s : {0.0, 10.0, 20.0}) a.append(dt_s);

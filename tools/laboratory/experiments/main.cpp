@@ -17,6 +17,7 @@
 #include "tools/laboratory/experiments/real_scans_report.hpp"
 #include "tools/laboratory/experiments/score_report.hpp"
 #include "tools/laboratory/experiments/single_scan.hpp"
+#include "tools/laboratory/experiments/standing_robot.hpp"
 #include "tools/laboratory/experiments/verdicts.hpp"
 #include "tools/laboratory/experiments/wean.hpp"
 #include "tools/laboratory/experiments/year.hpp"
@@ -202,6 +203,12 @@ void run(const std::string& name, const Options& options) {
         return office_visits(seed, days, name == "few_visits", options.noise());
       });
     }
+  } else if (name == "standing_robot" || name == "standing_robot_online") {
+    const auto one = name == "standing_robot" ? standing_robot : standing_robot_online;
+    for (const int toggles : {4, 0}) {
+      learn(name + ", door moved " + std::to_string(toggles) + " times", options,
+            [&](std::uint64_t seed) { return one(seed, toggles, options.noise()); });
+    }
   } else if (name == "box_in_corridor") {
     for (const int field_of_view_deg : {360, 180}) {
       localize(name + ", " + std::to_string(field_of_view_deg) + " degrees,", options,
@@ -236,10 +243,11 @@ int main(int argc, char** argv) {
   CLI::App app{"the experiments of docs/results.md"};
   app.add_option("NAME", name, "which experiment")
       ->required()
-      ->check(CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
-                             "box_in_corridor", "global_start", "offices", "year", "place",
-                             "decoders", "wean", "verdicts", "score", "people", "filter",
-                             "few_beams", "single_scan"}));
+      ->check(
+          CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
+                         "box_in_corridor", "global_start", "offices", "year", "place", "decoders",
+                         "wean", "verdicts", "score", "people", "filter", "few_beams",
+                         "single_scan", "standing_robot", "standing_robot_online"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::Range(0, 1'000'000));
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,

@@ -94,7 +94,8 @@ std::size_t cells_apart(const patch::VisitTable& visits, std::span<const PosedSc
       const std::size_t which = run == run_a ? 0 : 1;
       const double share = static_cast<double>(visit.hits) / visit.total();
       if (share >= config.few_occupied_share) was_hit[which] = true;
-      if (share <= config.few_free_share && !patch::was_hit_nearby(visits, cell, visit, around)) {
+      if (share <= config.few_free_share &&
+          !patch::was_hit_nearby(visits, cell, visit, around, config.few_free_share)) {
         was_free[which] = true;
       }
     }

@@ -6,6 +6,7 @@
 
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
+#include "tools/laboratory/experiments/standing_robot.hpp"
 #include "tools/simulate/random_office.hpp"
 
 namespace strata::experiments {
@@ -40,6 +41,20 @@ TEST(FewVisits, TwoDaysFindWhatChangedAndNothingElse) {
 
 TEST(StaticOffice, HasNoSubmaps) {
   EXPECT_EQ(office_visits(kSeed, 3, false, kGoodPoses).submaps, 0);
+}
+
+TEST(StandingRobot, FindsTheDoorThatMovesInView) {
+  for (const Judgement& j :
+       {standing_robot(kSeed, 4, kGoodPoses), standing_robot_online(kSeed, 4, kGoodPoses)}) {
+    EXPECT_EQ(j.changed_objects, 1);
+    EXPECT_EQ(j.found_objects, 1);
+    EXPECT_EQ(j.right_submaps, j.submaps);
+  }
+}
+
+TEST(StandingRobot, LearnsNothingFromPeopleWhoLinger) {
+  EXPECT_EQ(standing_robot(kSeed, 0, kGoodPoses).submaps, 0);
+  EXPECT_EQ(standing_robot_online(kSeed, 0, kGoodPoses).submaps, 0);
 }
 
 TEST(RandomOffice, IsTheSameForTheSameSeedAndAnotherForAnother) {
