@@ -98,7 +98,7 @@ TEST(Component, TellsItsStateItsCountsAndWhatItAddsOnDiagnostics) {
   EXPECT_EQ(value_of(status, "skipped"), "0");
   EXPECT_EQ(value_of(status, "published /out"), "1");
   EXPECT_EQ(value_of(status, "lost /in"), "0");
-  EXPECT_THAT(value_of(status, "work times /in"), HasSubstr(" inf:1 sum:0."));
+  EXPECT_THAT(value_of(status, "work times /in"), HasSubstr(" inf:1 sum:"));
   EXPECT_GT(std::stoull(value_of(status, "process_memory_bytes")), 1'000'000U);
   EXPECT_EQ(value_of(status, "colour"), "green");
 }
