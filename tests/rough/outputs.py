@@ -62,6 +62,10 @@ def cannot_be_written(tries, material):
                              ["convert", material.log, end + ending], (1, 2), user=user)
         tries.strata_try(f"record --out: {name}",
                          ["record", "--transport", "loopback", "--out", place], (1, 2), user=user)
+        tries.strata_try(f"messages: {name}", ["messages", place], (1, 2), user=user)
+        if not name.startswith("a folder"):  # an empty one makes room
+            tries.strata_try(f"keystore create: {name}", ["keystore", "create", place], (1, 2),
+                             user=user)
     os.makedirs(out + "/folder.clf", exist_ok=True)
     tries.strata_try("convert: OUT is a folder",
                      ["convert", material.log, out + "/folder.clf"], 1, "is a folder")
@@ -99,6 +103,23 @@ def of_another_kind(tries, material):
         if verb != "learn":
             tries.strata_try(f"{verb} over maps without a summary", [*words, "--out", old], 1,
                              "holds maps")
+    # What others than these verbs write, and learned maps would mix with.
+    tries.strata_try("make a keystore", ["keystore", "create", material.at("keys")], 0)
+    os.makedirs(material.at("incident"))
+    material.write("incident/incident.json", "{}\n")
+    for name, there in (("keys", "a keystore"), ("world/bag", "a bag"), ("incident", "an incident")):
+        folder = material.at(name)
+        before = snapshot(folder)
+        for verb, (words, kind) in verbs.items():
+            tries.strata_try(f"{verb} into {there}", [*words, "--out", folder], 1,
+                             f"holds {there}, which {kind} would replace; .*--force")
+        tries.strata_try(f"messages into {there}", ["messages", folder], 1, f"holds {there}")
+        tries.hold(f"{there} is as it was", snapshot(folder) == before)
+    for name in ("keys", "world/bag", "kind_learn"):
+        for words in (["record", "--transport", "loopback", "--out", material.at(name)],
+                      ["convert", material.log, material.at(name), "--to", "mcap"],
+                      ["keystore", "create", material.at(name)]):
+            tries.strata_try(f"{words[0]} into {name}", words, 1, "exists already|is there already")
     tries.strata_try("messages over maps", ["messages", material.at("kind_learn")], 1, "holds maps")
     other = material.at("others")
     os.makedirs(other, exist_ok=True)

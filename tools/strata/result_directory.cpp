@@ -25,7 +25,8 @@ nlohmann::json summary_of(const fs::path& folder) {
   return json.is_object() ? json : nlohmann::json::object();
 }
 
-/// A file that only one verb writes, for folders from before they said what they are.
+/// A file that only one verb writes, for folders from before they said what they are, and for those
+/// without a summary.
 struct Mark {
   const char* file;
   const char* kind;
@@ -38,6 +39,9 @@ constexpr Mark kMarks[] = {
     {"map.bt", "volume"},
     {"changes.json", "changes"},
     {"states.json", "simulation"},
+    {"metadata.yaml", "a bag"},
+    {"incident.json", "an incident"},
+    {"public/identity_ca.cert.pem", "a keystore"},
 };
 
 }  // namespace
