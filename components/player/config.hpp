@@ -47,6 +47,10 @@ struct PlayerConfig {
         {.doc = "robot: scans with odometry, tf and clock; messages: all of a bag, of any type, "
                 "with the QoS it was recorded with, and a clock"});
     v.field("topics", c.topics, {.doc = "mode messages: only these; empty: all"});
+    v.require(c.topics.empty() || c.mode == PlayMode::kMessages, "topics",
+              "is for mode: messages, and a robot's topics are made",
+              "leave it out, or play a bag "
+              "in mode: messages");
     v.field("scan_topics", c.scan_topics,
             {.doc = "mode robot: topics of the bag's scanners; all go out on `scan`, each in its "
                     "own frame; empty: the only one, or /scan"});

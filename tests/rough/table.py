@@ -200,6 +200,12 @@ def names(tries, material):
 """)
     tries.strata_try("run: a Player without a log", ["run", player], (1, 2),
                      "player.yaml.*log is missing")
+    # What an option says is done, or refused.
+    for words in (["play", log, "--topics", "/scan"],
+                  ["play", material.bag, "--mode", "robot", "--topics", "/scan"]):
+        tries.strata_try("strata " + " ".join(words[2:]),
+                         [*words, "--transport", "loopback", "--rate", "100"], 2,
+                         "topics is for mode: messages")
     live_store(tries, material)
 
 
@@ -254,6 +260,12 @@ def left_over(tries, material):
         "saved.clf": ["convert", material.log, material.at("saved.clf")],
         "saved.mcap": ["convert", material.log, material.at("saved.mcap")],
         "saved_bag": ["convert", material.log, material.at("saved_bag"), "--to", "mcap"],
+        "saved_place": ["localize", material.log, "--maps", material.at("maps"), "--out",
+                        material.at("saved_place")],
+        "saved_world": ["simulate", material.scenario, "--out", material.at("saved_world")],
+        "saved_messages": ["messages", material.at("saved_messages")],
+        "saved_changes": ["changes", material.at("maps"), "--out", material.at("saved_changes")],
+        "saved_keys": ["keystore", "create", material.at("saved_keys")],
     }
     for name, words in jobs.items():
         for process in (gone, here):

@@ -29,7 +29,9 @@ class PlayerServices : public testing::TestWithParam<const char*> {
  protected:
   void start(const std::string& parameters) {
     test::write_drive(bag(), kScans);
-    host_ = test::play(bag(), std::string(", topics: [/scan], mode: ") + GetParam() + parameters,
+    host_ = test::play(bag(),
+                       std::string(GetParam() == std::string("robot") ? "" : ", topics: [/scan]") +
+                           ", mode: " + GetParam() + parameters,
                        participant_);
     host_->activate();
   }
