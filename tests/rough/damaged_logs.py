@@ -35,17 +35,26 @@ def run(tries, material):
         "run": ["run", "--check", "{}"],
         "simulate": ["simulate", "{}", "--out", out],
         "settings": ["learn", log, "--config", "{}", "--out", out],
+        "play": ["play", "{}", "--transport", "loopback", "--domain", "199"],
+        "incidents": ["incidents", "{}"],
     }
     # An option with an empty name is one that is not given.
     takes = {(verb, "empty name") for verb in ("learn on", "compare with a map", "settings")}
+    # A folder in which no incident is yet.
+    takes |= {("incidents", name) for name in ("empty folder", "folder of rubbish")}
     for verb, words in verbs.items():
         for name, path in material.damaged().items():
             if (verb, name) in takes:
                 continue
             arguments = [path if word == "{}" else word for word in words]
-            tries.strata_try(f"{verb}: {name}", arguments, 2)
+            tries.strata_try(f"{verb}: {name}", arguments, 2, names(path))
     left = [name for name in os.listdir(material.work) if name.startswith(("out_of", ".out_of"))]
     tries.hold("what failed left nothing", not left, " ".join(left))
+
+
+def names(path):
+    """What a line has that says which file it is about: its name, or that there is none."""
+    return re.escape(os.path.basename(path)) if path else "''|empty name|required|is missing|nothing to compare|landmark"
 
 
 def unreadable(tries, material):

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <numeric>
 #include <sstream>
 #include <utility>
 
+#include "components/log/spooled_input.hpp"
 #include "core/base/error.hpp"
 #include "core/topology/topology_mapper.hpp"
 
@@ -95,7 +97,10 @@ TopologyMap map_topology(const std::vector<Observation>& observations,
   TopologyMap result;
   follow_landmarks(observations, given, mapper, progress, result);
   if (mapper.visits().size() < 2) {
-    throw InputError("the log", "has " + std::to_string(mapper.visits().size()) + " landmarks",
+    throw InputError("the log",
+                     "has " +
+                         std::string(mapper.visits().empty() ? "no landmark" : "one landmark") +
+                         ", and a topology has two at least",
                      "give --landmarks, or lower landmarks.detector.min_prominence");
   }
   static_cast<topology::TopologyMap&>(result) = topology::make_topology_map(mapper, progress);
@@ -122,7 +127,12 @@ TopologyAgreement agreement(const TopologyMap& result, const topology::Hypothesi
 }
 
 std::vector<double> read_landmark_times(const std::string& path) {
-  std::ifstream in(path);
+  log::require_reachable(path);
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    throw InputError(path, "is a folder, not a file", "name the file with the times of landmarks");
+  }
+  std::ifstream in(log::readable_path(path));
   if (!in) throw InputError(path, "cannot be read", "check the name and its permissions");
   std::vector<double> times_s;
   std::string line;
@@ -137,6 +147,12 @@ std::vector<double> read_landmark_times(const std::string& path) {
                        "write one time a line, in seconds from the first scan");
     }
     times_s.push_back(time_s);
+  }
+  if (times_s.size() < 2) {
+    throw InputError(path,
+                     "holds " + std::string(times_s.empty() ? "no time" : "one time") +
+                         ", and a topology has two landmarks at least",
+                     "write one time a line, in seconds from the first scan");
   }
   return times_s;
 }

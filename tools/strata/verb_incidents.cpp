@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/incident_recorder/incident_folder.hpp"
+#include "components/log/spooled_input.hpp"
 #include "core/base/error.hpp"
 #include "tools/strata/verbs.hpp"
 #include "tools/strata/words.hpp"
@@ -50,6 +51,7 @@ void print(const std::vector<IncidentRecord>& records) {
 }
 
 void run(const Options& options, VerbContext& context) {
+  log::require_reachable(options.folder);
   std::error_code error;
   if (!std::filesystem::is_directory(options.folder, error)) {
     throw InputError(options.folder, "is no folder",
