@@ -8,6 +8,7 @@
 #include "components/maps/maps_folder.hpp"
 #include "core/base/error.hpp"
 #include "tools/strata/composition_options.hpp"
+#include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 #include "tools/strata/view_host.hpp"
 
@@ -44,6 +45,7 @@ class MapTopics {
 };
 
 void view(const FolderViewOptions& options, VerbContext& context) {
+  const YAML::Node parameters = load_config(context.options);
   const maps::Maps maps = maps::read_maps(options.maps);
   runtime::Composition alone;
   alone.place = "strata view";
@@ -51,7 +53,9 @@ void view(const FolderViewOptions& options, VerbContext& context) {
   alone.network.is_alone = true;
   const auto participant = join(alone, context);
   const MapTopics topics(participant, maps);
-  const ViewHost host(alone, participant, {.port = options.port, .allow_commands = false}, context);
+  const ViewHost host(alone, participant,
+                      {.port = options.port, .parameters = parameters, .allow_commands = false},
+                      context);
   context.note("shows " + options.maps + "; Ctrl-C ends it");
   while (!context.interrupt().wait_for(0.1)) {
   }

@@ -31,6 +31,7 @@ runtime::ProcessEntry process_of(const runtime::Composition& composition,
   entry.name = "live_view";
   entry.node_namespace = composition.node_namespace;
   entry.place = "--view";
+  entry.parameters = YAML::Clone(options.parameters);
   entry.parameters["port"] = options.port;
   entry.parameters["allow_commands"] = options.allow_commands;
   entry.parameters["keep_newest"] = options.keep_newest;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <yaml-cpp/yaml.h>
 
 #include "components/runtime/composition.hpp"
 #include "components/runtime/host.hpp"
@@ -25,6 +26,8 @@ void add_view_option(CLI::App& verb, int& port);
 
 struct ViewOptions {
   int port = kViewPort;
+  /// Others of strata::LiveView, as a composition gives them; those below win.
+  YAML::Node parameters = YAML::Node(YAML::NodeType::Map);
   bool allow_commands = true;
   /// Topics are read from the start, and who comes later gets their newest message.
   bool keep_newest = false;

@@ -124,8 +124,11 @@ def test_maps(strata, work, log, browser):
         viewing.kill()
         if page is not None:
             page.process.kill()
-    refused = subprocess.run([strata, "view", f"{work}/nowhere"], text=True, capture_output=True)
-    assert refused.returncode == 2 and "nowhere" in refused.stderr, refused
+    for words, told in (([f"{work}/nowhere"], "nowhere"),
+                        ([f"{work}/maps", "--set", "tokens=x"], "tokens"),
+                        ([f"{work}/maps", "--set", "address=0.0.0.0"], "token")):
+        refused = subprocess.run([strata, "view", *words], text=True, capture_output=True)
+        assert refused.returncode == 2 and told in refused.stderr, refused
 
 
 def main():
