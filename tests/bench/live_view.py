@@ -165,7 +165,7 @@ def main():
         robot.terminate()
         robot.wait()
         if page is not None:
-            page.process.kill()
+            page.close()
 
 
 main()

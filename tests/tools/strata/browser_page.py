@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import socket
 import struct
 import subprocess
@@ -49,8 +50,12 @@ class Page:
         self.process = subprocess.Popen(
             [browser, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1280,800",
              f"--user-data-dir={folder}/profile", f"--remote-debugging-port={port}", url],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        target = comes_true(lambda: self.target(port), "Chromium has opened the page")
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+        try:
+            target = comes_true(lambda: self.target(port), "Chromium has opened the page")
+        except SystemExit:
+            self.close()
+            raise
         path = re.sub(r"^ws://[^/]*", "", target["webSocketDebuggerUrl"])
         self.socket = socket.create_connection(("127.0.0.1", port))
         self.socket.sendall(
@@ -61,6 +66,11 @@ class Page:
         while self.stream.readline().strip():
             pass
         self.calls = 0
+
+    def close(self):
+        """The browser and what it has started: Debian's is a script, which would leave it."""
+        os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
 
     @staticmethod
     def target(port):

@@ -164,7 +164,7 @@ def test_areas(strata, browser, work):
     finally:
         viewing.kill()
         if page is not None:
-            page.process.kill()
+            page.close()
 
 
 def main():
@@ -193,7 +193,7 @@ def main():
         robot.terminate()
         robot.wait()
         if page is not None:
-            page.process.kill()
+            page.close()
     assert robot.returncode == 0, robot.returncode
 
 

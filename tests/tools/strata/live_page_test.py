@@ -58,7 +58,7 @@ def main():
     finally:
         robot.kill()
         if page is not None:
-            page.process.kill()
+            page.close()
 
 
 main()

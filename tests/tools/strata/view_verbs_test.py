@@ -72,7 +72,7 @@ def test_run(strata, work, log, browser):
         robot.terminate()
         robot.wait()
         if page is not None:
-            page.process.kill()
+            page.close()
     assert robot.returncode == 0, robot.returncode
     # A composition that has a page needs no second one.
     write(f"{work}/has_one.yaml", REPLAY + "      - {type: strata::LiveView, name: page}\n")
@@ -99,7 +99,7 @@ def test_replay(strata, work, log, browser):
     finally:
         watched.kill()
         if page is not None:
-            page.process.kill()
+            page.close()
     for name in ("trajectory.tum", "states.csv"):
         with open(f"{work}/alone/{name}") as alone, open(f"{work}/watched/{name}") as seen:
             assert alone.read() == seen.read(), name
@@ -123,7 +123,7 @@ def test_maps(strata, work, log, browser):
     finally:
         viewing.kill()
         if page is not None:
-            page.process.kill()
+            page.close()
     for words, told in (([f"{work}/nowhere"], "nowhere"),
                         ([f"{work}/maps", "--set", "tokens=x"], "tokens"),
                         ([f"{work}/maps", "--set", "address=0.0.0.0"], "token")):
