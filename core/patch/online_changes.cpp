@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What an online learner does when it notices, a while later, that a sub-map changed in view.
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "core/patch/change_in_view.hpp"
 #include "core/patch/online_learner.hpp"
@@ -36,8 +40,15 @@ Sequence OnlinePatchLearner::sequence_within(const Track& track, std::uint32_t f
 }
 
 void OnlinePatchLearner::follow_changes(Track& track) const {
-  const std::vector<std::uint32_t> before = std::exchange(track.changes, changes_of(track));
-  if (track.changes == before) return;
+  std::vector<std::uint32_t> changes = changes_of(track);
+  if (track.changes == changes) return;
+  Track next = track;  // takes its place when it is whole: memory may run out meanwhile
+  const std::vector<std::uint32_t> before = std::exchange(next.changes, std::move(changes));
+  cut_again(next, before);
+  track = std::move(next);
+}
+
+void OnlinePatchLearner::cut_again(Track& track, std::span<const std::uint32_t> before) const {
   const std::vector<SequenceInfo> infos = infos_of(track);
   const bool is_plain = track.history == history_of(infos);
   std::vector<Kept> kept;

@@ -172,6 +172,8 @@ class OnlinePatchLearner {
                                          std::uint32_t last) const;
   /// Cuts kept sequences where their sub-map turns out to have changed in view.
   void follow_changes(Track& track) const;
+  /// before: the changes as they were known until now.
+  void cut_again(Track& track, std::span<const std::uint32_t> before) const;
   [[nodiscard]] bool check();
   [[nodiscard]] bool look_at(const CellRect& window, std::span<const CellRect> tiles);
   void update_tracks();

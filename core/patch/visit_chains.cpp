@@ -23,8 +23,13 @@ void VisitChains::begin(std::int32_t& newest, std::uint32_t scan, float lead_of)
   std::int32_t fresh = free_;
   if (fresh < 0) {
     fresh = static_cast<std::int32_t>(nodes_.size());
-    nodes_.emplace_back();
     leads_.push_back(kNotOnTrial);
+    try {
+      nodes_.emplace_back();
+    } catch (...) {
+      leads_.pop_back();  // one each
+      throw;
+    }
   } else {
     free_ = node(fresh).previous;
   }
@@ -56,8 +61,9 @@ bool VisitChains::add(std::int32_t& newest, const VisitClock& clock, std::uint32
     begin(newest, scan, kNotOnTrial);
     is_more = true;
   } else if (!is_on_trial(newest) && VisitClock::speaks_against(node(newest).visit, is_hit)) {
-    if (!clock.is_settled(node(newest).visit)) lead(newest) = kBrief;
+    const std::int32_t before = newest;
     begin(newest, scan, 0.0F);
+    if (!clock.is_settled(node(before).visit)) lead(before) = kBrief;
   }
   Visit& visit = node(newest).visit;
   visit.last_scan = scan;

@@ -49,8 +49,12 @@ void VisitStore::add(const PosedScan& scan, std::uint32_t index) {
   last_.grow(needed);
   const CellRect tiles{{tile_of(needed.min.x), tile_of(needed.min.y)},
                        {tile_of(needed.max.x) + 1, tile_of(needed.max.y) + 1}};
-  touched_.grow(tiles);
-  changed_.grow(tiles);
+  if (touched_.rect().united(tiles) != touched_.rect()) {
+    Grid<std::uint8_t> changed = changed_;
+    changed.grow(tiles);
+    touched_.grow(tiles);
+    changed_ = std::move(changed);  // both or none, where memory runs out
+  }
   for_each_evidence(scan, resolution, options_, config_.end_reach_m,
                     [&](const Cell& cell, bool is_hit, float amount, const BeamAxis& axis) {
                       const Cell tile{tile_of(cell.x), tile_of(cell.y)};

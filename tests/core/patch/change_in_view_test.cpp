@@ -123,23 +123,6 @@ TEST(ChangeInView, IsSeenWherePeopleStoodBesideItNowAndThen) {
   for (int x = 0; x < 10; ++x) EXPECT_EQ(found.at({x, 2}), 1) << x;
 }
 
-/// A robot stands in the corridor and watches its door, which is closed, open, closed, ...
-std::vector<PosedScan> stand_before_door(const std::vector<double>& lasts_s, std::uint64_t seed) {
-  RandomStream random(seed, StreamId::kTest, 5);
-  std::vector<PosedScan> scans;
-  double at_s = 0.0;
-  double until_s = 0.0;
-  for (std::size_t i = 0; i < lasts_s.size(); ++i) {
-    until_s += lasts_s[i];
-    const test::ToyWorld world = test::corridor_with_door(i % 2 == 0);
-    for (; at_s < until_s - 1e-9; at_s += 0.5) {
-      scans.push_back(test::ToyRobot{}.scan_at(world, {5.0, 0.9, 1.2}, random));
-      scans.back().scan.stamp = Stamp::from_seconds(at_s);
-    }
-  }
-  return scans;
-}
-
 PatchMap learned_at_once(const std::vector<PosedScan>& scans, const ReflectionGrid& base) {
   PatchLearner learner({}, 1);
   for (const PosedScan& scan : scans) learner.add(scan);
@@ -172,7 +155,7 @@ void expect_same(const PatchMap& map, const PatchMap& expected) {
 }
 
 TEST(ChangeInView, TeachesARobotThatStandsBeforeADoorBothItsStates) {
-  const std::vector<PosedScan> scans = stand_before_door({70.0, 50.0, 110.0, 45.0}, 1);
+  const std::vector<PosedScan> scans = test::stand_before_door({70.0, 50.0, 110.0, 45.0}, 1);
   const PatchMap map = learned_at_once(scans, test::map_of(scans));
   ASSERT_EQ(map.submaps.size(), 1U);
   EXPECT_TRUE(test::is_at_door(map.submaps[0], 0.05));
@@ -186,7 +169,8 @@ TEST(ChangeInView, TeachesARobotThatStandsBeforeADoorBothItsStates) {
 
 TEST(ChangeInView, IsLearnedAlikeWhileScansCome) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    const std::vector<PosedScan> scans = stand_before_door({70.0, 50.0, 110.0, 45.0, 33.0}, seed);
+    const std::vector<PosedScan> scans =
+        test::stand_before_door({70.0, 50.0, 110.0, 45.0, 33.0}, seed);
     const ReflectionGrid base = test::map_of(scans);
     OnlineConfig online;
     online.extend_base = false;
@@ -202,7 +186,7 @@ TEST(ChangeInView, IsLearnedAlikeWhileScansCome) {
 }
 
 TEST(ChangeInView, GoesOnToTheBitAfterAStop) {
-  const std::vector<PosedScan> scans = stand_before_door({70.0, 50.0, 110.0, 45.0}, 4);
+  const std::vector<PosedScan> scans = test::stand_before_door({70.0, 50.0, 110.0, 45.0}, 4);
   const ReflectionGrid base = test::map_of(scans);
   OnlinePatchLearner whole({}, {}, base, 1);
   auto stopped =

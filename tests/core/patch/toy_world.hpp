@@ -144,4 +144,22 @@ inline bool is_at_door(const Submap& submap, double resolution_m) {
   return submap.rect.inflated(4).contains(cell_at({5.5, 2.4}, resolution_m));
 }
 
+/// A robot stands in the corridor and watches its door, which is closed, open, closed, ...
+inline std::vector<PosedScan> stand_before_door(const std::vector<double>& lasts_s,
+                                                std::uint64_t seed) {
+  RandomStream random(seed, StreamId::kTest, 5);
+  std::vector<PosedScan> scans;
+  double at_s = 0.0;
+  double until_s = 0.0;
+  for (std::size_t i = 0; i < lasts_s.size(); ++i) {
+    until_s += lasts_s[i];
+    const ToyWorld world = corridor_with_door(i % 2 == 0);
+    for (; at_s < until_s - 1e-9; at_s += 0.5) {
+      scans.push_back(ToyRobot{}.scan_at(world, {5.0, 0.9, 1.2}, random));
+      scans.back().scan.stamp = Stamp::from_seconds(at_s);
+    }
+  }
+  return scans;
+}
+
 }  // namespace strata::patch::test
