@@ -20,6 +20,10 @@ constexpr double kWorthTrackingAgain = 0.003;
 /// Rounds of EM before that: enough to tell which beams are dynamic.
 constexpr int kRoundsBefore = 3;
 
+/// The log is tracked once more than once only where the map still contradicts itself: what the
+/// better map holds to be dynamic may be what bent it.
+constexpr int kTracksAgain = 2;
+
 /// Contradictions of a later pass, against those of an earlier one, that it has to be below.
 constexpr double kClearlyLess = 0.7;
 
@@ -122,24 +126,43 @@ void Slam::State::track_again(SlamResult& before, State& again) {
   }
 }
 
-namespace {
+bool EarlierPass::is_preferred_to(const Consistency& now) const {
+  return !now.consistent && static_cast<double>(now.contradicting) >
+                                kClearlyLess * static_cast<double>(consistency.contradicting);
+}
 
-/// Poses of a pass that another one may not replace.
-struct EarlierPass {
-  std::vector<Pose2> poses;
-  std::vector<Stamp> stamps;
-  std::vector<bool> mapped;
-  std::vector<bool> moves;
-  Consistency consistency;
-  std::size_t loop_closures = 0;
-  std::vector<std::string> warnings;
+bool EarlierPass::is_of(const SlamResult& result) const {
+  return std::equal(result.scans.begin(), result.scans.end(), stamps.begin(), stamps.end(),
+                    [](const PosedScan& scan, Stamp stamp) { return scan.scan.stamp == stamp; });
+}
 
-  /// Tracking again has to make the map consistent, or at least much more so.
-  [[nodiscard]] bool is_preferred_to(const Consistency& now) const {
-    return !now.consistent && static_cast<double>(now.contradicting) >
-                                  kClearlyLess * static_cast<double>(consistency.contradicting);
+EarlierPass Slam::State::pass_of(const SlamResult& result) {
+  EarlierPass pass;
+  pass.consistency = check_consistency(result.scans, pool);
+  pass.mapped = mapped;
+  pass.moves = moves;
+  pass.loop_closures = result.loop_closures;
+  pass.warnings = result.warnings;
+  for (const PosedScan& scan : result.scans) {
+    pass.poses.push_back(scan.map_from_robot);
+    pass.stamps.push_back(scan.scan.stamp);
   }
-};
+  return pass;
+}
+
+void Slam::State::go_back(const EarlierPass& before, SlamResult& result, Progress* progress) {
+  for (std::size_t i = 0; i < before.poses.size(); ++i) {
+    result.scans[i].map_from_robot = before.poses[i];
+    result.scans[i].static_probability.clear();
+  }
+  mapped = before.mapped;
+  moves = before.moves;
+  result.loop_closures = before.loop_closures;
+  result.warnings = before.warnings;
+  improve(result, config.em.max_iterations, progress);
+}
+
+namespace {
 
 std::string inconsistent(const Consistency& consistency) {
   const ComparedStretches& worst = consistency.places.front();
@@ -178,36 +201,18 @@ SlamResult Slam::finish_passes(Progress* progress) {
     result.log_likelihood = std::move(trace);
     return result;
   }
-  EarlierPass before;
-  before.consistency = check_consistency(result.scans, state_->pool);
-  before.mapped = state_->mapped;
-  before.moves = state_->moves;
-  before.loop_closures = result.loop_closures;
-  before.warnings = result.warnings;
-  for (const PosedScan& scan : result.scans) {
-    before.poses.push_back(scan.map_from_robot);
-    before.stamps.push_back(scan.scan.stamp);
+  for (int time = 0; time < kTracksAgain; ++time) {
+    const EarlierPass before = state_->pass_of(result);
+    forget_maps(result);
+    auto again = std::make_unique<State>(state_->config, state_->pool.threads(), KeepConfig{});
+    state_->track_again(result, *again);
+    state_ = std::move(again);
+    result = state_->finish(state_->config.em.max_iterations, progress);
+    if (!before.is_of(result)) return result;
+    const Consistency now = check_consistency(result.scans, state_->pool);
+    if (before.is_preferred_to(now)) state_->go_back(before, result, progress);
+    if (now.consistent || before.is_preferred_to(now)) return result;
   }
-  forget_maps(result);
-  auto again = std::make_unique<State>(state_->config, state_->pool.threads(), KeepConfig{});
-  state_->track_again(result, *again);
-  state_ = std::move(again);
-  result = state_->finish(state_->config.em.max_iterations, progress);
-  const bool same_scans = std::equal(
-      result.scans.begin(), result.scans.end(), before.stamps.begin(), before.stamps.end(),
-      [](const PosedScan& scan, Stamp stamp) { return scan.scan.stamp == stamp; });
-  if (!same_scans || !before.is_preferred_to(check_consistency(result.scans, state_->pool))) {
-    return result;
-  }
-  for (std::size_t i = 0; i < before.poses.size(); ++i) {
-    result.scans[i].map_from_robot = before.poses[i];
-    result.scans[i].static_probability.clear();
-  }
-  state_->mapped = before.mapped;
-  state_->moves = before.moves;
-  result.loop_closures = before.loop_closures;
-  result.warnings = before.warnings;
-  state_->improve(result, state_->config.em.max_iterations, progress);
   return result;
 }
 

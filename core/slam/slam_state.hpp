@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -45,6 +46,22 @@ struct Record {
   }
 };
 
+/// Poses of a pass over the log that another one may not replace.
+struct EarlierPass {
+  std::vector<Pose2> poses;
+  std::vector<Stamp> stamps;
+  std::vector<bool> mapped;
+  std::vector<bool> moves;
+  Consistency consistency;
+  std::size_t loop_closures = 0;
+  std::vector<std::string> warnings;
+
+  /// Tracking again has to make the map consistent, or at least much more so.
+  [[nodiscard]] bool is_preferred_to(const Consistency& now) const;
+  /// Whether the result has the same scans.
+  [[nodiscard]] bool is_of(const SlamResult& result) const;
+};
+
 struct Slam::State {
   State(const SlamConfig& slam_config, int threads, const KeepConfig& keep_config)
       : config(slam_config),
@@ -80,6 +97,9 @@ struct Slam::State {
   /// Rounds of EM from the poses as they are.
   void improve(SlamResult& result, int rounds, Progress* progress);
   void track_again(SlamResult& before, State& again);
+  [[nodiscard]] EarlierPass pass_of(const SlamResult& result);
+  /// The map of the earlier pass instead, of the same scans.
+  void go_back(const EarlierPass& before, SlamResult& result, Progress* progress);
   void start_run(const Observation& observation, const Pose2* given_pose);
   void end_run();
   void take_local_maps();
