@@ -31,6 +31,17 @@ bool is_permanent_nearby(const VisitTable& table, const Cell& cell, std::span<co
   });
 }
 
+/// Whether the visit was cut by a change in view: another follows on it, or it on another, within a
+/// third of its length in scans. (A visit that was cut is at least three gaps long.)
+bool borders_on_change(std::span<const Visit> visits, const Visit& visit) {
+  const std::uint32_t third = (visit.last_scan - visit.first_scan) / 3;
+  return std::any_of(visits.begin(), visits.end(), [&](const Visit& other) {
+    return other.first_scan > visit.last_scan
+               ? other.first_scan - visit.last_scan <= third
+               : other.last_scan < visit.first_scan && visit.first_scan - other.last_scan <= third;
+  });
+}
+
 }  // namespace
 
 std::vector<Cell> disc_offsets(double radius_m, double resolution_m) {
@@ -47,14 +58,14 @@ std::vector<Cell> disc_offsets(double radius_m, double resolution_m) {
 
 bool was_hit_nearby(const VisitTable& table, const Cell& cell, const Visit& visit,
                     std::span<const Cell> offsets, double free_share) {
+  const double share = borders_on_change(table.at(cell), visit) ? free_share : 0.0;
   for (const Cell& offset : offsets) {
     const auto others = table.at({cell.x + offset.x, cell.y + offset.y});
     auto other = std::partition_point(others.begin(), others.end(), [&](const Visit& v) {
       return v.last_scan < visit.first_scan;
     });
     for (; other != others.end() && other->overlaps(visit); ++other) {
-      if (static_cast<double>(other->hits) > std::max(0.5, free_share * other->total()))
-        return true;
+      if (static_cast<double>(other->hits) > std::max(0.5, share * other->total())) return true;
     }
   }
   return false;

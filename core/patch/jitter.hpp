@@ -15,9 +15,10 @@ namespace strata::patch {
 /// Offsets of the other cells within a radius; at least the eight neighbours.
 [[nodiscard]] std::vector<Cell> disc_offsets(double radius_m, double resolution_m);
 
-/// Whether a visit that shares time with `visit` hit one of the cells at the offsets from `cell`:
-/// one whose share of hits is above free_share, since in a long visit many people may have stood at
-/// a cell that was free. O(offsets x log visits).
+/// Whether a visit that shares time with `visit`, one of the cell's, hit one of the cells at the
+/// offsets from `cell`. Where the visit was cut by a change in view, cells whose share of hits is
+/// at most free_share were not: in a long visit many people may have stood at a cell that was free.
+/// O(visits of the cell + offsets x log visits).
 [[nodiscard]] bool was_hit_nearby(const VisitTable& table, const Cell& cell, const Visit& visit,
                                   std::span<const Cell> offsets, double free_share);
 
