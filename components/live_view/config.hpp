@@ -36,6 +36,7 @@ struct LiveViewConfig {
   bool keep_newest = false;
   std::string initial_pose_topic = "initialpose";
   std::string relocalize_service = "reinitialize_global_localization";
+  std::string save_service = "scan_matcher/save";
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("address", c.address,
@@ -60,7 +61,8 @@ struct LiveViewConfig {
     v.field("max_viewers", c.max_viewers,
             {.doc = "so many at a time; more are refused", .min = 1, .max = 1000});
     v.field("allow_commands", c.allow_commands,
-            {.doc = "viewers may set the pose and ask for a global search; else they only look"});
+            {.doc = "viewers may set the pose, ask for a global search and have maps saved; else "
+                    "they only look"});
     v.field("metrics", c.metrics,
             {.doc = "answers /metrics for Prometheus; reads /diagnostics for it, viewers or not"});
     v.field("keep_newest", c.keep_newest,
@@ -71,6 +73,8 @@ struct LiveViewConfig {
                     "robot is"});
     v.field("relocalize_service", c.relocalize_service,
             {.doc = "std_srvs/Empty that begins a global search"});
+    v.field("save_service", c.save_service,
+            {.doc = "std_srvs/Trigger that saves the maps of a robot that maps; empty: none"});
   }
 };
 

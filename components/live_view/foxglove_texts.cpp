@@ -28,7 +28,7 @@ void append(std::vector<std::uint8_t>& bytes, T value) {
 std::string server_info(const std::string& name, const CommandNames& commands) {
   Json capabilities = Json::array();
   if (!commands.initial_pose_topic.empty()) capabilities.push_back("clientPublish");
-  if (!commands.relocalize_service.empty()) capabilities.push_back("services");
+  if (!advertised_services(commands).empty()) capabilities.push_back("services");
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return text_of({{"op", "serverInfo"},
                   {"name", name},
@@ -51,18 +51,28 @@ std::string advertised(const std::vector<Channel>& channels) {
   return text_of({{"op", "advertise"}, {"channels", list}});
 }
 
-std::string advertised_service(const std::string& relocalize_service) {
-  const auto part = [](const char* name) {
-    return Json{
-        {"encoding", "cdr"}, {"schemaName", name}, {"schemaEncoding", "ros2msg"}, {"schema", ""}};
+std::string advertised_services(const CommandNames& commands) {
+  Json services = Json::array();
+  const auto add = [&](std::uint32_t id, const std::string& name, const std::string& type,
+                       const char* response) {
+    if (name.empty()) return;
+    const auto part = [](const std::string& schema_name, const char* schema) {
+      return Json{{"encoding", "cdr"},
+                  {"schemaName", schema_name},
+                  {"schemaEncoding", "ros2msg"},
+                  {"schema", schema}};
+    };
+    services.push_back({{"id", id},
+                        {"name", name},
+                        {"type", type},
+                        {"request", part(type + "_Request", "")},
+                        {"response", part(type + "_Response", response)}});
   };
-  return text_of(
-      {{"op", "advertiseServices"},
-       {"services", Json::array({{{"id", kRelocalizeService},
-                                  {"name", relocalize_service},
-                                  {"type", "std_srvs/srv/Empty"},
-                                  {"request", part("std_srvs/srv/Empty_Request")},
-                                  {"response", part("std_srvs/srv/Empty_Response")}}})}});
+  add(kRelocalizeService, commands.relocalize_service, "std_srvs/srv/Empty", "");
+  add(kSaveService, commands.save_service, "std_srvs/srv/Trigger",
+      "bool success\nstring message\n");
+  if (services.empty()) return "";
+  return text_of({{"op", "advertiseServices"}, {"services", services}});
 }
 
 std::string status_error(const std::string& message) {
@@ -85,7 +95,8 @@ std::vector<std::uint8_t> message_head(std::uint32_t subscription, std::uint64_t
   return head;
 }
 
-std::vector<std::uint8_t> empty_response(std::uint32_t service, std::uint32_t call) {
+std::vector<std::uint8_t> service_response(std::uint32_t service, std::uint32_t call,
+                                           const std::vector<std::uint8_t>& cdr) {
   constexpr std::string_view kEncoding = "cdr";
   std::vector<std::uint8_t> bytes;
   append(bytes, static_cast<std::uint8_t>(ServerOpcode::kServiceResponse));
@@ -93,8 +104,7 @@ std::vector<std::uint8_t> empty_response(std::uint32_t service, std::uint32_t ca
   append(bytes, call);
   append(bytes, static_cast<std::uint32_t>(kEncoding.size()));
   bytes.insert(bytes.end(), kEncoding.begin(), kEncoding.end());
-  // Little-endian CDR; a message without members has one byte.
-  bytes.insert(bytes.end(), {0, 1, 0, 0, 0});
+  bytes.insert(bytes.end(), cdr.begin(), cdr.end());
   return bytes;
 }
 

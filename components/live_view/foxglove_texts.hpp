@@ -14,6 +14,7 @@ namespace strata::live_view {
 inline constexpr const char* kSubprotocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 inline constexpr const char* kInitialPoseType = "geometry_msgs/msg/PoseWithCovarianceStamped";
 inline constexpr std::uint32_t kRelocalizeService = 1;
+inline constexpr std::uint32_t kSaveService = 2;
 
 /// Opcodes of binary messages.
 enum class ServerOpcode : std::uint8_t { kMessage = 1, kServiceResponse = 3 };
@@ -21,14 +22,16 @@ enum class ClientOpcode : std::uint8_t { kMessage = 1, kServiceRequest = 2 };
 
 [[nodiscard]] std::string server_info(const std::string& name, const CommandNames& commands);
 [[nodiscard]] std::string advertised(const std::vector<Channel>& channels);
-[[nodiscard]] std::string advertised_service(const std::string& relocalize_service);
+/// Those of the commands that have a name; empty: none has.
+[[nodiscard]] std::string advertised_services(const CommandNames& commands);
 [[nodiscard]] std::string status_error(const std::string& message);
 [[nodiscard]] std::string service_failure(std::uint32_t service, std::uint32_t call,
                                           const std::string& message);
 /// What comes before a message's CDR bytes.
 [[nodiscard]] std::vector<std::uint8_t> message_head(std::uint32_t subscription,
                                                      std::uint64_t stamp_ns);
-/// The whole answer of a service that answers nothing (std_srvs/Empty).
-[[nodiscard]] std::vector<std::uint8_t> empty_response(std::uint32_t service, std::uint32_t call);
+/// The whole answer of a service; cdr: its response.
+[[nodiscard]] std::vector<std::uint8_t> service_response(std::uint32_t service, std::uint32_t call,
+                                                         const std::vector<std::uint8_t>& cdr);
 
 }  // namespace strata::live_view

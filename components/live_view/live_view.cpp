@@ -15,10 +15,23 @@ namespace strata::live_view {
 namespace {
 
 constexpr auto kServicePatience = std::chrono::seconds(3);
+constexpr auto kSavePatience = std::chrono::seconds(10);
 /// Messages of one topic that may come between two looks of the component.
 constexpr int kDepth = 20;
 /// Statuses that may: one a second of each component, and all at once when a robot starts.
 constexpr int kStatusDepth = 200;
+
+/// Throws Error when nobody answers in time.
+template <typename S>
+typename bus::ServiceType<S>::Response called(const std::shared_ptr<bus::Participant>& participant,
+                                              const std::string& service,
+                                              std::chrono::seconds patience = kServicePatience) {
+  auto response = bus::call_service<S>(participant, service, {}, patience);
+  if (!response) {
+    throw Error(service, "nobody has answered in time", "see whether who offers it runs");
+  }
+  return *response;
+}
 
 }  // namespace
 
@@ -27,7 +40,8 @@ void LiveView::on_configure() {
   if (lockstep()) return;
   CommandNames commands;
   if (config_.allow_commands) {
-    commands = {resolve(config_.initial_pose_topic), resolve(config_.relocalize_service)};
+    commands = {resolve(config_.initial_pose_topic), resolve(config_.relocalize_service),
+                config_.save_service.empty() ? "" : resolve(config_.save_service)};
     publish_pose_ = advertise<geometry_msgs::msg::PoseWithCovarianceStamped>(
         config_.initial_pose_topic, "default");
   }
@@ -108,33 +122,45 @@ void LiveView::read_what_is_wanted() {
 }
 
 void LiveView::perform(const ViewCommand& command) {
-  if (command.kind == ViewCommand::Kind::kRelocalize) return relocalize(command);
-  // Decoded, so that what is no pose goes no further.
-  publish_pose_(convert::from_cdr<geometry_msgs::msg::PoseWithCovarianceStamped>(
-      command.cdr, "a viewer's " + config_.initial_pose_topic));
+  switch (command.kind) {
+    case ViewCommand::Kind::kRelocalize:
+      return call_for(command, [participant = context().participant,
+                                service = resolve(config_.relocalize_service)] {
+        return convert::to_cdr(called<bus::srv::Empty>(participant, service));
+      });
+    case ViewCommand::Kind::kSaveMaps:
+      return call_for(
+          command, [participant = context().participant, service = resolve(config_.save_service)] {
+            const auto response = called<bus::srv::Trigger>(participant, service, kSavePatience);
+            if (!response.success()) {
+              throw Error(service, response.message(), "see what the robot says");
+            }
+            return convert::to_cdr(response);
+          });
+    case ViewCommand::Kind::kSetPose:
+      // Decoded, so that what is no pose goes no further.
+      publish_pose_(convert::from_cdr<geometry_msgs::msg::PoseWithCovarianceStamped>(
+          command.cdr, "a viewer's " + config_.initial_pose_topic));
+  }
 }
 
-void LiveView::relocalize(const ViewCommand& command) {
+void LiveView::call_for(const ViewCommand& command,
+                        std::function<std::vector<std::uint8_t>()> call) {
   if (is_calling_.exchange(true)) {
-    hub_->answer(command, "a call is under way");
+    hub_->answer(command, "a call is under way", {});
     return;
   }
   // On a thread of its own: who answers may be in this process, on this very thread.
-  const auto call = [this, command, hub = hub_, participant = context().participant,
-                     service = resolve(config_.relocalize_service)] {
-    std::string problem = "nobody answers " + service;
+  const auto work = [this, command, hub = hub_, call = std::move(call)] {
     try {
-      if (bus::call_service<bus::srv::Empty>(participant, service, {}, kServicePatience)) {
-        problem.clear();
-      }
+      hub->answer(command, "", call());
     } catch (const std::exception& error) {
-      problem = error.what();
+      hub->answer(command, error.what(), {});
     }
-    hub->answer(command, problem);
     is_calling_ = false;
   };
   try {
-    call_ = std::jthread(call);
+    call_ = std::jthread(work);
   } catch (const std::system_error&) {
     is_calling_ = false;
     throw;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "components/live_view/config.hpp"
 #include "components/live_view/status_board.hpp"
@@ -21,8 +22,9 @@ namespace strata::live_view {
 /// Offers every topic of the domain whose type is known here to viewers, message by message as the
 /// bytes they came in; a topic is read from when the first viewer wants it. Reads latched topics
 /// reliably, others best-effort: no writer waits for it. Out, for viewers: initialpose; and it
-/// calls reinitialize_global_localization. What all components say on /diagnostics, which it reads
-/// from the start, it answers as metrics at /metrics. In lockstep it does nothing.
+/// calls reinitialize_global_localization and the mapper's save. What all components say on
+/// /diagnostics, which it reads from the start, it answers as metrics at /metrics. In lockstep it
+/// does nothing.
 class LiveView final : public runtime::Component {
  public:
   using Component::Component;
@@ -38,7 +40,9 @@ class LiveView final : public runtime::Component {
   void offer_topics();
   void read_what_is_wanted();
   void perform(const ViewCommand& command);
-  void relocalize(const ViewCommand& command);
+  /// Calls a service of the robot on a thread of its own, and answers the viewer. call: returns the
+  /// response; throws Error to fail.
+  void call_for(const ViewCommand& command, std::function<std::vector<std::uint8_t>()> call);
 
   struct Offered {
     std::string topic;

@@ -20,6 +20,10 @@ constexpr std::size_t kMaxOwnChannels = 16;
 constexpr std::size_t kMaxAnswers = 1000;
 constexpr std::size_t kMaxCommands = 16;
 
+std::uint32_t service_of(ViewCommand::Kind kind) {
+  return kind == ViewCommand::Kind::kSaveMaps ? kSaveService : kRelocalizeService;
+}
+
 std::vector<std::uint8_t> bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
 
 }  // namespace
@@ -96,16 +100,17 @@ std::vector<ViewCommand> ViewHub::take_commands() {
   return {taken.begin(), taken.end()};
 }
 
-void ViewHub::answer(const ViewCommand& command, const std::string& problem) {
+void ViewHub::answer(const ViewCommand& command, const std::string& problem,
+                     const std::vector<std::uint8_t>& response) {
   const std::lock_guard lock(mutex_);
   const auto found = viewers_.find(command.viewer);
   if (found == viewers_.end()) return;
   if (!problem.empty()) {
-    say(found->second, service_failure(kRelocalizeService, command.call, problem));
+    say(found->second, service_failure(service_of(command.kind), command.call, problem));
     return;
   }
   found->second.answers.push_back(
-      {true, empty_response(kRelocalizeService, command.call), nullptr});
+      {true, service_response(service_of(command.kind), command.call, response), nullptr});
   wake(found->second);
 }
 
@@ -119,9 +124,8 @@ std::optional<ViewerId> ViewHub::join(std::function<void()> wake_viewer) {
   std::vector<Channel> channels;
   for (const ChannelState& state : channels_) channels.push_back(state.channel);
   if (!channels.empty()) say(viewer, advertised(channels));
-  if (!commands_.relocalize_service.empty()) {
-    say(viewer, advertised_service(commands_.relocalize_service));
-  }
+  const std::string services = advertised_services(commands_);
+  if (!services.empty()) say(viewer, services);
   return id;
 }
 
@@ -167,12 +171,13 @@ void ViewHub::take(ViewerId id, bool is_binary, std::string_view bytes) {
 
 void ViewHub::take_call(ViewerId id, Viewer& viewer, std::string_view bytes) {
   constexpr std::size_t kHead = 1 + 2 * sizeof(std::uint32_t);
-  if (bytes.size() < kHead || number_at(bytes, 1) != kRelocalizeService ||
-      commands_.relocalize_service.empty()) {
+  const std::uint32_t service = bytes.size() < kHead ? 0 : number_at(bytes, 1);
+  const bool asks_to_save = service == kSaveService && !commands_.save_service.empty();
+  if (!asks_to_save && (service != kRelocalizeService || commands_.relocalize_service.empty())) {
     return refuse(viewer, "there is no such service");
   }
   ViewCommand command;
-  command.kind = ViewCommand::Kind::kRelocalize;
+  command.kind = asks_to_save ? ViewCommand::Kind::kSaveMaps : ViewCommand::Kind::kRelocalize;
   command.viewer = id;
   command.call = number_at(bytes, 1 + sizeof(std::uint32_t));
   add_command(viewer, std::move(command));

@@ -46,10 +46,10 @@ using ViewerId = std::uint64_t;
 
 /// What a viewer wants the robot to do.
 struct ViewCommand {
-  enum class Kind { kSetPose, kRelocalize };
+  enum class Kind { kSetPose, kRelocalize, kSaveMaps };
   Kind kind = Kind::kSetPose;
   std::vector<std::uint8_t> cdr;  ///< kSetPose: geometry_msgs/PoseWithCovarianceStamped
-  ViewerId viewer = 0;            ///< kRelocalize: who is to be answered, and which call
+  ViewerId viewer = 0;            ///< of a service: who is to be answered, and which call
   std::uint32_t call = 0;
 };
 
@@ -57,6 +57,7 @@ struct ViewCommand {
 struct CommandNames {
   std::string initial_pose_topic;  ///< full
   std::string relocalize_service;  ///< full
+  std::string save_service;        ///< full
 };
 
 /// Keeps the newest message of each writer of a subscription for each viewer, at most 64: a viewer
@@ -77,8 +78,10 @@ class ViewHub {
   [[nodiscard]] std::vector<std::uint32_t> wanted() const;
   /// What viewers asked for since the last time; at most 16 wait, more are refused.
   [[nodiscard]] std::vector<ViewCommand> take_commands();
-  /// Answers kRelocalize: with an empty problem it is done.
-  void answer(const ViewCommand& command, const std::string& problem);
+  /// Answers a service: with an empty problem it is done, and `response` is the CDR that it
+  /// answers.
+  void answer(const ViewCommand& command, const std::string& problem,
+              const std::vector<std::uint8_t>& response);
 
   // The viewers' side.
   /// wake: called, under the hub's lock, when there is something to send to a viewer that had

@@ -226,6 +226,35 @@ TEST_F(LiveViewTest, AsksTheLocalizerToSearchEverywhere) {
   EXPECT_EQ(asked, 1);
 }
 
+TEST_F(LiveViewTest, HasTheMapperSaveAndTellsWhatItSays) {
+  std::atomic<bool> is_full{false};
+  const auto mailbox = std::make_shared<runtime::Mailbox>();
+  runtime::ServiceHub services(robot_, mailbox, [](const std::exception&) {});
+  services.serve<bus::srv::Trigger>("/scan_matcher/save", "default", [&](const auto&) {
+    std_srvs::srv::Trigger_Response response;
+    response.success(!is_full);
+    response.message(is_full ? "the disk is full" : "saved in maps");
+    return response;
+  });
+  test::WebClient viewer;
+  ASSERT_EQ(viewer.connect(port()), 101);
+  const std::string call("\2\2\0\0\0\5\0\0\0\3\0\0\0cdr\0\1\0\0\0", 21);
+  viewer.send_binary(call);
+  std::optional<test::Received> answer;
+  do {
+    answer = viewer.read();
+    ASSERT_TRUE(answer.has_value());
+  } while (!answer->is_binary);
+  EXPECT_EQ(answer->bytes.substr(0, 9), std::string("\3\2\0\0\0\5\0\0\0", 9));
+  EXPECT_THAT(answer->bytes, testing::HasSubstr("saved in maps"));
+  is_full = true;
+  viewer.send_binary(call);
+  const auto failure = viewer.read_op("serviceCallFailure");
+  ASSERT_TRUE(failure.has_value());
+  EXPECT_EQ(failure->at("serviceId"), 2);
+  EXPECT_THAT(failure->at("message").get<std::string>(), testing::HasSubstr("the disk is full"));
+}
+
 TEST(LiveViewSettings, WantATokenForOtherMachines) {
   runtime::Registry registry;
   register_component(registry);

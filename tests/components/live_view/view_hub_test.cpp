@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 class ViewHubTest : public testing::Test {
  protected:
-  ViewHub hub_{"strata", {"/initialpose", "/reinitialize_global_localization"}, 2};
+  ViewHub hub_{"strata", {"/initialpose", "/reinitialize_global_localization", ""}, 2};
   int woken_ = 0;
 
   ViewerId joined() {
@@ -189,12 +189,12 @@ TEST_F(ViewHubTest, AnswersACallToWhoCalled) {
   ASSERT_EQ(commands.size(), 1U);
   EXPECT_EQ(commands[0].kind, ViewCommand::Kind::kRelocalize);
   (void)texts(viewer);
-  hub_.answer(commands[0], "");
+  hub_.answer(commands[0], "", {0, 1, 0, 0, 0});
   const auto frame = hub_.next(viewer);
   ASSERT_TRUE(frame.has_value());
   const std::string expected("\3\1\0\0\0\5\0\0\0\3\0\0\0cdr\0\1\0\0\0", 21);
   EXPECT_EQ(std::string(frame->head.begin(), frame->head.end()), expected);
-  hub_.answer(commands[0], "nobody answers");
+  hub_.answer(commands[0], "nobody answers", {});
   const auto failure = texts(viewer);
   ASSERT_EQ(failure.size(), 1U);
   EXPECT_EQ(failure[0].at("op"), "serviceCallFailure");

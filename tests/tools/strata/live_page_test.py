@@ -22,7 +22,7 @@ processes:
     executor: multi_threaded
     components:
       - {{type: strata::Player, name: player, parameters: {{log: {log}, rate: 20.0}}}}
-      - {{type: strata::ScanMatcher, name: scan_matcher, parameters: {{maps: {{publish_every_s: 0.5}}}}}}
+      - {{type: strata::ScanMatcher, name: scan_matcher, parameters: {{maps: {{publish_every_s: 0.5, folder: {work}/maps}}}}}}
       - {{type: strata::BeamFilter, name: beam_filter}}
       - {{type: strata::LiveView, name: live_view, parameters: {{port: {port}}}}}
 """
@@ -37,7 +37,7 @@ def main():
                    check=True)
     port = free_port()
     with open(f"{work}/robot.yaml", "w") as out:
-        out.write(COMPOSITION.format(log=f"{work}/world/log.clf", port=port))
+        out.write(COMPOSITION.format(log=f"{work}/world/log.clf", work=work, port=port))
     robot = subprocess.Popen([strata, "run", f"{work}/robot.yaml", "--quiet"])
     page = None
     try:
@@ -47,6 +47,9 @@ def main():
         comes_true(lambda: page.text("verdict") == "Mapping", "the page says that it maps")
         assert page.text("link") == "live", page.text("link")
         assert page.evaluate("document.getElementById('place').disabled") is False
+        page.evaluate("document.getElementById('save').click()")
+        comes_true(lambda: page.text("hint") == "The maps are saved", "the mapper is asked to save")
+        assert os.path.exists(f"{work}/maps/strata.db"), os.listdir(work)
         if len(sys.argv) > 4:
             page.shoot(sys.argv[4])
         robot.terminate()
