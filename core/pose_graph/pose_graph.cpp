@@ -11,6 +11,7 @@
 #include <ceres/ceres.h>
 
 #include "core/base/error.hpp"
+#include "core/base/room.hpp"
 #include "core/geometry/angle.hpp"
 #include "core/pose_graph/edge_cost.hpp"
 
@@ -100,6 +101,14 @@ ceres::CostFunction* new_edge_cost(const Pose2& a_from_b, const Eigen::Matrix3d&
 
 PoseGraph::PoseGraph(const PoseGraphConfig& config) : config_(config) {
   require_valid(config, "pose_graph");
+}
+
+void PoseGraph::make_room() {
+  make_room_for_one(poses_);
+  make_room_for_one(fixed_);
+  make_room_for_one(edges_);
+  make_room_for_one(enabled_);
+  make_room_for_one(priors_);
 }
 
 std::size_t PoseGraph::add_node(const Pose2& map_from_node, bool fixed) {

@@ -77,6 +77,8 @@ class PoseGraph {
  public:
   explicit PoseGraph(const PoseGraphConfig& config = {});
 
+  /// The next node, edge and prior ask for no memory. Throws std::bad_alloc.
+  void make_room();
   /// Adds a pose with its first estimate, map_from_node; returns its index. A fixed node does not
   /// move; without a fixed node or a prior, node 0 of each connected part is held.
   std::size_t add_node(const Pose2& map_from_node, bool fixed = false);

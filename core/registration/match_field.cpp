@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "core/grid/growth.hpp"
 
@@ -210,8 +211,14 @@ void MatchField::reserve(const Eigen::Vector2d& min_m, const Eigen::Vector2d& ma
   const Cell most = cell_at(max_m, resolution_m());
   const CellRect rect =
       nearest_.rect().united(CellRect{least, {most.x + 1, most.y + 1}}.inflated(reach_cells()));
-  nearest_ = nearest_.cropped(rect);
+  hold(rect);
+}
+
+/// Both grids or none, where memory runs out.
+void MatchField::hold(const CellRect& rect) {
+  Grid<std::int32_t> nearest = nearest_.cropped(rect);
   squared_m2_ = squared_m2_.cropped(rect);
+  nearest_ = std::move(nearest);
 }
 
 bool MatchField::is_sound() const {
@@ -230,9 +237,8 @@ std::size_t MatchField::add(const SurfacePoint& point) {
   const int reach = reach_cells();
   const Cell center{cell_coordinate(point.x_m, resolution), cell_coordinate(point.y_m, resolution)};
   const CellRect rect = CellRect{center, {center.x + 1, center.y + 1}}.inflated(reach);
-  const CellRect wide = with_room(nearest_.rect(), rect);
-  nearest_.grow(wide);
-  squared_m2_.grow(wide);
+  const CellRect wide = grown(nearest_.rect(), with_room(nearest_.rect(), rect));
+  if (wide != nearest_.rect()) hold(wide);
   const std::size_t index = points_.size();
   points_.push_back(point);
   const auto label = static_cast<std::int32_t>(index);

@@ -117,6 +117,7 @@ class MatchField {
   /// Whether every cell names a point that is there, or none.
   [[nodiscard]] bool is_sound() const;
   [[nodiscard]] int reach_cells() const;
+  void hold(const CellRect& rect);
   MatchFieldConfig config_;
   std::vector<SurfacePoint> points_;
   Grid<std::int32_t> nearest_;  // index into points_, -1: none

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <queue>
+#include <utility>
 
 #include <Eigen/LU>
 
+#include "core/base/room.hpp"
 #include "core/slam/local_map_agreement.hpp"
 
 namespace strata::slam {
@@ -46,7 +48,19 @@ LocalMapGraph::LocalMapGraph(const ClosureConfig& config, const registration::Ma
 
 LocalMapGraph::~LocalMapGraph() = default;
 
+/// A local map is added to all lists or to none, where memory runs out.
+void LocalMapGraph::make_room() {
+  graph_.make_room();
+  make_room_for_one(chain_);
+  make_room_for_one(located_);
+  make_room_for_one(clouds_);
+  make_room_for_one(given_);
+  make_room_for_one(local_maps_);
+}
+
 std::size_t LocalMapGraph::add(LocalMap local_map, const std::optional<Pose2Gaussian>& given) {
+  make_room();
+  Endpoints cloud = cloud_of(local_map, config_.max_points);
   const std::size_t index = local_maps_.size();
   const bool continues = index > 0 && local_maps_.back().run == local_map.run;
   Pose2 pose = local_map.run_from_local_map;
@@ -75,7 +89,7 @@ std::size_t LocalMapGraph::add(LocalMap local_map, const std::optional<Pose2Gaus
     chain_.push_back(edge);
   }
   located_.push_back(given.has_value() || (continues ? located_.back() : index == 0));
-  clouds_.push_back(cloud_of(local_map, config_.max_points));
+  clouds_.push_back(std::move(cloud));
   given_.push_back(given);
   local_maps_.push_back(std::move(local_map));
   if (!located_[index]) {

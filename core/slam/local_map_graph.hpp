@@ -102,6 +102,7 @@ class LocalMapGraph {
     return located_[a] == located_[b] && (located_[a] || local_maps_[a].run == local_maps_[b].run);
   }
   void remove(const std::vector<std::size_t>& gone);
+  void make_room();
   void search_closures(std::size_t index);
   void locate_run(std::size_t last);
   std::size_t connect_run(std::size_t first, std::size_t last);

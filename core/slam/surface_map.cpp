@@ -116,8 +116,8 @@ SurfaceMap::HitCell& SurfaceMap::begin_hit_cell(Code& code) {
   if (!is_hit(code)) {
     HitCell data;
     data.misses = misses_of(code);
-    code = ~static_cast<Code>(hit_cells_.size());
-    hit_cells_.push_back(data);
+    hit_cells_.push_back(data);  // first: where memory runs out, no cell may name it
+    code = ~static_cast<Code>(hit_cells_.size() - 1);
   }
   return hit_cells_[index_of(code)];
 }
