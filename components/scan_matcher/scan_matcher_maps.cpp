@@ -33,6 +33,8 @@ void ScanMatcher::open_live_maps() {
     });
   });
   if (config_.maps.folder.empty()) return;
+  subscribe<strata_msgs::msg::PatchMap>(config_.maps.patch_topic, "latched",
+                                        [this](const auto& message) { take_patches(message); });
   const auto damage = damage_of_live_maps(config_.maps.folder);
   if (context().dry_run) {
     if (!damage) require_replaceable(config_.maps.folder);
@@ -43,8 +45,6 @@ void ScanMatcher::open_live_maps() {
   }
   saver_.emplace(config_.maps.folder, SaverConfig{config_.slam, config_.live, config_.maps.patch});
   saved_ = std::chrono::steady_clock::now();
-  subscribe<strata_msgs::msg::PatchMap>(config_.maps.patch_topic, "latched",
-                                        [this](const auto& message) { take_patches(message); });
 }
 
 /// A learner that has just begun knows of no changes: that is no reason to forget them.
