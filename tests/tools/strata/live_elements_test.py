@@ -76,8 +76,8 @@ def test_drawing(page):
     assert page.text("latency").endswith(" ms"), page.text("latency")
     assert 0.0 <= float(page.text("score")) <= 1.0, page.text("score")
     assert layer(page, "map")["count"] > 10_000
-    assert layer(page, "plain")["count"] > 100, "the scan"
-    assert layer(page, "particles")["count"] > 3
+    comes_true(lambda: layer(page, "plain")["count"] > 100, "the scan")
+    comes_true(lambda: layer(page, "particles")["count"] > 3, "the particles")
     # An ellipse of two standard deviations: here 1 m along x and 2 m along y.
     drawn = json.loads(page.evaluate(
         "robot.pose.covariance = [0.25, 0, 1.0, 0.01];" + LAYER.replace("LAYER", '"pose"').replace(
