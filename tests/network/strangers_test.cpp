@@ -68,6 +68,37 @@ INSTANTIATE_TEST_SUITE_P(
                     Place{"OfALocalhost", CycloneNetwork::kUnicast, 1, "localhost"}),
     kNameOf);
 
+class OtherRelease : public Strangers, public testing::WithParamInterface<const char*> {};
+
+// ROS 2 Jazzy's: their files in shared memory abort Fast DDS 2.9.
+TEST_P(OtherRelease, OfFastDdsDoesNotEndARobot) {
+  const char* const program = std::getenv("STRATA_OTHER_NETWORK_PEER");
+  if (program == nullptr) {
+    GTEST_SKIP() << "STRATA_OTHER_NETWORK_PEER names no network_peer of another release";
+  }
+  STRATA_MAKE_HOSTS(1, 0);
+  const auto robot = this->robot(0, GetParam());
+  const auto visitor = [&](std::vector<std::string> command) {
+    command.insert(command.begin(), {program, "default"});
+    auto process = network_->run(
+        0, command,
+        {"FASTRTPS_DEFAULT_PROFILES_FILE=" STRATA_SOURCE_DIR "/tests/network/ros2_fastdds.xml"});
+    EXPECT_EQ(process->wait_for_line("ready", kPatience), "ready");
+    return process;
+  };
+  for (int round = 0; round < rounds(); ++round) {
+    const auto reader = visitor({"hear", "5", "lossless"});
+    const auto writer = visitor({"scans", "5", "50", "lossless"});
+    EXPECT_NE(reader->wait_for_line("heard", kPatience), "");
+    if (round % 2 == 1) writer->kill_hard();  // no goodbye
+    ASSERT_TRUE(robot->runs()) << "ended in round " << round << ": " << robot->rest();
+  }
+  expect_good_end(*robot);
+}
+
+INSTANTIATE_TEST_SUITE_P(With, OtherRelease,
+                         testing::Values("default", "localhost", "wifi", "shared_memory"));
+
 TEST_F(Strangers, OfCycloneDoNotEndARobotThatStartsLast) {
   STRATA_MAKE_HOSTS(1);
   const auto first = cyclone(0, {"ros_node", "/", "first"});
