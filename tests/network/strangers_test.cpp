@@ -87,8 +87,8 @@ TEST_P(OtherRelease, OfFastDdsDoesNotEndARobot) {
     return process;
   };
   for (int round = 0; round < rounds(); ++round) {
-    const auto reader = visitor({"hear", "5", "lossless"});
-    const auto writer = visitor({"scans", "5", "50", "lossless"});
+    const auto reader = visitor({"hear", "5", "tf_static"});
+    const auto writer = visitor({"scans", "5", "50", "tf_static"});
     EXPECT_NE(reader->wait_for_line("heard", kPatience), "");
     if (round % 2 == 1) writer->kill_hard();  // no goodbye
     ASSERT_TRUE(robot->runs()) << "ended in round " << round << ": " << robot->rest();

@@ -46,8 +46,10 @@ TEST(SvgRendering, DrawsLetters) {
 }
 
 TEST(SvgRendering, SaysWhatIsWrongWithTheDocument) {
-  EXPECT_THAT(what_is_wrong("<svg"), testing::HasSubstr("rsvg-convert ended with 1 and says: Error reading SVG"));
-  EXPECT_THAT(what_is_wrong(""), testing::HasSubstr("rsvg-convert ended with 1 and says: Error reading SVG"));
+  EXPECT_THAT(what_is_wrong("<svg"),
+              testing::HasSubstr("rsvg-convert ended with 1 and says: Error reading SVG"));
+  EXPECT_THAT(what_is_wrong(""),
+              testing::HasSubstr("rsvg-convert ended with 1 and says: Error reading SVG"));
 }
 
 TEST(SvgRendering, SaysWhatToInstallWhereTheProgramIsMissing) {
