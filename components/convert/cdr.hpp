@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,7 +38,7 @@ template <typename Message>
 }
 
 /// The message. Throws Undecodable(place, ...) when the bytes are not one; sequences longer than
-/// the bytes are refused before memory is taken for them.
+/// the bytes are refused before memory is taken for them. Throws std::bad_alloc.
 template <typename Message>
 [[nodiscard]] Message from_cdr(std::span<const std::uint8_t> bytes, const std::string& place) {
   const auto damaged = [&](const std::string& why) {
@@ -55,6 +56,8 @@ template <typename Message>
   try {
     cdr.read_encapsulation();
     message.deserialize(cdr);
+  } catch (const std::bad_alloc&) {
+    throw;  // no fault of the message
   } catch (const std::exception& error) {
     throw damaged(error.what());
   }

@@ -41,9 +41,12 @@ class FrameDecoder {
   explicit FrameDecoder(BagCompression compression) {
     if (compression == BagCompression::kZstd) {
       zstd_.reset(ZSTD_createDCtx());
+      if (!zstd_) throw std::bad_alloc();
     } else {
       LZ4F_dctx* context = nullptr;
-      LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
+      if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0U) {
+        throw std::bad_alloc();  // nothing else can fail
+      }
       lz4_.reset(context);
     }
   }
@@ -233,6 +236,7 @@ void pack_file(const fs::path& file, const fs::path& packed) {
   std::ifstream in(file, std::ios::binary);
   std::ofstream out(packed, std::ios::binary | std::ios::trunc);
   const std::unique_ptr<ZSTD_CCtx, FreeZstd> context(ZSTD_createCCtx());
+  if (!context) throw std::bad_alloc();
   Bytes plain(kBlockBytes);
   Bytes frame(ZSTD_CStreamOutSize());
   bool last = false;

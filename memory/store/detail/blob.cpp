@@ -27,6 +27,7 @@ using Context = std::unique_ptr<ZSTD_CCtx, FreeContext>;
 
 Context make_context() {
   Context context(ZSTD_createCCtx());
+  if (context == nullptr) throw std::bad_alloc();
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
   return context;
 }
