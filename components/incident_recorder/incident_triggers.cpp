@@ -3,18 +3,18 @@
 
 #include "components/log/text.hpp"
 #include "components/runtime/diagnostics.hpp"
+#include "core/localization/recovery.hpp"
 
 namespace strata::incident_recorder {
 namespace {
 
-constexpr const char* kLost = "lost";
-constexpr const char* kOutdated = "map_outdated";
+using localization::HealthState;
 
-std::string value_of(const diagnostic_msgs::msg::DiagnosticStatus& status, const std::string& key) {
-  for (const auto& entry : status.values()) {
-    if (entry.key() == key) return entry.value();
-  }
-  return "";
+constexpr const char* kLost = enum_name(HealthState::kLost);
+constexpr const char* kOutdated = enum_name(HealthState::kMapOutdated);
+
+std::string value_of(const diagnostic_msgs::msg::DiagnosticStatus& status, const char* key) {
+  return std::string(runtime::value_of(status, key));
 }
 
 }  // namespace

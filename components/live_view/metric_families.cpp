@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/live_view/metric_families.hpp"
 
-#include <array>
-
 namespace strata::live_view {
 namespace {
 
@@ -162,12 +160,29 @@ constexpr StatusFigure kFigures[] = {
     {"requests_refused", "strata_view_requests_refused"},
 };
 
-constexpr std::array<std::string_view, 4> kVerdicts{"good", "converging", "map_outdated", "lost"};
-
 }  // namespace
+
+std::string_view type_name(MetricType type) {
+  switch (type) {
+    case kCounter:
+      return "counter";
+    case kHistogram:
+      return "histogram";
+    case kInfo:
+      return "info";
+    case kGauge:
+      break;
+  }
+  return "gauge";
+}
+
+std::string_view suffix_of(MetricType type) {
+  if (type == kCounter) return "_total";
+  if (type == kInfo) return "_info";
+  return "";
+}
 
 std::span<const MetricFamily> metric_families() { return kFamilies; }
 std::span<const StatusFigure> status_figures() { return kFigures; }
-std::span<const std::string_view> verdict_names() { return kVerdicts; }
 
 }  // namespace strata::live_view

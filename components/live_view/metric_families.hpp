@@ -18,6 +18,11 @@ struct MetricFamily {
   std::string_view help;    ///< one sentence
 };
 
+/// As OpenMetrics names the type.
+[[nodiscard]] std::string_view type_name(MetricType type);
+/// What the name of a sample has behind the family's: "_total", "_info" or nothing.
+[[nodiscard]] std::string_view suffix_of(MetricType type);
+
 /// All, in the order they are written.
 [[nodiscard]] std::span<const MetricFamily> metric_families();
 
@@ -42,8 +47,5 @@ struct StatusFigure {
 
 /// The entries that are known; others are left out.
 [[nodiscard]] std::span<const StatusFigure> status_figures();
-
-/// Names of the verdicts of localization::HealthState.
-[[nodiscard]] std::span<const std::string_view> verdict_names();
 
 }  // namespace strata::live_view

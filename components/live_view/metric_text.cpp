@@ -20,24 +20,10 @@ const MetricFamily* find_family(std::string_view name) {
   return found == families.end() ? nullptr : &*found;
 }
 
-const char* type_name(MetricType type, MetricFormat format) {
-  switch (type) {
-    case MetricType::kCounter:
-      return "counter";
-    case MetricType::kHistogram:
-      return "histogram";
-    case MetricType::kInfo:
-      return format == MetricFormat::kOpenMetrics ? "info" : "gauge";
-    case MetricType::kGauge:
-      break;
-  }
-  return "gauge";
-}
-
-std::string_view suffix_of(MetricType type) {
-  if (type == MetricType::kCounter) return "_total";
-  if (type == MetricType::kInfo) return "_info";
-  return "";
+/// The older format knows no infos.
+std::string_view type_name_in(MetricFormat format, MetricType type) {
+  const bool is_known = format == MetricFormat::kOpenMetrics || type != MetricType::kInfo;
+  return type_name(is_known ? type : MetricType::kGauge);
 }
 
 /// Backslash, quote and newline escaped; what is no printable ASCII becomes "?": both formats are
@@ -154,7 +140,7 @@ std::string MetricText::text(MetricFormat format) const {
       if (c == '"' && format == MetricFormat::kOpenMetrics) text += '\\';
       text += c;
     }
-    text += "\n# TYPE " + told + " " + type_name(family.type, format) + "\n";
+    text += "\n# TYPE " + told + " " + std::string(type_name_in(format, family.type)) + "\n";
     if (!family.unit.empty()) text += "# UNIT " + told + " " + std::string(family.unit) + "\n";
     for (const auto& [labels, lines] : found->second) {
       for (const auto& [head, value] : lines) {

@@ -10,22 +10,18 @@
 #include <sys/resource.h>
 
 #include "components/log/text.hpp"
+#include "components/runtime/diagnostics.hpp"
 #include "components/runtime/free_memory.hpp"
+#include "core/localization/recovery.hpp"
 
 namespace strata::live_view {
 namespace {
 
 using diagnostic_msgs::msg::DiagnosticStatus;
+using runtime::value_of;
 
 constexpr std::string_view kOurs = "strata";
 constexpr std::string_view kEnding = ": health";
-
-std::string_view value_of(const DiagnosticStatus& status, std::string_view key) {
-  for (const auto& entry : status.values()) {
-    if (entry.key() == key) return entry.value();
-  }
-  return {};
-}
 
 bool goes_on_with_topic(FigureKind kind) {
   return kind == FigureKind::kTopicNumber || kind == FigureKind::kTopicTimes;
@@ -73,7 +69,7 @@ void write_words(const DiagnosticStatus& status, const MetricLabels& labels, Met
   metrics.add("strata_component_level", labels, status.level());
   metrics.add("strata_component_active", labels, value_of(status, "state") == "active" ? 1.0 : 0.0);
   const std::string_view verdict = value_of(status, "verdict");
-  for (const std::string_view name : verdict_names()) {
+  for (const auto& [state, name] : EnumNames<localization::HealthState>::values) {
     if (verdict.empty()) break;
     MetricLabels with_verdict = labels;
     with_verdict.emplace_back("verdict", name);

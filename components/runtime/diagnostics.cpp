@@ -13,6 +13,14 @@ constexpr auto kPeriod = std::chrono::seconds(1);
 
 }  // namespace
 
+std::string_view value_of(const diagnostic_msgs::msg::DiagnosticStatus& status,
+                          std::string_view key) {
+  for (const auto& entry : status.values()) {
+    if (entry.key() == key) return entry.value();
+  }
+  return {};
+}
+
 void Health::add(const std::string& key, double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -46,6 +47,10 @@ class Health {
   std::vector<std::string> complaints_;
   std::vector<std::pair<std::string, std::string>> values_;
 };
+
+/// What a status that came says under that key; empty: nothing. Lives as long as the status.
+[[nodiscard]] std::string_view value_of(const diagnostic_msgs::msg::DiagnosticStatus& status,
+                                        std::string_view key);
 
 /// Publishes one component's health. Not thread safe: used on the component's mailbox.
 class Diagnostics {

@@ -6,28 +6,9 @@
 namespace strata::reference {
 namespace {
 
-using live_view::MetricType;
-
-const char* told(MetricType type) {
-  switch (type) {
-    case MetricType::kCounter:
-      return "counter";
-    case MetricType::kHistogram:
-      return "histogram";
-    case MetricType::kInfo:
-      return "info";
-    case MetricType::kGauge:
-      break;
-  }
-  return "gauge";
-}
-
 /// As Prometheus keeps it.
 std::string shown_name(const live_view::MetricFamily& family) {
-  std::string name(family.name);
-  if (family.type == MetricType::kCounter) name += "_total";
-  if (family.type == MetricType::kInfo) name += "_info";
-  return name;
+  return std::string(family.name) + std::string(live_view::suffix_of(family.type));
 }
 
 }  // namespace
@@ -47,8 +28,9 @@ std::string metrics_page() {
       keys += figure.key.ends_with(' ') ? "TOPIC`" : "`";
       if (!figure.value.empty()) keys += " (" + std::string(figure.value) + ")";
     }
-    text += "| `" + shown_name(family) + "` | " + told(family.type) + " | " +
-            std::string(family.labels) + " | " + keys + " | " + std::string(family.help) + " |\n";
+    text += "| `" + shown_name(family) + "` | " + std::string(live_view::type_name(family.type)) +
+            " | " + std::string(family.labels) + " | " + keys + " | " + std::string(family.help) +
+            " |\n";
   }
   return text;
 }

@@ -10,7 +10,6 @@
 
 #include "components/runtime/time_histogram.hpp"
 #include "core/base/config.hpp"
-#include "core/localization/recovery.hpp"
 #include "tests/components/live_view/metric_reader.hpp"
 
 namespace strata::live_view {
@@ -140,17 +139,6 @@ TEST(MetricFamilies, OfEveryFigureAreThere) {
   for (const StatusFigure& figure : status_figures()) {
     EXPECT_TRUE(names.contains(figure.family)) << figure.key;
   }
-}
-
-TEST(MetricFamilies, HaveTheVerdictsOfTheLocalizer) {
-  std::set<std::string> ours(verdict_names().begin(), verdict_names().end());
-  std::set<std::string> of_the_localizer;
-  for (const auto state :
-       {localization::HealthState::kGood, localization::HealthState::kConverging,
-        localization::HealthState::kMapOutdated, localization::HealthState::kLost}) {
-    of_the_localizer.emplace(enum_name(state));
-  }
-  EXPECT_EQ(ours, of_the_localizer);
 }
 
 }  // namespace

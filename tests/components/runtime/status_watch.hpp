@@ -10,6 +10,7 @@
 #include <string>
 
 #include "components/bus/endpoint.hpp"
+#include "components/runtime/diagnostics.hpp"
 #include "components/runtime/host.hpp"
 
 namespace strata::test {
@@ -18,10 +19,7 @@ using diagnostic_msgs::msg::DiagnosticArray;
 using diagnostic_msgs::msg::DiagnosticStatus;
 
 inline std::string value_of(const DiagnosticStatus& status, const std::string& key) {
-  for (const auto& entry : status.values()) {
-    if (entry.key() == key) return entry.value();
-  }
-  return "";
+  return std::string(runtime::value_of(status, key));
 }
 
 /// Ticks the host, as `run` does, until a status satisfies the condition.
