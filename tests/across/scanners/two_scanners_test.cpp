@@ -2,8 +2,15 @@
 /// Two scanners of 270 degrees on opposite corners of a robot, scan by scan, against the one scan
 /// all round that a merger would make of them.
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <functional>
+#include <iostream>
 #include <memory>
 #include <numbers>
+#include <numeric>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -15,92 +22,19 @@
 #include "core/localization/range_provider_model.hpp"
 #include "core/slam/slam.hpp"
 #include "memory/nodes/timescale_memory.hpp"
+#include "tests/across/scanners/two_scanner_drive.hpp"
 #include "tests/core/localization/box_world.hpp"
 
 namespace strata {
 namespace {
 
-using test::BoxWorld;
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kNoise_m = 0.01;
-const Pose2 kFront{0.3, 0.2, kPi / 4.0};
-const Pose2 kBack{-0.3, -0.2, -3.0 * kPi / 4.0};
-
-/// 12 m x 8 m with furniture and a wall across.
-BoxWorld room() {
-  return {{0.0, 0.0, 12.0, 0.2},  {0.0, 7.8, 12.0, 8.0}, {0.0, 0.0, 0.2, 8.0},
-          {11.8, 0.0, 12.0, 8.0}, {5.0, 3.0, 7.4, 5.2},  {0.2, 6.6, 1.7, 7.8},
-          {10.6, 0.2, 11.8, 1.1}, {3.0, 0.2, 4.1, 0.7},  {8.0, 7.1, 8.9, 7.8}};
-}
-
-Scan look(const Pose2& robot, const Pose2& mounting, double field_rad, int beams, double stamp_s,
-          RandomStream& random) {
-  static const BoxWorld world = room();
-  const Pose2 laser = robot * mounting;
-  Scan scan;
-  scan.stamp = Stamp::from_seconds(stamp_s);
-  scan.angle_min_rad = static_cast<float>(-0.5 * field_rad);
-  scan.angle_increment_rad = static_cast<float>(field_rad / (beams - 1));
-  scan.range_min_m = 0.05F;
-  scan.range_max_m = 20.0F;
-  scan.robot_from_laser = mounting;
-  for (int i = 0; i < beams; ++i) {
-    const double bearing = laser.theta + scan.bearing_rad(static_cast<std::size_t>(i));
-    scan.ranges_m.push_back(static_cast<float>(test::cast(world, laser.x, laser.y, bearing) +
-                                               kNoise_m * random.normal()));
-  }
-  return scan;
-}
-
-/// Round the furniture in the middle.
-Pose2 place(double t) {
-  const double phase = 0.14 * t;
-  const double x = 6.2 + 4.0 * std::cos(phase);
-  const double y = 4.1 + 2.4 * std::sin(phase);
-  const double heading = std::atan2(2.4 * std::cos(phase), -4.0 * std::sin(phase));
-  return {x, y, heading + 0.4 * std::sin(0.7 * t)};
-}
-
-struct Log {
-  std::vector<Observation> observations;
-  std::vector<Pose2> truths;
-};
-
-enum class Rig { kMerged, kTwoInTurn, kTwoInStep };
-
-/// 10 Hz a scanner, one and a third of a round.
-Log record(Rig rig, std::uint64_t seed, double duration_s = 60.0) {
-  RandomStream noise(seed, StreamId::kTest);
-  RandomStream wheels(seed, StreamId::kTest, 1);
-  Log log;
-  Pose2 odom = place(0.0);
-  constexpr double kStepS = 0.05;
-  const auto add = [&](const Pose2& robot, const Scan& scan) {
-    log.observations.push_back({0, scan, odom, true});
-    log.truths.push_back(robot);
-  };
-  for (int i = 0; i * kStepS < duration_s; ++i) {
-    const double t = i * kStepS;
-    const Pose2 robot = place(t);
-    if (i > 0) {
-      const Pose2 motion = between(place(t - kStepS), robot);
-      odom = odom * Pose2{motion.x * (1.02 + 0.1 * wheels.normal()), motion.y,
-                          motion.theta * (1.02 + 0.1 * wheels.normal())};
-    }
-    const bool is_even = i % 2 == 0;
-    if (rig == Rig::kMerged && is_even) {
-      add(robot, look(robot, {}, 2.0 * kPi - 2.0 * kPi / 720.0, 720, t, noise));
-    }
-    if (rig != Rig::kMerged && is_even) {
-      add(robot, look(robot, kFront, 1.5 * kPi, 541, t, noise));
-    }
-    if ((rig == Rig::kTwoInTurn && !is_even) || (rig == Rig::kTwoInStep && is_even)) {
-      add(robot, look(robot, kBack, 1.5 * kPi, 541, t, noise));
-    }
-  }
-  return log;
-}
+using test::kBack;
+using test::kFront;
+using test::Log;
+using test::place;
+using test::record;
+using test::Rig;
+using test::room;
 
 struct Outcome {
   double error_m = 0.0;
@@ -120,10 +54,11 @@ struct Outcome {
   }
 };
 
-Outcome localize(const std::shared_ptr<const localization::SensorModel>& model, Rig rig) {
+Outcome localize(const std::shared_ptr<const localization::SensorModel>& model, Rig rig,
+                 std::uint64_t number = 0) {
   Outcome outcome;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    const Log log = record(rig, seed);
+    const Log log = record(rig, seed, 60.0, number);
     localization::Localizer localizer({}, model, seed);
     localizer.initialize({log.truths[0], Eigen::Vector3d(0.02, 0.02, 0.005).asDiagonal()});
     for (std::size_t i = 0; i < log.observations.size(); ++i) {
@@ -158,6 +93,58 @@ TEST(TwoScanners, LocalizeAsWellAsTheMergedScan) {
   const ReflectionGrid map = test::rasterize(room(), 0.05, {{0, 0}, {240, 160}});
   expect_as_good(localization::make_grid_beam_model(map));
   expect_as_good(std::make_shared<localization::LikelihoodFieldModel>(map));
+}
+
+/// Two scanners' error less the merged scan's over many rooms.
+struct Excess {
+  std::vector<double> m;
+  [[nodiscard]] double mean() const {
+    return std::accumulate(m.begin(), m.end(), 0.0) / static_cast<double>(m.size());
+  }
+  [[nodiscard]] double standard_error() const {
+    double sum = 0.0;
+    for (const double value : m) sum += (value - mean()) * (value - mean());
+    const auto count = static_cast<double>(m.size());
+    return std::sqrt(sum / (count * (count - 1.0)));
+  }
+};
+
+using MakeModel =
+    std::function<std::shared_ptr<const localization::SensorModel>(const ReflectionGrid& map)>;
+
+/// Prints it; no room is one that a setting was chosen in.
+Excess excess_in_rooms(const char* name, const MakeModel& make_model, std::uint64_t rooms,
+                       Rig merged, Rig two) {
+  Excess excess;
+  double merged_m = 0.0;
+  for (std::uint64_t number = 1; number <= rooms; ++number) {
+    const auto model = make_model(test::rasterize(room(number), 0.05, {{0, 0}, {240, 160}}));
+    const double error_m = localize(model, merged, number).error_m;
+    merged_m += error_m / static_cast<double>(rooms);
+    excess.m.push_back(localize(model, two, number).error_m - error_m);
+  }
+  std::cout << name << (two == Rig::kTwoInTurn ? ", in turn" : ", in step") << ", " << rooms
+            << (merged == Rig::kMerged ? " rooms, ideal: " : " rooms, merger: ") << 1e3 * merged_m
+            << " mm, two more by " << 1e3 * excess.mean() << " mm, standard error "
+            << 1e3 * excess.standard_error() << " mm\n";
+  return excess;
+}
+
+// STRATA_SCANNER_ROOMS=40 for the figures of docs/sensors.md, with the ideal scan besides.
+TEST(TwoScanners, LocalizeAsWellAsAMergerOfBothInRandomRooms) {
+  const char* const given = std::getenv("STRATA_SCANNER_ROOMS");
+  const std::uint64_t rooms = given != nullptr ? std::stoull(given) : 4;
+  const std::pair<const char*, MakeModel> models[] = {
+      {"beam model", [](const auto& map) { return localization::make_grid_beam_model(map); }},
+      {"likelihood field",
+       [](const auto& map) { return std::make_shared<localization::LikelihoodFieldModel>(map); }}};
+  for (const auto& [name, make_model] : models) {
+    for (const Rig two : {Rig::kTwoInTurn, Rig::kTwoInStep}) {
+      const Excess excess = excess_in_rooms(name, make_model, rooms, Rig::kMerger, two);
+      EXPECT_LT(excess.mean(), 2.0 * excess.standard_error());
+      if (given != nullptr) (void)excess_in_rooms(name, make_model, rooms, Rig::kMerged, two);
+    }
+  }
 }
 
 /// The rigid motion that lays the poses on the truth best.
