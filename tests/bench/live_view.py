@@ -22,7 +22,8 @@ import time
 import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../tools/strata"))
-from browser_page import Page, comes_true, find_browser, free_port, listens  # noqa: E402
+from browser_page import Page, find_browser  # noqa: E402
+from robot_process import comes_true, free_port, listens, started  # noqa: E402
 
 MEASURED_S = 20.0
 COMPOSITION = """version: 1
@@ -133,9 +134,7 @@ def main():
     browser = find_browser()
     make_world(strata, hall, work)
     port = free_port()
-    with open(f"{work}/robot.yaml", "w") as out:
-        out.write(COMPOSITION.format(work=work, port=port))
-    robot = subprocess.Popen([strata, "run", f"{work}/robot.yaml", "--quiet"])
+    robot = started(strata, COMPOSITION, work, port=port)
     page = None
     try:
         comes_true(lambda: listens(port), "the live view listens")

@@ -10,10 +10,9 @@ import socket
 import struct
 import subprocess
 import sys
-import time
 import urllib.request
 
-PATIENCE_S = 90
+from robot_process import comes_true, free_port
 
 
 def find_browser():
@@ -23,23 +22,6 @@ def find_browser():
         print("skipped: no Chromium is installed (Debian: chromium-headless-shell or chromium)")
         sys.exit(77)
     return browser
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def comes_true(condition, what):
-    """Asks again until it holds; the answer that did."""
-    until = time.monotonic() + PATIENCE_S
-    while time.monotonic() < until:
-        answer = condition()
-        if answer:
-            return answer
-        time.sleep(0.1)
-    sys.exit(f"does not come true: {what}")
 
 
 class Page:
@@ -115,8 +97,3 @@ def shows_a_robot(drawn):
     beams = drawn.get("plain", 0) + drawn.get("static", 0)
     return drawn.get("free", 0) > 2000 and drawn.get("wall", 0) > 20 and beams > 20 \
         and drawn.get("pose", 0) > 20
-
-
-def listens(port):
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0

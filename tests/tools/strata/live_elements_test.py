@@ -8,15 +8,14 @@ Exits with 77 when no Chromium is installed (Debian: chromium-headless-shell or 
 """
 import json
 import math
-import os
-import shutil
 import struct
 import subprocess
 import sys
 import tempfile
 import urllib.request
 
-from browser_page import Page, comes_true, find_browser, free_port, listens
+from browser_page import Page, find_browser
+from robot_process import comes_true, free_port, listens, simulated, started
 
 COMPOSITION = """version: 1
 transport: loopback
@@ -170,17 +169,11 @@ def test_areas(strata, browser, work):
 def main():
     strata, hall, work = sys.argv[1:4]
     browser = find_browser()
-    shutil.rmtree(work, ignore_errors=True)
-    os.makedirs(work)
-    subprocess.run([strata, "simulate", hall, "--seed", "1", "--out", f"{work}/world", "--quiet"],
-                   check=True)
-    subprocess.run([strata, "learn", f"{work}/world/log.clf", "--out", f"{work}/maps", "--quiet"],
+    subprocess.run([strata, "learn", simulated(strata, hall, work), "--out", f"{work}/maps", "--quiet"],
                    check=True)
     test_areas(strata, browser, work)
     port = free_port()
-    with open(f"{work}/robot.yaml", "w") as out:
-        out.write(COMPOSITION.format(work=work, port=port))
-    robot = subprocess.Popen([strata, "run", f"{work}/robot.yaml", "--quiet"])
+    robot = started(strata, COMPOSITION, work, port=port)
     page = None
     try:
         comes_true(lambda: listens(port), "the live view listens")

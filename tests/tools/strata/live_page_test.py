@@ -8,12 +8,11 @@ usage: live_page_test.py STRATA HALL.yaml WORK [SCREENSHOT.png]
 Exits with 77 when no Chromium is installed (Debian: chromium-headless-shell or chromium).
 """
 import os
-import shutil
-import subprocess
 import sys
 import tempfile
 
-from browser_page import Page, comes_true, find_browser, free_port, listens, shows_a_robot
+from browser_page import Page, find_browser, shows_a_robot
+from robot_process import comes_true, free_port, listens, simulated, started
 
 COMPOSITION = """version: 1
 transport: loopback
@@ -31,14 +30,9 @@ processes:
 def main():
     strata, hall, work = sys.argv[1:4]
     browser = find_browser()
-    shutil.rmtree(work, ignore_errors=True)
-    os.makedirs(work)
-    subprocess.run([strata, "simulate", hall, "--seed", "1", "--out", f"{work}/world", "--quiet"],
-                   check=True)
+    log = simulated(strata, hall, work)
     port = free_port()
-    with open(f"{work}/robot.yaml", "w") as out:
-        out.write(COMPOSITION.format(log=f"{work}/world/log.clf", work=work, port=port))
-    robot = subprocess.Popen([strata, "run", f"{work}/robot.yaml", "--quiet"])
+    robot = started(strata, COMPOSITION, work, log=log, port=port)
     page = None
     try:
         comes_true(lambda: listens(port), "the live view listens")

@@ -11,18 +11,17 @@ prometheus  promtool finds nothing to complain of, and a real Prometheus reads t
 abuse       the robot works on while clients send nonsense, too much or nothing at all
 """
 import json
-import os
 import re
 import shutil
 import socket
 import subprocess
 import sys
-import time
 import urllib.error
 import urllib.parse
 import urllib.request
 
-PATIENCE_S = 120
+from robot_process import comes_true, free_port, simulated, started
+
 OPENMETRICS = "application/openmetrics-text; version=1.0.0"
 COMPOSITION = """version: 1
 transport: loopback
@@ -45,33 +44,11 @@ processes:
 """
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def comes_true(condition, what):
-    """Asks again until it holds; the answer that did."""
-    until = time.monotonic() + PATIENCE_S
-    while time.monotonic() < until:
-        answer = condition()
-        if answer:
-            return answer
-        time.sleep(0.2)
-    sys.exit(f"does not come true: {what}")
-
-
 class Robot:
     def __init__(self, strata, hall, work):
-        shutil.rmtree(work, ignore_errors=True)
-        os.makedirs(work)
-        subprocess.run([strata, "simulate", hall, "--seed", "1", "--out", f"{work}/world",
-                        "--quiet"], check=True)
+        log = simulated(strata, hall, work)
         self.port = free_port()
-        with open(f"{work}/robot.yaml", "w") as out:
-            out.write(COMPOSITION.format(log=f"{work}/world/log.clf", work=work, port=self.port))
-        self.process = subprocess.Popen([strata, "run", f"{work}/robot.yaml", "--quiet"])
+        self.process = started(strata, COMPOSITION, work, log=log, port=self.port)
 
     def metrics(self, accept=""):
         """The text; empty while nobody answers."""

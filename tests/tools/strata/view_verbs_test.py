@@ -6,14 +6,13 @@ usage: view_verbs_test.py run|replay|maps STRATA HALL.yaml WORK
 
 Exits with 77 when no Chromium is installed (Debian: chromium-headless-shell or chromium).
 """
-import os
-import shutil
 import subprocess
 import sys
 import tempfile
 import urllib.request
 
-from browser_page import Page, comes_true, find_browser, free_port, listens, shows_a_robot
+from browser_page import Page, find_browser, shows_a_robot
+from robot_process import comes_true, free_port, listens, simulated
 
 # Two processes: the page is in neither.
 RUN = """version: 1
@@ -134,12 +133,8 @@ def test_maps(strata, work, log, browser):
 def main():
     mode, strata, hall, work = sys.argv[1:5]
     browser = find_browser()
-    shutil.rmtree(work, ignore_errors=True)
-    os.makedirs(work)
-    subprocess.run([strata, "simulate", hall, "--seed", "1", "--out", f"{work}/world", "--quiet"],
-                   check=True)
-    {"run": test_run, "replay": test_replay, "maps": test_maps}[mode](
-        strata, work, f"{work}/world/log.clf", browser)
+    log = simulated(strata, hall, work)
+    {"run": test_run, "replay": test_replay, "maps": test_maps}[mode](strata, work, log, browser)
 
 
 main()
