@@ -162,4 +162,16 @@ inline std::vector<PosedScan> stand_before_door(const std::vector<double>& lasts
   return scans;
 }
 
+/// A scan of one beam along +x from (0.025, 0.025), so that it runs through cell row 0.
+inline PosedScan beam(double range_m, double stamp_s, int run = 0) {
+  PosedScan posed;
+  posed.run = run;
+  posed.map_from_robot = {0.025, 0.025, 0.0};
+  posed.scan.stamp = Stamp::from_seconds(stamp_s);
+  posed.scan.range_max_m = 50.0F;
+  posed.scan.angle_increment_rad = 0.01F;
+  posed.scan.ranges_m = {static_cast<float>(range_m)};
+  return posed;
+}
+
 }  // namespace strata::patch::test

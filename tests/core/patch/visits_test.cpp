@@ -5,20 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/core/patch/toy_world.hpp"
+
 namespace strata::patch {
 namespace {
 
-/// A scan of one beam along +x from (0.025, 0.025), so that it runs through cell row 0.
-PosedScan beam(double range_m, double stamp_s, int run = 0) {
-  PosedScan posed;
-  posed.run = run;
-  posed.map_from_robot = {0.025, 0.025, 0.0};
-  posed.scan.stamp = Stamp::from_seconds(stamp_s);
-  posed.scan.range_max_m = 50.0F;
-  posed.scan.angle_increment_rad = 0.01F;
-  posed.scan.ranges_m = {static_cast<float>(range_m)};
-  return posed;
-}
+using test::beam;
 
 TEST(Visits, GapAndRunEndThem) {
   std::vector<PosedScan> scans;
