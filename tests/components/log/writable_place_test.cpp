@@ -27,7 +27,13 @@ TEST(WritablePlace, IsNotBelowAFileNorAFolderForAFile) {
   std::ofstream(file) << "something";
   EXPECT_NO_THROW(require_file_place(file));
   EXPECT_THROW(require_folder_place(file), OutputError);
-  EXPECT_THROW(require_folder_place(file / "a"), OutputError);
+  try {
+    require_folder_place(file / "a");
+    ADD_FAILURE() << "below a file";
+  } catch (const OutputError& error) {
+    EXPECT_EQ(error.place(), file / "a");
+    EXPECT_EQ(error.problem(), file.string() + " is no folder");
+  }
   EXPECT_THROW(require_file_place(file / "a"), OutputError);
   EXPECT_THROW(require_file_place(folder.path()), OutputError);
 }

@@ -64,6 +64,30 @@ TEST(MemoryRunsOut, AndEachCellOfASurfaceMapKeepsItsOwnHits) {
   EXPECT_GT(failures, 50U);
 }
 
+TEST(MemoryRunsOut, AndALocalMapIsAddedToAllListsOrToNone) {
+  const std::vector<Pose2> path = test::drive_round(0.2, 30.0);
+  const std::vector<Observation> log = test::record(test::ring(), path, 0, 3);
+  Slam first({}, 1);
+  std::size_t at = 0;  // the scan with which the second local map is whole
+  std::vector<std::uint8_t> before;
+  while (at < log.size() && first.kept_local_maps() < 2) {
+    before = first.save_state();
+    first.add(log[at++]);
+  }
+  ASSERT_EQ(first.kept_local_maps(), 2U);
+  std::size_t failures = 0;
+  for (std::size_t number = 1;; number += number < 300 ? 1 : 17) {
+    Slam slam({}, 1);
+    slam.restore_state(before, "slam");
+    if (!fails_at(number, [&] { slam.add(log[at - 1]); })) break;
+    ++failures;
+    for (std::size_t i = at; i < log.size(); ++i) slam.add(log[i]);
+    Slam other({}, 1);
+    ASSERT_NO_THROW(other.restore_state(slam.save_state(), "slam")) << number;
+  }
+  EXPECT_GT(failures, 100U);
+}
+
 TEST(MemoryRunsOut, AndSlamStaysSoundAndGoesOn) {
   const std::vector<Pose2> path = test::drive_round(0.2, 60.0);
   const std::vector<Observation> log = test::record(test::ring(), path, 0, 3);
