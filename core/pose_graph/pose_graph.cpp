@@ -11,7 +11,7 @@
 #include <ceres/ceres.h>
 
 #include "core/base/error.hpp"
-#include "core/base/room.hpp"
+#include "core/base/make_room.hpp"
 #include "core/geometry/angle.hpp"
 #include "core/pose_graph/edge_cost.hpp"
 

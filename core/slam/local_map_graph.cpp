@@ -9,7 +9,7 @@
 
 #include <Eigen/LU>
 
-#include "core/base/room.hpp"
+#include "core/base/make_room.hpp"
 #include "core/slam/local_map_agreement.hpp"
 
 namespace strata::slam {
