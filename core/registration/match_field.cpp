@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include "core/grid/growth.hpp"
 
@@ -214,16 +213,16 @@ void MatchField::reserve(const Eigen::Vector2d& min_m, const Eigen::Vector2d& ma
   hold(rect);
 }
 
-/// Both grids or none, where memory runs out.
+/// The labels last: where memory runs out for them, the distances cover more than they need, and
+/// only they are asked where the field ends.
 void MatchField::hold(const CellRect& rect) {
-  Grid<std::int32_t> nearest = nearest_.cropped(rect);
   squared_m2_ = squared_m2_.cropped(rect);
-  nearest_ = std::move(nearest);
+  nearest_ = nearest_.cropped(rect);
 }
 
 bool MatchField::is_sound() const {
   const auto count = static_cast<std::int64_t>(points_.size());
-  return nearest_.rect() == squared_m2_.rect() &&
+  return squared_m2_.rect().united(nearest_.rect()) == squared_m2_.rect() &&
          std::all_of(nearest_.values().begin(), nearest_.values().end(),
                      [count](std::int32_t index) { return index >= -1 && index < count; });
 }
