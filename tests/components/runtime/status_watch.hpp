@@ -34,7 +34,7 @@ class StatusWatch {
                 }) {}
   [[nodiscard]] DiagnosticStatus wait_for(
       runtime::Host& host, const std::function<bool(const DiagnosticStatus&)>& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     std::unique_lock lock(mutex_);
     while (std::chrono::steady_clock::now() < deadline) {
       if (!last_.status().empty() && condition(last_.status()[0])) return last_.status()[0];
