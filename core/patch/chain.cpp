@@ -3,24 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+
+#include "core/patch/chain_rate.hpp"
 
 namespace strata::patch {
 namespace {
 
-constexpr int kSearchSteps = 40;
 constexpr int kMaxSweeps = 30;
 constexpr double kTolerance = 1e-4;
-constexpr double kMinRate = 1e-8;  // one change in three years
-constexpr double kGreatestRate = 1.0;
-
-/// What a transition says, given the stationary law.
-struct Pair {
-  double dt_s = 0.0;
-  double count = 0.0;
-  double same = 0.0;   ///< P(what was seen after | still as before), before as it is known
-  double drawn = 0.0;  ///< P(what was seen after | drawn from the stationary law)
-};
 
 double dot(std::span<const double> a, std::span<const double> b) {
   double sum = 0.0;
@@ -28,9 +18,10 @@ double dot(std::span<const double> a, std::span<const double> b) {
   return sum;
 }
 
-std::vector<Pair> pairs_of(std::span<const std::vector<double>> looks,
-                           std::span<const Transition> transitions, std::span<const double> usual) {
-  std::vector<Pair> pairs;
+std::vector<TransitionOdds> odds_of(std::span<const std::vector<double>> looks,
+                                    std::span<const Transition> transitions,
+                                    std::span<const double> usual) {
+  std::vector<TransitionOdds> odds;
   std::vector<double> before(usual.size());
   for (const Transition& t : transitions) {
     const std::vector<double>& from = looks[t.from];
@@ -38,43 +29,9 @@ std::vector<Pair> pairs_of(std::span<const std::vector<double>> looks,
     for (std::size_t k = 0; k < usual.size(); ++k) before[k] = from[k] * usual[k];
     const double all = dot(from, usual);
     const double same = all > 0.0 ? dot(before, to) / all : 0.0;
-    pairs.push_back({t.dt_s, t.count, same, dot(to, usual)});
+    odds.push_back({t.dt_s, t.count, same, dot(to, usual)});
   }
-  return pairs;
-}
-
-/// The greatest posterior density over ln gamma in that range, by golden-section search.
-double most_probable_rate(std::span<const Pair> pairs, const ChainConfig& config) {
-  const double prior_rate = config.prior_changes / (3600.0 * config.prior_hours);
-  const auto objective = [&](double gamma) {
-    const double ratio = gamma / prior_rate;
-    double sum = config.prior_changes * (std::log(ratio) - 2.0 * std::log1p(ratio));
-    for (const Pair& pair : pairs) {
-      const double kept = std::exp(-gamma * pair.dt_s);
-      const double p = kept * pair.same + (1.0 - kept) * pair.drawn;
-      sum += pair.count * std::log(std::max(1e-300, p));
-    }
-    return sum;
-  };
-  const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
-  double low = std::log(kMinRate);
-  double high = std::log(kGreatestRate);
-  double a = high - ratio * (high - low);
-  double b = low + ratio * (high - low);
-  double at_a = objective(std::exp(a));
-  double at_b = objective(std::exp(b));
-  for (int step = 0; step < kSearchSteps; ++step) {
-    if (at_a > at_b) {
-      high = b;
-      b = std::exchange(a, b - ratio * (b - low));
-      at_b = std::exchange(at_a, objective(std::exp(a)));
-    } else {
-      low = a;
-      a = std::exchange(b, a + ratio * (high - a));
-      at_a = std::exchange(at_b, objective(std::exp(b)));
-    }
-  }
-  return std::exp(0.5 * (low + high));
+  return odds;
 }
 
 /// Adds `count` sightings of a draw: those of each configuration, given what was seen.
@@ -89,16 +46,16 @@ void add_sightings(const std::vector<double>& look, std::span<const double> usua
 
 /// One sweep of expectation maximization: how often a fresh draw showed each configuration.
 std::vector<double> next_usual(std::span<const std::vector<double>> looks,
-                               const SequenceHistory& history, std::span<const Pair> pairs,
+                               const SequenceHistory& history, std::span<const TransitionOdds> odds,
                                std::span<const double> usual, const ChainConfig& config,
                                double rate_per_s) {
   std::vector<double> sightings(usual.size(), config.prior_sightings);
   std::vector<double> first = history.counts();
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+  for (std::size_t i = 0; i < odds.size(); ++i) {
     const Transition& t = history.transitions()[i];
-    const double kept = std::exp(-rate_per_s * pairs[i].dt_s);
-    const double drawn = (1.0 - kept) * pairs[i].drawn;
-    const double all = kept * pairs[i].same + drawn;
+    const double kept = std::exp(-rate_per_s * odds[i].dt_s);
+    const double drawn = (1.0 - kept) * odds[i].drawn;
+    const double all = kept * odds[i].same + drawn;
     first[t.to] -= t.count;
     if (all > 0.0) add_sightings(looks[t.to], usual, t.count * drawn / all, sightings);
   }
@@ -120,13 +77,13 @@ Chain learn_chain(std::span<const std::vector<double>> looks, const SequenceHist
   const std::size_t configurations = looks[0].size();
   chain.usual.assign(configurations, 1.0 / static_cast<double>(configurations));
   // At first as if every sequence were a draw.
-  chain.rate_per_s = kGreatestRate;
+  chain.rate_per_s = kMaxRate_per_s;
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    std::vector<Pair> pairs = pairs_of(looks, history.transitions(), chain.usual);
+    std::vector<TransitionOdds> odds = odds_of(looks, history.transitions(), chain.usual);
     const std::vector<double> usual =
-        next_usual(looks, history, pairs, chain.usual, config, chain.rate_per_s);
-    pairs = pairs_of(looks, history.transitions(), usual);
-    const double rate_per_s = most_probable_rate(pairs, config);
+        next_usual(looks, history, odds, chain.usual, config, chain.rate_per_s);
+    odds = odds_of(looks, history.transitions(), usual);
+    const double rate_per_s = most_probable_rate(odds, config);
     double moved = std::abs(std::log(rate_per_s / chain.rate_per_s));
     for (std::size_t k = 0; k < configurations; ++k) {
       moved = std::max(moved, std::abs(usual[k] - chain.usual[k]));
@@ -140,7 +97,7 @@ Chain learn_chain(std::span<const std::vector<double>> looks, const SequenceHist
 
 double learn_rate_per_s(std::span<const std::vector<double>> looks, const SequenceHistory& history,
                         std::span<const double> usual, const ChainConfig& config) {
-  return most_probable_rate(pairs_of(looks, history.transitions(), usual), config);
+  return most_probable_rate(odds_of(looks, history.transitions(), usual), config);
 }
 
 double learn_rate_per_s(std::span<const SequenceInfo> sequences, std::span<const double> usual,

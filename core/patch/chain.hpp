@@ -17,6 +17,10 @@ struct ChainConfig {
   double prior_changes = 2.0;
   double prior_hours = 2.0;
   double prior_sightings = 0.5;
+  int max_harmonics = 4;
+  int min_days = 7;
+  int min_weeks = 3;
+  double amplitude = 2.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("prior_changes", c.prior_changes,
@@ -25,6 +29,21 @@ struct ChainConfig {
     v.field("prior_sightings", c.prior_sightings,
             {.doc = "times that each configuration is believed to have been seen beforehand",
              .min = 1e-3});
+    v.field(
+        "max_harmonics", c.max_harmonics,
+        {.doc = "waves of the day and the week that what is usual may follow; 0: it is the same "
+                "at any time",
+         .min = 0,
+         .max = 7,
+         .when = "the clock of the robots is no time of day: 0"});
+    v.field("min_days", c.min_days,
+            {.doc = "days on which a place was seen before the time of day counts: of working days "
+                    "alone a weekend is not foreseen",
+             .min = 2});
+    v.field("min_weeks", c.min_weeks,
+            {.doc = "weeks in which a place was seen before the day of the week counts", .min = 2});
+    v.field("amplitude", c.amplitude,
+            {.doc = "standard deviation of the waves' amplitudes, as logits", .min = 0.01});
   }
 };
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/patch/chain.hpp"
+#include "core/patch/chain_in_time.hpp"
 #include "core/patch/sequence_vectors.hpp"
 
 namespace strata::patch {
@@ -94,6 +95,7 @@ Submap learn_configurations(const Region& region, std::span<const SequenceInfo> 
   // By the memberships, which messages carry: who gets the map by one finds the same bits.
   submap.change_rate_per_s = learn_rate_per_s(memberships, history, chain.usual, config.chain);
   for (std::size_t k = 0; k < clustering.k(); ++k) submap.configurations[k].prior = chain.usual[k];
+  follow_time(memberships, history, config.chain, submap);
   for (Configuration& c : submap.configurations) {
     c.reflection = filter_counts(c.counts, config.prior, config.min_evidence);
     for (std::size_t i = 0; i < c.reflection.size(); ++i) {

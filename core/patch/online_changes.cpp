@@ -76,7 +76,9 @@ void OnlinePatchLearner::cut_again(Track& track, std::span<const std::uint32_t> 
       kept.push_back(count_kept(track, part, whole));
       if (is_plain || kept.size() == place + 1) continue;
       const Kept& earlier = kept[kept.size() - 2];
-      track.history.split(kept.size() - 2, (kept.back().info.begin - earlier.info.end).seconds());
+      const Stamp begin_of_part = kept.back().info.begin;
+      track.history.split(kept.size() - 2, (begin_of_part - earlier.info.end).seconds(),
+                          begin_of_part);
     }
     begin = end;
   }

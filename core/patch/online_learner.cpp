@@ -89,7 +89,7 @@ void OnlinePatchLearner::keep(Track& track, const Sequence& sequence) const {
         is_first ? 0.0 : (kept.info.begin - track.kept.back().info.end).seconds();
     track.kept.push_back(std::move(kept));
     try {
-      track.history.append(since_s);
+      track.history.append(since_s, track.kept.back().info.begin);
     } catch (...) {
       track.kept.pop_back();  // an entry each
       throw;

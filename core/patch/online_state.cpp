@@ -14,8 +14,9 @@ namespace strata::patch {
 namespace {
 
 /// Changes with the fields below: bytes of another version are refused, but for these before: none
-/// of them had changes in view, and the first no history.
-constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0005;
+/// of them had times of the week, the first two no changes in view, and the first no history.
+constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0006;
+constexpr std::uint64_t kWithoutTimes = 0x53'50'4c'31'0000'0005;
 constexpr std::uint64_t kWithoutChanges = 0x53'50'4c'31'0000'0004;
 constexpr std::uint64_t kWithoutHistory = 0x53'50'4c'31'0000'0003;
 
@@ -23,6 +24,7 @@ constexpr std::uint64_t kWithoutHistory = 0x53'50'4c'31'0000'0003;
 struct Has {
   bool history = true;
   bool changes = true;
+  bool times = true;
 };
 
 // What follows is read and written in one order.
@@ -46,8 +48,21 @@ void each(Items& items, Archive& archive, const Item& item) {
   for (auto& element : items) item(element);
 }
 
+template <class Shares, class Archive>
+void periodic_shares(Shares& usual, Archive& archive) {
+  archive(usual.logit);
+  each(usual.harmonics, archive, [&](auto& wave) {
+    archive(wave.cycles_a_week);
+    archive(wave.cosine);
+    archive(wave.sine);
+  });
+  if constexpr (Archive::kReads) {
+    if (!periodic::is_sound(usual)) archive.fail("has damaged times of the week");
+  }
+}
+
 template <class Map, class Archive>
-void submap_state(Map& submap, bool has_history, Archive& archive) {
+void submap_state(Map& submap, const Has& has, Archive& archive) {
   archive(submap.id);
   archive(submap.rect);
   archive(submap.contradictory);
@@ -57,7 +72,8 @@ void submap_state(Map& submap, bool has_history, Archive& archive) {
     archive(configuration.prior);
   });
   each(submap.sequences, archive, [&](auto& info) { sequence_info(info, archive); });
-  if (has_history) archive(submap.change_rate_per_s);
+  if (has.history) archive(submap.change_rate_per_s);
+  if (has.times) periodic_shares(submap.usual, archive);
 }
 
 template <class One, class Archive>
@@ -79,8 +95,8 @@ void track_state(One& track, const Has& has, Archive& archive) {
     sequence_info(kept.info, archive);
     archive(kept.counts);
   });
-  if (has.history) archive(track.history);
-  submap_state(track.submap, has.history, archive);
+  if (has.history) SequenceHistory::state(track.history, archive, has.times);
+  submap_state(track.submap, has, archive);
   archive(track.is_dirty);
   if (has.changes) archive(track.changes);
 }
@@ -124,7 +140,7 @@ void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
   std::uint64_t version = 0;
   reader(version);
   if (version < kWithoutHistory || version > kVersion) reader.refuse("is of another version");
-  const Has has{version > kWithoutHistory, version > kWithoutChanges};
+  const Has has{version > kWithoutHistory, version > kWithoutChanges, version > kWithoutTimes};
   const double resolution_m = base_.resolution_m();
   reader(base_);
   if (base_.resolution_m() != resolution_m) reader.refuse("is of another resolution");
@@ -134,8 +150,11 @@ void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
     tracks_.push_back({{}, SequenceBuilder(config_.sequences), {}, {}, {}, false});
     Track& track = tracks_.back();
     track_state(track, has, reader);
-    if (has.history) continue;
-    track.history = history_of(infos_of(track));
+    if (has.times) continue;
+    SequenceHistory plain = history_of(infos_of(track));
+    if (!has.history || plain.is_alike_but_for_hours(track.history)) {
+      track.history = std::move(plain);
+    }
   }
   reader.expect_end();
   const bool is_whole = has_sound_scans() && contradictory_.resolution_m() == resolution_m &&

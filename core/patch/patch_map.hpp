@@ -11,6 +11,7 @@
 #include "core/geometry/pose2.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
+#include "core/periodic/periodic_shares.hpp"
 
 namespace strata::patch {
 
@@ -43,6 +44,9 @@ struct Submap {
   /// At which the configuration is drawn anew from the priors; 0: not known, but the sequences say
   /// something of it.
   double change_rate_per_s = 0.0;
+  /// The shares by the time of day and week, a logit a configuration; not periodic: they are the
+  /// priors at any time.
+  periodic::PeriodicShares usual;
 };
 
 /// Where a sub-map begins for a robot that enters it, unless settings say otherwise: a door is seen

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/periodic/periodic_shares.hpp"
+
 namespace strata::patch {
 namespace {
 
 bool are_alike(const Transition& a, const Transition& b) {
-  return a.from == b.from && a.to == b.to && std::ilogb(a.dt_s) == std::ilogb(b.dt_s);
+  return a.from == b.from && a.to == b.to && a.hour == b.hour &&
+         std::ilogb(a.dt_s) == std::ilogb(b.dt_s);
 }
 
 }  // namespace
@@ -26,17 +29,30 @@ void SequenceHistory::add_transition(const Transition& transition) {
   alike->count = count;
 }
 
-void SequenceHistory::append(double dt_s) {
-  counts_.push_back(1.0);
-  if (counts_.size() < 2 || !(dt_s > 0.0) || !std::isfinite(dt_s)) return;
-  // New entries have no transitions yet: nothing to look for.
-  const auto to = static_cast<std::uint32_t>(counts_.size() - 1);
-  try {
-    transitions_.push_back({to - 1, to, dt_s, 1.0});
-  } catch (...) {
-    counts_.pop_back();
-    throw;
+/// Sequences come in order of time, but for those of runs whose stamps overlap.
+void SequenceHistory::see(Stamp begin) {
+  const std::int64_t day = periodic::day_of(begin);
+  if (seen_.days > 0 && day <= seen_.newest_day) return;
+  if (seen_.days == 0 || periodic::week_of_day(day) > periodic::week_of_day(seen_.newest_day)) {
+    ++seen_.weeks;
   }
+  ++seen_.days;
+  seen_.newest_day = day;
+}
+
+void SequenceHistory::append(double dt_s, Stamp begin) {
+  counts_.push_back(1.0);
+  if (counts_.size() > 1 && dt_s > 0.0 && std::isfinite(dt_s)) {
+    // New entries have no transitions yet: nothing to look for.
+    const auto to = static_cast<std::uint32_t>(counts_.size() - 1);
+    try {
+      transitions_.push_back({to - 1, to, dt_s, 1.0, periodic::hour_of_week(begin)});
+    } catch (...) {
+      counts_.pop_back();
+      throw;
+    }
+  }
+  see(begin);
 }
 
 void SequenceHistory::pool(std::size_t from, std::size_t into) {
@@ -56,7 +72,7 @@ void SequenceHistory::pool(std::size_t from, std::size_t into) {
   *this = std::move(pooled);
 }
 
-void SequenceHistory::split(std::size_t i, double dt_s) {
+void SequenceHistory::split(std::size_t i, double dt_s, Stamp begin) {
   counts_.insert(counts_.begin() + static_cast<std::ptrdiff_t>(i) + 1, 1.0);
   for (Transition& t : transitions_) {
     if (t.from >= i) ++t.from;  // what followed the whole follows its end
@@ -64,7 +80,7 @@ void SequenceHistory::split(std::size_t i, double dt_s) {
   }
   if (!(dt_s > 0.0) || !std::isfinite(dt_s)) return;
   const auto first = static_cast<std::uint32_t>(i);
-  transitions_.push_back({first, first + 1, dt_s, 1.0});
+  transitions_.push_back({first, first + 1, dt_s, 1.0, periodic::hour_of_week(begin)});
 }
 
 void SequenceHistory::add(const SequenceHistory& other, std::span<const std::uint32_t> places) {
@@ -76,6 +92,18 @@ void SequenceHistory::add(const SequenceHistory& other, std::span<const std::uin
     t.to = places[t.to];
     if (t.from != kGone && t.to != kGone) add_transition(t);
   }
+  // Of places that become one: seen by the same robots, mostly on the same days.
+  if (other.seen_.days > seen_.days) seen_ = other.seen_;
+}
+
+bool SequenceHistory::is_alike_but_for_hours(const SequenceHistory& other) const {
+  const auto are_equal = [](Transition a, Transition b) {
+    a.hour = b.hour;
+    return a == b;
+  };
+  return counts_ == other.counts_ &&
+         std::equal(transitions_.begin(), transitions_.end(), other.transitions_.begin(),
+                    other.transitions_.end(), are_equal);
 }
 
 bool SequenceHistory::is_sound() const {
@@ -83,14 +111,16 @@ bool SequenceHistory::is_sound() const {
   return std::all_of(counts_.begin(), counts_.end(), is_positive) &&
          std::all_of(transitions_.begin(), transitions_.end(), [&](const Transition& t) {
            return t.from < counts_.size() && t.to < counts_.size() && is_positive(t.dt_s) &&
-                  is_positive(t.count);
+                  is_positive(t.count) && t.hour >= Transition::kUnknownHour &&
+                  t.hour < periodic::kHoursAWeek;
          });
 }
 
 SequenceHistory history_of(std::span<const SequenceInfo> sequences) {
   SequenceHistory history;
   for (std::size_t i = 0; i < sequences.size(); ++i) {
-    history.append(i == 0 ? 0.0 : (sequences[i].begin - sequences[i - 1].end).seconds());
+    history.append(i == 0 ? 0.0 : (sequences[i].begin - sequences[i - 1].end).seconds(),
+                   sequences[i].begin);
   }
   return history;
 }
