@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 #include "core/base/damage.hpp"
+#include "core/periodic/periodic_shares.hpp"
 #include "memory/store/detail/store_impl.hpp"
 
 namespace strata::memory {
@@ -156,6 +158,64 @@ void read_chains(Database& database, const std::string& name, patch::PatchMap& m
   }
 }
 
+/// The logits of a sub-map's configurations, then each of its waves.
+void write_waves(Database& database, const std::string& name, const patch::PatchMap& map) {
+  Statement insert(database,
+                   "INSERT INTO submap_wave (map, submap, place, cycles_a_week, configuration, "
+                   "cosine, sine) VALUES (?, ?, ?, ?, ?, ?, ?)");
+  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+    const periodic::PeriodicShares& usual = map.submaps[s].usual;
+    if (!usual.is_periodic()) continue;
+    for (std::size_t k = 0; k < usual.logit.size(); ++k) {
+      const auto write = [&](std::size_t place, int cycles, double cosine, double sine) {
+        insert.bind(name).bind(static_cast<int>(s)).bind(static_cast<int>(place)).bind(cycles);
+        insert.bind(static_cast<int>(k)).bind(cosine).bind(sine).run();
+      };
+      write(0, 0, usual.logit[k], 0.0);
+      for (std::size_t h = 0; h < usual.harmonics.size(); ++h) {
+        const periodic::Harmonic& wave = usual.harmonics[h];
+        write(h + 1, wave.cycles_a_week, wave.cosine[k], wave.sine[k]);
+      }
+    }
+  }
+}
+
+/// Stores of versions 1 to 3 that are only read do not have the table.
+void read_waves(Database& database, const std::string& name, patch::PatchMap& map) {
+  if (database.query_integer("SELECT count(*) FROM sqlite_master WHERE name = 'submap_wave'") ==
+      0) {
+    return;
+  }
+  Statement waves(database,
+                  "SELECT submap, place, cycles_a_week, cosine, sine FROM submap_wave "
+                  "WHERE map = ? ORDER BY submap, place, configuration");
+  waves.bind(name);
+  std::pair<std::int64_t, std::int64_t> newest{-1, -1};
+  while (waves.step()) {
+    const std::int64_t place = waves.integer(0);
+    if (place < 0 || place >= static_cast<std::int64_t>(map.submaps.size())) continue;
+    periodic::PeriodicShares& usual = map.submaps[static_cast<std::size_t>(place)].usual;
+    if (waves.integer(1) == 0) {
+      usual.logit.push_back(waves.real(3));
+      continue;
+    }
+    const std::pair wave{place, waves.integer(1)};
+    if (std::exchange(newest, wave) != wave) {
+      usual.harmonics.push_back({static_cast<int>(waves.integer(2)), {}, {}});
+    }
+    usual.harmonics.back().cosine.push_back(waves.real(3));
+    usual.harmonics.back().sine.push_back(waves.real(4));
+  }
+  for (const patch::Submap& submap : map.submaps) {
+    const bool fits =
+        submap.usual.logit.empty() || submap.usual.logit.size() == submap.configurations.size();
+    if (fits && periodic::is_sound(submap.usual)) continue;
+    throw DamageError(database.place() + ": sub-map " + std::to_string(submap.id),
+                      "what is usual there by the time does not fit it",
+                      "take the store from a backup");
+  }
+}
+
 /// Whether all grids lie on the sub-map's cells, and each sequence knows of each configuration.
 bool is_sound(const patch::Submap& submap, double resolution_m) {
   const auto covers = [&](const auto& grid) {
@@ -188,6 +248,7 @@ void Store::save_patch_map(const patch::PatchMap& map, const std::string& name) 
       write_submap(database, name, static_cast<int>(s), map.submaps[s]);
     }
     write_chains(database, name, map);
+    write_waves(database, name, map);
   });
 }
 
@@ -219,6 +280,7 @@ patch::PatchMap Store::load_patch_map(const std::string& name) const {
     map.submaps.push_back(std::move(submap));
   }
   read_chains(database, name, map);
+  read_waves(database, name, map);
   return map;
 }
 

@@ -67,6 +67,16 @@ CREATE TABLE IF NOT EXISTS submap_chain (
   FOREIGN KEY (map, submap) REFERENCES submap(map, place) ON DELETE CASCADE);
 )sql";
 
+/// New in version 4: what is usual of a sub-map by the time of day and week. cycles_a_week 0: the
+/// logits.
+constexpr const char* kWaveTables = R"sql(
+CREATE TABLE IF NOT EXISTS submap_wave (
+  map TEXT NOT NULL, submap INTEGER NOT NULL, place INTEGER NOT NULL,
+  cycles_a_week INTEGER NOT NULL, configuration INTEGER NOT NULL, cosine REAL NOT NULL,
+  sine REAL NOT NULL, PRIMARY KEY (map, submap, place, configuration),
+  FOREIGN KEY (map, submap) REFERENCES submap(map, place) ON DELETE CASCADE);
+)sql";
+
 /// Holds the write lock while the tables are made, so that two programs may open a new file at
 /// once.
 void create_tables(Database& database) {
@@ -76,6 +86,7 @@ void create_tables(Database& database) {
     database.execute(kTables);
     database.execute(kScanTables);
     database.execute(kChainTables);
+    database.execute(kWaveTables);
     database.execute(("PRAGMA application_id = " + std::to_string(kApplicationId)).c_str());
     database.execute(("PRAGMA user_version = " + std::to_string(kSchemaVersion)).c_str());
   }
@@ -88,6 +99,7 @@ void upgrade(Database& database) {
   const std::int64_t version = database.query_integer("PRAGMA user_version");
   if (version < 2) database.execute(kScanTables);
   if (version < 3) database.execute(kChainTables);
+  if (version < 4) database.execute(kWaveTables);
   database.execute(("PRAGMA user_version = " + std::to_string(kSchemaVersion)).c_str());
   database.execute("COMMIT");
 }

@@ -9,7 +9,7 @@ namespace strata::memory::detail {
 /// "Stra" in ASCII: PRAGMA application_id of every store.
 inline constexpr std::int64_t kApplicationId = 0x53747261;
 /// PRAGMA user_version. Raise it with every change of the tables, and add a step to `upgrade`.
-inline constexpr std::int64_t kSchemaVersion = 3;
+inline constexpr std::int64_t kSchemaVersion = 4;
 
 /// Makes the tables in a new file, upgrades an older store, and refuses (InputError) a file that is
 /// not a store, or one that a newer version wrote. A store opened for reading only keeps its
