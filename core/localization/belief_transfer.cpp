@@ -136,7 +136,7 @@ void PatchStates::adopt(const PatchStates* before, std::uint64_t seed, std::uint
       const auto o = static_cast<std::size_t>(correspondences[s].before);
       transfer(correspondences[s],
                from.subspan(before->offset(o), static_cast<std::size_t>(before->count(o))),
-               usual().subspan(offset(s), static_cast<std::size_t>(count(s))),
+               usual(particles).subspan(offset(s), static_cast<std::size_t>(count(s))),
                to.subspan(offset(s), static_cast<std::size_t>(count(s))));
     }
   };

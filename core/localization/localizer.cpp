@@ -11,6 +11,8 @@
 namespace strata::localization {
 namespace {
 
+constexpr double kLongAgo_s = 1e12;
+
 double position_stddev(const Pose2Gaussian& pose) {
   return std::sqrt(std::max(0.0, pose.covariance(0, 0) + pose.covariance(1, 1)));
 }
@@ -57,6 +59,7 @@ void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
     particles_.belief_columns = 0;
     particles_.beliefs.clear();
     particles_.shared_belief.clear();
+    particles_.usual.clear();
     std::fill(particles_.submap.begin(), particles_.submap.end(), -1);
     std::fill(particles_.configuration.begin(), particles_.configuration.end(), -1);
     result_.submaps.clear();
@@ -174,14 +177,21 @@ void Localizer::judge(const Observation& observation, const Pose2Gaussian& pose,
   monitor_.add(likelihood_per_beam, shares, stddev_m, score_.value());
 }
 
+/// Since the last weighed scan. A filter that has not seen one knows no state yet: of what follows
+/// the time it then learns what is usual now.
+double Localizer::elapsed_s(const PatchStates& states, Stamp now) const {
+  if (last_weighed_) return std::max(0.0, (now - *last_weighed_).seconds());
+  return states.follows_time() ? kLongAgo_s : 0.0;
+}
+
 Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
   ++step_;
   follow_motion(moved_before);
-  if (is_seeking_) find_places(observation);
   const Stamp now = observation.scan.stamp;
-  const double dt_s = last_weighed_ ? std::max(0.0, (now - *last_weighed_).seconds()) : 0.0;
   const PatchStates* states = model_->patch_states();
-  if (states != nullptr) states->predict(dt_s, seed_, step_, particles_, *pool_);
+  if (states != nullptr) states->tell_time(now, particles_);
+  if (is_seeking_) find_places(observation);
+  if (states != nullptr) states->predict(elapsed_s(*states, now), seed_, step_, particles_, *pool_);
 
   log_likelihood_.resize(particles_.size());
   Weighing weighing{model_->tempering() * annealing()};

@@ -117,6 +117,7 @@ class Localizer {
   /// How far what was weighed so far lets the pose be believed.
   [[nodiscard]] PoseTrust trust() const;
   void judge(const Observation& observation, const Pose2Gaussian& pose, double likelihood_per_beam);
+  [[nodiscard]] double elapsed_s(const PatchStates& states, Stamp now) const;
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
   void weigh_companions(const Observation& observation, double tempering);
   void roughen_start();

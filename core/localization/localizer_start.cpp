@@ -143,7 +143,7 @@ void Localizer::redraw(std::size_t keep, std::size_t added, double offset) {
   draw_low_variance(particles_.weight, keep, offset, drawn_);
   resampled_.belief_columns = particles_.belief_columns;
   resampled_.resize(keep + added);
-  resampled_.shared_belief = particles_.shared_belief;
+  resampled_.share(particles_);
   for (std::size_t j = 0; j < keep; ++j) resampled_.copy_from(particles_, drawn_[j], j);
   fill(resampled_, keep, StreamId::kRecovery);
   std::swap(particles_, resampled_);

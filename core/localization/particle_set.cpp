@@ -39,6 +39,12 @@ void ParticleSet::copy_from(const ParticleSet& other, std::size_t from, std::siz
   }
 }
 
+void ParticleSet::share(const ParticleSet& other) {
+  shared_belief = other.shared_belief;
+  time = other.time;
+  usual = other.usual;
+}
+
 double effective_sample_size(const ParticleSet& particles) {
   const double squares = sum_of_squares(particles.weight.data(), particles.size());
   return squares > 0.0 ? 1.0 / squares : 0.0;

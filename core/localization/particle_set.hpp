@@ -4,9 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/base/time.hpp"
 #include "core/geometry/pose2.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
 
@@ -28,6 +30,10 @@ struct ParticleSet {
   std::size_t belief_columns = 0;
   /// The same for the set as a whole (memory = shared); empty otherwise.
   std::vector<float> shared_belief;
+  /// The time that PatchStates::tell_time() was told last, and the belief then of a particle that
+  /// saw nothing; empty where that does not depend on the time.
+  std::optional<Stamp> time;
+  std::vector<float> usual;
 
   [[nodiscard]] std::size_t size() const { return x_m.size(); }
   [[nodiscard]] bool empty() const { return x_m.empty(); }
@@ -43,6 +49,8 @@ struct ParticleSet {
   /// Keeps memory when it shrinks.
   void resize(std::size_t count);
   void set_pose(std::size_t i, const Pose2& pose);
+  /// Takes over what all particles share, which copy_from() leaves out.
+  void share(const ParticleSet& other);
   /// Copies particle `from` of another set (same belief_columns) to place `to`, weight included.
   void copy_from(const ParticleSet& other, std::size_t from, std::size_t to);
 };

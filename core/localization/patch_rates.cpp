@@ -3,13 +3,30 @@
 // change").
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/localization/patch_states.hpp"
+#include "core/patch/chain_in_time.hpp"
 
 namespace strata::localization {
+namespace {
 
-patch::Chain chain_of(const patch::Submap& submap, double min_share) {
+/// Of a map that came without a rate, by the memberships of its sequences.
+std::optional<patch::ChainInTime> in_time_of(const patch::Submap& submap,
+                                             const patch::Chain& chain) {
+  std::vector<std::vector<double>> memberships;
+  for (const patch::SequenceInfo& sequence : submap.sequences) {
+    memberships.push_back(sequence.membership);
+    memberships.back().resize(chain.usual.size(), 0.0);
+  }
+  return patch::learn_chain_in_time(memberships, patch::history_of(submap.sequences), chain, {});
+}
+
+}  // namespace
+
+FilterChain chain_of(const patch::Submap& submap, double min_share) {
   std::vector<double> priors;
   double sum = 0.0;
   bool are_shares = true;
@@ -21,17 +38,24 @@ patch::Chain chain_of(const patch::Submap& submap, double min_share) {
     priors.assign(priors.size(), 1.0 / static_cast<double>(priors.size()));
     sum = 1.0;
   }
-  patch::Chain chain;
+  FilterChain known;
+  patch::Chain& chain = known.chain;
   chain.rate_per_s = submap.change_rate_per_s;
   if (!(chain.rate_per_s > 0.0) || !std::isfinite(chain.rate_per_s)) {
     chain.rate_per_s = patch::learn_rate_per_s(submap.sequences, priors, {});
+    if (auto in_time = in_time_of(submap, {chain.rate_per_s, priors})) {
+      chain.rate_per_s = in_time->rate_per_s;
+      known.in_time = std::move(in_time->usual);
+    }
+  } else if (periodic::is_sound(submap.usual) && submap.usual.logit.size() == priors.size()) {
+    known.in_time = submap.usual;
   }
   double floored = 0.0;
   for (const double prior : priors) {
     floored += chain.usual.emplace_back(std::max(min_share, prior / sum));
   }
   for (double& share : chain.usual) share /= floored;
-  return chain;
+  return known;
 }
 
 }  // namespace strata::localization

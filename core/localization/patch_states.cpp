@@ -56,9 +56,13 @@ PatchStates::PatchStates(std::shared_ptr<const patch::PatchMap> map,
       rates_.push_back(config.forgetting_rate_per_s);
       continue;
     }
-    const patch::Chain chain = chain_of(submap, config.min_belief);
-    for (const double share : chain.usual) usual_.push_back(static_cast<float>(share));
-    rates_.push_back(chain.rate_per_s);
+    FilterChain known = chain_of(submap, config.min_belief);
+    for (const double share : known.chain.usual) usual_.push_back(static_cast<float>(share));
+    if (known.in_time.is_periodic()) {
+      followed_.push_back(rates_.size());
+      in_time_.push_back(std::move(known.in_time));
+    }
+    rates_.push_back(known.chain.rate_per_s);
   }
 }
 
@@ -68,11 +72,36 @@ int PatchStates::submap_of(const Eigen::Vector2d& point_m, int current) const {
              : patch::submap_at(*map_, point_m, current);
 }
 
+void PatchStates::tell_time(Stamp now, ParticleSet& particles) const {
+  particles.time = now;
+  particles.usual.clear();
+  if (!follows_time()) return;
+  particles.usual = usual_;
+  const auto pooled = factors_.acquire();
+  std::vector<double>& shares = *pooled;
+  const double part_of_week = periodic::part_of_week(now);
+  for (std::size_t f = 0; f < followed_.size(); ++f) {
+    const std::size_t s = followed_[f];
+    shares.assign(static_cast<std::size_t>(count(s)), 0.0);
+    periodic::shares_at(in_time_[f], part_of_week, shares);
+    double sum = 0.0;
+    for (double& share : shares) sum += share = std::max(share, config_.min_belief);
+    for (std::size_t k = 0; k < shares.size(); ++k) {
+      particles.usual[offsets_[s] + k] = static_cast<float>(shares[k] / sum);
+    }
+  }
+}
+
 void PatchStates::prepare(ParticleSet& particles) const {
   particles.belief_columns = config_.memory == PatchMemory::kNone ? 0 : columns();
   particles.beliefs.assign(particles.size() * particles.belief_columns, 0.0F);
   particles.shared_belief.clear();
-  if (config_.memory == PatchMemory::kShared) particles.shared_belief = usual_;
+  particles.usual.clear();  // of another map
+  if (particles.time) tell_time(*particles.time, particles);
+  if (config_.memory == PatchMemory::kShared) {
+    const std::span<const float> now = usual(particles);
+    particles.shared_belief.assign(now.begin(), now.end());
+  }
 }
 
 void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& random,
@@ -80,33 +109,36 @@ void PatchStates::draw(ParticleSet& particles, std::size_t i, RandomStream& rand
   particles.submap[i] = submap_of(particles.pose(i).translation(), current);
   particles.configuration[i] = -1;
   if (config_.memory == PatchMemory::kPerParticle) {
-    std::copy(usual_.begin(), usual_.end(), particles.belief(i).begin());
+    const std::span<const float> now = usual(particles);
+    std::copy(now.begin(), now.end(), particles.belief(i).begin());
   } else if (config_.memory == PatchMemory::kNone && particles.submap[i] >= 0) {
     particles.configuration[i] =
-        draw_configuration(static_cast<std::size_t>(particles.submap[i]), random);
+        draw_configuration(static_cast<std::size_t>(particles.submap[i]), usual(particles), random);
   }
 }
 
-std::int32_t PatchStates::draw_configuration(std::size_t submap, RandomStream& random) const {
+std::int32_t PatchStates::draw_configuration(std::size_t submap, std::span<const float> usual,
+                                             RandomStream& random) const {
   const int configurations = count(submap);
   if (config_.rates == RateSource::kFixed) {
     return static_cast<std::int32_t>(random.below(static_cast<std::uint32_t>(configurations)));
   }
   double left = random.uniform();
   for (int k = 0; k + 1 < configurations; ++k) {
-    left -= static_cast<double>(usual_[offsets_[submap] + static_cast<std::size_t>(k)]);
+    left -= static_cast<double>(usual[offsets_[submap] + static_cast<std::size_t>(k)]);
     if (left < 0.0) return k;
   }
   return configurations - 1;
 }
 
 std::int32_t PatchStates::next_configuration(std::size_t submap, std::int32_t now, double dt_s,
+                                             std::span<const float> usual,
                                              RandomStream& random) const {
   const int configurations = count(submap);
   if (configurations == 1) return now;
   if (config_.rates == RateSource::kLearned) {
     const bool is_kept = random.bernoulli(std::exp(-rates_[submap] * std::max(0.0, dt_s)));
-    return is_kept ? now : draw_configuration(submap, random);
+    return is_kept ? now : draw_configuration(submap, usual, random);
   }
   if (random.bernoulli(stay_probability(configurations, rates_[submap], dt_s))) return now;
   const auto other =
@@ -115,7 +147,7 @@ std::int32_t PatchStates::next_configuration(std::size_t submap, std::int32_t no
 }
 
 /// The change of beliefs in dt_s as b keep[c] + add[c], for each column c.
-void PatchStates::find_fading(double dt_s, std::vector<double>& keep,
+void PatchStates::find_fading(double dt_s, std::span<const float> usual, std::vector<double>& keep,
                               std::vector<double>& add) const {
   keep.assign(columns(), 1.0);
   add.assign(columns(), 0.0);
@@ -124,7 +156,7 @@ void PatchStates::find_fading(double dt_s, std::vector<double>& keep,
     const double kept = std::exp(-rates_[s] * std::max(0.0, dt_s));
     for (std::size_t c = offsets_[s]; c < offsets_[s + 1]; ++c) {
       keep[c] = kept;
-      add[c] = (1.0 - kept) * static_cast<double>(usual_[c]);
+      add[c] = (1.0 - kept) * static_cast<double>(usual[c]);
     }
   }
 }
@@ -133,7 +165,7 @@ void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
                           ParticleSet& particles, WorkerPool& pool) const {
   const auto keep = factors_.acquire();
   const auto add = factors_.acquire();
-  if (config_.memory != PatchMemory::kNone) find_fading(dt_s, *keep, *add);
+  if (config_.memory != PatchMemory::kNone) find_fading(dt_s, usual(particles), *keep, *add);
   if (config_.memory == PatchMemory::kShared) fade(*keep, *add, particles.shared_belief);
   const auto move_one = [&](std::size_t i) {
     const std::int32_t before = particles.submap[i];
@@ -146,10 +178,10 @@ void PatchStates::predict(double dt_s, std::uint64_t seed, std::uint64_t step,
     }
     const auto submap = static_cast<std::size_t>(now);
     RandomStream random(seed, StreamId::kPatchTransition, step, static_cast<std::uint32_t>(i));
-    particles.configuration[i] =
-        now != before || particles.configuration[i] < 0
-            ? draw_configuration(submap, random)
-            : next_configuration(submap, particles.configuration[i], dt_s, random);
+    particles.configuration[i] = now != before || particles.configuration[i] < 0
+                                     ? draw_configuration(submap, usual(particles), random)
+                                     : next_configuration(submap, particles.configuration[i], dt_s,
+                                                          usual(particles), random);
   };
   const auto move = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
     for (std::size_t i = begin; i < end; ++i) move_one(i);
@@ -224,7 +256,7 @@ void PatchStates::posterior(const ParticleSet& particles,
     double sum = 0.0;
     for (const double value : p) sum += value;
     for (std::size_t k = 0; k < p.size(); ++k) {
-      p[k] = sum > 0.0 ? p[k] / sum : static_cast<double>(usual_[offsets_[s] + k]);
+      p[k] = sum > 0.0 ? p[k] / sum : static_cast<double>(usual(particles)[offsets_[s] + k]);
     }
   }
 }

@@ -82,8 +82,14 @@ struct SubmapBelief {
 
 /// What the filter takes from a sub-map's chain: the shares of its configurations, none below
 /// `min_share`, and the rate. A map that came without a rate has its sequences asked; one whose
-/// priors are no shares has even odds. O(sequences x 40).
-[[nodiscard]] patch::Chain chain_of(const patch::Submap& submap, double min_share);
+/// priors are no shares has even odds. What such a sub-map's shares are by the time is then asked
+/// of its sequences too; where they do not depend on it `in_time` is not periodic. O(sequences x
+/// 40).
+struct FilterChain {
+  patch::Chain chain;
+  periodic::PeriodicShares in_time;
+};
+[[nodiscard]] FilterChain chain_of(const patch::Submap& submap, double min_share);
 
 /// The layout of the beliefs of a patch map, and the map transition p(m_t | x_t, m_{t-1}) of
 /// [stachniss2005patch, eq. (8)].
@@ -104,13 +110,22 @@ class PatchStates {
   /// The belief of someone who saw nothing: how often each configuration is there, or even odds
   /// where rates are fixed.
   [[nodiscard]] std::span<const float> usual() const { return usual_; }
+  /// The same at the time that the particles were told.
+  [[nodiscard]] std::span<const float> usual(const ParticleSet& particles) const {
+    return particles.usual.empty() ? usual() : std::span<const float>(particles.usual);
+  }
+  /// Whether what is usual of any sub-map follows the time of day or week.
+  [[nodiscard]] bool follows_time() const { return !followed_.empty(); }
+  /// What is usual at that time becomes what the particles believe of what they do not see, as they
+  /// forget. O(columns x harmonics); nothing where no sub-map follows the time.
+  void tell_time(Stamp now, ParticleSet& particles) const;
 
   /// The sub-map of a robot at a point, -1 for none: with memory the one it stands in (the rule for
   /// overlaps); without, the one whose configuration a particle holds there, entered from
   /// PatchMap::entry_margin_m around it: a door is seen from the corridor, whose middle its
   /// rectangle may not hold (docs/theory/patch_localization.md, "Patch transition").
   [[nodiscard]] int submap_of(const Eigen::Vector2d& point_m, int current = -1) const;
-  /// Gives the set the columns it needs and forgets everything.
+  /// Gives the set the columns it needs and forgets everything but the time.
   void prepare(ParticleSet& particles) const;
   /// Particle i knows nothing: its sub-map from its pose, its configuration (without memory) drawn
   /// from usual(), its belief that.
@@ -141,14 +156,19 @@ class PatchStates {
   void posterior(const ParticleSet& particles, std::vector<SubmapBelief>& beliefs) const;
 
  private:
-  [[nodiscard]] std::int32_t draw_configuration(std::size_t submap, RandomStream& random) const;
-  [[nodiscard]] std::int32_t next_configuration(std::size_t submap, std::int32_t now, double dt_s,
+  [[nodiscard]] std::int32_t draw_configuration(std::size_t submap, std::span<const float> usual,
                                                 RandomStream& random) const;
-  void find_fading(double dt_s, std::vector<double>& keep, std::vector<double>& add) const;
+  [[nodiscard]] std::int32_t next_configuration(std::size_t submap, std::int32_t now, double dt_s,
+                                                std::span<const float> usual,
+                                                RandomStream& random) const;
+  void find_fading(double dt_s, std::span<const float> usual, std::vector<double>& keep,
+                   std::vector<double>& add) const;
   std::shared_ptr<const patch::PatchMap> map_;
   PatchStatesConfig config_;
   std::vector<std::size_t> offsets_;
   std::vector<float> usual_;
+  std::vector<std::size_t> followed_;              // sub-maps that follow the time
+  std::vector<periodic::PeriodicShares> in_time_;  // of each of them
   ObjectPool<std::vector<double>> factors_;
   std::vector<double> rates_;  // gamma of each sub-map
 };

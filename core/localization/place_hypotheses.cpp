@@ -45,7 +45,7 @@ void PlaceHypotheses::begin(std::span<const PlaceSeed> seeds, bool keeps_old,
   particles = ParticleSet{};
   particles.resize(old + seeds.size() * each);
   if (states != nullptr) states->prepare(particles);
-  particles.shared_belief = before.shared_belief;
+  particles.share(before);
   places_.assign(seeds.size() + (keeps_old ? 1 : 0), {});
   place_of_.assign(particles.size(), 0);
   for (std::size_t i = 0; i < old; ++i) {
@@ -112,7 +112,7 @@ void PlaceHypotheses::resample(std::uint64_t seed, std::uint64_t step, ParticleS
   }
   spare.belief_columns = particles.belief_columns;
   spare.resize(kept.size());
-  spare.shared_belief = particles.shared_belief;
+  spare.share(particles);
   double sum = 0.0;
   for (const double weight : weights) sum += weight;
   for (std::size_t j = 0; j < kept.size(); ++j) {
@@ -215,7 +215,7 @@ void PlaceHypotheses::decide(std::size_t count, double offset, ParticleSet& part
   draw_low_variance(weights, count, offset, kept);
   spare.belief_columns = particles.belief_columns;
   spare.resize(count);
-  spare.shared_belief = particles.shared_belief;
+  spare.share(particles);
   for (std::size_t j = 0; j < count; ++j) spare.copy_from(particles, kept[j], j);
   std::swap(particles, spare);
   set_uniform_weights(particles);

@@ -42,11 +42,14 @@ double divergence(std::span<const float> after, std::span<const float> before) {
 
 }  // namespace
 
-ParticleSet particles_at(std::span<const Pose2> poses, const SensorModel& model) {
+ParticleSet particles_at(std::span<const Pose2> poses, const SensorModel& model, Stamp time) {
   ParticleSet particles;
   particles.resize(poses.size());
   const PatchStates* states = model.patch_states();
-  if (states != nullptr) states->prepare(particles);
+  if (states != nullptr) {
+    states->prepare(particles);
+    states->tell_time(time, particles);
+  }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     particles.set_pose(i, poses[i]);
     if (states == nullptr) continue;
@@ -79,7 +82,7 @@ std::vector<RankedPlace> rank_places(std::span<const PlaceCandidate> candidates,
   std::vector<Pose2> poses;
   for (const PlaceCandidate& candidate : candidates) poses.push_back(candidate.map_from_robot);
   std::vector<double> log_likelihood;
-  ParticleSet particles = particles_at(poses, model);
+  ParticleSet particles = particles_at(poses, model, scan.stamp);
   weigh_places(scan, model, particles, log_likelihood, pool);
   std::vector<RankedPlace> places;
   for (std::size_t i = 0; i < poses.size(); ++i) places.push_back({poses[i], log_likelihood[i]});
@@ -97,7 +100,7 @@ std::vector<RankedPlace> rank_places(std::span<const PlaceCandidate> candidates,
         owners.push_back(i);
       }
     }
-    particles = particles_at(poses, model);
+    particles = particles_at(poses, model, scan.stamp);
     weigh_places(scan, model, particles, log_likelihood, pool);
     for (std::size_t j = 0; j < poses.size(); ++j) {
       RankedPlace& place = places[owners[j]];

@@ -57,8 +57,9 @@ struct RankedPlace {
 [[nodiscard]] double margin_of(std::span<const RankedPlace> places, double distance_m,
                                double turn_rad);
 
-/// One particle a pose, which knows nothing of sub-maps; equal weights.
-[[nodiscard]] ParticleSet particles_at(std::span<const Pose2> poses, const SensorModel& model);
+/// One particle a pose, which knows of sub-maps what is usual at that time; equal weights.
+[[nodiscard]] ParticleSet particles_at(std::span<const Pose2> poses, const SensorModel& model,
+                                       Stamp time);
 
 /// ln p(scan | each particle), for the configurations that explain it best, as above. The
 /// particles' beliefs are as after the scan then.

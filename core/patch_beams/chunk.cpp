@@ -18,7 +18,7 @@ BeliefRows belief_rows(const localization::PatchStates& states,
   const std::size_t columns = states.columns();
   switch (states.memory()) {
     case PatchMemory::kNone:
-      return {states.usual().data(), columns, 0};
+      return {states.usual(particles).data(), columns, 0};
     case PatchMemory::kShared:
       return {particles.shared_belief.data(), columns, 0};
     case PatchMemory::kPerParticle:

@@ -35,6 +35,7 @@ void KnownPosePredictor::go_to(const Pose2& map_from_robot, Stamp stamp) {
   ++step_;
   if (states_ != nullptr) {
     const double dt_s = last_ ? std::max(0.0, (stamp - *last_).seconds()) : 0.0;
+    states_->tell_time(stamp, particles_);
     states_->predict(dt_s, kSeed, step_, particles_, pool_);
   }
   last_ = stamp;
