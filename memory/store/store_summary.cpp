@@ -44,6 +44,16 @@ void read_patch_maps(Database& database, StoreSummary& summary) {
   while (rows.step()) {
     summary.patch_maps.push_back({rows.text(0), rows.integer(1), rows.integer(2), rows.integer(3)});
   }
+  // Not in stores of versions 1 to 3.
+  if (database.query_integer("SELECT count(*) FROM sqlite_master WHERE name = 'submap_wave'") ==
+      0) {
+    return;
+  }
+  Statement waves(database, "SELECT count(DISTINCT submap) FROM submap_wave WHERE map = ?");
+  for (StoreSummary::PatchMap& map : summary.patch_maps) {
+    if (waves.bind(map.name).step()) map.in_time = waves.integer(0);
+    waves.reset();
+  }
 }
 
 void read_runs(Database& database, StoreSummary& summary) {

@@ -22,6 +22,7 @@ struct StoreSummary {
     std::int64_t submaps = 0;
     std::int64_t configurations = 0;
     std::int64_t sequences = 0;
+    std::int64_t in_time = 0;  ///< sub-maps that follow the time of day or week
   };
   struct Run {
     std::int64_t run = 0;

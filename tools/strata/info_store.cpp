@@ -32,7 +32,8 @@ Json describe(const std::string& path, const memory::StoreSummary& store) {
     info["patch_maps"].push_back({{"name", map.name},
                                   {"submaps", map.submaps},
                                   {"configurations", map.configurations},
-                                  {"sequences", map.sequences}});
+                                  {"sequences", map.sequences},
+                                  {"submaps_by_time", map.in_time}});
   }
   info["runs"] = Json::array();
   for (const auto& run : store.runs) {
@@ -85,7 +86,9 @@ void print(const std::string& path, const memory::StoreSummary& store) {
   }
   for (const auto& map : store.patch_maps) {
     std::cout << "  patch map  " << map.name << ", " << map.submaps << " sub-maps, "
-              << map.configurations << " configurations, " << map.sequences << " sequences\n";
+              << map.configurations << " configurations, " << map.sequences << " sequences"
+              << (map.in_time > 0 ? ", " + std::to_string(map.in_time) + " by time of day" : "")
+              << "\n";
   }
   for (const auto& run : store.runs) {
     std::cout << "  run        " << run.run << ", " << run.poses << " poses, " << run.scans

@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 
 #include "memory/store/store.hpp"
+#include "memory/store/store_summary.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::memory {
@@ -54,8 +55,10 @@ TEST(StoredChains, ComeBackAndAreNotAskedOfOlderStores) {
   patch::PatchMap map = small_map();
   { Store(path).save_patch_map(map); }
   expect_chains(Store(path, {.read_only = true}).load_patch_map(), map);
+  EXPECT_EQ(summarize_store(path).patch_maps.at(0).in_time, 2);
   execute(path, "DROP TABLE submap_wave; PRAGMA user_version = 3");
   for (patch::Submap& submap : map.submaps) submap.usual = {};
+  EXPECT_EQ(summarize_store(path).patch_maps.at(0).in_time, 0);
   expect_chains(Store(path, {.read_only = true}).load_patch_map(), map);
   execute(path, "DROP TABLE patch_entry; DROP TABLE submap_chain; PRAGMA user_version = 2");
   map.entry_margin_m = patch::kEntryMargin_m;
