@@ -29,11 +29,9 @@ CurrentMap::CurrentMap(const maps::Maps& maps, const maps::MapModelDescriptor& m
   }
   map_.base = patches->base;
   for (const patch::Submap& submap : patches->submaps) {
-    patch::Submap kept{.id = submap.id,
-                       .rect = submap.rect,
-                       .contradictory = {},
-                       .configurations = {},
-                       .sequences = {}};
+    patch::Submap kept;
+    kept.id = submap.id;
+    kept.rect = submap.rect;
     for (const patch::Configuration& configuration : submap.configurations) {
       kept.configurations.push_back({{}, configuration.reflection, configuration.prior});
     }
