@@ -12,13 +12,18 @@
 namespace strata::beam_filter {
 namespace {
 
-/// Changes with the fields saved: bytes of another version are refused.
-constexpr std::uint64_t kVersion = 0x53'4f'42'46'0000'0002;
+/// Changes with the fields saved: bytes of another version are refused, but for the one before,
+/// which counted all scans in one map.
+constexpr std::uint64_t kVersion = 0x53'4f'42'46'0000'0003;
+constexpr std::uint64_t kInOneMap = 0x53'4f'42'46'0000'0002;
 
 }  // namespace
 
 OnlineFilter::OnlineFilter(const BeamFilterConfig& filter, const WindowConfig& window)
-    : filter_(filter), config_(window), counts_(filter.resolution_m) {
+    : filter_(filter),
+      config_(window),
+      window_counts_(filter.resolution_m),
+      key_counts_(filter.resolution_m) {
   require_valid(filter, "filter");
   require_valid(window, "window");
 }
@@ -33,16 +38,24 @@ std::vector<float> OnlineFilter::add(const PosedScan& scan) {
     last_key_ = pose;
     turns_.use();
   }
-  counts_.add(scan, filter_.counting, 1.0, BeamWeights::kAllStatic);
+  if (key) {
+    key_counts_.add_fading(scan, filter_.counting, BeamWeights::kAllStatic, config_.fade_scans);
+  } else {
+    count_in_window(scan, 1.0);
+  }
   window_.push_back({scan, key});
   if (window_.size() > static_cast<std::size_t>(config_.scans)) {
     const Entry& oldest = window_.front();
-    if (!oldest.key) counts_.add(oldest.scan, filter_.counting, -1.0, BeamWeights::kAllStatic);
+    if (!oldest.key) count_in_window(oldest.scan, -1.0);
     window_.pop_front();
   }
   std::vector<float> labels(scan.scan.size(), static_cast<float>(filter_.prior));
   const auto reflection_at = [&](const Cell& cell) {
-    return closed_form(counts_.cells().get(cell), filter_.prior, filter_.min_evidence);
+    CellCounts counts = key_counts_.cells().get(cell);
+    const CellCounts& lately = window_counts_.cells().get(cell);
+    counts.hits += lately.hits;
+    counts.misses += lately.misses;
+    return closed_form(counts, filter_.prior, filter_.min_evidence);
   };
   for_each_ray(scan.scan, scan.map_from_laser(), filter_.counting,
                [&](std::size_t beam, const Ray& ray) {
@@ -58,7 +71,8 @@ std::vector<float> OnlineFilter::add(const PosedScan& scan) {
 std::vector<std::uint8_t> OnlineFilter::save_state() const {
   StateWriter writer;
   writer(kVersion);
-  writer(counts_.cells());
+  writer(window_counts_.cells());
+  writer(key_counts_.cells());
   writer(window_);
   writer(last_key_);
   writer(turns_);
@@ -67,15 +81,39 @@ std::vector<std::uint8_t> OnlineFilter::save_state() const {
 
 void OnlineFilter::restore_state(std::span<const std::uint8_t> bytes, const std::string& place) {
   StateReader reader(bytes, place);
-  reader.expect_version(kVersion);
-  reader(counts_.cells());
-  if (counts_.resolution_m() != filter_.resolution_m) reader.refuse("is of another resolution");
+  std::uint64_t version = 0;
+  reader(version);
+  if (version != kVersion && version != kInOneMap) reader.refuse("is of another version");
+  const bool is_in_one_map = version == kInOneMap;
+  window_counts_ = CountingMap(filter_.resolution_m);
+  if (!is_in_one_map) reader(window_counts_.cells());
+  reader(key_counts_.cells());
+  if (window_counts_.resolution_m() != filter_.resolution_m ||
+      key_counts_.resolution_m() != filter_.resolution_m) {
+    reader.refuse("is of another resolution");
+  }
   reader(window_);
   reader(last_key_);
   reader(turns_);
   reader.expect_end();
+  if (!is_in_one_map) return;
+  for (const Entry& entry : window_) {
+    if (entry.key) continue;
+    key_counts_.add(entry.scan, filter_.counting, -1.0, BeamWeights::kAllStatic);
+    count_in_window(entry.scan, 1.0);
+  }
 }
 
-ReflectionGrid OnlineFilter::map() const { return filter_counts(counts_, filter_).filtered; }
+void OnlineFilter::count_in_window(const PosedScan& scan, double weight) {
+  window_counts_.add(scan, filter_.counting, weight, BeamWeights::kAllStatic);
+}
+
+CountingMap OnlineFilter::counts() const {
+  CountingMap sum = key_counts_;
+  sum.add(window_counts_);
+  return sum;
+}
+
+ReflectionGrid OnlineFilter::map() const { return filter_counts(counts(), filter_).filtered; }
 
 }  // namespace strata::beam_filter

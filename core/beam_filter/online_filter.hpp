@@ -25,6 +25,7 @@ struct WindowConfig {
   int scans = 200;
   double key_distance_m = 0.1;
   double key_turn_rad = 0.0873;
+  double fade_scans = 200.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("scans", c.scans,
@@ -36,12 +37,20 @@ struct WindowConfig {
             {.doc = "a scan stays in the map after this much driving", .unit = "m", .min = 0.0});
     v.field("key_turn_rad", c.key_turn_rad,
             {.doc = "... or after this much turning", .unit = "rad", .min = 0.0});
+    v.field("fade_scans", c.fade_scans,
+            {.doc = "what a place was like fades with this many scans that stay and look at it",
+             .unit = "scans",
+             .min = 2.0,
+             .when = "what was put up for good should become part of the map sooner (less), or "
+                     "people who wait should not (more)"});
   }
 };
 
 /// Counts of a window of scans and of key scans before it (docs/theory/beam_filter.md, "Online
 /// filter"): a robot standing before a standing person would else hold her static for good. What it
-/// saw standing still goes with the window. Memory: the window, the map's cells. Not thread-safe.
+/// saw standing still goes with the window; key scans fade as newer ones look at the same place, or
+/// a cabinet that was put up would be dynamic until as many beams met it as once passed there.
+/// Memory: the window, the map's cells. Not thread-safe.
 class OnlineFilter {
  public:
   /// Throws ConfigError.
@@ -64,7 +73,8 @@ class OnlineFilter {
   /// no more use. place: of the bytes, for errors.
   void restore_state(std::span<const std::uint8_t> bytes, const std::string& place);
 
-  [[nodiscard]] const CountingMap& counts() const { return counts_; }
+  /// Of the window and what is left of the key scans. O(cells).
+  [[nodiscard]] CountingMap counts() const;
   [[nodiscard]] std::size_t scans_in_window() const { return window_.size(); }
   /// Stamp of the newest scan in the window; requires one.
   [[nodiscard]] Stamp newest() const { return window_.back().scan.scan.stamp; }
@@ -80,9 +90,12 @@ class OnlineFilter {
     }
   };
 
+  void count_in_window(const PosedScan& scan, double weight);
+
   BeamFilterConfig filter_;
   WindowConfig config_;
-  CountingMap counts_;
+  CountingMap window_counts_;  ///< of the window's scans that are no key scans
+  CountingMap key_counts_;
   std::deque<Entry> window_;
   std::optional<Pose2> last_key_;
   ScannerTurns turns_;  ///< several scanners take turns at the key scans

@@ -61,7 +61,11 @@ class CountingMap {
   void add(const PosedScan& scan, const CountingOptions& options = {}, double weight = 1.0,
            BeamWeights beams = BeamWeights::kStaticProbability);
 
-  /// The same without cells to spare around the beams.
+  /// The same, while what was counted before fades in each cell that the scan looks at: of it
+  /// 1 - 1 / `scans` is left, however many of its beams cross the cell. Requires scans > 1.
+  void add_fading(const PosedScan& scan, const CountingOptions& options, BeamWeights beams,
+                  double scans);
+  /// The same as add() without cells to spare around the beams.
   void add_tightly(const PosedScan& scan, const CountingOptions& options, BeamWeights beams);
   /// Adds the counts of another map of the same resolution. O(cells that its beams crossed).
   void add(const CountingMap& other);
@@ -70,9 +74,9 @@ class CountingMap {
   [[nodiscard]] ReflectionGrid reflection(double min_evidence = 0.5) const;
 
  private:
-  template <typename Cover>
+  template <typename Cover, typename Fade>
   void count(const PosedScan& scan, const CountingOptions& options, double weight,
-             BeamWeights beams, const Cover& cover);
+             BeamWeights beams, const Cover& cover, const Fade& fade);
   TiledGrid<CellCounts> cells_;
 };
 

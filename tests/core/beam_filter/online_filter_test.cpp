@@ -108,7 +108,7 @@ TEST(OnlineFilter, ForgetsWhoStoodBeforeAStandingRobotWithTheWindow) {
 }
 
 TEST(OnlineFilter, HoldsTheWindowAndTheKeyScansAndNothingElse) {
-  const WindowConfig window{.scans = 25};
+  const WindowConfig window{.scans = 25, .fade_scans = 1e15};
   OnlineFilter filter({}, window);
   std::vector<PosedScan> kept;
   constexpr int kScans = 300;
@@ -125,12 +125,56 @@ TEST(OnlineFilter, HoldsTheWindowAndTheKeyScansAndNothingElse) {
   WorkerPool pool(1);
   const CountingMap expected =
       count_scans(kept, filter.counts().resolution_m(), {}, BeamWeights::kAllStatic, pool);
-  const Grid<CellCounts> cells = filter.counts().cells().dense();
+  const CountingMap counts = filter.counts();
+  const Grid<CellCounts> cells = counts.cells().dense();
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const CellCounts& other = expected.cells().get(cells.cell(i));
     ASSERT_NEAR(cells.values()[i].hits, other.hits, 1e-9);
     ASSERT_NEAR(cells.values()[i].misses, other.misses, 1e-9);
   }
+}
+
+/// Drives a metre and back, 20 key scans, again and again. Something may stand before the wall.
+void patrol(OnlineFilter& filter, int times, bool with_cabinet, int& t) {
+  for (int i = 0; i < 20 * times; ++i) {
+    const int step = i % 20;
+    const double x_m = 0.101 * (step < 10 ? step : 20 - step);
+    (void)filter.add(from_the_middle(t++, x_m, with_cabinet));
+  }
+}
+
+/// The share of the beams at the cabinet that are labelled static.
+double static_share(OnlineFilter& filter, int& t) {
+  const PosedScan scan = from_the_middle(t++, 0.0, true);
+  const std::vector<float> labels = filter.add(scan);
+  int beams = 0;
+  int are_static = 0;
+  for (std::size_t n = 0; n < kBeams; ++n) {
+    if (!hits_person(scan, n)) continue;
+    ++beams;
+    are_static += labels[n] > 0.5F ? 1 : 0;
+  }
+  return static_cast<double>(are_static) / beams;
+}
+
+TEST(OnlineFilter, WhatIsPutUpForGoodBecomesPartOfTheMapAndGoesAgain) {
+  OnlineFilter filter({}, {.scans = 20});
+  int t = 0;
+  patrol(filter, 60, false, t);
+  EXPECT_EQ(static_share(filter, t), 0.0);
+  patrol(filter, 1, true, t);
+  EXPECT_EQ(static_share(filter, t), 0.0) << "who waits for two metres of driving is no wall";
+  patrol(filter, 11, true, t);
+  EXPECT_EQ(static_share(filter, t), 1.0);
+  patrol(filter, 25, false, t);
+  const ReflectionGrid map = filter.map();
+  EXPECT_TRUE(is_free(map.get(map.cell_at(Eigen::Vector2d(kPerson_m, 0.0)))));
+  // Counted for ever, it would be dynamic still.
+  OnlineFilter for_ever({}, {.scans = 20, .fade_scans = 1e15});
+  t = 0;
+  patrol(for_ever, 60, false, t);
+  patrol(for_ever, 12, true, t);
+  EXPECT_EQ(static_share(for_ever, t), 0.0);
 }
 
 TEST(OnlineFilter, RefusesSettingsThatCannotWork) {

@@ -114,6 +114,60 @@ TEST(CountingMap, TakesAScanOutAgain) {
   expect_equal(map, expected);
 }
 
+/// A scan of walls all round at that range.
+PosedScan round_scan(float range_m, int beams) {
+  PosedScan posed;
+  posed.scan.angle_min_rad = -3.0F;
+  posed.scan.angle_increment_rad = 6.0F / static_cast<float>(beams);
+  posed.scan.range_max_m = 20.0F;
+  posed.scan.ranges_m.assign(static_cast<std::size_t>(beams), range_m);
+  return posed;
+}
+
+TEST(CountingMap, FadesByScansHoweverManyBeamsCrossACell) {
+  constexpr double kScans = 50.0;
+  for (const int beams : {40, 400, 4000}) {
+    CountingMap map(kResolution);
+    // With a million as much as scans bring, what these bring does not count.
+    map.add(round_scan(8.0F, beams), {}, 1e6);
+    const Grid<CellCounts> full = map.cells().dense();
+    for (int i = 0; i < 10; ++i) {
+      map.add_fading(round_scan(8.0F, beams), {}, BeamWeights::kAllStatic, kScans);
+    }
+    const double expected = std::pow(1.0 - 1.0 / kScans, 10.0);
+    int cells = 0;
+    double mean = 0.0;
+    for (std::size_t i = 0; i < full.size(); ++i) {
+      const Cell cell = full.cell(i);
+      const double total = full.values()[i].total();
+      if (total < 0.3e6) continue;
+      const double left = map.cells().get(cell).total() / total;
+      EXPECT_GT(left, std::pow(expected, 4.0)) << beams;
+      EXPECT_LE(left, 1.0) << beams;
+      mean += left;
+      ++cells;
+    }
+    ASSERT_GT(cells, 1000) << beams;
+    EXPECT_NEAR(mean / cells, expected, 0.06) << beams;
+  }
+}
+
+TEST(CountingMap, FadingLeavesCellsAloneThatTheScanDoesNotLookAt) {
+  CountingMap map(kResolution);
+  map.add(round_scan(8.0F, 400));
+  const Grid<CellCounts> before = map.cells().dense();
+  for (int i = 0; i < 20; ++i) {
+    map.add_fading(round_scan(2.0F, 400), {}, BeamWeights::kAllStatic, 10.0);
+  }
+  int cells = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before.center(before.cell(i)).norm() < 2.2) continue;
+    EXPECT_EQ(map.cells().get(before.cell(i)).total(), before.values()[i].total());
+    cells += before.values()[i].total() > 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(cells, 1000);
+}
+
 TEST(CountingMap, CountsAllBeamsWhenLabelsAreToBeIgnored) {
   RandomStream random(3, StreamId::kTest);
   PosedScan scan = random_scan(random, true);
