@@ -235,8 +235,9 @@ TEST(TwoScanners, BothStayInTheMapOfTheOnlineFilter) {
     EXPECT_EQ(both.add(scan).size(), scan.scan.size());
   }
   const auto hits = [](const beam_filter::OnlineFilter& filter) {
+    const Grid<CellCounts> cells = filter.counts().cells().dense();
     double sum = 0.0;
-    for (const CellCounts& cell : filter.counts().cells().dense().values()) sum += cell.hits;
+    for (const CellCounts& cell : cells.values()) sum += cell.hits;
     return sum;
   };
   // As many key scans, half of them with a fifth of the beams.
