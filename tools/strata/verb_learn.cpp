@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/log/folder_lock.hpp"
 #include "components/log/log_config.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
@@ -21,7 +22,6 @@
 #include "tools/pipeline/learn_pictures.hpp"
 #include "tools/pipeline/truth_frame.hpp"
 #include "tools/report/plot.hpp"
-#include "tools/strata/folder_lock.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
@@ -86,7 +86,7 @@ void require_possible(const std::string& folder) {
 
 /// Else of two that go on from one folder at once, what the first learned would be lost.
 void wait_for_others(const std::string& folder, VerbContext& context,
-                     std::optional<FolderLock>& lock) {
+                     std::optional<log::FolderLock>& lock) {
   bool is_told = false;
   lock.emplace(folder, [&](const std::string& holder) {
     if (!std::exchange(is_told, true)) {
@@ -121,7 +121,7 @@ void run_learn(const Options& options, VerbContext& context) {
   const auto [config, log_config] = read_config<Config>(context);
   const pipeline::LearnParts parts = parts_of(options.only);
   std::optional<maps::EarlierRuns> earlier;
-  std::optional<FolderLock> lock;
+  std::optional<log::FolderLock> lock;
   if (!options.update.empty()) {
     require_possible(options.update);
     OutputDirectory::put_back(options.update);

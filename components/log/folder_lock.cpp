@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/strata/folder_lock.hpp"
+#include "components/log/folder_lock.hpp"
 
 #include <array>
 #include <cerrno>
@@ -14,7 +14,7 @@
 
 namespace fs = std::filesystem;
 
-namespace strata::tools {
+namespace strata::log {
 namespace {
 
 /// Whether the open file is still the one of that name: who held it before has removed it.
@@ -69,4 +69,4 @@ FolderLock::~FolderLock() {
   close(file_);
 }
 
-}  // namespace strata::tools
+}  // namespace strata::log

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/strata/folder_lock.hpp"
+#include "components/log/folder_lock.hpp"
 
 #include <csignal>
 #include <filesystem>
@@ -18,7 +18,7 @@
 
 namespace fs = std::filesystem;
 
-namespace strata::tools {
+namespace strata::log {
 namespace {
 
 TEST(FolderLock, IsHeldByOneAndSaysByWhom) {
@@ -61,4 +61,4 @@ TEST(FolderLock, IsFreeAfterAKillAndGoesToWhoWaits) {
 }
 
 }  // namespace
-}  // namespace strata::tools
+}  // namespace strata::log

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-namespace strata::tools {
+namespace strata::log {
 
 /// Held until its end, also that by a kill. The lock is a file ".NAME.lock" beside the folder,
 /// since the folder itself is replaced; it goes with the lock.
@@ -26,4 +26,4 @@ class FolderLock {
   int file_ = -1;
 };
 
-}  // namespace strata::tools
+}  // namespace strata::log
