@@ -6,17 +6,16 @@
 #include <ctime>
 #include <fstream>
 #include <iomanip>
-#include <memory>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
-#include <openssl/evp.h>
 #include <sys/stat.h>
 
 #include "components/log/disk.hpp"
+#include "components/log/sha256.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
 
@@ -31,31 +30,10 @@ constexpr const char* kFiles = "files";
 constexpr int kCopyAttempts = 3;
 constexpr double kNsPerS = 1e9;
 
-struct FreeDigest {
-  void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
-};
-
-class Sha256 {
- public:
-  Sha256() : context_(EVP_MD_CTX_new()) {
-    EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr);
-  }
-  void add(const char* data, std::size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
-  void add(const std::string& text) { add(text.c_str(), text.size() + 1); }
-  [[nodiscard]] std::string hex() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned int size = 0;
-    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
-    std::ostringstream text;
-    for (unsigned int i = 0; i < size; ++i) {
-      text << std::hex << std::setw(2) << std::setfill('0') << int{digest[i]};
-    }
-    return text.str();
-  }
-
- private:
-  std::unique_ptr<EVP_MD_CTX, FreeDigest> context_;
-};
+/// With its end, so that two texts in a row are not one.
+void add(log::Sha256& digest, const std::string& text) {
+  digest.add(text.c_str(), text.size() + 1);
+}
 
 std::vector<fs::path> files_below(const fs::path& path) {
   if (!fs::is_directory(path)) return {path};
@@ -68,11 +46,11 @@ std::vector<fs::path> files_below(const fs::path& path) {
 }
 
 std::string digest_of(const fs::path& path) {
-  Sha256 digest;
+  log::Sha256 digest;
   std::array<char, 65536> buffer{};
   for (const fs::path& file : files_below(path)) {
-    digest.add(fs::relative(file, path).string());
-    digest.add(std::to_string(fs::file_size(file)));
+    add(digest, fs::relative(file, path).string());
+    add(digest, std::to_string(fs::file_size(file)));
     std::ifstream in(file, std::ios::binary);
     while (in.read(buffer.data(), buffer.size()) || in.gcount() > 0) {
       digest.add(buffer.data(), static_cast<std::size_t>(in.gcount()));
