@@ -40,11 +40,13 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"components/log", {"components/convert"}},
       {"components/clouds", {"components/log"}},
       {"components/maps", {"core", "memory", "components/log", "components/settings"}},
+      {"components/site", {"components/maps"}},
       {"components/topologies", {"components/maps"}},
       {"components/security", {"core"}},
       {"components/bus", {"core/base", "components/convert", "components/security"}},
       {"components/runtime",
-       {"components/bus", "components/clouds", "components/maps", "components/topologies"}},
+       {"components/bus", "components/clouds", "components/maps", "components/site",
+        "components/topologies"}},
   };
   return table;
 }

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/site/site.hpp"
+
+#include <algorithm>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include "components/log/content_hash.hpp"
+#include "components/log/folder_lock.hpp"
+#include "components/log/whole_file.hpp"
+#include "components/log/whole_folder.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "core/base/error.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::site {
+namespace {
+
+constexpr const char* kVersions = "versions";
+constexpr const char* kMaps = "maps";
+constexpr std::size_t kHashDigits = 64;
+
+bool is_hash(const std::string& text) {
+  return text.size() == kHashDigits &&
+         text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw OutputError(folder.string(), "cannot be made: " + error.message(),
+                      "check the permissions of the folder above it, and free space");
+  }
+}
+
+/// What SQLite has not yet put into the store would be missing in a copy.
+void require_at_rest(const fs::path& maps) {
+  std::error_code error;
+  const fs::path log = maps / (std::string(maps::kStoreFile) + "-wal");
+  const auto bytes = fs::file_size(log, error);
+  if (!error && bytes > 0) {
+    throw InputError(
+        maps.string(),
+        "is being written to: " + log.filename().string() + " holds what strata.db does not",
+        "end the program that learns there; if none runs, `strata info` on a copy of "
+        "the folder shows whether it is whole");
+  }
+}
+
+void add_event(Decisions& decisions, const char* what, const std::string& hash, const Actor& actor,
+               const std::string& note) {
+  decisions.diary.push_back({what, hash, actor, note});
+}
+
+}  // namespace
+
+/// Decisions that nobody else changes meanwhile.
+struct Site::Change {
+  explicit Change(Site& changed)
+      : site(changed), lock(changed.folder_ / "site", changed.wait_), decisions(site.decisions()) {}
+  void commit() const { write_decisions(site.folder_ / kSiteFile, decisions, *site.disk_); }
+
+  Site& site;
+  log::FolderLock lock;
+  Decisions decisions;
+};
+
+Site Site::create(const fs::path& folder, const std::string& id, const std::string& frame,
+                  const Actor& actor, const log::Disk& disk) {
+  if (id.empty() || frame.empty()) {
+    throw InputError("--id or --frame", "is empty", "name the site, and the frame of its maps");
+  }
+  log::WholeFolder whole(folder, disk);
+  make_folder(whole.aside() / kVersions);
+  Decisions decisions;
+  decisions.id = id;
+  decisions.frame = frame;
+  add_event(decisions, "init", "", actor, "");
+  write_decisions(whole.aside() / kSiteFile, decisions, disk);
+  whole.commit();
+  return Site(folder, disk);
+}
+
+Site::Site(const fs::path& folder, const log::Disk& disk)
+    : disk_(&disk), folder_(folder), wait_([](const std::string&) { return true; }) {
+  if (!folder_.has_filename()) folder_ = folder_.parent_path();
+  (void)read_decisions(folder_ / kSiteFile);
+}
+
+Decisions Site::decisions() const {
+  Decisions decisions = read_decisions(folder_ / kSiteFile);
+  decisions.agree_with(active());
+  std::erase_if(decisions.activations, [&](const std::string& hash) {
+    std::error_code error;
+    return hash != active() && !fs::exists(folder_ / kVersions / hash, error);
+  });
+  return decisions;
+}
+
+std::optional<std::string> Site::active() const {
+  std::error_code error;
+  const fs::path target = fs::read_symlink(folder_ / kActiveLink, error);
+  if (error) return std::nullopt;
+  const std::string hash = target.parent_path().filename().string();
+  if (!is_hash(hash)) return std::nullopt;
+  return hash;
+}
+
+fs::path Site::maps_of(const std::string& hash) const { return folder_ / kVersions / hash / kMaps; }
+
+VersionStatus Site::status_of(const std::string& hash, const Decisions& decisions,
+                              const std::optional<std::string>& active) const {
+  VersionStatus status;
+  try {
+    status.version = read_version(folder_ / kVersions / hash / kVersionFile);
+    if (status.version.hash != hash) status.fault = "version.json is another version's";
+  } catch (const InputError& error) {
+    status.fault = error.problem();
+  }
+  status.version.hash = hash;
+  const auto found = decisions.versions.find(hash);
+  if (found != decisions.versions.end()) status.decision = found->second;
+  if (active == hash) {
+    status.state = VersionState::kActive;
+  } else if (status.decision.was_active) {
+    status.state = VersionState::kRetired;
+  } else if (status.decision.approved) {
+    status.state = VersionState::kApproved;
+  }
+  return status;
+}
+
+std::vector<VersionStatus> Site::versions() const { return versions(decisions()); }
+
+std::vector<VersionStatus> Site::versions(const Decisions& decisions) const {
+  const std::optional<std::string> now = active();
+  std::vector<VersionStatus> all;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder_ / kVersions, error)) {
+    const std::string name = entry.path().filename().string();
+    if (is_hash(name)) all.push_back(status_of(name, decisions, now));
+  }
+  std::sort(all.begin(), all.end(), [](const VersionStatus& a, const VersionStatus& b) {
+    return std::tuple(!a.fault.empty(), a.version.number, a.version.hash) <
+           std::tuple(!b.fault.empty(), b.version.number, b.version.hash);
+  });
+  return all;
+}
+
+VersionStatus Site::find(const std::string& name) const {
+  const Decisions known = decisions();
+  const std::vector<VersionStatus> all = versions(known);
+  std::string wanted = name;
+  if (name == "active") wanted = active().value_or("");
+  if (name == "previous") {
+    const auto& order = known.activations;
+    wanted = order.size() < 2 ? "" : order[order.size() - 2];
+  }
+  if (name == "newest" && !all.empty()) {
+    wanted = std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
+               return a.version.number < b.version.number;
+             })->version.hash;
+  }
+  std::vector<VersionStatus> found;
+  for (const VersionStatus& status : all) {
+    if (std::to_string(status.version.number) == wanted && status.fault.empty()) return status;
+    if (wanted.size() >= 4 && status.version.hash.starts_with(wanted)) found.push_back(status);
+  }
+  if (found.size() == 1) return found.front();
+  std::string there;
+  for (const VersionStatus& status : all) {
+    there += (there.empty() ? "" : ", ") + std::to_string(status.version.number) + " (" +
+             log::short_hash(status.version.hash) + ")";
+  }
+  throw InputError(
+      folder_.string(),
+      found.empty() ? "has no version '" + name + "'" : "'" + name + "' begins several hashes",
+      there.empty() ? "add one with `strata site add`" : "there are " + there);
+}
+
+std::string Site::fault_of(const std::string& hash) const {
+  try {
+    const MapVersion version = read_version(folder_ / kVersions / hash / kVersionFile);
+    if (version.hash != hash) return "version.json is another version's";
+    const log::HashedContent content = log::hash_content(maps_of(hash));
+    if (content.hash == hash) return "";
+    for (const log::HashedFile& file : version.files) {
+      const auto same_name = [&](const log::HashedFile& other) { return other.path == file.path; };
+      const auto there = std::find_if(content.files.begin(), content.files.end(), same_name);
+      if (there == content.files.end()) return file.path + " is missing";
+      if (there->sha256 != file.sha256) return file.path + " was changed";
+    }
+    return "there are files that are none of its own";
+  } catch (const InputError& error) {
+    return error.place() + " " + error.problem();
+  }
+}
+
+void Site::require_good(const std::string& hash) const {
+  const std::string fault = fault_of(hash);
+  if (fault.empty()) return;
+  throw InputError(maps_of(hash).string(), "is damaged: " + fault + ", so its hash does not hold",
+                   "take another version; `strata site gc --damaged` takes this one away");
+}
+
+void Site::copy_maps(const fs::path& maps, const log::HashedContent& content,
+                     const fs::path& to) const {
+  for (const log::HashedFile& file : content.files) {
+    const fs::path copy = to / file.path;
+    make_folder(copy.parent_path());
+    std::error_code error;
+    fs::copy_file(maps / file.path, copy, error);
+    if (error) {
+      throw OutputError(copy.string(), "cannot be copied: " + error.message(),
+                        "free some space, and check that nothing replaces " + maps.string());
+    }
+  }
+  if (log::hash_content(to).hash != content.hash) {
+    throw InputError(maps.string(), "changed while it was copied",
+                     "try again when nothing writes there");
+  }
+  (void)maps::open_for_reading(to);  // whole, as far as SQLite can say
+}
+
+Site::Added Site::add(const fs::path& maps, const Actor& actor, const std::string& note) {
+  const log::HashedContent content = log::hash_content(maps);
+  require_at_rest(maps);
+  (void)maps::open_for_reading(maps);
+  Change change(*this);
+  Decisions& decisions = change.decisions;
+  const fs::path place = folder_ / kVersions / content.hash;
+  std::error_code error;
+  if (fs::exists(place, error)) return {status_of(content.hash, decisions, active()), false};
+  MapVersion version;
+  version.hash = content.hash;
+  version.number = decisions.next_number;
+  for (const VersionStatus& other : versions(decisions)) {
+    version.number = std::max(version.number, other.version.number + 1);
+  }
+  version.parent = active().value_or("");
+  version.made = actor;
+  version.note = note;
+  version.site = decisions.id;
+  version.frame = decisions.frame;
+  version.facts = facts_of(maps);
+  version.files = content.files;
+  log::WholeFolder whole(place, *disk_);
+  make_folder(whole.aside() / kMaps);
+  copy_maps(maps, content, whole.aside() / kMaps);
+  write_version(whole.aside() / kVersionFile, version);
+  whole.commit();
+  decisions.next_number = version.number + 1;
+  add_event(decisions, "add", version.hash, actor, note);
+  change.commit();
+  return {status_of(version.hash, decisions, active()), true};
+}
+
+void Site::approve(const std::string& hash, const Actor& actor, const std::string& note) {
+  Change change(*this);
+  require_good(hash);
+  Decision& decision = change.decisions.versions[hash];
+  decision.approved = actor;
+  decision.approval_note = note;
+  add_event(change.decisions, "approve", hash, actor, note);
+  change.commit();
+}
+
+void Site::point_to(const std::string& hash) {
+  const fs::path link = folder_ / kActiveLink;
+  std::error_code error;
+  log::remove_left_over(link);
+  const fs::path aside = log::staged_name(link);
+  fs::remove(aside, error);
+  fs::create_symlink(fs::path(kVersions) / hash / kMaps, aside, error);
+  if (error) {
+    throw OutputError(link.string(), "cannot be made: " + error.message(),
+                      "check the permissions of the site's folder; its file system must have "
+                      "symbolic links");
+  }
+  disk_->rename(aside, link);
+  disk_->sync(folder_);
+}
+
+Switch Site::activate(const std::string& hash, const Actor& actor) {
+  Change change(*this);
+  Decisions& decisions = change.decisions;
+  const std::string before = active().value_or("");
+  if (before == hash) return {before, hash};
+  const auto found = decisions.versions.find(hash);
+  if (found == decisions.versions.end() || !(found->second.approved || found->second.was_active)) {
+    throw InputError(maps_of(hash).string(), "was not approved",
+                     "look at it with `strata site diff`, then `strata site approve` it");
+  }
+  require_good(hash);
+  std::erase(decisions.activations, hash);
+  decisions.activations.push_back(hash);
+  add_event(decisions, "activate", hash, actor, "");
+  change.commit();
+  point_to(hash);
+  return {before, hash};
+}
+
+Switch Site::rollback(const Actor& actor) {
+  Change change(*this);
+  Decisions& decisions = change.decisions;
+  if (decisions.activations.size() < 2) {
+    throw InputError(folder_.string(), "has nothing to go back to: no version was active before",
+                     "`strata site list` shows what there is, `strata site activate` takes one");
+  }
+  const Switch made{decisions.activations.back(), *(decisions.activations.rbegin() + 1)};
+  require_good(made.to);
+  decisions.activations.pop_back();
+  add_event(decisions, "rollback", made.to, actor, "from " + log::short_hash(made.from));
+  change.commit();
+  point_to(made.to);
+  return made;
+}
+
+/// Of programs that were killed while they added or removed one: ".HASH.partial-PID".
+void Site::remove_left_overs() const {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder_ / kVersions, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.')) {
+      log::remove_left_over(folder_ / kVersions / name.substr(1, kHashDigits));
+    }
+  }
+}
+
+std::vector<VersionStatus> Site::remove_rubbish(const Rubbish& rubbish, const Actor& actor) {
+  Change change(*this);
+  Decisions& decisions = change.decisions;
+  const std::vector<VersionStatus> all = versions(decisions);
+  const auto& order = decisions.activations;
+  int active_number = 0;
+  for (const VersionStatus& status : all) {
+    if (status.state == VersionState::kActive) active_number = status.version.number;
+  }
+  std::vector<VersionStatus> gone;
+  for (const VersionStatus& status : all) {
+    const std::string& hash = status.version.hash;
+    const auto place = std::find(order.rbegin(), order.rend(), hash);
+    // One that was rolled back from is not in the order, and stays to be looked at.
+    const bool was_replaced = place != order.rend();
+    const bool is_recent =
+        was_replaced && static_cast<std::size_t>(place - order.rbegin()) <= rubbish.keep_retired;
+    const bool may_go =
+        status.state == VersionState::kCandidate || status.state == VersionState::kRetired;
+    const bool is_old = may_go && !is_recent && status.fault.empty() &&
+                        (was_replaced || status.version.number < active_number);
+    const bool is_bad = rubbish.damaged && !fault_of(hash).empty();
+    if ((is_old || is_bad) && status.state != VersionState::kActive) gone.push_back(status);
+  }
+  if (rubbish.dry_run) return gone;
+  std::vector<fs::path> hidden;
+  for (const VersionStatus& status : gone) {
+    const std::string& hash = status.version.hash;
+    hidden.push_back(log::staged_name(folder_ / kVersions / hash));
+    disk_->rename(folder_ / kVersions / hash, hidden.back());
+    std::erase(decisions.activations, hash);
+    decisions.versions.erase(hash);
+    add_event(decisions, "gc", hash, actor, "");
+  }
+  change.commit();
+  for (const fs::path& folder : hidden) disk_->remove(folder);
+  remove_left_overs();
+  return gone;
+}
+
+}  // namespace strata::site

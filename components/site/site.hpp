@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A site: the immutable versions of one building's maps, and which of them robots localize in.
+///
+///     SITE/site.json             what was decided: Decisions
+///     SITE/versions/HASH/maps/   a MAPS folder, never changed
+///     SITE/versions/HASH/version.json
+///     SITE/active                a link to versions/HASH/maps
+///
+/// Every step is one rename, synced: a kill or a power cut leaves what was before or what is to be.
+/// Several programs may work on a site; those that change it wait for each other. One thread at a
+/// time for each object.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "components/log/disk.hpp"
+#include "components/site/decisions.hpp"
+#include "components/site/map_version.hpp"
+
+namespace strata::site {
+
+inline constexpr const char* kSiteFile = "site.json";
+inline constexpr const char* kActiveLink = "active";
+
+/// A version as it stands now.
+struct VersionStatus {
+  MapVersion version;  ///< only its hash, where `fault` says that the rest cannot be read
+  VersionState state = VersionState::kCandidate;
+  Decision decision;
+  std::string fault;  ///< of version.json; the maps are looked at by Site::fault_of
+};
+
+/// What `rollback` and `activate` did.
+struct Switch {
+  std::string from;  ///< hash; empty: nothing was active
+  std::string to;
+};
+
+class Site {
+ public:
+  /// Called again and again while another program changes the site, with who that is; false gives
+  /// up, and the call throws Cancelled.
+  using Wait = std::function<bool(const std::string& holder)>;
+
+  /// Makes a site in a folder that is empty or does not exist. Throws OutputError.
+  static Site create(const std::filesystem::path& folder, const std::string& id,
+                     const std::string& frame, const Actor& actor,
+                     const log::Disk& disk = log::real_disk());
+  /// Throws InputError where there is none.
+  explicit Site(const std::filesystem::path& folder, const log::Disk& disk = log::real_disk());
+  void wait_with(Wait wait) { wait_ = std::move(wait); }
+
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  [[nodiscard]] Decisions decisions() const;
+  /// By number; damaged ones last.
+  [[nodiscard]] std::vector<VersionStatus> versions() const;
+  /// Hash of the active version.
+  [[nodiscard]] std::optional<std::string> active() const;
+  [[nodiscard]] std::filesystem::path maps_of(const std::string& hash) const;
+
+  /// The version that a user means by a number, the begin of a hash (4 digits or more), "active",
+  /// "previous" (what rollback would give back) or "newest". Throws InputError that says which
+  /// there are.
+  [[nodiscard]] VersionStatus find(const std::string& name) const;
+  /// What is wrong with a version's files: their hash does not hold; "" for nothing. O(bytes).
+  [[nodiscard]] std::string fault_of(const std::string& hash) const;
+
+  struct Added {
+    VersionStatus status;
+    bool is_new = false;  ///< false: it was there already
+  };
+  /// Copies a MAPS folder in as a candidate. Throws InputError where that is no whole MAPS folder,
+  /// or changes meanwhile, and OutputError.
+  Added add(const std::filesystem::path& maps, const Actor& actor, const std::string& note);
+  /// note: how it was checked. Throws InputError for a damaged version.
+  void approve(const std::string& hash, const Actor& actor, const std::string& note);
+  /// Throws InputError where the version is damaged or was never approved: then nothing changes.
+  Switch activate(const std::string& hash, const Actor& actor);
+  /// Activates what was active before; from there, once more, what was before that. Throws
+  /// InputError where there is none, or it is damaged.
+  Switch rollback(const Actor& actor);
+
+  struct Rubbish {
+    std::size_t keep_retired = 5;  ///< so many of those that were active last stay
+    bool damaged = false;          ///< those that are damaged go, too
+    bool dry_run = false;          ///< only say what would go
+  };
+  /// Removes what is older than the active version: candidates, and versions that were active, but
+  /// for the last; never one that was approved and waits. Returns what went (or would).
+  std::vector<VersionStatus> remove_rubbish(const Rubbish& rubbish, const Actor& actor);
+
+ private:
+  struct Change;  // the lock, and the decisions under it
+  [[nodiscard]] VersionStatus status_of(const std::string& hash, const Decisions& decisions,
+                                        const std::optional<std::string>& active) const;
+  [[nodiscard]] std::vector<VersionStatus> versions(const Decisions& decisions) const;
+  void require_good(const std::string& hash) const;
+  void point_to(const std::string& hash);
+  void remove_left_overs() const;
+  void copy_maps(const std::filesystem::path& maps, const log::HashedContent& content,
+                 const std::filesystem::path& to) const;
+
+  const log::Disk* disk_;
+  std::filesystem::path folder_;
+  Wait wait_;
+};
+
+}  // namespace strata::site

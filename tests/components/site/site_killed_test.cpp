@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A process that dies between any two steps on the disk leaves a site that holds.
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "components/site/site.hpp"
+#include "tests/components/site/small_maps.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/support/watched_disk.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::site {
+namespace {
+
+const Actor kAda{"ada", 1'000'000'000};
+
+class SiteKilled : public testing::Test {
+ protected:
+  SiteKilled() {
+    for (const char* mark : {"a", "b", "c"}) test::write_small_maps(at(mark), mark);
+    Site site = Site::create(at("hall"), "hall-3", "map", kAda);
+    for (const char* mark : {"a", "b"}) {
+      const std::string hash = site.add(at(mark), kAda, "").status.version.hash;
+      site.approve(hash, kAda, "");
+      (void)site.activate(hash, kAda);
+    }
+  }
+  [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
+
+  /// Does `work` in a process that ends before step `step` of it; whether it ended before its end.
+  [[nodiscard]] bool dies_before(std::size_t step, const std::function<void(Site&)>& work) const {
+    const pid_t child = fork();
+    if (child == 0) {
+      test::WatchedDisk disk;
+      disk.before_step = [step](std::size_t number) {
+        if (number == step) _exit(9);
+      };
+      Site site(at("hall"), disk);
+      work(site);
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WEXITSTATUS(status) == 9;
+  }
+
+  /// Everything that is there is whole, and everything can be done.
+  void expect_it_holds(const std::string& when) const {
+    SCOPED_TRACE(when);
+    Site site(at("hall"));
+    ASSERT_TRUE(site.active());
+    EXPECT_EQ(site.fault_of(*site.active()), "");
+    const std::string active = *site.active();
+    EXPECT_EQ(site.decisions().activations.back(), active);
+    for (const VersionStatus& status : site.versions()) {
+      EXPECT_EQ(status.fault, "");
+      EXPECT_EQ(site.fault_of(status.version.hash), "");
+    }
+  }
+
+  /// Kills `work` before each of its steps, and lets it be done from there.
+  void try_every_step(const std::string& name, const std::function<void(Site&)>& work,
+                      const std::function<bool(const Site&)>& is_done,
+                      const std::function<void(Site&)>& undo) const {
+    std::size_t step = 0;
+    bool died = true;
+    for (; died && step < 100; ++step) {
+      died = dies_before(step, work);
+      expect_it_holds(name + " before step " + std::to_string(step));
+      Site site(at("hall"));
+      if (!is_done(site)) work(site);
+      EXPECT_TRUE(is_done(site)) << name << " after a kill before step " << step;
+      undo(site);
+      expect_it_holds(name + " undone");
+    }
+    EXPECT_GT(step, 4U) << name << " has more steps than that";
+    EXPECT_FALSE(died);
+  }
+  test::TemporaryDirectory folder_;
+};
+
+TEST_F(SiteKilled, AddLeavesTheVersionWholeOrNotAtAll) {
+  try_every_step(
+      "add", [&](Site& site) { (void)site.add(at("c"), kAda, ""); },
+      [](const Site& site) { return site.versions().size() == 3; },
+      [](Site& site) {
+        fs::remove_all(site.maps_of(site.find("newest").version.hash).parent_path());
+      });
+  for (const auto& entry : fs::directory_iterator(at("hall") / "versions")) {
+    EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry;
+  }
+}
+
+TEST_F(SiteKilled, ActivateLeavesTheOneOrTheOther) {
+  const Site site(at("hall"));
+  const std::string a = site.find("1").version.hash;
+  const std::string b = site.find("2").version.hash;
+  try_every_step(
+      "activate", [&](Site& now) { (void)now.activate(a, kAda); },
+      [&](const Site& now) { return now.active() == a; },
+      [&](Site& now) { (void)now.activate(b, kAda); });
+}
+
+TEST_F(SiteKilled, RollbackLeavesTheOneOrTheOther) {
+  const Site site(at("hall"));
+  const std::string a = site.find("1").version.hash;
+  const std::string b = site.find("2").version.hash;
+  try_every_step(
+      "rollback",
+      [&](Site& now) {
+        if (now.active() == b) (void)now.rollback(kAda);
+      },
+      [&](const Site& now) { return now.active() == a; },
+      [&](Site& now) { (void)now.activate(b, kAda); });
+}
+
+TEST_F(SiteKilled, RemovingRubbishNeverTakesWhatIsActive) {
+  const Site site(at("hall"));
+  const std::string b = site.find("2").version.hash;
+  try_every_step(
+      "gc", [](Site& now) { (void)now.remove_rubbish({.keep_retired = 0}, kAda); },
+      [](const Site& now) { return now.versions().size() == 1; },
+      [&](Site& now) {
+        const std::string a = now.add(at("a"), kAda, "").status.version.hash;
+        now.approve(a, kAda, "");
+        (void)now.activate(a, kAda);
+        (void)now.activate(b, kAda);
+      });
+}
+
+}  // namespace
+}  // namespace strata::site

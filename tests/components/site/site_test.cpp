@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/site/site.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "tests/components/site/small_maps.hpp"
+#include "tests/support/full_disk.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::site {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const Actor kAda{"ada", 1'000'000'000};
+
+class SiteTest : public testing::Test {
+ protected:
+  [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
+  Site make() const { return Site::create(at("hall"), "hall-3", "map", kAda); }
+  /// Adds maps that differ by `mark`; their hash.
+  std::string add(Site& site, const std::string& mark) const {
+    test::write_small_maps(at("maps-" + mark), mark);
+    return site.add(at("maps-" + mark), kAda, mark).status.version.hash;
+  }
+  std::string activated(Site& site, const std::string& mark) const {
+    const std::string hash = add(site, mark);
+    site.approve(hash, kAda, "seen");
+    (void)site.activate(hash, kAda);
+    return hash;
+  }
+  [[nodiscard]] static std::vector<std::string> states(const Site& site) {
+    std::vector<std::string> all;
+    for (const VersionStatus& status : site.versions()) all.emplace_back(name_of(status.state));
+    return all;
+  }
+  [[nodiscard]] static std::string error_of(const std::function<void()>& body) {
+    try {
+      body();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  test::TemporaryDirectory folder_;
+};
+
+TEST_F(SiteTest, NamesVersionsByTheirContentAndKeepsWhatTheyAreMadeOf) {
+  Site site = make();
+  const std::string hash = add(site, "a");
+  EXPECT_EQ(hash, log::hash_content(at("maps-a")).hash);
+  EXPECT_EQ(log::hash_content(site.maps_of(hash)).hash, hash);
+  ASSERT_EQ(site.versions().size(), 1U);
+  const MapVersion version = site.versions()[0].version;
+  EXPECT_EQ(version.number, 1);
+  EXPECT_EQ(version.site, "hall-3");
+  EXPECT_EQ(version.frame, "map");
+  EXPECT_EQ(version.made.by, "ada");
+  EXPECT_EQ(version.parent, "");
+  EXPECT_EQ(version.facts.at("log"), "monday.clf");
+  EXPECT_EQ(version.files.size(), 3U);
+}
+
+TEST_F(SiteTest, TakesTheSameMapsOnce) {
+  Site site = make();
+  const std::string hash = add(site, "a");
+  fs::copy(at("maps-a"), at("copy"), fs::copy_options::recursive);
+  const Site::Added again = site.add(at("copy"), kAda, "once more");
+  EXPECT_FALSE(again.is_new);
+  EXPECT_EQ(again.status.version.hash, hash);
+  EXPECT_EQ(site.versions().size(), 1U);
+}
+
+TEST_F(SiteTest, LeadsAVersionFromCandidateToRetired) {
+  Site site = make();
+  const std::string a = add(site, "a");
+  EXPECT_THAT(states(site), ElementsAre("candidate"));
+  site.approve(a, kAda, "seen");
+  EXPECT_THAT(states(site), ElementsAre("approved"));
+  EXPECT_EQ(site.activate(a, kAda).from, "");
+  EXPECT_THAT(states(site), ElementsAre("active"));
+  const std::string b = activated(site, "b");
+  EXPECT_THAT(states(site), ElementsAre("retired", "active"));
+  EXPECT_EQ(site.find("2").version.parent, a);
+  EXPECT_EQ(fs::canonical(at("hall") / "active"), fs::canonical(site.maps_of(b)));
+  EXPECT_EQ(Site(at("hall")).active(), b);
+}
+
+TEST_F(SiteTest, ActivatesOnlyWhatWasApproved) {
+  Site site = make();
+  const std::string a = activated(site, "a");
+  const std::string b = add(site, "b");
+  EXPECT_THAT(error_of([&] { (void)site.activate(b, kAda); }), HasSubstr("was not approved"));
+  EXPECT_EQ(site.active(), a);
+}
+
+TEST_F(SiteTest, GoesBackStepByStepAndForthAgain) {
+  Site site = make();
+  const std::string a = activated(site, "a");
+  const std::string b = activated(site, "b");
+  const std::string c = activated(site, "c");
+  EXPECT_EQ(site.find("previous").version.hash, b);
+  EXPECT_EQ(site.rollback(kAda).to, b);
+  EXPECT_EQ(site.rollback(kAda).to, a);
+  EXPECT_THAT(error_of([&] { (void)site.rollback(kAda); }), HasSubstr("nothing to go back to"));
+  EXPECT_EQ(site.active(), a);
+  EXPECT_EQ(site.activate(c, kAda).from, a);
+  EXPECT_EQ(site.rollback(kAda).to, a);
+}
+
+TEST_F(SiteTest, NeitherApprovesNorActivatesNorGoesBackToADamagedVersion) {
+  Site site = make();
+  const std::string a = activated(site, "a");
+  const std::string b = activated(site, "b");
+  const std::string c = add(site, "c");
+  std::ofstream(site.maps_of(a) / "patches/submap0.pgm", std::ios::app) << "x";
+  fs::remove(site.maps_of(c) / "summary.json");
+  EXPECT_EQ(site.fault_of(a), "patches/submap0.pgm was changed");
+  EXPECT_EQ(site.fault_of(b), "");
+  EXPECT_EQ(site.fault_of(c), "summary.json is missing");
+  EXPECT_THAT(error_of([&] { (void)site.rollback(kAda); }), HasSubstr("was changed"));
+  EXPECT_THAT(error_of([&] { (void)site.activate(a, kAda); }), HasSubstr("hash does not hold"));
+  EXPECT_THAT(error_of([&] { site.approve(c, kAda, ""); }), HasSubstr("is missing"));
+  EXPECT_EQ(site.active(), b);
+  EXPECT_THAT(states(site), ElementsAre("retired", "active", "candidate"));
+}
+
+// 50 of 50: any bit of any file of a version, its description included.
+TEST_F(SiteTest, FindsEveryBitThatIsNotAsItWas) {
+  Site site = make();
+  const std::string hash = add(site, "a");
+  const std::vector<fs::path> files = {site.maps_of(hash) / "strata.db",
+                                       site.maps_of(hash) / "summary.json",
+                                       site.maps_of(hash).parent_path() / "version.json"};
+  for (int i = 0; i < 50; ++i) {
+    const fs::path& file = files[static_cast<std::size_t>(i) % files.size()];
+    const std::string whole = test::bytes_of(file);
+    std::string other = whole;
+    char& byte = other[static_cast<std::size_t>(i) * 997U % whole.size()];
+    // White space of a JSON text may change without a change of what it says.
+    byte = static_cast<char>(byte ^ (1 << (i % 7)));
+    std::ofstream(file, std::ios::binary) << other;
+    const bool is_only_space = file.filename() == "version.json" &&
+                               site.versions()[0].fault.empty() && site.fault_of(hash).empty();
+    if (is_only_space) {
+      EXPECT_EQ(to_json(read_version(file)).dump(), to_json(site.versions()[0].version).dump());
+    } else {
+      EXPECT_NE(site.fault_of(hash), "") << file << " " << i;
+      EXPECT_THROW(site.approve(hash, kAda, ""), InputError);
+    }
+    std::ofstream(file, std::ios::binary) << whole;
+    EXPECT_EQ(site.fault_of(hash), "");
+  }
+}
+
+TEST_F(SiteTest, TellsADescriptionThatIsCutAndGoesOnWithTheOthers) {
+  Site site = make();
+  (void)add(site, "a");
+  const std::string b = add(site, "b");
+  fs::resize_file(site.maps_of(b).parent_path() / "version.json", 40);
+  ASSERT_EQ(site.versions().size(), 2U);
+  EXPECT_EQ(site.versions()[1].version.hash, b);
+  EXPECT_THAT(site.versions()[1].fault, HasSubstr("cut"));
+  EXPECT_EQ(site.find("1").version.number, 1);
+  const std::string c = add(site, "c");
+  EXPECT_EQ(site.find(c).version.number, 3);
+}
+
+TEST_F(SiteTest, FindsVersionsByNumberBeginAndName) {
+  Site site = make();
+  const std::string a = activated(site, "a");
+  const std::string b = add(site, "b");
+  EXPECT_EQ(site.find("1").version.hash, a);
+  EXPECT_EQ(site.find(b.substr(0, 8)).version.hash, b);
+  EXPECT_EQ(site.find("active").version.hash, a);
+  EXPECT_EQ(site.find("newest").version.hash, b);
+  EXPECT_THAT(error_of([&] { (void)site.find("7"); }), HasSubstr("there are 1 ("));
+  EXPECT_THAT(error_of([&] { (void)site.find("previous"); }), HasSubstr("no version"));
+}
+
+TEST_F(SiteTest, RefusesWhatIsNoWholeFolderOfMaps) {
+  Site site = make();
+  EXPECT_THROW((void)site.add(at("nothing"), kAda, ""), InputError);
+  test::write_small_maps(at("bad"), "bad");
+  fs::resize_file(at("bad") / "strata.db", 600);
+  EXPECT_THROW((void)site.add(at("bad"), kAda, ""), InputError);
+  test::write_small_maps(at("busy"), "busy");
+  std::ofstream(at("busy") / "strata.db-wal") << "not yet in the store";
+  EXPECT_THAT(error_of([&] { (void)site.add(at("busy"), kAda, ""); }),
+              HasSubstr("being written to"));
+  EXPECT_TRUE(site.versions().empty());
+}
+
+TEST_F(SiteTest, IsNotMadeWhereSomethingIs) {
+  (void)make();
+  EXPECT_THAT(error_of([&] { (void)make(); }), HasSubstr("exists already"));
+  EXPECT_THROW(Site{at("nothing")}, InputError);
+  fs::resize_file(at("hall") / "site.json", 10);
+  EXPECT_THAT(error_of([&] { Site{at("hall")}; }), HasSubstr("damaged"));
+}
+
+TEST_F(SiteTest, LosesNothingWhereADiskIsFull) {
+  Site site = make();
+  const std::string a = activated(site, "a");
+  const std::string b = add(site, "b");
+  site.approve(b, kAda, "seen");
+  test::write_small_maps(at("maps-c"), "c");
+  const std::string before = test::bytes_of(at("hall") / "site.json");
+  {
+    const test::FullDisk full(100);
+    EXPECT_THROW((void)site.add(at("maps-c"), kAda, ""), OutputError);
+    EXPECT_THROW((void)site.activate(b, kAda), OutputError);
+    EXPECT_THROW(site.approve(b, kAda, ""), OutputError);
+  }
+  EXPECT_EQ(test::bytes_of(at("hall") / "site.json"), before);
+  EXPECT_EQ(site.active(), a);
+  EXPECT_THAT(states(site), ElementsAre("active", "approved"));
+  std::size_t entries = 0;
+  for (const auto& entry : fs::directory_iterator(at("hall") / "versions")) {
+    EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry;
+    ++entries;
+  }
+  EXPECT_EQ(entries, 2U);
+  EXPECT_NO_THROW((void)site.activate(b, kAda));
+}
+
+TEST_F(SiteTest, RemovesWhatIsOldAndNothingThatIsNeeded) {
+  Site site = make();
+  const std::string a = activated(site, "a");
+  const std::string b = activated(site, "b");
+  const std::string passed_over = add(site, "c");
+  const std::string d = activated(site, "d");
+  const std::string approved = add(site, "e");
+  site.approve(approved, kAda, "seen");
+  const std::string fresh = add(site, "f");
+  EXPECT_EQ(site.remove_rubbish({.keep_retired = 1, .dry_run = true}, kAda).size(), 2U);
+  EXPECT_EQ(site.versions().size(), 6U);
+  std::vector<std::string> gone;
+  for (const auto& status : site.remove_rubbish({.keep_retired = 1}, kAda)) {
+    gone.push_back(status.version.hash);
+  }
+  EXPECT_THAT(gone, ElementsAre(a, passed_over));
+  EXPECT_THAT(states(site), ElementsAre("retired", "active", "approved", "candidate"));
+  EXPECT_EQ(site.rollback(kAda).to, b);
+  fs::resize_file(site.maps_of(fresh) / "strata.db", 1);
+  ASSERT_EQ(site.remove_rubbish({.damaged = true}, kAda).size(), 1U);
+  EXPECT_EQ(site.active(), b);
+  EXPECT_EQ(site.find(d).state, VersionState::kRetired);
+}
+
+TEST_F(SiteTest, KeepsADiaryOfWhoDidWhat) {
+  Site site = make();
+  (void)activated(site, "a");
+  std::vector<std::string> all;
+  for (const Event& event : site.decisions().diary)
+    all.push_back(event.what + " " + event.actor.by);
+  EXPECT_THAT(all, ElementsAre("init ada", "add ada", "approve ada", "activate ada"));
+}
+
+}  // namespace
+}  // namespace strata::site
