@@ -123,8 +123,10 @@ struct LocalizerComponentConfig {
   static void describe(Self& c, V& v) {
     v.field(
         "maps", c.maps,
-        {.doc = "folder that `strata learn` or mapping.yaml wrote; empty: maps come over topics, "
-                "and the robot is localized from when they are there",
+        {.doc =
+             "folder that `strata learn` or mapping.yaml wrote, or a site (`strata site`), whose "
+             "active version is used, and the next one when another is activated; empty: maps "
+             "come over topics, and the robot is localized from when they are there",
          .when = "always, unless maps come over topics"});
     v.group("map_topics", c.map_topics, "where maps come from when no folder is named");
     v.field("model", c.model,

@@ -21,17 +21,18 @@ void Localizer::on_configure() {
   config_ = read_parameters<LocalizerComponentConfig>();
   keep_live(config_, {"publish_tf", "transform_tolerance"});
   if (!lockstep()) load_place();
-  std::optional<maps::Maps> known;
+  std::optional<LoadedMaps> known;
   if (!config_.maps.empty()) {
-    known = maps::read_maps(config_.maps);
-    known->decoding = config_.decoding;
-    known->timescale_use = config_.timescale_use;
+    map_source_.emplace(config_.maps, [config = config_](const std::filesystem::path& folder) {
+      return make_maps(folder, config);
+    });
+    known = map_source_->load();
     use_maps(*known, start_of(config_.start));
   }
   advertise_topics();
   if (!known || config_.map_topics.follow) {
     subscribe_maps();
-    if (known) live_maps_->begin_with(*known);
+    if (known) live_maps_->begin_with(known->maps);
   }
   subscribe<geometry_msgs::msg::PoseWithCovarianceStamped>(
       config_.initial_pose_topic, config_.initial_pose_qos,
@@ -70,65 +71,6 @@ bool Localizer::resume(const Observation& observation) {
   return true;
 }
 
-void Localizer::use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussian>& start) {
-  ++maps_taken_;
-  model_ = config_.sensor_model == maps::SensorModelKind::kBeam
-               ? maps::make_map_model(maps, config_.model, config_.sensor)
-               : maps::make_likelihood_field_model(maps, config_.model, config_.likelihood_field);
-  current_map_.emplace(maps, *model_.descriptor);
-  if (store_ && store_->has_place()) kept_map_ = maps.filtered;
-  if (localizer_) {
-    // A newer map: all that is known of the pose stays, be it one place or many.
-    localizer_->set_model(model_.sensor);
-    localizer_->set_free_space(maps.filtered);
-    return;
-  }
-  localizer_ = std::make_unique<localization::Localizer>(config_.localizer, model_.sensor,
-                                                         context().seed, context().threads);
-  localizer_->set_free_space(maps.filtered);
-  if (start) {
-    localizer_->initialize(*start);
-  } else {
-    localizer_->initialize_global();
-  }
-}
-
-void Localizer::subscribe_maps() {
-  live_maps_.emplace(maps::map_models().at(config_.model), config_.map_topics);
-  maps::Maps none_yet;
-  none_yet.timescale_use = config_.timescale_use;
-  live_maps_->begin_with(none_yet);
-  const MapTopicsConfig& topics = config_.map_topics;
-  const auto add = [this](const auto& message) { live_maps_->add(message); };
-  if (live_maps_->needs(maps::MapPart::kOccupancy)) {
-    subscribe<nav_msgs::msg::OccupancyGrid>(topics.occupancy, topics.qos, add);
-  }
-  if (live_maps_->needs(maps::MapPart::kFiltered)) {
-    subscribe<strata_msgs::msg::ReflectionGrid>(topics.filtered, topics.qos, add);
-  }
-  if (live_maps_->needs(maps::MapPart::kPatches)) {
-    subscribe<strata_msgs::msg::PatchMap>(topics.patches, topics.qos, add);
-  }
-  if (live_maps_->needs(maps::MapPart::kTimescale)) {
-    subscribe<strata_msgs::msg::NodeMap>(topics.nodes, topics.qos, add);
-  }
-  if (config_.start.pose_topic.empty() || !config_.start.pose.empty()) return;
-  subscribe<strata_msgs::msg::ScanPose>(
-      config_.start.pose_topic, "default", [this](const auto& message) {
-        if (localizer_) return;  // it knows better by now
-        if (!is_finite(convert::from_message(message.map_from_robot().mean())) ||
-            !is_finite(convert::from_message(message.odom_from_robot()))) {
-          throw InputError(resolve(config_.start.pose_topic), "a pose is not finite",
-                           "see what publishes it");
-        }
-        if (store_) store_->forget();  // the mapper has asked its scans
-        place_ = Place{{convert::from_message(message.map_from_robot().mean()),
-                        pose_covariance(config_.start.stddev_m, config_.start.stddev_rad)},
-                       convert::from_message(message.odom_from_robot()),
-                       message.has_odometry()};
-      });
-}
-
 std::optional<Pose2Gaussian> Localizer::place_now(const Observation& observation) const {
   if (!place_) return start_of(config_.start);
   Pose2Gaussian place = place_->map_from_robot;
@@ -139,8 +81,10 @@ std::optional<Pose2Gaussian> Localizer::place_now(const Observation& observation
 }
 
 void Localizer::on_observation(const Observation& observation) {
+  take_folder();
   if (live_maps_ && live_maps_->has_news()) {
-    use_maps(live_maps_->take(), place_now(observation));
+    const maps::Maps& maps = live_maps_->take();
+    use_maps(maps, make_model(maps, config_), place_now(observation));
   }
   if (!resume(observation)) return;
   if (localizer_) localize(observation);
@@ -216,6 +160,12 @@ void Localizer::on_diagnose(runtime::Health& health) const {
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   health.add("maps", config_.maps.empty() ? std::string("topics") : config_.maps);
   health.add("maps taken", maps_taken_);
+  if (identity_) {
+    health.add("mapId", identity_->id);
+    health.add("mapVersion", identity_->version);
+    health.add("mapHash", identity_->hash);
+  }
+  if (!refused_maps_.empty()) health.warn(refused_maps_);
   if (health_) {
     describe(*health_, health);
     health.add("update times", update_times_.text());
@@ -248,6 +198,9 @@ void Localizer::on_cleanup() {
   localizer_.reset();
   current_map_.reset();
   live_maps_.reset();
+  map_source_.reset();
+  identity_.reset();
+  refused_maps_.clear();
   place_.reset();  // its odometry may begin anew before the next configure
   store_.reset();
   waits_for_odometry_ = false;

@@ -4,14 +4,17 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "components/localizer/config.hpp"
 #include "components/localizer/current_map.hpp"
 #include "components/localizer/health_report.hpp"
 #include "components/localizer/live_maps.hpp"
+#include "components/localizer/map_source.hpp"
 #include "components/localizer/place_store.hpp"
 #include "components/maps/localization_files.hpp"
 #include "components/maps/map_model.hpp"
@@ -28,7 +31,8 @@ namespace strata::localizer {
 /// request_nomotion_update, set_initial_pose. In: initialpose, and the maps when no MAPS folder is
 /// named (or map_topics.follow): scans that come before them are passed over, and when one comes
 /// again the robot goes on in it, with the particles that it has and what they believe of sub-maps
-/// that are still there. Scans with their poses go out where a learner wants them. At the end of a
+/// that are still there; so it does when the folder is a site's and another version becomes active.
+/// Scans with their poses go out where a learner wants them. At the end of a
 /// log trajectory.tum, states.csv and metrics.json, byte for byte those of `strata localize`
 /// without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
@@ -43,7 +47,17 @@ class Localizer final : public runtime::SensorComponent {
   void on_diagnose(runtime::Health& health) const override;
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_observation(const Observation& observation) override;
-  void use_maps(const maps::Maps& maps, const std::optional<Pose2Gaussian>& start);
+  void on_tick() override;
+  [[nodiscard]] static maps::MapModel make_model(const maps::Maps& maps,
+                                                 const LocalizerComponentConfig& config);
+  /// Reads a MAPS folder and makes the model of it; on any thread.
+  [[nodiscard]] static LoadedMaps make_maps(const std::filesystem::path& folder,
+                                            const LocalizerComponentConfig& config);
+  void use_maps(const maps::Maps& maps, maps::MapModel model,
+                const std::optional<Pose2Gaussian>& start);
+  void use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaussian>& start);
+  /// Goes on in the maps that the folder's name leads to by now, once they are loaded.
+  void take_folder();
   void subscribe_maps();
   void advertise_topics();
   void subscribe_topics();
@@ -76,6 +90,9 @@ class Localizer final : public runtime::SensorComponent {
     bool has_odometry = false;
   };
 
+  std::optional<MapSource> map_source_;        ///< when a folder is named
+  std::optional<site::MapIdentity> identity_;  ///< of the maps in the folder
+  std::string refused_maps_;                   ///< why newer ones are not used; empty: none
   std::optional<LiveMaps> live_maps_;
   std::optional<Place> place_;
   std::optional<PlaceStore> store_;  ///< live only

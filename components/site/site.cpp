@@ -86,6 +86,7 @@ Site Site::create(const fs::path& folder, const std::string& id, const std::stri
 
 Site::Site(const fs::path& folder, const log::Disk& disk)
     : disk_(&disk), folder_(folder), wait_([](const std::string&) { return true; }) {
+  if (folder_.empty()) throw InputError("SITE", "is an empty name", "name the folder of a site");
   if (!folder_.has_filename()) folder_ = folder_.parent_path();
   (void)read_decisions(folder_ / kSiteFile);
 }

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// The maps that the localizer is given, and what it does when others come.
+#include <exception>
+#include <string>
+#include <utility>
+
+#include "components/convert/geometry_messages.hpp"
+#include "components/localizer/localizer.hpp"
+#include "components/log/content_hash.hpp"
+#include "components/maps/maps_folder.hpp"
+
+namespace strata::localizer {
+
+maps::MapModel Localizer::make_model(const maps::Maps& maps,
+                                     const LocalizerComponentConfig& config) {
+  return config.sensor_model == maps::SensorModelKind::kBeam
+             ? maps::make_map_model(maps, config.model, config.sensor)
+             : maps::make_likelihood_field_model(maps, config.model, config.likelihood_field);
+}
+
+LoadedMaps Localizer::make_maps(const std::filesystem::path& folder,
+                                const LocalizerComponentConfig& config) {
+  LoadedMaps loaded;
+  loaded.maps = maps::read_maps(folder);
+  loaded.maps.decoding = config.decoding;
+  loaded.maps.timescale_use = config.timescale_use;
+  loaded.model = make_model(loaded.maps, config);
+  return loaded;
+}
+
+void Localizer::on_tick() {
+  if (!map_source_) return;
+  if (map_source_->look()) refused_maps_.clear();
+  take_folder();
+}
+
+void Localizer::take_folder() {
+  if (!map_source_) return;
+  std::optional<LoadedMaps> loaded;
+  try {
+    loaded = map_source_->take();
+  } catch (const std::exception& error) {  // the maps in use are as good as they were
+    refused_maps_ = std::string("newer maps are not used: ") + error.what();
+    tell(error);
+  }
+  if (!loaded) return;
+  use_maps(*loaded, std::nullopt);
+  if (live_maps_) live_maps_->begin_with(loaded->maps);
+  const std::string name =
+      identity_
+          ? identity_->version + " (" + log::short_hash(identity_->hash) + ") of " + identity_->id
+          : loaded->folder.string();
+  say(runtime::LogLevel::kInfo, "localizes in version " + name + " now");
+}
+
+void Localizer::use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaussian>& start) {
+  use_maps(loaded.maps, loaded.model, start);
+  identity_ = loaded.identity;
+  refused_maps_.clear();
+}
+
+void Localizer::use_maps(const maps::Maps& maps, maps::MapModel model,
+                         const std::optional<Pose2Gaussian>& start) {
+  ++maps_taken_;
+  model_ = std::move(model);
+  current_map_.emplace(maps, *model_.descriptor);
+  if (store_ && store_->has_place()) kept_map_ = maps.filtered;
+  if (localizer_) {
+    // A newer map: all that is known of the pose stays, be it one place or many.
+    localizer_->set_model(model_.sensor);
+    localizer_->set_free_space(maps.filtered);
+    return;
+  }
+  localizer_ = std::make_unique<localization::Localizer>(config_.localizer, model_.sensor,
+                                                         context().seed, context().threads);
+  localizer_->set_free_space(maps.filtered);
+  if (start) {
+    localizer_->initialize(*start);
+  } else {
+    localizer_->initialize_global();
+  }
+}
+
+void Localizer::subscribe_maps() {
+  live_maps_.emplace(maps::map_models().at(config_.model), config_.map_topics);
+  maps::Maps none_yet;
+  none_yet.timescale_use = config_.timescale_use;
+  live_maps_->begin_with(none_yet);
+  const MapTopicsConfig& topics = config_.map_topics;
+  const auto add = [this](const auto& message) { live_maps_->add(message); };
+  if (live_maps_->needs(maps::MapPart::kOccupancy)) {
+    subscribe<nav_msgs::msg::OccupancyGrid>(topics.occupancy, topics.qos, add);
+  }
+  if (live_maps_->needs(maps::MapPart::kFiltered)) {
+    subscribe<strata_msgs::msg::ReflectionGrid>(topics.filtered, topics.qos, add);
+  }
+  if (live_maps_->needs(maps::MapPart::kPatches)) {
+    subscribe<strata_msgs::msg::PatchMap>(topics.patches, topics.qos, add);
+  }
+  if (live_maps_->needs(maps::MapPart::kTimescale)) {
+    subscribe<strata_msgs::msg::NodeMap>(topics.nodes, topics.qos, add);
+  }
+  if (config_.start.pose_topic.empty() || !config_.start.pose.empty()) return;
+  subscribe<strata_msgs::msg::ScanPose>(
+      config_.start.pose_topic, "default", [this](const auto& message) {
+        if (localizer_) return;  // it knows better by now
+        if (!is_finite(convert::from_message(message.map_from_robot().mean())) ||
+            !is_finite(convert::from_message(message.odom_from_robot()))) {
+          throw InputError(resolve(config_.start.pose_topic), "a pose is not finite",
+                           "see what publishes it");
+        }
+        if (store_) store_->forget();  // the mapper has asked its scans
+        place_ = Place{{convert::from_message(message.map_from_robot().mean()),
+                        pose_covariance(config_.start.stddev_m, config_.start.stddev_rad)},
+                       convert::from_message(message.odom_from_robot()),
+                       message.has_odometry()};
+      });
+}
+
+}  // namespace strata::localizer
