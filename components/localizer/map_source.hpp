@@ -35,7 +35,8 @@ class MapSource {
   /// What it leads to now. Throws InputError and what `make` throws.
   [[nodiscard]] LoadedMaps load();
   /// Begins to load when the name leads elsewhere than to what was loaded last; what could not be
-  /// loaded is tried again after a while. Whether it leads to what was loaded last. Returns at once.
+  /// loaded is tried again after a while. Whether it leads to what was loaded last. Returns at
+  /// once.
   bool look();
   /// What was loaded since, when it is ready. Throws what loading it threw, once. Returns at once.
   [[nodiscard]] std::optional<LoadedMaps> take();
