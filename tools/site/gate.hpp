@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Whether maps may take the place of those that robots localize in (docs/site.md, "The gate").
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "components/maps/maps_folder.hpp"
+#include "core/base/config.hpp"
+#include "core/base/progress.hpp"
+#include "core/localization/localizer_config.hpp"
+#include "tools/pipeline/map_fit.hpp"
+#include "tools/pipeline/runs_input.hpp"
+#include "tools/site/map_shift.hpp"
+
+namespace strata::site {
+
+struct GateConfig {
+  double max_shift_m = 0.03;
+  double max_turn_rad = 0.0035;
+  double min_common_walls = 0.5;
+  double min_common_area = 0.8;
+  double min_explained = 0.65;
+  double max_explained_drop = 0.03;
+  double max_contradicted_rise = 0.03;
+  double max_score_drop = 0.05;
+  double max_lost_rise = 0.01;
+  double max_error_rise_m = 0.02;
+  localization::LocalizerConfig localizer;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    v.field("max_shift_m", c.max_shift_m,
+            {.doc = "so far the frame may lie from the active version's, in the middle of the map",
+             .unit = "m",
+             .min = 0.0});
+    v.field("max_turn_rad", c.max_turn_rad,
+            {.doc = "... and so far be turned against it", .unit = "rad", .min = 0.0});
+    v.field("min_common_walls", c.min_common_walls,
+            {.doc = "least share of the active version's walls that the candidate has, where it "
+                    "knows anything",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("min_common_area", c.min_common_area,
+            {.doc = "least share of what the active version knows that the candidate knows as well",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("min_explained", c.min_explained,
+            {.doc = "without an active version: least share of a recording's scans that fit",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("max_explained_drop", c.max_explained_drop,
+            {.doc = "so many fewer of the scans may fit than in the active version",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("max_contradicted_rise", c.max_contradicted_rise,
+            {.doc = "so many more of the scans may contradict the map",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("max_score_drop", c.max_score_drop,
+            {.doc = "so much lower the mean score may be", .unit = "1", .min = 0.0, .max = 1.0});
+    v.field("max_lost_rise", c.max_lost_rise,
+            {.doc = "in so many more of the scans the robot may be lost",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("max_error_rise_m", c.max_error_rise_m,
+            {.doc = "so much greater the mean error may be, where --truth tells it",
+             .unit = "m",
+             .min = 0.0});
+    v.group("localizer", c.localizer, "the particle filter");
+  }
+};
+
+/// One thing that was looked at.
+struct GateCheck {
+  std::string name;  ///< "frame", "walls", "fold", "losses", ...
+  std::string log;   ///< of a recording: which; else empty
+  bool passed = true;
+  std::string text;  ///< what was found, and against what
+};
+
+/// How well a robot did on a recording in one map.
+struct Drive {
+  double explained = 0.0;         ///< shares of the weighed scans
+  double contradicted = 0.0;      ///< ...
+  double lost = 0.0;              ///< share of all scans
+  double score = 0.0;             ///< mean
+  std::optional<double> error_m;  ///< mean, where the truth is known
+  pipeline::LogFit fit;
+};
+
+struct GateLog {
+  std::string log;
+  std::string passed_over;  ///< why it says nothing; empty: it was driven
+  std::optional<Drive> active;
+  Drive candidate;
+};
+
+struct GateReport {
+  std::string model;
+  std::optional<MapShift> shift;  ///< from the active version's frame to the candidate's
+  std::vector<GateCheck> checks;
+  std::vector<GateLog> logs;
+  [[nodiscard]] bool passed() const;
+};
+
+struct GateTask {
+  std::filesystem::path candidate;              ///< MAPS folders
+  std::optional<std::filesystem::path> active;  ///< nothing: the first version of a site
+  pipeline::RunsInput input;                    ///< recordings, and their truths where known
+  std::string model;                            ///< empty: patch where both have one, else filtered
+  std::uint64_t seed = 1;
+  int threads = 1;
+};
+
+/// Looks whether the candidate is folded, whether its walls lie where the active version's do, and
+/// drives every recording through both. A recording on which the robot is not found in the active
+/// version says nothing and is passed over. Deterministic. Throws InputError.
+[[nodiscard]] GateReport run_gate(const GateTask& task, const GateConfig& config,
+                                  Progress* progress);
+
+}  // namespace strata::site
