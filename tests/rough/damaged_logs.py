@@ -37,6 +37,7 @@ def run(tries, material):
         "settings": ["learn", log, "--config", "{}", "--out", out],
         "play": ["play", "{}", "--transport", "loopback", "--domain", "199"],
         "incidents": ["incidents", "{}"],
+        "site": ["site", "status", "{}"],
     }
     # An option with an empty name is one that is not given.
     takes = {(verb, "empty name") for verb in ("learn on", "compare with a map", "settings")}

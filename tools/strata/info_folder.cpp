@@ -13,10 +13,13 @@
 #include <nlohmann/json.hpp>
 
 #include "components/maps/maps_folder.hpp"
+#include "components/site/active_maps.hpp"
+#include "components/site/site.hpp"
 #include "core/base/error.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/info_store.hpp"
 #include "tools/strata/result_directory.hpp"
+#include "tools/strata/site_text.hpp"
 #include "tools/strata/words.hpp"
 
 namespace fs = std::filesystem;
@@ -114,11 +117,36 @@ Json describe(const fs::path& path, const Kind& kind) {
   return info;
 }
 
+/// mapId, mapVersion and mapHash, as VDA 5050 names them.
+void add_identity(const fs::path& path, Json& info) {
+  try {
+    const site::MapIdentity identity = site::identify(site::real_maps(path));
+    info["mapId"] = identity.id;
+    info["mapVersion"] = identity.version;
+    info["mapHash"] = identity.hash;
+  } catch (const InputError& error) {
+    info["warnings"].push_back(error.what());
+  }
+}
+
+bool is_site(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path / site::kSiteFile, error);
+}
+
 }  // namespace
 
-bool is_result_folder(const fs::path& path) { return kind_in_words(path) != nullptr; }
+bool is_result_folder(const fs::path& path) {
+  return kind_in_words(path) != nullptr || is_site(path);
+}
 
 void print_folder(const fs::path& path, bool json) {
+  if (is_site(path)) {
+    const site::Site site(path);
+    if (!json) return print_site(site);
+    std::cout << json_of_site(site).dump(2) << "\n";
+    return;
+  }
   const Kind& kind = *kind_in_words(path);
   const fs::path store = path / maps::kStoreFile;
   const bool has_store = fs::exists(store);
@@ -133,12 +161,13 @@ void print_folder(const fs::path& path, bool json) {
     return;
   }
   Json info = describe(path, kind);
+  if (kind.name == std::string("maps")) add_identity(path, info);
   info["store"] = nullptr;
   if (has_store) {
     try {
       info["store"] = describe_store(store);
     } catch (const InputError& error) {
-      info["warnings"] = {error.what()};
+      info["warnings"].push_back(error.what());
     }
   }
   std::cout << info.dump(2) << "\n";

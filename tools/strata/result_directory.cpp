@@ -41,6 +41,7 @@ constexpr Mark kMarks[] = {
     {"states.json", "simulation"},
     {"metadata.yaml", "a bag"},
     {"incident.json", "an incident"},
+    {"site.json", "a site"},
     {"public/identity_ca.cert.pem", "a keystore"},
 };
 

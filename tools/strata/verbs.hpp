@@ -29,6 +29,7 @@ void add_record(CLI::App& app, VerbContext& context);
 void add_replay(CLI::App& app, VerbContext& context);
 void add_run(CLI::App& app, VerbContext& context);
 void add_simulate(CLI::App& app, VerbContext& context);
+void add_site(CLI::App& app, VerbContext& context);
 void add_topology(CLI::App& app, VerbContext& context);
 void add_view(CLI::App& app, VerbContext& context);
 void add_volume(CLI::App& app, VerbContext& context);
@@ -51,6 +52,7 @@ inline constexpr AddVerb kVerbs[] = {
     add_play,       //
     add_view,       //
     add_incidents,  //
+    add_site,       //
     add_doctor,     //
     add_keystore,   //
     add_messages,   //

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata site`, as a user calls it, and as `kill -9` ends it.
+#include "components/site/site.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/components/site/small_maps.hpp"
+#include "tests/tools/strata/program.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+using nlohmann::json;
+using test::Outcome;
+using test::quoted;
+using testing::HasSubstr;
+
+class SiteVerb : public testing::Test {
+ protected:
+  [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
+  [[nodiscard]] Outcome site(const std::string& action, const std::string& rest = "") const {
+    return test::run_strata("site " + action + " " + quoted(at("site")) + " " + rest + " 2>&1");
+  }
+  [[nodiscard]] json ask(const std::string& action, const std::string& rest = "") const {
+    const Outcome outcome = site(action, rest + " --json");
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
+    return json::parse(outcome.out, nullptr, false);
+  }
+  /// Adds small maps and approves them without a look.
+  [[nodiscard]] std::string approved(const std::string& mark) const {
+    test::write_small_maps(at(mark), mark);
+    const std::string hash = ask("add", quoted(at(mark)))["mapHash"];
+    EXPECT_EQ(site("approve", hash + " --unchecked --note 'small maps'").code, 0);
+    return hash;
+  }
+  test::TemporaryDirectory folder_;
+};
+
+TEST_F(SiteVerb, LeadsMapsFromTheFolderToTheRobotAndBack) {
+  EXPECT_THAT(site("init", "--id hall-3").out, HasSubstr("made site hall-3"));
+  const std::string a = approved("a");
+  const std::string b = approved("b");
+  EXPECT_EQ(ask("activate", "1")["mapHash"], a);
+  const json now = ask("activate", b.substr(0, 12) + " --by ada");
+  EXPECT_EQ(now["mapHash"], b);
+  EXPECT_EQ(now["from"], a);
+  EXPECT_EQ(now["mapVersion"], "2");
+  EXPECT_EQ(now["mapId"], "hall-3");
+  const json status = ask("status");
+  EXPECT_EQ(status["active"]["mapHash"], b);
+  EXPECT_EQ(status["previous"]["mapHash"], a);
+  EXPECT_EQ(status["active_fault"], "");
+  EXPECT_EQ(status["diary"].back()["by"], "ada");
+  EXPECT_EQ(ask("rollback")["mapHash"], a);
+  EXPECT_EQ(ask("list").size(), 2U);
+  EXPECT_EQ(ask("list")[1]["state"], "retired");
+  EXPECT_THAT(site("list").out, HasSubstr("retired"));
+  EXPECT_THAT(site("status", "--diary 3").out, HasSubstr("rollback"));
+  EXPECT_EQ(ask("gc", "--dry-run").size(), 0U);
+  // What robots and other verbs are given.
+  const json info = json::parse(test::run_strata("info --json " + quoted(at("site/active"))).out);
+  EXPECT_EQ(info["mapHash"], a);
+  EXPECT_EQ(info["mapId"], "hall-3");
+  EXPECT_EQ(info["mapVersion"], "1");
+  EXPECT_THAT(test::run_strata("info " + quoted(at("site"))).out, HasSubstr("site hall-3"));
+}
+
+TEST_F(SiteVerb, SaysWhatIsWrongAndWhatToDo) {
+  const auto expect = [](const Outcome& outcome, int code, const std::string& text) {
+    EXPECT_EQ(outcome.code, code) << outcome.out;
+    EXPECT_THAT(outcome.out, HasSubstr(text));
+    EXPECT_THAT(outcome.out, HasSubstr("; ")) << "no remedy";
+  };
+  expect(site("status"), 2, "is no site");
+  EXPECT_EQ(site("init", "--id hall-3").code, 0);
+  expect(site("init", "--id hall-3"), 1, "exists already");
+  expect(site("add", quoted(at("nothing"))), 2, "is no folder");
+  expect(site("activate", "1"), 2, "has no version '1'");
+  expect(site("rollback"), 2, "nothing to go back to");
+  test::write_small_maps(at("a"), "a");
+  EXPECT_EQ(site("add", quoted(at("a"))).code, 0);
+  expect(site("activate", "1"), 2, "was not approved");
+  const std::string hash = ask("list")[0]["mapHash"];
+  std::ofstream(at("site/versions") / hash / "maps/summary.json", std::ios::app) << " ";
+  expect(site("approve", "1 --unchecked"), 2, "summary.json was changed");
+  EXPECT_THAT(test::run_strata("info " + quoted(at("site"))).out, HasSubstr("active    none"));
+}
+
+TEST_F(SiteVerb, OutlivesKillsAtAnyMoment) {
+  ASSERT_EQ(site("init", "--id hall-3").code, 0);
+  const std::string a = approved("a");
+  const std::string b = approved("b");
+  ASSERT_EQ(site("activate", "1").code, 0);
+  test::write_small_maps(at("c"), "c");
+  const std::string words[] = {"add", "activate", "rollback", "approve"};
+  for (int i = 0; i < 40; ++i) {
+    const std::string& action = words[i % 4];
+    const std::string rest = action == "add"        ? quoted(at("c"))
+                             : action == "approve"  ? "2 --unchecked"
+                             : action == "activate" ? "2"
+                                                    : "";
+    (void)test::run_strata_under("timeout --signal=KILL " + std::to_string(0.001 * (i + 1)),
+                                 "site " + action + " --quiet " + quoted(at("site")) + " " + rest);
+    const site::Site there(at("site"));
+    ASSERT_TRUE(there.active()) << i;
+    EXPECT_TRUE(*there.active() == a || *there.active() == b) << i;
+    for (const auto& status : there.versions()) {
+      EXPECT_EQ(there.fault_of(status.version.hash), "") << i;
+    }
+  }
+  EXPECT_EQ(site("add", quoted(at("c"))).code, 0);
+  EXPECT_EQ(ask("status")["active_fault"], "");
+}
+
+}  // namespace
+}  // namespace strata::tools

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// What the actions of `strata site` share, and those that ask the gate.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "components/site/site.hpp"
+#include "tools/pipeline/runs_input.hpp"
+#include "tools/strata/verb_context.hpp"
+
+namespace strata::tools {
+
+struct SiteOptions {
+  std::string folder;
+  std::string version;
+  std::string other;  ///< of two that are compared, the later one
+  std::string maps;
+  std::string id;
+  std::string frame = "map";
+  std::string by;
+  std::string note;
+  site::Site::Rubbish rubbish;
+  std::size_t diary = 0;
+  pipeline::RunsInput input;  ///< recordings for the gate
+  std::string model;
+  std::string out;
+  bool unchecked = false;
+  bool json = false;
+};
+
+/// Who does it, and when: now.
+[[nodiscard]] site::Actor actor(const SiteOptions& options);
+
+/// Waits for others that change it, and says so. Throws InputError where there is none.
+[[nodiscard]] site::Site open_site(const SiteOptions& options, VerbContext& context);
+
+/// One line for people, or the JSON.
+void answer(const SiteOptions& options, VerbContext& context, const std::string& text,
+            const nlohmann::json& as_json);
+
+// Of site_check.cpp.
+void add_gate_options(CLI::App& action, SiteOptions& options);
+void check_version(const SiteOptions& options, VerbContext& context);
+void compare_versions(const SiteOptions& options, VerbContext& context);
+void approve_version(const SiteOptions& options, VerbContext& context);
+
+}  // namespace strata::tools

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata site check`, `approve` and `diff`: what is said of a version before it is activated.
+#include <optional>
+#include <string>
+
+#include "core/base/error.hpp"
+#include "tools/report/plot.hpp"
+#include "tools/site/gate.hpp"
+#include "tools/site/gate_report.hpp"
+#include "tools/site/map_diff.hpp"
+#include "tools/strata/result_directory.hpp"
+#include "tools/strata/site_actions.hpp"
+#include "tools/strata/site_text.hpp"
+#include "tools/strata/verb_config.hpp"
+#include "tools/strata/words.hpp"
+
+namespace strata::tools {
+namespace {
+
+InputError refused(const site::VersionStatus& version, const site::GateReport& report) {
+  return {
+      "version " + name_of(version), "was refused: " + in_short(report),
+      "`strata site check --out DIR` draws why; `approve --unchecked` approves it all the same"};
+}
+
+/// What the gate says of a version, with its report in --out.
+site::GateReport look_at(const SiteOptions& options, VerbContext& context, const site::Site& site,
+                         const site::VersionStatus& version) {
+  const auto config = read_config<site::GateConfig>(context);
+  std::optional<ResultDirectory> out;
+  if (!options.out.empty()) out.emplace(options.out, "a check", context);
+  site::GateTask task;
+  task.candidate = site.maps_of(version.version.hash);
+  if (const auto active = site.active(); active && *active != version.version.hash) {
+    task.active = site.maps_of(*active);
+  }
+  task.input = options.input;
+  task.model = options.model;
+  task.seed = context.options.seed;
+  task.threads = context.options.threads;
+  site::GateReport report;
+  const std::string fault = site.fault_of(version.version.hash);
+  report.checks.push_back({"hash", "", fault.empty(), fault.empty() ? "the hash holds" : fault});
+  if (!fault.empty()) return report;
+  report = site::run_gate(task, config, context.progress());
+  report.checks.insert(report.checks.begin(), {"hash", "", true, "the hash holds"});
+  if (out) {
+    const std::string title =
+        "Version " + name_of(version) + " of " + site.decisions().id + " against the active one";
+    write_gate_report(out->path(), title, task, report);
+    out->commit();
+  }
+  return report;
+}
+
+std::string line_of(const site::MapChange& change) {
+  using report::fixed;
+  std::string line = "  " + std::string(site::name_of(change.kind)) + " at (" +
+                     fixed(change.center_m.x(), 2) + ", " + fixed(change.center_m.y(), 2) + "), " +
+                     fixed(change.area_m2, 2) + " m2, confidence " + fixed(change.confidence, 2);
+  if (change.from_m) {
+    line += ", from (" + fixed(change.from_m->x(), 2) + ", " + fixed(change.from_m->y(), 2) + ")";
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+void compare_versions(const SiteOptions& options, VerbContext& context) {
+  const site::Site site = open_site(options, context);
+  const site::VersionStatus before = site.find(options.version);
+  const site::VersionStatus after = site.find(options.other);
+  std::optional<ResultDirectory> out;
+  if (!options.out.empty()) out.emplace(options.out, "a difference", context);
+  const site::DiffSide old_maps = site::read_diff_side(site.maps_of(before.version.hash));
+  const site::DiffSide new_maps = site::read_diff_side(site.maps_of(after.version.hash));
+  const site::MapDiff diff = site::map_diff(old_maps, new_maps);
+  nlohmann::json geojson = to_geojson(diff, site.decisions().frame);
+  geojson["from"] = before.version.hash;
+  geojson["to"] = after.version.hash;
+  if (out) {
+    report::write_file(out->path() / "diff.png",
+                       report::encode_png(draw(diff, old_maps, new_maps)));
+    report::write_file(out->path() / "diff.geojson", geojson.dump(2) + "\n");
+    out->commit();
+  }
+  std::string text = counted(diff.changes.size(), "difference") + " from version " +
+                     name_of(before) + " to " + name_of(after) + "\n";
+  for (const site::MapChange& change : diff.changes) text += line_of(change);
+  text.pop_back();
+  answer(options, context, text, geojson);
+}
+
+void check_version(const SiteOptions& options, VerbContext& context) {
+  const site::Site site = open_site(options, context);
+  const site::VersionStatus version = site.find(options.version);
+  const site::GateReport report = look_at(options, context, site, version);
+  answer(options, context,
+         "version " + name_of(version) + (report.passed() ? " may" : " must not") +
+             " be activated:\n" + to_text(report),
+         to_json(report));
+  if (!report.passed()) throw refused(version, report);
+}
+
+void approve_version(const SiteOptions& options, VerbContext& context) {
+  site::Site site = open_site(options, context);
+  const site::VersionStatus version = site.find(options.version);
+  std::string note = options.note;
+  if (options.unchecked) {
+    if (note.empty()) note = "unchecked";
+  } else {
+    const site::GateReport report = look_at(options, context, site, version);
+    if (!report.passed()) throw refused(version, report);
+    note += (note.empty() ? "" : "; ") + in_short(report);
+  }
+  site.approve(version.version.hash, actor(options), note);
+  answer(options, context, "approved version " + name_of(version) + ": " + note,
+         json_of(site.find(version.version.hash)));
+}
+
+void add_gate_options(CLI::App& action, SiteOptions& options) {
+  action
+      .add_option("--log", options.input.logs,
+                  "a recording that robots are driven through in both versions; may be repeated")
+      ->take_all()
+      ->allow_extra_args(false);
+  action
+      .add_option("--truth", options.input.truths,
+                  "true poses of a recording, as `strata localize` takes them; one each --log")
+      ->take_all()
+      ->allow_extra_args(false);
+  action.add_option("--model", options.model,
+                    "map model to drive with; patch where both versions have one, else filtered");
+  action.add_option("--out", options.out, "folder for report.html, check.json and pictures");
+}
+
+}  // namespace strata::tools

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+/// `strata site ACTION DIR`: versions of a building's maps.
+#include <array>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "components/site/site.hpp"
+#include "core/base/error.hpp"
+#include "tools/strata/site_actions.hpp"
+#include "tools/strata/site_text.hpp"
+#include "tools/strata/verb_config.hpp"
+#include "tools/strata/verbs.hpp"
+#include "tools/strata/words.hpp"
+
+namespace strata::tools {
+namespace {
+
+using nlohmann::json;
+
+void init(const SiteOptions& options, VerbContext& context) {
+  const site::Site site =
+      site::Site::create(options.folder, options.id, options.frame, actor(options));
+  answer(
+      options, context,
+      "made site " + options.id + "; add maps with `strata site add " + options.folder + " MAPS`",
+      json_of_site(site));
+}
+
+void add(const SiteOptions& options, VerbContext& context) {
+  site::Site site = open_site(options, context);
+  const site::Site::Added added = site.add(options.maps, actor(options), options.note);
+  json as_json = json_of(added.status);
+  as_json["is_new"] = added.is_new;
+  answer(options, context,
+         added.is_new ? "added version " + name_of(added.status) + " as a candidate"
+                      : "these maps are version " + name_of(added.status) + " already, " +
+                            site::name_of(added.status.state),
+         as_json);
+}
+
+void status(const SiteOptions& options, VerbContext& context) {
+  const site::Site site = open_site(options, context);
+  if (options.json) {
+    std::cout << json_of_site(site).dump(2) << "\n";
+  } else if (!context.options.quiet) {
+    print_site(site);
+    print_diary(site, options.diary);
+  }
+}
+
+void list(const SiteOptions& options, VerbContext& context) {
+  const site::Site site = open_site(options, context);
+  if (options.json) {
+    std::cout << json_of_versions(site).dump(2) << "\n";
+  } else if (!context.options.quiet) {
+    print_versions(site);
+  }
+}
+
+void switched(const SiteOptions& options, VerbContext& context, const site::Site& site,
+              const site::Switch& made) {
+  const site::VersionStatus now = site.find(made.to);
+  json as_json = json_of(now);
+  as_json["from"] = made.from.empty() ? json(nullptr) : json(made.from);
+  answer(options, context,
+         made.from == made.to ? "version " + name_of(now) + " is active already"
+                              : "version " + name_of(now) + " is active",
+         as_json);
+}
+
+void activate(const SiteOptions& options, VerbContext& context) {
+  site::Site site = open_site(options, context);
+  const std::string hash = site.find(options.version).version.hash;
+  switched(options, context, site, site.activate(hash, actor(options)));
+}
+
+void rollback(const SiteOptions& options, VerbContext& context) {
+  site::Site site = open_site(options, context);
+  switched(options, context, site, site.rollback(actor(options)));
+}
+
+void collect(const SiteOptions& options, VerbContext& context) {
+  site::Site site = open_site(options, context);
+  const auto gone = site.remove_rubbish(options.rubbish, actor(options));
+  json as_json = json::array();
+  std::string names;
+  for (const site::VersionStatus& one : gone) {
+    as_json.push_back(json_of(one));
+    names += (names.empty() ? ": " : ", ") + name_of(one);
+  }
+  answer(options, context,
+         std::string(options.rubbish.dry_run ? "would remove " : "removed ") +
+             counted(gone.size(), "version") + names,
+         as_json);
+}
+
+struct Action {
+  const char* name;
+  const char* description;
+  const char* example;
+  void (*run)(const SiteOptions&, VerbContext&);
+  void (*add_options)(CLI::App&, SiteOptions&);
+};
+
+void add_version(CLI::App& action, SiteOptions& options) {
+  action
+      .add_option("VERSION", options.version,
+                  "its number, the begin of its hash, or active, previous, newest")
+      ->required();
+}
+
+void add_who(CLI::App& action, SiteOptions& options) {
+  action.add_option("--by", options.by, "who does it, for the diary; by default USER@HOST");
+}
+
+void add_note(CLI::App& action, SiteOptions& options) {
+  action.add_option("--note", options.note, "why, for the diary");
+}
+
+constexpr std::array<Action, 10> kActions{{
+    {"init", "make a site", "site --id hall-3", init,
+     [](CLI::App& action, SiteOptions& options) {
+       action.add_option("--id", options.id, "its name, VDA 5050's mapId")->required();
+       action.add_option("--frame", options.frame, "frame of its maps")->capture_default_str();
+       add_who(action, options);
+     }},
+    {"add", "copy a folder of maps in, as a candidate", "site maps --note 'after the move'", add,
+     [](CLI::App& action, SiteOptions& options) {
+       action.add_option("MAPS", options.maps, "folder that `strata learn` or a mapper wrote")
+           ->required();
+       add_note(action, options);
+       add_who(action, options);
+     }},
+    {"status", "what is active, and what waits", "site --diary 10", status,
+     [](CLI::App& action, SiteOptions& options) {
+       action.add_option("--diary", options.diary, "so many of the last lines of the diary");
+     }},
+    {"list", "every version", "site --json", list, [](CLI::App&, SiteOptions&) {}},
+    {"diff", "what is another way in the second version", "site active newest --out diff",
+     compare_versions,
+     [](CLI::App& action, SiteOptions& options) {
+       action.add_option("FROM", options.version, "a version, as `activate` takes it")->required();
+       action.add_option("TO", options.other, "the later one")->required();
+       action.add_option("--out", options.out, "folder for diff.png and diff.geojson");
+     }},
+    {"check", "whether a version may take the place of the active one",
+     "site newest --log monday.clf --log tuesday.clf --out check", check_version,
+     [](CLI::App& action, SiteOptions& options) {
+       add_version(action, options);
+       add_gate_options(action, options);
+     }},
+    {"approve", "check a version, and say that it may be activated",
+     "site newest --log monday.clf --note 'walked through'", approve_version,
+     [](CLI::App& action, SiteOptions& options) {
+       add_version(action, options);
+       add_gate_options(action, options);
+       action.add_flag("--unchecked", options.unchecked, "approve it without a check");
+       add_note(action, options);
+       add_who(action, options);
+     }},
+    {"activate", "make a version the one that robots localize in", "site 3", activate,
+     [](CLI::App& action, SiteOptions& options) {
+       add_version(action, options);
+       add_who(action, options);
+     }},
+    {"rollback", "go back to the version that was active before", "site", rollback,
+     [](CLI::App& action, SiteOptions& options) { add_who(action, options); }},
+    {"gc", "remove versions that nobody needs any more", "site --keep 5 --dry-run", collect,
+     [](CLI::App& action, SiteOptions& options) {
+       action
+           .add_option("--keep", options.rubbish.keep_retired,
+                       "so many versions that were active last stay")
+           ->capture_default_str();
+       action.add_flag("--damaged", options.rubbish.damaged,
+                       "also those whose hash does not hold, unless active");
+       action.add_flag("--dry-run", options.rubbish.dry_run, "only say what would go");
+       add_who(action, options);
+     }},
+}};
+
+}  // namespace
+
+void add_site(CLI::App& app, VerbContext& context) {
+  auto options = std::make_shared<SiteOptions>();
+  CLI::App* verb =
+      add_verb(app, context, "site", "versions of a building's maps: approve, activate, take back",
+               "strata site init site --id hall-3 && strata site add site maps && "
+               "strata site approve site 1 && strata site activate site 1",
+               [options, &context, &app] {
+                 const CLI::App* chosen = app.get_subcommand("site")->get_subcommands().front();
+                 for (const Action& action : kActions) {
+                   if (chosen->get_name() == action.name) action.run(*options, context);
+                 }
+               });
+  verb->require_subcommand(1);
+  for (const Action& action : kActions) {
+    CLI::App* added = verb->add_subcommand(action.name, action.description);
+    added->add_option("SITE", options->folder, "its folder")->required();
+    action.add_options(*added, *options);
+    added->add_flag("--json", options->json, "as JSON on stdout");
+    added->footer(std::string("Example:\n  strata site ") + action.name + " " + action.example);
+    added->fallthrough();  // the common options are the verb's
+  }
+}
+
+}  // namespace strata::tools
