@@ -11,6 +11,7 @@
 #include "core/topology/detail/terms.hpp"
 #include "core/topology/dirichlet_process.hpp"
 #include "core/topology/proposal.hpp"
+#include "core/topology/revised_scans.hpp"
 
 namespace strata::topology {
 namespace {
@@ -41,7 +42,7 @@ struct Revision {
 };
 
 /// ln of the joint density of these labels, what was measured, and the poses of the hypothesis,
-/// which are held: poses that fit the labels better can only raise it.
+/// which are held, as are its scans: poses that fit the labels better can only raise it.
 double log_density_held(const Labels& labels, const Hypothesis& hypothesis, const VisitLog& log,
                         const TopologyConfig& config) {
   const detail::Terms terms =
@@ -128,7 +129,7 @@ Generation evaluate_candidates(std::span<const Candidate> candidates, const Pare
   return generation;
 }
 
-void add_revisions(Generation& generation, const VisitLog& log, const TopologyConfig& config,
+void add_revisions(Generation& generation, VisitLog& log, const TopologyConfig& config,
                    WorkerPool& pool) {
   std::vector<Particle>& particles = generation.particles;
   const std::vector<Revision> revised = best_revisions(generation, log, config);
@@ -137,8 +138,8 @@ void add_revisions(Generation& generation, const VisitLog& log, const TopologyCo
   std::vector<double> log_weights(revised.size(), 0.0);
   pool.for_chunks(revised.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     const Particle& from = particles[revised[i].parent];
-    Particle particle{{revised[i].labels, 0.0, 0.0, {}, from.hypothesis.scans, nullptr},
-                      from.newest_covariances};
+    Particle particle{{revised[i].labels, 0.0, 0.0, {}, {}, nullptr}, from.newest_covariances};
+    particle.hypothesis.scans = revised_scans(from, revised[i].labels, log, config);
     Hypothesis& next = particle.hypothesis;
     if (!evaluate_from(from.hypothesis.poses, log, config, next)) return;
     log_weights[i] = generation.log_weights[revised[i].parent] + next.log_evidence -

@@ -48,8 +48,9 @@ struct Generation {
 
 /// Adds topologies that revise another one: two landmarks are one, or a visit belongs to another
 /// landmark. What was decided while the robot's place was uncertain may be wrong once a later loop
-/// has closed, and no label of a later visit could say so any more.
-void add_revisions(Generation& generation, const VisitLog& log, const TopologyConfig& config,
+/// has closed, and no label of a later visit could say so any more. Their scans are those of their
+/// own labels (revised_scans).
+void add_revisions(Generation& generation, VisitLog& log, const TopologyConfig& config,
                    WorkerPool& pool);
 
 }  // namespace strata::topology
