@@ -31,10 +31,16 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   file.commit();
 }
 
+/// As people see it.
+std::string place_name(const std::vector<int>& names, int label) {
+  return "place " + std::to_string(names[static_cast<std::size_t>(label)]);
+}
+
 }  // namespace
 
 nlohmann::json topology_json(const topology::Hypothesis& hypothesis,
-                             const std::vector<Pose2Gaussian>& locations) {
+                             const std::vector<Pose2Gaussian>& locations,
+                             const std::vector<int>& names) {
   nlohmann::json landmarks = nlohmann::json::array();
   for (const std::size_t first : topology::first_visits(hypothesis.labels)) {
     const Pose2& pose = hypothesis.poses[first];
@@ -47,6 +53,7 @@ nlohmann::json topology_json(const topology::Hypothesis& hypothesis,
                             {"y", pose.y},
                             {"theta", pose.theta},
                             {"visits", visits}};
+    if (!names.empty()) landmark["name"] = place_name(names, hypothesis.labels[first]);
     if (first < locations.size()) {
       const Eigen::Matrix3d& c = locations[first].covariance;
       landmark["covariance"] = {
@@ -66,7 +73,8 @@ nlohmann::json topology_json(const topology::Hypothesis& hypothesis,
 }
 
 std::string topology_graphml(const topology::Hypothesis& hypothesis,
-                             const std::vector<Pose2Gaussian>& locations) {
+                             const std::vector<Pose2Gaussian>& locations,
+                             const std::vector<int>& names) {
   std::ostringstream out;
   out.precision(9);
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
@@ -75,7 +83,8 @@ std::string topology_graphml(const topology::Hypothesis& hypothesis,
     out << "  <key id=\"" << name << "\" for=\"node\" attr.name=\"" << name
         << "\" attr.type=\"double\"/>\n";
   }
-  out << "  <key id=\"visits\" for=\"node\" attr.name=\"visits\" attr.type=\"int\"/>\n"
+  out << "  <key id=\"name\" for=\"node\" attr.name=\"name\" attr.type=\"string\"/>\n"
+         "  <key id=\"visits\" for=\"node\" attr.name=\"visits\" attr.type=\"int\"/>\n"
          "  <key id=\"traversals\" for=\"edge\" attr.name=\"traversals\" attr.type=\"int\"/>\n"
          "  <key id=\"probability\" for=\"graph\" attr.name=\"probability\" "
          "attr.type=\"double\"/>\n"
@@ -88,6 +97,7 @@ std::string topology_graphml(const topology::Hypothesis& hypothesis,
   for (const std::size_t first : topology::first_visits(hypothesis.labels)) {
     const int label = hypothesis.labels[first];
     out << "    <node id=\"n" << label << "\">";
+    if (!names.empty()) data("name", place_name(names, label));
     data("x", hypothesis.poses[first].x);
     data("y", hypothesis.poses[first].y);
     data("theta", hypothesis.poses[first].theta);
@@ -122,8 +132,8 @@ nlohmann::json topologies_json(const topology::TopologyMap& map) {
   }
   nlohmann::json topologies = nlohmann::json::array();
   for (std::size_t i = 0; i < map.posterior.size(); ++i) {
-    topologies.push_back(
-        topology_json(map.posterior[i], i == 0 ? map.locations : std::vector<Pose2Gaussian>{}));
+    topologies.push_back(i == 0 ? topology_json(map.posterior[i], map.locations, map.place_names)
+                                : topology_json(map.posterior[i], {}));
   }
   const topology::TopologyCounts& counts = map.counts;
   return {{"scans", map.scans.size()},
@@ -157,7 +167,8 @@ void write_topology_files(const std::filesystem::path& dir, const topology::Topo
                           const nlohmann::json& json) {
   write_text(dir / "topologies.json", json.dump(2) + "\n");
   if (!map.posterior.empty()) {
-    write_text(dir / "topology.graphml", topology_graphml(map.posterior.front(), map.locations));
+    write_text(dir / "topology.graphml",
+               topology_graphml(map.posterior.front(), map.locations, map.place_names));
     write_text(dir / "places.yaml", places_yaml(map.posterior.front()));
   }
   log::write_map(dir / "occupancy.yaml", map.map);

@@ -16,12 +16,15 @@ namespace strata::topologies {
 
 /// One topology as a graph: landmarks with the mean pose and covariance of their first visit, edges
 /// with how often they were driven. locations: of every visit, may be empty (no covariances).
+/// names: of every landmark (topology::PlaceNames), may be empty.
 [[nodiscard]] nlohmann::json topology_json(const topology::Hypothesis& hypothesis,
-                                           const std::vector<Pose2Gaussian>& locations);
-/// The same graph as GraphML (graphml.graphdrawing.org): nodes with x, y, theta, covariance and
-/// visits; edges with traversals.
+                                           const std::vector<Pose2Gaussian>& locations,
+                                           const std::vector<int>& names = {});
+/// The same graph as GraphML (graphml.graphdrawing.org): nodes with x, y, theta, covariance,
+/// name and visits; edges with traversals.
 [[nodiscard]] std::string topology_graphml(const topology::Hypothesis& hypothesis,
-                                           const std::vector<Pose2Gaussian>& locations);
+                                           const std::vector<Pose2Gaussian>& locations,
+                                           const std::vector<int>& names = {});
 /// A config file for `strata learn`: sub-maps follow the landmarks of this topology.
 [[nodiscard]] std::string places_yaml(const topology::Hypothesis& hypothesis);
 /// {"scans", "visits", "topologies", "diagnostics"}.

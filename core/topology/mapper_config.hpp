@@ -69,6 +69,7 @@ struct TopologyMapperConfig {
   LandmarkVisitConfig landmarks;
   TopologyConfig topology = detected_landmarks();
   double node_distance_m = 0.25;
+  double node_turn_rad = 0.25;
   PathNoiseConfig way;
   pose_graph::PoseGraphConfig pose_graph;
   slam::GivenPoseConfig pose_prior{.refine_alone = true, .stddev_m = 0.2};
@@ -88,6 +89,8 @@ struct TopologyMapperConfig {
     v.group("topology", c.topology, "the posterior over topologies");
     v.field("node_distance_m", c.node_distance_m,
             {.doc = "scans this far apart are poses of the graph", .unit = "m", .min = 0.05});
+    v.field("node_turn_rad", c.node_turn_rad,
+            {.doc = "... and those turned by this much", .unit = "rad", .min = 0.05});
     v.group("way", c.way, "noise between two poses of the graph");
     v.group("pose_graph", c.pose_graph, "optimization of the metric map");
     v.renamed("tie", "pose_prior");

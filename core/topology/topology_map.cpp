@@ -25,6 +25,9 @@ Eigen::Matrix3d path_information(double path_length_m, const PathNoiseConfig& no
   return Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal();
 }
 
+/// A turn of one radian adds as much to the noise as a metre of way.
+constexpr double kWayPerRadian_m = 1.0;
+
 /// The nodes of the graph: some scans, each with an edge to the one before.
 struct Chain {
   std::vector<std::size_t> node_of;      ///< of each scan: its own node or the last before it
@@ -41,13 +44,14 @@ Chain add_chain(const std::vector<PosedScan>& scans, std::span<const MadeVisit> 
     const Pose2& pose = scans[i].map_from_robot;
     const Pose2 step = between(scans[last_scan].map_from_robot, pose);
     const auto visited = chain.node_at.find(scans[i].scan.stamp);
-    const bool due = i == 0 || step.translation().norm() >= config.node_distance_m ||
-                     std::abs(step.theta) >= config.node_distance_m ||
-                     visited != chain.node_at.end();
+    const bool due = i == 0 || visited != chain.node_at.end() ||
+                     has_moved(scans[last_scan].map_from_robot, pose, config.node_distance_m,
+                               config.node_turn_rad);
     if (due) {
       const std::size_t node = graph.add_node(pose, i == 0);
       if (i > 0) {
-        const double path_length_m = step.translation().norm() + std::abs(step.theta);
+        const double path_length_m =
+            step.translation().norm() + kWayPerRadian_m * std::abs(step.theta);
         graph.add_edge({node - 1, node, step, path_information(path_length_m, config.way), false});
       }
       if (visited != chain.node_at.end()) visited->second = node;
@@ -112,6 +116,7 @@ TopologyMap make_topology_map(const TopologyMapper& mapper, Progress* progress) 
   TopologyMap result;
   result.visits = mapper.visits();
   result.posterior = mapper.posterior();
+  result.place_names = mapper.place_names();
   result.counts = mapper.counts();
   result.scans = mapper.scans();
   for (const PosedScan& scan : result.scans) result.tracked.push_back(scan.map_from_robot);

@@ -20,6 +20,7 @@ struct TopologyMap {
   std::vector<Hypothesis> posterior;  ///< most probable first; empty without a landmark
   /// Of the most probable hypothesis: pose of every visit, in the frame of the first scan.
   std::vector<Pose2Gaussian> locations;
+  std::vector<int> place_names;  ///< ... and number of each landmark, by label (PlaceNames)
   TopologyCounts counts;
   bool optimized = false;        ///< the pose graph converged
   std::vector<PosedScan> scans;  ///< with their poses after optimization

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/slam/tracker.hpp"
+#include "core/topology/place_names.hpp"
 
 namespace strata::topology {
 
@@ -23,6 +24,7 @@ struct TopologyMapper::State {
   std::optional<slam::Tracker> tracker;
   VisitMaker maker;
   TopologyFilter filter;
+  PlaceNames names;
   int threads = 1;
   std::vector<PosedScan> scans;
   std::vector<MadeVisit> visits;
@@ -128,6 +130,7 @@ std::vector<MadeVisit> TopologyMapper::finish() { return state_->maker.finish();
 bool TopologyMapper::update(MadeVisit visit) {
   if (!state_->filter.add(visit.visit)) return false;
   state_->visits.push_back(std::move(visit));
+  state_->names.update(state_->filter.posterior().front().labels);
   return true;
 }
 
@@ -135,6 +138,7 @@ const TopologyMapperConfig& TopologyMapper::config() const { return state_->conf
 int TopologyMapper::threads() const { return state_->threads; }
 const TopologyFilter& TopologyMapper::filter() const { return state_->filter; }
 const std::vector<MadeVisit>& TopologyMapper::visits() const { return state_->visits; }
+const std::vector<int>& TopologyMapper::place_names() const { return state_->names.names(); }
 const std::vector<PosedScan>& TopologyMapper::scans() const { return state_->scans; }
 const std::optional<TrackedMoment>& TopologyMapper::newest() const { return state_->newest; }
 std::size_t TopologyMapper::tracked_scans() const { return state_->tracked; }

@@ -65,6 +65,9 @@ class TopologyMapper {
   [[nodiscard]] const std::vector<Hypothesis>& posterior() const { return filter().posterior(); }
   /// Those that the filter took, in order.
   [[nodiscard]] const std::vector<MadeVisit>& visits() const;
+  /// Of the likeliest topology: the number that each landmark is called by, by label. It stays with
+  /// its place over visits, and over days where the mapper is restored (PlaceNames).
+  [[nodiscard]] const std::vector<int>& place_names() const;
   /// Every scan that is kept with its tracked pose, in the odometry frame at the first scan.
   [[nodiscard]] const std::vector<PosedScan>& scans() const;
   /// The last scan that was not skipped, kept or not.

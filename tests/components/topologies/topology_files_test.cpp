@@ -33,6 +33,10 @@ TEST(TopologyFiles, TellLandmarksWaysAndHowOftenTheyWereDriven) {
   EXPECT_THAT(graphml, HasSubstr("<data key=\"var_x\">0.25</data>"));
   EXPECT_THAT(graphml, HasSubstr("<edge source=\"n0\" target=\"n1\"><data key=\"traversals\">2<"));
   EXPECT_THAT(graphml, HasSubstr("<data key=\"probability\">0.75</data>"));
+  EXPECT_FALSE(json["landmarks"][0].contains("name"));
+  EXPECT_EQ(topology_json(triangle(), {}, {1, 4, 2})["landmarks"][1]["name"], "place 4");
+  EXPECT_THAT(topology_graphml(triangle(), {}, {1, 4, 2}),
+              HasSubstr("<node id=\"n2\"><data key=\"name\">place 2</data>"));
 }
 
 }  // namespace

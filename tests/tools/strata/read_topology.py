@@ -105,6 +105,7 @@ def main():
         assert math.isclose(node["x"], landmark["x"], rel_tol=1e-6, abs_tol=1e-6)
         assert math.isclose(node["var_y"], landmark["covariance"][1][1], rel_tol=1e-6, abs_tol=1e-9)
         assert node["visits"] == len(landmark["visits"])
+        assert node["name"] == landmark["name"]
     expected = {frozenset((f"n{e['from']}", f"n{e['to']}")): e["traversals"]
                 for e in first["edges"]}
     assert expected == {ends: data["traversals"] for ends, data in edges.items()}
