@@ -5,6 +5,7 @@
 
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/log/kept_file.hpp"
 #include "components/log/stored_bytes.hpp"
 
 namespace strata::beam_filter {
@@ -32,7 +33,9 @@ void BeamFilter::on_configure() {
 }
 
 void BeamFilter::open_store() {
-  if (config_.store.file.empty() || context().dry_run) return;
+  if (config_.store.file.empty()) return;
+  log::require_own_file(config_.store.file, log::kStateOfBeamFilter, "store.file");
+  if (context().dry_run) return;
   store_.emplace(config_.store);
   const bool is_whole = restored(store_->file(), [&] {
     if (const auto state = store_->load()) online_->restore_state(*state, store_->file());

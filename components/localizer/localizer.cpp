@@ -2,6 +2,7 @@
 #include "components/localizer/localizer.hpp"
 
 #include "components/convert/geometry_messages.hpp"
+#include "components/log/kept_file.hpp"
 #include "components/maps/maps_folder.hpp"
 
 namespace strata::localizer {
@@ -44,6 +45,7 @@ void Localizer::on_configure() {
 void Localizer::load_place() {
   store_.emplace(config_.start.store,
                  pose_covariance(config_.start.stddev_m, config_.start.stddev_rad));
+  log::require_own_file(config_.start.store.file, log::kLastPose, "start.store.file");
   try {
     (void)restored(config_.start.store.file, [this] { store_->load(); });
   } catch (const InputError& error) {

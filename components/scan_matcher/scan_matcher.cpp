@@ -9,6 +9,7 @@
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/log/kept_file.hpp"
 #include "components/log/stored_bytes.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/error.hpp"
@@ -47,7 +48,9 @@ void ScanMatcher::make_slam() {
 }
 
 void ScanMatcher::open_store() {
-  if (config_.store.state.file.empty() || context().dry_run) return;
+  if (config_.store.state.file.empty()) return;
+  log::require_own_file(config_.store.state.file, log::kStateOfScanMatcher, "store.file");
+  if (context().dry_run) return;
   store_.emplace(config_.store.state);
   const bool is_whole = restored(store_->file(), [&] {
     if (const auto state = store_->load()) slam_->restore_state(*state, store_->file());

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "components/convert/scan_messages.hpp"
+#include "components/log/kept_file.hpp"
 #include "components/log/stored_bytes.hpp"
 #include "components/log/writable_place.hpp"
 #include "components/maps/changes_json.hpp"
@@ -49,6 +50,7 @@ void TimescaleMemory::on_configure() {
   require_level(config_, "changes_now", config_.changes_now);
   keep_live(config_, {"publish_period_s", "changes_period_s"});
   const bool is_kept = !lockstep() && !config_.store.empty();
+  if (is_kept) log::require_own_file(config_.store, log::kDatabase, "store");
   if (is_kept && context().dry_run) log::require_file_place(config_.store);
   if (is_kept && !context().dry_run) {
     open_store();

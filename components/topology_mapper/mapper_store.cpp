@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/damage.hpp"
+#include "memory/store/store_summary.hpp"
 
 namespace strata::topology_mapper {
 namespace {
@@ -53,6 +54,23 @@ topology::TrackedMoment from_saved(const SavedMoment& kept) {
 }
 
 }  // namespace
+
+void require_way(const std::filesystem::path& file) {
+  if (!memory::is_store(file)) return;
+  memory::StoreSummary summary;
+  try {
+    summary = memory::summarize_store(file);
+  } catch (const InputError&) {
+    return;
+  }
+  const bool has_maps = !summary.grids.empty() || !summary.patch_maps.empty();
+  if (!has_maps && summary.timescales.empty()) return;
+  throw ConfigError(file.string(),
+                    std::string("is another file than store.file may name: this is the store of ") +
+                        (has_maps ? "learned maps" : "a timescale memory") +
+                        "; it is to be a topology mapper's own",
+                    "name another file in store.file; this one was left as it is");
+}
 
 MapperStore::MapperStore(const std::filesystem::path& file) : store_(file) {}
 

@@ -13,6 +13,10 @@
 
 namespace strata::topology_mapper {
 
+/// Throws ConfigError for a store that others keep: the maps of a folder, or a timescale memory.
+/// One that is damaged passes: opening it tells.
+void require_way(const std::filesystem::path& file);
+
 /// The scans that the mapper keeps with the poses that it gave them, landmarks as they were told,
 /// and where it has come to. Everything else the mapper makes of them again: visits are what costs,
 /// tracking is not done twice. Not thread-safe.

@@ -8,6 +8,7 @@
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/log/kept_file.hpp"
 #include "components/log/stored_bytes.hpp"
 #include "components/log/whole_folder.hpp"
 #include "components/log/writable_place.hpp"
@@ -36,6 +37,8 @@ void TopologyMapper::on_configure() {
                                         [this](const auto& message) { given_ = message; });
   subscribe_sensors(config_.input, config_.sensor_qos);
   if (lockstep() || config_.store.file.empty()) return;
+  log::require_own_file(config_.store.file, log::kDatabase, "store.file");
+  require_way(config_.store.file);
   if (context().dry_run) return log::require_file_place(config_.store.file);
   open_store();
 }

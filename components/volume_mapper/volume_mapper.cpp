@@ -11,6 +11,7 @@
 #include "components/convert/cloud_messages.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/log/kept_file.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
 
@@ -55,6 +56,7 @@ volume::VolumeMap VolumeMapper::first_map() {
   std::error_code error;
   const bool is_stored =
       !lockstep() && !config_.store.empty() && std::filesystem::exists(config_.store, error);
+  if (is_stored) log::require_own_file(config_.store, log::kOctree, "store");
   // What cannot be read must not be written over: then there is no start.
   if (is_stored && restored(config_.store, [&] { stored.emplace(stored_map()); })) {
     return std::move(*stored);

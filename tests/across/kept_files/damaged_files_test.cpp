@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.hpp"
+#include "core/grid/reflection_grid.hpp"
 #include "memory/store/store.hpp"
 #include "tests/across/kept_files/kept_file.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
@@ -60,6 +61,31 @@ class DamagedFileOf : public ::testing::TestWithParam<test::KeptFile> {
         test::make_host(GetParam().entry(file_, more), test::keepers(), test::make_participant());
     host->activate();
     return host;
+  }
+
+  void configure(const runtime::HostOptions& options) const {
+    const std::string text =
+        "processes: [{name: p, components: [" + GetParam().entry(file_) + "]}]";
+    const auto composition =
+        runtime::read_composition(settings::parse_yaml(text, "test.yaml"), "test.yaml");
+    const runtime::Host host(composition, composition.processes[0], test::keepers(),
+                             test::make_participant(), options);
+  }
+  /// Live and where it is only looked at.
+  void expect_refused() const {
+    const std::string bytes = test::bytes_of(file_);
+    const auto is_told = AllOf(HasSubstr(file_.string() + ": is another file than"),
+                               HasSubstr("name another file in "), HasSubstr("store"));
+    for (const bool dry_run : {false, true}) {
+      try {
+        configure({.dry_run = dry_run});
+        ADD_FAILURE() << "it began";
+      } catch (const ConfigError& error) {
+        EXPECT_THAT(error.what(), is_told);
+      }
+    }
+    EXPECT_EQ(test::bytes_of(file_), bytes);
+    EXPECT_FALSE(fs::exists(beside(".damaged")));
   }
 
   test::TemporaryDirectory folder_;
@@ -152,11 +178,7 @@ TEST_P(DamagedFileOf, ThatIsWholeIsNeitherMovedNorWarnedOf) {
 TEST_P(DamagedFileOf, StaysWhereItIsWhenItIsOnlyLookedAt) {
   const std::string bytes = whole_.substr(0, whole_.size() / 2);
   write(file_, bytes);
-  const std::string text = "processes: [{name: p, components: [" + GetParam().entry(file_) + "]}]";
-  const auto composition =
-      runtime::read_composition(settings::parse_yaml(text, "test.yaml"), "test.yaml");
-  const runtime::Host host(composition, composition.processes[0], test::keepers(),
-                           test::make_participant(), {.dry_run = true});
+  configure({.dry_run = true});
   EXPECT_EQ(test::bytes_of(file_), bytes);
   EXPECT_FALSE(fs::exists(beside(".damaged")));
 }
@@ -173,6 +195,25 @@ TEST_P(DamagedFileOf, IsNotTouchedWhenItCannotBeSetAside) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr(file_.string()), HasSubstr("cannot be set aside")));
   }
   EXPECT_EQ(test::bytes_of(file_), bytes);
+}
+
+// A slip in a composition, not damage: another component's file, or the store of a maps folder.
+TEST_P(DamagedFileOf, ThatIsAnothersIsRefusedByTheSettingAndLeftAsItIs) {
+  const bool keeps_store = GetParam().name.ends_with(".db");
+  for (const test::KeptFile& other : test::kept_files()) {
+    // Stores of several kinds may share a file, but for a mapper's way.
+    const bool may_share =
+        keeps_store && other.name.ends_with(".db") && GetParam().component != "TopologyMapper";
+    if (other.component == GetParam().component || may_share) continue;
+    SCOPED_TRACE(other.component);
+    fs::remove(file_);
+    other.write(file_);
+    expect_refused();
+  }
+  if (GetParam().component == "TimescaleMemory") return;  // goes on in the memory that was learned
+  fs::remove(file_);
+  memory::Store(file_).save_grid("filtered", make_reflection_grid(0.05, {{0, 0}, {4, 4}}));
+  expect_refused();
 }
 
 INSTANTIATE_TEST_SUITE_P(Components, DamagedFileOf, ::testing::ValuesIn(test::kept_files()),
