@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "components/log/json_text.hpp"
 #include "components/log/whole_file.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/config.hpp"
@@ -98,7 +99,7 @@ void write_localization_files(const std::filesystem::path& folder, const Localiz
   log::write_trajectory(folder / kTrajectoryFile, record.trajectory);
   write_states(folder / kStatesFile, record.states);
   log::WholeFile file(folder / kMetricsFile);
-  file.stream() << metrics.dump(2) << '\n';
+  file.stream() << log::json_text(metrics);
   file.commit();
 }
 

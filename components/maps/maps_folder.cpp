@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/log/json_text.hpp"
 #include "components/log/map_file.hpp"
 #include "components/log/trajectory_file.hpp"
 #include "components/maps/summary.hpp"
@@ -180,7 +181,7 @@ json write_summary(const fs::path& dir, const std::string& log, const JobCost& c
                      {"cpu_s", cost.cpu_s},
                      {"real_time_factor", cost.wall_s > 0.0 ? duration_s / cost.wall_s : 0.0},
                      {"peak_rss_mb", cost.peak_rss_mb}};
-  write_text(dir / kSummaryFile, summary.dump(2) + "\n");
+  write_text(dir / kSummaryFile, log::json_text(summary));
   return summary;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/log/json_text.hpp"
 #include "components/log/map_file.hpp"
 #include "components/log/trajectory_file.hpp"
 #include "components/log/whole_file.hpp"
@@ -165,7 +166,7 @@ std::string places_yaml(const topology::Hypothesis& hypothesis) {
 
 void write_topology_files(const std::filesystem::path& dir, const topology::TopologyMap& map,
                           const nlohmann::json& json) {
-  write_text(dir / "topologies.json", json.dump(2) + "\n");
+  write_text(dir / "topologies.json", log::json_text(json));
   if (!map.posterior.empty()) {
     write_text(dir / "topology.graphml",
                topology_graphml(map.posterior.front(), map.locations, map.place_names));

@@ -81,7 +81,8 @@ std::string to_json(const Report& report) {
                                 {"what", finding.what},
                                 {"advice", finding.advice}});
   }
-  return json.dump(2) + "\n";
+  // Others name their nodes as they like: what is no UTF-8 is replaced.
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace strata::doctor

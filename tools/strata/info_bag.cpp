@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/log/bag.hpp"
+#include "components/log/json_text.hpp"
 #include "tools/report/plot.hpp"
 
 namespace strata::tools {
@@ -92,7 +93,7 @@ bool print_bag(const std::filesystem::path& path, const std::string& format, con
   if (content.messages == 0) return false;
   const Json info = describe(path.string(), format, why, *reader, content);
   if (json) {
-    std::cout << info.dump(2) << "\n";
+    std::cout << log::json_text(info);
   } else {
     print(info);
   }

@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/log/json_text.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/site/active_maps.hpp"
 #include "components/site/site.hpp"
@@ -170,7 +171,7 @@ void print_folder(const fs::path& path, bool json) {
       info["warnings"].push_back(error.what());
     }
   }
-  std::cout << info.dump(2) << "\n";
+  std::cout << log::json_text(info);
 }
 
 }  // namespace strata::tools

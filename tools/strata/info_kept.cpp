@@ -2,18 +2,16 @@
 #include "tools/strata/info_kept.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <fstream>
 #include <iostream>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "components/log/byte_cursor.hpp"
+#include "components/log/json_text.hpp"
+#include "components/log/kept_file.hpp"
 #include "components/log/state_store.hpp"
 #include "core/base/error.hpp"
 #include "memory/store/store_summary.hpp"
@@ -27,47 +25,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The upper half of the first number of a saved state; the lower one is its version.
-struct StateOf {
-  std::uint32_t tag;
-  const char* component;
-};
-constexpr std::array<StateOf, 3> kStates{{{0x53'53'4c'4d, "strata::ScanMatcher"},
-                                          {0x53'4f'42'46, "strata::BeamFilter"},
-                                          {0x53'50'4c'31, "strata::PatchLearner"}}};
-
-std::string first_bytes(const fs::path& file) {
-  std::array<char, 64> bytes{};
-  std::ifstream in(file, std::ios::binary);
-  in.read(bytes.data(), bytes.size());
-  return {bytes.data(), static_cast<std::size_t>(in.gcount())};
-}
-
-/// Empty when it is none that is known.
-std::string state_in_words(const fs::path& file) {
+/// Of one file, in words; empty when it is nothing that a component keeps, or damaged. Stores say
+/// more by themselves (info_store.hpp).
+std::string kept_in_words(const fs::path& file) {
+  std::string what = log::kept_in_words(file);
+  if (what == log::kDatabase) return "";
+  if (!what.starts_with("saved state")) return what;
   try {
-    const log::Bytes state = log::read_state_file(file);
-    log::ByteCursor cursor{log::View(state)};
-    const auto version = cursor.number<std::uint32_t>();
-    const auto tag = cursor.number<std::uint32_t>();
-    const auto found = std::find_if(kStates.begin(), kStates.end(),
-                                    [&](const StateOf& state_of) { return state_of.tag == tag; });
-    if (!cursor.ok() || found == kStates.end()) return "";
-    return std::string("saved state of ") + found->component + ", version " +
-           std::to_string(version);
-  } catch (const Error&) {  // packed otherwise, or damaged
+    (void)log::read_state_file(file);
+    return what;
+  } catch (const Error&) {
     return "";
   }
-}
-
-/// Of one file, in words; empty when it is nothing that a component keeps.
-std::string kept_in_words(const fs::path& file) {
-  constexpr std::string_view kZstd = "\x28\xb5\x2f\xfd";
-  const std::string begin = first_bytes(file);
-  if (begin.starts_with(kZstd)) return state_in_words(file);
-  if (begin.starts_with("version: 1\nmap_from_robot:")) return "last pose of strata::Localizer";
-  if (begin.starts_with("# Octomap OcTree")) return "octree, as strata::VolumeMapper keeps it";
-  return "";
 }
 
 struct Entry {
@@ -119,7 +88,7 @@ bool print_kept_folder(const fs::path& path, bool json) {
   const std::vector<Entry> entries = entries_of(path, 1);
   if (entries.empty()) return false;
   if (json) {
-    std::cout << describe(path.string(), entries).dump(2) << "\n";
+    std::cout << log::json_text(describe(path.string(), entries));
     return true;
   }
   std::cout << path.string() << ": what components keep (`strata info` of each says more)\n";
@@ -143,7 +112,7 @@ bool print_kept(const fs::path& path, bool json) {
   if (what.empty()) return false;
   const std::uintmax_t bytes = fs::file_size(path, error);
   if (json) {
-    std::cout << Json{{"file", path.string()}, {"what", what}, {"bytes", bytes}}.dump(2) << "\n";
+    std::cout << log::json_text(Json{{"file", path.string()}, {"what", what}, {"bytes", bytes}});
   } else {
     std::cout << path.string() << ": " << what << ", " << kilobytes(bytes) << "\n";
   }

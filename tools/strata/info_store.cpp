@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/log/json_text.hpp"
 #include "memory/store/store_summary.hpp"
 
 namespace strata::tools {
@@ -122,7 +123,7 @@ Json describe_store(const std::string& path) {
 
 void print_store(const std::string& path, bool json) {
   if (json) {
-    std::cout << describe_store(path).dump(2) << "\n";
+    std::cout << log::json_text(describe_store(path));
   } else {
     print(path, memory::summarize_store(path));
   }

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/log/json_text.hpp"
 #include "components/log/log_reader.hpp"
 #include "components/log/relations_file.hpp"
 #include "components/log/trajectory_file.hpp"
@@ -146,7 +147,7 @@ void print_row(const char* name, const Json& errors) {
 void run(const Options& options, VerbContext& /*context*/) {
   const Json result = evaluate(options);
   if (options.json) {
-    std::cout << result.dump(2) << "\n";
+    std::cout << log::json_text(result);
     return;
   }
   std::cout << options.trajectory << ": " << result["poses"] << " poses, frame " << options.frame

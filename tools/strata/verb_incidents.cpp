@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/incident_recorder/incident_folder.hpp"
+#include "components/log/json_text.hpp"
 #include "components/log/spooled_input.hpp"
 #include "core/base/error.hpp"
 #include "tools/strata/verbs.hpp"
@@ -59,7 +60,7 @@ void run(const Options& options, VerbContext& context) {
   }
   const auto records = incident_recorder::read_records(options.folder);
   if (options.json) {
-    std::cout << as_json(records).dump(2) << "\n";
+    std::cout << log::json_text(as_json(records));
     return;
   }
   if (context.options.quiet) return;

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/log/json_text.hpp"
 #include "components/log/log_reader.hpp"
 #include "components/log/spooled_input.hpp"
 #include "components/maps/summary.hpp"
@@ -193,7 +194,7 @@ void run(const Options& options, VerbContext& context) {
     throw;
   }
   if (options.json) {
-    std::cout << info.dump(2) << "\n";
+    std::cout << log::json_text(info);
   } else {
     print(info);
   }

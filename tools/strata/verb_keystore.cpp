@@ -11,6 +11,7 @@
 
 #include "components/bus/names.hpp"
 #include "components/log/disk.hpp"
+#include "components/log/json_text.hpp"
 #include "components/security/keystore.hpp"
 #include "core/base/error.hpp"
 #include "tools/strata/composition_options.hpp"
@@ -112,7 +113,7 @@ void list(const KeystoreOptions& options) {
     if (!options.json) std::cout << name << "  " << (fault.empty() ? "good" : fault) << '\n';
     json.push_back({{"enclave", name}, {"good", fault.empty()}, {"fault", fault}});
   }
-  if (options.json) std::cout << json.dump(2) << '\n';
+  if (options.json) std::cout << log::json_text(json);
 }
 
 CLI::App* add_action(CLI::App& verb, const std::string& name, const std::string& description,
