@@ -2,6 +2,8 @@
 #include "components/player/player.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "components/log/log_reader.hpp"
@@ -29,6 +31,8 @@ Player::~Player() { end(); }
 void Player::on_configure() {
   config_ = read_parameters<PlayerConfig>();
   stop_ = std::stop_source();
+  std::error_code error;
+  if (context().dry_run && !std::filesystem::exists(config_.log, error)) return expect_log();
   source_ = make_source();
   const Duration start = Duration::from_seconds(config_.start_s);
   if (start.ns > 0 && !source_->seek(start)) {
@@ -44,6 +48,23 @@ void Player::on_configure() {
   thread_ = std::thread([this] { play(); });
 }
 
+/// Where a composition is only looked at, the log may come later.
+void Player::expect_log() {
+  (void)advertise<rosgraph_msgs::msg::Clock>("/clock", "default");
+  if (config_.mode == PlayMode::kRobot) (void)robot_outputs();
+  warn(InputError(config_.log, "is not there: nothing can be played, and its topics are not told",
+                  "name the log, as in --set " + context().name + ".log=LOG"));
+}
+
+Outputs Player::robot_outputs() {
+  Outputs outputs;
+  outputs.tf_static = advertise<tf2_msgs::msg::TFMessage>("/tf_static", "tf_static");
+  outputs.tf = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
+  outputs.odometry = advertise<nav_msgs::msg::Odometry>("odom", "default");
+  outputs.scan = advertise<sensor_msgs::msg::LaserScan>("scan", "default");
+  return outputs;
+}
+
 std::unique_ptr<Source> Player::make_source() {
   auto clock = advertise<rosgraph_msgs::msg::Clock>("/clock", "default");
   if (config_.mode == PlayMode::kMessages) {
@@ -54,12 +75,8 @@ std::unique_ptr<Source> Player::make_source() {
         },
         stop_.get_token(), std::move(clock));
   }
-  Outputs outputs;
+  Outputs outputs = robot_outputs();
   outputs.clock = std::move(clock);
-  outputs.tf_static = advertise<tf2_msgs::msg::TFMessage>("/tf_static", "tf_static");
-  outputs.tf = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
-  outputs.odometry = advertise<nav_msgs::msg::Odometry>("odom", "default");
-  outputs.scan = advertise<sensor_msgs::msg::LaserScan>("scan", "default");
   log::ReadOptions reading;
   reading.scan_topics = config_.scan_topics;
   reading.odometry_lag_s = 0.0;  // as the robot sent it

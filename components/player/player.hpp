@@ -48,6 +48,9 @@ class Player final : public runtime::Component {
   void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;
   [[nodiscard]] std::unique_ptr<Source> make_source();
+  void expect_log();
+  /// Without the clock.
+  [[nodiscard]] Outputs robot_outputs();
   /// Ends the playing thread, whatever it reads.
   void end();
 

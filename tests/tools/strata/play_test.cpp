@@ -43,5 +43,20 @@ TEST(Play, SaysWhatItCannotPlay) {
   EXPECT_THAT(rate.out, testing::HasSubstr("--rate: 0 is not a number above 0; see"));
 }
 
+TEST(Play, AsACompositionIsExplainedBeforeItsLogIsThere) {
+  const test::TemporaryDirectory folder;
+  const std::string check = "cd " + test::quoted(folder.path()) +
+                            " && '" STRATA_PROGRAM "' run '" STRATA_SOURCE_DIR
+                            "/components/config/play.yaml' ";
+  const auto told = test::run_command(check + "--check 2>&1");
+  EXPECT_EQ(told.code, 0) << told.out;
+  EXPECT_THAT(told.out, testing::HasSubstr("/scan"));
+  EXPECT_THAT(told.out, testing::ContainsRegex("warning: /player: office.clf: is not there: .*; "
+                                               "name the log, as in --set player.log=LOG"));
+  const auto run = test::run_command(check + "2>&1");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.out, testing::HasSubstr("office.clf: does not exist; "));
+}
+
 }  // namespace
 }  // namespace strata::tools
