@@ -21,6 +21,8 @@ def run(tries, material):
         tries.strata_try(f"{model}: a wrong initial pose",
                          localize(material.log, "--initial-pose", "2.5,1,2"), 0,
                          NOT_EXPLAINED + ".*did the robot begin at --initial-pose")
+        tries.strata_try(f"{model}: the log of another building, --quiet",
+                         localize(other, "--global", "--quiet"), 0, NOT_EXPLAINED)
         told = tries.strata_try(f"{model}: its own log", localize(material.log, "--global"), 0,
                                 "the maps explain [0-9]+% of the drive")
         tries.hold(f"{model}: its own log is explained", NOT_EXPLAINED not in told, told[-200:])

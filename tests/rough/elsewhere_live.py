@@ -7,6 +7,7 @@ import os
 import sqlite3
 import struct
 
+import elsewhere
 from live import Domain, Running, play, run_composition
 
 TOPIC = "/localization_score"
@@ -20,11 +21,13 @@ def judge(tries, name, mean, is_low):
     tries.hold(f"{name}: the score is {'low' if is_low else 'high'}", holds, str(mean))
 
 
-def replayed(tries, material, name, log, *more):
+def replayed(tries, material, name, log, is_low, *more):
     out = material.at("scored")
-    tries.strata_try(f"{name}: replay", [
+    told = tries.strata_try(f"{name}: replay", [
         "replay", log, "--composition", material.compositions + "/localize.yaml", "--out", out,
         "--force", "--set", "localizer.maps=" + material.at("maps"), *more], 0)
+    tries.hold(f"{name}: replay says {'so' if is_low else 'nothing of it'}",
+               (elsewhere.NOT_EXPLAINED in told) == is_low, told[-200:])
     with open(os.path.join(out, "metrics.json")) as file:
         return json.load(file)["score"]["mean"]
 
@@ -70,7 +73,7 @@ def run(tries, material):
                 ("its own log from anywhere", material.log, (), False),
                 ("another building", other, (), True), ("a wrong start", material.log, wrong, True)):
             what = f"{model}, {name}"
-            judge(tries, what, replayed(tries, material, what, log, *chosen, *start), is_low)
+            judge(tries, what, replayed(tries, material, what, log, is_low, *chosen, *start), is_low)
     chosen = ("--set", "localizer.model=filtered")
     for name, log, start, is_low in (("own", material.log, begin, False),
                                      ("other", other, (), True)):

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <sstream>
 
+#include "components/log/json_text.hpp"
 #include "tools/pipeline/comparison_figures.hpp"
 #include "tools/pipeline/comparison_tables.hpp"
 #include "tools/report/html_report.hpp"
@@ -91,11 +92,11 @@ std::string describe_job(const Comparison& comparison) {
 }  // namespace
 
 void write_report(const CompareOutcome& outcome, const std::string& settings,
-                  const std::filesystem::path& folder) {
+                  const std::filesystem::path& folder, report::Drawings* drawings) {
   const Comparison& comparison = outcome.comparison;
   const std::vector<PairedTest> tests = paired_tests(comparison);
   const json result = to_json(comparison, tests);
-  HtmlReport page(folder, "Which map for this building?");
+  HtmlReport page(folder, "Which map for this building?", drawings);
   page.verdict(verdict(comparison, tests));
   page.paragraph(describe_job(comparison) + warn_of_unmapped(comparison));
   add_model_table(comparison, result["models"], page);
@@ -119,7 +120,7 @@ void finish_report(const Comparison& comparison, const nlohmann::json& result,
   add_without_truth(comparison, result["models"], page);
   page.details("Every parameter", settings);
   write_series(comparison, folder);
-  report::write_file(folder / "comparison.json", result.dump(2) + "\n");
+  report::write_file(folder / "comparison.json", log::json_text(result));
   page.write();
 }
 

@@ -13,9 +13,10 @@
 namespace strata::pipeline {
 
 /// Writes report.html, the figures, errors.csv (model, seed, time, error) and comparison.json into
-/// an existing folder. settings: the configuration as text, for the fine print. Throws OutputError.
+/// an existing folder. settings: the configuration as text, for the fine print. drawings: told of
+/// pictures that cannot be drawn; null: they throw. Throws OutputError.
 void write_report(const CompareOutcome& outcome, const std::string& settings,
-                  const std::filesystem::path& folder);
+                  const std::filesystem::path& folder, report::Drawings* drawings = nullptr);
 
 /// What every report ends with: the fine print, errors.csv and predictions.csv, and `result` as
 /// comparison.json. Throws OutputError.

@@ -97,15 +97,19 @@ void add_rounds(HtmlReport& page, const std::filesystem::path& folder,
 }  // namespace
 
 void write_map_pictures(const std::filesystem::path& folder, const slam::SlamResult& result,
-                        const patch::PatchMap& patches) {
+                        const patch::PatchMap& patches, report::Drawings& drawings) {
   if (result.scans.empty()) return;
   const CellRect rect = report::known_rect(result.occupancy);
-  report::MapPicture map = report::draw_map(result.filtered, rect, kMapPixels);
-  mark_ways(map, result.scans);
-  report::mark_submaps(map, patches, kChanging);
-  report::write_file(folder / kMapPicture, report::encode_png(map.image));
-  report::write_file(folder / kDynamicPicture,
-                     report::encode_png(draw_dynamic(result, rect).image));
+  drawings.add(folder / kMapPicture, [&] {
+    report::MapPicture map = report::draw_map(result.filtered, rect, kMapPixels);
+    mark_ways(map, result.scans);
+    report::mark_submaps(map, patches, kChanging);
+    report::write_file(folder / kMapPicture, report::encode_png(map.image));
+  });
+  drawings.add(folder / kDynamicPicture, [&] {
+    report::write_file(folder / kDynamicPicture,
+                       report::encode_png(draw_dynamic(result, rect).image));
+  });
 }
 
 void write_learn_pictures(const std::filesystem::path& folder, const slam::SlamResult& result,

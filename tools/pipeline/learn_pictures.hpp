@@ -7,6 +7,7 @@
 #include "core/beam_filter/config.hpp"
 #include "core/patch/patch_map.hpp"
 #include "core/slam/slam.hpp"
+#include "tools/report/drawings.hpp"
 
 namespace strata::pipeline {
 
@@ -16,9 +17,9 @@ inline constexpr const char* kDynamicPicture = "dynamic.png";
 
 /// Writes into an existing folder map.png, the map of static beams with the way that was driven and
 /// frames round the places that change, and dynamic.png, the map of all beams with those held to be
-/// dynamic marked. Nothing when no cell is known. Throws OutputError.
+/// dynamic marked. Nothing when no cell is known.
 void write_map_pictures(const std::filesystem::path& folder, const slam::SlamResult& result,
-                        const patch::PatchMap& patches);
+                        const patch::PatchMap& patches, report::Drawings& drawings);
 
 /// Rounds of EM that `write_learn_pictures` shows.
 inline constexpr int kShownRounds = 6;

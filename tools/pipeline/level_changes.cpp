@@ -66,6 +66,18 @@ void save(const std::filesystem::path& path, const report::MapPicture& picture) 
   report::write_file(path, report::encode_png(picture.image));
 }
 
+report::MapPicture draw_paths(const ReflectionGrid& map, const CellRect& rect,
+                              const std::vector<LevelPath>& paths) {
+  report::MapPicture picture = report::draw_map(map, rect, kPixels);
+  for (std::size_t l = 0; l < paths.size(); ++l) {
+    if (!paths[l].path) continue;
+    std::vector<Pose2> poses;
+    for (const Eigen::Vector2d& p : *paths[l].path) poses.push_back({p.x(), p.y(), 0.0});
+    report::mark_trajectory(picture, poses, kPaths[l % kPaths.size()]);
+  }
+  return picture;
+}
+
 }  // namespace
 
 LevelChanges level_changes(const memory::TimescaleMemory& memory, const NodeMap& map,
@@ -106,7 +118,10 @@ Json to_json(const LevelChanges& changes, const LevelChangesTask& task) {
 }
 
 void draw_level_changes(const std::filesystem::path& folder, const NodeMap& map,
-                        const LevelChanges& changes) {
+                        const LevelChanges& changes, report::Drawings* drawings) {
+  const auto add = [&](const std::string& name, const auto& drawn) {
+    report::draw(drawings, folder / name, [&] { save(folder / name, drawn()); });
+  };
   std::vector<ReflectionGrid> maps;
   for (std::size_t level = 0; level < map.level_names().size(); ++level) {
     maps.push_back(map.level_map(static_cast<int>(level), kResolution_m));
@@ -116,24 +131,18 @@ void draw_level_changes(const std::filesystem::path& folder, const NodeMap& map,
   };
   const CellRect rect = report::known_rect(map_of(changes.before));
   for (const std::string& level : map.level_names()) {
-    save(folder / ("level_" + level + ".png"), report::draw_map(map_of(level), rect, kPixels));
+    add("level_" + level + ".png", [&] { return report::draw_map(map_of(level), rect, kPixels); });
   }
-  report::MapPicture picture = report::draw_map(map_of(changes.before), rect, kPixels);
-  for (const memory::ChangedPlace& place : changes.places) {
-    frame(picture, place, place.kind == memory::ChangeKind::kAppeared ? kAppeared : kVanished);
-  }
-  save(folder / "changes.png", picture);
-  for (std::size_t i = 0; i < changes.paths.size(); ++i) {
-    report::MapPicture paths = report::draw_map(map_of(changes.now), rect, kPixels);
-    for (std::size_t l = 0; l < changes.paths[i].size(); ++l) {
-      if (!changes.paths[i][l].path) continue;
-      std::vector<Pose2> poses;
-      for (const Eigen::Vector2d& p : *changes.paths[i][l].path) {
-        poses.push_back({p.x(), p.y(), 0.0});
-      }
-      report::mark_trajectory(paths, poses, kPaths[l % kPaths.size()]);
+  add("changes.png", [&] {
+    report::MapPicture picture = report::draw_map(map_of(changes.before), rect, kPixels);
+    for (const memory::ChangedPlace& place : changes.places) {
+      frame(picture, place, place.kind == memory::ChangeKind::kAppeared ? kAppeared : kVanished);
     }
-    save(folder / ("path_" + std::to_string(i + 1) + ".png"), paths);
+    return picture;
+  });
+  for (std::size_t i = 0; i < changes.paths.size(); ++i) {
+    add("path_" + std::to_string(i + 1) + ".png",
+        [&] { return draw_paths(map_of(changes.now), rect, changes.paths[i]); });
   }
 }
 

@@ -15,6 +15,7 @@
 #include "memory/nodes/changed_places.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 #include "tools/pipeline/path_planner.hpp"
+#include "tools/report/drawings.hpp"
 
 namespace strata::pipeline {
 
@@ -53,8 +54,8 @@ struct LevelChanges {
 
 /// level_NAME.png, a map a level; changes.png: the map of `before` with what appeared framed red
 /// and what vanished blue; path_N.png: the map of `now` with each level's path in its own colour.
-/// Throws OutputError.
+/// drawings: told of what cannot be drawn; null: that throws OutputError.
 void draw_level_changes(const std::filesystem::path& folder, const memory::NodeMap& map,
-                        const LevelChanges& changes);
+                        const LevelChanges& changes, report::Drawings* drawings = nullptr);
 
 }  // namespace strata::pipeline

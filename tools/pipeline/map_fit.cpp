@@ -2,6 +2,7 @@
 #include "tools/pipeline/map_fit.hpp"
 
 #include <algorithm>
+#include <map>
 
 namespace strata::pipeline {
 
@@ -41,6 +42,22 @@ void MapFit::add(const Observation& observation, const localization::Localizatio
     fitted.fit = inlier >= kMinInliers * judged ? FitState::kExplained : FitState::kContradicted;
   }
   fit_.scans.push_back(fitted);
+}
+
+LogFit fit_of_trajectory(const ReflectionGrid& map, std::span<const Observation> observations,
+                         std::span<const log::StampedPose> trajectory) {
+  std::map<Stamp, Pose2> poses;
+  for (const log::StampedPose& at : trajectory) poses[at.stamp] = at.pose;
+  MapFit fit(map);
+  localization::LocalizationResult result;
+  result.weighed = true;
+  for (const Observation& observation : observations) {
+    const auto found = poses.find(observation.scan.stamp);
+    if (found == poses.end()) continue;
+    result.pose.mean = found->second;
+    fit.add(observation, result, {});
+  }
+  return fit.fit();
 }
 
 }  // namespace strata::pipeline

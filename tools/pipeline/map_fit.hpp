@@ -6,9 +6,11 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "components/log/trajectory_file.hpp"
 #include "core/base/config.hpp"
 #include "core/base/time.hpp"
 #include "core/geometry/pose2.hpp"
@@ -68,6 +70,12 @@ class MapFit {
   std::array<localization::InlierShares, kFitWindow> window_;  ///< the last ones, in any order
   LogFit fit_;
 };
+
+/// The same of a log that was localized elsewhere, from the poses that it left; scans without one
+/// are left out. O(scans x beams x cells on their way).
+[[nodiscard]] LogFit fit_of_trajectory(const ReflectionGrid& map,
+                                       std::span<const Observation> observations,
+                                       std::span<const log::StampedPose> trajectory);
 
 }  // namespace strata::pipeline
 

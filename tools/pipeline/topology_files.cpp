@@ -66,16 +66,30 @@ nlohmann::json write_topology(const std::filesystem::path& dir, const std::strin
                          {"far_merged", agreement->far_merged}};
   }
   topologies::write_topology_files(dir, result, json);
-  std::vector<Pose2> poses;
-  for (const PosedScan& scan : result.scans) poses.push_back(scan.map_from_robot);
-  write_map_picture(dir / "map.png", result.map, poses);
-  write_map_picture(dir / "odometry.png",
-                    map_by(result.scans, result.tracked, result.map.resolution_m()),
-                    result.tracked);
-  report::write_file(dir / "topologies.png",
-                     report::render_svg_to_png(draw_topologies(result, kTopologiesDrawn), 1.0));
-  report::write_file(dir / "landmarks.png", report::render_svg_to_png(draw_landmarks(result), 1.0));
   return json;
+}
+
+void write_topology_pictures(const std::filesystem::path& dir, const TopologyMap& result,
+                             report::Drawings& drawings) {
+  const auto add = [&](const char* name, const auto& draw) {
+    drawings.add(dir / name, [&] { draw(dir / name); });
+  };
+  add("map.png", [&](const std::filesystem::path& file) {
+    std::vector<Pose2> poses;
+    for (const PosedScan& scan : result.scans) poses.push_back(scan.map_from_robot);
+    write_map_picture(file, result.map, poses);
+  });
+  add("odometry.png", [&](const std::filesystem::path& file) {
+    write_map_picture(file, map_by(result.scans, result.tracked, result.map.resolution_m()),
+                      result.tracked);
+  });
+  add("topologies.png", [&](const std::filesystem::path& file) {
+    report::write_file(file,
+                       report::render_svg_to_png(draw_topologies(result, kTopologiesDrawn), 1.0));
+  });
+  add("landmarks.png", [&](const std::filesystem::path& file) {
+    report::write_file(file, report::render_svg_to_png(draw_landmarks(result), 1.0));
+  });
 }
 
 }  // namespace strata::pipeline

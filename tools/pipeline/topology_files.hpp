@@ -10,15 +10,20 @@
 
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/topology.hpp"
+#include "tools/report/drawings.hpp"
 
 namespace strata::pipeline {
 
-/// topologies.json, topology.graphml (the likeliest), occupancy.{yaml,pgm}, trajectory.tum and the
-/// pictures topologies.png, landmarks.png, odometry.png, map.png (figures 3, 4, 6, 7 and 11 of
-/// [ranganathan2006rao]). Returns what topologies.json holds. Throws OutputError.
+/// topologies.json, topology.graphml (the likeliest), occupancy.{yaml,pgm} and trajectory.tum.
+/// Returns what topologies.json holds. Throws OutputError.
 nlohmann::json write_topology(const std::filesystem::path& dir, const std::string& log,
                               const TopologyMap& result, const Cost& cost,
                               const std::optional<TopologyAgreement>& agreement = {});
+
+/// The pictures beside them: topologies.png, landmarks.png, odometry.png, map.png (figures 3, 4, 6,
+/// 7 and 11 of [ranganathan2006rao]).
+void write_topology_pictures(const std::filesystem::path& dir, const TopologyMap& result,
+                             report::Drawings& drawings);
 
 /// Pictures as SVG: the likeliest topologies with their probabilities; the landmarks of the
 /// likeliest with its local clouds and covariance ellipses.

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "components/log/json_text.hpp"
 #include "components/log/map_file.hpp"
 #include "components/log/text.hpp"
 #include "core/base/error.hpp"
@@ -252,7 +253,7 @@ SliceRange parse_slice(const std::string& text) {
 
 nlohmann::json write_volume(const fs::path& folder, const std::string& log,
                             const VolumeResult& result, std::vector<SliceRange> slices,
-                            const Cost& cost) {
+                            const Cost& cost, report::Drawings& drawings) {
   nlohmann::json summary = make_summary(log, result, cost);
   report::write_file(folder / "map.bt", result.map.binary_file());
   report::write_file(folder / "map.ot", result.map.full_file());
@@ -268,14 +269,14 @@ nlohmann::json write_volume(const fs::path& folder, const std::string& log,
         {{"file", name}, {"from_m", slices[i].from_m}, {"to_m", slices[i].to_m}});
   }
   if (result.memory) {
-    report::write_file(folder / "changes.json", changes_json(result).dump(2) + "\n");
+    report::write_file(folder / "changes.json", log::json_text(changes_json(result)));
   }
-  report::HtmlReport page(folder, "A 3-D map of what stands still");
+  report::HtmlReport page(folder, "A 3-D map of what stands still", &drawings);
   page.paragraph("Made from " + log + (result.is_filtered ? ", without what moves." : "."));
   page.table(table_of(summary));
-  add_pictures(page, result);
+  drawings.add(folder / "pictures of the map", [&] { add_pictures(page, result); });
   page.write();
-  report::write_file(folder / "summary.json", summary.dump(2) + "\n");
+  report::write_file(folder / "summary.json", log::json_text(summary));
   return summary;
 }
 

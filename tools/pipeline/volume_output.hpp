@@ -10,6 +10,7 @@
 
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/volume.hpp"
+#include "tools/report/drawings.hpp"
 
 namespace strata::pipeline {
 
@@ -24,9 +25,10 @@ struct SliceRange {
 
 /// Writes map.bt, map.ot, map_color.ot (by images, else by height), slice_N.yaml/.pgm, pictures,
 /// report.html, summary.json and, with a memory, changes.json; returns the summary. No slices: one
-/// of 0.4 m about the first sensor pose. Throws OutputError.
+/// of 0.4 m about the first sensor pose. drawings: told of pictures that cannot be drawn. Throws
+/// OutputError.
 nlohmann::json write_volume(const std::filesystem::path& folder, const std::string& log,
                             const VolumeResult& result, std::vector<SliceRange> slices,
-                            const Cost& cost);
+                            const Cost& cost, report::Drawings& drawings);
 
 }  // namespace strata::pipeline

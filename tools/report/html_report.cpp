@@ -50,8 +50,8 @@ std::string base64(const std::string& bytes) {
   return result;
 }
 
-HtmlReport::HtmlReport(std::filesystem::path folder, std::string title)
-    : folder_(std::move(folder)), title_(std::move(title)) {}
+HtmlReport::HtmlReport(std::filesystem::path folder, std::string title, Drawings* drawings)
+    : folder_(std::move(folder)), title_(std::move(title)), drawings_(drawings) {}
 
 void HtmlReport::heading(const std::string& text) { body_ += "<h2>" + escape(text) + "</h2>\n"; }
 
@@ -83,8 +83,12 @@ void HtmlReport::table(const Table& table) {
 
 void HtmlReport::picture(const std::string& name, const Image& image, const std::string& alt,
                          const std::string& caption) {
-  const std::string png = encode_png(image);
-  write_file(folder_ / (name + ".png"), png);
+  std::string png;
+  const auto file = folder_ / (name + ".png");
+  draw(drawings_, file, [&] {
+    png = encode_png(image);
+    write_file(file, png);
+  });
   body_ += "<figure><img src=\"" + data_uri(png) + "\" alt=\"" + escape(alt) + "\" width=\"" +
            std::to_string(image.width()) + "\" height=\"" + std::to_string(image.height()) +
            "\"><figcaption>" + escape(caption) + "</figcaption></figure>\n";
@@ -93,10 +97,17 @@ void HtmlReport::picture(const std::string& name, const Image& image, const std:
 void HtmlReport::before_after(const std::string& name, const Image& before, const Image& after,
                               const std::string& before_label, const std::string& after_label,
                               const std::string& caption) {
-  const std::string first = encode_png(before);
-  const std::string second = encode_png(after);
-  write_file(folder_ / (name + "_before.png"), first);
-  write_file(folder_ / (name + "_after.png"), second);
+  std::string first;
+  std::string second;
+  const auto write = [&](const std::string& ending, const Image& image, std::string& png) {
+    const auto file = folder_ / (name + ending);
+    draw(drawings_, file, [&] {
+      png = encode_png(image);
+      write_file(file, png);
+    });
+  };
+  write("_before.png", before, first);
+  write("_after.png", after, second);
   const std::string label =
       before_label + " on the left of the border, " + after_label + " on the right";
   body_ += "<figure><div class=\"slider\"><img src=\"" + data_uri(first) + "\" alt=\"" +
@@ -112,7 +123,8 @@ void HtmlReport::before_after(const std::string& name, const Image& before, cons
 void HtmlReport::plot(const std::string& name, const LinePlot& plot, const std::string& caption) {
   const std::string standalone = to_svg(plot, true);
   write_file(folder_ / (name + ".svg"), standalone);
-  write_file(folder_ / (name + ".png"), render_svg_to_png(standalone, 1.5));
+  const auto file = folder_ / (name + ".png");
+  draw(drawings_, file, [&] { write_file(file, render_svg_to_png(standalone, 1.5)); });
   write_file(folder_ / (name + ".csv"), to_csv(plot));
   // Narrow windows scroll the plot, so that its text stays readable.
   body_ += "<figure><div class=\"scroll\" role=\"group\" aria-label=\"" + escape(plot.title) +

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/report/drawings.hpp"
 #include "tools/report/image.hpp"
 #include "tools/report/plot.hpp"
 
@@ -21,8 +22,9 @@ struct Table {
 /// Collects the parts of a report in order, and writes beside it a PNG and a CSV of every figure.
 class HtmlReport {
  public:
-  /// folder: where figures are written (it must exist); title: the page's heading.
-  HtmlReport(std::filesystem::path folder, std::string title);
+  /// folder: where figures are written (it must exist); title: the page's heading; drawings: told
+  /// of pictures that cannot be drawn. Null: they throw.
+  HtmlReport(std::filesystem::path folder, std::string title, Drawings* drawings = nullptr);
 
   void heading(const std::string& text);
   void paragraph(const std::string& text);
@@ -49,6 +51,7 @@ class HtmlReport {
  private:
   std::filesystem::path folder_;
   std::string title_;
+  Drawings* drawings_;
   std::string body_;
   int tables_ = 0;
 };

@@ -8,17 +8,20 @@
 #include <string>
 #include <vector>
 
+#include "components/log/json_text.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
 #include "memory/decoding/decoding_config.hpp"
 #include "memory/store/store.hpp"
 #include "tools/pipeline/level_changes.hpp"
+#include "tools/report/drawings.hpp"
 #include "tools/report/image.hpp"
 #include "tools/strata/positive.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
@@ -95,12 +98,14 @@ void run(Options options, VerbContext& context) {
   const pipeline::LevelChanges changes = pipeline::level_changes(memory, *map, options.task);
   const auto json = to_json(changes, options.task);
   if (out) {
-    pipeline::draw_level_changes(out->path(), *map, changes);
-    report::write_file(out->path() / "changes.json", json.dump(2) + "\n");
+    report::write_file(out->path() / "changes.json", log::json_text(json));
+    report::Drawings drawings;
+    pipeline::draw_level_changes(out->path(), *map, changes, &drawings);
     out->commit();
+    warn(context, drawings.what_is_missing());
   }
   if (options.json) {
-    std::cout << json.dump(2) << "\n";
+    std::cout << log::json_text(json);
   } else if (!context.options.quiet) {
     print_places(changes);
     print_paths(changes, options.task);

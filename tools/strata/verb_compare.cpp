@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/log/json_text.hpp"
 #include "components/log/map_file.hpp"
 #include "components/maps/map_models.hpp"
 #include "components/settings/settings.hpp"
@@ -21,6 +22,7 @@
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/warning.hpp"
 
 namespace strata::tools {
 namespace {
@@ -127,6 +129,7 @@ void compare_buildings(const Options& options, const pipeline::CompareConfig& co
   const std::string settings = settings::write_yaml(config);
   ResultDirectory out(options.out, "comparison", context);
   std::vector<pipeline::Building> buildings;
+  report::Drawings drawings;
   for (std::size_t i = 0; i < options.input.logs.size(); ++i) {
     pipeline::RunsInput input = options.input;
     input.logs = {options.input.logs[i]};
@@ -142,14 +145,15 @@ void compare_buildings(const Options& options, const pipeline::CompareConfig& co
     const std::string name = std::filesystem::path(input.logs[0]).filename().string();
     pipeline::Building building{std::to_string(i + 1) + "_" + name.substr(0, name.find('.')), {}};
     std::filesystem::create_directories(out.path() / building.folder);
-    pipeline::write_report(outcome, settings, out.path() / building.folder);
+    pipeline::write_report(outcome, settings, out.path() / building.folder, &drawings);
     building.comparison = std::move(outcome.comparison);
     buildings.push_back(std::move(building));
   }
   pipeline::write_joint_report(buildings, settings, out.path());
   out.commit();
+  warn(context, drawings.what_is_missing());
   if (options.json) {
-    std::cout << pipeline::joint_json(buildings).dump(2) << '\n';
+    std::cout << log::json_text(pipeline::joint_json(buildings));
     return;
   }
   const pipeline::Comparison joint = pipeline::join(buildings);
@@ -168,11 +172,13 @@ void run_compare(const Options& options, VerbContext& context) {
       input.logs.insert(input.logs.end(), logs->begin(), logs->end());
     }
     const pipeline::CompareOutcome outcome = compare_logs(options, input, config, context);
-    pipeline::write_report(outcome, settings::write_yaml(config), out.path());
+    report::Drawings drawings;
+    pipeline::write_report(outcome, settings::write_yaml(config), out.path(), &drawings);
     out.commit();
+    warn(context, drawings.what_is_missing());
     const auto tests = pipeline::paired_tests(outcome.comparison);
     if (options.json) {
-      std::cout << pipeline::to_json(outcome.comparison, tests).dump(2) << '\n';
+      std::cout << log::json_text(pipeline::to_json(outcome.comparison, tests));
     } else {
       std::cout << pipeline::verdict(outcome.comparison, tests) << '\n';
     }

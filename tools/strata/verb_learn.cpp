@@ -21,11 +21,13 @@
 #include "tools/pipeline/learn.hpp"
 #include "tools/pipeline/learn_pictures.hpp"
 #include "tools/pipeline/truth_frame.hpp"
+#include "tools/report/drawings.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
@@ -148,9 +150,13 @@ void run_learn(const Options& options, VerbContext& context) {
   maps::write_grid_maps(out.path(), result.slam);
   if (parts.patch) maps::write_patch_map(out.path(), result.patches);
   if (parts.timescale) maps::write_timescale(out.path(), *result.timescale);
-  pipeline::write_map_pictures(out.path(), result.slam, result.patches);
+  report::Drawings drawings;
+  pipeline::write_map_pictures(out.path(), result.slam, result.patches, drawings);
   if (options.pictures) {
-    pipeline::write_learn_pictures(out.path() / "pictures", result.slam, config.slam.beam_filter);
+    const std::filesystem::path folder = out.path() / "pictures";
+    drawings.add(folder, [&] {
+      pipeline::write_learn_pictures(folder, result.slam, config.slam.beam_filter);
+    });
   }
   // The frame of the truth is that of the first truth given: later ones are in it too.
   const auto frame = earlier && earlier->map_from_truth
@@ -164,6 +170,7 @@ void run_learn(const Options& options, VerbContext& context) {
       maps::write_summary(out.path(), joined(logs), {cost.wall_s, cost.cpu_s, cost.peak_rss_mb},
                           maps::summarize_reading(runs.reports));
   out.commit();
+  warn(context, drawings.what_is_missing());
   if (!context.options.quiet) std::cout << sentence(summary, result, options) << '\n';
 }
 

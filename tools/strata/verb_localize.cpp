@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/log/json_text.hpp"
 #include "components/log/log_config.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/settings/settings.hpp"
@@ -19,11 +20,14 @@
 #include "tools/pipeline/localize_output.hpp"
 #include "tools/pipeline/localize_picture.hpp"
 #include "tools/pipeline/map_fit.hpp"
+#include "tools/report/drawings.hpp"
 #include "tools/report/plot.hpp"
+#include "tools/strata/fit_warning.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
@@ -62,8 +66,6 @@ struct LocalizeConfig {
 
 constexpr double kStartStddev_m = 0.2;
 constexpr double kStartStddev_rad = 0.1;
-/// With a lower score in the mean most poses are wrong, however much of each scan fits.
-constexpr double kMinMeanScore = 0.3;
 
 Pose2 parse_pose(const std::string& text) {
   Pose2 pose;
@@ -126,25 +128,16 @@ std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFi
          (std::filesystem::path(options.out) / pipeline::kTrajectoryPicture).string();
 }
 
-/// For who took another building's log, or another pose to begin with. The score was learned with
-/// grid and patch maps: of a timescale memory it is told, and warns of nothing.
 void warn_of_bad_fit(const pipeline::LogFit& fit, const nlohmann::json& score,
                      const Options& options, bool is_global, VerbContext& context) {
-  const double mean_score = score.is_null() ? 1.0 : score.get<double>();
-  const bool is_learned = !options.model.starts_with("timescale");
-  if (fit.is_explained() && (!is_learned || mean_score >= kMinMeanScore)) return;
-  using pipeline::FitState;
-  const std::string begin =
-      options.initial_pose.empty() ? "the first pose of --truth" : "--initial-pose";
-  context.note(
-      "warning: these maps do not explain this log: of its " +
-      counted(fit.scans.size(), "weighed scan") + " " + percent(fit.share(FitState::kExplained)) +
-      " fit them, " + percent(fit.share(FitState::kContradicted)) + " contradict them, and in " +
-      percent(fit.share(FitState::kUnknown)) +
-      " they know too little of the place; the score of its poses is " +
-      report::fixed(mean_score, 2) + " in the mean; is the log of this building" +
-      (is_global ? "?"
-                 : ", and did the robot begin at " + begin + "? --global looks for it everywhere"));
+  LocalizedLog log{fit, std::nullopt, options.model, ""};
+  if (!score.is_null()) log.mean_score = score.get<double>();
+  if (!is_global) {
+    log.begin = options.initial_pose.empty() ? "the first pose of --truth" : "--initial-pose";
+  }
+  const std::string warning = fit_warning(log);
+  if (warning.empty()) return;
+  warn(context, warning + (is_global ? "" : " --global looks for it everywhere"));
 }
 
 void run_localize(const Options& options, VerbContext& context) {
@@ -173,11 +166,14 @@ void run_localize(const Options& options, VerbContext& context) {
   pipeline::LocalizeSummary summary{options.model, context.options.seed, config.localizer.particles,
                                     meter.read(), maps.map_from_truth};
   const nlohmann::json metrics = pipeline::write_localization(out.path(), run, summary, &fit.fit());
-  pipeline::write_trajectory_picture(out.path(), maps.filtered, fit.fit());
+  report::Drawings drawings;
+  drawings.add(out.path() / pipeline::kTrajectoryPicture,
+               [&] { pipeline::write_trajectory_picture(out.path(), maps.filtered, fit.fit()); });
   out.commit();
+  warn(context, drawings.what_is_missing());
   warn_of_bad_fit(fit.fit(), metrics["score"]["mean"], options, !start.map_from_robot, context);
   if (options.json) {
-    std::cout << metrics.dump(2) << '\n';
+    std::cout << log::json_text(metrics);
   } else if (!context.options.quiet) {
     std::cout << sentence(run, fit.fit(), metrics, options) << '\n';
   }

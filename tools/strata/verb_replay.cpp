@@ -21,12 +21,14 @@
 #include "tools/strata/positive.hpp"
 #include "tools/strata/replay_session.hpp"
 #include "tools/strata/replay_truth.hpp"
+#include "tools/strata/replay_fit.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
 #include "tools/strata/view_host.hpp"
 
 namespace fs = std::filesystem;
+#include "tools/strata/warning.hpp"
 
 namespace strata::tools {
 namespace {
@@ -184,6 +186,9 @@ void require_none(const std::vector<expect::Difference>& differences, const Repl
 /// What was recorded into the expected results is recorded again, also to refresh them.
 void take_topics_of_expected(ReplayOptions& options) {
   if (options.expect.empty() || !options.topics.empty()) return;
+  for (const std::string& warning : fit_warnings(out, session.composition(), runs)) {
+    warn(context, warning);
+  }
   if (fs::is_directory(options.expect)) {
     options.topics = expect::recorded_topics(options.expect);
   } else if (!options.accept) {

@@ -10,12 +10,14 @@
 #include "components/log/log_writer.hpp"
 #include "components/log/trajectory_file.hpp"
 #include "core/base/error.hpp"
+#include "tools/report/drawings.hpp"
 #include "tools/report/image.hpp"
 #include "tools/simulate/simulation.hpp"
 #include "tools/simulate/space_log.hpp"
 #include "tools/simulate/truth.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/warning.hpp"
 
 namespace fs = std::filesystem;
 
@@ -71,8 +73,12 @@ void run(const Options& options, VerbContext& context) {
     write_logs(folder, simulation, day, day + 1, storage);
   }
   report::write_file(out.path() / "states.json", simulate::states_json(simulation));
-  report::write_file(out.path() / "world.png", report::encode_png(draw_world(simulation)));
+  report::Drawings drawings;
+  const fs::path world = out.path() / "world.png";
+  drawings.add(world,
+               [&] { report::write_file(world, report::encode_png(draw_world(simulation))); });
   out.commit();
+  warn(context, drawings.what_is_missing());
   std::size_t scans = 0;
   for (const simulate::SimulatedDay& day : simulation.days) scans += day.scans.size();
   context.note(options.out + ": " + std::to_string(scans) + " scans over " + std::to_string(days) +

@@ -14,6 +14,7 @@
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
@@ -65,7 +66,10 @@ void run_topology(Options options, VerbContext& context) {
   }
   const nlohmann::json json =
       pipeline::write_topology(out.path(), options.log, result, meter.read(), agreement);
+  report::Drawings drawings;
+  pipeline::write_topology_pictures(out.path(), result, drawings);
   out.commit();
+  warn(context, drawings.what_is_missing());
   if (context.options.quiet) return;
   const topology::Hypothesis& best = result.posterior.front();
   const nlohmann::json& update_ms = json["cost"]["update_ms"];

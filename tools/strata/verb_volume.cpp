@@ -9,10 +9,12 @@
 #include "components/settings/settings.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/volume_output.hpp"
+#include "tools/report/drawings.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
+#include "tools/strata/warning.hpp"
 
 namespace strata::tools {
 namespace {
@@ -73,9 +75,11 @@ void run_volume(const Options& options, VerbContext& context) {
   const pipeline::VolumeResult result = pipeline::make_volume(
       options.log, options.poses, config, context.options.threads, context.progress());
   note_skipped(result, context);
+  report::Drawings drawings;
   const nlohmann::json summary =
-      pipeline::write_volume(out.path(), options.log, result, slices, meter.read());
+      pipeline::write_volume(out.path(), options.log, result, slices, meter.read(), drawings);
   out.commit();
+  warn(context, drawings.what_is_missing());
   if (context.options.quiet) return;
   std::cout << summary["clouds"] << " clouds, " << summary["points"]["total"] << " points ("
             << summary["points"]["dynamic"] << " taken for moving): " << summary["nodes"]

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -101,6 +102,21 @@ TEST(FitColor, GoesFromRedToGreenAndIsBlueWhereNothingIsKnown) {
   EXPECT_GT(bad.r, bad.g + 40);
   const report::Color unknown = color(0.9, FitState::kUnknown);
   EXPECT_GT(unknown.b, unknown.r + 40);
+}
+
+TEST(MapFit, OfATrajectoryLooksAtTheScansThatHaveAPose) {
+  std::vector<Observation> observations;
+  std::vector<log::StampedPose> trajectory;
+  for (int i = 0; i < 20; ++i) {
+    observations.push_back(scan_of_a_room(kHalf_m));
+    observations.back().scan.stamp = Stamp{i};
+    if (i < 15) trajectory.push_back({Stamp{i}, Pose2{0.0, 0.0, 0.0}});
+  }
+  const LogFit fit = fit_of_trajectory(room(), observations, trajectory);
+  EXPECT_EQ(fit.scans.size(), 15U);
+  EXPECT_TRUE(fit.is_explained());
+  for (log::StampedPose& at : trajectory) at.pose = {2.0, 1.0, 0.5};
+  EXPECT_FALSE(fit_of_trajectory(room(), observations, trajectory).is_explained());
 }
 
 }  // namespace

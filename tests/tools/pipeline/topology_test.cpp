@@ -114,6 +114,9 @@ TEST(MapTopology, OfARunWithLandmarksByHandIsWholeAndTheSameAtAnyNumberOfThreads
   std::filesystem::create_directories(dir);
   const nlohmann::json json = write_topology(dir, "room", one, {});
   EXPECT_EQ(json["visits"].size(), 3U);
+  report::Drawings drawings;
+  write_topology_pictures(dir, one, drawings);
+  EXPECT_EQ(drawings.what_is_missing(), "");
   for (const char* name : {"topologies.json", "topology.graphml", "occupancy.yaml", "occupancy.pgm",
                            "trajectory.tum", "topologies.png", "landmarks.png", "map.png"}) {
     EXPECT_GT(std::filesystem::file_size(dir / name), 50U) << name;

@@ -66,6 +66,31 @@ TEST_F(Localize, SaysThatAWrongInitialPoseIsOne) {
   EXPECT_EQ(metrics["map_fit"]["is_explained"], false);
 }
 
+TEST_F(Localize, WarnsAlsoWhenQuietAndKeepsItsJsonClean) {
+  const std::string tail = "localize " + quoted(log()) + " --maps " + quoted(at("direct")) +
+                           " --model filtered --out " + quoted(at("out")) +
+                           " --initial-pose 1.5,1.5,2.4 --quiet --json";
+  const auto told = run_strata(tail + " 2>" + quoted(at("err")));
+  ASSERT_EQ(told.code, 0) << told.out;
+  EXPECT_EQ(nlohmann::json::parse(told.out)["map_fit"]["is_explained"], false);
+  EXPECT_THAT(test::bytes_of(at("err")), ContainsRegex(std::string("^") + kWarning));
+}
+
+TEST_F(Localize, InAReplayWarnsTheSame) {
+  const auto replayed = [&](const std::string& more) {
+    return replay(log(), test::kCompositions / "localize.yaml", "replayed",
+                  "--force --set localizer.maps=" + quoted(at("direct")) +
+                      " --set localizer.model=filtered " + more);
+  };
+  const auto own = replayed("--set 'localizer.start.pose=[0, 0, 0]'");
+  ASSERT_EQ(own.code, 0) << own.out;
+  EXPECT_THAT(own.out, Not(HasSubstr("do not explain")));
+  const auto wrong = replayed("--set 'localizer.start.pose=[1.5, 1.5, 2.4]'");
+  ASSERT_EQ(wrong.code, 0) << wrong.out;
+  EXPECT_THAT(wrong.out, ContainsRegex(std::string(kWarning) + ": of its [0-9]+ weighed scans "));
+  EXPECT_THAT(wrong.out, HasSubstr("did the robot begin at start.pose?"));
+}
+
 TEST(LocalizeElsewhere, SaysThatMapsOfAnotherBuildingDoNotExplainALog) {
   STRATA_REQUIRE_DATA(castle, "radish/belgioioso/log.clf.gz");
   STRATA_REQUIRE_DATA(castle_truth, "radish/belgioioso/truth.tum");

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/strata/fit_warning.hpp"
+
+#include "tools/report/plot.hpp"
+#include "tools/strata/words.hpp"
+
+namespace strata::tools {
+
+std::string fit_warning(const LocalizedLog& log) {
+  using pipeline::FitState;
+  const pipeline::LogFit& fit = log.fit;
+  const bool is_learned = !log.model.starts_with("timescale");
+  const bool is_low = is_learned && log.mean_score && *log.mean_score < kMinMeanScore;
+  if (fit.is_explained() && !is_low) return "";
+  const auto share = [&](FitState state) {
+    return report::fixed(100.0 * fit.share(state), 0) + "%";
+  };
+  std::string text = "these maps do not explain this log: ";
+  if (!fit.scans.empty()) {
+    text += "of its " + counted(fit.scans.size(), "weighed scan") + " " +
+            share(FitState::kExplained) + " fit them, " + share(FitState::kContradicted) +
+            " contradict them, and in " + share(FitState::kUnknown) +
+            " they know too little of the place";
+  }
+  if (log.mean_score) {
+    text += std::string(fit.scans.empty() ? "" : "; ") + "the score of its poses is " +
+            report::fixed(*log.mean_score, 2) + " in the mean";
+  }
+  return text + "; is the log of this building" +
+         (log.begin.empty() ? "?" : ", and did the robot begin at " + log.begin + "?");
+}
+
+}  // namespace strata::tools
