@@ -129,6 +129,45 @@ def of_another_kind(tries, material):
     tries.hold("what was there stays", open(other + "/notes.txt").read() == "mine\n")
 
 
+def of_the_users(tries, material):
+    """A file of the user's under any name that a verb writes, in a folder that no verb made."""
+    prepare(material)
+    verbs = {verb: words for verb, (words, _) in verbs_of(material).items()}
+    verbs["changes"] += ["--path", "0,0,0.5,0"]
+    absent = material.at("absent.clf")
+    for verb, words in verbs.items():
+        wrote = material.at("wrote_" + verb)
+        tries.strata_try(f"{verb} into a new folder", [*words, "--out", wrote], 0)
+        for name in sorted(os.listdir(wrote)):
+            mine = material.at("mine_" + verb)
+            shutil.rmtree(mine, ignore_errors=True)
+            os.makedirs(mine)
+            material.write(f"mine_{verb}/{name}", "mine\n")
+            before = snapshot(mine)
+            # Before the work: without a log that could be worked on.
+            early = [absent if word == material.log else word for word in words]
+            tries.strata_try(f"{verb} beside a {name} of the user's", [*early, "--out", mine], 1,
+                             "which .* would replace; .*--force")
+            tries.hold(f"{verb}: the user's {name} is as it was", snapshot(mine) == before)
+        tries.strata_try(f"{verb} --force beside files of the user's",
+                         [*words, "--out", mine, "--force"], 0)
+    mine = material.at("mine_replay")
+    os.makedirs(mine)
+    for composition, name in (("mapping", "patches.pgm"), ("localize", "trajectory.tum"),
+                              ("topology", "topology.graphml")):
+        material.write("mine_replay/" + name, "mine\n")
+        tries.strata_try(f"replay of {composition} beside a {name} of the user's",
+                         ["replay", absent, "--composition",
+                          f"{material.compositions}/{composition}.yaml", "--out", mine], 1,
+                         f"has '{name}', which .* would replace; .*--force")
+        os.remove(mine + "/" + name)
+    tries.strata_try("messages", ["messages", material.at("package")], 0)
+    tries.strata_try("messages again", ["messages", material.at("package")], 0)
+    material.write("package/package.xml", "<package><name>mine</name></package>\n")
+    tries.strata_try("messages over a package of the user's", ["messages", material.at("package")],
+                     1, "would replace; .*--force")
+
+
 def with_more_runs(tries, material):
     log = material.log
     two = material.at("two")

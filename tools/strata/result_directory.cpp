@@ -2,14 +2,18 @@
 #include "tools/strata/result_directory.hpp"
 
 #include <fstream>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "components/log/json_text.hpp"
+#include "components/maps/localization_files.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "core/base/error.hpp"
 #include "memory/store/store_summary.hpp"
+#include "tools/strata/written_names.hpp"
 
 namespace fs = std::filesystem;
 
@@ -19,11 +23,13 @@ namespace {
 constexpr const char* kKind = "kind";
 
 /// An empty object where there is none.
-nlohmann::json summary_of(const fs::path& folder) {
-  std::ifstream in(folder / maps::kSummaryFile);
+nlohmann::json object_in(const fs::path& file) {
+  std::ifstream in(file);
   nlohmann::json json = nlohmann::json::parse(in, nullptr, false);
   return json.is_object() ? json : nlohmann::json::object();
 }
+
+nlohmann::json summary_of(const fs::path& folder) { return object_in(folder / maps::kSummaryFile); }
 
 /// A file that only one verb writes, for folders from before they said what they are, and for those
 /// without a summary.
@@ -34,7 +40,7 @@ struct Mark {
 constexpr Mark kMarks[] = {
     {maps::kStoreFile, "maps"},
     {"comparison.json", "comparison"},
-    {"metrics.json", "localization"},
+    {maps::kMetricsFile, "localization"},
     {"topologies.json", "topology"},
     {"map.bt", "volume"},
     {"changes.json", "changes"},
@@ -45,6 +51,26 @@ constexpr Mark kMarks[] = {
     {"public/identity_ca.cert.pem", "a keystore"},
 };
 
+/// Near its begin.
+bool has_text(const fs::path& file, std::string_view text) {
+  std::string begin(4096, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin.find(text) != std::string::npos;
+}
+
+/// Whether `strata messages` wrote it.
+bool is_our_package(const fs::path& file) { return has_text(file, "<name>strata_msgs</name>"); }
+
+/// Whether a verb or a component wrote results of that kind there: a name alone may be the user's.
+bool is_ours(const fs::path& folder, const std::string& kind) {
+  if (summary_of(folder).contains(kKind) || kind == "messages") return true;
+  if (kind == "maps") return memory::is_store(folder / maps::kStoreFile);
+  if (kind == "localization") return object_in(folder / maps::kMetricsFile).contains("model");
+  if (kind == "topology") return object_in(folder / "topologies.json").contains("visits");
+  return kind == "volume" && has_text(folder / "map.bt", "# Octomap OcTree");
+}
+
 }  // namespace
 
 std::string kind_of(const fs::path& folder) {
@@ -54,6 +80,7 @@ std::string kind_of(const fs::path& folder) {
   for (const Mark& mark : kMarks) {
     if (fs::exists(folder / mark.file, error)) return mark.kind;
   }
+  if (is_our_package(folder / "package.xml")) return "messages";
   return "";
 }
 
@@ -75,9 +102,17 @@ void add_force(CLI::App& verb, VerbContext& context) {
 void require_kind(const fs::path& folder, const std::string& kind, const VerbContext& context) {
   if (context.options.force || kind.empty()) return;
   const std::string there = kind_of(folder);
-  if (there.empty() || there == kind) return;
-  throw OutputError(folder.string(), "holds " + there + ", which " + kind + " would replace",
-                    "choose another --out, or give --force");
+  if (there == kind && is_ours(folder, kind)) return;
+  if (!there.empty() && there != kind) {
+    throw OutputError(folder.string(), "holds " + there + ", which " + kind + " would replace",
+                      "choose another --out, or give --force");
+  }
+  if (const std::string name = entry_in_the_way(folder, kind); !name.empty()) {
+    throw OutputError(
+        folder.string(),
+        "has '" + name + "', which no verb has written, and which " + kind + " would replace",
+        "move it away, choose another --out, or give --force");
+  }
 }
 
 void require_no_more_runs(const fs::path& folder, std::size_t runs, const VerbContext& context) {
@@ -101,7 +136,7 @@ void ResultDirectory::commit() {
   summary[kKind] = kind_;
   const fs::path file = out_.path() / maps::kSummaryFile;
   std::ofstream out(file);
-  out << summary.dump(2) << '\n';
+  out << log::json_text(summary);
   out.close();
   if (!out) throw OutputError(file.string(), "cannot be written", "free some space");
   out_.commit();

@@ -22,8 +22,9 @@ namespace strata::tools {
 /// Adds --force to a verb that writes such a folder.
 void add_force(CLI::App& verb, VerbContext& context);
 
-/// Unless --force was given, throws OutputError where `folder` holds results of another kind.
-/// kind: empty fits all.
+/// Unless --force was given, throws OutputError where `folder` holds results of another kind, or,
+/// in one that no verb wrote, something that those of this kind would replace
+/// (written_names.hpp). kind: empty fits all.
 void require_kind(const std::filesystem::path& folder, const std::string& kind,
                   const VerbContext& context);
 /// The same where it holds maps of more than `runs` runs, which would be lost.

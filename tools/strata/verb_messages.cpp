@@ -46,6 +46,7 @@ void add_messages(CLI::App& app, VerbContext& context) {
                             [out, &context] { run(*out, context); });
   verb->add_option("OUT", *out, "folder of the package strata_msgs, in a colcon workspace")
       ->required();
+  add_force(*verb, context);
 }
 
 }  // namespace strata::tools

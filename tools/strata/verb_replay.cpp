@@ -6,7 +6,9 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/maps/localization_files.hpp"
@@ -19,16 +21,16 @@
 #include "tools/report/plot.hpp"
 #include "tools/strata/composition_options.hpp"
 #include "tools/strata/positive.hpp"
+#include "tools/strata/replay_fit.hpp"
 #include "tools/strata/replay_session.hpp"
 #include "tools/strata/replay_truth.hpp"
-#include "tools/strata/replay_fit.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
 #include "tools/strata/view_host.hpp"
+#include "tools/strata/warning.hpp"
 
 namespace fs = std::filesystem;
-#include "tools/strata/warning.hpp"
 
 namespace strata::tools {
 namespace {
@@ -125,12 +127,42 @@ class TruthOfReplay {
   std::vector<std::unique_ptr<ReplayTruth>> localizers_;
 };
 
+/// The kind of results that a component saves; empty: none.
+std::string kind_saved_by(const std::string& type) {
+  if (type == "strata::Localizer") return "localization";
+  if (type == "strata::TopologyMapper") return "topology";
+  if (type == "strata::VolumeMapper") return "volume";
+  const bool learns = type == "strata::ScanMatcher" || type == "strata::PatchLearner" ||
+                      type == "strata::TimescaleMemory";
+  return learns ? "maps" : "";
+}
+
+/// Before the work, as far as the composition tells: what components save into the top of --out
+/// replaces nothing of another kind, and nothing of the user's.
+void require_place(const ReplayOptions& options, const runtime::Composition& composition,
+                   const VerbContext& context) {
+  std::set<std::string> saved;
+  for (const auto& process : composition.processes) {
+    for (const auto& entry : process.components) {
+      const bool is_at_top = runtime::out_folder_of(entry, composition).empty() &&
+                             !entry.parameters["out_subfolder"].IsDefined();
+      if (is_at_top) saved.insert(kind_saved_by(entry.type));
+    }
+  }
+  const std::string there = kind_of(options.out);
+  // In the order of kind_of, for those that save several.
+  for (const char* kind : {"maps", "localization", "topology", "volume"}) {
+    if (!saved.contains(kind)) continue;
+    require_kind(options.out, kind, context);
+    if (there == kind) return;
+  }
+}
+
 /// Plays everything and has the components save into `out`.
 void replay_into(const fs::path& out, const ReplayOptions& options, VerbContext& context,
-                 const pipeline::Runs& runs) {
+                 runtime::Composition composition, const pipeline::Runs& runs) {
   const pipeline::CostMeter meter;
-  ReplaySession session(context, load_composition(options.composition, context),
-                        options.composition);
+  ReplaySession session(context, std::move(composition), options.composition);
   if (!options.topics.empty()) session.record(options.topics, out / expect::kTopicsFolder);
   TruthOfReplay truth(options, runs, session);
   // Stamps of several logs may overlap: clouds go with one only.
@@ -154,6 +186,9 @@ void replay_into(const fs::path& out, const ReplayOptions& options, VerbContext&
   if (!options.learn_until_s) truth.align(out);
   truth.write(out);
   session.stop();
+  for (const std::string& warning : fit_warnings(out, session.composition(), runs)) {
+    warn(context, warning);
+  }
   const pipeline::Cost cost = meter.read();
   std::string logs;
   for (const std::string& log : options.input.logs) logs += (logs.empty() ? "" : " ") + log;
@@ -186,9 +221,6 @@ void require_none(const std::vector<expect::Difference>& differences, const Repl
 /// What was recorded into the expected results is recorded again, also to refresh them.
 void take_topics_of_expected(ReplayOptions& options) {
   if (options.expect.empty() || !options.topics.empty()) return;
-  for (const std::string& warning : fit_warnings(out, session.composition(), runs)) {
-    warn(context, warning);
-  }
   if (fs::is_directory(options.expect)) {
     options.topics = expect::recorded_topics(options.expect);
   } else if (!options.accept) {
@@ -210,11 +242,13 @@ void replay(ReplayOptions options, VerbContext& context) {
   if (!options.out.empty()) {
     require_no_more_runs(options.out, options.input.logs.size(), context);
   }
+  runtime::Composition composition = load_composition(options.composition, context);
+  if (!options.out.empty()) require_place(options, composition, context);
   options.input.needs_ros_stamps = true;
   const pipeline::Runs runs = pipeline::read_runs(options.input, context.progress());
   note_reports(context, runs);
-  replay_into(out.path(), options, context, runs);
-  // What the components save is known only now.
+  replay_into(out.path(), options, context, std::move(composition), runs);
+  // Of components that are not ours it is known only now.
   if (!options.out.empty()) require_kind(options.out, kind_of(out.path()), context);
   std::vector<expect::Difference> differences;
   if (options.accept) {
