@@ -52,7 +52,7 @@ void Player::on_configure() {
 void Player::expect_log() {
   (void)advertise<rosgraph_msgs::msg::Clock>("/clock", "default");
   if (config_.mode == PlayMode::kRobot) (void)robot_outputs();
-  warn(InputError(config_.log, "is not there: nothing can be played, and its topics are not told",
+  warn(InputError(config_.log, "is not there: nothing could be played",
                   "name the log, as in --set " + context().name + ".log=LOG"));
 }
 

@@ -41,10 +41,11 @@ class Tries:
             self.failed.append(name)
 
     def strata_try(self, name, arguments, code, line="", shell=None, user=None, cwd=None,
-                   or_fails=None):
+                   or_fails=None, patience_s=PATIENCE_S):
         """code: the exit status, or a tuple of those allowed. line: a pattern that its output has.
         shell: a command of bash around it, with STRATA for the program and its arguments. user:
-        "nobody". or_fails: it may also end with 1 and a line of this pattern."""
+        "nobody". or_fails: it may also end with 1 and a line of this pattern. patience_s: of a
+        hang."""
         codes = code if isinstance(code, tuple) else (code,)
         words = [self.strata, *arguments]
         if shell is not None:
@@ -52,7 +53,7 @@ class Tries:
             words = ["bash", "-c", shell.replace("STRATA", text)]
         try:
             ended = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, timeout=PATIENCE_S, cwd=cwd,
+                                   stderr=subprocess.PIPE, timeout=patience_s, cwd=cwd,
                                    preexec_fn=lambda: begin(user))
         except subprocess.TimeoutExpired:
             self.judge(name, ["hangs"], " ".join(arguments)[:100])

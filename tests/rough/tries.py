@@ -12,10 +12,14 @@ import tempfile
 import damaged_logs
 import elsewhere
 import elsewhere_live
+import json_output
 import live
 import memory
 import odd_options
+import other_stores
 import outputs
+import pages
+import pictures
 import table
 from material import Material
 from runner import Tries
@@ -23,9 +27,11 @@ from runner import Tries
 GROUPS = {
     "damaged_logs": [damaged_logs.run, damaged_logs.unreadable, damaged_logs.cut_anywhere],
     "odd_options": [odd_options.run],
-    "outputs": [outputs.cannot_be_written, outputs.of_another_kind, outputs.with_more_runs],
+    "outputs": [outputs.cannot_be_written, outputs.of_another_kind, outputs.of_the_users,
+                outputs.with_more_runs, pictures.run, other_stores.run],
     "memory": [memory.run],
     "live": [live.mounting_of_nan, live.empty_messages, live.stores_in_use],
+    "pages": [pages.run, json_output.run],
     "elsewhere": [elsewhere.run, elsewhere_live.run],
     "table": [table.pipes, table.stamps, table.rotations, table.positions, table.numbers,
               table.names, table.two_at_once, table.left_over, table.interrupted],
