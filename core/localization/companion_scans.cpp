@@ -11,8 +11,6 @@ namespace strata::localization {
 namespace {
 
 constexpr double kLongestAgoS = 0.5;
-/// More than a robot has: then it is a mounting that is measured anew with every scan.
-constexpr std::size_t kMaxScanners = 8;
 
 bool tells_place(const Observation& observation) {
   return observation.has_odometry && is_finite(observation.odom_from_robot);

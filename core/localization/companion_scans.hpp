@@ -34,7 +34,28 @@ class CompanionScans {
   /// Of all hits that were taken, those of `now`; 1 when it was alone.
   [[nodiscard]] double own_share() const { return own_share_; }
 
+  /// For saved states; what take() makes is made anew.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    auto count = static_cast<std::uint64_t>(self.kept_.size());
+    archive(count);
+    if constexpr (Archive::kReads) {
+      if (count > kMaxScanners) archive.fail("has more scanners than there can be");
+      self.kept_.assign(count, {});
+    }
+    for (auto& kept : self.kept_) {
+      auto& observation = kept.companion.observation;
+      archive(observation.run);
+      archive(observation.scan);
+      archive(observation.odom_from_robot);
+      archive(observation.has_odometry);
+      archive(kept.is_fresh);
+    }
+  }
+
  private:
+  /// More than a robot has: then it is a mounting that is measured anew with every scan.
+  static constexpr std::size_t kMaxScanners = 8;
   static constexpr std::size_t kDirections = 72;
   struct Kept {
     Companion companion;

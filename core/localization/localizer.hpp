@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/parallel.hpp"
@@ -97,7 +99,21 @@ class Localizer {
   [[nodiscard]] const ScoreEvidence& score_evidence() const { return score_.evidence(); }
   [[nodiscard]] const LocalizerConfig& config() const { return config_; }
 
+  /// What the next results depend on besides what the constructor and set_free_space were given
+  /// (core/base/state_archive.hpp): about 50 bytes a particle, and its beliefs. Nothing before a
+  /// start, and with a model that goes on learning, which is not saved. Equal states have equal
+  /// bytes. O(particles).
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> saved_state() const;
+  /// Goes on where another localizer with the same config, model, seed and free space was: the next
+  /// results are the same to the bit. place: of the bytes, for errors. Throws DamageError for
+  /// damaged bytes, InputError for those of another version or of other sub-maps; it is not
+  /// initialized then.
+  void restore(std::span<const std::uint8_t> state, const std::string& place);
+
  private:
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive);
+  [[nodiscard]] bool fits_map() const;
   void start(std::size_t count);
   [[nodiscard]] std::size_t global_count() const;
   /// Draws `keep` of the particles by their weights and adds random ones. Leaves the weights open.

@@ -57,10 +57,21 @@ class PlaceFinder {
   /// to be waited for. `waited`: scans so far.
   [[nodiscard]] std::vector<PlaceSeed> find(int waited);
 
+  /// For saved states; config and map are told.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.scans_);
+  }
+
  private:
   struct Placed {
     Pose2 now_from_then;
     Endpoints points;
+    template <class Self, class Archive>
+    static void state(Self& self, Archive& archive) {
+      archive(self.now_from_then);
+      archive(self.points);
+    }
   };
   PlaceFinderConfig config_;
   ReflectionGrid map_;

@@ -3,6 +3,7 @@
 /// refuted (docs/theory/patch_localization.md, "Several places").
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -90,7 +91,37 @@ class PlaceHypotheses {
   /// Places that are not refuted, the likeliest first.
   [[nodiscard]] const std::vector<PlaceBelief>& beliefs() const { return beliefs_; }
 
+  /// For saved states; the config is the constructor's. Reading fails where a particle has no
+  /// place.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    // One by one: as bytes a place has gaps, which are of any value.
+    auto count = static_cast<std::uint64_t>(self.places_.size());
+    archive(count);
+    if constexpr (Archive::kReads) {
+      if (count > self.kMaxSavedPlaces) archive.fail("has more places than there can be");
+      self.places_.resize(count);
+    }
+    for (auto& place : self.places_) {
+      archive(place.mass);
+      archive(place.mean);
+      archive(place.is_refuted);
+    }
+    archive(self.place_of_);
+    archive(self.beliefs_);
+    archive(self.best_);
+    if constexpr (Archive::kReads) {
+      if (self.best_ >= std::max<std::size_t>(self.places_.size(), 1)) archive.fail("is damaged");
+      for (const std::uint32_t place : self.place_of_) {
+        if (place >= count && count > 0) archive.fail("has particles of no place");
+      }
+    }
+  }
+  /// Of how many particles it knows the place.
+  [[nodiscard]] std::size_t particles() const { return place_of_.size(); }
+
  private:
+  static constexpr std::uint64_t kMaxSavedPlaces = 1'000'000;
   struct Place {
     double mass = 0.0;
     Pose2 mean;

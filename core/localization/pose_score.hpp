@@ -67,6 +67,16 @@ class PoseScore {
   /// Of the last weighed scan, for calibration.
   [[nodiscard]] const ScoreEvidence& evidence() const { return evidence_; }
 
+  /// For saved states.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.usual_);
+    archive(self.long_);
+    archive(self.count_);
+    archive(self.evidence_);
+    archive(self.value_);
+  }
+
  private:
   static constexpr std::size_t kDirections = 8;
   /// Sums of the shares at the pose and their margins in each direction.

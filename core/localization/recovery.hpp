@@ -100,6 +100,9 @@ enum class HealthState {
   kLost,         ///< far fewer than usual, and no thing taken away or put down explains it
 };
 
+/// For saved states (core/base/state_archive.hpp).
+[[nodiscard]] constexpr HealthState last_enumerator(HealthState) { return HealthState::kLost; }
+
 /// Inlier shares are of those that the map judges (InlierShares).
 struct LocalizationHealth {
   HealthState state = HealthState::kConverging;
@@ -144,6 +147,24 @@ class HealthMonitor {
   /// The search has found a place before that. While that is still in doubt, 1 / fast_rate values
   /// go by without injection, in which the short averages forget most of what was before it.
   void search_ends();
+
+  /// For saved states; the config is the constructor's.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    auto& health = self.health_;
+    archive(health.state);
+    archive(health.is_in_doubt);
+    for (auto* value :
+         {&health.inlier_share, &health.inlier_share_fast, &health.inlier_share_slow,
+          &health.judged_share_fast, &health.likelihood_per_beam, &health.likelihood_ratio,
+          &health.position_stddev_m, &self.likelihood_fast_, &self.likelihood_slow_}) {
+      archive(*value);
+    }
+    archive(self.count_);
+    archive(self.doubtful_in_a_row_);
+    archive(self.fast_);
+    archive(self.slow_);
+  }
 
  private:
   [[nodiscard]] bool is_contradicted() const;

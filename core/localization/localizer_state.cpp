@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// A localizer as bytes, and one that goes on from them.
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "core/base/state_archive.hpp"
+#include "core/geometry/matrix_state.hpp"
+#include "core/localization/localizer.hpp"
+#include "core/scan/scan_state.hpp"
+
+namespace strata::localization {
+namespace {
+
+constexpr std::uint64_t kStateVersion = 1;
+
+/// Whether the columns fit each other, and the map, is checked when all is read.
+template <class Particles, class Archive>
+void archive_particles(Particles& particles, Archive& archive) {
+  for (auto* column : {&particles.x_m, &particles.y_m, &particles.theta_rad, &particles.weight}) {
+    archive(*column);
+  }
+  archive(particles.submap);
+  archive(particles.configuration);
+  archive(particles.beliefs);
+  archive(particles.shared_belief);
+}
+
+/// The pooled beliefs are kept: between weighed scans they are not made anew.
+template <class Beliefs, class Archive>
+void archive_beliefs(Beliefs& beliefs, Archive& archive) {
+  auto count = static_cast<std::uint64_t>(beliefs.size());
+  archive(count);
+  if constexpr (Archive::kReads) {
+    if (count > std::uint64_t{1} << 20U) archive.fail("has more sub-maps than there can be");
+    beliefs.resize(count);
+  }
+  for (auto& belief : beliefs) {
+    archive(belief.submap);
+    archive(belief.mass);
+    archive(belief.probability);
+  }
+}
+
+}  // namespace
+
+template <class Self, class Archive>
+void Localizer::state(Self& self, Archive& archive) {
+  // By name: as plain values they would be copied with the gaps between their members.
+  HealthMonitor::state(self.monitor_, archive);
+  PlaceFinder::state(self.finder_, archive);
+  PlaceHypotheses::state(self.places_, archive);
+  PoseScore::state(self.score_, archive);
+  OdometryGate::state(self.odometry_, archive);
+  ScannerTurns::state(self.turns_, archive);
+  CompanionScans::state(self.companions_, archive);
+  archive_particles(self.particles_, archive);
+  archive_beliefs(self.result_.submaps, archive);
+  for (auto* flag : {&self.is_seeking_, &self.keeps_old_, &self.is_missing_, &self.is_untold_,
+                     &self.is_patched_, &self.must_weigh_, &self.are_beliefs_pooled_}) {
+    archive(*flag);
+  }
+  for (auto* count : {&self.sought_, &self.annealed_updates_}) archive(*count);
+  for (auto* count : {&self.start_count_, &self.step_}) archive(*count);
+  for (auto* count : {&self.max_particles_, &self.scans_since_weighed_, &self.unusable_scans_,
+                      &self.odometry_jumps_}) {
+    archive(*count);
+  }
+  archive(self.run_);
+  archive(self.at_reading_);
+  archive(self.last_weighed_);
+  archive(self.moved_);
+}
+
+std::optional<std::vector<std::uint8_t>> Localizer::saved_state() const {
+  if (!is_started_ || own_model_ != nullptr) return std::nullopt;
+  StateWriter archive;
+  archive(kStateVersion);
+  archive(static_cast<std::uint64_t>(particles_.belief_columns));
+  state(*this, archive);
+  return archive.take();
+}
+
+/// Whether every index and every row is one of this map's.
+bool Localizer::fits_map() const {
+  const ParticleSet& all = particles_;
+  const std::size_t count = all.size();
+  for (const auto* column : {&all.y_m, &all.theta_rad, &all.weight}) {
+    if (column->size() != count) return false;
+  }
+  if (count == 0 || all.submap.size() != count || all.configuration.size() != count) return false;
+  if (places_.is_active() && places_.particles() != count) return false;
+  const PatchStates* states = model_->patch_states();
+  ParticleSet expected;
+  expected.resize(1);
+  if (states != nullptr) states->prepare(expected);
+  if (all.belief_columns != expected.belief_columns ||
+      all.beliefs.size() != count * expected.belief_columns ||
+      all.shared_belief.size() != expected.shared_belief.size()) {
+    return false;
+  }
+  const auto submaps = states != nullptr ? static_cast<int>(states->map().submaps.size()) : 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int submap = all.submap[i];
+    if (submap < -1 || submap >= submaps || all.configuration[i] < -1) return false;
+    const int configurations = submap < 0 ? 0 : states->count(static_cast<std::size_t>(submap));
+    if (all.configuration[i] >= configurations) return false;
+  }
+  return std::all_of(result_.submaps.begin(), result_.submaps.end(), [&](const auto& belief) {
+    return belief.submap >= 0 && belief.submap < submaps &&
+           static_cast<int>(belief.probability.size()) ==
+               states->count(static_cast<std::size_t>(belief.submap));
+  });
+}
+
+void Localizer::restore(std::span<const std::uint8_t> bytes, const std::string& place) {
+  is_started_ = false;
+  StateReader archive(bytes, place);
+  archive.expect_version(kStateVersion);
+  if (own_model_ != nullptr) archive.refuse("is of a model that does not learn");
+  std::uint64_t columns = 0;
+  archive(columns);
+  state(*this, archive);
+  archive.expect_end();
+  particles_.belief_columns = columns;
+  if (!fits_map()) archive.refuse("is of other maps");
+  resampled_ = particles_;
+  is_started_ = true;
+}
+
+}  // namespace strata::localization
