@@ -2,7 +2,6 @@
 #include "components/incident_recorder/incident_folder.hpp"
 
 #include <algorithm>
-#include <array>
 #include <ctime>
 #include <fstream>
 #include <iomanip>
@@ -14,8 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
+#include "components/log/content_hash.hpp"
 #include "components/log/disk.hpp"
-#include "components/log/sha256.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
 
@@ -30,40 +29,12 @@ constexpr const char* kFiles = "files";
 constexpr int kCopyAttempts = 3;
 constexpr double kNsPerS = 1e9;
 
-/// With its end, so that two texts in a row are not one.
-void add(log::Sha256& digest, const std::string& text) {
-  digest.add(text.c_str(), text.size() + 1);
-}
-
-std::vector<fs::path> files_below(const fs::path& path) {
-  if (!fs::is_directory(path)) return {path};
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(path)) {
-    if (entry.is_regular_file()) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-std::string digest_of(const fs::path& path) {
-  log::Sha256 digest;
-  std::array<char, 65536> buffer{};
-  for (const fs::path& file : files_below(path)) {
-    add(digest, fs::relative(file, path).string());
-    add(digest, std::to_string(fs::file_size(file)));
-    std::ifstream in(file, std::ios::binary);
-    while (in.read(buffer.data(), buffer.size()) || in.gcount() > 0) {
-      digest.add(buffer.data(), static_cast<std::size_t>(in.gcount()));
-    }
-  }
-  return digest.hex();
-}
-
 std::uint64_t bytes_below(const fs::path& path) {
+  if (!fs::is_directory(path)) return fs::file_size(path);
   std::uint64_t bytes = 0;
   std::error_code gone;
-  for (const fs::path& file : files_below(path)) {
-    const std::uintmax_t size = fs::file_size(file, gone);
+  for (const auto& entry : fs::recursive_directory_iterator(path)) {
+    const std::uintmax_t size = entry.is_regular_file(gone) ? entry.file_size(gone) : 0;
     if (!gone) bytes += size;
   }
   return bytes;
@@ -99,33 +70,6 @@ json to_json(const IncidentRecord& record) {
           {"complete", record.is_complete}};
 }
 
-std::optional<IncidentRecord> read_record(const fs::path& folder) {
-  std::ifstream in(folder / kIncidentFile);
-  const json text = json::parse(in, nullptr, false);
-  if (!text.is_object() || text.value("kind", "") != "incident") return std::nullopt;
-  IncidentRecord record;
-  try {
-    record.folder = folder;
-    for (const json& reason : text.at("reasons")) {
-      record.reasons.push_back({reason.at("kind"), reason.at("source"), reason.at("text")});
-    }
-    record.at_ns = text.at("at_ns");
-    record.before_s = text.at("before_s");
-    record.after_s = text.at("after_s");
-    record.messages = text.at("messages");
-    record.lost = text.at("lost");
-    for (const json& file : text.at("files")) {
-      record.files.push_back({file.at("source"), file.at("sha256")});
-    }
-    record.is_complete = text.at("complete");
-  } catch (const json::exception&) {
-    return std::nullopt;
-  }
-  if (record.reasons.empty()) return std::nullopt;
-  record.bytes = bytes_below(folder);
-  return record;
-}
-
 /// Without the trailing slash, which would leave no name.
 fs::path named(const std::string& text) {
   const fs::path path = text;
@@ -142,7 +86,7 @@ KeptFile keep_file(const fs::path& files, const std::string& source) {
     fs::copy(path, aside / path.filename(), fs::copy_options::recursive);
     if (before == number_of(path) || attempt + 1 == kCopyAttempts) break;
   }
-  const std::string digest = digest_of(aside / path.filename());
+  const std::string digest = log::content_digest(aside / path.filename());
   const fs::path place = files / digest;
   if (fs::exists(place / path.filename())) {
     fs::remove_all(aside);
@@ -181,6 +125,47 @@ void write_record(const IncidentRecord& record) {
   log::WholeFile file(record.folder / kIncidentFile);
   file.stream() << json_text(record) << "\n";
   file.commit();
+}
+
+std::optional<IncidentRecord> read_record(const fs::path& folder) {
+  std::ifstream in(folder / kIncidentFile);
+  const json text = json::parse(in, nullptr, false);
+  if (!text.is_object() || text.value("kind", "") != "incident") return std::nullopt;
+  IncidentRecord record;
+  try {
+    record.folder = folder;
+    for (const json& reason : text.at("reasons")) {
+      record.reasons.push_back({reason.at("kind"), reason.at("source"), reason.at("text")});
+    }
+    record.at_ns = text.at("at_ns");
+    record.before_s = text.at("before_s");
+    record.after_s = text.at("after_s");
+    record.messages = text.at("messages");
+    record.lost = text.at("lost");
+    for (const json& file : text.at("files")) {
+      record.files.push_back({file.at("source"), file.at("sha256")});
+    }
+    record.is_complete = text.at("complete");
+  } catch (const json::exception&) {
+    return std::nullopt;
+  }
+  if (record.reasons.empty()) return std::nullopt;
+  record.bytes = bytes_below(folder);
+  return record;
+}
+
+std::optional<fs::path> kept_copy(const IncidentRecord& record, const std::string& sha256) {
+  const bool is_kept = std::any_of(record.files.begin(), record.files.end(),
+                                   [&](const KeptFile& file) { return file.sha256 == sha256; });
+  if (!is_kept) return std::nullopt;
+  const fs::path place = fs::absolute(record.folder).lexically_normal();
+  const fs::path folder = (place.has_filename() ? place : place.parent_path()).parent_path();
+  // Equal contents lie together under each of their names.
+  for (const KeptFile& file : record.files) {
+    const fs::path copy = folder / kFiles / sha256 / named(file.source).filename();
+    if (file.sha256 == sha256 && fs::exists(copy)) return copy;
+  }
+  return std::nullopt;
 }
 
 std::vector<IncidentRecord> read_records(const fs::path& incidents) {

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,12 @@ struct IncidentRecord {
 [[nodiscard]] std::string json_text(const IncidentRecord& record);
 /// Replaces the record's file, whole or not at all. Throws OutputError.
 void write_record(const IncidentRecord& record);
+/// That of one incident; nothing when the folder holds none, or it is damaged.
+[[nodiscard]] std::optional<IncidentRecord> read_record(const std::filesystem::path& folder);
+/// Where the copy of that content lies, as long as the incident is where it was written; nothing
+/// when it kept none. Throws std::filesystem::filesystem_error.
+[[nodiscard]] std::optional<std::filesystem::path> kept_copy(const IncidentRecord& record,
+                                                             const std::string& sha256);
 /// The incidents in a folder, oldest first; others' folders and damaged records are passed over.
 [[nodiscard]] std::vector<IncidentRecord> read_records(const std::filesystem::path& incidents);
 

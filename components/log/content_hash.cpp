@@ -98,4 +98,8 @@ HashedContent hash_content(const fs::path& folder) {
 
 std::string short_hash(const std::string& hash) { return hash.substr(0, kShortDigits); }
 
+std::string content_digest(const fs::path& path) {
+  return fs::is_directory(path) ? hash_content(path).hash : hash_file(path).sha256;
+}
+
 }  // namespace strata::log

@@ -36,6 +36,9 @@ struct HashedContent {
 /// The SHA-256 of one file's content. Throws InputError.
 [[nodiscard]] HashedFile hash_file(const std::filesystem::path& file);
 
+/// The hash of a folder's content, or of a file's. Throws InputError.
+[[nodiscard]] std::string content_digest(const std::filesystem::path& path);
+
 /// The hash of a list of files, which is sorted first.
 [[nodiscard]] std::string hash_of(std::vector<HashedFile>& files);
 
