@@ -5,13 +5,17 @@
 
 namespace strata::bus {
 
+bool is_hidden(const std::string& full_topic) { return full_topic.find("/_") != std::string::npos; }
+
 std::map<std::string, PublishedTopic> topics_to_record(const Participant& participant,
                                                        const std::string& recorder,
-                                                       const std::vector<std::string>& wanted) {
+                                                       const std::vector<std::string>& wanted,
+                                                       HiddenTopics hidden) {
   auto topics = participant.published_topics();
   std::erase_if(topics, [&](const auto& entry) {
     const std::string& topic = entry.first;
     if (topic.starts_with(recorder + "/") || topic.starts_with("/strata_lockstep/")) return true;
+    if (wanted.empty() && hidden == HiddenTopics::kLeftOut && is_hidden(topic)) return true;
     return !wanted.empty() && std::find(wanted.begin(), wanted.end(), topic) == wanted.end();
   });
   return topics;

@@ -11,12 +11,17 @@
 
 namespace strata::bus {
 
+/// Whether a part of the name begins with "_": what ROS 2 lists and records only when asked to.
+[[nodiscard]] bool is_hidden(const std::string& full_topic);
+
+enum class HiddenTopics { kLeftOut, kTaken };
+
 /// What is published, by topic, as far as whoever records by the full name `recorder` wants it:
 /// without what tells of the recorder itself and what leads a lockstep replay. wanted: full topics;
-/// empty: all.
+/// empty: all, of which hidden ones may be left out.
 [[nodiscard]] std::map<std::string, PublishedTopic> topics_to_record(
     const Participant& participant, const std::string& recorder,
-    const std::vector<std::string>& wanted);
+    const std::vector<std::string>& wanted, HiddenTopics hidden = HiddenTopics::kLeftOut);
 
 /// As the writers offer: reliably when all do, latched messages too; best effort and volatile
 /// matches every writer. Deep enough that a burst does not push messages out.

@@ -67,7 +67,8 @@ void IncidentRecorder::on_configure() {
 }
 
 void IncidentRecorder::watch_topics() {
-  const auto topics = bus::topics_to_record(*context().participant, full_name(), config_.topics);
+  const auto topics = bus::topics_to_record(*context().participant, full_name(), config_.topics,
+                                            bus::HiddenTopics::kTaken);
   for (const auto& [topic, published] : topics) watch(topic, published);
 }
 

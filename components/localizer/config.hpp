@@ -108,6 +108,7 @@ struct LocalizerComponentConfig {
   std::string current_map_topic = "map_current";
   std::string health_topic = "localization_health";
   std::string score_topic = "localization_score";
+  double restore_point_s = 10.0;
   std::string located_topic;
   LocatedScansConfig located;
   std::string map_frame = "map";
@@ -169,6 +170,12 @@ struct LocalizerComponentConfig {
         "score_topic", c.score_topic,
         {.doc = "std_msgs/Float64 out, one a scan: the probability that the pose is within 0.5 m "
                 "of the truth"});
+    v.field("restore_point_s", c.restore_point_s,
+            {.doc = "live, while somebody records ~/_restore_point and ~/_journal, as an incident "
+                    "recorder does: so often the filter is kept there, from which `strata "
+                    "incidents replay` goes on to the same bits; 0: never",
+             .unit = "s",
+             .min = 0.0});
     v.field("located_topic", c.located_topic,
             {.doc = "strata_msgs/LabeledScan out: scans with their poses for learners that go on "
                     "learning, such as located_scan; empty: none"});

@@ -2,11 +2,16 @@
 #include "components/localizer/localizer.hpp"
 
 #include "components/convert/geometry_messages.hpp"
+#include "components/localizer/filter.hpp"
 #include "components/log/kept_file.hpp"
 #include "components/maps/maps_folder.hpp"
 
 namespace strata::localizer {
 namespace {
+
+/// A scanner that sends nothing for so long has died, or lost its cable.
+constexpr auto kScanPatience = std::chrono::seconds(5);
+constexpr const char* kNoScans = "no scan has come for 5 s";
 
 /// Nothing: anywhere.
 std::optional<Pose2Gaussian> start_of(const StartConfig& start) {
@@ -31,6 +36,7 @@ void Localizer::on_configure() {
     use_maps(*known, start_of(config_.start));
   }
   advertise_topics();
+  begin_journal();
   if (!known || config_.map_topics.follow) {
     subscribe_maps();
     if (known) live_maps_->begin_with(known->maps);
@@ -64,6 +70,7 @@ bool Localizer::resume(const Observation& observation) {
   kept_map_ = ReflectionGrid(1.0, CellRect{});
   place_ = Place{resumed->map_from_robot, observation.odom_from_robot, observation.has_odometry};
   localizer_->initialize(resumed->map_from_robot);
+  interrupt_journal();
   if (!resumed->fits) {
     tell(InputError(
         full_name(), "the first scan does not look as the map does where the robot is taken to be",
@@ -86,7 +93,7 @@ void Localizer::on_observation(const Observation& observation) {
   take_folder();
   if (live_maps_ && live_maps_->has_news()) {
     const maps::Maps& maps = live_maps_->take();
-    use_maps(maps, make_model(maps, config_), place_now(observation));
+    use_maps(maps, make_model(config_, maps), place_now(observation));
   }
   if (!resume(observation)) return;
   if (localizer_) localize(observation);
@@ -103,6 +110,7 @@ void Localizer::offer_services() {
   });
   offer<bus::srv::Empty>("request_nomotion_update", [this](const auto&) {
     if (localizer_) localizer_->weigh_next();
+    interrupt_journal();
     return std_srvs::srv::Empty_Response();
   });
 }
@@ -114,6 +122,7 @@ void Localizer::restart_anywhere() {
   }
   if (store_) store_->forget();
   localizer_->initialize_global();
+  interrupt_journal();
 }
 
 void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message,
@@ -134,17 +143,21 @@ void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& mes
   place_ = Place{pose, Pose2(), false};
   if (store_) store_->forget();
   if (localizer_) localizer_->initialize(pose);
+  interrupt_journal();
 }
 
 void Localizer::localize(const Observation& observation) {
   const Stamp stamp = observation.scan.stamp;
+  if (journal_) journal_->before(observation, *localizer_);
   const auto begin = std::chrono::steady_clock::now();
   const localization::LocalizationResult result = localizer_->update(observation);
-  const auto update_time = std::chrono::steady_clock::now() - begin;
+  scanned_at_ = std::chrono::steady_clock::now();
+  const auto update_time = scanned_at_ - begin;
   if (live_maps_) {
     place_ = Place{result.pose, observation.odom_from_robot, observation.has_odometry};
   }
   if (lockstep()) record_.add(stamp, result, *localizer_);
+  if (journal_) journal_->after(observation, result.pose, config_.map_frame);
   publish_pose(observation, result.pose);
   publish_particles(stamp);
   publish_candidates(stamp, result);
@@ -171,6 +184,8 @@ void Localizer::on_diagnose(runtime::Health& health) const {
   if (health_) {
     describe(*health_, health);
     health.add("update times", update_times_.text());
+    const std::chrono::duration<double> silent = std::chrono::steady_clock::now() - scanned_at_;
+    if (!lockstep() && silent > kScanPatience) health.fail(kNoScans);
   } else {
     health.warn("no scan has come yet");
     describe_unknown_place(health);
@@ -198,6 +213,7 @@ void Localizer::on_deactivate() {
 
 void Localizer::on_cleanup() {
   localizer_.reset();
+  journal_.reset();
   current_map_.reset();
   live_maps_.reset();
   map_source_.reset();

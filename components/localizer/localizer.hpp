@@ -13,6 +13,7 @@
 #include "components/localizer/config.hpp"
 #include "components/localizer/current_map.hpp"
 #include "components/localizer/health_report.hpp"
+#include "components/localizer/journal.hpp"
 #include "components/localizer/live_maps.hpp"
 #include "components/localizer/map_source.hpp"
 #include "components/localizer/place_store.hpp"
@@ -48,8 +49,6 @@ class Localizer final : public runtime::SensorComponent {
   void on_finish(const std::filesystem::path& out_dir) override;
   void on_observation(const Observation& observation) override;
   void on_tick() override;
-  [[nodiscard]] static maps::MapModel make_model(const maps::Maps& maps,
-                                                 const LocalizerComponentConfig& config);
   /// Reads a MAPS folder and makes the model of it; on any thread.
   [[nodiscard]] static LoadedMaps make_maps(const std::filesystem::path& folder,
                                             const LocalizerComponentConfig& config);
@@ -72,6 +71,9 @@ class Localizer final : public runtime::SensorComponent {
   [[nodiscard]] bool resume(const Observation& observation);
   [[nodiscard]] std::optional<Pose2Gaussian> place_now(const Observation& observation) const;
   void localize(const Observation& observation);
+  void begin_journal();
+  /// Something else than a scan has changed the filter.
+  void interrupt_journal();
   void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
   void publish_particles(Stamp stamp);
   void publish_candidates(Stamp stamp, const localization::LocalizationResult& result);
@@ -101,9 +103,11 @@ class Localizer final : public runtime::SensorComponent {
   maps::MapModel model_;
   std::optional<CurrentMap> current_map_;
   std::unique_ptr<localization::Localizer> localizer_;
-  std::optional<HealthReport> health_;  // as of the last scan
+  std::optional<HealthReport> health_;                // as of the last scan
+  std::chrono::steady_clock::time_point scanned_at_;  ///< that scan came
   runtime::TimeHistogram update_times_;
   std::uint64_t maps_taken_ = 0;     ///< that it began to localize in
+  std::optional<Journal> journal_;   ///< live only
   maps::LocalizationRecord record_;  // lockstep only: live it would grow without end
   std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
   std::function<void(const tf2_msgs::msg::TFMessage&)> publish_tf_;

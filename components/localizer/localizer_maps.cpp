@@ -5,26 +5,18 @@
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
+#include "components/localizer/filter.hpp"
 #include "components/localizer/localizer.hpp"
 #include "components/log/content_hash.hpp"
 #include "components/maps/maps_folder.hpp"
 
 namespace strata::localizer {
 
-maps::MapModel Localizer::make_model(const maps::Maps& maps,
-                                     const LocalizerComponentConfig& config) {
-  return config.sensor_model == maps::SensorModelKind::kBeam
-             ? maps::make_map_model(maps, config.model, config.sensor)
-             : maps::make_likelihood_field_model(maps, config.model, config.likelihood_field);
-}
-
 LoadedMaps Localizer::make_maps(const std::filesystem::path& folder,
                                 const LocalizerComponentConfig& config) {
   LoadedMaps loaded;
-  loaded.maps = maps::read_maps(folder);
-  loaded.maps.decoding = config.decoding;
-  loaded.maps.timescale_use = config.timescale_use;
-  loaded.model = make_model(loaded.maps, config);
+  loaded.maps = read_maps(config, folder);
+  loaded.model = make_model(config, loaded.maps);
   return loaded;
 }
 
@@ -62,7 +54,9 @@ void Localizer::use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaus
 void Localizer::use_maps(const maps::Maps& maps, maps::MapModel model,
                          const std::optional<Pose2Gaussian>& start) {
   ++maps_taken_;
+  identity_.reset();
   model_ = std::move(model);
+  interrupt_journal();
   current_map_.emplace(maps, *model_.descriptor);
   if (store_ && store_->has_place()) kept_map_ = maps.filtered;
   if (localizer_) {
@@ -71,9 +65,7 @@ void Localizer::use_maps(const maps::Maps& maps, maps::MapModel model,
     localizer_->set_free_space(maps.filtered);
     return;
   }
-  localizer_ = std::make_unique<localization::Localizer>(config_.localizer, model_.sensor,
-                                                         context().seed, context().threads);
-  localizer_->set_free_space(maps.filtered);
+  localizer_ = make_filter(config_, model_, maps, context().seed, context().threads);
   if (start) {
     localizer_->initialize(*start);
   } else {

@@ -6,6 +6,7 @@
 #include "components/convert/map_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/localizer/localizer.hpp"
+#include "components/settings/config_writer.hpp"
 
 namespace strata::localizer {
 namespace {
@@ -36,6 +37,33 @@ void Localizer::advertise_topics() {
   particle_writer_ = advertise_raw(resolve(config_.particles_topic),
                                    bus::MessageType<nav2_msgs::msg::ParticleCloud>::name,
                                    bus::qos_profile(config_.sensor_qos));
+}
+
+void Localizer::begin_journal() {
+  if (lockstep() || config_.restore_point_s <= 0.0) return;
+  const std::string name = full_name() + "/";
+  auto scans =
+      advertise_raw(name + kJournalTopic, bus::MessageType<strata_msgs::msg::LabeledScan>::name,
+                    bus::qos_profile("tf"));
+  auto points = advertise_raw(name + kRestorePointTopic,
+                              bus::MessageType<rcl_interfaces::msg::ParameterEvent>::name,
+                              bus::qos_profile("default"));
+  journal_.emplace(
+      std::move(scans), std::move(points),
+      [this] {
+        RestorePoint point;
+        point.localizer = full_name();
+        point.seed = context().seed;
+        point.settings = settings::write_yaml(config_, {.with_version = false});
+        point.maps = config_.maps;
+        if (identity_) point.maps_sha256 = identity_->hash;
+        return point;
+      },
+      Duration::from_seconds(config_.restore_point_s));
+}
+
+void Localizer::interrupt_journal() {
+  if (journal_) journal_->interrupt();
 }
 
 void Localizer::publish_pose(const Observation& observation, const Pose2Gaussian& pose) {

@@ -24,6 +24,7 @@ void archive_particles(Particles& particles, Archive& archive) {
   archive(particles.configuration);
   archive(particles.beliefs);
   archive(particles.shared_belief);
+  archive(particles.time);
 }
 
 /// The pooled beliefs are kept: between weighed scans they are not made anew.
@@ -124,6 +125,8 @@ void Localizer::restore(std::span<const std::uint8_t> bytes, const std::string& 
   archive.expect_end();
   particles_.belief_columns = columns;
   if (!fits_map()) archive.refuse("is of other maps");
+  const PatchStates* states = model_->patch_states();
+  if (states != nullptr && particles_.time) states->tell_time(*particles_.time, particles_);
   resampled_ = particles_;
   is_started_ = true;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// `strata incidents DIR`: what strata::IncidentRecorder has kept.
+/// `strata incidents`: what strata::IncidentRecorder has kept, and what came of it then.
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -12,6 +12,8 @@
 #include "components/log/json_text.hpp"
 #include "components/log/spooled_input.hpp"
 #include "core/base/error.hpp"
+#include "tools/strata/incident_replay.hpp"
+#include "tools/strata/result_directory.hpp"
 #include "tools/strata/verbs.hpp"
 #include "tools/strata/words.hpp"
 
@@ -21,8 +23,10 @@ namespace {
 using incident_recorder::IncidentRecord;
 
 struct Options {
-  std::string folder;
+  std::vector<std::string> words;  ///< DIR, or what to do and with what
   bool json = false;
+  std::string maps;
+  std::string out;
 };
 
 nlohmann::json as_json(const std::vector<IncidentRecord>& records) {
@@ -51,22 +55,51 @@ void print(const std::vector<IncidentRecord>& records) {
   }
 }
 
-void run(const Options& options, VerbContext& context) {
-  log::require_reachable(options.folder);
+std::vector<IncidentRecord> records_of(const std::string& folder) {
+  log::require_reachable(folder);
   std::error_code error;
-  if (!std::filesystem::is_directory(options.folder, error)) {
-    throw InputError(options.folder, "is no folder",
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw InputError(folder, "is no folder",
                      "name the folder that strata::IncidentRecorder's `out` names");
   }
-  const auto records = incident_recorder::read_records(options.folder);
+  return incident_recorder::read_records(folder);
+}
+
+IncidentRecord record_of(const std::string& folder) {
+  log::require_reachable(folder);
+  auto record = incident_recorder::read_record(folder);
+  if (!record) {
+    throw InputError(folder, "is no incident", "name one that `strata incidents DIR` lists");
+  }
+  return std::move(*record);
+}
+
+void run(const Options& options, VerbContext& context) {
+  const bool has_action = options.words.size() == 2;
+  const std::string action = has_action ? options.words.front() : "list";
+  const std::string& place = options.words.back();
+  if (action == "replay") {
+    return replay_and_tell({place, options.maps}, options.out, context);
+  }
+  if (action != "list" && action != "show") {
+    throw ConfigError(action, "is nothing to do with incidents", "say list, show or replay");
+  }
+  if (!options.out.empty() || !options.maps.empty()) {
+    throw ConfigError("--out and --maps", "are for replay", "leave them out");
+  }
+  const auto records = action == "show" ? std::vector{record_of(place)} : records_of(place);
   if (options.json) {
     std::cout << log::json_text(as_json(records));
     return;
   }
   if (context.options.quiet) return;
   print(records);
-  std::printf("%s; look into one with `strata info`, play it with `strata play`\n",
-              counted(records.size(), "incident").c_str());
+  if (action == "list") {
+    std::printf(
+        "%s; look into one with `strata info`, play it with `strata play`, have its poses "
+        "found again with `strata incidents replay`\n",
+        counted(records.size(), "incident").c_str());
+  }
   std::fflush(stdout);
 }
 
@@ -75,8 +108,18 @@ void run(const Options& options, VerbContext& context) {
 void add_incidents(CLI::App& app, VerbContext& context) {
   const auto [verb, options] =
       add_verb<Options>(app, context, "incidents", "what an incident recorder has kept",
-                        "strata incidents incidents --json", run);
-  verb->add_option("DIR", options->folder, "folder of incidents")->required();
+                        "strata incidents incidents --json\n"
+                        "  strata incidents replay incidents/2026-11-25T12-40-03Z_lost",
+                        run);
+  verb->add_option("WHAT", options->words,
+                   "DIR: the folder of incidents; show INCIDENT: one of them; replay INCIDENT: its "
+                   "localizers' poses again, compared bit by bit")
+      ->required()
+      ->expected(1, 2);
+  verb->add_option("--maps", options->maps,
+                   "replay: the maps in use then, where the incident has no copy");
+  verb->add_option("--out", options->out, "replay: folder for the poses");
+  add_force(*verb, context);
   verb->add_flag("--json", options->json, "what is in each incident.json, with folder and bytes");
 }
 

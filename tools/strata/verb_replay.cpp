@@ -20,6 +20,7 @@
 #include "tools/pipeline/truth_frame.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/composition_options.hpp"
+#include "tools/strata/incident_replay.hpp"
 #include "tools/strata/positive.hpp"
 #include "tools/strata/replay_fit.hpp"
 #include "tools/strata/replay_session.hpp"
@@ -228,7 +229,19 @@ void take_topics_of_expected(ReplayOptions& options) {
   }
 }
 
+/// What a localizer kept of itself in an incident needs no composition.
+bool replays_incident(const ReplayOptions& options) {
+  return options.composition.empty() && options.input.logs.size() == 1 &&
+         is_incident(options.input.logs.front());
+}
+
 void replay(ReplayOptions options, VerbContext& context) {
+  if (replays_incident(options)) {
+    return replay_and_tell({options.input.logs.front(), {}}, options.out, context);
+  }
+  if (options.composition.empty()) {
+    throw ConfigError("--composition", "is missing", "name a composition file");
+  }
   if (options.out.empty() && options.expect.empty()) {
     throw ConfigError("--out", "is missing", "name a folder for what the components save");
   }
@@ -274,7 +287,9 @@ void add_replay(CLI::App& app, VerbContext& context) {
       replay);
   verb->add_option("log", options->input.logs, "CARMEN logs, rosbag2 or MCAP; in order")
       ->required();
-  verb->add_option("--composition", options->composition, "composition file")->required();
+  verb->add_option("--composition", options->composition,
+                   "composition file; an incident may do without: its localizers' poses are then "
+                   "found again from what they kept of themselves, and compared bit by bit");
   verb->get_option("--set")->description(kCompositionSetHelp);
   verb->get_option("--config")->description(kCompositionConfigHelp);
   verb->add_option("--out", options->out, "folder for what the components save");
