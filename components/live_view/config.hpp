@@ -29,6 +29,8 @@ struct LiveViewConfig {
   std::string address = "127.0.0.1";
   int port = 8765;
   std::string token;
+  std::string certificate;
+  std::string private_key;
   std::vector<std::string> origins;
   int max_viewers = 20;
   bool allow_commands = true;
@@ -40,21 +42,31 @@ struct LiveViewConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("address", c.address,
-            {.doc = "where viewers connect; 0.0.0.0 is every network of this machine, and what is "
-                    "sent there can be read by who is on it"});
+            {.doc = "where viewers connect; 0.0.0.0 is every network of this machine. Another than "
+                    "this machine's own (127.0.0.1) needs token, certificate and private_key"});
     v.field("port", c.port,
             {.doc = "TCP port of the page and of Foxglove's protocol; 0: any free one, which "
                     "/diagnostics tells",
              .min = 0,
              .max = 65535});
     v.field("token", c.token,
-            {.doc = "viewers must give it, as in http://robot:8765/?token=TOKEN; empty: none, on "
+            {.doc = "viewers must give it, as in https://robot:8765/?token=TOKEN; empty: none, on "
                     "this machine only"});
     v.require(c.token.empty() || is_good_token(c.token), "token",
               "is not at least 16 letters, digits and -._~",
               "make one, as with: openssl rand -hex 16");
     v.require(is_loopback(c.address) || !c.token.empty(), "token", "is missing for that address",
               "make one, as with: openssl rand -hex 16; or leave address at 127.0.0.1");
+    v.field("certificate", c.certificate,
+            {.doc = "PEM file of the certificate for TLS, those of the authorities between behind "
+                    "it; read when configured; empty: plain HTTP, on this machine only"});
+    v.field("private_key", c.private_key, {.doc = "PEM file of the certificate's private key"});
+    v.require(c.certificate.empty() == c.private_key.empty(), "private_key",
+              "and certificate are a pair", "give both, or none");
+    v.require(is_loopback(c.address) || !c.certificate.empty(), "certificate",
+              "is missing for that address: who is on that network could read the token",
+              "make one with its key (docs/live-view.md), or leave address at 127.0.0.1 and come "
+              "through a tunnel: ssh -L 8765:localhost:8765 robot");
     v.field("origins", c.origins,
             {.doc = "web pages of other hosts that may connect without a token, as "
                     "https://app.foxglove.dev; those of this machine's own address may anyway"});

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/bus/recorded_topic.hpp"
 #include "components/bus/service.hpp"
 #include "components/convert/message_definitions.hpp"
 #include "components/live_view/page.hpp"
@@ -52,6 +53,9 @@ void LiveView::on_configure() {
   options.address = config_.address;
   options.port = static_cast<std::uint16_t>(config_.port);
   options.rules = {config_.token, config_.origins};
+  if (!config_.certificate.empty()) {
+    options.tls = TlsFiles{config_.certificate, config_.private_key};
+  }
   options.page = page();
   if (config_.metrics) options.metrics = gather_metrics();
   try {
@@ -87,7 +91,7 @@ void LiveView::on_tick() {
 
 void LiveView::offer_topics() {
   for (const auto& [topic, published] : context().participant->published_topics()) {
-    if (topic.starts_with("/strata_lockstep/")) continue;
+    if (topic.starts_with("/strata_lockstep/") || bus::is_hidden(topic)) continue;
     const auto [entry, is_new] = channels_.try_emplace(topic, 0);
     if (!is_new) continue;
     const std::string schema = convert::message_definition(published.type);

@@ -62,7 +62,8 @@ Verdict judge(const AccessRules& rules, const WebRequest& request) {
   if (!is_address_of_loopback(name_of(request.host))) {
     return {403, "open it as localhost, or set a token"};
   }
-  if (request.origin.empty() || request.origin == "http://" + std::string(request.host) ||
+  const std::string own = (rules.is_secure ? "https://" : "http://") + std::string(request.host);
+  if (request.origin.empty() || request.origin == own ||
       std::find(rules.origins.begin(), rules.origins.end(), request.origin) !=
           rules.origins.end()) {
     return {};

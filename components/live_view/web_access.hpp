@@ -18,6 +18,7 @@ inline constexpr std::string_view kMetricsPath = "/metrics";
 struct AccessRules {
   std::string token;                 ///< empty: none is needed
   std::vector<std::string> origins;  ///< of other hosts' pages that may connect without it
+  bool is_secure = false;            ///< HTTPS: a page of this server comes from there
 };
 
 struct WebRequest {

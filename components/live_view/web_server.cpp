@@ -9,6 +9,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "components/live_view/web_sessions.hpp"
@@ -37,6 +38,24 @@ tcp::endpoint endpoint_of(const WebServerOptions& options) {
   return {parsed, options.port};
 }
 
+/// TLS 1.2 or newer, and what goes with it as OpenSSL chooses.
+asio::ssl::context tls_context(const TlsFiles& files) {
+  asio::ssl::context context(asio::ssl::context::tls_server);
+  SSL_CTX_set_min_proto_version(context.native_handle(), TLS1_2_VERSION);
+  const auto require = [](const error_code& error, const char* key, const std::string& file) {
+    if (!error) return;
+    throw ConfigError(key, file + " cannot be used: " + error.message(),
+                      "give PEM files of a certificate and of its private key");
+  };
+  error_code error;
+  context.use_certificate_chain_file(files.certificate, error);
+  require(error, "certificate", files.certificate);
+  // Which fails, too, for the key of another certificate.
+  context.use_private_key_file(files.private_key, asio::ssl::context::pem, error);
+  require(error, "private_key", files.private_key);
+  return context;
+}
+
 }  // namespace
 
 struct WebServer::State {
@@ -57,7 +76,9 @@ struct WebServer::State {
       throw ConfigError("address", place + " cannot be used: " + error.message(),
                         "choose an address of this machine, and a port from 1024 on");
     }
+    if (options.tls) shared.tls.emplace(tls_context(*options.tls));
     shared.rules = options.rules;
+    shared.rules.is_secure = options.tls.has_value();
     shared.page = options.page;
     shared.metrics = options.metrics;
   }
@@ -116,7 +137,8 @@ std::uint16_t WebServer::port() const { return state_->acceptor.local_endpoint()
 std::string WebServer::url() const {
   const tcp::endpoint endpoint = state_->acceptor.local_endpoint();
   const std::string address = endpoint.address().to_string();
-  return "http://" + (endpoint.address().is_v6() ? "[" + address + "]" : address) + ":" +
+  return (state_->shared.tls ? "https://" : "http://") +
+         (endpoint.address().is_v6() ? "[" + address + "]" : address) + ":" +
          std::to_string(endpoint.port()) + "/";
 }
 

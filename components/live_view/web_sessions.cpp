@@ -6,12 +6,16 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <boost/asio/post.hpp>
+#include <boost/asio/ssl.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/ssl.hpp>
 
 #include "components/live_view/foxglove_texts.hpp"
 
@@ -28,6 +32,9 @@ using boost::system::error_code;
 constexpr std::size_t kMaxHeaderBytes = 8192;
 constexpr std::size_t kMaxMessageBytes = 256U << 10U;
 constexpr auto kRequestPatience = std::chrono::seconds(10);
+
+using PlainStream = beast::tcp_stream;
+using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 
 /// Counts a connection while it lives.
 class Connection {
@@ -57,9 +64,10 @@ std::string subprotocol_of(const Request& request) {
 }
 
 /// One viewer: reads what it asks, writes what the hub has for it, one message at a time.
-class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
+template <class Stream>
+class ViewerSession : public std::enable_shared_from_this<ViewerSession<Stream>> {
  public:
-  ViewerSession(beast::tcp_stream stream, WebShared& shared, std::unique_ptr<Connection> connection)
+  ViewerSession(Stream stream, WebShared& shared, std::unique_ptr<Connection> connection)
       : shared_(shared), connection_(std::move(connection)), stream_(std::move(stream)) {}
   ~ViewerSession() {
     if (viewer_) shared_.hub->leave(*viewer_);
@@ -76,14 +84,14 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
     stream_.read_message_max(kMaxMessageBytes);
     stream_.write_buffer_bytes(kMaxHeaderBytes);
     stream_.auto_fragment(false);
-    stream_.async_accept(request, [self = shared_from_this()](error_code error) {
+    stream_.async_accept(request, [self = this->shared_from_this()](error_code error) {
       if (!error) self->begin();
     });
   }
 
  private:
   void begin() {
-    const std::weak_ptr<ViewerSession> weak = weak_from_this();
+    const std::weak_ptr<ViewerSession> weak = this->weak_from_this();
     viewer_ = shared_.hub->join([weak, &io = shared_.io] {
       asio::post(io, [weak] {
         if (const auto self = weak.lock()) self->write();
@@ -91,13 +99,13 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
     });
     if (!viewer_) {
       stream_.async_close({websocket::close_code::try_again_later, "too many viewers"},
-                          [self = shared_from_this()](error_code) {});
+                          [self = this->shared_from_this()](error_code) {});
       return;
     }
     read();
   }
   void read() {
-    stream_.async_read(buffer_, [self = shared_from_this()](error_code error, std::size_t) {
+    stream_.async_read(buffer_, [self = this->shared_from_this()](error_code error, std::size_t) {
       if (error) return self->end();
       const auto bytes = self->buffer_.cdata();
       self->shared_.hub->take(*self->viewer_, self->stream_.got_binary(),
@@ -116,7 +124,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
         asio::buffer(frame_.head),
         frame_.message ? asio::buffer(frame_.message->cdr) : asio::const_buffer()};
     stream_.binary(frame_.is_binary);
-    stream_.async_write(parts, [self = shared_from_this()](error_code error, std::size_t) {
+    stream_.async_write(parts, [self = this->shared_from_this()](error_code error, std::size_t) {
       self->is_writing_ = false;
       self->frame_ = {};
       if (error) return self->end();
@@ -130,7 +138,7 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
 
   WebShared& shared_;
   std::unique_ptr<Connection> connection_;
-  websocket::stream<beast::tcp_stream> stream_;
+  websocket::stream<Stream> stream_;
   beast::flat_buffer buffer_;
   std::optional<ViewerId> viewer_;
   Frame frame_;
@@ -139,19 +147,33 @@ class ViewerSession : public std::enable_shared_from_this<ViewerSession> {
 };
 
 /// One request: answered with the page or in words, or a viewer from then on.
-class HttpSession : public std::enable_shared_from_this<HttpSession> {
+template <class Stream>
+class HttpSession : public std::enable_shared_from_this<HttpSession<Stream>> {
  public:
-  HttpSession(tcp::socket socket, WebShared& shared)
+  HttpSession(Stream stream, WebShared& shared)
       : shared_(shared),
         connection_(std::make_unique<Connection>(shared)),
-        stream_(std::move(socket)) {}
+        stream_(std::move(stream)) {}
 
   void run() {
-    stream_.expires_after(kRequestPatience);
+    beast::get_lowest_layer(stream_).expires_after(kRequestPatience);
+    if constexpr (std::is_same_v<Stream, TlsStream>) {
+      // Who speaks plain HTTP here, or knows no TLS 1.2, is not answered.
+      stream_.async_handshake(asio::ssl::stream_base::server,
+                              [self = this->shared_from_this()](error_code error) {
+                                if (!error) self->read();
+                              });
+    } else {
+      read();
+    }
+  }
+
+ private:
+  void read() {
     parser_.header_limit(kMaxHeaderBytes);
     parser_.body_limit(0);
     http::async_read_header(stream_, buffer_, parser_,
-                            [self = shared_from_this()](error_code error, std::size_t) {
+                            [self = this->shared_from_this()](error_code error, std::size_t) {
                               if (!error) return self->answer();
                               if (error.category() == http::make_error_code({}).category() &&
                                   error != http::error::end_of_stream) {
@@ -159,8 +181,6 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
                               }
                             });
   }
-
- private:
   void answer() {
     const Request& request = parser_.get();
     const Verdict verdict = judge(
@@ -175,7 +195,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       return send(400, std::string("offer the subprotocol ") + kSubprotocols[0] + " or " +
                            kSubprotocols[1]);
     }
-    std::make_shared<ViewerSession>(std::move(stream_), shared_, std::move(connection_))
+    std::make_shared<ViewerSession<Stream>>(std::move(stream_), shared_, std::move(connection_))
         ->accept(request, subprotocol);
   }
   void send(int status, const std::string& text) {
@@ -211,16 +231,24 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
   void write() {
     response_.prepare_payload();
-    stream_.expires_after(kRequestPatience);
-    http::async_write(stream_, response_, [self = shared_from_this()](error_code, std::size_t) {
+    beast::get_lowest_layer(stream_).expires_after(kRequestPatience);
+    http::async_write(
+        stream_, response_,
+        [self = this->shared_from_this()](error_code, std::size_t) { self->close(); });
+  }
+  /// Says that nothing more comes.
+  void close() {
+    if constexpr (std::is_same_v<Stream, TlsStream>) {
+      stream_.async_shutdown([self = this->shared_from_this()](error_code) {});
+    } else {
       error_code ignored;
-      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
-    });
+      stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    }
   }
 
   WebShared& shared_;
   std::unique_ptr<Connection> connection_;
-  beast::tcp_stream stream_;
+  Stream stream_;
   beast::flat_buffer buffer_{2 * kMaxHeaderBytes};
   http::request_parser<http::empty_body> parser_;
   http::response<http::string_body> response_;
@@ -229,7 +257,12 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 }  // namespace
 
 void serve(tcp::socket socket, WebShared& shared) {
-  std::make_shared<HttpSession>(std::move(socket), shared)->run();
+  if (shared.tls) {
+    TlsStream stream(std::move(socket), *shared.tls);
+    std::make_shared<HttpSession<TlsStream>>(std::move(stream), shared)->run();
+  } else {
+    std::make_shared<HttpSession<PlainStream>>(PlainStream(std::move(socket)), shared)->run();
+  }
 }
 
 }  // namespace strata::live_view

@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
 
 #include "components/live_view/view_hub.hpp"
 #include "components/live_view/web_access.hpp"
@@ -22,6 +24,7 @@ struct WebShared {
   std::string_view page;
   MetricsSource metrics;
   std::size_t connections = 0;
+  std::optional<boost::asio::ssl::context> tls;  ///< nothing: plain HTTP
   boost::asio::io_context io{1};  ///< last: the connections that end with it use the others
 };
 

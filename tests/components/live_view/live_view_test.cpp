@@ -255,7 +255,7 @@ TEST_F(LiveViewTest, HasTheMapperSaveAndTellsWhatItSays) {
   EXPECT_THAT(failure->at("message").get<std::string>(), testing::HasSubstr("the disk is full"));
 }
 
-TEST(LiveViewSettings, WantATokenForOtherMachines) {
+TEST(LiveViewSettings, WantATokenAndTlsForOtherMachines) {
   runtime::Registry registry;
   register_component(registry);
   const auto configure = [&](const std::string& parameters) {
@@ -267,7 +267,12 @@ TEST(LiveViewSettings, WantATokenForOtherMachines) {
   };
   EXPECT_THROW(configure("address: 0.0.0.0"), ConfigError);
   EXPECT_THROW(configure("address: 0.0.0.0, token: short"), ConfigError);
-  EXPECT_NO_THROW(configure("address: 0.0.0.0, token: 0123456789abcdef"));
+  EXPECT_THROW(configure("address: 0.0.0.0, token: 0123456789abcdef"), ConfigError)
+      << "without TLS who listens has the token";
+  EXPECT_THROW(configure("address: 0.0.0.0, certificate: a.crt, private_key: a.key"), ConfigError);
+  EXPECT_THROW(configure("certificate: a.crt"), ConfigError);
+  EXPECT_THROW(configure("certificate: a.crt, private_key: a.key"), ConfigError) << "no files";
+  EXPECT_NO_THROW(configure("address: 127.0.0.1, token: 0123456789abcdef"));
 }
 
 }  // namespace

@@ -21,6 +21,14 @@ TEST(WebAccess, LetsThisMachinesProgramsAndItsOwnPageIn) {
   EXPECT_EQ(judge({}, from("http://[::1]:8765", "[::1]:8765")).status, 200);
 }
 
+TEST(WebAccess, OverTlsLetsItsOwnPageInFromThereOnly) {
+  AccessRules rules;
+  rules.is_secure = true;
+  EXPECT_EQ(judge(rules, from("https://localhost:8765")).status, 200);
+  EXPECT_EQ(judge(rules, from("http://localhost:8765")).status, 403) << "anybody could be that";
+  EXPECT_EQ(judge({}, from("https://localhost:8765")).status, 403);
+}
+
 TEST(WebAccess, RefusesPagesOfOtherHostsUnlessTheyAreNamed) {
   EXPECT_EQ(judge({}, from("https://evil.example")).status, 403);
   EXPECT_EQ(judge({}, from("http://localhost:9000")).status, 403) << "another server's page";
