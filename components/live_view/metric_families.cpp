@@ -35,8 +35,9 @@ constexpr MetricFamily kFamilies[] = {
     {"strata_localization_particles", kGauge, "", "", "Particles of the filter."},
     {"strata_localization_update_seconds", kHistogram, "seconds", "",
      "How long the filter worked on a scan."},
-    {"strata_localization_map", kInfo, "", "model, maps",
-     "The map model, and the MAPS folder it is from; \"topics\" where maps come by topics."},
+    {"strata_localization_map", kInfo, "", "model, maps, sha256",
+     "The map model, the MAPS folder it is from, and the SHA-256 of what that holds; \"topics\" "
+     "and none where maps come by topics."},
     {"strata_localization_maps_taken", kCounter, "", "", "Maps that it began to localize in."},
     // What is learned.
     {"strata_learned_areas", kGauge, "", "", "Changeable areas in the patch map."},

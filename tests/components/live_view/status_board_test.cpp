@@ -62,6 +62,7 @@ TEST(StatusBoard, MakesMetricsOfWhatALocalizerSays) {
                                            {"update times", "0.1:1199 inf:1200 sum:8"},
                                            {"model", "patch"},
                                            {"maps", "/maps/hall"},
+                                           {"maps sha256", "0badc0de"},
                                            {"verdict", "map_outdated"},
                                            {"localizationScore", "0.625"},
                                            {"localized", "true"},
@@ -83,7 +84,8 @@ TEST(StatusBoard, MakesMetricsOfWhatALocalizerSays) {
   expect("strata_topic_lost_messages_total", ",topic=\"/robot/scan\"", 7.0);
   expect("strata_component_work_seconds_count", ",topic=\"/robot/scan\"", 1200.0);
   expect("strata_localization_update_seconds_bucket", ",le=\"0.1\"", 1199.0);
-  expect("strata_localization_map_info", ",model=\"patch\",maps=\"/maps/hall\"", 1.0);
+  expect("strata_localization_map_info", ",model=\"patch\",maps=\"/maps/hall\",sha256=\"0badc0de\"",
+         1.0);
   expect("strata_localization_verdict", ",verdict=\"map_outdated\"", 1.0);
   expect("strata_localization_verdict", ",verdict=\"lost\"", 0.0);
   expect("strata_localization_score", "", 0.625);

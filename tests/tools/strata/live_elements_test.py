@@ -130,6 +130,72 @@ def test_relocalizing(page, port):
     comes_true(lambda: sample(port, requests) == before + 1, "the localizer is asked")
 
 
+TOPOLOGIES = """robot.topologies = { visits: [], topologies: [{ probability: 0.8, labels: [0, 1, 2, 0, 1],
+  landmarks: [[1, 1], [3, 1], [3, 2.5]].map(([x, y]) => ({ mean: { x, y, theta: 0 } })) }] }"""
+# Two nodes of which the level that forgets fastest sees a wall at 1 m, the other one at 2 m.
+NODES = """takers['strata_msgs/msg/NodeMap']({ radius: 8, nodes: [[1, 1], [3, 1]].map(([x, y], id) => ({ id,
+  pose: { x, y, theta: 0 }, levels: [[2, 2592000, 'long'], [1, 600, 'short']].map(([r, half_life_s, name]) =>
+    ({ name, half_life_s, ranges: new Float32Array(360).map((_, i) => i < 90 ? r : i < 180 ? NaN : Infinity) })) })) })"""
+
+
+def test_topology(page):
+    """Places that were told apart, and the ways between them."""
+    assert layer(page, "topology")["count"] == 0
+    page.evaluate(TOPOLOGIES)
+    found = layer(page, "topology")
+    left, top, right, bottom = found["box"]
+    corners = screen(page, 1, 2.5) + screen(page, 3, 1)
+    for drawn, wanted in zip((left, top, right, bottom), corners):
+        assert abs(drawn - wanted) < 16, (found, corners)
+    ways = json.loads(page.evaluate("JSON.stringify(graph().ways)"))
+    assert ways == [{"ends": [0, 1], "times": 2}, {"ends": [1, 2], "times": 1},
+                    {"ends": [0, 2], "times": 1}], ways
+    # The way that was driven twice is the wider one.
+    widths = []
+    for middle in ((2, 1), (3, 1.75)):
+        x, y = screen(page, *middle)
+        across = f"{x}, {y} - 12, 1, 24" if middle[1] == 1 else f"{x} - 12, {y}, 24, 1"
+        count = ("(() => {{ const with_ = pen.getImageData({0}).data; shown.topology = false; draw();"
+                 "const without = pen.getImageData({0}).data; shown.topology = true; draw();"
+                 "let n = 0; for (let i = 0; i < with_.length; i += 4) n += with_[i] !== without[i] ||"
+                 " with_[i + 1] !== without[i + 1] || with_[i + 2] !== without[i + 2]; return n; }})()")
+        widths.append(page.evaluate(count.format(across)))
+    assert widths[0] > widths[1] > 0, widths
+    page.evaluate("robot.topologies = null")
+
+
+def test_memory(page):
+    """Levels of the timescale memory, from what is there lately to what usually is."""
+    page.evaluate(NODES)
+    assert page.evaluate("document.getElementById('age').hidden") is True, "it is off at first"
+    page.evaluate("document.querySelectorAll('#layers input')[Object.keys(layers).indexOf('memory')]"
+                  ".click()")
+    assert page.evaluate("document.getElementById('age').hidden") is False
+    boxes = []
+    for level, words in ((0, "As in the last 10 minutes (short)"), (1, "As in the last 4 weeks (long)")):
+        page.evaluate(f"$('level').value = {level}; $('level').dispatchEvent(new Event('input'))")
+        assert page.text("levelname") == words, page.text("levelname")
+        found = layer(page, "memory")
+        assert found["count"] > 50, found
+        boxes.append(found["box"])
+    scale = page.evaluate("view.scale")
+    for box, reach in zip(boxes, (1.0, 2.0)):
+        right, top = screen(page, 3 + reach, 1 + reach)
+        assert abs(box[2] - right) < 4 and abs(box[1] - top) < 4, (box, right, top, scale)
+    page.evaluate("robot.nodes = null; shown.memory = false; tellLevel()")
+
+
+def test_version(page, work):
+    """Which maps those are, as everything else that tells of them says."""
+    version = comes_true(lambda: (page.text("version") or "-") != "-" and page.text("version"),
+                         "the version of the map")
+    assert len(version) == 12 and int(version, 16) >= 0, version
+    with urllib.request.urlopen(f"http://localhost:{page.evaluate('location.port')}/metrics") as answer:
+        info = next(line for line in answer.read().decode().splitlines()
+                    if line.startswith("strata_localization_map_info{"))
+    assert f'sha256="{version}' in info and f'maps="{work}/maps"' in info, (version, info)
+
+
 def test_areas(strata, browser, work):
     port = free_port()
     viewing = subprocess.Popen([strata, "view", f"{work}/maps", "--port", str(port), "--quiet"])
@@ -180,6 +246,9 @@ def main():
         page = Page(browser, f"http://localhost:{port}/", tempfile.mkdtemp(dir=work))
         test_drawing(page)
         test_silence_of_a_layer(page)
+        test_topology(page)
+        test_memory(page)
+        test_version(page, work)
         test_setting_a_pose(page, port)
         test_relocalizing(page, port)
     finally:
