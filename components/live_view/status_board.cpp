@@ -81,7 +81,7 @@ void write_words(const DiagnosticStatus& status, const MetricLabels& labels, Met
   MetricLabels with_map = labels;
   with_map.emplace_back("model", model);
   with_map.emplace_back("maps", maps);
-  with_map.emplace_back("sha256", value_of(status, "maps sha256"));
+  with_map.emplace_back("sha256", value_of(status, "mapHash"));
   metrics.add("strata_localization_map", with_map, 1.0);
 }
 

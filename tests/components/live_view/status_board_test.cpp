@@ -62,7 +62,7 @@ TEST(StatusBoard, MakesMetricsOfWhatALocalizerSays) {
                                            {"update times", "0.1:1199 inf:1200 sum:8"},
                                            {"model", "patch"},
                                            {"maps", "/maps/hall"},
-                                           {"maps sha256", "0badc0de"},
+                                           {"mapHash", "0badc0de"},
                                            {"verdict", "map_outdated"},
                                            {"localizationScore", "0.625"},
                                            {"localized", "true"},
