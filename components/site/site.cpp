@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "components/log/content_hash.hpp"
-#include "components/log/folder_lock.hpp"
 #include "components/log/whole_file.hpp"
 #include "components/log/whole_folder.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/site/site_change.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -18,9 +18,7 @@ namespace fs = std::filesystem;
 namespace strata::site {
 namespace {
 
-constexpr const char* kVersions = "versions";
 constexpr const char* kMaps = "maps";
-constexpr std::size_t kHashDigits = 64;
 
 bool is_hash(const std::string& text) {
   return text.size() == kHashDigits &&
@@ -50,23 +48,7 @@ void require_at_rest(const fs::path& maps) {
   }
 }
 
-void add_event(Decisions& decisions, const char* what, const std::string& hash, const Actor& actor,
-               const std::string& note) {
-  decisions.diary.push_back({what, hash, actor, note});
-}
-
 }  // namespace
-
-/// Decisions that nobody else changes meanwhile.
-struct Site::Change {
-  explicit Change(Site& changed)
-      : site(changed), lock(changed.folder_ / "site", changed.wait_), decisions(site.decisions()) {}
-  void commit() const { write_decisions(site.folder_ / kSiteFile, decisions, *site.disk_); }
-
-  Site& site;
-  log::FolderLock lock;
-  Decisions decisions;
-};
 
 Site Site::create(const fs::path& folder, const std::string& id, const std::string& frame,
                   const Actor& actor, const log::Disk& disk) {
@@ -318,57 +300,6 @@ Switch Site::rollback(const Actor& actor) {
   change.commit();
   point_to(made.to);
   return made;
-}
-
-/// Of programs that were killed while they added or removed one: ".HASH.partial-PID".
-void Site::remove_left_overs() const {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder_ / kVersions, error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with('.')) {
-      log::remove_left_over(folder_ / kVersions / name.substr(1, kHashDigits));
-    }
-  }
-}
-
-std::vector<VersionStatus> Site::remove_rubbish(const Rubbish& rubbish, const Actor& actor) {
-  Change change(*this);
-  Decisions& decisions = change.decisions;
-  const std::vector<VersionStatus> all = versions(decisions);
-  const auto& order = decisions.activations;
-  int active_number = 0;
-  for (const VersionStatus& status : all) {
-    if (status.state == VersionState::kActive) active_number = status.version.number;
-  }
-  std::vector<VersionStatus> gone;
-  for (const VersionStatus& status : all) {
-    const std::string& hash = status.version.hash;
-    const auto place = std::find(order.rbegin(), order.rend(), hash);
-    // One that was rolled back from is not in the order, and stays to be looked at.
-    const bool was_replaced = place != order.rend();
-    const bool is_recent =
-        was_replaced && static_cast<std::size_t>(place - order.rbegin()) <= rubbish.keep_retired;
-    const bool may_go =
-        status.state == VersionState::kCandidate || status.state == VersionState::kRetired;
-    const bool is_old = may_go && !is_recent && status.fault.empty() &&
-                        (was_replaced || status.version.number < active_number);
-    const bool is_bad = rubbish.damaged && !fault_of(hash).empty();
-    if ((is_old || is_bad) && status.state != VersionState::kActive) gone.push_back(status);
-  }
-  if (rubbish.dry_run) return gone;
-  std::vector<fs::path> hidden;
-  for (const VersionStatus& status : gone) {
-    const std::string& hash = status.version.hash;
-    hidden.push_back(log::staged_name(folder_ / kVersions / hash));
-    disk_->rename(folder_ / kVersions / hash, hidden.back());
-    std::erase(decisions.activations, hash);
-    decisions.versions.erase(hash);
-    add_event(decisions, "gc", hash, actor, "");
-  }
-  change.commit();
-  for (const fs::path& folder : hidden) disk_->remove(folder);
-  remove_left_overs();
-  return gone;
 }
 
 }  // namespace strata::site
