@@ -11,18 +11,16 @@ page draws, and the CPU time of the view with no viewer, with one and with 20.
 import json
 import os
 import shutil
-import socket
 import statistics
-import struct
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 import urllib.request
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../tools/strata"))
 from browser_page import Page, find_browser  # noqa: E402
+from live_viewer import Viewer  # noqa: E402
 from robot_process import comes_true, free_port, listens, started  # noqa: E402
 
 MEASURED_S = 20.0
@@ -40,48 +38,6 @@ processes:
     components:
       - {{type: strata::LiveView, name: live_view, parameters: {{port: {port}}}}}
 """
-
-
-class Viewer:
-    """Reads what the page reads, as fast as it comes."""
-
-    def __init__(self, port):
-        self.socket = socket.create_connection(("127.0.0.1", port))
-        self.socket.sendall(
-            b"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-            b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
-            b"Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n\r\n")
-        self.stream = self.socket.makefile("rb")
-        while self.stream.readline().strip():
-            pass
-        self.scans = 0
-        threading.Thread(target=self.read, daemon=True).start()
-
-    def read(self):
-        scan = None
-        try:
-            while True:
-                kind, size = self.stream.read(2)
-                if size == 126:
-                    size = struct.unpack(">H", self.stream.read(2))[0]
-                elif size == 127:
-                    size = struct.unpack(">Q", self.stream.read(8))[0]
-                data = self.stream.read(size)
-                if kind & 15 == 1:
-                    channels = json.loads(data).get("channels", [])
-                    scan = next((one["id"] for one in channels if one["topic"] == "/scan"), scan)
-                    self.subscribe([one["id"] for one in channels])
-                elif kind & 15 == 2 and struct.unpack("<I", data[1:5])[0] == scan:
-                    self.scans += 1
-        except (OSError, ValueError):
-            pass
-
-    def subscribe(self, channels):
-        if not channels:
-            return
-        text = json.dumps({"op": "subscribe", "subscriptions": [
-            {"id": one, "channelId": one} for one in channels]}).encode()
-        self.socket.sendall(bytes([0x81, 0xfe]) + struct.pack(">H", len(text)) + bytes(4) + text)
 
 
 def cpu_s(port):
