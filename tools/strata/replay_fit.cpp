@@ -38,9 +38,8 @@ std::string fit_warning_of(const fs::path& folder, const runtime::ComponentEntry
   const nlohmann::json& score = metrics["score"]["mean"];
   if (!score.is_null()) log.mean_score = score.get<double>();
   const YAML::Node start = entry.parameters["start"];
-  if (start.IsMap() && start["pose"].IsSequence() && start["pose"].size() > 0) {
-    log.begin = "start.pose";
-  }
+  const bool has_start = start.IsDefined() && start.IsMap() && start["pose"].IsDefined();
+  if (has_start && start["pose"].size() > 0) log.begin = "start.pose";
   return fit_warning(log);
 }
 
