@@ -50,6 +50,15 @@ struct Peer {
   std::function<LocalizationRun(const LocalizeJob&, const ReflectionGrid& map)> localize;
 };
 
+/// What is done of one split, when others do the rest.
+struct SplitShare {
+  /// Some of the job's seeds, in their order; none: the split is not even learned.
+  std::vector<std::uint64_t> seeds;
+  /// Everything but runs of the localizer at full memory, too. That asks for the first seeds
+  /// (seeds_for_scores).
+  bool with_scores = true;
+};
+
 /// What a comparison is made of, besides the runs.
 struct CompareJob {
   std::string log;  ///< for people
@@ -62,9 +71,17 @@ struct CompareJob {
   int threads = 1;  ///< for learning
   int jobs = 0;     ///< runs of the localizer at once; 0: as threads. Results do not depend on it
   Progress* progress = nullptr;
-  MakeLocalize localize_with;  ///< empty: the library itself, in this process
-  std::string via = "direct";  ///< what to call that way in the report
-  std::vector<Peer> peers;     ///< localize beside our models; they predict no scans
+  MakeLocalize localize_with;      ///< empty: the library itself, in this process
+  std::string via = "direct";      ///< what to call that way in the report
+  std::vector<Peer> peers;         ///< localize beside our models; they predict no scans
+  std::vector<SplitShare> shares;  ///< one a split; empty: all of each
+};
+
+/// A comparison, split by split.
+struct SplitOutcomes {
+  std::vector<Comparison> splits;  ///< one a split; without parts where nothing was to be done
+  LearnResult learned;             ///< of the first split, when that was learned
+  maps::Maps maps;
 };
 
 /// Learns on the first part of each split and localizes in each run of the second with every model
@@ -75,5 +92,13 @@ struct CompareJob {
 /// and ConfigError for a model that there is not.
 [[nodiscard]] CompareOutcome compare(const Runs& runs, const CompareConfig& config,
                                      const CompareJob& job);
+
+/// The same, as far as the job's shares go; the splits are then to be merged with those of others
+/// (join_comparisons.hpp).
+[[nodiscard]] SplitOutcomes compare_splits(const Runs& runs, const CompareConfig& config,
+                                           const CompareJob& job);
+
+/// Of this many first seeds the runs are looked at when a split is scored.
+[[nodiscard]] std::size_t seeds_for_scores(const CompareConfig& config, std::size_t seeds);
 
 }  // namespace strata::pipeline

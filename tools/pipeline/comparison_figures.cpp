@@ -161,9 +161,9 @@ void add_errors(const Comparison& comparison, HtmlReport& page) {
   add_equal_memory(comparison, page);
 }
 
-void add_maps(const CompareOutcome& outcome, HtmlReport& page) {
+void add_maps(const LearnResult& learned, HtmlReport& page) {
   page.heading("Maps: all beams, and static beams only");
-  const slam::SlamResult& slam = outcome.learned.slam;
+  const slam::SlamResult& slam = learned.slam;
   const CellRect rect =
       report::known_rect(slam.occupancy).united(report::known_rect(slam.filtered));
   report::MapPicture raw = report::draw_map(slam.occupancy, rect, kMapPixels);
@@ -219,8 +219,8 @@ void add_submaps(const patch::PatchMap& map, const std::vector<double>& places,
 
 }  // namespace
 
-void add_patches(const CompareOutcome& outcome, HtmlReport& page) {
-  const patch::PatchMap& map = outcome.learned.patches;
+void add_patches(const LearnResult& learned, HtmlReport& page) {
+  const patch::PatchMap& map = learned.patches;
   page.heading("Patch map: places that change, and the states they take");
   if (map.submaps.empty()) {
     page.paragraph(
@@ -229,12 +229,12 @@ void add_patches(const CompareOutcome& outcome, HtmlReport& page) {
     return;
   }
   add_submaps(map, {}, "", page);
-  if (!outcome.learned.place_patches) return;
+  if (!learned.place_patches) return;
   page.heading("The same by places: patch_places");
   page.paragraph(
       "What changes nearest to the same place of the topology is one sub-map, instead of what sees "
       "each other.");
-  add_submaps(*outcome.learned.place_patches, outcome.learned.places, "places_", page);
+  add_submaps(*learned.place_patches, learned.places, "places_", page);
 }
 
 }  // namespace strata::pipeline

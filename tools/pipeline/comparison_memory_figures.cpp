@@ -86,9 +86,9 @@ void add_states(const Comparison& comparison, HtmlReport& page) {
             "moved most.");
 }
 
-void add_timescale(const CompareOutcome& outcome, HtmlReport& page) {
-  if (!outcome.learned.timescale || outcome.learned.timescale->nodes().empty()) return;
-  const auto nodes = outcome.learned.timescale->decode(outcome.maps.decoding);
+void add_timescale(const LearnResult& learned, const maps::Maps& maps, HtmlReport& page) {
+  if (!learned.timescale || learned.timescale->nodes().empty()) return;
+  const auto nodes = learned.timescale->decode(maps.decoding);
   page.heading("Timescale memory: what is here lately, and usually");
   const int node = most_telling_node(*nodes);
   const Eigen::Vector2d& center_m = nodes->nodes()[static_cast<std::size_t>(node)].position_m;

@@ -91,9 +91,25 @@ std::string describe_job(const Comparison& comparison) {
 
 }  // namespace
 
+MapFigures draw_maps(const LearnResult& learned, const maps::Maps& maps,
+                     const std::filesystem::path& folder, report::Drawings* drawings) {
+  HtmlReport grids(folder, "", drawings);
+  add_maps(learned, grids);
+  add_patches(learned, grids);
+  HtmlReport timescale(folder, "", drawings);
+  add_timescale(learned, maps, timescale);
+  return {grids.body(), timescale.body()};
+}
+
 void write_report(const CompareOutcome& outcome, const std::string& settings,
                   const std::filesystem::path& folder, report::Drawings* drawings) {
-  const Comparison& comparison = outcome.comparison;
+  write_report(outcome.comparison, draw_maps(outcome.learned, outcome.maps, folder, drawings),
+               settings, folder, drawings);
+}
+
+void write_report(const Comparison& comparison, const MapFigures& figures,
+                  const std::string& settings, const std::filesystem::path& folder,
+                  report::Drawings* drawings) {
   const std::vector<PairedTest> tests = paired_tests(comparison);
   const json result = to_json(comparison, tests);
   HtmlReport page(folder, "Which map for this building?", drawings);
@@ -104,10 +120,9 @@ void write_report(const CompareOutcome& outcome, const std::string& settings,
   add_drives(comparison, page);
   add_changed_places(comparison, result["models"], page);
   add_errors(comparison, page);
-  add_maps(outcome, page);
-  add_patches(outcome, page);
+  page.append(figures.grids_and_patches);
   add_states(comparison, page);
-  add_timescale(outcome, page);
+  page.append(figures.timescale);
   finish_report(comparison, result, settings, folder, page);
 }
 

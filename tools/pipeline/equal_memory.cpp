@@ -111,7 +111,6 @@ void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareCo
   CompareConfig less = config;
   std::erase_if(less.protocol.models,
                 [&](const auto& model) { return !job.map_models->at(model)->is_learned(); });
-  const std::size_t first_part = results.front().scores.size() - full.parts.size();
   const std::vector<Learned> learned = learn_steps(runs, full, config, less, job, pool);
   for (int step = 0; step <= steps; ++step) {
     less.learn = with_less_memory(config.learn, step);
@@ -132,7 +131,7 @@ void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareCo
         point.setting = memory_setting(*model, less.learn);
         if (step == 0) {
           point.bytes = results[m].map_bytes;
-          add_runs(results[m].runs, first_part + p, count, point);
+          add_runs(results[m].runs, p, count, point);
         } else {
           if (point.bytes == 0) point.bytes = models[next].bytes;
           add_runs(fresh[next].runs, 0, count, point);

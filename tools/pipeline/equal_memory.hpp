@@ -43,7 +43,7 @@ struct FullMemory {
 /// Learns the split again at each step, localizes in it with the first seeds, and adds the errors
 /// to the curves of the results (one a model of the configuration; maps that were given, and peers,
 /// stay as they are). The first point of a curve is the map at full memory, from the runs that are
-/// there.
+/// there: results are of this split alone.
 void add_memory_curves(const Runs& runs, const FullMemory& full, const CompareConfig& config,
                        const CompareJob& job, WorkerPool& pool, SharedProgress& progress,
                        std::vector<ModelResult>& results);

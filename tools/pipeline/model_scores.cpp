@@ -12,9 +12,6 @@
 namespace strata::pipeline {
 namespace {
 
-/// Own poses of this many seeds are predicted from: one alone may be lost by bad luck.
-constexpr std::size_t kOwnPoseSeeds = 3;
-
 /// The timescale memory goes on learning for adaptation, as it would on the robot; grids are what
 /// they are, and patch models follow by beliefs.
 void follow_with_memory(const maps::MapModel& model, const TestScans& test, const maps::Maps& maps,

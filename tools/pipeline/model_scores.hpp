@@ -14,6 +14,9 @@
 
 namespace strata::pipeline {
 
+/// Own poses of this many seeds are predicted from: one alone may be lost by bad luck.
+inline constexpr std::size_t kOwnPoseSeeds = 3;
+
 /// Adds to each result (the first ones of `results`, one a model, whose runs in this part are there
 /// already) its scores in this part. models: made of maps. Deterministic but for times, at any
 /// number of threads.

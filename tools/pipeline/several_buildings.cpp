@@ -7,6 +7,7 @@
 #include "core/base/error.hpp"
 #include "tools/pipeline/comparison_report.hpp"
 #include "tools/pipeline/comparison_tables.hpp"
+#include "tools/pipeline/join_comparisons.hpp"
 #include "tools/pipeline/over_runs.hpp"
 #include "tools/report/html_report.hpp"
 
@@ -16,22 +17,10 @@ namespace {
 using nlohmann::json;
 using report::fixed;
 
-template <typename T>
-void append(const std::vector<T>& from, std::vector<T>& to) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
 void append_model(const ModelResult& from, std::size_t first_part, ModelResult& to) {
   to.map_bytes += from.map_bytes;
   to.resident_bytes += from.resident_bytes;
-  for (ModelRun run : from.runs) {
-    run.part += first_part;
-    to.runs.push_back(std::move(run));
-  }
-  append(from.scores, to.scores);
-  append(from.false_adaptation, to.false_adaptation);
-  append(from.planning, to.planning);
-  append(from.own_pose, to.own_pose);
+  append_drives(from, first_part, to);
 }
 
 void add_building_table(const std::vector<Building>& buildings, report::HtmlReport& page) {

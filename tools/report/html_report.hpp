@@ -43,6 +43,11 @@ class HtmlReport {
   /// A list of key and value in small print, folded away.
   void details(const std::string& summary, const std::string& preformatted);
 
+  /// What was added so far, to be added to another page; its figures' files lie in this folder.
+  [[nodiscard]] const std::string& body() const { return body_; }
+  /// A body of a page without tables, whose numbers would be there twice.
+  void append(const std::string& body) { body_ += body; }
+
   /// The whole page.
   [[nodiscard]] std::string html() const;
   /// Writes report.html into the folder. Throws OutputError.

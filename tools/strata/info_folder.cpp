@@ -36,10 +36,11 @@ struct Kind {
   const char* text;
 };
 
-constexpr std::array<Kind, 7> kKinds{
+constexpr std::array<Kind, 8> kKinds{
     {{"maps", "maps, as `strata learn` writes them"},
      {"localization", "a localized run, as `strata localize` writes it"},
      {"comparison", "a comparison of maps, as `strata compare` writes it"},
+     {"a shard", "a part of a comparison, as `strata compare --shard` writes it"},
      {"topology", "topologies, as `strata topology` writes them"},
      {"volume", "a 3-D map, as `strata volume` writes it"},
      {"changes", "changes of maps, as `strata changes` writes them"},

@@ -40,6 +40,7 @@ struct Mark {
 constexpr Mark kMarks[] = {
     {maps::kStoreFile, "maps"},
     {"comparison.json", "comparison"},
+    {"shard.json", "a shard"},
     {maps::kMetricsFile, "localization"},
     {"topologies.json", "topology"},
     {"map.bt", "volume"},
