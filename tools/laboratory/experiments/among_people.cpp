@@ -2,6 +2,8 @@
 #include "tools/laboratory/experiments/among_people.hpp"
 
 #include <iostream>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/scan/endpoints.hpp"
@@ -83,17 +85,33 @@ slam::SlamConfig without_filter() {
   return config;
 }
 
+void print(const PeopleOutcome& outcome, std::size_t people, std::uint64_t seed) {
+  std::cout << people << " people, seed " << seed << ": " << outcome.person_beams
+            << " beams on people, precision " << outcome.precision << ", recall " << outcome.recall
+            << ", spurious cells " << outcome.spurious_raw << " -> " << outcome.spurious_filtered
+            << " (obstacles " << outcome.obstacles_raw << " -> " << outcome.obstacles_filtered
+            << "), wall cells lost " << outcome.walls_lost << " of " << outcome.wall_cells
+            << ", mean pose error " << outcome.pose_error_m << " m\n";
+}
+
 void compare_with_and_without(const std::filesystem::path& scenario, std::size_t people,
-                              std::uint64_t first, std::uint64_t last) {
+                              std::uint64_t first, std::uint64_t last, shards::Units& units) {
   std::vector<double> with_m;
   std::vector<double> without_m;
   std::vector<double> gain_m;
   for (std::uint64_t seed = first; seed <= last; ++seed) {
-    const Simulation simulation = drive_among(scenario, people, seed);
-    const std::vector<Pose2> truth = true_poses(simulation);
-    with_m.push_back(aligned_error_m(found_poses(learn_first_day(simulation)), truth));
-    without_m.push_back(
-        aligned_error_m(found_poses(learn_first_day(simulation, without_filter())), truth));
+    const std::string name = scenario.filename().string() + ", " + std::to_string(people) +
+                             " people, seed " + std::to_string(seed);
+    const auto [with, without] = units.of<std::pair<double, double>>(name, [&] {
+      const Simulation simulation = drive_among(scenario, people, seed);
+      const std::vector<Pose2> truth = true_poses(simulation);
+      const auto error_m = [&](const slam::SlamConfig& config) {
+        return aligned_error_m(found_poses(learn_first_day(simulation, config)), truth);
+      };
+      return std::pair(error_m({}), error_m(without_filter()));
+    });
+    with_m.push_back(with);
+    without_m.push_back(without);
     gain_m.push_back(without_m.back() - with_m.back());
     std::cout << "seed " << seed << ": " << with_m.back() << " with, " << without_m.back()
               << " without\n";
@@ -122,21 +140,19 @@ PeopleOutcome learn_among(const std::filesystem::path& scenario, std::size_t peo
   outcome.pose_error_m = aligned_error_m(found_poses(result), true_poses(simulation));
   judge_beams(simulation, result, outcome);
   judge_map(simulation, result, outcome);
-  std::cout << people << " people, seed " << seed << ": " << outcome.person_beams
-            << " beams on people, precision " << outcome.precision << ", recall " << outcome.recall
-            << ", spurious cells " << outcome.spurious_raw << " -> " << outcome.spurious_filtered
-            << " (obstacles " << outcome.obstacles_raw << " -> " << outcome.obstacles_filtered
-            << "), wall cells lost " << outcome.walls_lost << " of " << outcome.wall_cells
-            << ", mean pose error " << outcome.pose_error_m << " m\n";
   return outcome;
 }
 
-void report_people(const std::filesystem::path& scenarios, std::uint64_t first, int seeds) {
+void report_people(const std::filesystem::path& scenarios, std::uint64_t first, int seeds,
+                   shards::Units& units) {
   for (const std::size_t people : {1U, 3U, 5U, 10U}) {
     std::size_t raw = 0;
     std::size_t filtered = 0;
     for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(seeds); ++seed) {
-      const PeopleOutcome outcome = learn_among(scenarios / "corridor_people.yaml", people, seed);
+      const auto outcome = units.of<PeopleOutcome>(
+          std::to_string(people) + " people, seed " + std::to_string(seed),
+          [&] { return learn_among(scenarios / "corridor_people.yaml", people, seed); });
+      print(outcome, people, seed);
       raw += outcome.spurious_raw;
       filtered += outcome.spurious_filtered;
     }
@@ -145,11 +161,11 @@ void report_people(const std::filesystem::path& scenarios, std::uint64_t first, 
 }
 
 void report_filter_against_none(const std::filesystem::path& scenarios, std::uint64_t first,
-                                int seeds) {
+                                int seeds, shards::Units& units) {
   for (const char* world : {"corridor_people.yaml", "corridor_endless.yaml"}) {
     for (const std::size_t people : {0U, 5U, 10U}) {
       compare_with_and_without(scenarios / world, people, first,
-                               first + static_cast<std::uint64_t>(seeds) - 1);
+                               first + static_cast<std::uint64_t>(seeds) - 1, units);
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "tools/shards/units.hpp"
 #include "tools/simulate/simulation.hpp"
 
 namespace strata::experiments {
@@ -27,15 +28,16 @@ struct PeopleOutcome {
 [[nodiscard]] simulate::Simulation drive_among(const std::filesystem::path& scenario,
                                                std::size_t people, std::uint64_t seed);
 
-/// SLAM on such a drive, and what became of its beams and its map; prints a line.
+/// SLAM on such a drive, and what became of its beams and its map.
 [[nodiscard]] PeopleOutcome learn_among(const std::filesystem::path& scenario, std::size_t people,
                                         std::uint64_t seed);
 
-/// Prints what learn_among says of corridor_people.yaml, and the sums over the seeds.
-void report_people(const std::filesystem::path& scenarios, std::uint64_t first, int seeds);
+/// Prints what learn_among says of corridor_people.yaml, a line a seed, and the sums.
+void report_people(const std::filesystem::path& scenarios, std::uint64_t first, int seeds,
+                   shards::Units& units);
 
 /// Prints pose errors with the beam filter and without, seed by seed and paired.
 void report_filter_against_none(const std::filesystem::path& scenarios, std::uint64_t first,
-                                int seeds);
+                                int seeds, shards::Units& units);
 
 }  // namespace strata::experiments

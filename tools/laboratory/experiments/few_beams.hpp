@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "tools/shards/units.hpp"
+
 namespace strata::experiments {
 
 /// Mean errors of the poses [m], and in how many runs SLAM's are the larger ones.
@@ -17,9 +19,11 @@ struct FewBeamsErrors {
 /// The first day of the scenario with nobody about, over the seeds first to last. Throws
 /// InputError.
 [[nodiscard]] FewBeamsErrors drive_with_few_beams(const std::filesystem::path& scenario, int beams,
-                                                  std::uint64_t first, std::uint64_t last);
+                                                  std::uint64_t first, std::uint64_t last,
+                                                  shards::Units& units);
 
 /// Prints a line for each world and number of beams.
-void report_few_beams(const std::filesystem::path& scenarios, std::uint64_t first, int seeds);
+void report_few_beams(const std::filesystem::path& scenarios, std::uint64_t first, int seeds,
+                      shards::Units& units);
 
 }  // namespace strata::experiments

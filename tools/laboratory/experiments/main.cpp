@@ -4,28 +4,28 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <streambuf>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "core/base/error.hpp"
-#include "tools/laboratory/experiments/among_people.hpp"
-#include "tools/laboratory/experiments/few_beams.hpp"
-#include "tools/laboratory/experiments/patch_learning.hpp"
-#include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/real_scans_report.hpp"
 #include "tools/laboratory/experiments/score_report.hpp"
+#include "tools/laboratory/experiments/seed_experiments.hpp"
 #include "tools/laboratory/experiments/single_scan.hpp"
-#include "tools/laboratory/experiments/standing_robot.hpp"
 #include "tools/laboratory/experiments/verdicts.hpp"
 #include "tools/laboratory/experiments/wean.hpp"
 #include "tools/laboratory/experiments/year.hpp"
 #include "tools/laboratory/experiments/year_report.hpp"
+#include "tools/shards/fingerprint.hpp"
+#include "tools/shards/units.hpp"
 
 namespace {
 
 using namespace strata::experiments;
+namespace shards = strata::shards;
 
 struct Options {
   std::string scenarios = STRATA_SCENARIO_DIR;
@@ -50,63 +50,34 @@ struct Options {
   double margin_nats = 40.0;
   int step = 1;
   std::vector<std::string> scenario_names;
+  std::string shard;
+  std::vector<std::string> merge;
 
   [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
-  [[nodiscard]] PoseNoise noise() const { return has_poor_poses ? kPoorPoses : kGoodPoses; }
+  [[nodiscard]] SeedOptions of_seeds() const {
+    return {scenarios, {first, seeds}, has_poor_poses ? kPoorPoses : kGoodPoses};
+  }
 };
 
-void print(const std::string& name, const Judgement& j, int whole, int seeds) {
-  std::cout << name << ": " << j.found_objects << " of " << j.changed_objects
-            << " changed objects found, " << j.submaps << " sub-maps, " << j.false_submaps
-            << " false; configurations extra " << j.extra_configurations << ", missing "
-            << j.missing_configurations << "; sequences in the right one " << j.right_sequences
-            << " of " << j.sequences << "; seeds without any mistake " << whole << " of " << seeds
-            << "\n";
-}
+/// std::cout says nothing while there is one.
+class QuietOutput {
+ public:
+  QuietOutput() : before_(std::cout.rdbuf(nullptr)) {}
+  ~QuietOutput() {
+    std::cout.rdbuf(before_);
+    std::cout.clear();
+  }
+  QuietOutput(const QuietOutput&) = delete;
+  QuietOutput& operator=(const QuietOutput&) = delete;
 
-void learn(const std::string& name, const Options& options,
-           const std::function<Judgement(std::uint64_t)>& one) {
-  Judgement sum;
-  int whole = 0;
-  for (int i = 0; i < options.seeds; ++i) {
-    const Judgement j = one(options.first + static_cast<std::uint64_t>(i));
-    const bool is_whole = j.found_objects == j.changed_objects && j.false_submaps == 0 &&
-                          j.extra_configurations == 0 && j.missing_configurations == 0;
-    whole += is_whole ? 1 : 0;
-    sum += j;
-  }
-  print(name, sum, whole, options.seeds);
-}
+ private:
+  std::streambuf* before_;
+};
 
-void localize(const std::string& name, const Options& options,
-              const std::function<Outcomes(std::uint64_t)>& one) {
-  struct Sum {
-    DayOutcome mean;
-    int lost = 0;
-    int failed = 0;
-  };
-  std::map<std::string, Sum> sums;
-  for (int i = 0; i < options.seeds; ++i) {
-    for (const auto& [model, outcome] : one(options.first + static_cast<std::uint64_t>(i))) {
-      Sum& sum = sums[model];
-      sum.mean.error_m += outcome.error_m / options.seeds;
-      sum.mean.changed_error_m += outcome.changed_error_m / options.seeds;
-      sum.mean.final_error_m += outcome.final_error_m / options.seeds;
-      sum.mean.failure_rate += outcome.failure_rate / options.seeds;
-      sum.mean.entries += outcome.entries;
-      sum.mean.recognized += outcome.recognized;
-      sum.lost += outcome.is_lost ? 1 : 0;
-      sum.failed += outcome.final_error_m > 1.0 ? 1 : 0;
-    }
-  }
-  for (const auto& [model, sum] : sums) {
-    std::cout << name << " " << model << ": error " << sum.mean.error_m << " m, where it changes "
-              << sum.mean.changed_error_m << " m, at the end " << sum.mean.final_error_m
-              << " m; failure rate " << sum.mean.failure_rate << ", lost " << sum.lost
-              << ", ended wrong " << sum.failed << " of " << options.seeds
-              << "; true configuration known within 20 updates of " << sum.mean.recognized << " of "
-              << sum.mean.entries << " entries\n";
-  }
+[[noreturn]] void refuse_shards(const std::string& name) {
+  throw strata::InputError("--shard and --merge",
+                           "are for experiments over seeds, which " + name + " is not",
+                           "run it on one machine");
 }
 
 /// Writes a row a day to year.csv, plots, and prints the sums.
@@ -159,14 +130,10 @@ void look_at_place(const Options& options) {
   report_place(place);
 }
 
-void run(const std::string& name, const Options& options) {
+/// Those of one long run or of real logs.
+void run_whole(const std::string& name, const Options& options) {
   if (name == "year") return live_a_year(options);
   if (name == "place") return look_at_place(options);
-  if (name == "people") return report_people(options.scenarios, options.first, options.seeds);
-  if (name == "filter") {
-    return report_filter_against_none(options.scenarios, options.first, options.seeds);
-  }
-  if (name == "few_beams") return report_few_beams(options.scenarios, options.first, options.seeds);
   if (name == "wean" && options.runs.empty()) {
     throw strata::InputError("--runs", "is missing",
                              "name the folder with run1.clf.gz to run3.clf.gz");
@@ -177,62 +144,59 @@ void run(const std::string& name, const Options& options) {
     return report_single_scans(options.logs, options.poses, options.margin_nats, options.step);
   }
   if (name == "decoders") return report_decoders(occasions(options));
+  if (!options.logs.empty()) (void)occasions(options);  // as many poses as logs
   if (name == "verdicts") {
-    if (!options.logs.empty()) (void)occasions(options);  // as many poses as logs
     return report_verdicts(options.runs, options.logs, options.poses, options.first);
   }
   if (name == "score") {
-    if (!options.logs.empty()) (void)occasions(options);  // as many poses as logs
     return report_score({options.logs, options.poses, options.runs, options.scenarios,
                          options.scenario_names, options.first, options.seeds, options.out});
   }
-  if (name == "three_doors") {
-    learn(name, options, [&](std::uint64_t seed) {
-      return three_doors(options.file("three_doors.yaml"), seed, options.noise());
-    });
-  } else if (name == "local_maps") {
-    learn(name, options, [&](std::uint64_t seed) {
-      return local_maps(options.file("four_states.yaml"), seed, options.noise());
-    });
-  } else if (name == "few_visits" || name == "static_offices") {
-    std::vector<int> all_days{2, 3, 4, 5};
-    // With more the test for many visits decides.
-    if (name == "static_offices") all_days.insert(all_days.end(), {8, 12, 16});
-    for (const int days : all_days) {
-      learn(name + ", " + std::to_string(days) + " days", options, [&](std::uint64_t seed) {
-        return office_visits(seed, days, name == "few_visits", options.noise());
-      });
-    }
-  } else if (name == "standing_robot" || name == "standing_robot_online") {
-    const auto one = name == "standing_robot" ? standing_robot : standing_robot_online;
-    for (const int toggles : {4, 0}) {
-      learn(name + ", door moved " + std::to_string(toggles) + " times", options,
-            [&](std::uint64_t seed) { return one(seed, toggles, options.noise()); });
-    }
-  } else if (name == "box_in_corridor") {
-    for (const int field_of_view_deg : {360, 180}) {
-      localize(name + ", " + std::to_string(field_of_view_deg) + " degrees,", options,
-               [&](std::uint64_t seed) {
-                 return box_in_corridor(
-                     options.file("corridor_box.yaml"), seed, field_of_view_deg,
-                     {"occupancy", "filtered", "patch_paper", "patch_shared", "patch", "own_day"});
-               });
-    }
-  } else if (name == "global_start") {
-    for (const bool is_open : {false, true}) {
-      localize(name + (is_open ? ", door open," : ", door closed,"), options,
-               [&](std::uint64_t seed) {
-                 return global_start(options.file("side_door.yaml"), seed, is_open,
-                                     {"closed", "open", "patch", "patch_paper"});
-               });
-    }
-  } else if (name == "offices") {
-    for (std::uint64_t office = 1; office <= 10; ++office) {
-      localize("office " + std::to_string(office), options, [&](std::uint64_t seed) {
-        return office_day(office, seed, {"occupancy", "filtered", "patch"});
-      });
-    }
+}
+
+/// What decides whether shards belong together, and to this command line.
+shards::ShardInfo info_of(const std::string& name, const Options& options,
+                          const shards::Shard& shard) {
+  shards::ShardInfo info = shards::shard_info("strata-experiments " + name, shard, STRATA_VERSION);
+  info.same["--seeds"] = std::to_string(options.seeds);
+  info.same["--first-seed"] = std::to_string(options.first);
+  info.same["--poor-poses"] = options.has_poor_poses ? "yes" : "no";
+  info.same["--scenarios"] = shards::fingerprint(options.scenarios);
+  return info;
+}
+
+void merge(const std::string& name, const Options& options) {
+  const shards::ShardInfo own = info_of(name, options, {});
+  const auto folders = shards::read_all_shards(options.merge, own.job, STRATA_VERSION);
+  for (const auto& [key, value] : own.same) {
+    if (folders.front().info.same.at(key) == value) continue;
+    throw strata::InputError(folders.front().path.string(),
+                             "is of another command: its " + key + " differs",
+                             "give the options that the shards had");
   }
+  shards::Units units(folders);
+  if (!run_seed_experiment(name, options.of_seeds(), units)) refuse_shards(name);
+}
+
+void run_shard(const std::string& name, const Options& options) {
+  const shards::Shard shard = shards::parse_shard(options.shard);
+  shards::Units units(shard);
+  const shards::ShardInfo info = info_of(name, options, shard);
+  {
+    const QuietOutput quiet;  // sums over some of the seeds say nothing
+    if (!run_seed_experiment(name, options.of_seeds(), units)) refuse_shards(name);
+  }
+  std::filesystem::create_directories(options.out);
+  shards::write_shard(info, units.results(), options.out);
+  std::cout << name << ": shard " << options.shard << " has " << units.own() << " of "
+            << units.count() << " units\n";
+}
+
+void run(const std::string& name, const Options& options) {
+  if (!options.merge.empty()) return merge(name, options);
+  if (!options.shard.empty()) return run_shard(name, options);
+  shards::Units units;
+  if (!run_seed_experiment(name, options.of_seeds(), units)) run_whole(name, options);
 }
 
 }  // namespace
@@ -289,6 +253,13 @@ int main(int argc, char** argv) {
   app.add_option("--scenario", options.scenario_names,
                  "a file there, of several days, for `score` besides the offices");
   app.add_option("--scenarios", options.scenarios, "folder of the scenario files");
+  CLI::Option* shard =
+      app.add_option("--shard", options.shard,
+                     "I/N: only the I-th of N parts of the seeds; its results go to --out");
+  app.add_option("--merge", options.merge,
+                 "folders of all N shards, with the options that they had: prints what one machine "
+                 "would have printed")
+      ->excludes(shard);
   CLI11_PARSE(app, argc, argv);
   try {
     run(name, options);

@@ -12,7 +12,9 @@ class FewBeams : public ::testing::TestWithParam<int> {};
 TEST_P(FewBeams, LeaveThePosesNoWorseThanOdometryAlone) {
   const std::filesystem::path scenarios = STRATA_SCENARIO_DIR;
   for (const char* world : {"corridor_people.yaml", "office.yaml"}) {
-    const FewBeamsErrors errors = drive_with_few_beams(scenarios / world, GetParam(), 101, 105);
+    shards::Units units;
+    const FewBeamsErrors errors =
+        drive_with_few_beams(scenarios / world, GetParam(), 101, 105, units);
     EXPECT_LT(errors.slam_m, errors.odometry_m) << world;
   }
 }
