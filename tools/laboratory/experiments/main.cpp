@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/error.hpp"
+#include "tools/laboratory/experiments/door_times.hpp"
 #include "tools/laboratory/experiments/real_scans_report.hpp"
 #include "tools/laboratory/experiments/score_report.hpp"
 #include "tools/laboratory/experiments/seed_experiments.hpp"
@@ -134,6 +135,7 @@ void look_at_place(const Options& options) {
 void run_whole(const std::string& name, const Options& options) {
   if (name == "year") return live_a_year(options);
   if (name == "place") return look_at_place(options);
+  if (name == "door_times") return report_door_times(options.first, options.seeds);
   if (name == "wean" && options.runs.empty()) {
     throw strata::InputError("--runs", "is missing",
                              "name the folder with run1.clf.gz to run3.clf.gz");
@@ -207,11 +209,26 @@ int main(int argc, char** argv) {
   CLI::App app{"the experiments of docs/results.md"};
   app.add_option("NAME", name, "which experiment")
       ->required()
-      ->check(
-          CLI::IsMember({"three_doors", "local_maps", "few_visits", "static_offices",
-                         "box_in_corridor", "global_start", "offices", "year", "place", "decoders",
-                         "wean", "verdicts", "score", "people", "filter", "few_beams",
-                         "single_scan", "standing_robot", "standing_robot_online"}));
+      ->check(CLI::IsMember({"three_doors",
+                             "local_maps",
+                             "few_visits",
+                             "static_offices",
+                             "box_in_corridor",
+                             "global_start",
+                             "offices",
+                             "year",
+                             "place",
+                             "decoders",
+                             "wean",
+                             "verdicts",
+                             "score",
+                             "people",
+                             "filter",
+                             "few_beams",
+                             "single_scan",
+                             "standing_robot",
+                             "standing_robot_online",
+                             "door_times"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::Range(0, 1'000'000));
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
