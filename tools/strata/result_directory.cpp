@@ -38,18 +38,12 @@ struct Mark {
   const char* kind;
 };
 constexpr Mark kMarks[] = {
-    {maps::kStoreFile, "maps"},
-    {"comparison.json", "comparison"},
-    {"shard.json", "a shard"},
-    {maps::kMetricsFile, "localization"},
-    {"topologies.json", "topology"},
-    {"map.bt", "volume"},
-    {"changes.json", "changes"},
-    {"states.json", "simulation"},
-    {"metadata.yaml", "a bag"},
-    {"incident.json", "an incident"},
-    {"site.json", "a site"},
-    {"public/identity_ca.cert.pem", "a keystore"},
+    {maps::kStoreFile, "maps"},      {"comparison.json", "comparison"},
+    {"shard.json", "a shard"},       {maps::kMetricsFile, "localization"},
+    {"topologies.json", "topology"}, {"map.bt", "volume"},
+    {"changes.json", "changes"},     {"states.json", "simulation"},
+    {"metadata.yaml", "a bag"},      {"incident.json", "an incident"},
+    {"site.json", "a site"},         {"public/identity_ca.cert.pem", "a keystore"},
 };
 
 /// Near its begin.

@@ -87,7 +87,7 @@ TEST(Program, HelpSaysWhatEveryMapModelIs) {
 TEST(Program, MessagesWritesAPackageAndReplacesAnOlderOne) {
   const strata::test::TemporaryDirectory folder;
   const fs::path package = folder.path() / "src" / "strata_msgs";
-  fs::create_directories(package / "msg");
+  EXPECT_EQ(run("messages " + quoted(package) + " 2>&1").code, 0);
   std::ofstream(package / "msg" / "Gone.msg") << "int32 x\n";
   std::ofstream(package / "COLCON_IGNORE") << "";
   const Outcome outcome = run("messages " + quoted(package) + " 2>&1");
