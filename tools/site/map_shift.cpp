@@ -58,7 +58,8 @@ MapShift map_shift(const ReflectionGrid& fixed, const ReflectionGrid& moved) {
   MapShift shift;
   const Eigen::Vector2d middle = middle_of(walls_of(moved, fixed, Eigen::Vector2d::Zero()));
   const Endpoints walls = subsample(walls_of(moved, fixed, middle), kMaxPoints);
-  const registration::MatchField field(fixed, {.occupied_reflection = kOccupiedReflection});
+  const registration::MatchField field(
+      fixed, {.occupied_reflection = static_cast<double>(kOccupiedReflection)});
   if (walls.size() == 0 || field.points().empty()) return shift;
   const Pose2 start{middle.x(), middle.y(), 0.0};
   registration::MatchConfig config;

@@ -27,20 +27,22 @@ TEST(MetricText, IsOpenMetricsWordForWord) {
   metrics.add("strata_component_up", {{"component", "/robot/localizer"}}, 1.0);
   metrics.add("process_cpu_seconds", {}, 12.5);
   metrics.add("strata_localization_map", {{"component", "/l"}, {"model", "patch"}}, 1.0);
-  EXPECT_EQ(metrics.text(MetricFormat::kOpenMetrics),
-            "# HELP strata_localization_map The map model, and the MAPS folder it is from; "
-            "\\\"topics\\\" where maps come by topics.\n"
-            "# TYPE strata_localization_map info\n"
-            "strata_localization_map_info{component=\"/l\",model=\"patch\"} 1\n"
-            "# HELP strata_component_up 1 while the component's status comes, 0 when none came "
-            "for 15 s.\n"
-            "# TYPE strata_component_up gauge\n"
-            "strata_component_up{component=\"/robot/localizer\"} 1\n"
-            "# HELP process_cpu_seconds CPU time of this process.\n"
-            "# TYPE process_cpu_seconds counter\n"
-            "# UNIT process_cpu_seconds seconds\n"
-            "process_cpu_seconds_total 12.5\n"
-            "# EOF\n");
+  EXPECT_EQ(
+      metrics.text(MetricFormat::kOpenMetrics),
+      "# HELP strata_localization_map The map model, the MAPS folder it is from, and the SHA-256 "
+      "of what that holds; "
+      "\\\"topics\\\" and none where maps come by topics.\n"
+      "# TYPE strata_localization_map info\n"
+      "strata_localization_map_info{component=\"/l\",model=\"patch\"} 1\n"
+      "# HELP strata_component_up 1 while the component's status comes, 0 when none came "
+      "for 15 s.\n"
+      "# TYPE strata_component_up gauge\n"
+      "strata_component_up{component=\"/robot/localizer\"} 1\n"
+      "# HELP process_cpu_seconds CPU time of this process.\n"
+      "# TYPE process_cpu_seconds counter\n"
+      "# UNIT process_cpu_seconds seconds\n"
+      "process_cpu_seconds_total 12.5\n"
+      "# EOF\n");
 }
 
 TEST(MetricText, NamesCountersByTheirSamplesInTheOlderFormat) {
@@ -50,7 +52,7 @@ TEST(MetricText, NamesCountersByTheirSamplesInTheOlderFormat) {
   const std::string text = metrics.text(MetricFormat::kPrometheusText);
   EXPECT_THAT(text, HasSubstr("# TYPE process_cpu_seconds_total counter\n"));
   EXPECT_THAT(text, HasSubstr("# TYPE strata_localization_map_info gauge\n"));
-  EXPECT_THAT(text, HasSubstr("\"topics\" where"));
+  EXPECT_THAT(text, HasSubstr("\"topics\" and none where"));
 }
 
 TEST(MetricText, WritesHistogramsAsComponentsTellThem) {
