@@ -37,12 +37,12 @@ struct WindowConfig {
             {.doc = "a scan stays in the map after this much driving", .unit = "m", .min = 0.0});
     v.field("key_turn_rad", c.key_turn_rad,
             {.doc = "... or after this much turning", .unit = "rad", .min = 0.0});
-    v.field("fade_scans", c.fade_scans,
-            {.doc = "what a place was like fades with this many scans that stay and look at it",
-             .unit = "scans",
-             .min = 2.0,
-             .when = "what was put up for good should become part of the map sooner (less), or "
-                     "people who wait should not (more)"});
+    v.field(
+        "fade_scans", c.fade_scans,
+        {.doc = "what a place was like fades with this many scans that stay and look at it: with "
+                "less, what was put up is part of the map sooner, and so are people who wait",
+         .unit = "scans",
+         .min = 2.0});
   }
 };
 

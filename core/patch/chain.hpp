@@ -32,10 +32,9 @@ struct ChainConfig {
     v.field(
         "max_harmonics", c.max_harmonics,
         {.doc = "waves of the day and the week that what is usual may follow; 0: it is the same "
-                "at any time",
+                "at any time, as where clocks tell no time of day",
          .min = 0,
-         .max = 7,
-         .when = "the clock of the robots is no time of day: 0"});
+         .max = 7});
     v.field("min_days", c.min_days,
             {.doc = "days on which a place was seen before the time of day counts: of working days "
                     "alone a weekend is not foreseen",
