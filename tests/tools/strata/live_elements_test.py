@@ -142,11 +142,14 @@ def test_topology(page):
     """Places that were told apart, and the ways between them."""
     assert layer(page, "topology")["count"] == 0
     page.evaluate(TOPOLOGIES)
-    found = layer(page, "topology")
-    left, top, right, bottom = found["box"]
-    corners = screen(page, 1, 2.5) + screen(page, 3, 1)
-    for drawn, wanted in zip((left, top, right, bottom), corners):
-        assert abs(drawn - wanted) < 16, (found, corners)
+
+    def is_in_place():
+        """The view may glide after the robot from one drawing to the next: then once more."""
+        corners = screen(page, 1, 2.5) + screen(page, 3, 1)
+        return all(abs(drawn - wanted) < 16
+                   for drawn, wanted in zip(layer(page, "topology")["box"], corners))
+
+    comes_true(is_in_place, "the places are drawn where they are")
     ways = json.loads(page.evaluate("JSON.stringify(graph().ways)"))
     assert ways == [{"ends": [0, 1], "times": 2}, {"ends": [1, 2], "times": 1},
                     {"ends": [0, 2], "times": 1}], ways
