@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include "core/base/damage.hpp"
 
@@ -71,6 +72,7 @@ std::vector<std::byte> compress(std::span<const std::byte> bytes) {
   const auto blob = std::make_unique_for_overwrite<std::byte[]>(most);
   const std::size_t size =
       ZSTD_compress2(context.get(), blob.get(), most, bytes.data(), bytes.size());
+  if (ZSTD_isError(size) != 0U) throw std::bad_alloc();  // nothing else can fail
   return {blob.get(), blob.get() + size};
 }
 
@@ -82,6 +84,7 @@ std::vector<std::byte> decompress(std::span<const std::byte> blob, const std::st
   }
   std::vector<std::byte> bytes(static_cast<std::size_t>(stated));
   const std::size_t size = ZSTD_decompress(bytes.data(), bytes.size(), blob.data(), blob.size());
+  if (ZSTD_getErrorCode(size) == ZSTD_error_memory_allocation) throw std::bad_alloc();
   if (ZSTD_isError(size) != 0U || size != bytes.size()) throw_damaged(place);
   return bytes;
 }
