@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/patch/chain_rate.hpp"
+#include "core/patch/looks.hpp"
 
 namespace strata::patch {
 namespace {
@@ -12,24 +13,13 @@ namespace {
 constexpr int kMaxSweeps = 30;
 constexpr double kTolerance = 1e-4;
 
-double dot(std::span<const double> a, std::span<const double> b) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
-
 std::vector<TransitionOdds> odds_of(std::span<const std::vector<double>> looks,
                                     std::span<const Transition> transitions,
                                     std::span<const double> usual) {
   std::vector<TransitionOdds> odds;
-  std::vector<double> before(usual.size());
+  odds.reserve(transitions.size());
   for (const Transition& t : transitions) {
-    const std::vector<double>& from = looks[t.from];
-    const std::vector<double>& to = looks[t.to];
-    for (std::size_t k = 0; k < usual.size(); ++k) before[k] = from[k] * usual[k];
-    const double all = dot(from, usual);
-    const double same = all > 0.0 ? dot(before, to) / all : 0.0;
-    odds.push_back({t.dt_s, t.count, same, dot(to, usual)});
+    odds.push_back(odds_of_transition(looks[t.from], looks[t.to], usual, usual, t.dt_s, t.count));
   }
   return odds;
 }
@@ -37,7 +27,7 @@ std::vector<TransitionOdds> odds_of(std::span<const std::vector<double>> looks,
 /// Adds `count` sightings of a draw: those of each configuration, given what was seen.
 void add_sightings(const std::vector<double>& look, std::span<const double> usual, double count,
                    std::vector<double>& sightings) {
-  const double sum = dot(look, usual);
+  const double sum = likelihood(look, usual);
   if (!(sum > 0.0)) return;
   for (std::size_t k = 0; k < usual.size(); ++k) {
     sightings[k] += count * look[k] * usual[k] / sum;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/patch/chain_rate.hpp"
+#include "core/patch/looks.hpp"
 #include "core/periodic/fit_shares.hpp"
 
 namespace strata::patch {
@@ -47,12 +48,6 @@ class HourlyShares {
   std::vector<double> shares_;
 };
 
-double dot(std::span<const double> a, std::span<const double> b) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
-
 /// A model of the transitions, as it is fitted.
 struct Candidate {
   double rate_per_s = 0.0;
@@ -69,10 +64,6 @@ struct Kind {
   std::vector<double> from;  // looks, in the mean
   std::vector<double> to;
 };
-
-std::size_t likeliest(const std::vector<double>& look) {
-  return static_cast<std::size_t>(std::max_element(look.begin(), look.end()) - look.begin());
-}
 
 void add_to_mean(double value, double weight, double& mean) { mean += weight * (value - mean); }
 
@@ -162,14 +153,8 @@ class Fit {
     std::vector<TransitionOdds> odds;
     odds.reserve(kinds_.size());
     for (const Kind& kind : kinds_) {
-      double same = 0.0;
-      double all = 0.0;
-      for (std::size_t k = 0; k < kind.to.size(); ++k) {
-        same += kind.from[k] * chain_.usual[k] * kind.to[k];
-        all += kind.from[k] * chain_.usual[k];
-      }
-      odds.push_back(
-          {kind.dt_s, kind.count, all > 0.0 ? same / all : 0.0, dot(kind.to, usual.at(kind.hour))});
+      odds.push_back(odds_of_transition(kind.from, kind.to, chain_.usual, usual.at(kind.hour),
+                                        kind.dt_s, kind.count));
     }
     return odds;
   }

@@ -3,12 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
+
+#include "core/patch/looks.hpp"
 
 namespace strata::patch {
 namespace {
 constexpr int kSearchSteps = 40;
 }  // namespace
+
+TransitionOdds odds_of_transition(std::span<const double> from, std::span<const double> to,
+                                  std::span<const double> usual_before,
+                                  std::span<const double> usual_after, double dt_s, double count) {
+  double same = 0.0;
+  for (std::size_t k = 0; k < from.size(); ++k) same += from[k] * usual_before[k] * to[k];
+  const double all = likelihood(from, usual_before);
+  return {dt_s, count, all > 0.0 ? same / all : 0.0, likelihood(to, usual_after)};
+}
 
 double log_density_of_rate(std::span<const TransitionOdds> odds, double rate_per_s,
                            const ChainConfig& config) {

@@ -19,6 +19,14 @@ struct TransitionOdds {
   double drawn = 0.0;  ///< P(what was seen after | drawn from the stationary law)
 };
 
+/// Of `count` transitions: what was seen before and after, dt_s apart, and what was usual before
+/// and is after. All four have an entry a configuration.
+[[nodiscard]] TransitionOdds odds_of_transition(std::span<const double> from,
+                                                std::span<const double> to,
+                                                std::span<const double> usual_before,
+                                                std::span<const double> usual_after, double dt_s,
+                                                double count);
+
 /// ln of the posterior density of ln gamma, to a constant. O(transitions).
 [[nodiscard]] double log_density_of_rate(std::span<const TransitionOdds> odds, double rate_per_s,
                                          const ChainConfig& config);

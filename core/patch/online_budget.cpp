@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "core/patch/looks.hpp"
 #include "core/patch/online_learner.hpp"
 
 namespace strata::patch {
@@ -13,11 +14,6 @@ constexpr int kMinSequences = 8;
 constexpr int kMinVisits = 4;
 /// How much more than needed is forgotten at once, so that it does not happen at every scan.
 constexpr double kAtOnce = 0.1;
-
-std::size_t likeliest(const std::vector<double>& membership) {
-  return static_cast<std::size_t>(std::max_element(membership.begin(), membership.end()) -
-                                  membership.begin());
-}
 
 }  // namespace
 

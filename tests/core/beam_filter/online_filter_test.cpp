@@ -12,7 +12,9 @@
 
 #include "core/base/error.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/state_archive.hpp"
 #include "core/grid/count_scans.hpp"
+#include "core/grid/grid_state.hpp"
 
 namespace strata::beam_filter {
 namespace {
@@ -77,6 +79,56 @@ TEST(OnlineFilter, StoppedAndRestoredItLabelsAsIfItHadNeverStopped) {
     EXPECT_THROW(OnlineFilter(coarse).restore_state(state, "state"), InputError);
   }
   EXPECT_EQ(stopped.scans_in_window(), 25U);
+}
+
+/// As bytes say it that were saved when all scans were counted in one map.
+std::vector<std::uint8_t> in_one_map(const std::vector<std::uint8_t>& state,
+                                     const CountingMap& keys, const CountingMap& window) {
+  const auto bytes_of = [](const auto& value) {
+    StateWriter writer;
+    writer(value);
+    return writer.take();
+  };
+  CountingMap all = keys;
+  all.add(window);
+  std::vector<std::uint8_t> before = bytes_of(std::uint64_t{0x53'4f'42'46'0000'0002});
+  const std::vector<std::uint8_t> cells = bytes_of(all.cells());
+  const std::size_t behind =
+      before.size() + bytes_of(window.cells()).size() + bytes_of(keys.cells()).size();
+  before.insert(before.end(), cells.begin(), cells.end());
+  before.insert(before.end(), state.begin() + static_cast<std::ptrdiff_t>(behind), state.end());
+  return before;
+}
+
+TEST(OnlineFilter, GoesOnFromAStateOfOneMapAsFromItsOwn) {
+  const WindowConfig window{.scans = 25, .fade_scans = 1e15};
+  OnlineFilter filter({}, window);
+  OnlineFilter restored({}, window);
+  CountingMap keys(filter.counts().resolution_m());
+  CountingMap lately(filter.counts().resolution_m());
+  std::vector<PosedScan> others;
+  int t = 0;
+  for (; t < 60; ++t) {
+    const PosedScan scan = from_the_middle(t, 0.03 * t, t % 7 == 0);
+    filter.add(scan);
+    const bool is_key = t % 4 == 0;  // 0.12 m apart
+    if (is_key) keys.add_fading(scan, {}, BeamWeights::kAllStatic, 1e15);
+    if (!is_key) lately.add(scan, {}, 1.0, BeamWeights::kAllStatic);
+    others.push_back(scan);
+    if (t >= 25 && (t - 25) % 4 != 0) {
+      lately.add(others[static_cast<std::size_t>(t - 25)], {}, -1.0, BeamWeights::kAllStatic);
+    }
+  }
+  restored.restore_state(in_one_map(filter.save_state(), keys, lately), "the state");
+  for (; t < 120; ++t) {
+    const PosedScan scan = from_the_middle(t, 0.03 * (t % 40), t % 3 == 0);
+    const std::vector<float> expected = filter.add(scan);
+    const std::vector<float> labels = restored.add(scan);
+    for (std::size_t n = 0; n < kBeams; ++n) ASSERT_NEAR(labels[n], expected[n], 1e-6F) << t;
+  }
+  // What the window forgets it takes from its own map.
+  const Grid<CellCounts> cells = restored.counts().cells().dense();
+  for (const CellCounts& cell : cells.values()) EXPECT_GE(cell.total(), -1e-9);
 }
 
 TEST(OnlineFilter, ForgetsWhoStoodBeforeAStandingRobotWithTheWindow) {
