@@ -103,14 +103,15 @@ class Fit {
     for (const Kind& kind : kinds_) count_ += kind.count;
   }
 
+  /// At a rate for these kinds: who is compared with it has one, too.
   [[nodiscard]] Candidate constant() const {
     Candidate candidate;
-    candidate.rate_per_s = chain_.rate_per_s;
     for (const double share : chain_.usual) {
       candidate.usual.logit.push_back(std::log(std::max(share, 1e-12)));
     }
-    candidate.log_density =
-        log_density_of_rate(odds_of(HourlyShares(candidate.usual)), candidate.rate_per_s, config_);
+    const std::vector<TransitionOdds> odds = odds_of(HourlyShares(candidate.usual));
+    candidate.rate_per_s = most_probable_rate(odds, config_);
+    candidate.log_density = log_density_of_rate(odds, candidate.rate_per_s, config_);
     return candidate;
   }
 

@@ -101,7 +101,7 @@ std::vector<std::uint8_t> in_one_map(const std::vector<std::uint8_t>& state,
 }
 
 TEST(OnlineFilter, GoesOnFromAStateOfOneMapAsFromItsOwn) {
-  const WindowConfig window{.scans = 25, .fade_scans = 1e15};
+  const WindowConfig window{.scans = 25, .fade_scans = 20.0};
   OnlineFilter filter({}, window);
   OnlineFilter restored({}, window);
   CountingMap keys(filter.counts().resolution_m());
@@ -112,7 +112,7 @@ TEST(OnlineFilter, GoesOnFromAStateOfOneMapAsFromItsOwn) {
     const PosedScan scan = from_the_middle(t, 0.03 * t, t % 7 == 0);
     filter.add(scan);
     const bool is_key = t % 4 == 0;  // 0.12 m apart
-    if (is_key) keys.add_fading(scan, {}, BeamWeights::kAllStatic, 1e15);
+    if (is_key) keys.add_fading(scan, {}, BeamWeights::kAllStatic, window.fade_scans);
     if (!is_key) lately.add(scan, {}, 1.0, BeamWeights::kAllStatic);
     others.push_back(scan);
     if (t >= 25 && (t - 25) % 4 != 0) {

@@ -160,6 +160,34 @@ TEST(PatchTimes, TheFirstScanOfTheDayExpectsTheBoxAsItIsThen) {
   }
 }
 
+TEST(PatchTimes, ParticlesThatAreDrawnAnewKnowWhatTimeItIs) {
+  const PatchStates states(map_by_day(), {});
+  ParticleSet particles = particles_in(states, 1);
+  states.tell_time(at_hour(12.0), particles);
+  ParticleSet drawn;
+  drawn.share(particles);
+  EXPECT_EQ(drawn.time, at_hour(12.0));
+  EXPECT_NEAR(states.usual(drawn)[1], share_at_noon(), 1e-6);
+}
+
+TEST(PatchTimes, AFilterThatIsRestoredKnowsWhatTimeItWas) {
+  LocalizerConfig config;
+  config.particles = 10;
+  config.adaptive = false;
+  config.gating.every_scans = 1;
+  const auto model = std::make_shared<patch_beams::PatchBeamModel>(
+      map_by_day(), patch_beams::PatchBeamModelConfig{});
+  Localizer localizer(config, model, 1, 1);
+  localizer.initialize({{1.5, 2.2, 0.0}, Eigen::Vector3d(1e-6, 1e-6, 1e-8).asDiagonal()});
+  (void)localizer.update(look_away(12.0));
+  Localizer restored(config, model, 1, 1);
+  const auto state = localizer.saved_state();
+  ASSERT_TRUE(state);
+  restored.restore(*state, "the state");
+  EXPECT_EQ(restored.particles().time, at_hour(12.0));
+  EXPECT_EQ(restored.particles().usual, localizer.particles().usual);
+}
+
 TEST(PatchTimes, FixedRatesAndDamagedWavesKnowNoTime) {
   EXPECT_FALSE(PatchStates(map_by_day(), {.rates = RateSource::kFixed}).follows_time());
   auto map = map_by_day();

@@ -128,6 +128,25 @@ TEST(ChainInTime, ForetellsTheMorningOfADoorOfOfficeHours) {
   EXPECT_GE(mean.constant, 0.15) << "or it is no feat";
 }
 
+// Three hours pass until half of a change of hours shows: what stands there says less of what is
+// usual now than what was drawn does.
+TEST(ChainInTime, HasTheSharesOfDrawsAlsoOfADoorThatLags) {
+  const std::vector<Look> looks = passes(office_hours, 1.0 / (3.0 * kHour_s), 150, 6);
+  double open = 0.0;
+  double count = 0.0;
+  for (const Look& look : looks) {
+    if (std::abs(hour_of_day(look.t_s) - 10.0) > 0.5) continue;
+    open += look.is_open ? 1.0 : 0.0;
+    count += 1.0;
+  }
+  EXPECT_LT(open / count, 0.65) << "it lags";
+  const Known known = learned(looks, 150.0 * kDay_s);
+  ASSERT_TRUE(known.in_time);
+  std::vector<double> shares(2);
+  periodic::shares_at(known.in_time->usual, 10.0 / 168.0, shares);
+  EXPECT_GT(shares[1], 0.8);
+}
+
 TEST(ChainInTime, IsOfTheWeekWhereWeekendsDiffer) {
   const std::vector<Look> looks = passes(working_days, 1.0 / kHour_s, 42, 3);
   const Known known = learned(looks, 42.0 * kDay_s);

@@ -82,7 +82,7 @@ TEST(OnlineTimes, ADoorOfOfficeHoursIsKnownAsSuch) {
       (void)learner.add(scan);
       (void)restarted->add(scan);
     }
-    if (i == passes.size() / 2) {
+    if (i == 3 * passes.size() / 4) {  // fewer days are left than are asked
       const std::vector<std::uint8_t> bytes = restarted->save_state();
       restarted = std::make_unique<OnlinePatchLearner>(PatchLearnerConfig{}, config, base);
       restarted->restore_state(bytes, "the state");

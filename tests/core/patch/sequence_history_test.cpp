@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/base/state_archive.hpp"
 #include "core/random/stream.hpp"
 
 namespace strata::patch {
@@ -98,6 +100,45 @@ TEST(SequenceHistory, OfAWholeThatWasTwoKeepsWhoFollowedWhom) {
     EXPECT_EQ(std::count(history.transitions().begin(), history.transitions().end(), t), 1)
         << t.from << " to " << t.to;
   }
+}
+
+TEST(SequenceHistory, KnowsOnHowManyDaysAndInWhichHours) {
+  SequenceHistory history;
+  constexpr double kHour_s = 3600.0;
+  for (const double hour : {8.5, 9.5, 30.0, 31.0, 24.0 * 7.0 + 1.0}) {
+    history.append(history.size() == 0 ? 0.0 : kHour_s, Stamp::from_seconds(kHour_s * hour));
+  }
+  EXPECT_EQ(history.seen().days, 3);
+  EXPECT_EQ(history.seen().weeks, 2);
+  ASSERT_EQ(history.transitions().size(), 4U);
+  EXPECT_EQ(history.transitions()[0].hour, 9);
+  EXPECT_EQ(history.transitions()[3].hour, 1);
+}
+
+// As learners saved it before hours were kept.
+TEST(SequenceHistory, WithoutHoursIsReadAndToldToBeAlike) {
+  struct WithoutHour {
+    std::uint32_t from;
+    std::uint32_t to;
+    double dt_s;
+    double count;
+  };
+  SequenceHistory history;
+  for (int i = 0; i < 3; ++i) {
+    history.append(i == 0 ? 0.0 : 600.0, Stamp::from_seconds(1000.0 * i));
+  }
+  StateWriter writer;
+  writer(history.counts());
+  writer(std::vector<WithoutHour>{{0, 1, 600.0, 1.0}, {1, 2, 600.0, 1.0}});
+  const std::vector<std::uint8_t> bytes = writer.take();
+  StateReader reader(bytes, "the state");
+  SequenceHistory read;
+  SequenceHistory::state(read, reader, false);
+  reader.expect_end();
+  EXPECT_TRUE(history.is_alike_but_for_hours(read));
+  EXPECT_EQ(read.transitions()[0].hour, Transition::kUnknownHour);
+  read.pool(0, 1);
+  EXPECT_FALSE(history.is_alike_but_for_hours(read));
 }
 
 TEST(SequenceHistory, OfTwoPlacesIsOneWithWhatWasForgottenLeftOut) {

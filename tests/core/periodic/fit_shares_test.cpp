@@ -96,6 +96,27 @@ TEST(FitShares, HaveTheGreatestDensityAround) {
   }
 }
 
+// The density of the amplitudes counts as much as it should: few sightings, by central differences.
+TEST(FitShares, LieWhereTheDensityIsFlat) {
+  const WeeklySightings sightings = drawn(kThreeStates, 1, 4);
+  const std::vector<int> cycles{7, 2};
+  const PeriodicShares fit = fit_shares(sightings, cycles, kAmplitude);
+  for (std::size_t h = 0; h < cycles.size(); ++h) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (auto Harmonic::*wave : {&Harmonic::cosine, &Harmonic::sine}) {
+        PeriodicShares more = fit;
+        PeriodicShares less = fit;
+        constexpr double kStep = 1e-4;
+        (more.harmonics[h].*wave)[k] += kStep;
+        (less.harmonics[h].*wave)[k] -= kStep;
+        EXPECT_NEAR((log_density(more, sightings) - log_density(less, sightings)) / (2.0 * kStep),
+                    0.0, 1e-4)
+            << h << " " << k;
+      }
+    }
+  }
+}
+
 TEST(FitShares, FindTheSameFromWhereverTheyBegin) {
   const WeeklySightings sightings = drawn(kThreeStates, 3, 3);
   const std::vector<int> cycles{2, 7};
