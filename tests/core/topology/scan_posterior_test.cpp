@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What local clouds say counts the same on whichever way a topology was found.
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -16,15 +14,7 @@ namespace {
 
 using test_world::Drive;
 using test_world::posterior_of;
-
-double total_variation(const std::vector<Hypothesis>& a, const std::vector<Hypothesis>& b) {
-  std::map<Labels, double> difference;
-  for (const Hypothesis& hypothesis : a) difference[hypothesis.labels] += hypothesis.probability;
-  for (const Hypothesis& hypothesis : b) difference[hypothesis.labels] -= hypothesis.probability;
-  double sum = 0.0;
-  for (const auto& [labels, value] : difference) sum += std::abs(value);
-  return 0.5 * sum;
-}
+using test_world::total_variation;
 
 /// Every partition by its own way, of clouds that say so little that several are left.
 TopologyConfig enumeration() {

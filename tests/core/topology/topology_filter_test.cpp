@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include <gtest/gtest.h>
 
@@ -17,15 +16,7 @@ namespace {
 
 using test_world::Drive;
 using test_world::posterior_of;
-
-double total_variation(const std::vector<Hypothesis>& a, const std::vector<Hypothesis>& b) {
-  std::map<Labels, double> difference;
-  for (const Hypothesis& hypothesis : a) difference[hypothesis.labels] += hypothesis.probability;
-  for (const Hypothesis& hypothesis : b) difference[hypothesis.labels] -= hypothesis.probability;
-  double sum = 0.0;
-  for (const auto& [labels, value] : difference) sum += std::abs(value);
-  return 0.5 * sum;
-}
+using test_world::total_variation;
 
 double sum_of(const std::vector<Hypothesis>& posterior) {
   double sum = 0.0;
