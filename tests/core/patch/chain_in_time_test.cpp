@@ -181,6 +181,14 @@ TEST(ChainInTime, IsNoneOfDoorsThatMoveAtRandom) {
   EXPECT_LE(found, 1);
 }
 
+TEST(ChainInTime, IsNoneWhereOnlyTheRateThatWasGivenIsOff) {
+  const std::vector<Look> looks = passes([](double) { return 0.5; }, 1.0 / 7200.0, 25, 101);
+  Known known = learned(looks, 25.0 * kDay_s);
+  ASSERT_FALSE(known.in_time);
+  known.chain.rate_per_s *= 20.0;
+  EXPECT_FALSE(learn_chain_in_time(known.memberships, known.history, known.chain, {}));
+}
+
 TEST(ChainInTime, WaitsForDaysAndWeeks) {
   const std::vector<Look> looks = passes(office_hours, 1.0 / 600.0, 30, 4);
   EXPECT_FALSE(learned(looks, 6.0 * kDay_s).in_time) << "six days";
