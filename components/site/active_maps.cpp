@@ -26,6 +26,11 @@ fs::path real_maps(const fs::path& maps) {
                    "give a folder that `strata learn` wrote, or a site");
 }
 
+fs::path maps_or_active(const fs::path& maps) {
+  std::error_code error;
+  return fs::exists(maps / kSiteFile, error) ? real_maps(maps) : maps;
+}
+
 bool is_version(const fs::path& real) {
   std::error_code error;
   return fs::exists(real.parent_path() / kVersionFile, error);

@@ -19,6 +19,9 @@ struct MapIdentity {
 /// version, or a link leads to nothing.
 [[nodiscard]] std::filesystem::path real_maps(const std::filesystem::path& maps);
 
+/// `maps` itself, or what real_maps() says where it is a site. Throws InputError as that does.
+[[nodiscard]] std::filesystem::path maps_or_active(const std::filesystem::path& maps);
+
 /// Whether a folder that real_maps() gave is a version of a site.
 [[nodiscard]] bool is_version(const std::filesystem::path& real);
 

@@ -5,12 +5,14 @@
 ///     SITE/versions/HASH/maps/   a MAPS folder, never changed
 ///     SITE/versions/HASH/version.json
 ///     SITE/active                a link to versions/HASH/maps
+///     SITE/recordings/N_NAME/    log/NAME, truth/NAME: what the gate replays
 ///
 /// Every step is one rename, synced: a kill or a power cut leaves what was before or what is to be.
 /// Several programs may work on a site; those that change it wait for each other. One thread at a
 /// time for each object.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -39,6 +41,15 @@ struct VersionStatus {
 struct Switch {
   std::string from;  ///< hash; empty: nothing was active
   std::string to;
+};
+
+/// A recording that the gate replays.
+struct KeptRecording {
+  int number = 0;  ///< in the order of coming, from 1 on
+  std::filesystem::path folder;
+  std::filesystem::path log;
+  std::filesystem::path truth;  ///< empty: nobody knows the true poses
+  std::uint64_t bytes = 0;
 };
 
 class Site {
@@ -85,13 +96,23 @@ class Site {
   /// InputError where there is none, or it is damaged.
   Switch rollback(const Actor& actor);
 
+  /// The recordings that the gate replays, the oldest first.
+  [[nodiscard]] std::vector<KeptRecording> recordings() const;
+  /// Copies a recording in, with its true poses where `truth` is not empty; the oldest ones go
+  /// until all take at most max_bytes. Returns those that went. Throws InputError where this one
+  /// alone is larger, and OutputError.
+  std::vector<KeptRecording> keep(const std::filesystem::path& log,
+                                  const std::filesystem::path& truth, std::uint64_t max_bytes,
+                                  const Actor& actor);
+
   struct Rubbish {
     std::size_t keep_retired = 5;  ///< so many of those that were active last stay
     bool damaged = false;          ///< those that are damaged go, too
     bool dry_run = false;          ///< only say what would go
   };
   /// Removes what is older than the active version: candidates, and versions that were active, but
-  /// for the last; never one that was approved and waits. Returns what went (or would).
+  /// for the last and the first, whose frame is the site's; never one that was approved and waits.
+  /// Returns what went (or would).
   std::vector<VersionStatus> remove_rubbish(const Rubbish& rubbish, const Actor& actor);
 
  private:

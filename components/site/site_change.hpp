@@ -11,6 +11,7 @@
 namespace strata::site {
 
 inline constexpr const char* kVersions = "versions";
+inline constexpr const char* kMaps = "maps";  ///< of a version
 inline constexpr std::size_t kHashDigits = 64;
 
 /// Decisions that nobody else changes meanwhile.

@@ -26,6 +26,9 @@ std::vector<VersionStatus> Site::remove_rubbish(const Rubbish& rubbish, const Ac
   const std::vector<VersionStatus> all = versions(decisions);
   const auto& order = decisions.activations;
   int active_number = 0;
+  const auto founding = std::find_if(all.begin(), all.end(), [](const VersionStatus& status) {
+    return status.decision.was_active && status.fault.empty();
+  });
   for (const VersionStatus& status : all) {
     if (status.state == VersionState::kActive) active_number = status.version.number;
   }
@@ -39,7 +42,8 @@ std::vector<VersionStatus> Site::remove_rubbish(const Rubbish& rubbish, const Ac
         was_replaced && static_cast<std::size_t>(place - order.rbegin()) <= rubbish.keep_retired;
     const bool may_go =
         status.state == VersionState::kCandidate || status.state == VersionState::kRetired;
-    const bool is_old = may_go && !is_recent && status.fault.empty() &&
+    const bool is_first = founding != all.end() && hash == founding->version.hash;
+    const bool is_old = may_go && !is_recent && !is_first && status.fault.empty() &&
                         (was_replaced || status.version.number < active_number);
     const bool is_bad = rubbish.damaged && !fault_of(hash).empty();
     if ((is_old || is_bad) && status.state != VersionState::kActive) gone.push_back(status);

@@ -27,6 +27,7 @@
 #include "tools/reference/map_models_page.hpp"
 #include "tools/reference/metrics_page.hpp"
 #include "tools/simulate/scenario.hpp"
+#include "tools/site/gate.hpp"
 
 namespace strata::reference {
 namespace {
@@ -88,6 +89,10 @@ std::vector<Page> make_pages() {
                                      "What `strata simulate SCENARIO.yaml` reads; a file begins "
                                      "with `version: 1`. Examples lie "
                                      "in `tools/simulate/scenarios`."),
+      page<site::GateLimits>(
+          "site_gate.md", "Limits of a site's gate",
+          "What `strata site check` and `approve` read with `--config` and "
+          "`--set` (`tools/site`); `localizer.*` below them are the localizer's."),
       {"map_models.md", map_models_page(maps::map_models()), {}, {}},
       {"metrics.md", metrics_page(), {}, {}},
   };

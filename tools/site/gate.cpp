@@ -77,6 +77,27 @@ void check_frame(const ReflectionGrid& active, const ReflectionGrid& candidate,
                                fixed(config.max_turn_rad, 4) + " rad)"});
 }
 
+/// Holds the frame against the oldest version that the candidate still shares its walls with: steps
+/// that are each too small to be refused must not add up.
+void check_drift(const std::vector<std::filesystem::path>& earlier, const ReflectionGrid& candidate,
+                 const GateConfig& config, GateReport& report) {
+  for (const std::filesystem::path& folder : earlier) {
+    const ReflectionGrid first = maps::read_maps(folder).filtered;
+    if (first.resolution_m() != candidate.resolution_m()) continue;
+    const MapShift shift = map_shift(candidate, first);
+    if (!shift.converged || shift.common_walls < config.min_common_walls) continue;
+    report.drift = shift;
+    const bool is_there =
+        shift.shift_m <= config.max_drift_m && shift.turn_rad <= config.max_turn_rad;
+    report.checks.push_back(
+        {"drift", "", is_there,
+         "the frame lies " + fixed(shift.shift_m, 3) + " m and " + fixed(shift.turn_rad, 4) +
+             " rad from that of the first version with these walls (most " +
+             fixed(config.max_drift_m, 3) + " m, " + fixed(config.max_turn_rad, 4) + " rad)"});
+    return;
+  }
+}
+
 std::string model_for(const GateTask& task, const maps::Maps& candidate,
                       const std::optional<maps::Maps>& active) {
   if (!task.model.empty()) return task.model;
@@ -204,6 +225,7 @@ GateReport run_gate(const GateTask& task, const GateConfig& config, Progress* pr
   if (task.active) active_maps = maps::read_maps(*task.active);
   check_fold(task.candidate, report);
   if (active_maps) check_frame(active_maps->filtered, candidate.maps.filtered, config, report);
+  check_drift(task.earlier, candidate.maps.filtered, config, report);
   if (task.input.logs.empty()) return report;
   report.model = model_for(task, candidate.maps, active_maps);
   candidate.model = maps::make_map_model(candidate.maps, report.model, {});

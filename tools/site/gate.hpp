@@ -18,9 +18,11 @@
 
 namespace strata::site {
 
-struct GateConfig {
+/// What a candidate may lack.
+struct GateLimits {
   double max_shift_m = 0.03;
   double max_turn_rad = 0.0035;
+  double max_drift_m = 0.02;
   double min_common_walls = 0.5;
   double min_common_area = 0.8;
   double min_explained = 0.65;
@@ -29,7 +31,6 @@ struct GateConfig {
   double max_score_drop = 0.05;
   double max_lost_rise = 0.01;
   double max_error_rise_m = 0.02;
-  localization::LocalizerConfig localizer;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("max_shift_m", c.max_shift_m,
@@ -38,6 +39,11 @@ struct GateConfig {
              .min = 0.0});
     v.field("max_turn_rad", c.max_turn_rad,
             {.doc = "... and so far be turned against it", .unit = "rad", .min = 0.0});
+    v.field("max_drift_m", c.max_drift_m,
+            {.doc = "so far the frame may lie from the first version's that still has these walls, "
+                    "over all updates",
+             .unit = "m",
+             .min = 0.0});
     v.field("min_common_walls", c.min_common_walls,
             {.doc = "least share of the active version's walls that the candidate has, where it "
                     "knows anything",
@@ -75,6 +81,14 @@ struct GateConfig {
             {.doc = "so much greater the mean error may be, where --truth tells it",
              .unit = "m",
              .min = 0.0});
+  }
+};
+
+struct GateConfig : GateLimits {
+  localization::LocalizerConfig localizer;
+  template <class Self, class V>
+  static void describe(Self& c, V& v) {
+    GateLimits::describe(c, v);
     v.group("localizer", c.localizer, "the particle filter");
   }
 };
@@ -107,6 +121,7 @@ struct GateLog {
 struct GateReport {
   std::string model;
   std::optional<MapShift> shift;  ///< from the active version's frame to the candidate's
+  std::optional<MapShift> drift;  ///< ... from that of the first version that has these walls
   std::vector<GateCheck> checks;
   std::vector<GateLog> logs;
   [[nodiscard]] bool passed() const;
@@ -115,13 +130,16 @@ struct GateReport {
 struct GateTask {
   std::filesystem::path candidate;              ///< MAPS folders
   std::optional<std::filesystem::path> active;  ///< nothing: the first version of a site
-  pipeline::RunsInput input;                    ///< recordings, and their truths where known
-  std::string model;                            ///< empty: patch where both have one, else filtered
+  /// MAPS folders that were active before, the oldest first: none may be lost sight of bit by bit.
+  std::vector<std::filesystem::path> earlier;
+  pipeline::RunsInput input;  ///< recordings, and their truths where known
+  std::string model;          ///< empty: patch where both have one, else filtered
   std::uint64_t seed = 1;
   int threads = 1;
 };
 
-/// Looks whether the candidate is folded, whether its walls lie where the active version's do, and
+/// Looks whether the candidate is folded, whether its walls lie where the active version's do and
+/// where those of the first version did that still has them, and
 /// drives every recording through both. A recording on which the robot is not found in the active
 /// version says nothing and is passed over. Deterministic. Throws InputError.
 [[nodiscard]] GateReport run_gate(const GateTask& task, const GateConfig& config,

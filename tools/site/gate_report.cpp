@@ -22,6 +22,14 @@ json to_json(const Drive& drive) {
           {"error_m", drive.error_m ? json(*drive.error_m) : json(nullptr)}};
 }
 
+json to_json(const MapShift& shift, const char* name) {
+  const Pose2& pose = shift.from_moved;
+  return {{name, {pose.x, pose.y, pose.theta}},
+          {"shift_m", shift.shift_m},
+          {"turn_rad", shift.turn_rad},
+          {"common_walls", shift.common_walls}};
+}
+
 std::string line_of(const GateCheck& check) {
   return (check.log.empty() ? "" : check.log + ": ") + check.text;
 }
@@ -79,18 +87,10 @@ json to_json(const GateReport& report) {
     if (log.active) one["active"] = to_json(*log.active);
     logs.push_back(one);
   }
-  json all{{"passed", report.passed()},
-           {"model", report.model},
-           {"checks", checks},
-           {"logs", logs},
-           {"shift", nullptr}};
-  if (report.shift) {
-    const Pose2& pose = report.shift->from_moved;
-    all["shift"] = {{"candidate_from_active", {pose.x, pose.y, pose.theta}},
-                    {"shift_m", report.shift->shift_m},
-                    {"turn_rad", report.shift->turn_rad},
-                    {"common_walls", report.shift->common_walls}};
-  }
+  json all{{"passed", report.passed()}, {"model", report.model}, {"checks", checks}, {"logs", logs},
+           {"shift", nullptr},          {"drift", nullptr}};
+  if (report.shift) all["shift"] = to_json(*report.shift, "candidate_from_active");
+  if (report.drift) all["drift"] = to_json(*report.drift, "candidate_from_first");
   return all;
 }
 

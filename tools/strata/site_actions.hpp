@@ -26,6 +26,10 @@ struct SiteOptions {
   std::size_t diary = 0;
   pipeline::RunsInput input;  ///< recordings for the gate
   std::string model;
+  std::string log;    ///< to be kept
+  std::string truth;  ///< ... with its true poses
+  double max_mb = 2000.0;
+  std::size_t recordings = 5;  ///< so many kept ones are replayed where no log is named
   std::string out;
   bool unchecked = false;
   bool json = false;
@@ -45,6 +49,8 @@ void answer(const SiteOptions& options, VerbContext& context, const std::string&
 void add_gate_options(CLI::App& action, SiteOptions& options);
 void check_version(const SiteOptions& options, VerbContext& context);
 void compare_versions(const SiteOptions& options, VerbContext& context);
+/// Adds maps, and activates them where the gate lets them through.
+void take_maps(const SiteOptions& options, VerbContext& context);
 void approve_version(const SiteOptions& options, VerbContext& context);
 
 }  // namespace strata::tools

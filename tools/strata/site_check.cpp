@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// `strata site check`, `approve` and `diff`: what is said of a version before it is activated.
+/// `strata site check`, `approve`, `take` and `diff`: what is said of a version before it is
+/// activated.
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/error.hpp"
 #include "tools/report/plot.hpp"
@@ -23,6 +27,23 @@ InputError refused(const site::VersionStatus& version, const site::GateReport& r
       "`strata site check --out DIR` draws why; `approve --unchecked` approves it all the same"};
 }
 
+/// The recordings that are named, or the newest that are kept.
+pipeline::RunsInput input_of(const SiteOptions& options, const site::Site& site) {
+  pipeline::RunsInput input = options.input;
+  if (!input.logs.empty()) return input;
+  std::vector<site::KeptRecording> kept = site.recordings();
+  if (kept.size() > options.recordings) {
+    kept.erase(kept.begin(), kept.end() - static_cast<std::ptrdiff_t>(options.recordings));
+  }
+  const bool has_truth = std::all_of(
+      kept.begin(), kept.end(), [](const auto& recording) { return !recording.truth.empty(); });
+  for (const site::KeptRecording& recording : kept) {
+    input.logs.push_back(recording.log.string());
+    if (has_truth) input.truths.push_back(recording.truth.string());
+  }
+  return input;
+}
+
 /// What the gate says of a version, with its report in --out.
 site::GateReport look_at(const SiteOptions& options, VerbContext& context, const site::Site& site,
                          const site::VersionStatus& version) {
@@ -34,7 +55,15 @@ site::GateReport look_at(const SiteOptions& options, VerbContext& context, const
   if (const auto active = site.active(); active && *active != version.version.hash) {
     task.active = site.maps_of(*active);
   }
-  task.input = options.input;
+  for (const site::VersionStatus& other : site.versions()) {
+    const bool is_earlier = other.decision.was_active && other.fault.empty() &&
+                            other.version.hash != version.version.hash;
+    // A damaged one would say that the frame is another.
+    if (is_earlier && site.fault_of(other.version.hash).empty()) {
+      task.earlier.push_back(site.maps_of(other.version.hash));
+    }
+  }
+  task.input = input_of(options, site);
   task.model = options.model;
   task.seed = context.options.seed;
   task.threads = context.options.threads;
@@ -102,6 +131,31 @@ void check_version(const SiteOptions& options, VerbContext& context) {
   if (!report.passed()) throw refused(version, report);
 }
 
+void take_maps(const SiteOptions& options, VerbContext& context) {
+  site::Site site = open_site(options, context);
+  const bool is_first = !site.active();
+  if (!is_first && input_of(options, site).logs.empty()) {
+    throw InputError(options.folder,
+                     "keeps no recording, so that nobody can tell whether robots "
+                     "would do worse",
+                     "keep one with `strata site keep`, or name one with --log");
+  }
+  const site::Site::Added added = site.add(options.maps, actor(options), options.note);
+  const std::string name = name_of(added.status);
+  const std::string& hash = added.status.version.hash;
+  if (added.status.state == site::VersionState::kActive) {
+    answer(options, context, "these maps are version " + name + " already, active",
+           json_of(added.status));
+    return;
+  }
+  const site::GateReport report = look_at(options, context, site, added.status);
+  if (!report.passed()) throw refused(added.status, report);
+  site.approve(hash, actor(options), in_short(report));
+  (void)site.activate(hash, actor(options));
+  answer(options, context, "version " + name + " is active: " + in_short(report),
+         json_of(site.find(hash)));
+}
+
 void approve_version(const SiteOptions& options, VerbContext& context) {
   site::Site site = open_site(options, context);
   const site::VersionStatus version = site.find(options.version);
@@ -129,6 +183,11 @@ void add_gate_options(CLI::App& action, SiteOptions& options) {
                   "true poses of a recording, as `strata localize` takes them; one each --log")
       ->take_all()
       ->allow_extra_args(false);
+  action
+      .add_option(
+          "--recordings", options.recordings,
+          "without --log: so many of the recordings that the site keeps, the newest; 0: none")
+      ->capture_default_str();
   action.add_option("--model", options.model,
                     "map model to drive with; patch where both versions have one, else filtered");
   action.add_option("--out", options.out, "folder for report.html, check.json and pictures");

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata site ACTION DIR`: versions of a building's maps.
 #include <array>
+#include <cstdint>
 #include <iostream>
 #include <memory>
 #include <string>
 
 #include "components/site/site.hpp"
 #include "core/base/error.hpp"
+#include "tools/report/plot.hpp"
 #include "tools/strata/site_actions.hpp"
 #include "tools/strata/site_text.hpp"
 #include "tools/strata/verb_config.hpp"
@@ -80,6 +82,30 @@ void rollback(const SiteOptions& options, VerbContext& context) {
   switched(options, context, site, site.rollback(actor(options)));
 }
 
+void keep(const SiteOptions& options, VerbContext& context) {
+  site::Site site = open_site(options, context);
+  pipeline::RunsInput input;
+  input.logs = {options.log};
+  if (!options.truth.empty()) input.truths = {options.truth};
+  (void)pipeline::read_runs(input, context.progress());  // the gate must be able to read it
+  const auto gone = site.keep(options.log, options.truth,
+                              static_cast<std::uint64_t>(options.max_mb * 1e6), actor(options));
+  json as_json = json::array();
+  std::uint64_t bytes = 0;
+  const auto kept = site.recordings();
+  for (const site::KeptRecording& one : kept) {
+    bytes += one.bytes;
+    as_json.push_back({{"log", one.log.string()},
+                       {"truth", one.truth.empty() ? json(nullptr) : json(one.truth.string())},
+                       {"bytes", one.bytes}});
+  }
+  answer(options, context,
+         "keeps " + counted(kept.size(), "recording") + " of " +
+             report::fixed(static_cast<double>(bytes) / 1e6, 1) + " MB" +
+             (gone.empty() ? "" : "; the oldest went: " + counted(gone.size(), "recording")),
+         as_json);
+}
+
 void collect(const SiteOptions& options, VerbContext& context) {
   site::Site site = open_site(options, context);
   const auto gone = site.remove_rubbish(options.rubbish, actor(options));
@@ -118,7 +144,7 @@ void add_note(CLI::App& action, SiteOptions& options) {
   action.add_option("--note", options.note, "why, for the diary");
 }
 
-constexpr std::array<Action, 10> kActions{{
+constexpr std::array<Action, 12> kActions{{
     {"init", "make a site", "site --id hall-3", init,
      [](CLI::App& action, SiteOptions& options) {
        action.add_option("--id", options.id, "its name, VDA 5050's mapId")->required();
@@ -157,6 +183,29 @@ constexpr std::array<Action, 10> kActions{{
        add_gate_options(action, options);
        action.add_flag("--unchecked", options.unchecked, "approve it without a check");
        add_note(action, options);
+       add_who(action, options);
+     }},
+    {"take", "add maps, and activate them where the check lets them through: for every night",
+     "site maps", take_maps,
+     [](CLI::App& action, SiteOptions& options) {
+       action.add_option("MAPS", options.maps, "folder that `strata learn` or a mapper wrote")
+           ->required();
+       add_gate_options(action, options);
+       add_note(action, options);
+       add_who(action, options);
+     }},
+    {"keep", "keep a recording that later checks replay", "site monday.clf --max-mb 500", keep,
+     [](CLI::App& action, SiteOptions& options) {
+       action
+           .add_option("LOG", options.log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
+           ->required();
+       action.add_option("--truth", options.truth,
+                         "its true poses, as `strata localize` takes them");
+       action
+           .add_option("--max-mb", options.max_mb,
+                       "all recordings together; the oldest go until they fit")
+           ->check(CLI::PositiveNumber)
+           ->capture_default_str();
        add_who(action, options);
      }},
     {"activate", "make a version the one that robots localize in", "site 3", activate,

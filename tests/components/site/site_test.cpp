@@ -236,6 +236,7 @@ TEST_F(SiteTest, LosesNothingWhereADiskIsFull) {
 
 TEST_F(SiteTest, RemovesWhatIsOldAndNothingThatIsNeeded) {
   Site site = make();
+  const std::string first = activated(site, "first");
   const std::string a = activated(site, "a");
   const std::string b = activated(site, "b");
   const std::string passed_over = add(site, "c");
@@ -244,13 +245,14 @@ TEST_F(SiteTest, RemovesWhatIsOldAndNothingThatIsNeeded) {
   site.approve(approved, kAda, "seen");
   const std::string fresh = add(site, "f");
   EXPECT_EQ(site.remove_rubbish({.keep_retired = 1, .dry_run = true}, kAda).size(), 2U);
-  EXPECT_EQ(site.versions().size(), 6U);
+  EXPECT_EQ(site.versions().size(), 7U);
   std::vector<std::string> gone;
   for (const auto& status : site.remove_rubbish({.keep_retired = 1}, kAda)) {
     gone.push_back(status.version.hash);
   }
   EXPECT_THAT(gone, ElementsAre(a, passed_over));
-  EXPECT_THAT(states(site), ElementsAre("retired", "active", "approved", "candidate"));
+  EXPECT_EQ(site.versions().front().version.hash, first) << "its frame is the site's";
+  EXPECT_THAT(states(site), ElementsAre("retired", "retired", "active", "approved", "candidate"));
   EXPECT_EQ(site.rollback(kAda).to, b);
   fs::resize_file(site.maps_of(fresh) / "strata.db", 1);
   ASSERT_EQ(site.remove_rubbish({.damaged = true}, kAda).size(), 1U);

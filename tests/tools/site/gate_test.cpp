@@ -102,6 +102,35 @@ TEST_F(Gate, RefusesAFrameThatMoved) {
   EXPECT_NEAR(run("moved", false).shift->shift_m, 0.067, 0.015);
 }
 
+TEST_F(Gate, RefusesSmallStepsThatAddUp) {
+  learn("first", {});
+  learn("active", Pose2{0.02, 0.0, 0.0});
+  learn("next", Pose2{0.04, 0.0, 0.0});
+  learn("back", Pose2{0.01, 0.0, 0.0});
+  GateTask task;
+  task.active = at("active");
+  task.candidate = at("next");
+  EXPECT_THAT(failed(run_gate(task, {}, nullptr)), IsEmpty()) << "no step is too large";
+  task.earlier = {at("first"), at("active")};
+  const GateReport report = run_gate(task, {}, nullptr);
+  EXPECT_THAT(failed(report), testing::ElementsAre("drift")) << to_text(report);
+  EXPECT_NEAR(report.drift->shift_m, 0.04, 0.01);
+  task.candidate = at("back");
+  EXPECT_THAT(failed(run_gate(task, {}, nullptr)), IsEmpty());
+}
+
+TEST_F(Gate, HoldsTheFrameAgainstTheFirstVersionThatStillHasTheWalls) {
+  learn("active", {});
+  learn("rebuilt", Pose2{5.0, 4.0, 0.8});  // as good as another building
+  learn("moved", Pose2{0.05, 0.0, 0.0});
+  GateTask task;
+  task.candidate = at("moved");
+  task.earlier = {at("rebuilt"), at("active")};
+  const GateReport report = run_gate(task, {}, nullptr);
+  EXPECT_THAT(failed(report), testing::ElementsAre("drift")) << to_text(report);
+  EXPECT_NEAR(report.drift->shift_m, 0.05, 0.01);
+}
+
 TEST_F(Gate, RefusesAMapThatIsFoldedAndSaysWhere) {
   learn("active", {});
   learn("folded", {}, false);

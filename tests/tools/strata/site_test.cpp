@@ -95,6 +95,42 @@ TEST_F(SiteVerb, SaysWhatIsWrongAndWhatToDo) {
   EXPECT_THAT(test::run_strata("info " + quoted(at("site"))).out, HasSubstr("active    none"));
 }
 
+/// A night at a time: what was learned is taken where the kept recordings say that it is as good.
+TEST_F(SiteVerb, TakesWhatANightLearnedWhereTheKeptRecordingsAllowIt) {
+  const std::string days = quoted(at("days"));
+  ASSERT_EQ(test::run_strata(
+                "simulate '" STRATA_SOURCE_DIR
+                "/tools/simulate/scenarios/empty_room.yaml' --set days=3 --per-day --quiet --out " +
+                days)
+                .code,
+            0);
+  const auto day = [&](int number) {
+    return quoted(at("days/day_" + std::to_string(number) + "/log.clf"));
+  };
+  const auto learn = [&](const std::string& rest) {
+    return test::run_strata("learn " + rest + " --quiet --only em").code;
+  };
+  ASSERT_EQ(learn(day(1) + " --out " + quoted(at("maps"))), 0);
+  ASSERT_EQ(site("init", "--id hall-3").code, 0);
+  EXPECT_EQ(ask("take", quoted(at("maps")))["state"], "active") << "the first needs no recording";
+  ASSERT_EQ(learn(day(2) + " --update " + quoted(at("maps")) + " --out " + quoted(at("next"))), 0);
+  const Outcome unknown = site("take", quoted(at("next")));
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.out, HasSubstr("keeps no recording"));
+  EXPECT_EQ(ask("keep", day(3)).size(), 1U);
+  const json taken = ask("take", quoted(at("next")) + " --by cron");
+  EXPECT_EQ(taken["state"], "active");
+  EXPECT_EQ(taken["mapVersion"], "2");
+  EXPECT_THAT(site("take", quoted(at("next"))).out, HasSubstr("already, active"));
+  // Another night somebody learns in a frame of his own.
+  ASSERT_EQ(learn(day(2) + " --out " + quoted(at("other"))), 0);
+  const Outcome other = site("take", quoted(at("other")));
+  EXPECT_EQ(other.code, 2) << other.out;
+  EXPECT_THAT(other.out, HasSubstr("was refused"));
+  EXPECT_EQ(ask("status")["active"]["mapVersion"], "2");
+  EXPECT_EQ(ask("list")[2]["state"], "candidate") << "to be looked at";
+}
+
 TEST_F(SiteVerb, OutlivesKillsAtAnyMoment) {
   ASSERT_EQ(site("init", "--id hall-3").code, 0);
   const std::string a = approved("a");
