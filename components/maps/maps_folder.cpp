@@ -126,6 +126,7 @@ void write_grid_maps(const fs::path& dir, const slam::SlamResult& result) {
   store.transaction([&] {
     store.save_grid(kOccupancyGrid, result.occupancy);
     store.save_grid(kFilteredGrid, result.filtered);
+    store.save_surfaces(kFilteredGrid, result.surfaces);
     store.save_grid(kCountsGrid, result.raw.cells());
     for (const auto& [run, poses] : runs) store.save_trajectory(run, poses);
     for (const auto& [run, poses] : runs) {
@@ -209,6 +210,7 @@ Maps read_maps(const fs::path& dir) {
   Maps maps;
   if (store.has_grid(kOccupancyGrid)) maps.occupancy = store.load_reflection_grid(kOccupancyGrid);
   if (store.has_grid(kFilteredGrid)) maps.filtered = store.load_reflection_grid(kFilteredGrid);
+  maps.surfaces = store.load_surfaces(kFilteredGrid);
   if (store.has_patch_map()) maps.patches = store.load_patch_map();
   if (store.has_timescale()) {
     maps.timescale = std::make_shared<const memory::TimescaleMemory>(store.load_timescale());

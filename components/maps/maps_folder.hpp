@@ -15,6 +15,7 @@
 
 #include "components/maps/timescale_use.hpp"
 #include "core/base/progress.hpp"
+#include "core/grid/surface_layer.hpp"
 #include "core/patch/patch_map.hpp"
 #include "core/slam/slam.hpp"
 #include "memory/decoding/decoding_config.hpp"
@@ -62,6 +63,7 @@ nlohmann::json write_summary(const std::filesystem::path& dir, const std::string
 struct Maps {
   ReflectionGrid occupancy;
   ReflectionGrid filtered;
+  SurfaceLayer surfaces;  ///< in the cells of `filtered`; empty in folders of before
   std::optional<patch::PatchMap> patches;
   /// ... whose sub-maps follow the places of a topology; made by comparisons, in no folder.
   std::optional<patch::PatchMap> place_patches;

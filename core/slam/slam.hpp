@@ -16,6 +16,7 @@
 #include "core/geometry/pose2_gaussian.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
+#include "core/grid/surface_layer.hpp"
 #include "core/scan/scan.hpp"
 #include "core/slam/consistency.hpp"
 #include "core/slam/keep_config.hpp"
@@ -46,6 +47,7 @@ struct SlamResult {
   CountingMap raw;                     ///< counts of all beams
   ReflectionGrid occupancy;            ///< reflection of all beams
   ReflectionGrid filtered;             ///< reflection of the beams held to be static
+  SurfaceLayer surfaces;               ///< where in the cells the static hits lie
   std::vector<double> log_likelihood;  ///< of the data, per EM iteration [nats]
   int iterations = 0;                  ///< EM iterations done
   double dynamic_fraction = 0.0;       ///< share of hits held to be dynamic

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/slam/em_loop.hpp"
+#include "core/slam/learned_surfaces.hpp"
 #include "core/slam/slam_state.hpp"
 
 namespace strata::slam {
@@ -180,6 +181,7 @@ std::string inconsistent(const Consistency& consistency) {
 
 SlamResult Slam::finish(Progress* progress) {
   SlamResult result = finish_passes(progress);
+  result.surfaces = learned_surfaces(result.scans, result.filtered.resolution_m());
   result.consistency = check_consistency(result.scans, state_->pool);
   if (!result.consistency.consistent) result.warnings.push_back(inconsistent(result.consistency));
   return result;

@@ -21,6 +21,7 @@
 #include "core/geometry/pose2.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
+#include "core/grid/surface_layer.hpp"
 #include "core/patch/patch_map.hpp"
 #include "core/scan/scan.hpp"
 #include "memory/nodes/timescale_memory.hpp"
@@ -81,6 +82,10 @@ class Store {
   void save_grid(const std::string& name, const ReflectionGrid& grid);
   void save_grid(const std::string& name, const Grid<CellCounts>& grid);
   void save_grid(const std::string& name, const TiledGrid<CellCounts>& grid);
+  /// Where in the cells of the grid `name` surfaces lie: about 5 bytes a cell that has one.
+  void save_surfaces(const std::string& name, const SurfaceLayer& layer);
+  /// An empty layer where there is none, as in stores of before.
+  [[nodiscard]] SurfaceLayer load_surfaces(const std::string& name) const;
   [[nodiscard]] ReflectionGrid load_reflection_grid(const std::string& name) const;
   [[nodiscard]] Grid<CellCounts> load_counts_grid(const std::string& name) const;
   [[nodiscard]] bool has_grid(const std::string& name) const;

@@ -30,8 +30,15 @@ struct GridKind<std::uint8_t> {
   static constexpr const char* name = "mask";
 };
 
+template <>
+struct GridKind<SurfaceCell> {
+  static constexpr const char* name = "surfaces";
+};
+
 /// Grids that belong to a larger value have names with this mark, and are not listed.
 constexpr char kInnerMark = '/';
+/// The surfaces of a grid: a list, kept as a grid of one row, which older programs pass over.
+constexpr const char* kSurfaces = "/surfaces";
 
 /// Calls visit(Cell first, std::span<const T>) row by row, as TiledGrid::visit_rows does.
 template <typename T, typename Visit>
@@ -136,6 +143,14 @@ Grid<T> read_grid(Database& database, const std::string& name) {
   return grid;
 }
 
+/// The grid of one row is as long as the list.
+SurfaceLayer layer_of(const Grid<SurfaceCell>& row, const std::string& place) {
+  if (row.rect().min != Cell{} || (row.size() > 0 && row.rect().max.y != 1)) {
+    throw DamageError(place, "its surfaces are no list", "take the store from a backup");
+  }
+  return {row.resolution_m(), row.values()};
+}
+
 template void write_grid(Database&, const std::string&, const Grid<float>&);
 template void write_grid(Database&, const std::string&, const Grid<CellCounts>&);
 template void write_grid(Database&, const std::string&, const Grid<std::uint8_t>&);
@@ -156,6 +171,20 @@ void Store::save_grid(const std::string& name, const Grid<CellCounts>& grid) {
 void Store::save_grid(const std::string& name, const TiledGrid<CellCounts>& grid) {
   transaction(
       [&] { detail::write_any(impl_->database, name, detail::GridKind<CellCounts>::name, grid); });
+}
+
+void Store::save_surfaces(const std::string& name, const SurfaceLayer& layer) {
+  const int count = static_cast<int>(layer.cells.size());
+  Grid<SurfaceCell> row(layer.resolution_m, CellRect{{0, 0}, {count, count > 0 ? 1 : 0}});
+  std::copy(layer.cells.begin(), layer.cells.end(), row.values().begin());
+  transaction([&] { detail::write_grid(impl_->database, name + detail::kSurfaces, row); });
+}
+
+SurfaceLayer Store::load_surfaces(const std::string& name) const {
+  const std::string inner = name + detail::kSurfaces;
+  if (!has_grid(inner)) return {};
+  const auto row = detail::read_grid<SurfaceCell>(impl_->database, inner);
+  return detail::layer_of(row, impl_->database.place() + ": grid '" + inner + "'");
 }
 
 ReflectionGrid Store::load_reflection_grid(const std::string& name) const {
