@@ -27,6 +27,7 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"core/patch", {"core/beam_filter", "core/periodic"}},
       {"core/localization", {"core/patch", "core/rays"}},
       {"core/patch_beams", {"core/localization"}},
+      {"core/refinement", {"core/localization", "core/registration"}},
       {"core/pose_graph", {"core/geometry"}},
       {"core/topology", {"core/slam"}},
       {"core/slam", {"core/beam_filter", "core/pose_graph", "core/registration"}},
