@@ -1,6 +1,6 @@
 # cmake -DBINARY_DIR=.. -DSOURCE_DIR=.. [-DBUILD_BASE=..] -P colcon_test.cmake
 # Builds a workspace of two packages as its user does: strata, and one that depends on it. core and
-# memory only, since the rest takes long and is built by the same lists.
+# memory only and not optimized, since the rest takes long and is built by the same lists.
 include(${CMAKE_CURRENT_LIST_DIR}/script.cmake)
 find_program(colcon colcon)
 if(NOT colcon)
@@ -23,7 +23,8 @@ if(NOT output MATCHES "^strata [^\n]* \\(ros.cmake\\)\nconsumer [^\n]* \\(ros.cm
   message(FATAL_ERROR "colcon does not see two CMake packages, strata first:\n${output}")
 endif()
 run(${colcon} build ${places} --build-base ${BUILD_BASE} --event-handlers console_direct+
-  --cmake-args -GNinja -DSTRATA_COMPONENTS=OFF -DSTRATA_TESTS=OFF -DSTRATA_BENCH=OFF -DWITH_COMPONENTS=OFF)
+  --cmake-args -GNinja -DSTRATA_COMPONENTS=OFF -DSTRATA_TESTS=OFF -DSTRATA_BENCH=OFF -DWITH_COMPONENTS=OFF
+  -DCMAKE_CXX_FLAGS_RELEASE=-O0)
 foreach(file share/ament_index/resource_index/packages/strata share/strata/package.xml)
   if(NOT EXISTS ${work}/install/strata/${file})
     message(FATAL_ERROR "colcon's install folder lacks ${file}")
