@@ -2,7 +2,9 @@
 /// Parameters of strata::Localizer.
 #pragma once
 
+#include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/localizer/place_store.hpp"
@@ -11,6 +13,7 @@
 #include "components/runtime/sensor_input.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "core/patch_beams/patch_beam_model.hpp"
+#include "core/refinement/pose_refiner.hpp"
 #include "memory/decoding/decoding_config.hpp"
 #include "memory/nodes/timescale_config.hpp"
 
@@ -66,6 +69,12 @@ struct MapTopicsConfig {
   }
 };
 
+/// Which pose goes out on pose_topic and as map -> odom.
+enum class PoseOut {
+  kFilter,   ///< the mean of the particles
+  kRefined,  ///< the refined one, where there is one
+};
+
 /// Scans with the pose they were taken from, as long as that is well known.
 struct LocatedScansConfig {
   double max_stddev_m = 0.1;
@@ -102,6 +111,9 @@ struct LocalizerComponentConfig {
   maps::TimescaleUseConfig timescale_use;
   std::string initial_pose_topic = "initialpose";
   std::string pose_topic = "amcl_pose";
+  std::string refined_topic = "refined_pose";
+  PoseOut pose = PoseOut::kFilter;
+  refinement::RefinementConfig refinement;
   std::string particles_topic = "particle_cloud";
   std::string candidates_topic = "place_candidates";
   std::string states_topic = "submap_states";
@@ -152,6 +164,13 @@ struct LocalizerComponentConfig {
             {.doc = "geometry_msgs/PoseWithCovarianceStamped in: start again from there"});
     v.field("pose_topic", c.pose_topic,
             {.doc = "geometry_msgs/PoseWithCovarianceStamped out, one a scan"});
+    v.field(
+        "refined_topic", c.refined_topic,
+        {.doc = "geometry_msgs/PoseWithCovarianceStamped out, where a scan's pose was refined"});
+    v.field("pose", c.pose,
+            {.doc = "what goes out on pose_topic and as map -> odom; refined: where a scan's pose "
+                    "was not, the filter's, so that it may step by a few centimetres"});
+    v.group("refinement", c.refinement, "poses finer than the filter's");
     v.field("particles_topic", c.particles_topic,
             {.doc = "nav2_msgs/ParticleCloud out, made when somebody reads it"});
     v.field(
@@ -201,3 +220,10 @@ struct LocalizerComponentConfig {
 };
 
 }  // namespace strata::localizer
+
+template <>
+struct strata::EnumNames<strata::localizer::PoseOut> {
+  static constexpr std::array<std::pair<strata::localizer::PoseOut, const char*>, 2> values{
+      {{strata::localizer::PoseOut::kFilter, "filter"},
+       {strata::localizer::PoseOut::kRefined, "refined"}}};
+};

@@ -93,7 +93,9 @@ void Localizer::on_observation(const Observation& observation) {
   take_folder();
   if (live_maps_ && live_maps_->has_news()) {
     const maps::Maps& maps = live_maps_->take();
-    use_maps(maps, make_model(config_, maps), place_now(observation));
+    maps::MapModel model = make_model(config_, maps);
+    auto refiner = maps::make_refiner(maps, *model.descriptor, config_.refinement);
+    use_maps(maps, std::move(model), std::move(refiner), place_now(observation));
   }
   if (!resume(observation)) return;
   if (localizer_) localize(observation);
@@ -151,14 +153,15 @@ void Localizer::localize(const Observation& observation) {
   if (journal_) journal_->before(observation, *localizer_);
   const auto begin = std::chrono::steady_clock::now();
   const localization::LocalizationResult result = localizer_->update(observation);
+  const std::optional<Pose2Gaussian> refined = refiner_->refine(observation.scan, result);
   scanned_at_ = std::chrono::steady_clock::now();
   const auto update_time = scanned_at_ - begin;
   if (live_maps_) {
     place_ = Place{result.pose, observation.odom_from_robot, observation.has_odometry};
   }
-  if (lockstep()) record_.add(stamp, result, *localizer_);
+  if (lockstep()) record_.add(stamp, result, *localizer_, refined);
   if (journal_) journal_->after(observation, result.pose, config_.map_frame);
-  publish_pose(observation, result.pose);
+  publish_pose(observation, result.pose, refined);
   publish_particles(stamp);
   publish_candidates(stamp, result);
   publish_located(observation, result);
@@ -213,6 +216,7 @@ void Localizer::on_deactivate() {
 
 void Localizer::on_cleanup() {
   localizer_.reset();
+  refiner_.reset();
   journal_.reset();
   current_map_.reset();
   live_maps_.reset();

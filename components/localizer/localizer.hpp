@@ -25,17 +25,17 @@
 
 namespace strata::localizer {
 
-/// Out, once a scan: amcl_pose, map -> odom on /tf (REP 105; as AMCL), particle_cloud,
-/// submap_states (maps with sub-maps only), localization_health, localization_score;
-/// place_candidates while several are possible; map_current when what is believed of a sub-map
-/// changes, and with each new map. Services, as AMCL's: reinitialize_global_localization,
-/// request_nomotion_update, set_initial_pose. In: initialpose, and the maps when no MAPS folder is
-/// named (or map_topics.follow): scans that come before them are passed over, and when one comes
-/// again the robot goes on in it, with the particles that it has and what they believe of sub-maps
-/// that are still there; so it does when the folder is a site's and another version becomes active.
-/// Scans with their poses go out where a learner wants them. At the end of a
-/// log trajectory.tum, states.csv and metrics.json, byte for byte those of `strata localize`
-/// without truth but for the cost.
+/// Out, once a scan: amcl_pose, refined_pose where the filter is sure, map -> odom on /tf (REP 105;
+/// as AMCL), particle_cloud, submap_states (maps with sub-maps only), localization_health,
+/// localization_score; place_candidates while several are possible; map_current when what is
+/// believed of a sub-map changes, and with each new map. Services, as AMCL's:
+/// reinitialize_global_localization, request_nomotion_update, set_initial_pose. In: initialpose,
+/// and the maps when no MAPS folder is named (or map_topics.follow): scans that come before them
+/// are passed over, and when one comes again the robot goes on in it, with the particles that it
+/// has and what they believe of sub-maps that are still there; so it does when the folder is a
+/// site's and another version becomes active. Scans with their poses go out where a learner wants
+/// them. At the end of a log trajectory.tum, states.csv and metrics.json, byte for byte those of
+/// `strata localize` without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
@@ -53,6 +53,7 @@ class Localizer final : public runtime::SensorComponent {
   [[nodiscard]] static LoadedMaps make_maps(const std::filesystem::path& folder,
                                             const LocalizerComponentConfig& config);
   void use_maps(const maps::Maps& maps, maps::MapModel model,
+                std::shared_ptr<refinement::PoseRefiner> refiner,
                 const std::optional<Pose2Gaussian>& start);
   void use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaussian>& start);
   /// Goes on in the maps that the folder's name leads to by now, once they are loaded.
@@ -74,7 +75,8 @@ class Localizer final : public runtime::SensorComponent {
   void begin_journal();
   /// Something else than a scan has changed the filter.
   void interrupt_journal();
-  void publish_pose(const Observation& observation, const Pose2Gaussian& pose);
+  void publish_pose(const Observation& observation, const Pose2Gaussian& filtered,
+                    const std::optional<Pose2Gaussian>& refined);
   void publish_particles(Stamp stamp);
   void publish_candidates(Stamp stamp, const localization::LocalizationResult& result);
   void publish_located(const Observation& observation,
@@ -103,6 +105,7 @@ class Localizer final : public runtime::SensorComponent {
   maps::MapModel model_;
   std::optional<CurrentMap> current_map_;
   std::unique_ptr<localization::Localizer> localizer_;
+  std::shared_ptr<refinement::PoseRefiner> refiner_;  ///< of the maps in use
   std::optional<HealthReport> health_;                // as of the last scan
   std::chrono::steady_clock::time_point scanned_at_;  ///< that scan came
   runtime::TimeHistogram update_times_;
@@ -110,6 +113,7 @@ class Localizer final : public runtime::SensorComponent {
   std::optional<Journal> journal_;   ///< live only
   maps::LocalizationRecord record_;  // lockstep only: live it would grow without end
   std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
+  std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_refined_;
   std::function<void(const tf2_msgs::msg::TFMessage&)> publish_tf_;
   std::function<void(const nav2_msgs::msg::ParticleCloud&)> publish_candidates_;
   bool was_ambiguous_ = false;

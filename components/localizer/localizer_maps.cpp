@@ -9,6 +9,7 @@
 #include "components/localizer/localizer.hpp"
 #include "components/log/content_hash.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/maps/refiner.hpp"
 
 namespace strata::localizer {
 
@@ -17,6 +18,7 @@ LoadedMaps Localizer::make_maps(const std::filesystem::path& folder,
   LoadedMaps loaded;
   loaded.maps = read_maps(config, folder);
   loaded.model = make_model(config, loaded.maps);
+  loaded.refiner = maps::make_refiner(loaded.maps, *loaded.model.descriptor, config.refinement);
   return loaded;
 }
 
@@ -46,18 +48,20 @@ void Localizer::take_folder() {
 }
 
 void Localizer::use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaussian>& start) {
-  use_maps(loaded.maps, loaded.model, start);
+  use_maps(loaded.maps, loaded.model, loaded.refiner, start);
   identity_ = loaded.identity;
   refused_maps_.clear();
 }
 
 void Localizer::use_maps(const maps::Maps& maps, maps::MapModel model,
+                         std::shared_ptr<refinement::PoseRefiner> refiner,
                          const std::optional<Pose2Gaussian>& start) {
   ++maps_taken_;
   identity_.reset();
   model_ = std::move(model);
   interrupt_journal();
   current_map_.emplace(maps, *model_.descriptor);
+  refiner_ = std::move(refiner);
   if (store_ && store_->has_place()) kept_map_ = maps.filtered;
   if (localizer_) {
     // A newer map: all that is known of the pose stays, be it one place or many.

@@ -19,6 +19,8 @@ constexpr double kCurrentMass = 0.5;
 void Localizer::advertise_topics() {
   publish_pose_ = advertise<geometry_msgs::msg::PoseWithCovarianceStamped>(config_.pose_topic,
                                                                            config_.pose_qos);
+  publish_refined_ = advertise<geometry_msgs::msg::PoseWithCovarianceStamped>(config_.refined_topic,
+                                                                              config_.pose_qos);
   publish_tf_ = advertise<tf2_msgs::msg::TFMessage>("/tf", "tf");
   if (config_.localizer.global_search.is_used) {
     publish_candidates_ =
@@ -66,10 +68,16 @@ void Localizer::interrupt_journal() {
   if (journal_) journal_->interrupt();
 }
 
-void Localizer::publish_pose(const Observation& observation, const Pose2Gaussian& pose) {
+void Localizer::publish_pose(const Observation& observation, const Pose2Gaussian& filtered,
+                             const std::optional<Pose2Gaussian>& refined) {
   const Stamp stamp = observation.scan.stamp;
   geometry_msgs::msg::PoseWithCovarianceStamped message;
   message.header(convert::make_header(stamp, config_.map_frame));
+  if (refined) {
+    message.pose(convert::to_pose_with_covariance(*refined));
+    publish_refined_(message);
+  }
+  const Pose2Gaussian& pose = refined && config_.pose == PoseOut::kRefined ? *refined : filtered;
   message.pose(convert::to_pose_with_covariance(pose));
   publish_pose_(message);
   if (!config_.publish_tf || !observation.has_odometry) return;

@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <functional>
 #include <future>
+#include <memory>
 #include <optional>
 
 #include "components/maps/map_model.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/maps/refiner.hpp"
 #include "components/site/active_maps.hpp"
 
 namespace strata::localizer {
@@ -19,6 +21,7 @@ namespace strata::localizer {
 struct LoadedMaps {
   maps::Maps maps;
   maps::MapModel model;
+  std::shared_ptr<refinement::PoseRefiner> refiner;
   std::filesystem::path folder;  ///< without links
   std::optional<site::MapIdentity> identity;
 };

@@ -40,8 +40,10 @@ json health_shares(const std::vector<localization::HealthState>& health) {
 }  // namespace
 
 void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult& result,
-                             const localization::Localizer& localizer) {
+                             const localization::Localizer& localizer,
+                             const std::optional<Pose2Gaussian>& refined_pose) {
   trajectory.push_back({stamp, result.pose.mean});
+  if (refined_pose) refined.push_back({stamp, refined_pose->mean});
   health.push_back(result.health.state);
   scores.push_back(result.score);
   max_particles = std::max(max_particles, result.particles);
@@ -78,25 +80,28 @@ json score_json(const std::vector<double>& scores) {
 
 json localization_metrics(const LocalizationRecord& record, const std::string& model,
                           std::uint64_t seed, int particles) {
-  return {{"model", model},
-          {"seed", seed},
-          {"particles", particles},
-          {"scans", record.trajectory.size()},
-          {"unusable_scans", record.unusable_scans},
-          {"ambiguous_scans", record.ambiguous_scans},
-          {"health", health_shares(record.health)},
-          {"score", score_json(record.scores)},
-          {"error_m", nullptr},
-          {"error_rad", nullptr},
-          {"failure_rate", nullptr},
-          {"lost", nullptr},
-          {"converged_after_s", nullptr},
-          {"cost", nullptr}};
+  return {
+      {"model", model},
+      {"seed", seed},
+      {"particles", particles},
+      {"scans", record.trajectory.size()},
+      {"unusable_scans", record.unusable_scans},
+      {"ambiguous_scans", record.ambiguous_scans},
+      {"health", health_shares(record.health)},
+      {"score", score_json(record.scores)},
+      {"refined", {{"scans", record.refined.size()}, {"error_m", nullptr}, {"error_rad", nullptr}}},
+      {"error_m", nullptr},
+      {"error_rad", nullptr},
+      {"failure_rate", nullptr},
+      {"lost", nullptr},
+      {"converged_after_s", nullptr},
+      {"cost", nullptr}};
 }
 
 void write_localization_files(const std::filesystem::path& folder, const LocalizationRecord& record,
                               const json& metrics) {
   log::write_trajectory(folder / kTrajectoryFile, record.trajectory);
+  log::write_trajectory(folder / kRefinedFile, record.refined);
   write_states(folder / kStatesFile, record.states);
   log::WholeFile file(folder / kMetricsFile);
   file.stream() << log::json_text(metrics);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a localization run leaves behind: trajectory.tum, states.csv and metrics.json. The direct
-/// path and the localizer component both write through here.
+/// What a localization run leaves behind: trajectory.tum, refined.tum, states.csv and metrics.json.
+/// The direct path and the localizer component both write through here.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 
 namespace strata::maps {
 
+inline constexpr const char* kRefinedFile = "refined.tum";
 inline constexpr const char* kStatesFile = "states.csv";
 inline constexpr const char* kMetricsFile = "metrics.json";
 
@@ -30,6 +32,7 @@ struct StateRow {
 /// Scan by scan what the localizer said.
 struct LocalizationRecord {
   std::vector<log::StampedPose> trajectory;       ///< mean of the particles, one a scan
+  std::vector<log::StampedPose> refined;          ///< of those scans whose pose was refined
   std::vector<StateRow> states;                   ///< as LocalizationResult::submaps, one a row
   std::vector<localization::HealthState> health;  ///< one a scan
   std::vector<double> scores;                     ///< LocalizationResult::score, one a scan
@@ -37,9 +40,11 @@ struct LocalizationRecord {
   std::size_t unusable_scans = 0;   ///< so far
   std::size_t ambiguous_scans = 0;  ///< of which several places were still possible
 
-  /// Takes up the result of localizer.update for a scan of that stamp.
+  /// Takes up the result of localizer.update for a scan of that stamp, and the pose that was made
+  /// of it, if one was.
   void add(Stamp stamp, const localization::LocalizationResult& result,
-           const localization::Localizer& localizer);
+           const localization::Localizer& localizer,
+           const std::optional<Pose2Gaussian>& refined = std::nullopt);
 };
 
 /// So many bins of equal width has a score from 0 to 1.
@@ -57,7 +62,7 @@ inline constexpr std::size_t kScoreBins = 10;
                                                   const std::string& model, std::uint64_t seed,
                                                   int particles);
 
-/// Writes the three files into an existing folder, each whole or not at all. Throws OutputError.
+/// Writes the four files into an existing folder, each whole or not at all. Throws OutputError.
 void write_localization_files(const std::filesystem::path& folder, const LocalizationRecord& record,
                               const nlohmann::json& metrics);
 

@@ -11,6 +11,7 @@
 #include "components/maps/map_model.hpp"
 #include "core/base/progress.hpp"
 #include "core/localization/localizer.hpp"
+#include "core/refinement/pose_refiner.hpp"
 #include "core/scan/scan.hpp"
 #include "tools/pipeline/localization_metrics.hpp"
 
@@ -20,7 +21,8 @@ class MapFit;
 
 /// The record of a run, and what only the direct path knows.
 struct LocalizationRun : maps::LocalizationRecord {
-  std::vector<ScanError> errors;  ///< of the scans whose truth is known
+  std::vector<ScanError> errors;          ///< of the scans whose truth is known
+  std::vector<ScanError> refined_errors;  ///< ... and whose pose was refined: its distance
   std::vector<double> update_ms;
 };
 
@@ -30,13 +32,14 @@ struct LocalizationStart {
 };
 
 /// truths: empty, or map_from_robot of each observation where known. fit: takes up each scan; may
-/// be null. Deterministic but for update_ms.
+/// be null. refiner: refines what it can; may be null. Deterministic but for update_ms.
 [[nodiscard]] LocalizationRun localize(std::span<const Observation> observations,
                                        std::span<const std::optional<Pose2>> truths,
                                        const maps::MapModel& model,
                                        const ReflectionGrid& free_space,
                                        const localization::LocalizerConfig& config,
                                        const LocalizationStart& start, std::uint64_t seed,
-                                       int threads, Progress* progress, MapFit* fit = nullptr);
+                                       int threads, Progress* progress, MapFit* fit = nullptr,
+                                       refinement::PoseRefiner* refiner = nullptr);
 
 }  // namespace strata::pipeline

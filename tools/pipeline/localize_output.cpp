@@ -62,6 +62,11 @@ json write_localization(const std::filesystem::path& folder, const LocalizationR
                         const LocalizeSummary& summary, const LogFit* fit) {
   json metrics = maps::localization_metrics(run, summary.model, summary.seed, summary.particles);
   add_errors(metrics, run.errors, summary.map_from_truth);
+  if (!run.refined_errors.empty()) {
+    const LocalizationMetrics refined = evaluate_run(run.refined_errors);
+    metrics["refined"]["error_m"] = summary_json(refined.error_m);
+    metrics["refined"]["error_rad"] = summary_json(refined.error_rad);
+  }
   add_wrong_shares(metrics["score"], run.errors);
   if (fit != nullptr) metrics["map_fit"] = map_fit_json(*fit);
   const double duration_s =

@@ -12,7 +12,9 @@
 #include "components/log/json_text.hpp"
 #include "components/log/log_config.hpp"
 #include "components/maps/map_model.hpp"
+#include "components/maps/refiner.hpp"
 #include "components/settings/settings.hpp"
+#include "components/site/active_maps.hpp"
 #include "core/base/error.hpp"
 #include "memory/decoding/decoding_config.hpp"
 #include "tools/pipeline/cost.hpp"
@@ -51,6 +53,7 @@ struct LocalizeConfig {
   localization::LikelihoodFieldModelConfig likelihood_field;
   memory::DecodingConfig decoding;
   maps::TimescaleUseConfig timescale_use;
+  refinement::RefinementConfig refinement;
   log::LogConfig log;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -60,6 +63,7 @@ struct LocalizeConfig {
     v.group("likelihood_field", c.likelihood_field, "the sensor model likelihood_field");
     v.group("decoding", c.decoding, "how levels of the timescale memory become expected scans");
     v.group("timescale_use", c.timescale_use, "how the timescale memory is used");
+    v.group("refinement", c.refinement, "poses finer than the filter's");
     v.group("log", c.log, "what the log does not say of itself");
   }
 };
@@ -146,7 +150,7 @@ void run_localize(const Options& options, VerbContext& context) {
   ResultDirectory out(options.out, "localization", context);
   pipeline::RunsInput input = with_config(options.input, config.log);
   input.logs = {options.log};
-  maps::Maps maps = maps::read_maps(options.maps);
+  maps::Maps maps = maps::read_maps(site::maps_or_active(options.maps));
   maps.decoding = config.decoding;
   maps.timescale_use = config.timescale_use;
   const maps::MapModel model =
@@ -160,9 +164,10 @@ void run_localize(const Options& options, VerbContext& context) {
   }
   const pipeline::LocalizationStart start = start_of(options, runs.truths, context);
   pipeline::MapFit fit(maps.filtered);
+  const auto refiner = maps::make_refiner(maps, *model.descriptor, config.refinement);
   const pipeline::LocalizationRun run = pipeline::localize(
       runs.observations, runs.truths, model, maps.filtered, config.localizer, start,
-      context.options.seed, context.options.threads, context.progress(), &fit);
+      context.options.seed, context.options.threads, context.progress(), &fit, refiner.get());
   pipeline::LocalizeSummary summary{options.model, context.options.seed, config.localizer.particles,
                                     meter.read(), maps.map_from_truth};
   const nlohmann::json metrics = pipeline::write_localization(out.path(), run, summary, &fit.fit());
@@ -187,12 +192,13 @@ void add_localize(CLI::App& app, VerbContext& context) {
       "strata localize friday.clf --maps maps --model patch --out friday", run_localize);
   verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
       ->required();
-  verb->add_option("--maps", options->maps, "folder that `strata learn` wrote")->required();
+  verb->add_option("--maps", options->maps, "folder that `strata learn` wrote, or a site")
+      ->required();
   verb->add_option("--model", options->model,
                    maps::map_models().help(&maps::MapModelDescriptor::is_in_folder))
       ->capture_default_str();
   verb->add_option("--out", options->out,
-                   "folder for trajectory.tum and .png, states.csv, metrics.json")
+                   "folder for trajectory.tum and .png, refined.tum, states.csv, metrics.json")
       ->required();
   add_force(*verb, context);
   verb->add_option("--initial-pose", options->initial_pose, "x,y,theta in the map frame");

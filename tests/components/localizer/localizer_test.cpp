@@ -24,6 +24,7 @@
 #include "components/convert/scan_messages.hpp"
 #include "components/localizer/register.hpp"
 #include "components/maps/node_map_message.hpp"
+#include "components/maps/refiner.hpp"
 #include "components/runtime/composition.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/bus/domain.hpp"
@@ -72,9 +73,11 @@ void localize_directly(const std::string& model, bool global, const fs::path& ou
     start.map_from_robot =
         Pose2Gaussian{room().start, Eigen::Vector3d(0.2 * 0.2, 0.2 * 0.2, 0.1 * 0.1).asDiagonal()};
   }
+  const maps::MapModel made = maps::make_map_model(maps, model, {});
+  const auto refiner = maps::make_refiner(maps, *made.descriptor, {});
   const pipeline::LocalizationRun run =
-      pipeline::localize(room().observations, {}, maps::make_map_model(maps, model, {}),
-                         maps.filtered, config, start, kSeed, 1, nullptr);
+      pipeline::localize(room().observations, {}, made, maps.filtered, config, start, kSeed, 1,
+                         nullptr, nullptr, refiner.get());
   fs::create_directories(out);
   pipeline::write_localization(out, run, {model, kSeed, config.particles, {}, {}});
 }
@@ -89,7 +92,7 @@ TEST_P(LocalizerReplay, WritesTheVeryFilesOfTheDirectPath) {
     const fs::path replayed = out.path() / ("replay" + std::to_string(threads));
     fs::create_directories(replayed);
     replay(parameters_of(model, global), replayed, threads);
-    for (const char* file : {"trajectory.tum", "states.csv"}) {
+    for (const char* file : {"trajectory.tum", "refined.tum", "states.csv"}) {
       const std::string direct = test::bytes_of(out.path() / "direct" / file);
       EXPECT_FALSE(direct.empty());
       EXPECT_EQ(test::bytes_of(replayed / file), direct) << file << ", threads " << threads;
