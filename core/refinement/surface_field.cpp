@@ -30,7 +30,8 @@ registration::SurfacePoint point_of(const SurfaceLayer& layer, std::size_t i) {
 
 SurfaceField::SurfaceField(const ReflectionGrid& map, const SurfaceLayer& layer,
                            const patch::PatchMap* patches)
-    : field_(map.resolution_m(), kField) {
+    : field_(map.resolution_m(), kField),
+      submap_count_(patches == nullptr ? 0 : patches->submaps.size()) {
   if (layer.cells.empty() || layer.resolution_m != map.resolution_m()) {
     field_ = registration::MatchField(
         map, {.radius_m = kField.radius_m,
@@ -66,16 +67,16 @@ void SurfaceField::add_cell(const ReflectionGrid& map, const patch::PatchMap* pa
 
 void SurfaceField::believe(const std::vector<localization::SubmapBelief>& submaps,
                            double min_probability) {
+  beliefs_.assign(submap_count_, nullptr);
+  for (const localization::SubmapBelief& belief : submaps) {
+    const auto submap = static_cast<std::size_t>(belief.submap);
+    if (belief.submap >= 0 && submap < beliefs_.size()) beliefs_[submap] = &belief.probability;
+  }
   for (const Changing& changing : changing_) {
+    const std::vector<double>* belief = beliefs_[changing.submap];
     double probability = 0.0;
-    const auto belief =
-        std::find_if(submaps.begin(), submaps.end(), [&](const localization::SubmapBelief& one) {
-          return one.submap == static_cast<int>(changing.submap);
-        });
-    if (belief != submaps.end() && belief->probability.size() == changing.is_there.size()) {
-      for (std::size_t k = 0; k < changing.is_there.size(); ++k) {
-        if (changing.is_there[k]) probability += belief->probability[k];
-      }
+    for (std::size_t k = 0; belief != nullptr && k < changing.is_there.size(); ++k) {
+      if (changing.is_there[k] && k < belief->size()) probability += (*belief)[k];
     }
     registration::SurfacePoint point = field_.points()[changing.point];
     point.occupied = probability >= min_probability;

@@ -45,6 +45,8 @@ class SurfaceField {
   registration::MatchField field_;
   double stddev_m_ = 0.0;
   std::vector<Changing> changing_;
+  std::size_t submap_count_ = 0;
+  std::vector<const std::vector<double>*> beliefs_;  // scratch, a sub-map; null: nothing is known
 };
 
 }  // namespace strata::refinement
