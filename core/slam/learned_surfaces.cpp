@@ -32,15 +32,14 @@ SurfaceCell packed(const registration::SurfacePoint& point, double resolution_m)
 }  // namespace
 
 SurfaceLayer learned_surfaces(std::span<const PosedScan> scans, double resolution_m) {
-  // Nobody asks this field for what is near: a point takes over hardly more than its own cell.
-  SurfaceMap map(resolution_m, {.radius_m = std::max(0.05, resolution_m)});
+  SurfaceMap map(resolution_m);
   for (const PosedScan& posed : scans) {
     map.add(posed.scan, posed.map_from_laser(), posed.static_probability,
             std::numeric_limits<double>::infinity(), /*carve=*/false);
   }
   SurfaceLayer layer{resolution_m, {}};
-  for (const registration::SurfacePoint& point : map.field().points()) {
-    if (point.occupied) layer.cells.push_back(packed(point, resolution_m));
+  for (const registration::SurfacePoint& point : map.surfaces()) {
+    layer.cells.push_back(packed(point, resolution_m));
   }
   const auto is_before = [](const SurfaceCell& a, const SurfaceCell& b) {
     return std::pair(a.y, a.x) < std::pair(b.y, b.x);

@@ -71,6 +71,7 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
             c2, s2);
     changed_.push_back(end);
   }
+  if (!has_field_) return;
   std::sort(changed_.begin(), changed_.end());
   changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
   for (const Cell& cell : changed_) refresh(cell);
@@ -166,25 +167,43 @@ void SurfaceMap::restore_cells(const Grid<HitCell>& saved) {
   }
 }
 
+std::optional<registration::NormalScatter> SurfaceMap::normals_of(const Cell& cell,
+                                                                  const HitCell& data) const {
+  if (!is_surface(data)) return std::nullopt;
+  if (!is_unresolved(data)) return data.normals;
+  const registration::NormalScatter normals = normal_among(cell);
+  if (!(normals.xx + normals.yy > 0.0F)) return std::nullopt;
+  return normals;
+}
+
+std::vector<registration::SurfacePoint> SurfaceMap::surfaces() const {
+  std::vector<registration::SurfacePoint> points;
+  cells_.visit_rows([&](const Cell& first, std::span<const Code> row) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (!is_hit(row[i])) continue;
+      const Cell cell{first.x + static_cast<int>(i), first.y};
+      const HitCell& data = hit_cells_[index_of(row[i])];
+      const auto normals = normals_of(cell, data);
+      if (normals) set_point(points.emplace_back(), cell, data, *normals);
+    }
+  });
+  return points;
+}
+
 void SurfaceMap::refresh(const Cell& cell) {
   HitCell& data = hit_cells_[index_of(cells_.get(cell))];
-  bool surface = is_surface(data);
-  registration::NormalScatter normals = data.normals;
-  if (surface && is_unresolved(data)) {
-    normals = normal_among(cell);
-    surface = normals.xx + normals.yy > 0.0F;
-  }
+  const auto normals = normals_of(cell, data);
   if (data.point < 0) {
-    if (!surface) return;
+    if (!normals) return;
     registration::SurfacePoint point;
-    set_point(point, cell, data, normals);
+    set_point(point, cell, data, *normals);
     data.point = static_cast<std::int32_t>(field_.add(point));
     return;
   }
   const auto index = static_cast<std::size_t>(data.point);
   registration::SurfacePoint point = field_.points()[index];
-  point.occupied = surface;
-  if (surface) set_point(point, cell, data, normals);
+  point.occupied = normals.has_value();
+  if (normals) set_point(point, cell, data, *normals);
   field_.set(index, point);
 }
 

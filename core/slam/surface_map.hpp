@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,9 @@ class SurfaceMap {
  public:
   SurfaceMap(double resolution_m, const registration::MatchFieldConfig& config)
       : cells_(resolution_m), field_(resolution_m, config) {}
+  /// Without a match field, whose memory is that of the whole rectangle: for surfaces().
+  explicit SurfaceMap(double resolution_m)
+      : cells_(resolution_m), field_(resolution_m), has_field_(false) {}
 
   /// Adds a scan taken at frame_from_laser. beam_weights: e(t,n), empty: 1. Beams longer than
   /// max_range_m carve free space up to there and end in nothing. carve = false: only hits enter,
@@ -38,6 +42,8 @@ class SurfaceMap {
            double max_range_m, bool carve = true);
 
   [[nodiscard]] const registration::MatchField& field() const { return field_; }
+  /// The surface in each cell that has one, row by row. O(cells).
+  [[nodiscard]] std::vector<registration::SurfacePoint> surfaces() const;
   [[nodiscard]] SurfaceState state(const Eigen::Vector2d& point_m) const;
   /// Share of the beams that reached the point's cell which ended there; 0 where none did.
   [[nodiscard]] double reflection(double x_m, double y_m) const {
@@ -126,6 +132,9 @@ class SurfaceMap {
   [[nodiscard]] Eigen::Vector2d mean_hit(const Cell& cell, const HitCell& data) const;
   /// Which way the surface runs by the cells about it; empty where they are too few.
   [[nodiscard]] registration::NormalScatter normal_among(const Cell& cell) const;
+  /// Nothing where there is no surface, or nobody can tell which way it runs.
+  [[nodiscard]] std::optional<registration::NormalScatter> normals_of(const Cell& cell,
+                                                                      const HitCell& data) const;
   void refresh(const Cell& cell);
   void set_point(registration::SurfacePoint& point, const Cell& cell, const HitCell& data,
                  const registration::NormalScatter& normals) const;
@@ -133,6 +142,7 @@ class SurfaceMap {
   TiledGrid<Code> cells_;
   std::vector<HitCell> hit_cells_;
   registration::MatchField field_;
+  bool has_field_ = true;
   CellRect touched_;
   // Scratch.
   std::vector<std::pair<std::size_t, Ray>> rays_;

@@ -145,7 +145,7 @@ Grid<T> read_grid(Database& database, const std::string& name) {
 
 /// The grid of one row is as long as the list.
 SurfaceLayer layer_of(const Grid<SurfaceCell>& row, const std::string& place) {
-  if (row.rect().min != Cell{} || (row.size() > 0 && row.rect().max.y != 1)) {
+  if (!(row.rect().min == Cell{}) || row.rect().max.y != 1) {
     throw DamageError(place, "its surfaces are no list", "take the store from a backup");
   }
   return {row.resolution_m(), row.values()};
@@ -174,10 +174,15 @@ void Store::save_grid(const std::string& name, const TiledGrid<CellCounts>& grid
 }
 
 void Store::save_surfaces(const std::string& name, const SurfaceLayer& layer) {
-  const int count = static_cast<int>(layer.cells.size());
-  Grid<SurfaceCell> row(layer.resolution_m, CellRect{{0, 0}, {count, count > 0 ? 1 : 0}});
-  std::copy(layer.cells.begin(), layer.cells.end(), row.values().begin());
-  transaction([&] { detail::write_grid(impl_->database, name + detail::kSurfaces, row); });
+  const std::string inner = name + detail::kSurfaces;
+  transaction([&] {
+    detail::Statement(impl_->database, "DELETE FROM grid WHERE name = ?").bind(inner).run();
+    if (layer.cells.empty()) return;
+    const int count = static_cast<int>(layer.cells.size());
+    Grid<SurfaceCell> row(layer.resolution_m, CellRect{{0, 0}, {count, 1}});
+    std::copy(layer.cells.begin(), layer.cells.end(), row.values().begin());
+    detail::write_grid(impl_->database, inner, row);
+  });
 }
 
 SurfaceLayer Store::load_surfaces(const std::string& name) const {

@@ -9,6 +9,7 @@
 #include "components/log/map_file.hpp"
 #include "components/log/trajectory_file.hpp"
 #include "core/base/error.hpp"
+#include "core/slam/learned_surfaces.hpp"
 #include "memory/store/store.hpp"
 #include "tests/components/maps/learned_room.hpp"
 #include "tests/support/same_bits.hpp"
@@ -29,10 +30,12 @@ json read_json(const std::filesystem::path& path) {
 
 TEST(MapsFolder, GivesEveryPartBackBitForBit) {
   const TemporaryDirectory dir;
-  const slam::SlamResult slam = test_room::make_slam_result();
+  slam::SlamResult slam = test_room::make_slam_result();
   const patch::PatchMap patches = test_room::make_patch_map(slam);
   const auto memory = test_room::make_memory(slam);
   ASSERT_FALSE(memory->nodes().empty());
+  slam.surfaces = slam::learned_surfaces(slam.scans, slam.filtered.resolution_m());
+  ASSERT_GT(slam.surfaces.cells.size(), 50U);
   write_grid_maps(dir.path(), slam);
   write_patch_map(dir.path(), patches);
   write_timescale(dir.path(), *memory);
@@ -42,6 +45,7 @@ TEST(MapsFolder, GivesEveryPartBackBitForBit) {
   const Maps maps = read_maps(dir.path());
   EXPECT_TRUE(same_bits(maps.occupancy, slam.occupancy));
   EXPECT_TRUE(same_bits(maps.filtered, slam.filtered));
+  EXPECT_EQ(maps.surfaces.cells, slam.surfaces.cells);
   ASSERT_TRUE(maps.map_from_truth.has_value());
   EXPECT_EQ(*maps.map_from_truth, map_from_truth);
   ASSERT_NE(maps.timescale, nullptr);

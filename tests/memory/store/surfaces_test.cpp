@@ -36,7 +36,7 @@ TEST(Surfaces, AreReplacedAlsoByNone) {
   const test::TemporaryDirectory dir;
   Store store(dir.path() / "strata.db");
   store.save_surfaces("filtered", random_layer(20));
-  store.save_surfaces("filtered", {0.1, {}});
+  store.save_surfaces("filtered", {});
   EXPECT_TRUE(store.load_surfaces("filtered").cells.empty());
 }
 
