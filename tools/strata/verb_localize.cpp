@@ -18,6 +18,7 @@
 #include "core/base/error.hpp"
 #include "memory/decoding/decoding_config.hpp"
 #include "tools/pipeline/cost.hpp"
+#include "tools/pipeline/drive_replay.hpp"
 #include "tools/pipeline/localize.hpp"
 #include "tools/pipeline/localize_output.hpp"
 #include "tools/pipeline/localize_picture.hpp"
@@ -129,7 +130,8 @@ std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFi
             (metrics["lost"].get<bool>() ? ", lost" : "");
   }
   return text + "; drawn in " +
-         (std::filesystem::path(options.out) / pipeline::kTrajectoryPicture).string();
+         (std::filesystem::path(options.out) / pipeline::kTrajectoryPicture).string() +
+         ", to be replayed in " + pipeline::kReplayPage + " beside it";
 }
 
 void warn_of_bad_fit(const pipeline::LogFit& fit, const nlohmann::json& score,
@@ -174,6 +176,13 @@ void run_localize(const Options& options, VerbContext& context) {
   report::Drawings drawings;
   drawings.add(out.path() / pipeline::kTrajectoryPicture,
                [&] { pipeline::write_trajectory_picture(out.path(), maps.filtered, fit.fit()); });
+  drawings.add(out.path() / pipeline::kReplayPage, [&] {
+    pipeline::write_replay(out.path(), {maps.filtered,
+                                        maps.patches ? &*maps.patches : nullptr,
+                                        runs.observations,
+                                        runs.truths,
+                                        {{options.model, run.trajectory, run.states, run.scores}}});
+  });
   out.commit();
   warn(context, drawings.what_is_missing());
   warn_of_bad_fit(fit.fit(), metrics["score"]["mean"], options, !start.map_from_robot, context);
@@ -198,7 +207,8 @@ void add_localize(CLI::App& app, VerbContext& context) {
                    maps::map_models().help(&maps::MapModelDescriptor::is_in_folder))
       ->capture_default_str();
   verb->add_option("--out", options->out,
-                   "folder for trajectory.tum and .png, refined.tum, states.csv, metrics.json")
+                   "folder for trajectory.tum and .png, replay.html, refined.tum, states.csv, "
+                   "metrics.json")
       ->required();
   add_force(*verb, context);
   verb->add_option("--initial-pose", options->initial_pose, "x,y,theta in the map frame");

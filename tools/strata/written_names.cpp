@@ -14,8 +14,8 @@ namespace {
 constexpr const char* kMaps[] = {"occupancy.*",    "filtered.*",  "patches", "patches.*",
                                  "pictures",       "strata.db*",  "map.png", "dynamic.png",
                                  "trajectory.tum", "summary.json"};
-constexpr const char* kLocalization[] = {"trajectory.*", "refined.tum", "states.csv",
-                                         "metrics.json", "summary.json"};
+constexpr const char* kLocalization[] = {"trajectory.*", "replay.html",  "refined.tum",
+                                         "states.csv",   "metrics.json", "summary.json"};
 constexpr const char* kTopology[] = {"topologies.*", "topology.graphml", "places.yaml",
                                      "occupancy.*",  "trajectory.tum",   "landmarks.png",
                                      "odometry.png", "map.png",          "summary.json"};

@@ -49,6 +49,15 @@ TEST_F(Localize, EndsWithASentenceAndAPictureOfTheWay) {
   EXPECT_GT(std::count_if(drawn.pixels().begin(), drawn.pixels().end(), is_green), 20);
 }
 
+TEST_F(Localize, LeavesAReplayThatItReplacesOnTheNextTime) {
+  ASSERT_EQ(localize("--initial-pose 0,0,0 --quiet").code, 0);
+  const std::string page = test::bytes_of(at("out") / "replay.html");
+  EXPECT_THAT(page, HasSubstr("\"name\":\"filtered\""));
+  const auto again = localize("--initial-pose 0,0,0 --seed 2 --quiet --force");
+  ASSERT_EQ(again.code, 0) << again.out;
+  EXPECT_NE(test::bytes_of(at("out") / "replay.html"), page);
+}
+
 TEST_F(Localize, PrintsItsMetricsWhenAsked) {
   const auto told = localize("--initial-pose 0,0,0 --json --quiet");
   ASSERT_EQ(told.code, 0) << told.out;

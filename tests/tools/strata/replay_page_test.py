@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The page that `strata localize` leaves of a drive, opened from its file in headless Chromium.
+
+usage: replay_page_test.py STRATA HALL.yaml WORK
+
+Exits with 77 when no Chromium is installed (Debian: chromium-headless-shell or chromium).
+"""
+import json
+import os
+import subprocess
+import sys
+
+from browser_page import Page, find_browser
+from robot_process import comes_true, simulated
+
+# Of the pixels of a color in the first canvas of a selector: how many, and where their middle is.
+MIDDLE = """(() => {
+  const canvas = document.querySelectorAll('.panel canvas')[%d];
+  const {data, width} = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  let [n, x, y] = [0, 0, 0];
+  for (let i = 0; i < data.length; i += 4) {
+    if (data[i] !== %d || data[i + 1] !== %d || data[i + 2] !== %d) continue;
+    n += 1; x += i / 4 %% width; y += Math.floor(i / 4 / width);
+  }
+  return JSON.stringify([n, x / n, y / n]);
+})()"""
+POSE, TRUTH, BEAM = (31, 95, 208), (217, 98, 43), (15, 127, 140)
+
+
+def middle(page, color, panel=0):
+    return json.loads(page.evaluate(MIDDLE % (panel, *color)))
+
+
+def slide(page, scan):
+    page.evaluate(f"at('time').value = {scan}; at('time').dispatchEvent(new Event('input'))")
+
+
+def opened(browser, path, work, name):
+    os.makedirs(f"{work}/{name}")
+    page = Page(browser, f"file://{os.path.abspath(path)}", f"{work}/{name}")
+    comes_true(lambda: page.evaluate("document.body && document.body.dataset.ready") == "1",
+               "the page has drawn its map")
+    return page
+
+
+def looks_through(page, work):
+    last = page.evaluate("scans - 1")
+    assert last > 50, last
+    slide(page, 0)
+    begin, beams = middle(page, POSE), middle(page, BEAM)
+    assert begin[0] > 25 and beams[0] > 100, (begin, beams)
+    told = page.evaluate("document.querySelector('.panel output').textContent")
+    assert told.endswith("m off"), told
+    assert middle(page, TRUTH)[0] > 10, "the truth is drawn"
+    slide(page, last // 2)
+    there = middle(page, POSE)
+    assert abs(there[1] - begin[1]) + abs(there[2] - begin[2]) > 20, (begin, there)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.shoot(f"{work}/replay.png")
+    # It plays from where the slider is, and pauses.
+    page.evaluate("at('speed').value = '16'; at('play').click()")
+    comes_true(lambda: page.evaluate("Number(at('time').value)") > last // 2, "it plays")
+    assert page.text("play") == "Pause"
+    page.evaluate("at('play').click()")
+    stopped = page.evaluate("at('time').value")
+    assert page.text("play") == "Play"
+    assert page.evaluate("new Promise((done) => requestAnimationFrame(() => done(0))), "
+                         "at('time').value") == stopped
+    # Where nothing was recorded for minutes it goes on at once.
+    gap = page.evaluate("drive.times.findIndex((t, i) => drive.times[i + 1] - t > 300000)")
+    assert gap > 0, gap
+    slide(page, gap)
+    page.evaluate("at('speed').value = '1'; at('play').click()")
+    comes_true(lambda: page.evaluate("Number(at('time').value)") > gap, "it skips what is empty")
+    page.evaluate("at('play').click()")
+    # To the end, where it stops by itself.
+    page.evaluate("at('speed').value = '64'; at('play').click()")
+    comes_true(lambda: page.text("play") == "Play", "it stops at the end")
+    assert page.evaluate("Number(at('time').value)") == last
+
+
+def every_model_has_a_panel(browser, path, work):
+    """A second way, moved by 2 m, shows up beside the first."""
+    text = open(path).read()
+    head = '<script id="drive" type="application/json">'
+    at = text.index(head) + len(head)
+    end = text.index("</script>", at)
+    drive = json.loads(text[at:end])
+    poses = [[x + 2000, y, theta] for x, y, theta in drive["tracks"][0]["poses"]]
+    drive["tracks"].append({**drive["tracks"][0], "name": "<b>other", "poses": poses})
+    with open(f"{work}/two.html", "w") as out:
+        out.write(text[:at] + json.dumps(drive).replace("<", "\\u003c") + text[end:])
+    page = opened(browser, f"{work}/two.html", work, "two")
+    try:
+        names = json.loads(page.evaluate(
+            "JSON.stringify([...document.querySelectorAll('.panel h2 span')].map((n) => n.textContent))"))
+        assert names == [drive["tracks"][0]["name"], "<b>other"], names
+        slide(page, 10)
+        one, two = middle(page, POSE, 0), middle(page, POSE, 1)
+        assert two[0] > 25 and two[1] > one[1] + 10, (one, two)
+        page.shoot(f"{work}/two.png")
+    finally:
+        page.close()
+
+
+def main():
+    strata, hall, work = sys.argv[1:4]
+    browser = find_browser()
+    log = simulated(strata, hall, work)
+    truth = f"{work}/world/truth.tum"
+    subprocess.run([strata, "learn", log, "--truth", truth, "--out", f"{work}/maps", "--quiet"],
+                   check=True)
+    subprocess.run([strata, "localize", log, "--truth", truth, "--maps", f"{work}/maps", "--out",
+                    f"{work}/out", "--quiet"], check=True)
+    path = f"{work}/out/replay.html"
+    text = open(path).read()
+    assert len(text) < 5_000_000, len(text)
+    assert "http://" not in text and "https://" not in text, "nothing is asked of the network"
+    page = opened(browser, path, work, "one")
+    try:
+        looks_through(page, work)
+    finally:
+        page.close()
+    every_model_has_a_panel(browser, path, work)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
