@@ -31,7 +31,7 @@ json beams_json(const Scan& scan) {
   const std::size_t step = (scan.size() + kReplayBeams - 1) / kReplayBeams;
   for (std::size_t i = 0; i < scan.size(); i += step) {
     if (scan.kind(i) != BeamKind::kHit) continue;
-    const double range_m = scan.ranges_m[i];
+    const double range_m = static_cast<double>(scan.ranges_m[i]);
     const double bearing_rad = scan.bearing_rad(i);
     const Eigen::Vector2d end =
         scan.robot_from_laser *
