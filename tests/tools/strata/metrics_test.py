@@ -106,6 +106,8 @@ def ask(port, path, **parameters):
                                     timeout=20) as answer:
             return json.load(answer)["data"]
     except urllib.error.HTTPError as error:
+        if error.code == 503:  # it listens before it is ready
+            return {}
         sys.exit(f"Prometheus refuses {parameters}: {error.read().decode()}")
     except OSError:
         return {}
