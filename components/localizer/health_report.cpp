@@ -69,6 +69,8 @@ void describe(const HealthReport& report, runtime::Health& health) {
     health.warn("ambiguous: several places are possible");
   } else if (!report.converged) {
     health.warn("not localized yet");
+  } else if (report.is_probably_wrong()) {
+    health.warn("the pose is probably wrong: the scans speak against it");
   } else if (report.health.state == HealthState::kMapOutdated) {
     health.warn("the map is outdated here");
   }
@@ -84,6 +86,7 @@ void describe(const HealthReport& report, runtime::Health& health) {
   health.add("localizationScore", report.score);
   health.add("deviationRange", report.deviation_range_m);
   health.add("localized", truth(report.is_localized()));
+  health.add("probably_wrong", truth(report.is_probably_wrong()));
   health.add("explained_share", report.health.inlier_share_fast);
   health.add("judged_share", report.health.judged_share_fast);
 }

@@ -27,7 +27,16 @@ struct HealthReport {
   std::chrono::duration<double> update_time{0.0};
 
   /// Whether the pose can be trusted: VDA 5050's `localized`.
-  [[nodiscard]] bool is_localized() const { return converged && !is_lost(); }
+  [[nodiscard]] bool is_localized() const {
+    return converged && !is_lost() && !is_probably_wrong();
+  }
+  /// One place is believed, and the score says that nine of ten such poses are wrong: as where a
+  /// robot that was carried away takes itself to be outside of the map, in which nothing
+  /// contradicts it.
+  [[nodiscard]] bool is_probably_wrong() const {
+    constexpr double kProbablyWrong = 0.1;
+    return converged && !is_lost() && score < kProbablyWrong;
+  }
   [[nodiscard]] bool is_lost() const { return health.state == localization::HealthState::kLost; }
 };
 
@@ -41,8 +50,9 @@ struct HealthReport {
                                                               Stamp stamp,
                                                               const std::string& frame);
 
-/// An error when lost; a warning while not localized, and where the map is outdated; and the
-/// figures, among them localizationScore, deviationRange [m] and localized as VDA 5050 names them.
+/// An error when lost; a warning while not localized, where the score says that the pose is wrong,
+/// and where the map is outdated; and the figures, among them localizationScore, deviationRange [m]
+/// and localized as VDA 5050 names them.
 void describe(const HealthReport& report, runtime::Health& health);
 
 /// VDA 5050's figures before the first scan: not localized, score 0, no range.

@@ -14,11 +14,11 @@ using runtime::HealthLevel;
 using testing::Contains;
 using testing::Pair;
 
-runtime::Health described(HealthState state, bool converged) {
+runtime::Health described(HealthState state, bool converged, double score = 0.625) {
   localization::LocalizationResult result;
   result.health.state = state;
   result.health.judged_share_fast = 0.25;
-  result.score = 0.625;
+  result.score = score;
   result.converged = converged;
   runtime::Health health;
   describe(make_health_report("filtered", result, {}), health);
@@ -32,6 +32,23 @@ TEST(HealthReport, SeparatesALostRobotFromAnOutdatedMap) {
   EXPECT_EQ(described(HealthState::kMapOutdated, true).message(), "the map is outdated here");
   EXPECT_EQ(described(HealthState::kConverging, false).message(), "not localized yet");
   EXPECT_EQ(described(HealthState::kGood, true).level(), HealthLevel::kOk);
+}
+
+TEST(HealthReport, FollowsTheScoreWhereNothingInTheMapContradictsThePose) {
+  for (const HealthState state : {HealthState::kMapOutdated, HealthState::kGood}) {
+    const runtime::Health wrong = described(state, true, 0.03);
+    EXPECT_EQ(wrong.level(), HealthLevel::kWarn);
+    EXPECT_THAT(wrong.message(), testing::HasSubstr("probably wrong"));
+    EXPECT_THAT(wrong.values(), Contains(Pair("localized", "false")));
+    EXPECT_THAT(wrong.values(), Contains(Pair("probably_wrong", "true")));
+  }
+  const runtime::Health right = described(HealthState::kMapOutdated, true, 0.15);
+  EXPECT_EQ(right.message(), "the map is outdated here");
+  EXPECT_THAT(right.values(), Contains(Pair("localized", "true")));
+  EXPECT_THAT(right.values(), Contains(Pair("probably_wrong", "false")));
+  // Who is lost, or looks for itself, is told so.
+  EXPECT_EQ(described(HealthState::kLost, true, 0.03).message(), "lost");
+  EXPECT_EQ(described(HealthState::kConverging, false, 0.03).message(), "not localized yet");
 }
 
 TEST(HealthReport, TellsTheVerdictAndWhatItRestsOn) {
@@ -79,6 +96,7 @@ TEST(HealthReport, HasADeviationRangeThatHoldsThePoseWithNinetyFivePercent) {
 
 TEST(HealthReport, IsNotLocalizedInAMessageWhenLostOrSpreadWidely) {
   localization::LocalizationResult result;
+  result.score = 0.8;
   const auto message = [&](HealthState state, bool converged) {
     result.health.state = state;
     result.converged = converged;
