@@ -99,6 +99,15 @@ KeptFile keep_file(const fs::path& files, const std::string& source) {
   return {path.string(), digest};
 }
 
+/// What went wrong, in words that name no copy of ours.
+std::string reason_of(const std::exception& error) {
+  if (const auto* file = dynamic_cast<const fs::filesystem_error*>(&error)) {
+    return file->code().message();
+  }
+  const auto* own = dynamic_cast<const Error*>(&error);
+  return own != nullptr ? own->problem() : error.what();
+}
+
 }  // namespace
 
 std::string time_in_name(std::int64_t unix_ns) {
@@ -188,8 +197,10 @@ std::vector<KeptFile> keep_files(const fs::path& incidents, const std::vector<st
     try {
       fs::create_directories(incidents / kFiles);
       kept.push_back(keep_file(incidents / kFiles, source));
-    } catch (const fs::filesystem_error& error) {
-      problems.push_back(source + ": " + error.code().message());
+    } catch (const std::exception& error) {  // one of them keeps no other from being kept
+      problems.push_back(source + ": " + reason_of(error));
+      std::error_code gone;
+      fs::remove_all(log::staged_name(incidents / kFiles / "copy"), gone);
     }
   }
   return kept;
