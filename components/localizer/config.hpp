@@ -121,6 +121,7 @@ struct LocalizerComponentConfig {
   std::string health_topic = "localization_health";
   std::string score_topic = "localization_score";
   double restore_point_s = 10.0;
+  double restore_point_mb = 32.0;
   std::string located_topic;
   LocatedScansConfig located;
   std::string map_frame = "map";
@@ -194,6 +195,11 @@ struct LocalizerComponentConfig {
                     "recorder does: so often the filter is kept there, from which `strata "
                     "incidents replay` goes on to the same bits; 0: never",
              .unit = "s",
+             .min = 0.0});
+    v.field("restore_point_mb", c.restore_point_mb,
+            {.doc = "... as long as what a model has learned while it localized takes no more than "
+                    "this in one; else its incidents are not replayed, which /diagnostics says",
+             .unit = "MB",
              .min = 0.0});
     v.field("located_topic", c.located_topic,
             {.doc = "strata_msgs/LabeledScan out: scans with their poses for learners that go on "

@@ -10,6 +10,12 @@ maps::Maps read_maps(const LocalizerComponentConfig& config, const std::filesyst
   return maps;
 }
 
+maps::Maps no_maps(const LocalizerComponentConfig& config) {
+  maps::Maps none;
+  none.timescale_use = config.timescale_use;
+  return none;
+}
+
 maps::MapModel make_model(const LocalizerComponentConfig& config, const maps::Maps& maps) {
   return config.sensor_model == maps::SensorModelKind::kBeam
              ? maps::make_map_model(maps, config.model, config.sensor)

@@ -17,6 +17,9 @@ namespace strata::localizer {
 [[nodiscard]] maps::Maps read_maps(const LocalizerComponentConfig& config,
                                    const std::filesystem::path& folder);
 
+/// What is known before anything came over topics.
+[[nodiscard]] maps::Maps no_maps(const LocalizerComponentConfig& config);
+
 /// Throws as maps::make_map_model.
 [[nodiscard]] maps::MapModel make_model(const LocalizerComponentConfig& config,
                                         const maps::Maps& maps);

@@ -21,29 +21,38 @@ std::uint64_t first_scan_number() {
 }  // namespace
 
 Journal::Journal(std::shared_ptr<bus::RawWriter> scans, std::shared_ptr<bus::RawWriter> points,
-                 std::function<RestorePoint()> make_point, Duration period)
+                 std::function<RestorePoint()> make_point, const Limits& limits)
     : scans_(std::move(scans)),
       points_(std::move(points)),
       make_point_(std::move(make_point)),
-      period_(period),
+      limits_(limits),
       next_scan_(first_scan_number()) {}
 
 bool Journal::is_due(Stamp stamp) const {
+  if (last_try_ && stamp >= *last_try_ && stamp - *last_try_ < limits_.period) return false;
   return is_interrupted_ || !last_point_ || stamp < *last_point_ ||
-         stamp - *last_point_ >= period_ || points_->matched() > readers_;
+         stamp - *last_point_ >= limits_.period || points_->matched() > readers_;
 }
 
-void Journal::before(const Observation& observation, const localization::Localizer& localizer) {
+void Journal::before(const Observation& observation, localization::Localizer& localizer) {
   const int readers = points_->matched();
   if (readers == 0) {
     last_point_.reset();  // who comes next begins anew
+    last_try_.reset();
+    lacks_points_ = false;
     readers_ = 0;
     return;
   }
   const Stamp stamp = observation.scan.stamp;
   if (!is_due(stamp)) return;
-  auto state = localizer.saved_state();
-  if (!state) return;
+  auto state = localizer.saved_state(limits_.max_learned_bytes);
+  lacks_points_ = !state;
+  if (!state) {
+    last_try_ = stamp;  // it may have been much work
+    last_point_.reset();
+    return;
+  }
+  last_try_.reset();
   RestorePoint point = make_point_();
   point.stamp = stamp;
   point.next_scan = next_scan_;

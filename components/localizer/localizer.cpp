@@ -184,6 +184,10 @@ void Localizer::on_diagnose(runtime::Health& health) const {
     health.add("mapHash", identity_->hash);
   }
   if (!refused_maps_.empty()) health.warn(refused_maps_);
+  if (journal_ && journal_->lacks_points()) {
+    health.add("incidents", std::string("cannot be replayed: the model has learned more than "
+                                        "restore_point_mb"));
+  }
   if (health_) {
     describe(*health_, health);
     health.add("update times", update_times_.text());
@@ -221,6 +225,7 @@ void Localizer::on_cleanup() {
   current_map_.reset();
   live_maps_.reset();
   map_source_.reset();
+  base_ = {};
   identity_.reset();
   refused_maps_.clear();
   place_.reset();  // its odometry may begin anew before the next configure

@@ -94,7 +94,14 @@ class Localizer final : public runtime::SensorComponent {
     bool has_odometry = false;
   };
 
-  std::optional<MapSource> map_source_;        ///< when a folder is named
+  /// What was read of the folder, whatever came over topics since.
+  struct BaseMaps {
+    std::filesystem::path folder;  ///< without links
+    std::string sha256;            ///< of the content; empty: it was replaced meanwhile
+  };
+
+  std::optional<MapSource> map_source_;  ///< when a folder is named
+  BaseMaps base_;
   std::optional<site::MapIdentity> identity_;  ///< of the maps in the folder
   std::string refused_maps_;                   ///< why newer ones are not used; empty: none
   std::optional<LiveMaps> live_maps_;

@@ -50,6 +50,7 @@ void Localizer::take_folder() {
 void Localizer::use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaussian>& start) {
   use_maps(loaded.maps, loaded.model, loaded.refiner, start);
   identity_ = loaded.identity;
+  base_ = {loaded.folder, identity_ ? identity_->hash : std::string()};
   refused_maps_.clear();
 }
 
@@ -79,22 +80,28 @@ void Localizer::use_maps(const maps::Maps& maps, maps::MapModel model,
 
 void Localizer::subscribe_maps() {
   live_maps_.emplace(maps::map_models().at(config_.model), config_.map_topics);
-  maps::Maps none_yet;
-  none_yet.timescale_use = config_.timescale_use;
-  live_maps_->begin_with(none_yet);
+  live_maps_->begin_with(no_maps(config_));
   const MapTopicsConfig& topics = config_.map_topics;
-  const auto add = [this](const auto& message) { live_maps_->add(message); };
+  const auto add_from = [this](const std::string& topic) {
+    return [this, name = resolve(topic)](const auto& message) {
+      live_maps_->keep_apart(journal_ && journal_->is_read());
+      // Also while nobody reads: who comes later needs to know what it is.
+      live_maps_->add(message, journal_ ? map_message(name, message) : MapMessage{});
+    };
+  };
   if (live_maps_->needs(maps::MapPart::kOccupancy)) {
-    subscribe<nav_msgs::msg::OccupancyGrid>(topics.occupancy, topics.qos, add);
+    subscribe<nav_msgs::msg::OccupancyGrid>(topics.occupancy, topics.qos,
+                                            add_from(topics.occupancy));
   }
   if (live_maps_->needs(maps::MapPart::kFiltered)) {
-    subscribe<strata_msgs::msg::ReflectionGrid>(topics.filtered, topics.qos, add);
+    subscribe<strata_msgs::msg::ReflectionGrid>(topics.filtered, topics.qos,
+                                                add_from(topics.filtered));
   }
   if (live_maps_->needs(maps::MapPart::kPatches)) {
-    subscribe<strata_msgs::msg::PatchMap>(topics.patches, topics.qos, add);
+    subscribe<strata_msgs::msg::PatchMap>(topics.patches, topics.qos, add_from(topics.patches));
   }
   if (live_maps_->needs(maps::MapPart::kTimescale)) {
-    subscribe<strata_msgs::msg::NodeMap>(topics.nodes, topics.qos, add);
+    subscribe<strata_msgs::msg::NodeMap>(topics.nodes, topics.qos, add_from(topics.nodes));
   }
   if (config_.start.pose_topic.empty() || !config_.start.pose.empty()) return;
   subscribe<strata_msgs::msg::ScanPose>(

@@ -13,6 +13,7 @@ namespace {
 
 /// A sub-map counts as the current one when most particles are in it.
 constexpr double kCurrentMass = 0.5;
+constexpr double kBytesPerMb = 1e6;
 
 }  // namespace
 
@@ -57,11 +58,14 @@ void Localizer::begin_journal() {
         point.localizer = full_name();
         point.seed = context().seed;
         point.settings = settings::write_yaml(config_, {.with_version = false});
-        point.maps = config_.maps;
-        if (identity_) point.maps_sha256 = identity_->hash;
+        point.maps = base_.folder.string();
+        point.maps_sha256 = base_.sha256;
+        if (live_maps_) point.map_messages = live_maps_->taken();
         return point;
       },
-      Duration::from_seconds(config_.restore_point_s));
+      Journal::Limits{
+          .period = Duration::from_seconds(config_.restore_point_s),
+          .max_learned_bytes = static_cast<std::size_t>(config_.restore_point_mb * kBytesPerMb)});
 }
 
 void Localizer::interrupt_journal() {

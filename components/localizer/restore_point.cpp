@@ -54,6 +54,7 @@ rcl_interfaces::msg::ParameterEvent to_message(const RestorePoint& point) {
       runtime::parameter("settings", parameter_value(point.settings)),
       runtime::parameter("maps", parameter_value(point.maps)),
       runtime::parameter("maps_sha256", parameter_value(point.maps_sha256)),
+      runtime::parameter("map_messages", parameter_value(to_text(point.map_messages))),
       runtime::parameter("state", bytes_value(point.state)),
   });
   return message;
@@ -76,6 +77,7 @@ RestorePoint restore_point(const rcl_interfaces::msg::ParameterEvent& message) {
   point.settings = text("settings");
   point.maps = text("maps");
   point.maps_sha256 = text("maps_sha256");
+  point.map_messages = map_messages(text("map_messages"));
   point.state = value_of(message, "state", kBytes).byte_array_value();
   return point;
 }

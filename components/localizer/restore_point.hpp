@@ -8,6 +8,7 @@
 
 #include "strata_idl/rcl_interfaces.h"
 
+#include "components/localizer/map_message.hpp"
 #include "core/base/time.hpp"
 
 namespace strata::localizer {
@@ -24,9 +25,11 @@ struct RestorePoint {
   /// The scans before led here; false where a pose was set, a search asked for or a map taken.
   bool goes_on = false;
   std::uint64_t seed = 0;
-  std::string settings;             ///< LocalizerComponentConfig as YAML, every key
-  std::string maps;                 ///< the folder
-  std::string maps_sha256;          ///< log::content_digest; empty: they came over topics
+  std::string settings;     ///< LocalizerComponentConfig as YAML, every key
+  std::string maps;         ///< the folder without links: of a site, its version's
+  std::string maps_sha256;  ///< log::content_digest; empty: none was read
+  /// What came over topics in the place of the folder's, in the order in which it came last.
+  std::vector<MapMessage> map_messages;
   std::vector<std::uint8_t> state;  ///< localization::Localizer::saved_state
 };
 

@@ -45,6 +45,7 @@ TimescaleModel::TimescaleModel(std::shared_ptr<const memory::TimescaleMemory> me
                                std::shared_ptr<const rays::RayCaster> base)
     : memory_(std::move(memory)),
       map_(std::move(map)),
+      first_map_(map_),
       base_(std::move(base)),
       config_(config),
       beam_mixture_(config.mixture, 1.0),

@@ -4,8 +4,11 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "components/maps/timescale_use.hpp"
@@ -64,6 +67,10 @@ class TimescaleModel final : public localization::SensorModel {
   void learn(const Observation& observation, const Pose2Gaussian& map_from_robot,
              const localization::PoseTrust& trust) override;
   void adopt(const SensorModel& before) override;
+  /// Weights, and of its own memory what differs from the one that it began with. O(nodes).
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> save_learned(
+      std::size_t max_bytes) override;
+  void restore_learned(std::span<const std::uint8_t> bytes, const std::string& place) override;
 
   /// Metres that the most trusted level expects, or the next one where it knows nothing; +infinity
   /// where none expects anything.
@@ -129,6 +136,7 @@ class TimescaleModel final : public localization::SensorModel {
 
   std::shared_ptr<const memory::TimescaleMemory> memory_;
   std::shared_ptr<const memory::NodeMap> map_;
+  std::shared_ptr<const memory::NodeMap> first_map_;  ///< that it began with
   std::shared_ptr<const rays::RayCaster> base_;
   localization::BeamModelConfig config_;
   rays::BeamMixture beam_mixture_;

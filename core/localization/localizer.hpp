@@ -99,11 +99,14 @@ class Localizer {
   [[nodiscard]] const ScoreEvidence& score_evidence() const { return score_.evidence(); }
   [[nodiscard]] const LocalizerConfig& config() const { return config_; }
 
+  static constexpr std::size_t kMaxLearnedBytes = std::size_t{32} << 20U;
   /// What the next results depend on besides what the constructor and set_free_space were given
-  /// (core/base/state_archive.hpp): about 50 bytes a particle, and its beliefs. Nothing before a
-  /// start, and with a model that goes on learning, which is not saved. Equal states have equal
-  /// bytes. O(particles).
-  [[nodiscard]] std::optional<std::vector<std::uint8_t>> saved_state() const;
+  /// (core/base/state_archive.hpp): about 50 bytes a particle, its beliefs, and what a model that
+  /// goes on learning has learned (SensorModel::save_learned). Nothing before a start, and when
+  /// the model has learned more than max_learned_bytes. Equal states have equal bytes. O(particles
+  /// + what was learned).
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> saved_state(
+      std::size_t max_learned_bytes = kMaxLearnedBytes);
   /// Goes on where another localizer with the same config, model, seed and free space was: the next
   /// results are the same to the bit. place: of the bytes, for errors. Throws DamageError for
   /// damaged bytes, InputError for those of another version or of other sub-maps; it is not

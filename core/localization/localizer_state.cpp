@@ -12,7 +12,8 @@
 namespace strata::localization {
 namespace {
 
-constexpr std::uint64_t kStateVersion = 1;
+/// 2: with what a model has learned.
+constexpr std::uint64_t kStateVersion = 2;
 
 /// Whether the columns fit each other, and the map, is checked when all is read.
 template <class Particles, class Archive>
@@ -73,10 +74,16 @@ void Localizer::state(Self& self, Archive& archive) {
   archive(self.moved_);
 }
 
-std::optional<std::vector<std::uint8_t>> Localizer::saved_state() const {
-  if (!is_started_ || own_model_ != nullptr) return std::nullopt;
+std::optional<std::vector<std::uint8_t>> Localizer::saved_state(std::size_t max_learned_bytes) {
+  if (!is_started_) return std::nullopt;
+  std::optional<std::vector<std::uint8_t>> learned;
+  if (own_model_ != nullptr) {
+    learned = own_model_->save_learned(max_learned_bytes);
+    if (!learned) return std::nullopt;
+  }
   StateWriter archive;
   archive(kStateVersion);
+  archive(learned);
   archive(static_cast<std::uint64_t>(particles_.belief_columns));
   state(*this, archive);
   return archive.take();
@@ -118,7 +125,12 @@ void Localizer::restore(std::span<const std::uint8_t> bytes, const std::string& 
   is_started_ = false;
   StateReader archive(bytes, place);
   archive.expect_version(kStateVersion);
-  if (own_model_ != nullptr) archive.refuse("is of a model that does not learn");
+  std::optional<std::vector<std::uint8_t>> learned;
+  archive(learned);
+  if (learned.has_value() != (own_model_ != nullptr)) {
+    archive.refuse(learned ? "is of a model that goes on learning"
+                           : "is of a model that does not learn");
+  }
   std::uint64_t columns = 0;
   archive(columns);
   state(*this, archive);
@@ -126,6 +138,7 @@ void Localizer::restore(std::span<const std::uint8_t> bytes, const std::string& 
   particles_.belief_columns = columns;
   if (!fits_map()) archive.refuse("is of other maps");
   const PatchStates* states = model_->patch_states();
+  if (learned) own_model_->restore_learned(*learned, place);
   if (states != nullptr && particles_.time) states->tell_time(*particles_.time, particles_);
   resampled_ = particles_;
   is_started_ = true;

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/parallel.hpp"
@@ -75,6 +78,16 @@ class SensorModel {
   /// This copy takes the place of `before` in the middle of a run: what that one has learned about
   /// the scans, and still fits this map, goes on.
   virtual void adopt(const SensorModel& /*before*/) {}
+  /// What this copy has learned; nothing when that is more than max_bytes, or is not saved. What is
+  /// derived from it to be fast is made anew, as restore_learned() does, so that both go on alike.
+  [[nodiscard]] virtual std::optional<std::vector<std::uint8_t>> save_learned(
+      std::size_t /*max_bytes*/) {
+    return std::nullopt;
+  }
+  /// Goes on from there, in a copy of the same model. place: of the bytes, for errors. Throws
+  /// DamageError.
+  virtual void restore_learned(std::span<const std::uint8_t> /*bytes*/,
+                               const std::string& /*place*/) {}
 
   /// The states of the sub-maps, for a model that has any; null otherwise.
   [[nodiscard]] virtual const PatchStates* patch_states() const { return nullptr; }

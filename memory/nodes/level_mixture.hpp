@@ -54,6 +54,17 @@ class LevelMixture {
   /// has more beams than any before.
   int update(const NodeMap& map, const Pose2& map_from_laser, const Scan& scan);
 
+  /// For saved states.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    archive(self.weights_);
+    if constexpr (Archive::kReads) {
+      for (const std::vector<double>& row : self.weights_) {
+        if (row.size() != self.even_.size()) archive.fail("has another number of levels");
+      }
+    }
+  }
+
  private:
   [[nodiscard]] double log_likelihood(std::span<const float> expected_m,
                                       std::span<const float> measured_m, double max_m) const;

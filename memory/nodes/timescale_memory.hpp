@@ -124,6 +124,9 @@ class TimescaleMemory {
   };
   [[nodiscard]] std::vector<std::byte> head_state() const;
   [[nodiscard]] NodeState node_state(std::size_t node) const;
+  /// Whose turn it is at the gate, which the parts do not tell: for who goes on within a run.
+  [[nodiscard]] const ScannerTurns& turns() const { return turns_; }
+  void set_turns(ScannerTurns turns) { turns_ = std::move(turns); }
   /// An evicted node as it would be when loaded. Throws InputError when it cannot be read.
   [[nodiscard]] MemoryNode loaded(std::size_t node) const;
   /// Throws InputError{place} when the parts do not fit together.

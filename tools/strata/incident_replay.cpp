@@ -5,6 +5,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -47,6 +48,27 @@ std::map<std::string, JournalReplay> read_journals(const fs::path& incident) {
   return journals;
 }
 
+/// Gives the journals the messages that their maps came with, as far as they were kept.
+void read_map_messages(const fs::path& incident, std::map<std::string, JournalReplay>& journals) {
+  std::map<std::string, std::vector<JournalReplay*>> wanted;  // by SHA-256
+  std::set<std::string> topics;
+  for (auto& [name, journal] : journals) {
+    for (const localizer::MapMessage& message : journal.wanted()) {
+      wanted[message.sha256].push_back(&journal);
+      topics.insert(message.topic);
+    }
+  }
+  if (topics.empty()) return;
+  const auto bag = log::BagReader::open(incident);
+  for (log::BagMessage message; bag->next(message);) {
+    const log::BagTopic& topic = bag->topics()[message.topic];
+    if (!topics.contains(topic.name)) continue;
+    const auto found = localizer::map_message(topic.name, topic.type, message.data);
+    if (!found || !wanted.contains(found->sha256)) continue;
+    for (JournalReplay* journal : wanted[found->sha256]) journal->add(*found, message.data);
+  }
+}
+
 bool holds(const fs::path& folder, const std::string& sha256) {
   try {
     return fs::exists(folder) && log::content_digest(folder) == sha256;
@@ -75,6 +97,7 @@ nlohmann::json as_json(const LocalizerReplay& replay) {
                       {"replayed", outcome.replayed},
                       {"same", outcome.same},
                       {"restored", outcome.restored},
+                      {"without_maps", outcome.without_maps},
                       {"states_compared", outcome.compared},
                       {"states_same", outcome.same_states}};
   if (outcome.first_difference) json["first_difference_s"] = outcome.first_difference->seconds();
@@ -124,11 +147,12 @@ std::vector<LocalizerReplay> replay_incident(const IncidentReplayOptions& option
     throw InputError(options.incident.string(), "is no incident",
                      "name one of those that `strata incidents DIR` lists");
   }
-  const auto journals = read_journals(options.incident);
+  auto journals = read_journals(options.incident);
   if (journals.empty()) {
     throw InputError(options.incident.string(), "holds no journal of a localizer",
                      "let the recorder keep /LOCALIZER/_journal and /LOCALIZER/_restore_point");
   }
+  read_map_messages(options.incident, journals);
   const JournalReplay::FindMaps find_maps = find_maps_of(*record, options.maps);
   std::vector<LocalizerReplay> replays;
   for (const auto& [name, journal] : journals) {

@@ -12,7 +12,7 @@
 
 #include "components/bus/service.hpp"
 #include "components/localizer/journal_replay.hpp"
-#include "tests/components/localizer/live_fixture.hpp"
+#include "tests/components/localizer/journal_fixture.hpp"
 
 namespace strata::localizer {
 namespace {
@@ -20,46 +20,6 @@ namespace {
 using rcl_interfaces::msg::ParameterEvent;
 using strata_msgs::msg::LabeledScan;
 using ::testing::HasSubstr;
-
-class LocalizerJournal : public LiveLocalizer {
- protected:
-  /// With a restore point a second.
-  void begin(const std::string& model, const std::string& more = "") {
-    std::string parameters = parameters_of(model, false);
-    parameters.pop_back();
-    start(parameters + ", restore_point_s: 1.0" + more + "}");
-    points_.emplace(robot_, "/localizer/_restore_point", "default");
-    scans_.emplace(robot_, "/localizer/_journal", "tf");
-    ASSERT_TRUE(points_->wait_for_writer());
-    ASSERT_TRUE(scans_->wait_for_writer());
-  }
-  /// Plays so many scans, and returns the poses that came.
-  std::vector<geometry_msgs::msg::PoseWithCovarianceStamped> drive(int scans) {
-    std::vector<geometry_msgs::msg::PoseWithCovarianceStamped> poses;
-    for (int n = 0; n < scans; ++n) poses.push_back(next_pose());
-    return poses;
-  }
-  JournalReplay journal(std::size_t scans) {
-    JournalReplay journal;
-    for (const LabeledScan& scan : scans_->wait_for(scans)) journal.add(scan);
-    for (const ParameterEvent& point : points_->wait_for(1)) journal.add(restore_point(point));
-    return journal;
-  }
-  static std::filesystem::path find_maps(const RestorePoint& point) { return point.maps; }
-  JournalReplay::Outcome run(const JournalReplay& journal) {
-    replayed_.clear();
-    return journal.run(find_maps, 2, [&](const ReplayedScan& scan, const auto&) {
-      geometry_msgs::msg::PoseWithCovarianceStamped pose;
-      pose.header(convert::make_header(scan.stamp, "map"));
-      pose.pose(convert::to_pose_with_covariance(scan.replayed));
-      replayed_.push_back(pose);
-    });
-  }
-
-  std::optional<test::Collector<ParameterEvent>> points_;
-  std::optional<test::Collector<LabeledScan>> scans_;
-  std::vector<geometry_msgs::msg::PoseWithCovarianceStamped> replayed_;
-};
 
 TEST_F(LocalizerJournal, GivesThePosesThatTheRobotPublishedToTheBit) {
   for (const std::string model : {"patch", "filtered"}) {
@@ -176,6 +136,8 @@ TEST(RestorePoint, KeepsItsValuesAndRefusesMessagesThatLackOne) {
   point.settings = "model: patch\n";
   point.maps = "maps";
   point.maps_sha256 = "0123";
+  point.map_messages = {{"/map", "nav_msgs/msg/OccupancyGrid", "4567"},
+                        {"/node_map", "strata_msgs/msg/NodeMap", ""}};
   point.state = {0, 255, 7};
   const ParameterEvent message = to_message(point);
   const RestorePoint back = restore_point(message);
@@ -187,6 +149,7 @@ TEST(RestorePoint, KeepsItsValuesAndRefusesMessagesThatLackOne) {
   EXPECT_EQ(back.settings, point.settings);
   EXPECT_EQ(back.maps, point.maps);
   EXPECT_EQ(back.maps_sha256, point.maps_sha256);
+  EXPECT_EQ(back.map_messages, point.map_messages);
   EXPECT_EQ(back.state, point.state);
   for (std::size_t n = 0; n < message.new_parameters().size(); ++n) {
     ParameterEvent less = message;
