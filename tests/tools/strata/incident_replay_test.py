@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Something goes wrong with a robot that runs; its incident gives the same poses again, to the bit.
 
-usage: incident_replay_test.py kidnapping|changed_rooms|killed_scanner STRATA HALL.yaml WORK
+usage: incident_replay_test.py KIND STRATA HALL.yaml WORK
+
+KIND: kidnapping, changed_rooms or killed_scanner; learning: a kidnapping with a model that learns while
+it localizes; topics: one in a map that comes over a topic.
 """
 import os
 import shutil
@@ -19,11 +22,11 @@ processes:
     executor: multi_threaded
     components:
       - {{type: strata::Player, name: player, parameters: {{log: {log}, rate: 3.0}}}}
-      - type: strata::Localizer
+{others}      - type: strata::Localizer
         name: localizer
         parameters:
-          maps: {work}/maps
-          model: patch
+          maps: {maps}
+          model: {model}
           start: {{pose: {start}}}
           restore_point_s: 3.0
           localizer: {{recovery: {{inject: true, restart_after: 5}}}}
@@ -36,13 +39,18 @@ processes:
           after_s: 2.0
           when: {{score_below: 0.4}}
 """
+MAP_SERVER = "      - {{type: strata::MapServer, name: map_server, parameters: {{map: {work}/maps/occupancy.yaml}}}}\n"
+# Where the maps come from, and the model.
+WAYS = {"learning": {"model": "timescale"}, "topics": {"model": "occupancy", "maps": "''", "others": MAP_SERVER}}
 
 
 def test(kind, strata, hall, work):
     log = simulated(strata, one_long_day(hall, f"{work}.yaml"), work)
     subprocess.run([strata, "learn", log, "--out", f"{work}/maps", "--quiet"], check=True)
-    provoke(kind, log, f"{work}/provoked.clf", at=30.0, until=70.0)
-    robot = started(strata, COMPOSITION, work, log=f"{work}/provoked.clf", start="[0, 0, 0]")
+    way = {"model": "patch", "maps": "{work}/maps", "others": "", **WAYS.get(kind, {})}
+    provoke("kidnapping" if kind in WAYS else kind, log, f"{work}/provoked.clf", at=30.0, until=70.0)
+    robot = started(strata, COMPOSITION, work, log=f"{work}/provoked.clf", start="[0, 0, 0]",
+                    **{name: text.format(work=work) for name, text in way.items()})
     try:
         incidents = comes_true(lambda: [one for one in incidents_in(strata, f"{work}/incidents")
                                         if one["complete"]], f"an incident of {kind} is kept")
@@ -85,9 +93,10 @@ def test_refusals(strata, work):
 
 def main():
     kind, strata, hall, work = sys.argv[1:5]
-    assert kind in KINDS, kind
+    assert kind in (*KINDS, *WAYS), kind
     test(kind, strata, hall, work)
-    test_refusals(strata, work)
+    if kind != "topics":  # needs no folder
+        test_refusals(strata, work)
     shutil.rmtree(work)
 
 
