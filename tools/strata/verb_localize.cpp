@@ -178,7 +178,7 @@ void run_localize(const Options& options, VerbContext& context) {
                [&] { pipeline::write_trajectory_picture(out.path(), maps.filtered, fit.fit()); });
   drawings.add(out.path() / pipeline::kReplayPage, [&] {
     pipeline::write_replay(out.path(), {maps.filtered,
-                                        maps.patches ? &*maps.patches : nullptr,
+                                        maps::patches_of(*model.descriptor, maps),
                                         runs.observations,
                                         runs.truths,
                                         {{options.model, run.trajectory, run.states, run.scores}}});

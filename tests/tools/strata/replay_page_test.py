@@ -117,6 +117,10 @@ def main():
     text = open(path).read()
     assert len(text) < 5_000_000, len(text)
     assert "http://" not in text and "https://" not in text, "nothing is asked of the network"
+    assert '"areas":[[' in text, "patch has areas that change"
+    subprocess.run([strata, "localize", log, "--truth", truth, "--maps", f"{work}/maps", "--model", "filtered",
+                    "--out", f"{work}/filtered", "--quiet"], check=True)
+    assert '"areas":[]' in open(f"{work}/filtered/replay.html").read(), "a map without any shows none"
     page = opened(browser, path, work, "one")
     try:
         looks_through(page, work)
