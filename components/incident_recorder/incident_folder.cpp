@@ -15,6 +15,7 @@
 
 #include "components/log/content_hash.hpp"
 #include "components/log/disk.hpp"
+#include "components/log/folder_name.hpp"
 #include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
 
@@ -70,14 +71,8 @@ json to_json(const IncidentRecord& record) {
           {"complete", record.is_complete}};
 }
 
-/// Without the trailing slash, which would leave no name.
-fs::path named(const std::string& text) {
-  const fs::path path = text;
-  return path.has_filename() ? path : path.parent_path();
-}
-
 KeptFile keep_file(const fs::path& files, const std::string& source) {
-  const fs::path path = named(source);
+  const fs::path path = log::without_slash(source);
   const fs::path aside = log::staged_name(files / "copy");
   for (int attempt = 0;; ++attempt) {
     fs::remove_all(aside);
@@ -168,10 +163,10 @@ std::optional<fs::path> kept_copy(const IncidentRecord& record, const std::strin
                                    [&](const KeptFile& file) { return file.sha256 == sha256; });
   if (!is_kept) return std::nullopt;
   const fs::path place = fs::absolute(record.folder).lexically_normal();
-  const fs::path folder = (place.has_filename() ? place : place.parent_path()).parent_path();
+  const fs::path folder = log::without_slash(place).parent_path();
   // Equal contents lie together under each of their names.
   for (const KeptFile& file : record.files) {
-    const fs::path copy = folder / kFiles / sha256 / named(file.source).filename();
+    const fs::path copy = folder / kFiles / sha256 / log::without_slash(file.source).filename();
     if (file.sha256 == sha256 && fs::exists(copy)) return copy;
   }
   return std::nullopt;

@@ -5,6 +5,7 @@
 
 #include "components/log/bag.hpp"
 #include "components/log/bag_writer_state.hpp"
+#include "components/log/folder_name.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -39,8 +40,7 @@ BagWriter::BagWriter(const fs::path& folder, const BagOptions& options)
   state_->summary.storage = options.storage;
   state_->summary.sqlite_schema = options.sqlite_schema;
   state_->summary.packing = options.packing;
-  fs::path stem = fs::weakly_canonical(fs::absolute(folder));
-  if (!stem.has_filename()) stem = stem.parent_path();
+  const fs::path stem = without_slash(fs::weakly_canonical(fs::absolute(folder)));
   // A folder that is written aside is called .NAME.partial-PID until it is whole.
   std::string name = stem.filename().string();
   if (const auto partial = name.find(".partial-");

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "components/log/folder_name.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -36,8 +37,7 @@ std::string holder_of(int file) {
 
 FolderLock::FolderLock(const fs::path& folder,
                        const std::function<bool(const std::string&)>& wait) {
-  fs::path whole = fs::weakly_canonical(fs::absolute(folder));
-  if (!whole.has_filename()) whole = whole.parent_path();
+  const fs::path whole = without_slash(fs::weakly_canonical(fs::absolute(folder)));
   path_ = whole.parent_path() / ("." + whole.filename().string() + ".lock");
   const auto fail = [this](int error) {
     throw OutputError(path_.string(), "cannot be made: " + std::generic_category().message(error),

@@ -4,6 +4,7 @@
 #include <string>
 #include <system_error>
 
+#include "components/log/folder_name.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -11,8 +12,7 @@ namespace fs = std::filesystem;
 namespace strata::log {
 
 WholeFolder::WholeFolder(const fs::path& folder, const Disk& disk, Existing existing)
-    : disk_(disk), folder_(fs::weakly_canonical(fs::absolute(folder))) {
-  if (!folder_.has_filename()) folder_ = folder_.parent_path();
+    : disk_(disk), folder_(without_slash(fs::weakly_canonical(fs::absolute(folder)))) {
   put_back(disk_, folder_);
   std::error_code error;
   const bool may_hold = existing == Existing::kReplace;

@@ -8,6 +8,7 @@
 #include "components/bus/bag_service_types.hpp"
 #include "components/bus/recorded_topic.hpp"
 #include "components/convert/geometry_messages.hpp"
+#include "components/log/folder_name.hpp"
 #include "components/log/writable_place.hpp"
 
 namespace strata::recorder {
@@ -30,14 +31,12 @@ log::BagOptions bag_options(const RecorderConfig& config) {
 /// One name for a folder, before it exists and after: absolute, without links and a slash at its
 /// end. weakly_canonical leaves a relative path relative as long as nothing of it exists.
 std::filesystem::path normal_form(const std::filesystem::path& folder) {
-  auto normal = std::filesystem::weakly_canonical(std::filesystem::absolute(folder));
-  return normal.has_filename() ? normal : normal.parent_path();
+  return log::without_slash(std::filesystem::weakly_canonical(std::filesystem::absolute(folder)));
 }
 
 /// The folder to write: the one that is asked for or, when it may be numbered, the first free one.
 std::filesystem::path free_folder(const RecorderConfig& config, bool may_number) {
-  std::filesystem::path out = config.out;
-  if (!out.has_filename()) out = out.parent_path();  // beside "bag/", not in it
+  const std::filesystem::path out = log::without_slash(config.out);  // beside "bag/", not in it
   std::filesystem::path folder = out;
   for (int number = 2; may_number && std::filesystem::exists(folder); ++number) {
     folder = out.string() + "_" + std::to_string(number);

@@ -12,6 +12,7 @@
 
 #include "components/convert/patch_messages.hpp"
 #include "components/log/disk.hpp"
+#include "components/log/folder_name.hpp"
 #include "components/log/whole_folder.hpp"
 #include "components/maps/earlier_runs.hpp"
 #include "components/scan_matcher/damaged_maps.hpp"
@@ -79,10 +80,9 @@ void require_replaceable(const fs::path& folder) {
 }
 
 MapsSaver::MapsSaver(const fs::path& folder, SaverConfig config)
-    : folder_(fs::weakly_canonical(fs::absolute(folder))),
+    : folder_(log::without_slash(fs::weakly_canonical(fs::absolute(folder)))),
       config_(std::move(config)),
       work_([this](const Job& job) { work_on(job); }) {
-  if (!folder_.has_filename()) folder_ = folder_.parent_path();
   log::put_back(log::real_disk(), folder_);
   log::remove_left_over(folder_);  // of savers whose process was killed
   require_replaceable(folder_);

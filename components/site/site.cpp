@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "components/log/content_hash.hpp"
+#include "components/log/folder_name.hpp"
 #include "components/log/whole_file.hpp"
 #include "components/site/site_change.hpp"
 #include "core/base/error.hpp"
@@ -24,9 +25,10 @@ bool is_hash(const std::string& text) {
 }  // namespace
 
 Site::Site(const fs::path& folder, const log::Disk& disk)
-    : disk_(&disk), folder_(folder), wait_([](const std::string&) { return true; }) {
+    : disk_(&disk),
+      folder_(log::without_slash(folder)),
+      wait_([](const std::string&) { return true; }) {
   if (folder_.empty()) throw InputError("SITE", "is an empty name", "name the folder of a site");
-  if (!folder_.has_filename()) folder_ = folder_.parent_path();
   (void)read_decisions(folder_ / kSiteFile);
 }
 

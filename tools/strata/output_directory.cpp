@@ -10,6 +10,7 @@
 
 #include <unistd.h>
 
+#include "components/log/folder_name.hpp"
 #include "core/base/error.hpp"
 
 namespace fs = std::filesystem;
@@ -46,7 +47,7 @@ constexpr std::size_t kMaxCarried = 1000;
 
 fs::path without_links(const fs::path& target) {
   fs::path whole = fs::weakly_canonical(fs::absolute(target));
-  return whole.has_filename() ? whole : whole.parent_path();
+  return log::without_slash(whole);
 }
 
 /// Whether this program, and so the one that called it, works in the folder or below.
@@ -101,7 +102,7 @@ void link_or_copy(const fs::path& from, const fs::path& to) {
 OutputDirectory::OutputDirectory(fs::path target, StagedPaths& staged, const log::Disk& disk)
     : disk_(disk), target_(std::move(target)), staged_(staged) {
   if (target_.empty()) throw OutputError("--out", "is empty", "name a folder");
-  if (!target_.has_filename()) target_ = target_.parent_path();
+  target_ = log::without_slash(target_);
   try {
     find_place();
   } catch (const fs::filesystem_error& error) {
