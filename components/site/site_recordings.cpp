@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The recordings that a site keeps for its gate.
 #include <algorithm>
+#include <charconv>
 #include <system_error>
 
+#include "components/log/folder_name.hpp"
+#include "components/log/stored_bytes.hpp"
 #include "components/log/whole_folder.hpp"
 #include "components/site/site.hpp"
 #include "components/site/site_change.hpp"
@@ -18,27 +21,12 @@ constexpr const char* kLog = "log";
 constexpr const char* kTruth = "truth";
 constexpr std::size_t kDigits = 6;
 
-/// 0 for the name of no recording.
+/// "000007_monday.clf" is 7; 0 for the name of no recording.
 int number_of(const std::string& name) {
-  if (name.size() <= kDigits || name[kDigits] != '_') return 0;
-  const std::string digits = name.substr(0, kDigits);
-  if (digits.find_first_not_of("0123456789") != std::string::npos) return 0;
-  return std::stoi(digits);
-}
-
-std::uint64_t bytes_below(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_directory(path, error)) {
-    const auto bytes = fs::file_size(path, error);
-    return error ? 0 : bytes;
-  }
-  std::uint64_t bytes = 0;
-  for (const auto& entry : fs::recursive_directory_iterator(path, error)) {
-    if (!entry.is_regular_file(error)) continue;
-    const auto size = entry.file_size(error);
-    if (!error) bytes += size;
-  }
-  return bytes;
+  int number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  const bool has_mark = end != name.data() + name.size() && *end == '_';
+  return error == std::errc() && has_mark ? number : 0;
 }
 
 /// What lies in a folder that holds one thing; empty where there is none.
@@ -46,10 +34,6 @@ fs::path only_entry(const fs::path& folder) {
   std::error_code error;
   const fs::directory_iterator entries(folder, error);
   return error || entries == fs::directory_iterator() ? fs::path() : entries->path();
-}
-
-fs::path without_slash(const fs::path& path) {
-  return path.has_filename() ? path : path.parent_path();
 }
 
 void copy_into(const fs::path& from, const fs::path& folder) {
@@ -86,7 +70,7 @@ std::vector<KeptRecording> Site::recordings() const {
     one.log = only_entry(one.folder / kLog);
     one.truth = only_entry(one.folder / kTruth);
     if (one.number == 0 || one.log.empty()) continue;
-    one.bytes = bytes_below(one.folder);
+    one.bytes = log::stored_bytes(one.folder);
     all.push_back(std::move(one));
   }
   std::sort(all.begin(), all.end(),
@@ -96,8 +80,9 @@ std::vector<KeptRecording> Site::recordings() const {
 
 std::vector<KeptRecording> Site::keep(const fs::path& log, const fs::path& truth,
                                       std::uint64_t max_bytes, const Actor& actor) {
-  const fs::path source = without_slash(log);
-  const std::uint64_t bytes = bytes_below(source) + (truth.empty() ? 0 : bytes_below(truth));
+  const fs::path source = log::without_slash(log);
+  const std::uint64_t bytes =
+      log::stored_bytes(source) + (truth.empty() ? 0 : log::stored_bytes(truth));
   if (bytes > max_bytes) {
     throw InputError(source.string(), "is larger than all that the site may keep",
                      "allow more with --max-mb, or cut it with `strata convert`");
@@ -113,7 +98,7 @@ std::vector<KeptRecording> Site::keep(const fs::path& log, const fs::path& truth
   remove_halves(folder_ / kRecordings);
   log::WholeFolder whole(folder_ / kRecordings / name, *disk_);
   copy_into(source, whole.aside() / kLog);
-  if (!truth.empty()) copy_into(without_slash(truth), whole.aside() / kTruth);
+  if (!truth.empty()) copy_into(log::without_slash(truth), whole.aside() / kTruth);
   whole.commit();
   add_event(change.decisions, "keep", "", actor, name);
   change.commit();

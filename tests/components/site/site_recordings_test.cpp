@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What a site keeps for its gate.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -12,6 +13,7 @@
 #include "core/base/error.hpp"
 #include "tests/support/full_disk.hpp"
 #include "tests/support/test_data.hpp"
+#include "tests/support/watched_disk.hpp"
 
 namespace fs = std::filesystem;
 
@@ -64,6 +66,27 @@ TEST_F(SiteRecordings, KeepTheNewestThatFit) {
   EXPECT_THAT(names(site_), ElementsAre("b.clf", "c.clf"));
   EXPECT_EQ(site_.keep(log("d.clf", 90), {}, 100, kAda).size(), 2U);
   EXPECT_THAT(names(site_), ElementsAre("d.clf"));
+}
+
+TEST_F(SiteRecordings, GoOutOfSightAtOnce) {
+  (void)site_.keep(log("a.clf", 60), {}, 100, kAda);
+  const test::WatchedDisk disk;
+  Site watched(at("hall"), disk);
+  (void)watched.keep(log("b.clf", 60), {}, 100, kAda);
+  const std::vector<std::string>& steps = disk.steps();
+  const auto hides =
+      std::find(steps.begin(), steps.end(), "rename 000001_a.clf to .000001_a.clf.partial");
+  ASSERT_NE(hides, steps.end());
+  EXPECT_NE(std::find(hides, steps.end(), "remove .000001_a.clf.partial"), steps.end());
+}
+
+TEST_F(SiteRecordings, GoOnCountingBeyondSixDigits) {
+  const fs::path folder = at("hall/recordings/1000000_a.clf/log");
+  fs::create_directories(folder);
+  std::ofstream(folder / "a.clf") << "a";
+  (void)site_.keep(log("b.clf", 1), {}, 100, kAda);
+  EXPECT_THAT(names(site_), ElementsAre("a.clf", "b.clf"));
+  EXPECT_EQ(site_.recordings().back().number, 1'000'001);
 }
 
 TEST_F(SiteRecordings, RefuseWhatIsTooLargeForAllAndKeepTheOthers) {
