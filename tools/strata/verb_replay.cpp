@@ -14,17 +14,15 @@
 #include "components/maps/localization_files.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/summary.hpp"
-#include "memory/store/store.hpp"
 #include "tools/expect/compare_results.hpp"
 #include "tools/pipeline/cost.hpp"
-#include "tools/pipeline/truth_frame.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/composition_options.hpp"
 #include "tools/strata/incident_replay.hpp"
 #include "tools/strata/positive.hpp"
 #include "tools/strata/replay_fit.hpp"
 #include "tools/strata/replay_session.hpp"
-#include "tools/strata/replay_truth.hpp"
+#include "tools/strata/replay_truths.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/verbs.hpp"
@@ -48,15 +46,6 @@ struct ReplayOptions {
   double rate = 0.0;  ///< 0: as fast as the components are
 };
 
-/// The folders below `out` that have a file of that name.
-std::vector<fs::path> folders_with(const fs::path& out, const char* file) {
-  std::vector<fs::path> folders;
-  for (const auto& entry : fs::recursive_directory_iterator(out)) {
-    if (entry.path().filename() == file) folders.push_back(entry.path().parent_path());
-  }
-  return folders;
-}
-
 /// How many scans are for learning, when the rest is to be localized.
 std::size_t learned_scans(const ReplayOptions& options, const pipeline::Runs& runs) {
   const std::vector<double> elapsed_s = pipeline::elapsed_seconds(runs.observations);
@@ -68,65 +57,6 @@ std::size_t learned_scans(const ReplayOptions& options, const pipeline::Runs& ru
   }
   return static_cast<std::size_t>(end - elapsed_s.begin());
 }
-
-/// Where the truth lies in maps that this replay learned.
-std::optional<Pose2> learned_frame(const fs::path& maps_folder, const pipeline::Runs& runs) {
-  std::vector<pipeline::LearnedPose> poses;
-  const memory::Store store(maps_folder / maps::kStoreFile, {.read_only = true, .check = false});
-  for (const int run : store.runs()) {
-    for (const memory::TrajectoryPose& pose : store.load_trajectory(run)) {
-      poses.push_back({run, pose.stamp, pose.map_from_robot});
-    }
-  }
-  return pipeline::map_from_truth(runs, poses);
-}
-
-/// Everything about --truth.
-class TruthOfReplay {
- public:
-  TruthOfReplay(const ReplayOptions& options, const pipeline::Runs& runs, ReplaySession& session)
-      : runs_(runs), is_given_(!options.input.truths.empty()) {
-    if (!is_given_) return;
-    for (const auto& process : session.composition().processes) {
-      for (const auto& entry : process.components) {
-        if (entry.type != "strata::Localizer") continue;
-        localizers_.push_back(std::make_unique<ReplayTruth>(session.participant(),
-                                                            session.composition(), entry, runs));
-      }
-    }
-    for (const auto& localizer : localizers_) {
-      if (localizer->maps().empty()) continue;
-      localizer->set_map_from_truth(maps::read_maps(localizer->maps()).map_from_truth);
-    }
-  }
-  void wait_until_heard() const {
-    for (const auto& localizer : localizers_) {
-      if (localizer->wait_until_heard()) continue;
-      throw Error("--truth", "the localizer's particle clouds are not heard",
-                  "check its particles_topic");
-    }
-  }
-  /// After learning.
-  void align(const fs::path& out) {
-    if (!is_given_) return;
-    for (const fs::path& folder : folders_with(out, maps::kStoreFile)) {
-      const auto frame = learned_frame(folder, runs_);
-      if (!frame) continue;
-      maps::write_map_from_truth(folder, *frame);
-      for (const auto& localizer : localizers_) {
-        if (localizer->maps().empty()) localizer->set_map_from_truth(frame);
-      }
-    }
-  }
-  void write(const fs::path& out) {
-    for (const auto& localizer : localizers_) localizer->write(out);
-  }
-
- private:
-  const pipeline::Runs& runs_;
-  bool is_given_;
-  std::vector<std::unique_ptr<ReplayTruth>> localizers_;
-};
 
 /// The kind of results that a component saves; empty: none.
 std::string kind_saved_by(const std::string& type) {
@@ -165,12 +95,12 @@ void replay_into(const fs::path& out, const ReplayOptions& options, VerbContext&
   const pipeline::CostMeter meter;
   ReplaySession session(context, std::move(composition), options.composition);
   if (!options.topics.empty()) session.record(options.topics, out / expect::kTopicsFolder);
-  TruthOfReplay truth(options, runs, session);
+  ReplayTruths truths(!options.input.truths.empty(), runs, session);
   // Stamps of several logs may overlap: clouds go with one only.
   const bool is_one = options.input.logs.size() == 1;
   session.connect(runs, !is_one || !options.input.poses.empty(),
                   is_one ? std::optional<fs::path>(options.input.logs.front()) : std::nullopt);
-  truth.wait_until_heard();
+  truths.wait_until_heard();
   // Now that everybody has found everybody: its readers would be taken for those that are waited
   // for.
   const auto view = view_of(session.composition(), session.participant(),
@@ -180,12 +110,12 @@ void replay_into(const fs::path& out, const ReplayOptions& options, VerbContext&
     begin = learned_scans(options, runs);
     session.play(0, begin, options.rate);
     session.finish(out);
-    truth.align(out);
+    truths.align(out);
   }
   session.play(begin, runs.observations.size(), options.rate);
   session.finish(out);
-  if (!options.learn_until_s) truth.align(out);
-  truth.write(out);
+  if (!options.learn_until_s) truths.align(out);
+  truths.write(out);
   session.stop();
   for (const std::string& warning : fit_warnings(out, session.composition(), runs)) {
     warn(context, warning);
