@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.hpp"
+#include "core/scan/endpoints.hpp"
 #include "tools/report/html_report.hpp"
 #include "tools/report/map_picture.hpp"
 
@@ -27,17 +28,11 @@ json pose_json(const Pose2& pose) {
 
 /// Ends of hits in the robot's frame [cm], x and y in turn.
 json beams_json(const Scan& scan) {
+  const Endpoints hits = subsample(endpoints_in_robot(scan), kReplayBeams);
   json ends = json::array();
-  const std::size_t step = (scan.size() + kReplayBeams - 1) / kReplayBeams;
-  for (std::size_t i = 0; i < scan.size(); i += step) {
-    if (scan.kind(i) != BeamKind::kHit) continue;
-    const double range_m = static_cast<double>(scan.ranges_m[i]);
-    const double bearing_rad = scan.bearing_rad(i);
-    const Eigen::Vector2d end =
-        scan.robot_from_laser *
-        Eigen::Vector2d(range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad));
-    ends.push_back(std::lround(100.0 * end.x()));
-    ends.push_back(std::lround(100.0 * end.y()));
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    ends.push_back(std::lround(100.0 * hits.x_m[i]));
+    ends.push_back(std::lround(100.0 * hits.y_m[i]));
   }
   return ends;
 }

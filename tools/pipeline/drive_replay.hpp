@@ -23,7 +23,7 @@ inline constexpr const char* kReplayPage = "replay.html";
 inline constexpr std::size_t kReplayBudget = 5'000'000;
 /// At most so many scans of a drive are shown, evenly, ...
 inline constexpr std::size_t kReplayScans = 1500;
-/// ... and so many beams of each.
+/// ... and so many hits of each.
 inline constexpr std::size_t kReplayBeams = 90;
 
 /// One localizer's way through the drive; each has a panel of its own.
