@@ -34,8 +34,8 @@ namespace strata::localizer {
 /// are passed over, and when one comes again the robot goes on in it, with the particles that it
 /// has and what they believe of sub-maps that are still there; so it does when the folder is a
 /// site's and another version becomes active. Scans with their poses go out where a learner wants
-/// them. At the end of a log trajectory.tum, states.csv and metrics.json, byte for byte those of
-/// `strata localize` without truth but for the cost.
+/// them. At the end of a log trajectory.tum, refined.tum, states.csv and metrics.json, byte for
+/// byte those of `strata localize` without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;

@@ -35,6 +35,15 @@ class JournalOfMaps : public LocalizerJournal {
     kept_.push_back({topic, bus::MessageType<Message>::name, convert::to_cdr(message)});
     writer.publish(message);
   }
+  void drive_on(Poses& poses, std::size_t scans) {
+    const Poses more = drive(scans);
+    poses.insert(poses.end(), more.begin(), more.end());
+  }
+  JournalReplay with_messages(std::size_t scans) {
+    JournalReplay journal = this->journal(scans);
+    give_messages(journal);
+    return journal;
+  }
   void give_messages(JournalReplay& journal) const {
     for (const Kept& kept : kept_) {
       const auto found = map_message(kept.topic, kept.type, kept.cdr);
@@ -82,11 +91,9 @@ TEST_F(JournalOfMaps, ThatComeAgainOverTopicsGivesTheSamePoses) {
   Poses poses = drive(8);
   for (int version : {1, 1, 2}) {  // once more the same
     send(version);
-    const Poses more = drive(8);
-    poses.insert(poses.end(), more.begin(), more.end());
+    drive_on(poses, 8);
   }
-  JournalReplay journal = this->journal(poses.size());
-  give_messages(journal);
+  JournalReplay journal = with_messages(poses.size());
   const JournalReplay::Outcome outcome = run(journal);
   EXPECT_TRUE(outcome.is_same());
   EXPECT_EQ(outcome.replayed, outcome.scans);
@@ -103,10 +110,8 @@ TEST_F(JournalOfMaps, ThatSomebodyElsePublishesGivesTheSamePoses) {
   Poses poses = drive(8);
   for (std::size_t n = 0; n < map.data().size(); n += 7) map.data()[n] = -1;
   publish(occupancy_, "/map", map);
-  const Poses more = drive(8);
-  poses.insert(poses.end(), more.begin(), more.end());
-  JournalReplay journal = this->journal(poses.size());
-  give_messages(journal);
+  drive_on(poses, 8);
+  JournalReplay journal = with_messages(poses.size());
   EXPECT_TRUE(run(journal).is_same());
   EXPECT_EQ(replayed_, poses);
 }
@@ -127,11 +132,9 @@ TEST_F(JournalOfMaps, OfANodeMapGivesTheSamePoses) {
     }
     map = memory.decode({}, map.get());
     publish(nodes_, "/node_map", maps::to_message(memory, *map, Stamp(), "map"));
-    const Poses more = drive(6);
-    poses.insert(poses.end(), more.begin(), more.end());
+    drive_on(poses, 6);
   }
-  JournalReplay journal = this->journal(poses.size());
-  give_messages(journal);
+  JournalReplay journal = with_messages(poses.size());
   const JournalReplay::Outcome outcome = run(journal);
   EXPECT_TRUE(outcome.is_same());
   EXPECT_GE(outcome.restored, 3U);
@@ -164,10 +167,8 @@ TEST_F(JournalOfMaps, OfAFolderInWhosePlaceATopicStepsGivesTheSamePoses) {
   patch::PatchMap map = *maps_.patches;
   map.submaps.clear();
   publish(patches_, "/patch_map", convert::to_message(map, Stamp(), "map"));
-  const Poses more = drive(8);
-  poses.insert(poses.end(), more.begin(), more.end());
-  JournalReplay journal = this->journal(poses.size());
-  give_messages(journal);
+  drive_on(poses, 8);
+  JournalReplay journal = with_messages(poses.size());
   const JournalReplay::Outcome outcome = run(journal);
   EXPECT_TRUE(outcome.is_same());
   EXPECT_EQ(outcome.restored, 2U);
