@@ -48,7 +48,7 @@ std::optional<Pose2Gaussian> PoseRefiner::registered(const Endpoints& used, cons
                                                      const Pose2Gaussian& filtered) const {
   const registration::MatchConfig match{.hit_weight = kHitWeight,
                                         .hit_stddev_m = config_.hit_stddev_m,
-                                        .levels = 2,
+                                        .levels = 1,
                                         .max_iterations = kMaxIterations,
                                         .effective_beams = kEffectiveBeams,
                                         .min_inlier_share = config_.min_inlier_share};

@@ -53,11 +53,12 @@ class PoseRefiner {
   PoseRefiner(const ReflectionGrid& map, const SurfaceLayer& layer, const patch::PatchMap* patches,
               const RefinementConfig& config = {});
 
-  /// The pose at the scan's stamp; nothing where the filter is in doubt or ambiguous, the score is
-  /// low, or the refined pose is not shown to be better. It is found twice, from every other hit,
-  /// and what the hits that it was not made of say must not speak against it and for the filter's
-  /// mean; their mean is the result, and how far they disagree is in its covariance. Directions
-  /// that the surfaces leave open stay as the filter has them. O(beams).
+  /// map_from_robot at the scan's stamp, beside `result.pose` of the same scan; nothing where the
+  /// filter is in doubt or ambiguous, the score is low, or the refined pose is not shown to be
+  /// better. It is found twice, from every other hit, and what the hits that it was not made of say
+  /// must not speak against it and for the filter's mean; their mean is the result, and how far
+  /// they disagree is in its covariance. Directions that the surfaces leave open stay as the filter
+  /// has them. O(beams).
   [[nodiscard]] std::optional<Pose2Gaussian> refine(const Scan& scan,
                                                     const localization::LocalizationResult& result);
 

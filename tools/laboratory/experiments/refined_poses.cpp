@@ -79,11 +79,12 @@ RefinedOutcome localize_day(const simulate::SimulatedDay& day, const LearnedWorl
     outcome.filtered_m += translation_distance(result.pose.mean, truth);
     outcome.refined_rad += std::abs(angle_difference(refined->mean.theta, truth.theta));
     outcome.mahalanobis_squared += mahalanobis_squared(*refined, truth);
+    outcome.filtered_mahalanobis_squared += mahalanobis_squared(result.pose, truth);
   }
   outcome.refined = static_cast<double>(errors_m.size());
   if (errors_m.empty()) return outcome;
   for (double* sum : {&outcome.particles_m, &outcome.filtered_m, &outcome.refined_rad,
-                      &outcome.mahalanobis_squared}) {
+                      &outcome.mahalanobis_squared, &outcome.filtered_mahalanobis_squared}) {
     *sum /= outcome.refined;
   }
   const statistics::ErrorSummary summary = statistics::summarize(errors_m);
@@ -101,6 +102,7 @@ void add(RefinedOutcome& sum, const RefinedOutcome& one, double weight) {
   sum.refined_p95_m += weight * one.refined_p95_m;
   sum.refined_rad += weight * one.refined_rad;
   sum.mahalanobis_squared += weight * one.mahalanobis_squared;
+  sum.filtered_mahalanobis_squared += weight * one.filtered_mahalanobis_squared;
 }
 
 void report_world(const std::string& name, const Seeds& seeds, shards::Units& units,
@@ -123,7 +125,8 @@ void report_world(const std::string& name, const Seeds& seeds, shards::Units& un
               << row.refined_p95_m << " m, " << row.refined_rad << " rad; the filter's mean "
               << row.filtered_m << " m, its particles " << row.particles_m << " m; in "
               << 100.0 * row.refined / std::max(1.0, row.scans)
-              << "% of the scans; squared Mahalanobis distance " << row.mahalanobis_squared << "\n";
+              << "% of the scans; squared Mahalanobis distance " << row.mahalanobis_squared
+              << ", of the filter " << row.filtered_mahalanobis_squared << "\n";
   }
 }
 
@@ -151,6 +154,9 @@ void report_refined_poses(const std::string& scenarios, const Seeds& seeds, shar
     fine.laser.noise_m = 0.01;
     return fine;
   });
+  const simulate::ScenarioConfig corridor =
+      simulate::load_scenario(scenarios + "/corridor_box.yaml");
+  report_world("plain corridor", seeds, units, [&](std::uint64_t) { return corridor; });
   report_world("random offices", seeds, units,
                [](std::uint64_t seed) { return simulate::random_office(seed, {.days = 3}); });
 }

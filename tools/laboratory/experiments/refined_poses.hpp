@@ -22,7 +22,9 @@ struct RefinedOutcome {
   double refined_m = 0.0;
   double refined_p95_m = 0.0;  ///< 95th percentile
   double refined_rad = 0.0;
-  double mahalanobis_squared = 0.0;  ///< of the truth; 3 where the covariance is right
+  /// Squared Mahalanobis distances of the truth: 3 where the covariance is right.
+  double mahalanobis_squared = 0.0;
+  double filtered_mahalanobis_squared = 0.0;
 };
 
 /// Learned by SLAM on all days but the last, whose poses `learn` aligns with the truth. A model a
@@ -31,7 +33,7 @@ struct RefinedOutcome {
     const simulate::ScenarioConfig& world, std::uint64_t seed);
 
 /// Prints a line for each world and model: the office as it is, the office with a scanner of 1,440
-/// beams and 1 cm noise, and random offices.
+/// beams and 1 cm noise, a plain corridor, and random offices.
 void report_refined_poses(const std::string& scenarios, const Seeds& seeds, shards::Units& units);
 
 }  // namespace strata::experiments
