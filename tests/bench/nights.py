@@ -6,7 +6,7 @@
 
 A hall with doors and a box that move by chance, a cabinet that is moved for good and a shelf that
 comes for good. Five nights are bad: a recording of another building, a clock that was set back,
-things that stand about for a day, a folded map, and a store that was half written. Prints a line a
+things that stand about for a day, a broken map, and a store that was half written. Prints a line a
 night and, as JSON, what it comes to: releases, refusals, and whether robots of the next day do worse
 in what was released than in the version before.
 """
@@ -74,7 +74,7 @@ class Nights:
         # The middle of the time for what is moved for good, the rest for what is bad.
         self.moved, self.came = 3 * step, 5 * step
         self.bad = dict(zip((step, 2 * step, 4 * step, 6 * step, 7 * step),
-                            ("foreign", "clock", "crowd", "folded", "half")))
+                            ("foreign", "clock", "crowd", "broken", "half")))
 
     def run(self, *words, refused_with=None):
         done = subprocess.run([self.strata, *words], capture_output=True, text=True)
@@ -116,8 +116,8 @@ class Nights:
             self.learn(f"{self.foreign}/day_1/log.clf", out, *update)
         elif kind == "clock":
             self.learn(self.edited(day, lambda words: shift_clock(words, -4e6)), out, *update)
-        elif kind == "folded":
-            self.learn(self.edited(day, bend), out, "--set", "slam.closure.enabled=false", "--set",
+        elif kind == "broken":
+            self.learn(self.edited(day, shorten), out, "--set", "slam.closure.enabled=false", "--set",
                        "slam.em.track_again=false", "--only", "em", "--no-odometry")
         else:
             self.learn(self.log(day), out, *update)
@@ -156,7 +156,7 @@ class Nights:
         done = self.run("site", "take", self.site, out, "--quiet", refused_with=2)
         took_s = time.monotonic() - begin
         is_taken = self.active() != before
-        if kind not in ("foreign", "clock", "folded"):
+        if kind not in ("foreign", "clock", "broken"):
             self.run("site", "keep", self.site, self.log(day), "--max-mb", "20", "--quiet")
         result = {"night": day, "bad": kind, "taken": is_taken, "take_s": round(took_s, 2),
                   "why": done.stderr.strip().split("\n")[-1][:160] if done.returncode else ""}
@@ -174,8 +174,8 @@ def shift_clock(words, seconds):
     return words[:-3] + [f"{float(words[-3]) + seconds:.6f}", words[-2], f"{float(words[-1]) + seconds:.6f}"]
 
 
-def bend(words):
-    """Nothing of a scan's far half: what is left cannot hold a map together."""
+def shorten(words):
+    """Ranges of a metre at most, which hold no map together."""
     if words[0] != "FLASER":
         return words
     count = int(words[1])
