@@ -6,6 +6,7 @@
 
 #include "core/patch/chain.hpp"
 #include "core/patch/chain_in_time.hpp"
+#include "core/patch/recurrence.hpp"
 #include "core/patch/sequence_vectors.hpp"
 
 namespace strata::patch {
@@ -91,6 +92,7 @@ Submap learn_configurations(const Region& region, std::span<const SequenceInfo> 
   }
   const auto looks =
       in_order(likelihood_shares(all, centroids, config.clustering.cell_stddev), order);
+  submap.recurrence = recurrence_of(looks, history);
   const Chain chain = learn_chain(looks, history, config.chain);
   // By the memberships, which messages carry: who gets the map by one finds the same bits.
   submap.change_rate_per_s = learn_rate_per_s(memberships, history, chain.usual, config.chain);
@@ -108,8 +110,16 @@ Submap learn_configurations(const Region& region, std::span<const SequenceInfo> 
 
 void keep_changing(std::vector<Submap> submaps, const PatchLearnerConfig& config, PatchMap& map) {
   const std::size_t least = config.keep_single_configuration ? 1 : 2;
-  for (Submap& submap : submaps) {
+  std::vector<Recurrence> recurrences;
+  for (const Submap& submap : submaps) recurrences.push_back(submap.recurrence);
+  const std::vector<double> probabilities = return_probabilities(recurrences);
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    Submap& submap = submaps[i];
     if (submap.configurations.size() < least) continue;
+    if (probabilities[i] < config.recurrence.min_probability) {
+      map.unrecurring.push_back(submap.rect);
+      continue;
+    }
     submap.id = static_cast<int>(map.submaps.size());
     map.submaps.push_back(std::move(submap));
   }

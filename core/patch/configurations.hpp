@@ -27,7 +27,7 @@ namespace strata::patch {
     const PatchLearnerConfig& config);
 
 /// Appends the sub-maps with at least two configurations to the map (config may keep the others
-/// too), with their ids.
+/// too), with their ids. Those in which nothing returns are left out and named instead.
 void keep_changing(std::vector<Submap> submaps, const PatchLearnerConfig& config, PatchMap& map);
 
 }  // namespace strata::patch

@@ -14,8 +14,10 @@ namespace strata::patch {
 namespace {
 
 /// Changes with the fields below: bytes of another version are refused, but for these before: none
-/// of them had times of the week, the first two no changes in view, and the first no history.
-constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0006;
+/// of them told what returns, the first three had no times of the week, the first two no changes in
+/// view, and the first no history.
+constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0007;
+constexpr std::uint64_t kWithoutRecurrence = 0x53'50'4c'31'0000'0006;
 constexpr std::uint64_t kWithoutTimes = 0x53'50'4c'31'0000'0005;
 constexpr std::uint64_t kWithoutChanges = 0x53'50'4c'31'0000'0004;
 constexpr std::uint64_t kWithoutHistory = 0x53'50'4c'31'0000'0003;
@@ -25,6 +27,7 @@ struct Has {
   bool history = true;
   bool changes = true;
   bool times = true;
+  bool recurrence = true;
 };
 
 // What follows is read and written in one order.
@@ -74,6 +77,10 @@ void submap_state(Map& submap, const Has& has, Archive& archive) {
   each(submap.sequences, archive, [&](auto& info) { sequence_info(info, archive); });
   if (has.history) archive(submap.change_rate_per_s);
   if (has.times) periodic_shares(submap.usual, archive);
+  if (has.recurrence) {
+    archive(submap.recurrence.appearances);
+    archive(submap.recurrence.kinds);
+  }
 }
 
 template <class One, class Archive>
@@ -140,7 +147,8 @@ void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
   std::uint64_t version = 0;
   reader(version);
   if (version < kWithoutHistory || version > kVersion) reader.refuse("is of another version");
-  const Has has{version > kWithoutHistory, version > kWithoutChanges, version > kWithoutTimes};
+  const Has has{version > kWithoutHistory, version > kWithoutChanges, version > kWithoutTimes,
+                version > kWithoutRecurrence};
   const double resolution_m = base_.resolution_m();
   reader(base_);
   if (base_.resolution_m() != resolution_m) reader.refuse("is of another resolution");

@@ -8,6 +8,7 @@
 #include "core/patch/chain.hpp"
 #include "core/patch/contradiction.hpp"
 #include "core/patch/model_selection.hpp"
+#include "core/patch/recurrence.hpp"
 #include "core/patch/region_growing.hpp"
 #include "core/patch/sequences.hpp"
 #include "core/patch/visits.hpp"
@@ -22,6 +23,7 @@ struct PatchLearnerConfig {
   SequenceConfig sequences;
   ModelSelectionConfig clustering;
   ChainConfig chain;
+  RecurrenceConfig recurrence;
   double prior = beam_filter::kStaticPriorOfVisit;
   double min_evidence = 0.5;
   bool keep_single_configuration = false;
@@ -35,6 +37,7 @@ struct PatchLearnerConfig {
     v.group("sequences", c.sequences, "which scans are one observation of a sub-map");
     v.group("clustering", c.clustering, "how many configurations, and which");
     v.group("chain", c.chain, "how often each configuration is there, and how fast they change");
+    v.group("recurrence", c.recurrence, "which areas show the same things again");
     v.field("prior", c.prior,
             {.doc = "P(a beam ends on something static), for the beam filter within a sequence",
              .unit = "1",

@@ -34,6 +34,16 @@ struct Configuration {
   double prior = 0.0;
 };
 
+/// How often something other than what is usual came to a place, and how many different things.
+struct Recurrence {
+  double appearances = 0.0;  ///< of configurations but the most frequent one, after another
+  double kinds = 0.0;        ///< of these, different ones
+  /// The first thing that comes cannot have been there before.
+  [[nodiscard]] double chances() const { return appearances > 1.0 ? appearances - 1.0 : 0.0; }
+  [[nodiscard]] double returns() const { return appearances > kinds ? appearances - kinds : 0.0; }
+  bool operator==(const Recurrence&) const = default;
+};
+
 /// A changeable area with its configurations.
 struct Submap {
   int id = 0;
@@ -47,6 +57,8 @@ struct Submap {
   /// The shares by the time of day and week, a logit a configuration; not periodic: they are the
   /// priors at any time.
   periodic::PeriodicShares usual;
+  /// As the learner counted it; of maps from elsewhere nobody knows.
+  Recurrence recurrence;
 };
 
 /// Where a sub-map begins for a robot that enters it, unless settings say otherwise: a door is seen
@@ -60,6 +72,9 @@ struct PatchMap {
   ReflectionGrid base;
   std::vector<Submap> submaps;
   double entry_margin_m = kEntryMargin_m;
+  /// Areas that change, but show nothing again, which the learner left out (core/patch/
+  /// recurrence.hpp). Neither saved nor sent.
+  std::vector<CellRect> unrecurring;
 };
 
 /// The sub-maps whose rectangle contains the cell, the one it belongs to first. The one rule for

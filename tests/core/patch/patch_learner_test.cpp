@@ -158,13 +158,13 @@ TEST(PatchLearner, ManyVisitsFindTheDoorInTwoConfigurations) {
   }
 }
 
-/// A plain corridor with a box at place 0, 1 or 2 against its wall; -1: none.
+/// A plain corridor with a box at one of five places against its walls; -1: none.
 test::ToyWorld corridor_with_box(int place) {
   test::ToyWorld world;
   world.walls = {
       {0.0, 0.0, 12.0, 0.0}, {0.0, 0.0, 0.0, 2.4}, {12.0, 0.0, 12.0, 2.4}, {0.0, 2.4, 12.0, 2.4}};
-  const double x[] = {4.5, 5.7, 6.9};
-  const double y[] = {0.02, 1.88, 0.02};
+  const double x[] = {4.5, 5.7, 6.9, 8.1, 3.3};
+  const double y[] = {0.02, 1.88, 0.02, 1.88, 1.88};
   if (place >= 0) world.add_box(x[place], y[place], x[place] + 0.6, y[place] + 0.5);
   return world;
 }
@@ -205,6 +205,23 @@ TEST(PatchLearner, ABoxThatIsSometimesAbsentAddsAFourthConfiguration) {
   const PatchMap map = learn(box_visits({0, 1, 2, -1, 0, 1, 2, -1}, 5));
   ASSERT_EQ(map.submaps.size(), 1U);
   EXPECT_EQ(map.submaps[0].configurations.size(), 4U);
+}
+
+// Boxes that never return say where boxes will not be: a filter that knows them takes the next box
+// for one of them.
+TEST(PatchLearner, ABoxThatIsSomewhereElseEachTimeMakesNoSubmapButIsNamed) {
+  const std::vector<PosedScan> scans = box_visits({0, 1, 2, 3, 4, -1}, 2);
+  const PatchMap map = learn(scans);
+  EXPECT_TRUE(map.submaps.empty());
+  ASSERT_FALSE(map.unrecurring.empty());
+  EXPECT_TRUE(map.unrecurring[0].contains(map.base.cell_at({4.8, 0.5})));
+
+  PatchLearnerConfig all;
+  all.recurrence.min_probability = 0.0;
+  const PatchMap as_printed = learn(scans, all);
+  EXPECT_EQ(as_printed.submaps.size(), map.unrecurring.size());
+  EXPECT_TRUE(as_printed.unrecurring.empty());
+  for (const Submap& submap : as_printed.submaps) EXPECT_GE(submap.configurations.size(), 2U);
 }
 
 TEST(PatchLearner, ResultIsTheSameOnOneTwoAndEightThreads) {
