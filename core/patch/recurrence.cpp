@@ -46,8 +46,8 @@ Recurrence recurrence_of(std::span<const std::vector<double>> looks,
 }
 
 std::vector<double> return_probabilities(std::span<const Recurrence> submaps) {
-  double returns = 1.0;
-  double chances = 2.0;
+  double returns = 2.0;
+  double chances = 3.0;
   for (const Recurrence& submap : submaps) {
     returns += submap.returns();
     chances += submap.chances();

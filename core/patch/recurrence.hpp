@@ -13,7 +13,7 @@
 namespace strata::patch {
 
 struct RecurrenceConfig {
-  double min_probability = 0.075;
+  double min_probability = 0.06;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -35,8 +35,9 @@ struct RecurrenceConfig {
 [[nodiscard]] Recurrence recurrence_of(std::span<const std::vector<double>> looks,
                                        const SequenceHistory& history);
 
-/// For each sub-map of a map, P(what comes next was there before): Laplace's rule, with one
-/// appearance beforehand that returned as often as those of all sub-maps together did. Ours.
+/// For each sub-map of a map, P(what comes next was there before): (r + q) / (n + 1) for r returns
+/// of n chances, as with one appearance beforehand that returned as often as those of all sub-maps
+/// together, q = (R + 2) / (N + 3): few visits are no reason to doubt that things return. Ours.
 /// O(sub-maps).
 [[nodiscard]] std::vector<double> return_probabilities(std::span<const Recurrence> submaps);
 

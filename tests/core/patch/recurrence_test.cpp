@@ -82,11 +82,11 @@ TEST(Recurrence, IsTheSameWhereSequencesArePooled) {
   }
 }
 
-TEST(ReturnProbabilities, FollowLaplacesRuleOfOneAppearanceAsEverywhere) {
-  // Everywhere: 1 return more and 2 chances more, (1 + 3) / (2 + 4 + 3).
+TEST(ReturnProbabilities, AreThoseOfOneAppearanceAsEverywhere) {
+  // Everywhere 2 returns and 3 chances more: 3 returns of 3 chances, none of 4, and no chances.
   const std::vector<Recurrence> submaps{{4.0, 1.0}, {5.0, 5.0}, {1.0, 1.0}, {0.0, 0.0}};
   const std::vector<double> found = return_probabilities(submaps);
-  const double everywhere = 4.0 / 9.0;
+  const double everywhere = (2.0 + 3.0) / (3.0 + 3.0 + 4.0);
   ASSERT_EQ(found.size(), 4U);
   EXPECT_DOUBLE_EQ(found[0], (3.0 + everywhere) / 4.0);
   EXPECT_DOUBLE_EQ(found[1], everywhere / 5.0);
@@ -102,8 +102,13 @@ TEST(ReturnProbabilities, KeepFewVisitsAndLeaveOutWhatIsAlwaysNew) {
   EXPECT_GT(alone("ab"), least);
   EXPECT_GT(alone("abc"), least);
   EXPECT_GT(alone("abcd"), least);
-  EXPECT_LT(return_probabilities(std::vector<Recurrence>{{4.0, 4.0}})[0], least);
-  EXPECT_GT(return_probabilities(std::vector<Recurrence>{{4.0, 3.0}})[0], least);
+  // A corridor of three areas with a new box a day, and what two returns among them are worth.
+  for (const double p : return_probabilities(std::vector<Recurrence>{{5, 5}, {3, 3}, {4, 4}})) {
+    EXPECT_LT(p, least);
+  }
+  for (const double p : return_probabilities(std::vector<Recurrence>{{5, 3}, {3, 3}, {4, 4}})) {
+    EXPECT_GT(p, least);
+  }
 }
 
 }  // namespace
