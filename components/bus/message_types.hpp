@@ -35,6 +35,7 @@ STRATA_MESSAGE_TYPE(diagnostic_msgs, DiagnosticArray);
 STRATA_MESSAGE_TYPE(geometry_msgs, PointStamped);
 STRATA_MESSAGE_TYPE(geometry_msgs, PoseWithCovarianceStamped);
 STRATA_MESSAGE_TYPE(lifecycle_msgs, TransitionEvent);
+STRATA_MESSAGE_TYPE(nav2_msgs, CostmapFilterInfo);
 STRATA_MESSAGE_TYPE(nav2_msgs, ParticleCloud);
 STRATA_MESSAGE_TYPE(nav_msgs, OccupancyGrid);
 STRATA_MESSAGE_TYPE(nav_msgs, Odometry);

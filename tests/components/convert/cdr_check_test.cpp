@@ -35,15 +35,14 @@ strata_msgs::msg::PatchMap patch_map() {
   return map;
 }
 
-using Messages =
-    ::testing::Types<sensor_msgs::msg::LaserScan, nav_msgs::msg::Odometry,
-                     nav_msgs::msg::OccupancyGrid, tf2_msgs::msg::TFMessage,
-                     geometry_msgs::msg::PoseWithCovarianceStamped, nav2_msgs::msg::ParticleCloud,
-                     octomap_msgs::msg::Octomap, diagnostic_msgs::msg::DiagnosticArray,
-                     strata_msgs::msg::LabeledScan, strata_msgs::msg::Trajectory,
-                     strata_msgs::msg::ReflectionGrid, strata_msgs::msg::NodeMap,
-                     strata_msgs::msg::SubmapStates, strata_msgs::msg::LocalizationHealth,
-                     strata_msgs::msg::Step, strata_msgs::msg::Ack, std_msgs::msg::Float64>;
+using Messages = ::testing::Types<
+    sensor_msgs::msg::LaserScan, nav_msgs::msg::Odometry, nav_msgs::msg::OccupancyGrid,
+    tf2_msgs::msg::TFMessage, geometry_msgs::msg::PoseWithCovarianceStamped,
+    nav2_msgs::msg::ParticleCloud, nav2_msgs::msg::CostmapFilterInfo, octomap_msgs::msg::Octomap,
+    diagnostic_msgs::msg::DiagnosticArray, strata_msgs::msg::LabeledScan,
+    strata_msgs::msg::Trajectory, strata_msgs::msg::ReflectionGrid, strata_msgs::msg::NodeMap,
+    strata_msgs::msg::SubmapStates, strata_msgs::msg::LocalizationHealth, strata_msgs::msg::Step,
+    strata_msgs::msg::Ack, std_msgs::msg::Float64>;
 TYPED_TEST_SUITE(EveryMessage, Messages);
 
 TYPED_TEST(EveryMessage, HasTheLayoutThatItsIdlSays) {

@@ -47,6 +47,7 @@ struct Type {
 static const struct Type kTypes[] = {TYPE(diagnostic_msgs, DiagnosticArray),
                                      TYPE(geometry_msgs, PoseWithCovarianceStamped),
                                      TYPE(lifecycle_msgs, TransitionEvent),
+                                     TYPE(nav2_msgs, CostmapFilterInfo),
                                      TYPE(nav2_msgs, ParticleCloud),
                                      TYPE(nav_msgs, OccupancyGrid),
                                      TYPE(nav_msgs, Odometry),

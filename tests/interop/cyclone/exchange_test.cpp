@@ -67,7 +67,8 @@ std::vector<std::unique_ptr<Exchange>> all_exchanges() {
   using namespace strata_msgs::msg;  // NOLINT: the list is long enough
   return exchanges<
       diagnostic_msgs::msg::DiagnosticArray, geometry_msgs::msg::PoseWithCovarianceStamped,
-      lifecycle_msgs::msg::TransitionEvent, nav2_msgs::msg::ParticleCloud,
+      lifecycle_msgs::msg::TransitionEvent, nav2_msgs::msg::CostmapFilterInfo,
+      nav2_msgs::msg::ParticleCloud,
       nav_msgs::msg::OccupancyGrid, nav_msgs::msg::Odometry, octomap_msgs::msg::Octomap,
       rcl_interfaces::msg::Log, rcl_interfaces::msg::ParameterEvent, rosgraph_msgs::msg::Clock,
       sensor_msgs::msg::LaserScan, sensor_msgs::msg::PointCloud2, sensor_msgs::msg::Image,

@@ -92,6 +92,17 @@ lifecycle_msgs::msg::TransitionEvent sample() {
 }
 
 template <>
+nav2_msgs::msg::CostmapFilterInfo sample() {
+  nav2_msgs::msg::CostmapFilterInfo result;
+  result.header(header("map"));
+  result.type(1);
+  result.filter_mask_topic("/change_mask");
+  result.base(100.0F);
+  result.multiplier(-0.7F);
+  return result;
+}
+
+template <>
 nav2_msgs::msg::ParticleCloud sample() {
   nav2_msgs::msg::ParticleCloud result;
   result.header(header("map"));
