@@ -222,7 +222,8 @@ void translate_laser(Translator& t) {
   if (const auto beams = t.read<int>("max_beams"); beams && *beams < 2) {
     t.refuse("max_beams", "max_beams is " + std::to_string(*beams) + ", too few", "use 2 or more");
   }
-  const std::string map = t.own<std::string>("model", LocalizerComponentConfig{}.model);
+  const LocalizerComponentConfig ours;
+  const std::string map = t.own<std::string>("model", ours.model);
   const maps::MapModels::Pointer model = maps::map_models().find(map);
   const bool has_field = model && model->has_likelihood_field();
   const std::string usual = has_field && !wants_beams ? "likelihood_field" : "beam";

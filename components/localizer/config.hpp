@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "components/localizer/current_map_config.hpp"
 #include "components/localizer/place_store.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/runtime/common_settings.hpp"
@@ -118,6 +119,8 @@ struct LocalizerComponentConfig {
   std::string candidates_topic = "place_candidates";
   std::string states_topic = "submap_states";
   std::string current_map_topic = "map_current";
+  CurrentMapConfig current_map;
+  ChangeMaskConfig change_mask;
   std::string health_topic = "localization_health";
   std::string score_topic = "localization_score";
   double restore_point_s = 10.0;
@@ -181,10 +184,12 @@ struct LocalizerComponentConfig {
              "is ambiguous (localizer.global_search), with their probabilities; once empty when it "
              "no longer is"});
     v.field("states_topic", c.states_topic, {.doc = "strata_msgs/SubmapStates out"});
-    v.field(
-        "current_map_topic", c.current_map_topic,
-        {.doc = "nav_msgs/OccupancyGrid out: the map with what is believed of its sub-maps now, "
-                "whenever that changes"});
+    v.field("current_map_topic", c.current_map_topic,
+            {.doc = "nav_msgs/OccupancyGrid out: how likely each cell is occupied now, in percent, "
+                    "by what "
+                    "is believed of the sub-maps, whenever that changes"});
+    v.group("current_map", c.current_map, "when the current map goes out again");
+    v.group("change_mask", c.change_mask, "what often changes, for nav2's costmap filters");
     v.field("health_topic", c.health_topic, {.doc = "strata_msgs/LocalizationHealth out"});
     v.field(
         "score_topic", c.score_topic,

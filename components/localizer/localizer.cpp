@@ -178,6 +178,9 @@ void Localizer::on_diagnose(runtime::Health& health) const {
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   health.add("maps", config_.maps.empty() ? std::string("topics") : config_.maps);
   health.add("maps taken", maps_taken_);
+  if (config_.change_mask.kind != ChangeMaskKind::kOff && !publish_mask_) {
+    health.add("change mask", "none: the model " + config_.model + " has no sub-maps");
+  }
   if (identity_) {
     health.add("mapId", identity_->id);
     health.add("mapVersion", identity_->version);
@@ -223,6 +226,9 @@ void Localizer::on_cleanup() {
   refiner_.reset();
   journal_.reset();
   current_map_.reset();
+  publish_mask_ = nullptr;
+  publish_mask_info_ = nullptr;
+  is_mask_explained_ = false;
   live_maps_.reset();
   map_source_.reset();
   base_ = {};

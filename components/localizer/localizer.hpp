@@ -8,8 +8,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
+#include "components/localizer/change_mask.hpp"
 #include "components/localizer/config.hpp"
 #include "components/localizer/current_map.hpp"
 #include "components/localizer/health_report.hpp"
@@ -28,7 +30,8 @@ namespace strata::localizer {
 /// Out, once a scan: amcl_pose, refined_pose where the filter is sure, map -> odom on /tf (REP 105;
 /// as AMCL), particle_cloud, submap_states (maps with sub-maps only), localization_health,
 /// localization_score; place_candidates while several are possible; map_current when what is
-/// believed of a sub-map changes, and with each new map. Services, as AMCL's:
+/// believed of a sub-map changes, and with each new map, change_mask beside it and once
+/// change_mask_info where they are asked for. Services, as AMCL's:
 /// reinitialize_global_localization, request_nomotion_update, set_initial_pose. In: initialpose,
 /// and the maps when no MAPS folder is named (or map_topics.follow): scans that come before them
 /// are passed over, and when one comes again the robot goes on in it, with the particles that it
@@ -60,6 +63,7 @@ class Localizer final : public runtime::SensorComponent {
   void take_folder();
   void subscribe_maps();
   void advertise_topics();
+  void advertise_change_mask();
   void subscribe_topics();
   void offer_services();
   /// source: who gave the pose, for errors.
@@ -83,6 +87,8 @@ class Localizer final : public runtime::SensorComponent {
                        const localization::LocalizationResult& result);
   void publish_states(Stamp stamp, const std::vector<localization::SubmapBelief>& submaps);
   void publish_current_map(Stamp stamp, const std::vector<localization::SubmapBelief>& submaps);
+  void publish_change_mask(Stamp stamp, const ReflectionGrid& occupied,
+                           std::span<const float> usual);
   void publish_health(Stamp stamp, const localization::LocalizationResult& result,
                       std::chrono::duration<double> update_time);
 
@@ -126,6 +132,10 @@ class Localizer final : public runtime::SensorComponent {
   bool was_ambiguous_ = false;
   std::function<void(const strata_msgs::msg::SubmapStates&)> publish_states_;
   std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_map_;
+  /// null: not wanted, or of a model that has none
+  std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_mask_;
+  std::function<void(const nav2_msgs::msg::CostmapFilterInfo&)> publish_mask_info_;
+  bool is_mask_explained_ = false;
   std::function<void(const strata_msgs::msg::LocalizationHealth&)> publish_health_;
   std::function<void(const std_msgs::msg::Float64&)> publish_score_;
   std::function<void(const strata_msgs::msg::LabeledScan&)> publish_located_;  // null: not wanted

@@ -61,7 +61,7 @@ void Localizer::use_maps(const maps::Maps& maps, maps::MapModel model,
   identity_.reset();
   model_ = std::move(model);
   interrupt_journal();
-  current_map_.emplace(maps, *model_.descriptor);
+  current_map_.emplace(maps, *model_.descriptor, config_.current_map);
   refiner_ = std::move(refiner);
   if (store_ && store_->has_place()) kept_map_ = maps.filtered;
   if (localizer_) {

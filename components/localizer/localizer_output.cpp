@@ -31,6 +31,7 @@ void Localizer::advertise_topics() {
       advertise<strata_msgs::msg::SubmapStates>(config_.states_topic, config_.state_qos);
   publish_map_ =
       advertise<nav_msgs::msg::OccupancyGrid>(config_.current_map_topic, config_.state_qos);
+  advertise_change_mask();
   publish_health_ =
       advertise<strata_msgs::msg::LocalizationHealth>(config_.health_topic, config_.state_qos);
   publish_score_ = advertise<std_msgs::msg::Float64>(config_.score_topic, "default");
@@ -40,6 +41,19 @@ void Localizer::advertise_topics() {
   particle_writer_ = advertise_raw(resolve(config_.particles_topic),
                                    bus::MessageType<nav2_msgs::msg::ParticleCloud>::name,
                                    bus::qos_profile(config_.sensor_qos));
+}
+
+void Localizer::advertise_change_mask() {
+  const ChangeMaskConfig& mask = config_.change_mask;
+  if (mask.kind == ChangeMaskKind::kOff) return;
+  if (!has_change_mask(*maps::map_models().at(config_.model))) {
+    say(runtime::LogLevel::kWarn, "change_mask.kind has no effect: the model " + config_.model +
+                                      " has no sub-maps; " + resolve(mask.topic) + " is not sent");
+    return;
+  }
+  // Latched, whatever the QoS of others: nav2 reads no mask that is not.
+  publish_mask_ = advertise<nav_msgs::msg::OccupancyGrid>(mask.topic, "latched");
+  publish_mask_info_ = advertise<nav2_msgs::msg::CostmapFilterInfo>(mask.info_topic, "latched");
 }
 
 void Localizer::begin_journal() {
@@ -154,9 +168,27 @@ void Localizer::publish_states(Stamp stamp,
 
 void Localizer::publish_current_map(Stamp stamp,
                                     const std::vector<localization::SubmapBelief>& submaps) {
-  if (const std::optional<ReflectionGrid> map = current_map_->news(submaps)) {
-    publish_map_(convert::to_occupancy(*map, stamp, config_.map_frame));
+  const localization::PatchStates* states = model_.sensor->patch_states();
+  std::span<const float> usual;
+  if (publish_mask_ && states != nullptr) usual = states->usual(localizer_->particles());
+  const std::optional<ReflectionGrid> map = current_map_->news(submaps, usual, stamp);
+  if (!map) return;
+  publish_map_(convert::to_occupancy(*map, stamp, config_.map_frame));
+  if (publish_mask_) publish_change_mask(stamp, *map, usual);
+}
+
+void Localizer::publish_change_mask(Stamp stamp, const ReflectionGrid& occupied,
+                                    std::span<const float> usual) {
+  const ChangeMaskConfig& config = config_.change_mask;
+  if (!is_mask_explained_) {
+    // Once: with each of these nav2 subscribes to its mask anew.
+    publish_mask_info_(filter_info(config, resolve(config.topic), stamp, config_.map_frame));
+    is_mask_explained_ = true;
   }
+  const auto outlook = outlook_of(*model_.sensor->patch_states(), usual, current_map_->beliefs());
+  const Grid<float> change =
+      current_map_->cells().change(outlook, config.horizon_s, config.reach_m);
+  publish_mask_(convert::to_occupancy(mask_of(change, occupied, config), stamp, config_.map_frame));
 }
 
 void Localizer::publish_health(Stamp stamp, const localization::LocalizationResult& result,

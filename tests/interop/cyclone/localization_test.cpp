@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The localizer's services asked by Cyclone DDS in the way of rmw_cyclonedds.
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "tests/components/localizer/live_fixture.hpp"
+#include "components/convert/map_messages.hpp"
+#include "tests/components/localizer/door_fixture.hpp"
 #include "tests/interop/cyclone/process.hpp"
 
 namespace strata::test {
 namespace {
 
 class CycloneLocalization : public localizer::LiveLocalizer {};
+class CycloneCostmap : public localizer::LiveDoor {};
 
 TEST_F(CycloneLocalization, IsStartedAnywhereAndAtAPose) {
   const double settled_m2 = next_pose().pose().covariance()[0];
@@ -59,6 +64,26 @@ TEST_F(CycloneLocalization, ShowsItsLogToWhoComesLate) {
   CycloneProcess tool({"rosout", "rt/rosout"});
   EXPECT_EQ(tool.wait_for_line("log 20 localizer activate"),
             "log 20 localizer activate: is active now");
+}
+
+TEST_F(CycloneCostmap, GetsTheMaskOfWhatChangesAndWhatItMeansAsNav2sFiltersDo) {
+  start_with_doors({{60, 52}}, "kind: speed, min_speed: 20.0, reach_m: 0.1");
+  Collector<nav_msgs::msg::OccupancyGrid> masks(robot_, "/change_mask", "latched");
+  while (masks.wait_for(1, std::chrono::milliseconds(200)).empty()) (void)next_pose();
+  CycloneProcess info({"filter_info", "rt/change_mask_info"});
+  EXPECT_EQ(info.wait_for_line("info"), "info 1 /change_mask 100.000 -0.800 map");
+  const nav_msgs::msg::OccupancyGrid sent = masks.wait_for(1).back();
+  std::size_t above = 0;
+  int greatest = -1;
+  for (const std::int8_t value : sent.data()) {
+    above += value > 0 ? 1U : 0U;
+    greatest = std::max<int>(greatest, value);
+  }
+  EXPECT_GT(above, 3U);
+  CycloneProcess mask({"mask", "rt/change_mask"});
+  EXPECT_EQ(mask.wait_for_line("mask"), "mask " + std::to_string(sent.info().width()) + " " +
+                                            std::to_string(sent.info().height()) + " " +
+                                            std::to_string(above) + " " + std::to_string(greatest));
 }
 
 }  // namespace

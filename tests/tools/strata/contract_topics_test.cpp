@@ -12,13 +12,16 @@ namespace strata::tools {
 namespace {
 
 /// "writes /map" and "nav_msgs/msg/OccupancyGrid  [reliable, latched, last 1]" for each topic that
-/// the sample compositions read or write.
+/// the sample compositions read or write, with what is off unless asked for.
 std::map<std::string, std::string> explained_topics() {
   std::map<std::string, std::string> topics;
-  for (const char* name : {"learn_and_localize", "mapping", "topology", "volume"}) {
-    const test::Outcome explained =
-        test::run_strata("run --check " + test::quoted(std::string(STRATA_SOURCE_DIR) +
-                                                       "/components/config/" + name + ".yaml"));
+  for (const std::string name : {"learn_and_localize", "mapping", "topology", "volume"}) {
+    const std::string asked =
+        name == "learn_and_localize" ? " --set localizer.change_mask.kind=penalty" : "";
+    const test::Outcome explained = test::run_strata(
+        "run --check " +
+        test::quoted(std::string(STRATA_SOURCE_DIR) + "/components/config/" + name + ".yaml") +
+        asked);
     EXPECT_EQ(explained.code, 0) << name;
     std::istringstream lines(explained.out);
     for (std::string line; std::getline(lines, line);) {
@@ -53,6 +56,8 @@ TEST(ContractTopics, HaveTheTypesAndTheQosThatOthersRelyOn) {
       {"writes /map", map + latched},
       {"writes /map_filtered", map + latched},
       {"writes /map_current", map + latched},
+      {"writes /change_mask", map + latched},
+      {"writes /change_mask_info", "nav2_msgs/msg/CostmapFilterInfo" + latched},
       {"writes /amcl_pose", pose + latched},
       {"writes /particle_cloud", "nav2_msgs/msg/ParticleCloud" + sensor_data},
       {"writes /scan_static", scan + sensor_data},

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/localizer/change_mask.hpp"
+
+#include <cstddef>
+#include <cstdint>
+
+#include "components/convert/geometry_messages.hpp"
+
+namespace strata::localizer {
+namespace {
+
+/// nav2's types of costmap filters.
+constexpr std::uint8_t kKeepout = 0;
+constexpr std::uint8_t kSpeedLimitInPercent = 1;
+
+constexpr double kPercent = 100.0;
+constexpr float kLeastPercent = 0.005F;  // what rounds to 1
+
+}  // namespace
+
+bool has_change_mask(const maps::MapModelDescriptor& model) {
+  return model.needs_part(maps::MapPart::kPatches) ||
+         model.needs_part(maps::MapPart::kPlacePatches);
+}
+
+std::vector<patch::SubmapOutlook> outlook_of(const localization::PatchStates& states,
+                                             std::span<const float> usual,
+                                             const std::vector<patch::Shares>& beliefs) {
+  std::vector<patch::SubmapOutlook> outlook;
+  for (std::size_t s = 0; s < beliefs.size(); ++s) {
+    const auto own = usual.subspan(states.offset(s), beliefs[s].size());
+    outlook.push_back({beliefs[s], patch::Shares(own.begin(), own.end()), states.rate_per_s(s)});
+  }
+  return outlook;
+}
+
+ReflectionGrid mask_of(const Grid<float>& change, const ReflectionGrid& occupied,
+                       const ChangeMaskConfig& config) {
+  const bool is_penalty = config.kind == ChangeMaskKind::kPenalty;
+  const auto scale = is_penalty ? static_cast<float>(config.max_penalty / kPercent) : 1.0F;
+  ReflectionGrid mask(change.resolution_m(), change.rect(), kUnknownReflection);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const float value = scale * change.values()[i];
+    const bool is_left = is_penalty && (value < kLeastPercent || !is_known(occupied.values()[i]));
+    mask.values()[i] = is_left ? kUnknownReflection : value;
+  }
+  return mask;
+}
+
+nav2_msgs::msg::CostmapFilterInfo filter_info(const ChangeMaskConfig& config,
+                                              const std::string& mask_topic, Stamp stamp,
+                                              const std::string& frame) {
+  const bool is_penalty = config.kind == ChangeMaskKind::kPenalty;
+  nav2_msgs::msg::CostmapFilterInfo info;
+  info.header(convert::make_header(stamp, frame));
+  info.type(is_penalty ? kKeepout : kSpeedLimitInPercent);
+  info.filter_mask_topic(mask_topic);
+  info.base(is_penalty ? 0.0F : static_cast<float>(kPercent));
+  info.multiplier(is_penalty ? 1.0F : static_cast<float>((config.min_speed - kPercent) / kPercent));
+  return info;
+}
+
+}  // namespace strata::localizer
