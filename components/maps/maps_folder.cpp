@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSlamKey = "summary/slam";
 constexpr const char* kPatchKey = "summary/submaps";
+constexpr const char* kUnrecurringKey = "summary/unrecurring";
 constexpr const char* kTimescaleKey = "summary/timescale";
 constexpr const char* kTruthKey = "map_from_truth";
 constexpr const char* kOccupancyGrid = "occupancy";
@@ -152,6 +153,7 @@ void write_patch_map(const fs::path& dir, const patch::PatchMap& map) {
   store.transaction([&] {
     store.save_patch_map(map);
     store.save_text(kPatchKey, summarize_patch_map(map).dump());
+    store.save_text(kUnrecurringKey, summarize_unrecurring(map).dump());
   });
 }
 
@@ -176,6 +178,7 @@ json write_summary(const fs::path& dir, const std::string& log, const JobCost& c
   summary["log"] = log;
   summary.update(reading);
   summary["submaps"] = part(store, kPatchKey, json::array());
+  summary["unrecurring"] = part(store, kUnrecurringKey, json::array());
   summary["timescale"] = part(store, kTimescaleKey, nullptr);
   const double duration_s = summary.value("duration_s", 0.0);
   summary["cost"] = {{"wall_s", cost.wall_s},

@@ -81,6 +81,23 @@ json summarize_slam(const slam::SlamResult& result) {
             {"dynamic_fraction", result.dynamic_fraction}}}};
 }
 
+namespace {
+
+json corners_m(const CellRect& rect, double resolution_m) {
+  return {rect.min.x * resolution_m, rect.min.y * resolution_m, rect.max.x * resolution_m,
+          rect.max.y * resolution_m};
+}
+
+}  // namespace
+
+json summarize_unrecurring(const patch::PatchMap& map) {
+  json areas = json::array();
+  for (const CellRect& rect : map.unrecurring) {
+    areas.push_back(corners_m(rect, map.base.resolution_m()));
+  }
+  return areas;
+}
+
 json summarize_patch_map(const patch::PatchMap& map) {
   json submaps = json::array();
   const double resolution_m = map.base.resolution_m();
@@ -95,9 +112,7 @@ json summarize_patch_map(const patch::PatchMap& map) {
     }
     const CellRect& rect = submap.rect;
     submaps.push_back({{"id", submap.id},
-                       {"rect",
-                        {rect.min.x * resolution_m, rect.min.y * resolution_m,
-                         rect.max.x * resolution_m, rect.max.y * resolution_m}},
+                       {"rect", corners_m(rect, resolution_m)},
                        {"area_m2", static_cast<double>(rect.area()) * resolution_m * resolution_m},
                        {"sequences", submap.sequences.size()},
                        {"configurations", submap.configurations.size()},

@@ -23,6 +23,10 @@ namespace strata::maps {
 /// The array "submaps".
 [[nodiscard]] nlohmann::json summarize_patch_map(const patch::PatchMap& map);
 
+/// The array "unrecurring": the rectangles [x0, y0, x1, y1] in metres of areas that change but show
+/// nothing again, which the map leaves out.
+[[nodiscard]] nlohmann::json summarize_unrecurring(const patch::PatchMap& map);
+
 /// The object "timescale".
 [[nodiscard]] nlohmann::json summarize_timescale(const memory::TimescaleMemory& memory);
 

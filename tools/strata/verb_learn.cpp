@@ -114,6 +114,9 @@ std::string sentence(const nlohmann::json& summary, const pipeline::LearnResult&
          (parts_of(options.only).patch
               ? counted(result.patches.submaps.size(), "place") + " that may change; "
               : "") +
+         (result.patches.unrecurring.empty() ? ""
+                                             : counted(result.patches.unrecurring.size(), "place") +
+                                                   " left out, where what came never returned; ") +
          "maps in " + options.out + ", drawn in " +
          (std::filesystem::path(options.out) / pipeline::kMapPicture).string();
 }

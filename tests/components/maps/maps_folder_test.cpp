@@ -156,8 +156,15 @@ TEST(MapsSummary, TellsOfEachPartOnceItIsThere) {
   EXPECT_EQ(grids_only["submaps"], json::array());
   EXPECT_TRUE(grids_only["timescale"].is_null());
 
-  write_patch_map(dir.path(), test_room::make_patch_map(slam));
+  EXPECT_EQ(grids_only["unrecurring"], json::array());
+
+  patch::PatchMap patches = test_room::make_patch_map(slam);
+  patches.unrecurring.push_back({{20, -10}, {40, 30}});
+  write_patch_map(dir.path(), patches);
   const json with_patches = write_summary(dir.path(), "week.clf", {});
+  const double cell_m = patches.base.resolution_m();
+  EXPECT_EQ(with_patches["unrecurring"],
+            json::array({json({20 * cell_m, -10 * cell_m, 40 * cell_m, 30 * cell_m})}));
   ASSERT_EQ(with_patches["submaps"].size(), 1U);
   const json& submap = with_patches["submaps"][0];
   EXPECT_EQ(submap["id"], 0);
