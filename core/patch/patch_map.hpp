@@ -58,7 +58,7 @@ struct Submap {
   /// priors at any time.
   periodic::PeriodicShares usual;
   /// As the learner counted it; of maps from elsewhere nobody knows.
-  Recurrence recurrence;
+  Recurrence recurrence = {};
 };
 
 /// Where a sub-map begins for a robot that enters it, unless settings say otherwise: a door is seen
@@ -74,7 +74,7 @@ struct PatchMap {
   double entry_margin_m = kEntryMargin_m;
   /// Areas that change, but show nothing again, which the learner left out (core/patch/
   /// recurrence.hpp). Neither saved nor sent.
-  std::vector<CellRect> unrecurring;
+  std::vector<CellRect> unrecurring = {};
 };
 
 /// The sub-maps whose rectangle contains the cell, the one it belongs to first. The one rule for
