@@ -68,13 +68,13 @@ std::vector<std::unique_ptr<Exchange>> all_exchanges() {
   return exchanges<
       diagnostic_msgs::msg::DiagnosticArray, geometry_msgs::msg::PoseWithCovarianceStamped,
       lifecycle_msgs::msg::TransitionEvent, nav2_msgs::msg::CostmapFilterInfo,
-      nav2_msgs::msg::ParticleCloud,
-      nav_msgs::msg::OccupancyGrid, nav_msgs::msg::Odometry, octomap_msgs::msg::Octomap,
-      rcl_interfaces::msg::Log, rcl_interfaces::msg::ParameterEvent, rosgraph_msgs::msg::Clock,
-      sensor_msgs::msg::LaserScan, sensor_msgs::msg::PointCloud2, sensor_msgs::msg::Image,
-      sensor_msgs::msg::CameraInfo, tf2_msgs::msg::TFMessage, Ack, LabeledScan, LocalizationHealth,
-      NodeMap, PatchMap, ReflectionGrid, ScanPose, Step, SubmapStates, Topologies, Trajectory,
-      geometry_msgs::msg::PointStamped, bond::msg::Status, std_msgs::msg::String>();
+      nav2_msgs::msg::ParticleCloud, nav_msgs::msg::OccupancyGrid, nav_msgs::msg::Odometry,
+      octomap_msgs::msg::Octomap, rcl_interfaces::msg::Log, rcl_interfaces::msg::ParameterEvent,
+      rosgraph_msgs::msg::Clock, sensor_msgs::msg::LaserScan, sensor_msgs::msg::PointCloud2,
+      sensor_msgs::msg::Image, sensor_msgs::msg::CameraInfo, tf2_msgs::msg::TFMessage, Ack,
+      LabeledScan, LocalizationHealth, NodeMap, PatchMap, ReflectionGrid, ScanPose, Step,
+      SubmapStates, Topologies, Trajectory, geometry_msgs::msg::PointStamped, bond::msg::Status,
+      std_msgs::msg::String>();
 }
 
 TEST(Cyclone, ReadsAndWritesEveryTypeAsWeDoWhenItIsThereFirst) {
