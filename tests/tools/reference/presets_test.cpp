@@ -47,9 +47,9 @@ TEST(PaperPresets, OfEmIterateWithoutTolerance) {
               ElementsAre("mode: iterate", "endpoint_tolerance: false"));
 }
 
-TEST(PaperPresets, OfPatchMapsEnterSubMapsAndCountClustersAndForget) {
+TEST(PaperPresets, OfPatchMapsEnterSubMapsCountClustersKeepWhatNeverReturnsAndForget) {
   EXPECT_THAT(changed<patch::PatchLearnerConfig>("preset: paper-patch"),
-              ElementsAre("mode: entered", "theta_mode: clusters"));
+              ElementsAre("mode: entered", "theta_mode: clusters", "min_probability: 0"));
   EXPECT_THAT(changed<localizer::LocalizerComponentConfig>("preset: paper-patch"),
               ElementsAre("memory: none", "rates: fixed"));
 }
@@ -75,7 +75,8 @@ TEST(PaperPresets, GoTogetherAndGiveWayToKeys) {
   EXPECT_THAT(
       changed<maps::LearnConfig>("preset: [paper-em, paper-patch]\nslam: {beam_filter: {prior: "
                                  "0.9, endpoint_tolerance: true}}"),
-      ElementsAre("mode: iterate", "prior: 0.9", "mode: entered", "theta_mode: clusters"));
+      ElementsAre("mode: iterate", "prior: 0.9", "mode: entered", "theta_mode: clusters",
+                  "min_probability: 0"));
   EXPECT_THAT(changed<memory::DecodingConfig>("preset: paper-timescale\nsearch: layered"),
               ElementsAre("edges: joint", "cost: reciprocal", "smoothing: 0", "evidence: 0"));
 }
