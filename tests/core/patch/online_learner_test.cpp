@@ -224,6 +224,12 @@ TEST(OnlinePatchLearner, GoesOnBitForBitFromItsSavedState) {
         stopped = std::make_unique<OnlinePatchLearner>(PatchLearnerConfig{}, config,
                                                        make_reflection_grid(kResolution, {}));
         stopped->restore_state(bytes, "state");
+        const PatchMap map = stopped->map();
+        const PatchMap expected = whole.map();
+        ASSERT_EQ(map.submaps.size(), expected.submaps.size());
+        for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+          EXPECT_EQ(map.submaps[s].recurrence, expected.submaps[s].recurrence);
+        }
       }
       ASSERT_EQ(stopped->add(scans[i]), whole.add(scans[i])) << "scan " << i;
     }

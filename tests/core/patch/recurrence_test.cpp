@@ -49,6 +49,7 @@ TEST(Recurrence, OfWhatStaysIsOneAppearance) {
 
 TEST(Recurrence, LeavesOutWhoDoesNotTell) {
   EXPECT_EQ(recurrence("aa?b?aa?"), (Recurrence{1.0, 1.0}));
+  EXPECT_EQ(recurrence("bb?bb?b"), (Recurrence{0.0, 0.0}));
   EXPECT_EQ(recurrence("????"), (Recurrence{0.0, 0.0}));
   EXPECT_EQ(recurrence(""), (Recurrence{0.0, 0.0}));
 }
