@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/grid/connected_cells.hpp"
+#include "core/grid/disc.hpp"
 
 namespace strata::patch {
 namespace {
@@ -45,15 +46,9 @@ bool borders_on_change(std::span<const Visit> visits, const Visit& visit) {
 }  // namespace
 
 std::vector<Cell> disc_offsets(double radius_m, double resolution_m) {
-  const double radius = std::max(radius_m / resolution_m + 1e-9, 1.5);
-  const int reach = static_cast<int>(std::floor(radius));
-  std::vector<Cell> result;
-  for (int dy = -reach; dy <= reach; ++dy) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      if ((dx != 0 || dy != 0) && std::hypot(dx, dy) <= radius) result.push_back({dx, dy});
-    }
-  }
-  return result;
+  std::vector<Cell> offsets = disc(std::max(radius_m, 1.5 * resolution_m), resolution_m);
+  std::erase(offsets, Cell{0, 0});
+  return offsets;
 }
 
 bool was_hit_nearby(const VisitTable& table, const Cell& cell, const Visit& visit,

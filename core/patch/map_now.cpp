@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "core/grid/disc.hpp"
+
 namespace strata::patch {
 namespace {
 
@@ -22,19 +24,6 @@ double sum_of(std::uint64_t configurations, const Shares& shares) {
 double share_of(std::uint64_t occupied, std::uint64_t known, const Shares& shares) {
   const double all = sum_of(known, shares);
   return all > 0.0 ? std::min(1.0, sum_of(occupied, shares) / all) : kMoreThanNot;
-}
-
-/// The cells within reach of one, itself among them.
-std::vector<Cell> disc(double reach_m, double resolution_m) {
-  const double cells = std::max(0.0, reach_m) / resolution_m + 1e-9;
-  const int side = static_cast<int>(cells);
-  std::vector<Cell> within;
-  for (int y = -side; y <= side; ++y) {
-    for (int x = -side; x <= side; ++x) {
-      if (std::hypot(x, y) <= cells) within.push_back({x, y});
-    }
-  }
-  return within;
 }
 
 }  // namespace
@@ -89,7 +78,7 @@ ReflectionGrid MapNow::occupied(std::span<const Shares> beliefs) const {
 Grid<float> MapNow::change(std::span<const SubmapOutlook> outlook, double horizon_s,
                            double reach_m) const {
   Grid<float> result(base_.resolution_m(), base_.rect(), 0.0F);
-  const std::vector<Cell> reach = disc(reach_m, base_.resolution_m());
+  const std::vector<Cell> reach = disc(std::max(0.0, reach_m), base_.resolution_m());
   for (const AreaCell& area : cells_) {
     if (area.occupied == 0 || area.occupied == area.known) continue;
     const SubmapOutlook& here = outlook[area.submap];

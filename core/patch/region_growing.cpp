@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/grid/connected_cells.hpp"
+#include "core/grid/disc.hpp"
 #include "core/grid/ray_traversal.hpp"
 
 namespace strata::patch {
@@ -57,17 +58,13 @@ Region make_region(std::vector<Cell> cells, double resolution_m, const RegionCon
 }
 
 Grid<std::uint8_t> dilated(const Grid<std::uint8_t>& mask, double radius_m) {
-  const double radius = radius_m / mask.resolution_m() + 1e-9;
-  const int reach = static_cast<int>(std::floor(radius));
+  const std::vector<Cell> around = disc(radius_m, mask.resolution_m());
+  const int reach = around.back().y;
   Grid<std::uint8_t> result(mask.resolution_m(), mask.rect().inflated(reach), 0);
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (mask.values()[i] == 0) continue;
     const Cell cell = mask.cell(i);
-    for (int dy = -reach; dy <= reach; ++dy) {
-      for (int dx = -reach; dx <= reach; ++dx) {
-        if (std::hypot(dx, dy) <= radius) result.at({cell.x + dx, cell.y + dy}) = 1;
-      }
-    }
+    for (const Cell& offset : around) result.at({cell.x + offset.x, cell.y + offset.y}) = 1;
   }
   return result;
 }
