@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What an online learner holds, as bytes and back.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <type_traits>
@@ -80,6 +81,12 @@ void submap_state(Map& submap, const Has& has, Archive& archive) {
   if (has.recurrence) {
     archive(submap.recurrence.appearances);
     archive(submap.recurrence.kinds);
+    if constexpr (Archive::kReads) {
+      const Recurrence& seen = submap.recurrence;
+      const bool is_sound =
+          std::isfinite(seen.appearances) && seen.kinds >= 0.0 && seen.kinds <= seen.appearances;
+      if (!is_sound) archive.fail("has a damaged count of what returned");
+    }
   }
 }
 
