@@ -100,7 +100,7 @@ void PatchLearner::begin_online(const ReflectionGrid& base) {
   if (is_stored) add_stored_scans(is_restored);
   if (is_restored && online.maps.empty()) online_->set_base(base);
   if (store_) guarded([this] { store_->begin(*online_); });  // tried again with the next state
-  submaps_ = online_->map().submaps.size();
+  count_areas(online_->map());
   for (PosedScan& scan : std::exchange(early_, {})) learn_online(std::move(scan));
 }
 
@@ -179,11 +179,16 @@ void PatchLearner::publish_if_due() {
     return;
   }
   const patch::PatchMap map = online_->map();
-  submaps_ = map.submaps.size();
+  count_areas(map);
   publish_map_(convert::to_message(map, newest_, config_.map_frame));
   published_ = newest_;
   has_news_ = false;
   may_publish_ = runtime::next_turn(begin);
+}
+
+void PatchLearner::count_areas(const patch::PatchMap& map) {
+  submaps_ = map.submaps.size();
+  unrecurring_ = map.unrecurring.size();
 }
 
 void PatchLearner::on_diagnose(runtime::Health& health) const {
@@ -202,6 +207,7 @@ void PatchLearner::on_diagnose(runtime::Health& health) const {
   health.add("scans", static_cast<std::uint64_t>(status.scans_seen));
   health.add("scans kept", static_cast<std::uint64_t>(status.scans));
   health.add("sub-maps", static_cast<std::uint64_t>(submaps_));
+  health.add("areas left out, where nothing returns", static_cast<std::uint64_t>(unrecurring_));
   health.add("sequences kept", static_cast<std::uint64_t>(status.sequences));
   health.add("configurations forgotten",
              static_cast<std::uint64_t>(status.forgotten_configurations));

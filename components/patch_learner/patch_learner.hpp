@@ -59,6 +59,7 @@ class PatchLearner final : public runtime::Component {
   void have_moved();
   /// The map, when it has changed.
   void publish_if_due();
+  void count_areas(const patch::PatchMap& map);
 
   PatchLearnerComponentConfig config_;
   std::optional<patch::PatchLearner> learner_;
@@ -84,6 +85,7 @@ class PatchLearner final : public runtime::Component {
   std::optional<Stamp> published_;
   Clock::time_point may_publish_;
   std::size_t submaps_ = 0;
+  std::size_t unrecurring_ = 0;
   std::function<void(const strata_msgs::msg::PatchMap&)> publish_map_;
 };
 
