@@ -21,6 +21,7 @@
 #include "core/random/stream.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/components/runtime/status_watch.hpp"
+#include "tests/core/patch/box_world.hpp"
 #include "tests/core/patch/toy_world.hpp"
 #include "tests/support/comes_true.hpp"
 #include "tests/support/test_data.hpp"
@@ -145,6 +146,19 @@ TEST_F(LiveLearner, LearnsAnewWhereALoopClosureHasMovedScans) {
   publish_trajectory(right);
   ASSERT_TRUE(says("received /trajectory", "2"));
   EXPECT_TRUE(says("times that loop closures moved scans", "1"));
+}
+
+TEST_F(LiveLearner, LeavesOutAnAreaInWhichNothingReturnsAndSaysSo) {
+  const auto scans =
+      patch::test::drive_past_box({0, 1, 2, 3, 4, -1, 0, 1}, 2, patch::test::Visits::kOneRun);
+  const auto returning = scans.end() - static_cast<std::ptrdiff_t>(scans.size() / 4);
+  publish_base(scans);
+  // The seventh drive ends the sequence of the sixth.
+  for (auto scan = scans.begin(); scan != returning; ++scan) publish(*scan);
+  publish(*returning);
+  ASSERT_TRUE(says("scans", std::to_string(returning - scans.begin() + 1)));
+  EXPECT_TRUE(says("sub-maps", "0"));
+  EXPECT_TRUE(says("areas left out, where nothing returns", "1"));
 }
 
 TEST_F(LiveLearner, LearnsFromScansThatComeWhileItLearnsAgain) {
