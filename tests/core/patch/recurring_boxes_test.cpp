@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Boxes that return, and boxes that never do.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/base/damage.hpp"
 #include "core/patch/online_learner.hpp"
 #include "core/patch/patch_learner.hpp"
 #include "tests/core/patch/box_world.hpp"
@@ -94,6 +99,30 @@ TEST(RecurringBoxes, AreLeftOutWhileScansComeUntilTheyReturn) {
   EXPECT_GT(left_out[kAlwaysNew.size()], 0U);
   EXPECT_GT(submaps.back(), 0U);
   EXPECT_EQ(left_out.back(), 0U);
+}
+
+TEST(RecurringBoxes, ASavedCountOfThemThatIsDamagedIsRefused) {
+  PatchLearnerConfig all;
+  all.recurrence.min_probability = 0.0;
+  const std::vector<PosedScan> scans = test::drive_past_box(kAlwaysNew, 2, test::Visits::kOneRun);
+  const ReflectionGrid base = test::map_of(scans);
+  OnlinePatchLearner learner(all, {}, base);
+  for (const PosedScan& scan : scans) (void)learner.add(scan);
+  const Recurrence seen = learner.finish().submaps.at(0).recurrence;
+  ASSERT_GT(seen.appearances, 1.0);
+  const double wanted[] = {seen.appearances, seen.kinds};
+  const std::vector<std::uint8_t> state = learner.save_state();
+  const auto* first = reinterpret_cast<const std::uint8_t*>(wanted);
+  const auto found = std::search(state.begin(), state.end(), first, first + sizeof(wanted));
+  ASSERT_NE(found, state.end());
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [appearances, kinds] : {std::pair{kNone, 1.0}, {1.0, kNone}, {1.0, 2.0}}) {
+    const double damaged[] = {appearances, kinds};
+    std::vector<std::uint8_t> bytes = state;
+    std::memcpy(bytes.data() + (found - state.begin()), damaged, sizeof(damaged));
+    OnlinePatchLearner other(all, {}, base);
+    EXPECT_THROW(other.restore_state(bytes, "state"), DamageError) << appearances << " " << kinds;
+  }
 }
 
 }  // namespace
