@@ -94,6 +94,14 @@ void HtmlReport::picture(const std::string& name, const Image& image, const std:
            "\"><figcaption>" + escape(caption) + "</figcaption></figure>\n";
 }
 
+void HtmlReport::png(const std::string& name, const std::string& bytes, const std::string& alt,
+                     const std::string& caption) {
+  const auto file = folder_ / (name + ".png");
+  draw(drawings_, file, [&] { write_file(file, bytes); });
+  body_ += "<figure><img src=\"" + data_uri(bytes) + "\" alt=\"" + escape(alt) + "\"><figcaption>" +
+           escape(caption) + "</figcaption></figure>\n";
+}
+
 void HtmlReport::before_after(const std::string& name, const Image& before, const Image& after,
                               const std::string& before_label, const std::string& after_label,
                               const std::string& caption) {

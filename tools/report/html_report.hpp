@@ -34,6 +34,9 @@ class HtmlReport {
   /// A picture; writes NAME.png. alt: what a reader who cannot see it must know.
   void picture(const std::string& name, const Image& image, const std::string& alt,
                const std::string& caption);
+  /// The same of a PNG's bytes.
+  void png(const std::string& name, const std::string& bytes, const std::string& alt,
+           const std::string& caption);
   /// Two pictures of the same size with a slider between them; writes both PNGs.
   void before_after(const std::string& name, const Image& before, const Image& after,
                     const std::string& before_label, const std::string& after_label,

@@ -20,6 +20,7 @@
 #include "tools/laboratory/experiments/wean.hpp"
 #include "tools/laboratory/experiments/year.hpp"
 #include "tools/laboratory/experiments/year_report.hpp"
+#include "tools/laboratory/paper/paper_command.hpp"
 #include "tools/shards/fingerprint.hpp"
 #include "tools/shards/units.hpp"
 
@@ -204,9 +205,12 @@ void run(const std::string& name, const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "paper") {
+    return strata::paper::paper_command(argc - 1, argv + 1, STRATA_SCENARIO_DIR);
+  }
   Options options;
   std::string name;
-  CLI::App app{"the experiments of docs/results.md"};
+  CLI::App app{"the experiments of docs/results.md; `paper` makes the papers' figures"};
   app.add_option("NAME", name, "which experiment")
       ->required()
       ->check(CLI::IsMember(

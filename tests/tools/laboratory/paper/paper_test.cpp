@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.hpp"
+#include "tools/laboratory/paper/figures.hpp"
+#include "tools/laboratory/paper/make_figures.hpp"
+#include "tools/laboratory/paper/paper_page.hpp"
+
+namespace strata::paper {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Figure made_up(const std::string& id, std::function<Outcome(const Setting&)> make) {
+  return {id, "toy", "title of " + id, "it <shows> it.", "a > b.", "numbers", std::move(make), ""};
+}
+
+Outcome held(std::vector<Number> numbers) { return judged(true, "", std::move(numbers), {}); }
+
+std::vector<Figure> three() {
+  return {made_up("toy-1",
+                  [](const Setting&) {
+                    return held({{"a | b", 1.0, 2.5, 1}});
+                  }),
+          made_up("toy-2", [](const Setting&) -> Outcome { throw std::runtime_error("no <log>"); }),
+          made_up("toy-3", [](const Setting&) {
+            return judged(false, "too few", {{"n", {}, 3.0, 0}}, {});
+          })};
+}
+
+TEST(PaperFigures, AnUnknownNameIsAnErrorThatListsTheNames) {
+  try {
+    (void)select(three(), {"toy-1", "toy-9"});
+    FAIL() << "it was taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("toy-9"));
+    EXPECT_THAT(error.what(), HasSubstr("all, toy, toy-1, toy-2, toy-3"));
+  }
+}
+
+TEST(PaperFigures, AreSelectedOnceAndInTheirOrder) {
+  const auto figures = select(three(), {"toy-3", "toy-1", "toy-3"});
+  ASSERT_EQ(figures.size(), 2U);
+  EXPECT_EQ(figures[0].id, "toy-1");
+  EXPECT_EQ(select(three(), {"all"}).size(), 3U);
+  EXPECT_EQ(select(three(), {"toy"}).size(), 3U);
+}
+
+TEST(PaperFigures, OneThatThrowsIsNotMadeAndTheOthersGoOn) {
+  std::size_t told = 0;
+  const auto rows = make_all(
+      three(), {}, [&](const std::vector<Row>& so_far) { EXPECT_EQ(so_far.size(), ++told); });
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(told, 3U);
+  EXPECT_EQ(rows[0].outcome.verdict, Verdict::kHeld);
+  EXPECT_EQ(rows[1].outcome.verdict, Verdict::kNotMade);
+  EXPECT_EQ(rows[1].outcome.reason, "no <log>");
+  EXPECT_EQ(rows[2].outcome.verdict, Verdict::kNotHeld);
+}
+
+TEST(PaperFigures, NoneHoldsWithoutANumber) {
+  const double nan = std::nan("");
+  for (const auto& numbers : {std::vector<Number>{}, {{"a", 1.0, {}, 1}}, {{"a", {}, nan, 1}}}) {
+    const Row row = make(made_up("toy", [&](const Setting&) { return held(numbers); }), {});
+    EXPECT_EQ(row.outcome.verdict, Verdict::kNotMade);
+    EXPECT_THAT(row.outcome.reason, HasSubstr("without a number"));
+  }
+}
+
+TEST(PaperFigures, TheTableHasVerdictNumbersReasonAndSum) {
+  const std::string text = text_table(make_all(three(), {}, nullptr));
+  EXPECT_THAT(text,
+              HasSubstr("| toy-1 | title of toy-1 | held | a \\| b 2.5 (the paper's form 1.0)"));
+  EXPECT_THAT(text, HasSubstr("| toy-2 | title of toy-2 | not made |  | no <log> |"));
+  EXPECT_THAT(text, HasSubstr("| toy-3 | title of toy-3 | not held | n 3 | too few |"));
+  EXPECT_THAT(text, HasSubstr("1 held, 1 not held, 1 not made, of 3"));
+}
+
+TEST(PaperFigures, ThePageShowsEveryRowAndEscapesItsText) {
+  const auto folder = std::filesystem::temp_directory_path() / "strata_paper_page";
+  std::filesystem::create_directories(folder);
+  EXPECT_EQ(write_page(folder, make_all(three(), {}, nullptr)), "");
+  std::ifstream in(folder / "index.html");
+  std::stringstream page;
+  page << in.rdbuf();
+  for (const char* id : {"toy-1", "toy-2", "toy-3"}) EXPECT_THAT(page.str(), HasSubstr(id));
+  EXPECT_THAT(page.str(), HasSubstr("it &lt;shows&gt; it."));
+  EXPECT_THAT(page.str(), Not(HasSubstr("<log>")));
+  EXPECT_TRUE(std::filesystem::exists(folder / "results.json"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(PaperFigures, JsonHasNullForWhatIsMissing) {
+  const auto json = to_json(make_all(three(), {}, nullptr));
+  EXPECT_EQ(json[0]["numbers"][0]["ours"], 2.5);
+  EXPECT_TRUE(json[2]["numbers"][0]["papers_form"].is_null());
+  EXPECT_EQ(json[1]["verdict"], "not made");
+}
+
+TEST(PaperFigures, ThereAreTwentyFiveAndEachIsMadeOrSaysWhyNot) {
+  std::set<std::string> ids;
+  for (const Figure& figure : all_figures()) {
+    EXPECT_TRUE(ids.insert(figure.id).second) << figure.id;
+    EXPECT_NE(figure.make != nullptr, !figure.missing.empty()) << figure.id;
+    EXPECT_FALSE(figure.shows.empty()) << figure.id;
+    EXPECT_FALSE(figure.criterion.empty()) << figure.id;
+  }
+  EXPECT_GE(ids.size(), 25U);
+}
+
+}  // namespace
+}  // namespace strata::paper
