@@ -223,6 +223,54 @@ Outcomes global_start(const std::string& scenario, std::uint64_t seed, bool is_o
   return outcomes;
 }
 
+std::map<std::string, TwoPhases> door_opens(const std::string& scenario, std::uint64_t seed,
+                                            const std::vector<std::string>& models) {
+  simulate::ScenarioConfig config = simulate::load_scenario(scenario);
+  const simulate::Simulation learned = simulate::simulate(config, seed);
+  const std::vector<PosedScan> both = noisy_scans(learned, {}, seed, 1, 2);
+  const StaticMaps maps = static_maps(both);
+  const auto patches = std::make_shared<const patch::PatchMap>(learn_patches(both, maps.filtered));
+  config.days = 1;
+  // As in global_start, there and back in each phase.
+  config.robot.route = {15.0, 1.0, 10.5, 1.0, 15.0, 1.0, 10.5, 1.0};
+  config.robot.laps = 2;
+  config.doors[0].states.schedule = {{1, 0.0, "closed"}};
+  const auto stamp = [](const simulate::SimulatedScan& scan) {
+    return scan.observation.scan.stamp;
+  };
+  const simulate::Simulation closed = simulate::simulate(config, seed + 1000);
+  const auto& all = closed.days[0].scans;
+  const double half_s = 0.5 * (stamp(all.back()) - stamp(all.front())).seconds();
+  config.doors[0].states.schedule.push_back({1, half_s, "open"});
+  const simulate::Simulation tested = simulate::simulate(config, seed + 1000);
+  const auto& scans = tested.days[0].scans;
+  const std::size_t half = scans.size() / 2;
+  const std::size_t fifth = half / 5;
+  LocalizerConfig localizer_config;
+  localizer_config.global_start.max_particles = 20000;
+  std::map<std::string, TwoPhases> result;
+  for (const std::string& name : models) {
+    Model model;
+    if (name == "closed" || name == "open") {
+      const int day = name == "closed" ? 1 : 2;
+      model = grid_model(static_maps(noisy_scans(learned, {}, seed, day, day)).filtered);
+    } else {
+      model = model_named(name, maps, patches);
+    }
+    Localizer localizer(localizer_config, model, seed, 2);
+    localizer.initialize_global(maps.filtered);
+    TwoPhases& phases = result[name];
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      (void)localizer.update(scans[i].observation);
+      const double error = weighted_error(localizer.particles(), scans[i].map_from_robot);
+      const double share = error / static_cast<double>(fifth);
+      if (i >= half - fifth && i < half) phases.closed_m += share;
+      if (i >= scans.size() - fifth) phases.open_m += share;
+    }
+  }
+  return result;
+}
+
 Outcomes office_day(std::uint64_t office, std::uint64_t seed,
                     const std::vector<std::string>& models) {
   const simulate::Simulation simulation =

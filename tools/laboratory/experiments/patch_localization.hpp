@@ -39,6 +39,16 @@ using Outcomes = std::map<std::string, DayOutcome>;  ///< per model
 [[nodiscard]] Outcomes global_start(const std::string& scenario, std::uint64_t seed, bool is_open,
                                     const std::vector<std::string>& models);
 
+/// The mean error over the last fifth of the scans of each phase [m].
+struct TwoPhases {
+  double closed_m = 0.0;
+  double open_m = 0.0;
+};
+/// The same in one run: the start is with the door closed, and half-way through it opens.
+[[nodiscard]] std::map<std::string, TwoPhases> door_opens(const std::string& scenario,
+                                                          std::uint64_t seed,
+                                                          const std::vector<std::string>& models);
+
 /// A random office: learned on three days, localized on the fourth.
 [[nodiscard]] Outcomes office_day(std::uint64_t office, std::uint64_t seed,
                                   const std::vector<std::string>& models);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <map>
 
 #include "tools/laboratory/experiments/among_people.hpp"
 #include "tools/laboratory/experiments/simulated_slam.hpp"
@@ -135,37 +136,54 @@ Outcome likelihood(const Setting& setting) {
                 {{"em-1.8", "log likelihood, a line a seed", plot}});
 }
 
-Outcome outdoors(const Setting& setting) {
+struct Outdoors {
+  slam::SlamResult result;
+  std::size_t scans = 0;
+  double way_m = 0.0;
+  double error_m = 0.0;
+};
+
+Outdoors drive_outdoors(const Setting& setting, bool use_odometry) {
   pipeline::RunsInput input;
   input.logs = {data_file(setting, "radish/freiburg-campus/log.clf.gz")};
   input.truths = {data_file(setting, "radish/freiburg-campus/truth.tum")};
-  input.use_odometry = false;
+  input.use_odometry = use_odometry;
   const pipeline::Runs runs = pipeline::read_runs(input, nullptr);
+  std::map<Stamp, Pose2> truth_at;
   slam::Slam slam({}, setting.threads);
-  for (const Observation& observation : runs.observations) slam.add(observation);
-  const slam::SlamResult result = slam.finish();
+  for (std::size_t i = 0; i < runs.observations.size(); ++i) {
+    slam.add(runs.observations[i]);
+    if (runs.truths[i]) truth_at[runs.observations[i].scan.stamp] = *runs.truths[i];
+  }
+  Outdoors outdoors{slam.finish(), runs.observations.size()};
   std::vector<Pose2> found;
   std::vector<Pose2> truth;
-  double way_m = 0.0;
-  for (const PosedScan& scan : result.scans) {
-    for (std::size_t i = 0; i < runs.observations.size(); ++i) {
-      if (runs.observations[i].scan.stamp != scan.scan.stamp || !runs.truths[i]) continue;
-      if (!truth.empty()) way_m += translation_distance(truth.back(), *runs.truths[i]);
-      found.push_back(scan.map_from_robot);
-      truth.push_back(*runs.truths[i]);
-      break;
-    }
+  for (const PosedScan& scan : outdoors.result.scans) {
+    const auto pose = truth_at.find(scan.scan.stamp);
+    if (pose == truth_at.end()) continue;
+    if (!truth.empty()) outdoors.way_m += translation_distance(truth.back(), pose->second);
+    found.push_back(scan.map_from_robot);
+    truth.push_back(pose->second);
   }
-  const double error_m = aligned_error_m(found, truth);
+  outdoors.error_m = aligned_error_m(found, truth);
+  return outdoors;
+}
+
+Outcome outdoors(const Setting& setting) {
+  const Outdoors without = drive_outdoors(setting, false);
+  const Outdoors with = drive_outdoors(setting, true);
+  const std::size_t placed = without.result.scans.size();
   return judged(
-      error_m <= 0.01 * way_m && 10 * found.size() >= 9 * runs.observations.size(),
-      "the key scans are a metre apart and nothing says how far the robot went between "
-      "them; tracking loses its way",
-      {{"way [m]", {}, way_m, 0},
-       {"scans placed", {}, static_cast<double>(found.size()), 0},
-       {"scans", {}, static_cast<double>(runs.observations.size()), 0},
-       {"mean pose error after alignment [m]", {}, error_m, 2}},
-      {{"em-1.9", "static beams", png_of(result.filtered, report::known_rect(result.filtered))}});
+      without.error_m <= 0.01 * without.way_m && 10 * placed >= 9 * without.scans,
+      "the scans alone do not hold the way together, the odometry does: key scans are a metre "
+      "apart, the paper's car scanned all the way",
+      {{"way [m]", {}, without.way_m, 0},
+       {"scans", {}, static_cast<double>(without.scans), 0},
+       {"scans placed", {}, static_cast<double>(placed), 0},
+       {"mean pose error after alignment, no odometry [m]", {}, without.error_m, 2},
+       {"the same with its odometry [m]", {}, with.error_m, 2}},
+      {{"em-1.9", "static beams",
+        png_of(without.result.filtered, report::known_rect(without.result.filtered))}});
 }
 
 }  // namespace
