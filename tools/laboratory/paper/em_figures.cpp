@@ -103,9 +103,15 @@ Outcome rounds(const Setting& setting) {
                         png_of(round == 0 ? result.occupancy : result.filtered,
                                report::known_rect(result.occupancy))});
   }
-  return judged(errors.back() < errors.front() && dynamic.back() > dynamic.front(),
-                "poses after six rounds are not nearer to the truth than before the first",
-                std::move(numbers), std::move(pictures));
+  Outcome outcome = judged(errors.back() < errors.front() && dynamic.back() > dynamic.front(),
+                           "poses or labels after six rounds are no better than before the first",
+                           std::move(numbers), std::move(pictures));
+  if (outcome.verdict == Verdict::kHeld) {
+    outcome.reason =
+        "by little, and of one seed: the map is made in closed form, so that people are gone in "
+        "round 1 and do not fade as in the paper; what still moves are the poses";
+  }
+  return outcome;
 }
 
 Outcome likelihood(const Setting& setting) {
@@ -173,17 +179,15 @@ Outcome outdoors(const Setting& setting) {
   const Outdoors without = drive_outdoors(setting, false);
   const Outdoors with = drive_outdoors(setting, true);
   const std::size_t placed = without.result.scans.size();
-  return judged(
-      without.error_m <= 0.01 * without.way_m && 10 * placed >= 9 * without.scans,
-      "the scans alone do not hold the way together, the odometry does: key scans are a metre "
-      "apart, the paper's car scanned all the way",
-      {{"way [m]", {}, without.way_m, 0},
-       {"scans", {}, static_cast<double>(without.scans), 0},
-       {"scans placed", {}, static_cast<double>(placed), 0},
-       {"mean pose error after alignment, no odometry [m]", {}, without.error_m, 2},
-       {"the same with its odometry [m]", {}, with.error_m, 2}},
-      {{"em-1.9", "static beams",
-        png_of(without.result.filtered, report::known_rect(without.result.filtered))}});
+  return judged(without.error_m <= 0.01 * without.way_m && 10 * placed >= 9 * without.scans,
+                "without odometry the way bends; with it the same scans stay within the bound",
+                {{"way [m]", {}, without.way_m, 0},
+                 {"scans", {}, static_cast<double>(without.scans), 0},
+                 {"scans placed", {}, static_cast<double>(placed), 0},
+                 {"mean pose error after alignment, no odometry [m]", {}, without.error_m, 2},
+                 {"the same with its odometry [m]", {}, with.error_m, 2}},
+                {{"em-1.9", "static beams",
+                  png_of(without.result.filtered, report::known_rect(without.result.filtered))}});
 }
 
 }  // namespace

@@ -108,5 +108,13 @@ TEST(BoxInCorridor, WithAScannerAheadNoMapIsMuchBetterThanPatchNotEvenOneOfTheDa
   EXPECT_EQ(errors.recognized, 8);
 }
 
+TEST(PatchExperiments, PatchesFollowADoorThatOpensAfterAGlobalStart) {
+  const auto phases =
+      door_opens(std::string(STRATA_SCENARIO_DIR) + "/side_door.yaml", 1, {"patch", "open"});
+  EXPECT_LT(phases.at("patch").closed_m, 0.5);
+  EXPECT_LT(phases.at("patch").open_m, 0.5);
+  EXPECT_GT(phases.at("open").closed_m, 1.0);  // it takes the look-alike for its place
+}
+
 }  // namespace
 }  // namespace strata::experiments

@@ -5,6 +5,9 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +15,7 @@
 #include "core/base/error.hpp"
 #include "tools/laboratory/paper/figures.hpp"
 #include "tools/laboratory/paper/make_figures.hpp"
+#include "tools/laboratory/paper/paper_command.hpp"
 #include "tools/laboratory/paper/paper_page.hpp"
 
 namespace strata::paper {
@@ -104,6 +108,40 @@ TEST(PaperFigures, JsonHasNullForWhatIsMissing) {
   EXPECT_EQ(json[0]["numbers"][0]["ours"], 2.5);
   EXPECT_TRUE(json[2]["numbers"][0]["papers_form"].is_null());
   EXPECT_EQ(json[1]["verdict"], "not made");
+}
+
+/// Exit status, and what went to stdout and stderr.
+std::tuple<int, std::string, std::string> command(std::vector<std::string> words) {
+  words.insert(words.begin(), "paper");
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int status =
+      paper_command(static_cast<int>(pointers.size()), pointers.data(), "no/scenarios");
+  const std::string out = testing::internal::GetCapturedStdout();
+  return {status, out, testing::internal::GetCapturedStderr()};
+}
+
+TEST(PaperCommand, WithoutScenariosOrLogsSaysOfEachRowWhatIsMissing) {
+  const auto folder = std::filesystem::temp_directory_path() / "strata_paper_command";
+  const auto [status, out, errors] = command(
+      {"patch-1.11", "em-1.9", "em-1.10", "--data", "no/data", "--out", folder.string(), "--json"});
+  EXPECT_EQ(status, 0);
+  const auto rows = nlohmann::json::parse(out);
+  ASSERT_EQ(rows.size(), 3U);
+  for (const auto& row : rows) EXPECT_EQ(row["verdict"], "not made");
+  EXPECT_THAT(rows[0]["reason"], HasSubstr("no/data/radish/freiburg-campus"));
+  EXPECT_THAT(rows[2]["reason"], HasSubstr("no/scenarios/three_doors.yaml"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "index.html"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(PaperCommand, ListsNamesAndRefusesOthers) {
+  EXPECT_THAT(std::get<1>(command({"list"})), HasSubstr("kessler-table-1: "));
+  const auto [status, out, errors] = command({"em-9"});
+  EXPECT_EQ(status, 1);
+  EXPECT_THAT(errors, HasSubstr("kessler-table-1"));
 }
 
 TEST(PaperFigures, ThereAreTwentyFiveAndEachIsMadeOrSaysWhyNot) {
