@@ -223,26 +223,30 @@ Outcomes global_start(const std::string& scenario, std::uint64_t seed, bool is_o
   return outcomes;
 }
 
-std::map<std::string, TwoPhases> door_opens(const std::string& scenario, std::uint64_t seed,
-                                            const std::vector<std::string>& models) {
+simulate::Simulation drive_while_door_opens(const std::string& scenario, std::uint64_t seed) {
   simulate::ScenarioConfig config = simulate::load_scenario(scenario);
-  const simulate::Simulation learned = simulate::simulate(config, seed);
-  const std::vector<PosedScan> both = noisy_scans(learned, {}, seed, 1, 2);
-  const StaticMaps maps = static_maps(both);
-  const auto patches = std::make_shared<const patch::PatchMap>(learn_patches(both, maps.filtered));
   config.days = 1;
   // As in global_start, there and back in each phase.
   config.robot.route = {15.0, 1.0, 10.5, 1.0, 15.0, 1.0, 10.5, 1.0};
   config.robot.laps = 2;
   config.doors[0].states.schedule = {{1, 0.0, "closed"}};
+  const simulate::Simulation closed = simulate::simulate(config, seed);
+  const auto& scans = closed.days[0].scans;
   const auto stamp = [](const simulate::SimulatedScan& scan) {
     return scan.observation.scan.stamp;
   };
-  const simulate::Simulation closed = simulate::simulate(config, seed + 1000);
-  const auto& all = closed.days[0].scans;
-  const double half_s = 0.5 * (stamp(all.back()) - stamp(all.front())).seconds();
+  const double half_s = 0.5 * (stamp(scans.back()) - stamp(scans.front())).seconds();
   config.doors[0].states.schedule.push_back({1, half_s, "open"});
-  const simulate::Simulation tested = simulate::simulate(config, seed + 1000);
+  return simulate::simulate(config, seed);
+}
+
+std::map<std::string, TwoPhases> door_opens(const std::string& scenario, std::uint64_t seed,
+                                            const std::vector<std::string>& models) {
+  const simulate::Simulation learned = simulate::simulate(simulate::load_scenario(scenario), seed);
+  const std::vector<PosedScan> both = noisy_scans(learned, {}, seed, 1, 2);
+  const StaticMaps maps = static_maps(both);
+  const auto patches = std::make_shared<const patch::PatchMap>(learn_patches(both, maps.filtered));
+  const simulate::Simulation tested = drive_while_door_opens(scenario, seed + 1000);
   const auto& scans = tested.days[0].scans;
   const std::size_t half = scans.size() / 2;
   const std::size_t fifth = half / 5;

@@ -39,6 +39,11 @@ using Outcomes = std::map<std::string, DayOutcome>;  ///< per model
 [[nodiscard]] Outcomes global_start(const std::string& scenario, std::uint64_t seed, bool is_open,
                                     const std::vector<std::string>& models);
 
+/// The drive of global_start, twice as long: its door is closed first, and open from the middle of
+/// the scans on.
+[[nodiscard]] simulate::Simulation drive_while_door_opens(const std::string& scenario,
+                                                          std::uint64_t seed);
+
 /// The mean error over the last fifth of the scans of each phase [m].
 struct TwoPhases {
   double closed_m = 0.0;

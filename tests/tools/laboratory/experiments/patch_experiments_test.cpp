@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/scan/endpoints.hpp"
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/standing_robot.hpp"
@@ -106,6 +107,29 @@ TEST(BoxInCorridor, WithAScannerAheadNoMapIsMuchBetterThanPatchNotEvenOneOfTheDa
   EXPECT_LT(errors.patch_m, 1.25 * errors.own_day_m);
   EXPECT_EQ(errors.entries, 8);
   EXPECT_EQ(errors.recognized, 8);
+}
+
+TEST(PatchExperiments, TheDoorOpensInTheMiddleOfTheDrive) {
+  const auto drive =
+      drive_while_door_opens(std::string(STRATA_SCENARIO_DIR) + "/side_door.yaml", 1);
+  // Beams that end beyond the door, whose wall is the line y = 0.
+  const auto through = [&](std::size_t begin, std::size_t end) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& scan = drive.days[0].scans[i];
+      const Endpoints ends = endpoints_in_robot(scan.observation.scan);
+      for (std::size_t n = 0; n < ends.size(); ++n) {
+        const Eigen::Vector2d point =
+            scan.map_from_robot * Eigen::Vector2d(ends.x_m[n], ends.y_m[n]);
+        const bool is_beyond = point.x() > 11.6 && point.x() < 12.4 && point.y() < -0.3;
+        count += is_beyond ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  const std::size_t scans = drive.days[0].scans.size();
+  EXPECT_EQ(through(0, scans / 2 - 5), 0U);
+  EXPECT_GT(through(scans / 2 + 5, scans), 20U);  // the room's far wall is at the laser's reach
 }
 
 TEST(PatchExperiments, PatchesFollowADoorThatOpensAfterAGlobalStart) {

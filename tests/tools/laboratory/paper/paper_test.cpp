@@ -103,6 +103,13 @@ TEST(PaperFigures, ThePageShowsEveryRowAndEscapesItsText) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(PaperFigures, TheSumCountsEachVerdict) {
+  auto rows = make_all(three(), {}, nullptr);
+  rows.insert(rows.end(), 2, rows[0]);
+  rows.push_back(rows[2]);
+  EXPECT_EQ(sum_of(rows), "3 held, 2 not held, 1 not made, of 6");
+}
+
 TEST(PaperFigures, JsonHasNullForWhatIsMissing) {
   const auto json = to_json(make_all(three(), {}, nullptr));
   EXPECT_EQ(json[0]["numbers"][0]["ours"], 2.5);
@@ -132,6 +139,7 @@ TEST(PaperCommand, WithoutScenariosOrLogsSaysOfEachRowWhatIsMissing) {
   ASSERT_EQ(rows.size(), 3U);
   for (const auto& row : rows) EXPECT_EQ(row["verdict"], "not made");
   EXPECT_THAT(rows[0]["reason"], HasSubstr("no/data/radish/freiburg-campus"));
+  EXPECT_THAT(rows[0]["reason"], HasSubstr("--data"));
   EXPECT_THAT(rows[2]["reason"], HasSubstr("no/scenarios/three_doors.yaml"));
   EXPECT_TRUE(std::filesystem::exists(folder / "index.html"));
   std::filesystem::remove_all(folder);
