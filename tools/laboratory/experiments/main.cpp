@@ -16,6 +16,7 @@
 #include "tools/laboratory/experiments/score_report.hpp"
 #include "tools/laboratory/experiments/seed_experiments.hpp"
 #include "tools/laboratory/experiments/single_scan.hpp"
+#include "tools/laboratory/experiments/starts.hpp"
 #include "tools/laboratory/experiments/verdicts.hpp"
 #include "tools/laboratory/experiments/wean.hpp"
 #include "tools/laboratory/experiments/year.hpp"
@@ -147,6 +148,10 @@ void run_whole(const std::string& name, const Options& options) {
     return report_single_scans(options.logs, options.poses, options.margin_nats, options.step);
   }
   if (name == "decoders") return report_decoders(occasions(options));
+  if (name == "starts") {
+    (void)occasions(options);  // as many poses as logs
+    return report_starts_of_logs(options.logs, options.poses);
+  }
   if (!options.logs.empty()) (void)occasions(options);  // as many poses as logs
   if (name == "verdicts") {
     return report_verdicts(options.runs, options.logs, options.poses, options.first);
@@ -198,6 +203,7 @@ void run_shard(const std::string& name, const Options& options) {
 void run(const std::string& name, const Options& options) {
   if (!options.merge.empty()) return merge(name, options);
   if (!options.shard.empty()) return run_shard(name, options);
+  if (name == "starts" && !options.logs.empty()) return run_whole(name, options);
   shards::Units units;
   if (!run_seed_experiment(name, options.of_seeds(), units)) run_whole(name, options);
 }
@@ -218,7 +224,7 @@ int main(int argc, char** argv) {
            "global_start", "offices",    "refined_poses", "year",           "place",
            "decoders",     "wean",       "verdicts",      "score",          "people",
            "filter",       "few_beams",  "single_scan",   "standing_robot", "standing_robot_online",
-           "door_times"}));
+           "door_times",   "starts"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::Range(0, 1'000'000));
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
@@ -231,9 +237,9 @@ int main(int argc, char** argv) {
   app.add_flag("--whole-scenes", options.has_whole_scenes, "decode the year's memory by scenes");
   app.add_flag("--no-patches", options.no_patches, "the year without the robot with a patch map");
   app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
-  app.add_option(
-      "--log", options.logs,
-      "real logs of `place` (one or two), `decoders`, `verdicts`, `score` and `single_scan`");
+  app.add_option("--log", options.logs,
+                 "real logs of `place` (one or two), `decoders`, `verdicts`, `score`, "
+                 "`single_scan` and `starts`");
   app.add_option("--runs", options.runs,
                  "folder of the three runs of `wean`, `verdicts` and `score`");
   app.add_option("--poses", options.poses, "a file of poses for each");

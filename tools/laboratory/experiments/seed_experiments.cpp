@@ -9,6 +9,7 @@
 #include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/refined_poses.hpp"
 #include "tools/laboratory/experiments/standing_robot.hpp"
+#include "tools/laboratory/experiments/starts.hpp"
 
 namespace strata::experiments {
 namespace {
@@ -73,6 +74,8 @@ bool run_seed_experiment(const std::string& name, const SeedOptions& options,
     }
   } else if (name == "refined_poses") {
     report_refined_poses(options.scenarios, seeds, units);
+  } else if (name == "starts") {
+    report_starts(options.scenarios, seeds, units);
   } else if (name == "offices") {
     for (std::uint64_t office = 1; office <= 10; ++office) {
       report_localizing("office " + std::to_string(office), seeds, units, [&](std::uint64_t seed) {

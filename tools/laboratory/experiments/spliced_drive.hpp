@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
 
 #include "core/localization/localizer.hpp"
 #include "tools/laboratory/experiments/verdict_worlds.hpp"
@@ -27,8 +28,9 @@ namespace strata::experiments {
 class SplicedDrive {
  public:
   SplicedDrive(const VerdictWorld& world, std::shared_ptr<const localization::SensorModel> sensor,
-               std::uint64_t seed)
-      : world_(&world), localizer_(pipeline::CompareConfig{}.localizer, std::move(sensor), seed) {}
+               std::uint64_t seed,
+               const localization::LocalizerConfig& config = pipeline::CompareConfig{}.localizer)
+      : world_(&world), localizer_(config, std::move(sensor), seed) {}
 
   [[nodiscard]] localization::Localizer& localizer() { return localizer_; }
 
@@ -40,8 +42,9 @@ class SplicedDrive {
     localizer_.initialize({map_from_robot, Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal()});
   }
 
-  /// Calls said(result, error in m) for each weighed scan of [begin, end) whose truth is known,
-  /// until that returns false. Ends early where the log itself has a gap.
+  /// Calls said(result, error in m), or that with the scan's stamp as well, for each weighed scan
+  /// of [begin, end) whose truth is known, until that returns false. Ends early where the log
+  /// itself has a gap.
   template <typename Said>
   void drive(std::size_t begin, std::size_t end, Said&& said) {
     for (std::size_t i = begin; i < std::min(end, world_->observations.size()); ++i) {
@@ -55,7 +58,12 @@ class SplicedDrive {
       const localization::LocalizationResult& result = localizer_.update(observation);
       if (!result.weighed || !world_->truths[i]) continue;
       const Pose2& truth = *world_->truths[i];
-      if (!said(result, (result.pose.mean.translation() - truth.translation()).norm())) return;
+      const double error_m = (result.pose.mean.translation() - truth.translation()).norm();
+      if constexpr (std::is_invocable_v<Said, decltype(result), double, Stamp>) {
+        if (!said(result, error_m, stamp_)) return;
+      } else if (!said(result, error_m)) {
+        return;
+      }
     }
   }
 
