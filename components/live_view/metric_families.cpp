@@ -17,7 +17,7 @@ constexpr MetricFamily kFamilies[] = {
     {"strata_localization_verdict", kGauge, "", "verdict",
      "1 for the verdict that the localizer has now, 0 for the others."},
     {"strata_localization_ambiguous", kGauge, "", "",
-     "1 while several places are possible, else 0."},
+     "1 while several places are possible or the one left is not confirmed, else 0."},
     {"strata_localization_places", kGauge, "", "",
      "Places that are still possible while several "
      "are."},

@@ -66,7 +66,8 @@ void describe(const HealthReport& report, runtime::Health& health) {
   if (report.is_lost()) {
     health.fail("lost");
   } else if (report.is_ambiguous) {
-    health.warn("ambiguous: several places are possible");
+    health.warn(report.places == 1 ? "ambiguous: the place that is left is not confirmed yet"
+                                   : "ambiguous: several places are possible");
   } else if (!report.converged) {
     health.warn("not localized yet");
   } else if (report.is_probably_wrong()) {

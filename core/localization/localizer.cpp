@@ -41,6 +41,7 @@ Localizer::Localizer(const LocalizerConfig& config, std::shared_ptr<const Sensor
       monitor_(config.recovery),
       finder_(config.global_search),
       places_(config.global_search.places),
+      confirmation_(config.global_search.confirmation),
       odometry_(config.gating.limits()) {
   require_valid(config, "localizer");
 }
@@ -163,7 +164,7 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
 }
 
 PoseTrust Localizer::trust() const {
-  return {score_.value(), is_open() || monitor_.health().is_in_doubt};
+  return {score_.value(), is_ambiguous() || monitor_.health().is_in_doubt};
 }
 
 /// What the scan says of the pose that was found with it.
@@ -175,6 +176,9 @@ void Localizer::judge(const Observation& observation, const Pose2Gaussian& pose,
   if (is_open() || annealed_updates_ < config_.global_start.annealing_updates) score_.doubt();
   score_.add(observation.scan, pose.mean, shares, result_.submaps, particles_, *model_, stddev_m);
   monitor_.add(likelihood_per_beam, shares, stddev_m, score_.value());
+  if (is_open()) return;
+  if (confirmation_.judge(score_.value())) seek(true);
+  if (!is_ambiguous()) finder_.forget_scans();
 }
 
 /// Since the last weighed scan. A filter that has not seen one knows no state yet: of what follows
@@ -190,7 +194,8 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   const Stamp now = observation.scan.stamp;
   const PatchStates* states = model_->patch_states();
   if (states != nullptr) states->tell_time(now, particles_);
-  if (is_seeking_) find_places(observation);
+  if (is_ambiguous()) finder_.add(moved_, observation.scan);
+  if (is_seeking_) find_places();
   if (states != nullptr) states->predict(elapsed_s(*states, now), seed_, step_, particles_, *pool_);
 
   log_likelihood_.resize(particles_.size());
@@ -268,9 +273,13 @@ const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool
   result_.effective_sample_size = effective_sample_size(particles_);
   result_.particles = particles_.size();
   result_.weighed = weighed;
-  result_.is_ambiguous = is_open();
+  result_.is_ambiguous = is_ambiguous();
   result_.places.clear();
-  if (places_.is_active()) result_.places = places_.beliefs();
+  if (places_.is_active()) {
+    result_.places = places_.beliefs();
+  } else if (result_.is_ambiguous) {
+    result_.places.push_back({pose.mean, result_.score});
+  }
   result_.converged =
       !result_.is_ambiguous && position_stddev(result_.pose) <= config_.recovery.uncertain_stddev_m;
   if (result_.is_ambiguous && result_.health.state == HealthState::kGood) {

@@ -22,6 +22,7 @@
 #include "core/localization/place_hypotheses.hpp"
 #include "core/localization/pose_score.hpp"
 #include "core/localization/sensor_model.hpp"
+#include "core/localization/start_confirmation.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/scanner_turns.hpp"
 
@@ -40,7 +41,8 @@ struct LocalizationResult {
   bool weighed = false;    ///< false: moved by odometry only (gated, or nothing usable in the scan)
   bool converged = false;  ///< the spread is below recovery.uncertain_stddev_m, and not ambiguous
   /// Several places explain what was seen, and none has refuted the others by the margin
-  /// (global_search.places), or it is still looked for any.
+  /// (global_search.places), or it is still looked for any, or the one that is left has not been
+  /// confirmed (global_search.confirmation).
   bool is_ambiguous = false;
   std::vector<PlaceBelief> places;  ///< those places, the likeliest first; empty when not ambiguous
   std::vector<SubmapBelief> submaps;  ///< one a sub-map; empty for maps without
@@ -123,7 +125,7 @@ class Localizer {
   void redraw(std::size_t keep, std::size_t added, double offset);
   void search_everywhere();
   void seek(bool keeps_old);
-  void find_places(const Observation& observation);
+  void find_places();
   [[nodiscard]] Pose2Gaussian judge_places();
   [[nodiscard]] Pose2Gaussian pose_now();
   void fill(ParticleSet& particles, std::size_t begin, StreamId stream) const;
@@ -133,6 +135,7 @@ class Localizer {
   void settle_motion(const Pose2Gaussian& pose);
   /// Several places are possible still.
   [[nodiscard]] bool is_open() const { return is_seeking_ || places_.is_active(); }
+  [[nodiscard]] bool is_ambiguous() const { return is_open() || confirmation_.is_pending(); }
   /// How far what was weighed so far lets the pose be believed.
   [[nodiscard]] PoseTrust trust() const;
   void judge(const Observation& observation, const Pose2Gaussian& pose, double likelihood_per_beam);
@@ -155,6 +158,7 @@ class Localizer {
   HealthMonitor monitor_;
   PlaceFinder finder_;
   PlaceHypotheses places_;
+  StartConfirmation confirmation_;
   bool is_seeking_ = false;  // places are still to be found
   bool keeps_old_ = false;   // ... beside the one believed so far
   int sought_ = 0;           // scans

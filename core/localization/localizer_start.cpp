@@ -38,6 +38,8 @@ void Localizer::start(std::size_t count) {
   monitor_.reset();
   is_seeking_ = false;
   places_.clear();
+  finder_.forget_scans();
+  confirmation_.tell();
   score_.reset();
   particles_ = ParticleSet{};
   particles_.resize(count);
@@ -92,12 +94,11 @@ void Localizer::seek(bool keeps_old) {
   keeps_old_ = keeps_old;
   sought_ = 0;
   places_.clear();
-  finder_.forget_scans();
+  confirmation_.search();
 }
 
-/// Looks for what was seen since seek() in the whole map.
-void Localizer::find_places(const Observation& observation) {
-  finder_.add(moved_, observation.scan);
+/// Looks for what was seen last in the whole map.
+void Localizer::find_places() {
   const std::vector<PlaceSeed> seeds = finder_.find(sought_++);
   if (seeds.empty()) return;
   places_.begin(seeds, keeps_old_, model_->patch_states(), seed_, step_, particles_);
@@ -152,7 +153,10 @@ void Localizer::redraw(std::size_t keep, std::size_t added, double offset) {
 void Localizer::search_everywhere() {
   if (config_.global_search.is_used) {
     monitor_.search_begins(config_.global_start.annealing_updates);
-    if (!is_seeking_ && !places_.is_active()) seek(true);
+    if (!is_open()) {
+      finder_.forget_scans();  // the robot may have been carried away since
+      seek(true);
+    }
     return;
   }
   const auto keep = static_cast<std::size_t>(config_.particles);

@@ -12,8 +12,8 @@
 namespace strata::localization {
 namespace {
 
-/// 2: with what a model has learned.
-constexpr std::uint64_t kStateVersion = 2;
+/// 2: with what a model has learned; 3: and whether a place that was found is confirmed.
+constexpr std::uint64_t kStateVersion = 3;
 
 /// Whether the columns fit each other, and the map, is checked when all is read.
 template <class Particles, class Archive>
@@ -52,6 +52,7 @@ void Localizer::state(Self& self, Archive& archive) {
   HealthMonitor::state(self.monitor_, archive);
   PlaceFinder::state(self.finder_, archive);
   PlaceHypotheses::state(self.places_, archive);
+  StartConfirmation::state(self.confirmation_, archive);
   PoseScore::state(self.score_, archive);
   OdometryGate::state(self.odometry_, archive);
   ScannerTurns::state(self.turns_, archive);

@@ -13,6 +13,7 @@
 #include "core/grid/reflection_grid.hpp"
 #include "core/localization/global_search.hpp"
 #include "core/localization/place_hypotheses.hpp"
+#include "core/localization/start_confirmation.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata::localization {
@@ -23,6 +24,7 @@ struct PlaceFinderConfig {
   int patience = 10;
   GlobalSearchConfig search{.max_candidates = 300};
   PlaceHypothesesConfig places;
+  StartConfirmationConfig confirmation;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("is_used", c.is_used,
@@ -38,6 +40,7 @@ struct PlaceFinderConfig {
          .min = 0});
     v.group("search", c.search, "which places are tried");
     v.group("places", c.places, "how they are told apart");
+    v.group("confirmation", c.confirmation, "when the one that is left is believed");
   }
 };
 

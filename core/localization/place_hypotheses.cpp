@@ -220,7 +220,6 @@ void PlaceHypotheses::decide(std::size_t count, double offset, ParticleSet& part
   std::swap(particles, spare);
   set_uniform_weights(particles);
   clear();
-  beliefs_.clear();
 }
 
 }  // namespace strata::localization

@@ -72,7 +72,12 @@ class PlaceHypotheses {
   explicit PlaceHypotheses(const PlaceHypothesesConfig& config) : config_(config) {}
 
   [[nodiscard]] bool is_active() const { return !places_.empty(); }
-  void clear() { places_.clear(); }
+  void clear() {
+    places_.clear();
+    place_of_.clear();
+    beliefs_.clear();
+    best_ = 0;
+  }
   /// Makes the particles those of the seeds, equally likely. With `keeps_old` the particles that
   /// are there make a first place, as likely as all others together.
   void begin(std::span<const PlaceSeed> seeds, bool keeps_old, const PatchStates* states,

@@ -257,5 +257,28 @@ TEST(ScoreOfALearner, IsWhatTheRunSaysOfThePose) {
   }
 }
 
+TEST(ScoreOfALearner, IsInDoubtUntilAPlaceThatWasFoundIsConfirmed) {
+  for (const double confirmed_score : {0.6, 0.97}) {
+    SCOPED_TRACE(confirmed_score);
+    LocalizerConfig config;
+    config.global_search.is_used = true;
+    config.global_search.confirmation.confirmed_score = confirmed_score;
+    const auto told = std::make_shared<std::vector<PoseTrust>>();
+    Localizer localizer(config, std::make_shared<Learner>(told), 3);
+    localizer.initialize_global(map_of(room()));
+    Drive drive({1.5, 2.2, 0.0}, 5);
+    int pending = 0;
+    for (int n = 0; n < 40; ++n) {
+      drive.step({0.05, 0.0, 0.0});
+      const LocalizationResult result = localizer.update(drive.look(room()));
+      pending += result.is_ambiguous && result.places.size() == 1 ? 1 : 0;
+      if (!result.weighed) continue;
+      EXPECT_EQ(told->back().is_in_doubt, result.is_ambiguous || result.health.is_in_doubt) << n;
+    }
+    EXPECT_EQ(pending > 0, confirmed_score > 0.9);
+    EXPECT_EQ(told->back().is_in_doubt, confirmed_score > 0.9);
+  }
+}
+
 }  // namespace
 }  // namespace strata::localization
