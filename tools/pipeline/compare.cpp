@@ -155,6 +155,7 @@ SplitOutcomes compare_splits(const Runs& runs, const CompareConfig& config,
     if (todo[i] > 0) continue;
     outcomes.learned = std::move(prepared.learned.result);
     outcomes.maps = std::move(prepared.learned.maps);
+    outcomes.drive = std::move(prepared.parts.front());
   }
   return outcomes;
 }
@@ -162,7 +163,7 @@ SplitOutcomes compare_splits(const Runs& runs, const CompareConfig& config,
 CompareOutcome compare(const Runs& runs, const CompareConfig& config, const CompareJob& job) {
   SplitOutcomes outcomes = compare_splits(runs, config, job);
   return {join_splits(std::move(outcomes.splits)), std::move(outcomes.learned),
-          std::move(outcomes.maps)};
+          std::move(outcomes.maps), std::move(outcomes.drive)};
 }
 
 }  // namespace strata::pipeline

@@ -18,14 +18,16 @@
 #include "tools/pipeline/localize.hpp"
 #include "tools/pipeline/runs_input.hpp"
 #include "tools/pipeline/split.hpp"
+#include "tools/pipeline/test_part.hpp"
 
 namespace strata::pipeline {
 
-/// A comparison with what pictures need; learned and maps are of the first split.
+/// A comparison with what pictures need; learned, maps and drive are of the first split.
 struct CompareOutcome {
   Comparison comparison;
   LearnResult learned;
   maps::Maps maps;
+  TestPart drive;  ///< the first one
 };
 
 /// One run of the localizer with one model and one seed.
@@ -82,6 +84,7 @@ struct SplitOutcomes {
   std::vector<Comparison> splits;  ///< one a split; without parts where nothing was to be done
   LearnResult learned;             ///< of the first split, when that was learned
   maps::Maps maps;
+  TestPart drive;  ///< its first one
 };
 
 /// Learns on the first part of each split and localizes in each run of the second with every model

@@ -7,7 +7,9 @@
 
 #include "components/log/json_text.hpp"
 #include "tools/pipeline/comparison_figures.hpp"
+#include "tools/pipeline/comparison_replay.hpp"
 #include "tools/pipeline/comparison_tables.hpp"
+#include "tools/pipeline/drive_replay.hpp"
 #include "tools/report/html_report.hpp"
 
 namespace strata::pipeline {
@@ -103,6 +105,9 @@ MapFigures draw_maps(const LearnResult& learned, const maps::Maps& maps,
 
 void write_report(const CompareOutcome& outcome, const std::string& settings,
                   const std::filesystem::path& folder, report::Drawings* drawings) {
+  report::draw(drawings, folder / kReplayPage, [&] {
+    write_comparison_replay(outcome.comparison, outcome.maps, outcome.drive, folder);
+  });
   write_report(outcome.comparison, draw_maps(outcome.learned, outcome.maps, folder, drawings),
                settings, folder, drawings);
 }

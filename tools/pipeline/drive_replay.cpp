@@ -89,7 +89,8 @@ json believed_json(std::span<const maps::StateRow> rows) {
   return states;
 }
 
-json track_json(const ReplayTrack& track, std::span<const Observation> scans, std::size_t step) {
+json track_json(const ReplayTrack& track, std::span<const Observation> scans, double resolution_m,
+                std::size_t step) {
   json poses = json::array();
   json scores = json::array();
   json states = json::array();
@@ -101,7 +102,11 @@ json track_json(const ReplayTrack& track, std::span<const Observation> scans, st
                                              : json(nullptr));
     states.push_back(believed_json(track.states.subspan(rows[i], rows[i + 1] - rows[i])));
   }
-  return {{"name", track.name}, {"poses", poses}, {"scores", scores}, {"states", states}};
+  return {{"name", track.name},
+          {"areas", areas_json(track.patches, resolution_m)},
+          {"poses", poses},
+          {"scores", scores},
+          {"states", states}};
 }
 
 /// Every `step`-th scan.
@@ -117,11 +122,11 @@ json drive_json(const DriveReplay& drive, const json& map, std::size_t step) {
     truths.push_back(is_known ? pose_json(*drive.truths[i]) : json(nullptr));
   }
   json tracks = json::array();
-  for (const ReplayTrack& track : drive.tracks) tracks.push_back(track_json(track, scans, step));
-  return {{"map", map},      {"areas", areas_json(drive.patches, drive.map.resolution_m())},
-          {"step", step},    {"times", times},
-          {"beams", beams},  {"truths", truths},
-          {"tracks", tracks}};
+  for (const ReplayTrack& track : drive.tracks) {
+    tracks.push_back(track_json(track, scans, drive.map.resolution_m(), step));
+  }
+  return {{"map", map},     {"step", step},     {"times", times},
+          {"beams", beams}, {"truths", truths}, {"tracks", tracks}};
 }
 
 std::string page_of(const json& data) {

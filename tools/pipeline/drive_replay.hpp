@@ -31,12 +31,12 @@ struct ReplayTrack {
   std::string name;
   std::span<const log::StampedPose> trajectory;  ///< map_from_robot, one an observation
   std::span<const maps::StateRow> states;        ///< in the order of the observations; may be empty
-  std::span<const double> scores;                ///< one an observation
+  std::span<const double> scores;                ///< one an observation; may be empty
+  const patch::PatchMap* patches = nullptr;      ///< where `states` are; null: none
 };
 
 struct DriveReplay {
   const ReflectionGrid& map;
-  const patch::PatchMap* patches = nullptr;  ///< where `states` are; null: none
   std::span<const Observation> observations;
   std::span<const std::optional<Pose2>> truths;  ///< empty, or map_from_robot of each where known
   std::vector<ReplayTrack> tracks;

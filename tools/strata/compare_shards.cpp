@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "components/settings/settings.hpp"
+#include "tools/pipeline/comparison_replay.hpp"
 #include "tools/pipeline/comparison_shard.hpp"
 #include "tools/pipeline/shard_plan.hpp"
 #include "tools/shards/shard_folder.hpp"
@@ -35,6 +36,7 @@ pipeline::BuildingShard compare_shard_of(const CompareOptions& options, std::siz
     const std::filesystem::path own = pipeline::figures_folder(folder, building);
     std::filesystem::create_directories(own);
     shard.figures = pipeline::draw_maps(outcomes.learned, outcomes.maps, own);
+    pipeline::write_comparison_replay(shard.splits.front(), outcomes.maps, outcomes.drive, own);
   }
   return shard;
 }

@@ -177,11 +177,12 @@ void run_localize(const Options& options, VerbContext& context) {
   drawings.add(out.path() / pipeline::kTrajectoryPicture,
                [&] { pipeline::write_trajectory_picture(out.path(), maps.filtered, fit.fit()); });
   drawings.add(out.path() / pipeline::kReplayPage, [&] {
-    pipeline::write_replay(out.path(), {maps.filtered,
-                                        maps::patches_of(*model.descriptor, maps),
-                                        runs.observations,
-                                        runs.truths,
-                                        {{options.model, run.trajectory, run.states, run.scores}}});
+    const auto* patches = maps::patches_of(*model.descriptor, maps);
+    pipeline::write_replay(out.path(),
+                           {maps.filtered,
+                            runs.observations,
+                            runs.truths,
+                            {{options.model, run.trajectory, run.states, run.scores, patches}}});
   });
   out.commit();
   warn(context, drawings.what_is_missing());

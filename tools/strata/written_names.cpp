@@ -19,8 +19,9 @@ constexpr const char* kLocalization[] = {"trajectory.*", "replay.html",  "refine
 constexpr const char* kTopology[] = {"topologies.*", "topology.graphml", "places.yaml",
                                      "occupancy.*",  "trajectory.tum",   "landmarks.png",
                                      "odometry.png", "map.png",          "summary.json"};
-constexpr const char* kComparison[] = {"comparison.json", "report.html", "*.csv",       "*.png",
-                                       "*.svg",           "[0-9]*_*",    "summary.json"};
+constexpr const char* kComparison[] = {"comparison.json", "report.html", "replay.html",
+                                       "*.csv",           "*.png",       "*.svg",
+                                       "[0-9]*_*",        "summary.json"};
 constexpr const char* kVolume[] = {"map.bt", "map.ot",      "map_color.ot", "slice_*",
                                    "*.png",  "report.html", "changes.json", "summary.json"};
 constexpr const char* kChanges[] = {"changes.json", "changes.png", "level_*.png", "path_*.png",

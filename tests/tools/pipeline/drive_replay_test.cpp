@@ -44,7 +44,6 @@ Drive drive_of(std::size_t scans, std::size_t beams) {
 std::string page_of(const Drive& drive, const std::string& name = "patch",
                     std::size_t budget = kReplayBudget) {
   return replay_page({drive.map,
-                      nullptr,
                       drive.observations,
                       drive.truths,
                       {{name, drive.trajectory, drive.states, drive.scores}}},

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The page that `strata localize` leaves of a drive, opened from its file in headless Chromium.
+"""The page that `strata localize` and `strata compare` leave of a drive, opened from its file in headless Chromium.
 
 usage: replay_page_test.py STRATA HALL.yaml WORK
 
@@ -104,6 +104,28 @@ def every_model_has_a_panel(browser, path, work):
         page.close()
 
 
+def a_comparison_shows_its_models(browser, strata, work):
+    subprocess.run([strata, "compare", f"{work}/world/log.clf", "--truth", f"{work}/world/truth.tum",
+                    "--models", "filtered,patch", "--seeds", "1", "--out", f"{work}/comparison",
+                    "--set", "protocol.memory_steps=0", "--quiet"], check=True)
+    page = opened(browser, f"{work}/comparison/replay.html", work, "compared")
+    try:
+        names = page.evaluate("drive.tracks.map((track) => track.name).join()")
+        assert names == "filtered,patch", names
+        slide(page, 40)
+        for panel in (0, 1):
+            assert middle(page, POSE, panel)[0] > 25, panel
+        assert page.evaluate("drive.tracks[0].areas.length") == 0
+        assert page.evaluate("drive.tracks[1].areas.length") > 0
+        assert page.evaluate("Object.keys(panels[1].believed[scans - 1]).length") > 0, "states"
+        # What the page tells is what the comparison measured, but for the spread of the particles.
+        off = page.evaluate("Math.max(...drive.times.map((_, i) => value(drive.tracks[1], i)))")
+        assert 0 < off < 0.5, off
+        page.shoot(f"{work}/compared.png")
+    finally:
+        page.close()
+
+
 def main():
     strata, hall, work = sys.argv[1:4]
     browser = find_browser()
@@ -127,6 +149,7 @@ def main():
     finally:
         page.close()
     every_model_has_a_panel(browser, path, work)
+    a_comparison_shows_its_models(browser, strata, work)
     return 0
 
 

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/pipeline/comparison_replay.hpp"
+
+#include <cstddef>
+#include <vector>
+
+#include "components/maps/map_models.hpp"
+#include "tools/pipeline/drive_replay.hpp"
+
+namespace strata::pipeline {
+namespace {
+
+/// What a page takes by reference.
+struct Way {
+  std::vector<log::StampedPose> trajectory;
+  std::vector<maps::StateRow> states;
+};
+
+/// The rows that the traces were made of (candidates.cpp), scan by scan.
+std::vector<maps::StateRow> rows_of(const std::vector<StateTrace>& traces, const TestPart& drive) {
+  std::vector<maps::StateRow> rows;
+  std::vector<std::size_t> next(traces.size(), 0);
+  const Stamp begin = drive.observations.front().scan.stamp;
+  for (const Observation& observation : drive.observations) {
+    const Stamp stamp = observation.scan.stamp;
+    for (std::size_t t = 0; t < traces.size(); ++t) {
+      const StateTrace& trace = traces[t];
+      std::size_t& at = next[t];
+      if (at >= trace.time_s.size() || trace.time_s[at] != (stamp - begin).seconds()) continue;
+      for (std::size_t c = 0; c < trace.probability.size(); ++c) {
+        if (at >= trace.probability[c].size()) continue;
+        rows.push_back({stamp, trace.submap, static_cast<int>(c), trace.probability[c][at]});
+      }
+      ++at;
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+void write_comparison_replay(const Comparison& comparison, const maps::Maps& maps,
+                             const TestPart& drive, const std::filesystem::path& folder) {
+  DriveReplay replay{maps.filtered, drive.observations, drive.truths, {}};
+  std::vector<Way> ways(comparison.models.size());
+  for (std::size_t m = 0; m < ways.size(); ++m) {
+    const ModelResult& model = comparison.models[m];
+    if (model.runs.empty() || drive.observations.empty()) continue;
+    const ModelRun& run = model.runs.front();
+    if (run.estimates.size() != drive.observations.size()) continue;  // scans were lost on the way
+    for (std::size_t i = 0; i < run.estimates.size(); ++i) {
+      ways[m].trajectory.push_back({drive.observations[i].scan.stamp, run.estimates[i]});
+    }
+    ways[m].states = rows_of(model.states, drive);
+    const auto descriptor = maps::map_models().find(model.model);
+    const patch::PatchMap* patches = descriptor ? maps::patches_of(*descriptor, maps) : nullptr;
+    replay.tracks.push_back({model.model, ways[m].trajectory, ways[m].states, {}, patches});
+  }
+  write_replay(folder, replay);
+}
+
+}  // namespace strata::pipeline
