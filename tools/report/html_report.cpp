@@ -18,7 +18,10 @@ h1{font-size:1.6rem;margin:.5rem 0}h2{font-size:1.2rem;margin:2rem 0 .5rem;borde
 p,li,figcaption{overflow-wrap:anywhere}figure{margin:1rem 0;padding:0}figcaption{font-size:.9rem;opacity:.85;margin-top:.3rem}
 img,svg{max-width:100%;height:auto;display:block}img{border:1px solid var(--grid);image-rendering:pixelated;background:#fff}
 .scroll{overflow-x:auto}.scroll>.plot{min-width:36rem}table{border-collapse:collapse;font-size:.9rem}
+a{color:var(--accent)}
 .note{font-size:.9rem;opacity:.85;margin:1.2rem 0 .3rem}
+.terms{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,26rem),1fr));gap:.2rem 1.5rem;font-size:.85rem;margin:.6rem 0 1.2rem}
+.terms dt{display:inline;font-weight:600}.terms dt::after{content:":"}.terms dd{display:inline;margin:0;opacity:.85}
 th,td{padding:.3rem .5rem;border-bottom:1px solid var(--grid);text-align:right;white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
 pre{background:var(--soft);padding:.8rem;overflow-x:auto;font-size:.8rem}
@@ -27,6 +30,19 @@ pre{background:var(--soft);padding:.8rem;overflow-x:auto;font-size:.8rem}
 input[type=range]{width:100%;accent-color:var(--accent)}
 :focus-visible{outline:3px solid var(--accent)}
 )";
+
+/// A path as part of a URL (RFC 3986): only what is never special stays.
+std::string percent_encoded(const std::string& path) {
+  constexpr const char* kDigits = "0123456789ABCDEF";
+  std::string url;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool stays = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '/' || c == '.' || c == '-' || c == '_';
+    url += stays ? std::string(1, c) : std::string{'%', kDigits[byte >> 4U], kDigits[byte & 15U]};
+  }
+  return url;
+}
 
 std::string data_uri(const std::string& png) { return "data:image/png;base64," + base64(png); }
 
@@ -57,6 +73,11 @@ void HtmlReport::heading(const std::string& text) { body_ += "<h2>" + escape(tex
 
 void HtmlReport::paragraph(const std::string& text) { body_ += "<p>" + escape(text) + "</p>\n"; }
 
+void HtmlReport::link(const std::filesystem::path& file, const std::string& text) {
+  body_ += "<p><a href=\"" + escape(percent_encoded(file.generic_string())) + "\">" + escape(text) +
+           "</a></p>\n";
+}
+
 void HtmlReport::verdict(const std::string& text) {
   body_ += "<p class=\"verdict\">" + escape(text) + "</p>\n";
 }
@@ -79,6 +100,12 @@ void HtmlReport::table(const Table& table) {
     body_ += "</tr>\n";
   }
   body_ += "</tbody></table></div>\n";
+  if (table.terms.empty()) return;
+  body_ += "<dl class=\"terms\">";
+  for (const Term& term : table.terms) {
+    body_ += "<div><dt>" + escape(term.word) + "</dt> <dd>" + escape(term.meaning) + "</dd></div>";
+  }
+  body_ += "</dl>\n";
 }
 
 void HtmlReport::picture(const std::string& name, const Image& image, const std::string& alt,

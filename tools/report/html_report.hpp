@@ -12,11 +12,18 @@
 
 namespace strata::report {
 
-/// A table with a header row; cells are plain text.
+/// A word of a table, and what it means in one short sentence.
+struct Term {
+  std::string word;
+  std::string meaning;
+};
+
+/// A table with a header row; cells are plain text. Its words are explained below it.
 struct Table {
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> rows;
   std::string caption;
+  std::vector<Term> terms = {};
 };
 
 /// Collects the parts of a report in order, and writes beside it a PNG and a CSV of every figure.
@@ -28,6 +35,8 @@ class HtmlReport {
 
   void heading(const std::string& text);
   void paragraph(const std::string& text);
+  /// A link to a file beside the report, by its path from there, and what is to be seen in it.
+  void link(const std::filesystem::path& file, const std::string& text);
   /// The verdict: shown large, above the rest.
   void verdict(const std::string& text);
   void table(const Table& table);

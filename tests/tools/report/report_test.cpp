@@ -178,6 +178,25 @@ TEST(HtmlReport, IsOneFileWithEveryPictureInside) {
   EXPECT_EQ(html.find("https://"), std::string::npos);
 }
 
+TEST(HtmlReport, ExplainsTheWordsOfATableBelowIt) {
+  HtmlReport report(".", "r");
+  report.table({{"a", "b"}, {{"1", "2"}}, "plain"});
+  EXPECT_EQ(report.body().find("<dl"), std::string::npos);
+  report.table({{"a", "b"}, {{"1", "2"}}, "with words", {{"b", "less < more"}}});
+  const std::size_t words = report.body().find("<dt>b</dt> <dd>less &lt; more</dd>");
+  ASSERT_NE(words, std::string::npos);
+  EXPECT_GT(words, report.body().rfind("</table>"));
+}
+
+TEST(HtmlReport, LinksToFilesBesideItWhateverTheirNames) {
+  HtmlReport report(".", "r");
+  report.link("replay.html", "Play <the> drive");
+  report.link("1_a b#c:\"d/report.html", "building");
+  EXPECT_NE(report.body().find("<a href=\"replay.html\">Play &lt;the&gt; drive</a>"),
+            std::string::npos);
+  EXPECT_NE(report.body().find("href=\"1_a%20b%23c%3A%22d/report.html\""), std::string::npos);
+}
+
 TEST(HtmlReport, SaysWhereItCannotWrite) {
   HtmlReport report("/nonexistent/folder", "r");
   EXPECT_THROW(report.write(), OutputError);
