@@ -16,7 +16,8 @@ struct Way {
   std::vector<maps::StateRow> states;
 };
 
-/// The rows that the traces were made of (candidates.cpp), scan by scan.
+/// The rows that the traces were made of (candidates.cpp), scan by scan. Times of traces are
+/// seconds since the first scan; a scan of the same nanosecond is theirs.
 std::vector<maps::StateRow> rows_of(const std::vector<StateTrace>& traces, const TestPart& drive) {
   std::vector<maps::StateRow> rows;
   std::vector<std::size_t> next(traces.size(), 0);
@@ -25,8 +26,12 @@ std::vector<maps::StateRow> rows_of(const std::vector<StateTrace>& traces, const
     const Stamp stamp = observation.scan.stamp;
     for (std::size_t t = 0; t < traces.size(); ++t) {
       const StateTrace& trace = traces[t];
+      const auto stamp_of = [&](std::size_t i) {
+        return begin + Duration::from_seconds(trace.time_s[i]);
+      };
       std::size_t& at = next[t];
-      if (at >= trace.time_s.size() || trace.time_s[at] != (stamp - begin).seconds()) continue;
+      while (at < trace.time_s.size() && stamp_of(at) < stamp) ++at;
+      if (at == trace.time_s.size() || stamp_of(at) != stamp) continue;
       for (std::size_t c = 0; c < trace.probability.size(); ++c) {
         if (at >= trace.probability[c].size()) continue;
         rows.push_back({stamp, trace.submap, static_cast<int>(c), trace.probability[c][at]});
@@ -47,7 +52,8 @@ void write_comparison_replay(const Comparison& comparison, const maps::Maps& map
     const ModelResult& model = comparison.models[m];
     if (model.runs.empty() || drive.observations.empty()) continue;
     const ModelRun& run = model.runs.front();
-    if (run.estimates.size() != drive.observations.size()) continue;  // scans were lost on the way
+    // Of another drive, or scans were lost on the way.
+    if (run.part != 0 || run.estimates.size() != drive.observations.size()) continue;
     for (std::size_t i = 0; i < run.estimates.size(); ++i) {
       ways[m].trajectory.push_back({drive.observations[i].scan.stamp, run.estimates[i]});
     }

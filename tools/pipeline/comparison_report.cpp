@@ -61,6 +61,10 @@ void write_series(const Comparison& comparison, const std::filesystem::path& fol
 
 namespace {
 
+constexpr const char* kPlayDrive = "Play the drive: every model's first run, side by side";
+constexpr const char* kPlayFirstDrive =
+    "Play the first drive: every model's first run in it, side by side";
+
 /// A test part that leaves the learned area says little about maps.
 std::string warn_of_unmapped(const Comparison& comparison) {
   std::size_t scans = 0;
@@ -120,8 +124,11 @@ void write_report(const Comparison& comparison, const MapFigures& figures,
   HtmlReport page(folder, "Which map for this building?", drawings);
   page.verdict(verdict(comparison, tests));
   page.paragraph(describe_job(comparison) + warn_of_unmapped(comparison));
+  if (std::filesystem::exists(folder / kReplayPage)) {
+    page.link(kReplayPage, comparison.parts.size() > 1 ? kPlayFirstDrive : kPlayDrive);
+  }
   add_model_table(comparison, result["models"], page);
-  add_pair_table(tests, page);
+  add_pairs(comparison, tests, page);
   add_drives(comparison, page);
   add_changed_places(comparison, result["models"], page);
   add_errors(comparison, page);

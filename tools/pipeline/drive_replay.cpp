@@ -150,7 +150,7 @@ std::string replay_page(const DriveReplay& drive, std::size_t budget) {
     if (page.size() <= budget) return page;
     if (scans / step <= kFewScans) {
       throw OutputError(kReplayPage, "would be larger than " + std::to_string(budget) + " bytes",
-                        "nothing else is missing; trajectory.png shows the drive");
+                        "nothing else is missing; the map is too large for a page");
     }
     step *= 2;
   }

@@ -14,6 +14,9 @@ namespace strata::pipeline {
 /// Of every bootstrap interval, so that a report made twice says the same.
 inline constexpr std::uint64_t kBootstrapSeed = 1;
 
+/// The level of every test.
+inline constexpr double kAlpha = 0.05;
+
 /// Each run's mean error.
 inline std::vector<double> run_means(const ModelResult& model) {
   std::vector<double> means;

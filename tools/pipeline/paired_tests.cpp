@@ -10,7 +10,6 @@
 namespace strata::pipeline {
 namespace {
 
-constexpr double kAlpha = 0.05;
 /// Half a cell of the default map: smaller differences are real at most in the statistical sense.
 constexpr double kMinThatMatters_m = 0.025;
 

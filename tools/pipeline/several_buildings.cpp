@@ -29,6 +29,9 @@ void add_building_table(const std::vector<Building>& buildings, report::HtmlRepo
   table.caption =
       "Mean error in metres with its 95% interval over drives and seeds, one building a row. The "
       "number of the building is that of its folder, which holds a report of its own.";
+  table.terms = {{"95% interval",
+                  "confidence interval: were everything repeated, 19 of 20 such intervals would "
+                  "hold the true mean"}};
   for (const ModelResult& model : buildings.front().comparison.models) {
     table.header.push_back(model.model);
   }
@@ -110,10 +113,14 @@ void write_joint_report(const std::vector<Building>& buildings, const std::strin
                  "in another shows in the rows below, not in the sentence above.");
   add_building_table(buildings, page);
   page.heading("What each building says");
-  for (const Building& building : buildings) page.paragraph(sentence_of(building));
+  for (const Building& building : buildings) {
+    page.paragraph(sentence_of(building));
+    page.link(std::filesystem::path(building.folder) / "report.html",
+              "The report of " + building.folder);
+  }
   page.heading("All drives together");
   add_model_table(joint, result["models"], page);
-  add_pair_table(tests, page);
+  add_pairs(joint, tests, page);
   add_drives(joint, page);
   add_changed_places(joint, result["models"], page);
   finish_report(joint, result, settings, folder, page);

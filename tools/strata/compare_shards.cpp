@@ -10,11 +10,14 @@
 #include "components/settings/settings.hpp"
 #include "tools/pipeline/comparison_replay.hpp"
 #include "tools/pipeline/comparison_shard.hpp"
+#include "tools/pipeline/drive_replay.hpp"
 #include "tools/pipeline/shard_plan.hpp"
+#include "tools/report/drawings.hpp"
 #include "tools/shards/shard_folder.hpp"
 #include "tools/strata/compare_inputs.hpp"
 #include "tools/strata/compare_job.hpp"
 #include "tools/strata/result_directory.hpp"
+#include "tools/strata/warning.hpp"
 
 namespace strata::tools {
 namespace {
@@ -25,7 +28,7 @@ pipeline::BuildingShard compare_shard_of(const CompareOptions& options, std::siz
                                          const std::vector<pipeline::SplitShare>& shares,
                                          const pipeline::CompareConfig& config,
                                          const std::filesystem::path& folder,
-                                         VerbContext& context) {
+                                         report::Drawings& drawings, VerbContext& context) {
   PreparedComparison prepared = prepare_comparison(options, input, config, context);
   prepared.job.shares = shares;
   pipeline::SplitOutcomes outcomes = pipeline::compare_splits(prepared.runs, config, prepared.job);
@@ -35,8 +38,10 @@ pipeline::BuildingShard compare_shard_of(const CompareOptions& options, std::siz
   if (shard.has_figures) {
     const std::filesystem::path own = pipeline::figures_folder(folder, building);
     std::filesystem::create_directories(own);
-    shard.figures = pipeline::draw_maps(outcomes.learned, outcomes.maps, own);
-    pipeline::write_comparison_replay(shard.splits.front(), outcomes.maps, outcomes.drive, own);
+    shard.figures = pipeline::draw_maps(outcomes.learned, outcomes.maps, own, &drawings);
+    drawings.add(own / pipeline::kReplayPage, [&] {
+      pipeline::write_comparison_replay(shard.splits.front(), outcomes.maps, outcomes.drive, own);
+    });
   }
   return shard;
 }
@@ -54,6 +59,7 @@ void compare_shard(const CompareOptions& options, const pipeline::CompareConfig&
   const auto plan = pipeline::plan_shard(size, config, own);
   pipeline::ComparisonShard shard{settings::write_yaml(config), {}};
   shards::ShardInfo info = shard_info_of(options, shard.settings, own, context);
+  report::Drawings drawings;
   for (std::size_t b = 0; b < size.buildings; ++b) {
     const bool has_work = std::any_of(plan[b].begin(), plan[b].end(),
                                       [](const auto& share) { return !share.seeds.empty(); });
@@ -63,13 +69,15 @@ void compare_shard(const CompareOptions& options, const pipeline::CompareConfig&
     building.splits.resize(size.splits);
     if (has_work) {
       add_inputs(input, b, info);
-      building = compare_shard_of(options, b, input, plan[b], config, out.path(), context);
+      building =
+          compare_shard_of(options, b, input, plan[b], config, out.path(), drawings, context);
     }
     if (options.buildings) building.folder = building_folder(options, b);
     shard.buildings.push_back(std::move(building));
   }
   pipeline::write_comparison_shard(info, shard, out.path());
   out.commit();
+  warn(context, drawings.what_is_missing());
   context.note("shard " + options.shard + ": " + options.out);
 }
 

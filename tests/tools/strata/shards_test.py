@@ -63,6 +63,18 @@ def main():
     for name, content in whole.items():
         require(merged[name] == content, name + " differs")
     require(len(whole) > 20, "too few files to say anything")
+    # The drive can be played, and both reports lead there.
+    require("replay.html" in whole, "replay.html is missing")
+    for result in ("whole", "merged"):
+        with open(os.path.join(result, "report.html"), encoding="utf-8") as file:
+            require('href="replay.html"' in file.read(), f"{result}/report.html does not link to replay.html")
+
+    # What cannot be drawn costs no shard.
+    without = subprocess.run([strata, "compare", *logs, *what, "--shard", "1/1", "--out", "undrawn", "--quiet"],
+                             capture_output=True, text=True, check=False, env=dict(os.environ, PATH="/nowhere"))
+    require(without.returncode == 0, without.stderr)
+    require("results are there but for pictures (node_levels.png" in without.stderr, without.stderr)
+    require(os.path.exists("undrawn/results.bin"), "the shard has no results")
 
     # A lost shard is named, and the sample runs only that one again.
     shutil.rmtree("merged.shards/2")
