@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata compare`: which map model localizes best in this building?
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -12,12 +13,14 @@
 #include "core/base/error.hpp"
 #include "tools/pipeline/compare.hpp"
 #include "tools/pipeline/comparison_report.hpp"
+#include "tools/pipeline/drive_replay.hpp"
 #include "tools/pipeline/several_buildings.hpp"
 #include "tools/strata/compare_job.hpp"
 #include "tools/strata/compare_options.hpp"
 #include "tools/strata/compare_shards.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
+#include "tools/strata/terminal_picture.hpp"
 #include "tools/strata/verbs.hpp"
 #include "tools/strata/warning.hpp"
 
@@ -60,6 +63,25 @@ void compare_buildings(const Options& options, const pipeline::CompareConfig& co
   std::cout << pipeline::verdict(joint, pipeline::paired_tests(joint)) << '\n';
 }
 
+/// The map and, of the model with the least error, its first run in the first drive.
+void show_best(const pipeline::CompareOutcome& outcome, VerbContext& context) {
+  const auto& models = outcome.comparison.models;
+  const auto best =
+      std::min_element(models.begin(), models.end(), [](const auto& a, const auto& b) {
+        return pipeline::mean_error_m(a) < pipeline::mean_error_m(b);
+      });
+  if (best == models.end() || best->runs.empty()) return;
+  show_map(outcome.maps.filtered, {&best->runs.front().estimates, 1}, context);
+}
+
+/// Where to look, after a comparison of one building.
+void note_places(const Options& options, VerbContext& context) {
+  const std::filesystem::path out(options.out);
+  const bool plays = std::filesystem::exists(out / pipeline::kReplayPage);
+  context.note("report: " + (out / "report.html").string() +
+               (plays ? "; the drive plays in " + (out / pipeline::kReplayPage).string() : ""));
+}
+
 void run_compare(const Options& options, VerbContext& context) {
   if (!options.merge.empty()) return merge_shards(options, context);
   require_one_way(options);
@@ -79,10 +101,12 @@ void run_compare(const Options& options, VerbContext& context) {
     if (options.json) {
       std::cout << log::json_text(pipeline::to_json(outcome.comparison, tests));
     } else {
+      show_best(outcome, context);
+      context.clear_progress();
       std::cout << pipeline::verdict(outcome.comparison, tests) << '\n';
     }
   }
-  context.note("report: " + options.out + "/report.html");
+  note_places(options, context);
 }
 
 }  // namespace

@@ -21,9 +21,13 @@ Progress* VerbContext::progress() {
   return progress_.get();
 }
 
+void VerbContext::clear_progress() {
+  if (progress_) progress_->clear();
+}
+
 void VerbContext::note(std::string_view line) {
   if (options.quiet) return;
-  if (progress_) progress_->clear();
+  clear_progress();
   std::cerr << line << std::endl;
 }
 

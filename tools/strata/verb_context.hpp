@@ -41,6 +41,8 @@ class VerbContext {
   [[nodiscard]] std::string stage() const { return progress_ ? progress_->stage() : ""; }
   [[nodiscard]] Interrupt& interrupt() { return interrupt_; }
   [[nodiscard]] StagedPaths& staged() { return staged_; }
+  /// Takes a bar of progress off the terminal, before results go there.
+  void clear_progress();
   /// One line on stderr for the user, unless --quiet. Results go to stdout.
   void note(std::string_view line);
 

@@ -25,6 +25,7 @@
 #include "tools/report/plot.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
+#include "tools/strata/terminal_picture.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 #include "tools/strata/warning.hpp"
@@ -71,6 +72,18 @@ std::vector<pipeline::LearnedPose> poses_of(const slam::SlamResult& result) {
     poses.push_back({scan.run, scan.scan.stamp, scan.map_from_robot});
   }
   return poses;
+}
+
+/// One a run.
+std::vector<report::TerminalWay> ways_of(const slam::SlamResult& result) {
+  std::vector<report::TerminalWay> ways;
+  const PosedScan* last = nullptr;
+  for (const PosedScan& scan : result.scans) {
+    if (last == nullptr || last->run != scan.run) ways.emplace_back();
+    ways.back().push_back(scan.map_from_robot);
+    last = &scan;
+  }
+  return ways;
 }
 
 bool updates_in_place(const Options& options) {
@@ -174,7 +187,10 @@ void run_learn(const Options& options, VerbContext& context) {
                           maps::summarize_reading(runs.reports));
   out.commit();
   warn(context, drawings.what_is_missing());
-  if (!context.options.quiet) std::cout << sentence(summary, result, options) << '\n';
+  if (context.options.quiet) return;
+  show_map(result.slam.filtered, ways_of(result.slam), context);
+  context.clear_progress();
+  std::cout << sentence(summary, result, options) << '\n';
 }
 
 }  // namespace

@@ -28,6 +28,7 @@
 #include "tools/strata/fit_warning.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
+#include "tools/strata/terminal_picture.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 #include "tools/strata/warning.hpp"
@@ -190,6 +191,10 @@ void run_localize(const Options& options, VerbContext& context) {
   if (options.json) {
     std::cout << log::json_text(metrics);
   } else if (!context.options.quiet) {
+    report::TerminalWay way;
+    for (const log::StampedPose& pose : run.trajectory) way.push_back(pose.pose);
+    show_map(maps.filtered, {&way, 1}, context);
+    context.clear_progress();
     std::cout << sentence(run, fit.fit(), metrics, options) << '\n';
   }
 }
