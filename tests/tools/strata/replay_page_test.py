@@ -112,6 +112,8 @@ def a_comparison_shows_its_models(browser, strata, work):
     try:
         names = page.evaluate("drive.tracks.map((track) => track.name).join()")
         assert names == "filtered,patch", names
+        # All panels are in view at once.
+        assert page.evaluate("at('panels').scrollHeight <= at('panels').clientHeight")
         slide(page, 40)
         for panel in (0, 1):
             assert middle(page, POSE, panel)[0] > 25, panel
