@@ -80,26 +80,42 @@ def looks_through(page, work):
     assert page.evaluate("Number(at('time').value)") == last
 
 
-def every_model_has_a_panel(browser, path, work):
-    """A second way, moved by 2 m, shows up beside the first."""
+def opened_with(browser, path, work, name, more):
+    """The page with more tracks: what `more` makes of its first."""
     text = open(path).read()
     head = '<script id="drive" type="application/json">'
     at = text.index(head) + len(head)
     end = text.index("</script>", at)
     drive = json.loads(text[at:end])
-    poses = [[x + 2000, y, theta] for x, y, theta in drive["tracks"][0]["poses"]]
-    drive["tracks"].append({**drive["tracks"][0], "name": "<b>other", "poses": poses})
-    with open(f"{work}/two.html", "w") as out:
+    drive["tracks"] += more(drive["tracks"][0])
+    with open(f"{work}/{name}.html", "w") as out:
         out.write(text[:at] + json.dumps(drive).replace("<", "\\u003c") + text[end:])
-    page = opened(browser, f"{work}/two.html", work, "two")
+    return opened(browser, f"{work}/{name}.html", work, name)
+
+
+def every_model_has_a_panel(browser, path, work):
+    """A second way, moved by 2 m, shows up beside the first."""
+    page = opened_with(browser, path, work, "two", lambda track: [
+        {**track, "name": "<b>other", "poses": [[x + 2000, y, theta] for x, y, theta in track["poses"]]}])
     try:
         names = json.loads(page.evaluate(
             "JSON.stringify([...document.querySelectorAll('.panel h2 span')].map((n) => n.textContent))"))
-        assert names == [drive["tracks"][0]["name"], "<b>other"], names
+        assert names == ["patch", "<b>other"], names
         slide(page, 10)
         one, two = middle(page, POSE, 0), middle(page, POSE, 1)
         assert two[0] > 25 and two[1] > one[1] + 10, (one, two)
         page.shoot(f"{work}/two.png")
+    finally:
+        page.close()
+
+
+def many_models_are_in_view_at_once(browser, path, work):
+    page = opened_with(browser, path, work, "six", lambda track: [{**track, "name": f"{i}"} for i in range(5)])
+    try:
+        assert page.evaluate("panels.length") == 6
+        assert page.evaluate("at('panels').scrollHeight <= at('panels').clientHeight")
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        page.shoot(f"{work}/six.png")
     finally:
         page.close()
 
@@ -112,8 +128,6 @@ def a_comparison_shows_its_models(browser, strata, work):
     try:
         names = page.evaluate("drive.tracks.map((track) => track.name).join()")
         assert names == "filtered,patch", names
-        # All panels are in view at once.
-        assert page.evaluate("at('panels').scrollHeight <= at('panels').clientHeight")
         slide(page, 40)
         for panel in (0, 1):
             assert middle(page, POSE, panel)[0] > 25, panel
@@ -151,6 +165,7 @@ def main():
     finally:
         page.close()
     every_model_has_a_panel(browser, path, work)
+    many_models_are_in_view_at_once(browser, path, work)
     a_comparison_shows_its_models(browser, strata, work)
     return 0
 

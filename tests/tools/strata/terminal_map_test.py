@@ -77,7 +77,8 @@ def main():
         said = in_pipe(command)
         assert len(said) == 1 and len(said[0]) > 40, said
         assert not is_drawn(said[0]) and "\x1b" not in said[0], said
-    for command in (localize + ["--json"], compare + ["--json"], learn + ["--quiet"], localize + ["--quiet"]):
+    for command in (localize + ["--json"], compare + ["--json"], learn + ["--quiet"], localize + ["--quiet"],
+                    compare + ["--quiet"]):
         assert not any(map(is_drawn, on_terminal(command))), command
     assert not any(map(is_drawn, on_terminal(localize, TERM="dumb")))
     assert not any(map(is_drawn, on_terminal(localize, LC_ALL="C")))
