@@ -136,6 +136,7 @@ struct LocalizerComponentConfig {
   std::string initial_pose_qos = "default";
   std::string state_qos = "latched";
   std::string out_subfolder;
+  bool site_changes = true;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field(
@@ -227,6 +228,9 @@ struct LocalizerComponentConfig {
             {.doc = "QoS profile of sub-map states, the current map and health"});
     v.field("out_subfolder", c.out_subfolder,
             {.doc = "replay: folder inside --out for this component's files; empty: --out itself"});
+    v.field("site_changes", c.site_changes,
+            {.doc = "maps of a site: ~/approve_version, ~/activate_version and ~/roll_back decide "
+                    "on its versions; else they are refused, and the site is only told of"});
   }
 };
 

@@ -45,6 +45,7 @@ void Localizer::on_configure() {
       config_.initial_pose_topic, config_.initial_pose_qos,
       [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); });
   offer_services();
+  offer_site();
   subscribe_sensors(config_.input, config_.sensor_qos);
 }
 
@@ -243,6 +244,7 @@ void Localizer::on_cleanup() {
   maps_taken_ = 0;
   record_ = {};
   particle_writer_.reset();
+  site_desk_.reset();
 }
 
 }  // namespace strata::localizer

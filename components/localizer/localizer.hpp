@@ -19,6 +19,7 @@
 #include "components/localizer/live_maps.hpp"
 #include "components/localizer/map_source.hpp"
 #include "components/localizer/place_store.hpp"
+#include "components/localizer/site_desk.hpp"
 #include "components/maps/localization_files.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/runtime/sensor_component.hpp"
@@ -36,7 +37,9 @@ namespace strata::localizer {
 /// and the maps when no MAPS folder is named (or map_topics.follow): scans that come before them
 /// are passed over, and when one comes again the robot goes on in it, with the particles that it
 /// has and what they believe of sub-maps that are still there; so it does when the folder is a
-/// site's and another version becomes active. Scans with their poses go out where a learner wants
+/// site's and another version becomes active: then ~/site_versions tells of it, latched, and
+/// ~/list_versions, ~/approve_version, ~/activate_version, ~/roll_back and ~/version_map are
+/// answered. Scans with their poses go out where a learner wants
 /// them. At the end of a log trajectory.tum, refined.tum, states.csv and metrics.json, byte for
 /// byte those of `strata localize` without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
@@ -66,6 +69,8 @@ class Localizer final : public runtime::SensorComponent {
   void advertise_change_mask();
   void subscribe_topics();
   void offer_services();
+  /// Where the maps are a site's.
+  void offer_site();
   /// source: who gave the pose, for errors.
   void restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message,
                const std::string& source);
@@ -140,6 +145,7 @@ class Localizer final : public runtime::SensorComponent {
   std::function<void(const std_msgs::msg::Float64&)> publish_score_;
   std::function<void(const strata_msgs::msg::LabeledScan&)> publish_located_;  // null: not wanted
   std::shared_ptr<bus::RawWriter> particle_writer_;  // raw, to see whether somebody reads
+  std::unique_ptr<SiteDesk> site_desk_;              ///< live, where the maps are a site's
 };
 
 }  // namespace strata::localizer

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The maps that the localizer is given, and what it does when others come.
 #include <exception>
+#include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
@@ -23,6 +25,7 @@ LoadedMaps Localizer::make_maps(const std::filesystem::path& folder,
 }
 
 void Localizer::on_tick() {
+  if (site_desk_) site_desk_->look();
   if (!map_source_) return;
   if (map_source_->look()) refused_maps_.clear();
   take_folder();
@@ -45,6 +48,32 @@ void Localizer::take_folder() {
           ? identity_->version + " (" + log::short_hash(identity_->hash) + ") of " + identity_->id
           : loaded->folder.string();
   say(runtime::LogLevel::kInfo, "localizes in version " + name + " now");
+}
+
+void Localizer::offer_site() {
+  std::error_code error;
+  if (lockstep() || config_.maps.empty() ||
+      !std::filesystem::exists(std::filesystem::path(config_.maps) / site::kSiteFile, error)) {
+    return;
+  }
+  const auto publish = advertise<strata_msgs::msg::SiteVersions>("~/site_versions", "latched");
+  if (context().dry_run) return;
+  site_desk_ = std::make_unique<SiteDesk>(config_.maps, full_name(), config_.site_changes, publish);
+  SiteDesk* desk = site_desk_.get();  // the services end before it
+  offer_later<bus::srv::ListSiteVersions>(
+      "~/list_versions", [desk](const auto&, auto reply) { desk->list(std::move(reply)); });
+  offer_later<bus::srv::ApproveSiteVersion>(
+      "~/approve_version",
+      [desk](const auto& request, auto reply) { desk->approve(request, std::move(reply)); });
+  offer_later<bus::srv::ActivateSiteVersion>(
+      "~/activate_version",
+      [desk](const auto& request, auto reply) { desk->activate(request, std::move(reply)); });
+  offer_later<bus::srv::RollBackSite>("~/roll_back", [desk](const auto& request, auto reply) {
+    desk->roll_back(request, std::move(reply));
+  });
+  offer_later<bus::srv::GetSiteVersionMap>(
+      "~/version_map",
+      [desk](const auto& request, auto reply) { desk->map_of(request, std::move(reply)); });
 }
 
 void Localizer::use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaussian>& start) {

@@ -193,9 +193,13 @@ Switch Site::activate(const std::string& hash, const Actor& actor) {
   return {before, hash};
 }
 
-Switch Site::rollback(const Actor& actor) {
+Switch Site::rollback(const Actor& actor, const std::string& from) {
   Change change(*this);
   Decisions& decisions = change.decisions;
+  if (!from.empty() && active() != from) {
+    throw InputError(folder_.string(), "has another active version by now",
+                     "look at what is active, and ask again");
+  }
   if (decisions.activations.size() < 2) {
     throw InputError(folder_.string(), "has nothing to go back to: no version was active before",
                      "`strata site list` shows what there is, `strata site activate` takes one");

@@ -93,8 +93,9 @@ class Site {
   /// Throws InputError where the version is damaged or was never approved: then nothing changes.
   Switch activate(const std::string& hash, const Actor& actor);
   /// Activates what was active before; from there, once more, what was before that. Throws
-  /// InputError where there is none, or it is damaged.
-  Switch rollback(const Actor& actor);
+  /// InputError where there is none, it is damaged, or, unless `from` is empty, where another
+  /// version than that hash is active.
+  Switch rollback(const Actor& actor, const std::string& from = "");
 
   /// The recordings that the gate replays, the oldest first.
   [[nodiscard]] std::vector<KeptRecording> recordings() const;

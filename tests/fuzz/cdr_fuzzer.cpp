@@ -8,6 +8,7 @@
 #include "components/bus/graph_message.hpp"
 #include "components/bus/message_types.hpp"
 #include "components/bus/service.hpp"
+#include "components/bus/site_service_types.hpp"
 #include "components/clouds/image_messages.hpp"
 #include "components/convert/cdr.hpp"
 #include "components/convert/cloud_messages.hpp"
@@ -101,6 +102,11 @@ constexpr void (*kServices[])(Input) = {
     serve<srv::SplitBagfile>,
     serve<srv::GetTypeDescription>,
     serve<srv::Trigger>,
+    serve<srv::ListSiteVersions>,
+    serve<srv::ApproveSiteVersion>,
+    serve<srv::ActivateSiteVersion>,
+    serve<srv::RollBackSite>,
+    serve<srv::GetSiteVersionMap>,
 };
 
 /// The next byte chooses the service, and its highest bit whose client asks: Cyclone's puts a

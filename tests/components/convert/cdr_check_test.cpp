@@ -11,6 +11,7 @@
 #include "strata_idl/rmw_dds_common.h"
 #include "strata_idl/std_msgs.h"
 #include "strata_idl/strata_msgs.h"
+#include "strata_idl/strata_msgs_site.h"
 #include "strata_idl/tf2_msgs.h"
 #include <gtest/gtest.h>
 
@@ -42,7 +43,7 @@ using Messages = ::testing::Types<
     diagnostic_msgs::msg::DiagnosticArray, strata_msgs::msg::LabeledScan,
     strata_msgs::msg::Trajectory, strata_msgs::msg::ReflectionGrid, strata_msgs::msg::NodeMap,
     strata_msgs::msg::SubmapStates, strata_msgs::msg::LocalizationHealth, strata_msgs::msg::Step,
-    strata_msgs::msg::Ack, std_msgs::msg::Float64>;
+    strata_msgs::msg::Ack, strata_msgs::msg::SiteVersions, std_msgs::msg::Float64>;
 TYPED_TEST_SUITE(EveryMessage, Messages);
 
 TYPED_TEST(EveryMessage, HasTheLayoutThatItsIdlSays) {

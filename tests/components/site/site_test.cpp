@@ -118,6 +118,17 @@ TEST_F(SiteTest, GoesBackStepByStepAndForthAgain) {
   EXPECT_EQ(site.rollback(kAda).to, a);
 }
 
+TEST_F(SiteTest, GoesBackOnlyFromTheVersionThatWasMeant) {
+  Site site = make();
+  const std::string a = activated(site, "a");
+  const std::string b = activated(site, "b");
+  const std::string c = activated(site, "c");
+  EXPECT_EQ(site.rollback(kAda, c).to, b);
+  EXPECT_THAT(error_of([&] { (void)site.rollback(kAda, c); }), HasSubstr("another active version"));
+  EXPECT_EQ(site.active(), b);
+  EXPECT_EQ(site.rollback(kAda, b).to, a);
+}
+
 TEST_F(SiteTest, NeitherApprovesNorActivatesNorGoesBackToADamagedVersion) {
   Site site = make();
   const std::string a = activated(site, "a");
