@@ -73,8 +73,8 @@ struct LiveViewConfig {
     v.field("max_viewers", c.max_viewers,
             {.doc = "so many at a time; more are refused", .min = 1, .max = 1000});
     v.field("allow_commands", c.allow_commands,
-            {.doc = "viewers may set the pose, ask for a global search and have maps saved; else "
-                    "they only look"});
+            {.doc = "viewers may set the pose, ask for a global search, have maps saved, and "
+                    "approve, activate and roll back versions of a site; else they only look"});
     v.field("metrics", c.metrics,
             {.doc = "answers /metrics for Prometheus; reads /diagnostics for it, viewers or not"});
     v.field("keep_newest", c.keep_newest,

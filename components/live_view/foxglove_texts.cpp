@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "components/convert/message_definitions.hpp"
+
 namespace strata::live_view {
 namespace {
 
@@ -14,6 +16,12 @@ using Json = nlohmann::json;
 /// Names that others gave may be no UTF-8.
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// Without the member that rosidl itself puts into an empty struct.
+std::string schema_of(const std::string& type) {
+  const std::string text = convert::message_definition(type);
+  return text.starts_with("uint8 structure_needs_at_least_one_member") ? "" : text;
 }
 
 template <typename T>
@@ -25,10 +33,10 @@ void append(std::vector<std::uint8_t>& bytes, T value) {
 
 }  // namespace
 
-std::string server_info(const std::string& name, const CommandNames& commands) {
+std::string server_info(const std::string& name, const CommandNames& commands, bool has_services) {
   Json capabilities = Json::array();
   if (!commands.initial_pose_topic.empty()) capabilities.push_back("clientPublish");
-  if (!advertised_services(commands).empty()) capabilities.push_back("services");
+  if (has_services) capabilities.push_back("services");
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return text_of({{"op", "serverInfo"},
                   {"name", name},
@@ -51,28 +59,24 @@ std::string advertised(const std::vector<Channel>& channels) {
   return text_of({{"op", "advertise"}, {"channels", list}});
 }
 
-std::string advertised_services(const CommandNames& commands) {
-  Json services = Json::array();
-  const auto add = [&](std::uint32_t id, const std::string& name, const std::string& type,
-                       const char* response) {
-    if (name.empty()) return;
-    const auto part = [](const std::string& schema_name, const char* schema) {
+std::string advertised_services(std::span<const ViewService> services) {
+  Json list = Json::array();
+  for (const ViewService& service : services) {
+    const auto part = [&](const char* which) {
+      const std::string type = service.type + which;
       return Json{{"encoding", "cdr"},
-                  {"schemaName", schema_name},
+                  {"schemaName", type},
                   {"schemaEncoding", "ros2msg"},
-                  {"schema", schema}};
+                  {"schema", schema_of(type)}};
     };
-    services.push_back({{"id", id},
-                        {"name", name},
-                        {"type", type},
-                        {"request", part(type + "_Request", "")},
-                        {"response", part(type + "_Response", response)}});
-  };
-  add(kRelocalizeService, commands.relocalize_service, "std_srvs/srv/Empty", "");
-  add(kSaveService, commands.save_service, "std_srvs/srv/Trigger",
-      "bool success\nstring message\n");
-  if (services.empty()) return "";
-  return text_of({{"op", "advertiseServices"}, {"services", services}});
+    list.push_back({{"id", service.id},
+                    {"name", service.name},
+                    {"type", service.type},
+                    {"request", part("_Request")},
+                    {"response", part("_Response")}});
+  }
+  if (list.empty()) return "";
+  return text_of({{"op", "advertiseServices"}, {"services", list}});
 }
 
 std::string status_error(const std::string& message) {

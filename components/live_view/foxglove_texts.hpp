@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,17 +14,16 @@ namespace strata::live_view {
 /// In the order in which a server likes them; the messages are the same.
 inline constexpr const char* kSubprotocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 inline constexpr const char* kInitialPoseType = "geometry_msgs/msg/PoseWithCovarianceStamped";
-inline constexpr std::uint32_t kRelocalizeService = 1;
-inline constexpr std::uint32_t kSaveService = 2;
 
 /// Opcodes of binary messages.
 enum class ServerOpcode : std::uint8_t { kMessage = 1, kServiceResponse = 3 };
 enum class ClientOpcode : std::uint8_t { kMessage = 1, kServiceRequest = 2 };
 
-[[nodiscard]] std::string server_info(const std::string& name, const CommandNames& commands);
+[[nodiscard]] std::string server_info(const std::string& name, const CommandNames& commands,
+                                      bool has_services);
 [[nodiscard]] std::string advertised(const std::vector<Channel>& channels);
-/// Those of the commands that have a name; empty: none has.
-[[nodiscard]] std::string advertised_services(const CommandNames& commands);
+/// Empty where there are none.
+[[nodiscard]] std::string advertised_services(std::span<const ViewService> services);
 [[nodiscard]] std::string status_error(const std::string& message);
 [[nodiscard]] std::string service_failure(std::uint32_t service, std::uint32_t call,
                                           const std::string& message);

@@ -2,12 +2,15 @@
 #include "components/live_view/live_view.hpp"
 
 #include <chrono>
+#include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "components/bus/recorded_topic.hpp"
 #include "components/bus/service.hpp"
+#include "components/bus/site_service_types.hpp"
 #include "components/convert/message_definitions.hpp"
 #include "components/live_view/page.hpp"
 #include "core/base/error.hpp"
@@ -17,6 +20,9 @@ namespace {
 
 constexpr auto kServicePatience = std::chrono::seconds(3);
 constexpr auto kSavePatience = std::chrono::seconds(10);
+/// All files of a version are read before it is approved or activated.
+constexpr auto kSitePatience = std::chrono::seconds(20);
+constexpr std::string_view kSiteTopic = "/site_versions";
 /// Messages of one topic that may come between two looks of the component.
 constexpr int kDepth = 20;
 /// Statuses that may: one a second of each component, and all at once when a robot starts.
@@ -24,14 +30,26 @@ constexpr int kStatusDepth = 200;
 
 /// Throws Error when nobody answers in time.
 template <typename S>
-typename bus::ServiceType<S>::Response called(const std::shared_ptr<bus::Participant>& participant,
-                                              const std::string& service,
-                                              std::chrono::seconds patience = kServicePatience) {
-  auto response = bus::call_service<S>(participant, service, {}, patience);
+typename bus::ServiceType<S>::Response called(
+    const std::shared_ptr<bus::Participant>& participant, const std::string& service,
+    std::chrono::seconds patience = kServicePatience,
+    const typename bus::ServiceType<S>::Request& request = {}) {
+  auto response = bus::call_service<S>(participant, service, request, patience);
   if (!response) {
     throw Error(service, "nobody has answered in time", "see whether who offers it runs");
   }
   return *response;
+}
+
+/// The response's bytes. Throws what is said where it was refused.
+template <typename S>
+std::vector<std::uint8_t> decided(const std::shared_ptr<bus::Participant>& participant,
+                                  const ViewCommand& command) {
+  const auto request = convert::from_cdr<typename bus::ServiceType<S>::Request>(
+      command.cdr, "a viewer's " + command.service);
+  const auto response = called<S>(participant, command.service, kSitePatience, request);
+  if (!response.success()) throw std::runtime_error(response.message());
+  return convert::to_cdr(response);
 }
 
 }  // namespace
@@ -94,6 +112,11 @@ void LiveView::offer_topics() {
     if (topic.starts_with("/strata_lockstep/") || bus::is_hidden(topic)) continue;
     const auto [entry, is_new] = channels_.try_emplace(topic, 0);
     if (!is_new) continue;
+    if (!has_site_ && topic.ends_with(kSiteTopic) &&
+        published.type == bus::MessageType<strata_msgs::msg::SiteVersions>::name) {
+      has_site_ = true;
+      hub_->offer_site(topic.substr(0, topic.size() - kSiteTopic.size()), config_.allow_commands);
+    }
     const std::string schema = convert::message_definition(published.type);
     if (schema.empty()) continue;  // nobody could decode it
     entry->second = hub_->advertise(topic, published.type, schema,
@@ -141,11 +164,31 @@ void LiveView::perform(const ViewCommand& command) {
             }
             return convert::to_cdr(response);
           });
+    case ViewCommand::Kind::kApproveVersion:
+    case ViewCommand::Kind::kActivateVersion:
+    case ViewCommand::Kind::kRollBack:
+    case ViewCommand::Kind::kVersionMap:
+      return decide_on_site(command);
     case ViewCommand::Kind::kSetPose:
       // Decoded, so that what is no pose goes no further.
       publish_pose_(convert::from_cdr<geometry_msgs::msg::PoseWithCovarianceStamped>(
           command.cdr, "a viewer's " + config_.initial_pose_topic));
   }
+}
+
+void LiveView::decide_on_site(const ViewCommand& command) {
+  call_for(command, [participant = context().participant, command] {
+    switch (command.kind) {
+      case ViewCommand::Kind::kApproveVersion:
+        return decided<bus::srv::ApproveSiteVersion>(participant, command);
+      case ViewCommand::Kind::kActivateVersion:
+        return decided<bus::srv::ActivateSiteVersion>(participant, command);
+      case ViewCommand::Kind::kRollBack:
+        return decided<bus::srv::RollBackSite>(participant, command);
+      default:
+        return decided<bus::srv::GetSiteVersionMap>(participant, command);
+    }
+  });
 }
 
 void LiveView::call_for(const ViewCommand& command,
@@ -177,6 +220,7 @@ void LiveView::on_cleanup() {
   hub_.reset();
   channels_.clear();
   offered_.clear();
+  has_site_ = false;
   publish_pose_ = nullptr;
 }
 

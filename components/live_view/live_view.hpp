@@ -22,7 +22,8 @@ namespace strata::live_view {
 /// Offers every topic of the domain whose type is known here to viewers, message by message as the
 /// bytes they came in; a topic is read from when the first viewer wants it. Reads latched topics
 /// reliably, others best-effort: no writer waits for it. Out, for viewers: initialpose; and it
-/// calls reinitialize_global_localization and the mapper's save. What all components say on
+/// calls reinitialize_global_localization, the mapper's save, and what decides on the site of the
+/// first component that tells of one (site_versions). What all components say on
 /// /diagnostics, which it reads from the start, it answers as metrics at /metrics. In lockstep it
 /// does nothing.
 class LiveView final : public runtime::Component {
@@ -40,6 +41,7 @@ class LiveView final : public runtime::Component {
   void offer_topics();
   void read_what_is_wanted();
   void perform(const ViewCommand& command);
+  void decide_on_site(const ViewCommand& command);
   /// Calls a service of the robot on a thread of its own, and answers the viewer. call: returns the
   /// response; throws Error to fail.
   void call_for(const ViewCommand& command, std::function<std::vector<std::uint8_t>()> call);
@@ -55,6 +57,7 @@ class LiveView final : public runtime::Component {
   std::shared_ptr<ViewHub> hub_;
   std::map<std::string, std::uint32_t> channels_;  ///< by topic; 0: of a type not known
   std::map<std::uint32_t, Offered> offered_;
+  bool has_site_ = false;
   std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
   std::atomic<bool> is_calling_{false};
   std::jthread call_;                  // waits for a service's answer, so that nothing else does

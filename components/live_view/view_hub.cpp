@@ -2,6 +2,7 @@
 #include "components/live_view/view_hub.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
@@ -20,16 +21,37 @@ constexpr std::size_t kMaxOwnChannels = 16;
 constexpr std::size_t kMaxAnswers = 1000;
 constexpr std::size_t kMaxCommands = 16;
 
-std::uint32_t service_of(ViewCommand::Kind kind) {
-  return kind == ViewCommand::Kind::kSaveMaps ? kSaveService : kRelocalizeService;
-}
-
 std::vector<std::uint8_t> bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
 
 }  // namespace
 
 ViewHub::ViewHub(std::string name, CommandNames commands, std::size_t max_viewers)
-    : name_(std::move(name)), commands_(std::move(commands)), max_viewers_(max_viewers) {}
+    : name_(std::move(name)), commands_(std::move(commands)), max_viewers_(max_viewers) {
+  using Kind = ViewCommand::Kind;
+  add_service(Kind::kRelocalize, commands_.relocalize_service, "std_srvs/srv/Empty");
+  add_service(Kind::kSaveMaps, commands_.save_service, "std_srvs/srv/Trigger");
+}
+
+void ViewHub::add_service(ViewCommand::Kind kind, const std::string& name, const char* type) {
+  if (name.empty()) return;
+  services_.push_back({static_cast<std::uint32_t>(kind), kind, name, type});
+}
+
+void ViewHub::offer_site(const std::string& owner, bool may_change) {
+  using Kind = ViewCommand::Kind;
+  const std::lock_guard lock(mutex_);
+  const std::size_t before = services_.size();
+  if (may_change) {
+    add_service(Kind::kApproveVersion, owner + "/approve_version",
+                "strata_msgs/srv/ApproveSiteVersion");
+    add_service(Kind::kActivateVersion, owner + "/activate_version",
+                "strata_msgs/srv/ActivateSiteVersion");
+    add_service(Kind::kRollBack, owner + "/roll_back", "strata_msgs/srv/RollBackSite");
+  }
+  add_service(Kind::kVersionMap, owner + "/version_map", "strata_msgs/srv/GetSiteVersionMap");
+  const std::string told = advertised_services(std::span(services_).subspan(before));
+  for (auto& [id, viewer] : viewers_) say(viewer, told);
+}
 
 std::uint32_t ViewHub::advertise(const std::string& topic, const std::string& type,
                                  const std::string& schema, bool latched) {
@@ -106,11 +128,11 @@ void ViewHub::answer(const ViewCommand& command, const std::string& problem,
   const auto found = viewers_.find(command.viewer);
   if (found == viewers_.end()) return;
   if (!problem.empty()) {
-    say(found->second, service_failure(service_of(command.kind), command.call, problem));
+    say(found->second, service_failure(command.service_id, command.call, problem));
     return;
   }
   found->second.answers.push_back(
-      {true, service_response(service_of(command.kind), command.call, response), nullptr});
+      {true, service_response(command.service_id, command.call, response), nullptr});
   wake(found->second);
 }
 
@@ -120,11 +142,11 @@ std::optional<ViewerId> ViewHub::join(std::function<void()> wake_viewer) {
   const ViewerId id = next_viewer_++;
   Viewer& viewer = viewers_[id];
   viewer.wake = std::move(wake_viewer);
-  say(viewer, server_info(name_, commands_));
+  say(viewer, server_info(name_, commands_, !services_.empty()));
   std::vector<Channel> channels;
   for (const ChannelState& state : channels_) channels.push_back(state.channel);
   if (!channels.empty()) say(viewer, advertised(channels));
-  const std::string services = advertised_services(commands_);
+  const std::string services = advertised_services(services_);
   if (!services.empty()) say(viewer, services);
   return id;
 }
@@ -170,16 +192,21 @@ void ViewHub::take(ViewerId id, bool is_binary, std::string_view bytes) {
 }
 
 void ViewHub::take_call(ViewerId id, Viewer& viewer, std::string_view bytes) {
-  constexpr std::size_t kHead = 1 + 2 * sizeof(std::uint32_t);
-  const std::uint32_t service = bytes.size() < kHead ? 0 : number_at(bytes, 1);
-  const bool asks_to_save = service == kSaveService && !commands_.save_service.empty();
-  if (!asks_to_save && (service != kRelocalizeService || commands_.relocalize_service.empty())) {
-    return refuse(viewer, "there is no such service");
-  }
+  constexpr std::size_t kNumber = sizeof(std::uint32_t);
+  constexpr std::size_t kHead = 1 + 3 * kNumber;  // opcode, service, call, length of the encoding
+  const std::uint32_t wanted = bytes.size() < kHead ? 0 : number_at(bytes, 1);
+  const auto service = std::find_if(services_.begin(), services_.end(),
+                                    [&](const ViewService& one) { return one.id == wanted; });
+  if (service == services_.end()) return refuse(viewer, "there is no such service");
+  const std::size_t encoding = number_at(bytes, 1 + 2 * kNumber);
+  if (encoding > bytes.size() - kHead) return refuse(viewer, "a service call is too short");
   ViewCommand command;
-  command.kind = asks_to_save ? ViewCommand::Kind::kSaveMaps : ViewCommand::Kind::kRelocalize;
+  command.kind = service->kind;
+  command.service = service->name;
+  command.cdr = bytes_of(bytes.substr(kHead + encoding));
   command.viewer = id;
-  command.call = number_at(bytes, 1 + sizeof(std::uint32_t));
+  command.service_id = service->id;
+  command.call = number_at(bytes, 1 + kNumber);
   add_command(viewer, std::move(command));
 }
 

@@ -46,11 +46,30 @@ using ViewerId = std::uint64_t;
 
 /// What a viewer wants the robot to do.
 struct ViewCommand {
-  enum class Kind { kSetPose, kRelocalize, kSaveMaps };
+  /// The number of a service is its id.
+  enum class Kind {
+    kSetPose,
+    kRelocalize,
+    kSaveMaps,
+    kApproveVersion,
+    kActivateVersion,
+    kRollBack,
+    kVersionMap
+  };
   Kind kind = Kind::kSetPose;
-  std::vector<std::uint8_t> cdr;  ///< kSetPose: geometry_msgs/PoseWithCovarianceStamped
+  std::vector<std::uint8_t> cdr;  ///< a geometry_msgs/PoseWithCovarianceStamped, or a request
+  std::string service;            ///< full name; empty: none
   ViewerId viewer = 0;            ///< of a service: who is to be answered, and which call
+  std::uint32_t service_id = 0;
   std::uint32_t call = 0;
+};
+
+/// A service that viewers may call.
+struct ViewService {
+  std::uint32_t id = 0;
+  ViewCommand::Kind kind = ViewCommand::Kind::kRelocalize;
+  std::string name;  ///< full
+  std::string type;  ///< "std_srvs/srv/Trigger"
 };
 
 /// What viewers may do to the robot; empty names: nothing.
@@ -72,6 +91,9 @@ class ViewHub {
   /// Offers a topic to all viewers, present and future. Returns its id.
   std::uint32_t advertise(const std::string& topic, const std::string& type,
                           const std::string& schema, bool latched);
+  /// Offers the site of the component `owner` to all viewers, present and future: maps of its
+  /// versions, and where `may_change`, decisions on them.
+  void offer_site(const std::string& owner, bool may_change);
   /// O(viewers).
   void publish(std::uint32_t channel, SharedMessage message);
   /// The channels that some viewer is subscribed to.
@@ -122,6 +144,7 @@ class ViewHub {
   // All under mutex_.
   void put(Subscription& subscription, const SharedMessage& message);
   static void wake(Viewer& viewer);
+  void add_service(ViewCommand::Kind kind, const std::string& name, const char* type);
   void say(Viewer& viewer, const std::string& text);
   void refuse(Viewer& viewer, const std::string& why);
   void take_text(Viewer& viewer, std::string_view text);
@@ -134,6 +157,7 @@ class ViewHub {
   const std::size_t max_viewers_;
   mutable std::mutex mutex_;
   std::vector<ChannelState> channels_;  ///< id is the place + 1
+  std::vector<ViewService> services_;
   std::map<ViewerId, Viewer> viewers_;
   ViewerId next_viewer_ = 1;
   std::deque<ViewCommand> waiting_commands_;

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "components/bus/site_service_types.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/live_view/register.hpp"
 #include "components/runtime/diagnostics.hpp"
@@ -253,6 +254,57 @@ TEST_F(LiveViewTest, HasTheMapperSaveAndTellsWhatItSays) {
   ASSERT_TRUE(failure.has_value());
   EXPECT_EQ(failure->at("serviceId"), 2);
   EXPECT_THAT(failure->at("message").get<std::string>(), testing::HasSubstr("the disk is full"));
+}
+
+TEST_F(LiveViewTest, HasAVersionActivatedWhereAComponentTellsOfItsSiteAndTellsARefusal) {
+  std::atomic<bool> is_approved{true};
+  std::string asked;
+  const auto mailbox = std::make_shared<runtime::Mailbox>();
+  runtime::ServiceHub services(robot_, mailbox, [](const std::exception&) {});
+  services.serve<bus::srv::ActivateSiteVersion>(
+      "/hall/localizer/activate_version", "default", [&](const auto& request) {
+        asked = request.version() + " by " + request.by();
+        strata_msgs::srv::ActivateSiteVersion_Response response;
+        response.success(is_approved);
+        response.message(is_approved ? "version 2 is active" : "version 2: was not approved");
+        return response;
+      });
+  const bus::Writer<strata_msgs::msg::SiteVersions> told(
+      robot_, std::string("/hall/localizer/site_versions"), bus::qos_profile("latched"));
+  test::WebClient viewer;
+  ASSERT_EQ(viewer.connect(port()), 101);
+  bool is_offered = false;
+  while (!is_offered) {
+    const auto offer = viewer.read_op("advertiseServices");
+    ASSERT_TRUE(offer.has_value());
+    for (const auto& service : offer->at("services")) {
+      is_offered = is_offered || service.at("name") == "/hall/localizer/activate_version";
+    }
+  }
+  strata_msgs::srv::ActivateSiteVersion_Request request;
+  request.version("2");
+  request.by("ada");
+  const auto cdr = convert::to_cdr(request);
+  const std::string call =
+      std::string("\2\4\0\0\0\5\0\0\0\3\0\0\0cdr", 16) + std::string(cdr.begin(), cdr.end());
+  viewer.send_binary(call);
+  std::optional<test::Received> answer;
+  do {
+    answer = viewer.read();
+    ASSERT_TRUE(answer.has_value());
+  } while (!answer->is_binary);
+  EXPECT_THAT(answer->bytes, testing::HasSubstr("version 2 is active"));
+  EXPECT_EQ(asked, "2 by ada");
+  is_approved = false;
+  viewer.send_binary(call);
+  const auto failure = viewer.read_op("serviceCallFailure");
+  ASSERT_TRUE(failure.has_value());
+  EXPECT_EQ(failure->at("message"), "version 2: was not approved");
+  viewer.send_binary(call.substr(0, 20));
+  const auto broken = viewer.read_op("serviceCallFailure");
+  ASSERT_TRUE(broken.has_value()) << "a request that does not decode is answered, too";
+  EXPECT_THAT(broken->at("message").get<std::string>(),
+              testing::HasSubstr("a viewer's /hall/localizer/activate_version"));
 }
 
 TEST(LiveViewSettings, WantATokenAndTlsForOtherMachines) {

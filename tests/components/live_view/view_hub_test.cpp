@@ -201,6 +201,48 @@ TEST_F(ViewHubTest, AnswersACallToWhoCalled) {
   EXPECT_EQ(failure[0].at("callId"), 5);
 }
 
+TEST_F(ViewHubTest, OffersASiteToThoseWhoAreThereAndThoseWhoCome) {
+  const ViewerId first = joined();
+  (void)texts(first);
+  hub_.offer_site("/localizer", true);
+  const auto told = texts(first);
+  ASSERT_EQ(told.size(), 1U);
+  const Json& services = told[0].at("services");
+  ASSERT_EQ(services.size(), 4U);
+  EXPECT_EQ(services[0].at("name"), "/localizer/approve_version");
+  EXPECT_EQ(services[0].at("type"), "strata_msgs/srv/ApproveSiteVersion");
+  EXPECT_EQ(services[0].at("request").at("schema"),
+            "string version\nstring by\nstring note\nbool unchecked\n");
+  EXPECT_EQ(texts(joined()).back().at("services").size(), 5U) << "with the search, and no save";
+  const std::string call("\2\3\0\0\0\5\0\0\0\3\0\0\0cdr\0\1\0\0abcd", 24);
+  hub_.take(first, true, call);
+  const auto commands = hub_.take_commands();
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0].kind, ViewCommand::Kind::kApproveVersion);
+  EXPECT_EQ(commands[0].service, "/localizer/approve_version");
+  EXPECT_EQ(std::string(commands[0].cdr.begin(), commands[0].cdr.end()), call.substr(16));
+  hub_.take(first, true, call.substr(0, 12));
+  hub_.take(first, true, call.substr(0, 9) + std::string("\377\377\377\377cdr", 7));
+  EXPECT_TRUE(hub_.take_commands().empty()) << "cut, or longer than it is";
+  hub_.answer(commands[0], "was not approved", {});
+  EXPECT_EQ(texts(first).back().at("serviceId"), 3);
+}
+
+TEST(ViewHubWithoutCommands, OfMapsOfASiteOnly) {
+  ViewHub hub("strata", {}, 1);
+  hub.offer_site("/localizer", false);
+  const ViewerId viewer = hub.join([] {}).value();
+  EXPECT_EQ(Json::parse(hub.next(viewer)->head).at("capabilities"), Json({"services"}));
+  const Json services = Json::parse(hub.next(viewer)->head).at("services");
+  ASSERT_EQ(services.size(), 1U);
+  EXPECT_EQ(services[0].at("name"), "/localizer/version_map");
+  for (const char id : {3, 4, 5}) {
+    hub.take(viewer, true, std::string("\2") + id + std::string("\0\0\0\5\0\0\0\3\0\0\0cdr", 14));
+  }
+  EXPECT_TRUE(hub.take_commands().empty());
+  EXPECT_EQ(hub.counts().refused, 3U);
+}
+
 TEST(ViewHubWithoutCommands, OffersAndTakesNone) {
   ViewHub hub("strata", {}, 1);
   const ViewerId viewer = hub.join([] {}).value();

@@ -27,10 +27,10 @@ def find_browser():
 class Page:
     """A page in Chromium, asked by its debugging protocol."""
 
-    def __init__(self, browser, url, folder):
+    def __init__(self, browser, url, folder, size="1280,800"):
         port = free_port()
         self.process = subprocess.Popen(
-            [browser, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1280,800",
+            [browser, "--headless", "--no-sandbox", "--disable-gpu", f"--window-size={size}",
              f"--user-data-dir={folder}/profile", f"--remote-debugging-port={port}", url],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
         try:
@@ -65,7 +65,9 @@ class Page:
     def call(self, method, **parameters):
         self.calls += 1
         text = json.dumps({"id": self.calls, "method": method, "params": parameters}).encode()
-        self.socket.sendall(bytes([0x81, 0xfe]) + struct.pack(">H", len(text)) + bytes(4) + text)
+        size = (b"\xfe" + struct.pack(">H", len(text)) if len(text) < 1 << 16
+                else b"\xff" + struct.pack(">Q", len(text)))
+        self.socket.sendall(b"\x81" + size + bytes(4) + text)
         while True:
             size = self.stream.read(2)[1] & 127
             if size == 126:
@@ -76,8 +78,10 @@ class Page:
             if answer.get("id") == self.calls:
                 return answer["result"]
 
-    def evaluate(self, expression):
-        return self.call("Runtime.evaluate", expression=expression)["result"].get("value")
+    def evaluate(self, expression, wait=False):
+        """Its value; wait: of a promise, what it comes to."""
+        return self.call("Runtime.evaluate", expression=expression,
+                         awaitPromise=wait)["result"].get("value")
 
     def drawn(self):
         """What its canvas shows: numbers of pixels by what they are of."""
@@ -86,10 +90,13 @@ class Page:
     def text(self, element):
         return self.evaluate(f"document.getElementById('{element}').textContent")
 
+    def picture(self):
+        """A PNG, in base64."""
+        return self.call("Page.captureScreenshot")["data"]
+
     def shoot(self, path):
-        picture = self.call("Page.captureScreenshot")["data"]
         with open(path, "wb") as out:
-            out.write(base64.b64decode(picture))
+            out.write(base64.b64decode(self.picture()))
 
 
 def shows_a_robot(drawn):
