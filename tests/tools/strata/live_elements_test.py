@@ -88,6 +88,35 @@ def test_drawing(page):
         assert abs(found - wanted * drawn["scale"]) < 3.0, drawn
 
 
+SHADES = """(() => { const map = robot.map, before = { ...shown };
+  for (const key of Object.keys(shown)) shown[key] = key === 'map';
+  const found = {};
+  for (const topic of ['/map_current', '/map_filtered']) {
+    robot.map = { ...map, topic, width: 6, height: 1, resolution: 1, origin: { x: 0, y: 0, theta: 0 },
+      data: Int8Array.of(-1, 5, 30, 50, 91, 100), image: null };
+    draw();
+    found[topic] = [0, 1, 2, 3, 4, 5].map((x) => {
+      const [px, py] = toScreen(x + 0.5, 0.5).map((at) => Math.round(at * (devicePixelRatio || 1)));
+      return [...pen.getImageData(px, py, 1, 1).data].slice(0, 3); });
+  }
+  robot.map = map; Object.assign(shown, before); draw();
+  return JSON.stringify({ found, tones: Object.fromEntries(['ground', 'free', 'doubt', 'wall'].map((t) => [t, rgb(colors[t])])) });
+})()"""
+
+
+def test_shades(page):
+    """Walls are dark and the free is light; what may or may not be there now has a colour of its own."""
+    page.evaluate("setFollow(false); fitMap()")
+    drawn = json.loads(page.evaluate(SHADES))
+    tones, now, other = drawn["tones"], drawn["found"]["/map_current"], drawn["found"]["/map_filtered"]
+    for shades in (now, other):
+        assert shades[0] == tones["ground"] and shades[1] == tones["free"], shades
+        assert shades[4] == shades[5] == tones["wall"], shades
+        assert len({tuple(shade) for shade in shades[1:5]}) == 4, shades
+    assert now[3] == tones["doubt"], (now, tones)
+    assert max(other[3]) - min(other[3]) < 30, "grey"
+
+
 def test_silence_of_a_layer(page):
     """A box that is unticked takes its layer away, and ticked gives it back."""
     boxes = "document.querySelectorAll('#layers input')"
@@ -248,6 +277,7 @@ def main():
         comes_true(lambda: listens(port), "the live view listens")
         page = Page(browser, f"http://localhost:{port}/", tempfile.mkdtemp(dir=work))
         test_drawing(page)
+        test_shades(page)
         test_silence_of_a_layer(page)
         test_topology(page)
         test_memory(page)
