@@ -47,6 +47,15 @@ RosTypes types_of_ros2() {
             "float32 angle_max\nfloat32 angle_increment\n\nfloat32 time_increment\n"
             "float32 scan_time\nfloat32 range_min\nfloat32 range_max\nfloat32[] ranges\n"
             "float32[] intensities\n");
+  types.add("geometry_msgs/msg/Point", "float64 x\nfloat64 y\nfloat64 z\n");
+  types.add("geometry_msgs/msg/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n");
+  types.add("geometry_msgs/msg/Pose",
+            "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n");
+  types.add("nav_msgs/msg/MapMetaData",
+            "builtin_interfaces/Time map_load_time\nfloat32 resolution\nuint32 width\n"
+            "uint32 height\ngeometry_msgs/Pose origin\n");
+  types.add("nav_msgs/msg/OccupancyGrid",
+            "std_msgs/Header header\nnav_msgs/MapMetaData info\nint8[] data\n");
   return types;
 }
 
@@ -188,11 +197,12 @@ TEST(MessagePackage, ItsManifestAndBuildFileNameAllThatItNeeds) {
   const std::string manifest = text_of(files, "package.xml");
   EXPECT_THAT(manifest, HasSubstr("<name>strata_msgs</name>\n  <version>1.2.3</version>"));
   const std::string build = text_of(files, "CMakeLists.txt");
-  for (const char* package : {"builtin_interfaces", "sensor_msgs", "std_msgs"}) {
+  for (const char* package : {"builtin_interfaces", "nav_msgs", "sensor_msgs", "std_msgs"}) {
     EXPECT_THAT(manifest, HasSubstr("<depend>" + std::string(package) + "</depend>"));
     EXPECT_THAT(build, HasSubstr("find_package(" + std::string(package) + " REQUIRED)"));
   }
-  EXPECT_THAT(build, HasSubstr("\n  DEPENDENCIES builtin_interfaces sensor_msgs std_msgs\n)"));
+  EXPECT_THAT(build,
+              HasSubstr("\n  DEPENDENCIES builtin_interfaces nav_msgs sensor_msgs std_msgs\n)"));
   EXPECT_THAT(manifest, HasSubstr("<member_of_group>rosidl_interface_packages<"));
   EXPECT_THAT(manifest, HasSubstr("<build_type>ament_cmake<"));
   for (const PackageFile& file : files) {
