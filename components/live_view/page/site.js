@@ -73,6 +73,7 @@ function versionRow(version) {
 function showSite() {
   const known = site.known;
   $('site').hidden = !known;
+  document.body.classList.toggle('has-site', !!known);
   if (!known) return;
   const active = known.versions.find((v) => v.state === 'active');
   const used = robot.verdict && robot.verdict.values.find((v) => v.key === 'mapHash')?.value;
