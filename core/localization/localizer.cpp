@@ -178,7 +178,7 @@ void Localizer::judge(const Observation& observation, const Pose2Gaussian& pose,
   monitor_.add(likelihood_per_beam, shares, stddev_m, score_.value());
   if (is_open()) return;
   if (confirmation_.judge(score_.value())) seek(true);
-  if (!is_ambiguous()) finder_.forget_scans();
+  if (!is_ambiguous()) finder_.rest();
 }
 
 /// Since the last weighed scan. A filter that has not seen one knows no state yet: of what follows

@@ -19,7 +19,7 @@
 namespace strata::localization {
 
 struct PlaceFinderConfig {
-  bool is_used = false;
+  bool is_used = true;
   int local_scans = 10;
   int patience = 10;
   GlobalSearchConfig search{.max_candidates = 300};
@@ -54,6 +54,11 @@ class PlaceFinder {
   [[nodiscard]] bool has_map() const { return map_.size() > 0; }
 
   void forget_scans() { scans_.clear(); }
+  /// Nothing is looked for any more: the table, about as large as the map, is made again when it is.
+  void rest() {
+    scans_.clear();
+    search_.reset();
+  }
   /// The robot has moved since the last scan that was added, and sees this.
   void add(const Pose2& motion, const Scan& scan);
   /// Places where the scans fit; nothing while there are more of them than are kept and scans are
