@@ -143,8 +143,9 @@ struct LocalizerComponentConfig {
         "maps", c.maps,
         {.doc =
              "folder that `strata learn` or mapping.yaml wrote, or a site (`strata site`), whose "
-             "active version is used, and the next one when another is activated; empty: maps "
-             "come over topics, and the robot is localized from when they are there",
+             "active version is used, and the next one when another is activated; its sub-maps go "
+             "out on ~/patch_map (strata_msgs/PatchMap); empty: maps come over topics, and the "
+             "robot is localized from when they are there",
          .when = "always, unless maps come over topics"});
     v.group("map_topics", c.map_topics, "where maps come from when no folder is named");
     v.field("model", c.model,

@@ -46,6 +46,7 @@ void Localizer::on_configure() {
       [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); });
   offer_services();
   offer_site();
+  if (known) offer_patch_map(*known);
   subscribe_sensors(config_.input, config_.sensor_qos);
 }
 
@@ -218,6 +219,8 @@ void Localizer::on_finish(const std::filesystem::path& out_dir) {
                                                             config_.localizer.particles));
 }
 
+void Localizer::on_activate() { send_patch_map(); }
+
 void Localizer::on_deactivate() {
   if (store_) store_->flush();
 }
@@ -230,6 +233,8 @@ void Localizer::on_cleanup() {
   publish_mask_ = nullptr;
   publish_mask_info_ = nullptr;
   is_mask_explained_ = false;
+  publish_patch_map_ = nullptr;
+  unsent_patch_map_.reset();
   live_maps_.reset();
   map_source_.reset();
   base_ = {};

@@ -39,9 +39,10 @@ namespace strata::localizer {
 /// has and what they believe of sub-maps that are still there; so it does when the folder is a
 /// site's and another version becomes active: then ~/site_versions tells of it, latched, and
 /// ~/list_versions, ~/approve_version, ~/activate_version, ~/roll_back and ~/version_map are
-/// answered. Scans with their poses go out where a learner wants
-/// them. At the end of a log trajectory.tum, refined.tum, states.csv and metrics.json, byte for
-/// byte those of `strata localize` without truth but for the cost.
+/// answered. Sub-maps of a folder or a site's version are on ~/patch_map, latched: those that
+/// submap_states tells of. Scans with their poses go out where a learner wants them. At the end of
+/// a log trajectory.tum, refined.tum, states.csv and metrics.json, byte for byte those of `strata
+/// localize` without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
@@ -49,6 +50,7 @@ class Localizer final : public runtime::SensorComponent {
  private:
   void on_declare() override { declare_parameters<LocalizerComponentConfig>(); }
   void on_configure() override;
+  void on_activate() override;
   void on_deactivate() override;
   void on_cleanup() override;
   void on_diagnose(runtime::Health& health) const override;
@@ -71,6 +73,10 @@ class Localizer final : public runtime::SensorComponent {
   void offer_services();
   /// Where the maps are a site's.
   void offer_site();
+  /// Where the maps have sub-maps.
+  void offer_patch_map(const LoadedMaps& loaded);
+  void make_patch_map(const LoadedMaps& loaded);
+  void send_patch_map();
   /// source: who gave the pose, for errors.
   void restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message,
                const std::string& source);
@@ -136,6 +142,9 @@ class Localizer final : public runtime::SensorComponent {
   std::function<void(const nav2_msgs::msg::ParticleCloud&)> publish_candidates_;
   bool was_ambiguous_ = false;
   std::function<void(const strata_msgs::msg::SubmapStates&)> publish_states_;
+  /// null: the maps are of no folder, or have no sub-maps
+  std::function<void(const strata_msgs::msg::PatchMap&)> publish_patch_map_;
+  std::optional<strata_msgs::msg::PatchMap> unsent_patch_map_;
   std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_map_;
   /// null: not wanted, or of a model that has none
   std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_mask_;

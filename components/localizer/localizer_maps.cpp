@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "components/convert/geometry_messages.hpp"
+#include "components/convert/patch_messages.hpp"
 #include "components/localizer/filter.hpp"
 #include "components/localizer/localizer.hpp"
 #include "components/log/content_hash.hpp"
@@ -42,12 +43,33 @@ void Localizer::take_folder() {
   }
   if (!loaded) return;
   use_maps(*loaded, std::nullopt);
+  make_patch_map(*loaded);
+  if (state() == runtime::LifecycleState::kActive) send_patch_map();
   if (live_maps_) live_maps_->begin_with(loaded->maps);
   const std::string name =
       identity_
           ? identity_->version + " (" + log::short_hash(identity_->hash) + ") of " + identity_->id
           : loaded->folder.string();
   say(runtime::LogLevel::kInfo, "localizes in version " + name + " now");
+}
+
+void Localizer::offer_patch_map(const LoadedMaps& loaded) {
+  if (maps::patches_of(*loaded.model.descriptor, loaded.maps) == nullptr) return;
+  publish_patch_map_ = advertise<strata_msgs::msg::PatchMap>("~/patch_map", "latched");
+  if (!context().dry_run) make_patch_map(loaded);
+}
+
+void Localizer::make_patch_map(const LoadedMaps& loaded) {
+  if (!publish_patch_map_) return;
+  const patch::PatchMap* patches = maps::patches_of(*loaded.model.descriptor, loaded.maps);
+  unsent_patch_map_ = convert::to_message(*patches, now(), config_.map_frame);
+}
+
+/// Not before it is active: in a replay, whoever counts on a message has to be there before.
+void Localizer::send_patch_map() {
+  if (!unsent_patch_map_) return;
+  publish_patch_map_(*unsent_patch_map_);
+  unsent_patch_map_.reset();
 }
 
 void Localizer::offer_site() {

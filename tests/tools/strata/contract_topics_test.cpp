@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "components/maps/maps_folder.hpp"
+#include "tests/components/maps/learned_room.hpp"
+#include "tests/support/test_data.hpp"
 #include "tests/tools/strata/replay_fixture.hpp"
 
 namespace strata::tools {
@@ -14,10 +17,18 @@ namespace {
 /// "writes /map" and "nav_msgs/msg/OccupancyGrid  [reliable, latched, last 1]" for each topic that
 /// the sample compositions read or write, with what is off unless asked for.
 std::map<std::string, std::string> explained_topics() {
+  const test::TemporaryDirectory folder;
+  const slam::SlamResult slam = maps::test_room::make_slam_result();
+  maps::write_grid_maps(folder.path(), slam);
+  maps::write_patch_map(folder.path(), maps::test_room::make_patch_map(slam));
+  const std::map<std::string, std::string> asked_of = {
+      {"learn_and_localize", " --set localizer.change_mask.kind=penalty"},
+      {"localize", " --set localizer.maps=" + test::quoted(folder.path())}};
   std::map<std::string, std::string> topics;
-  for (const std::string name : {"learn_and_localize", "mapping", "topology", "volume"}) {
-    const std::string asked =
-        name == "learn_and_localize" ? " --set localizer.change_mask.kind=penalty" : "";
+  for (const std::string name :
+       {"learn_and_localize", "localize", "mapping", "topology", "volume"}) {
+    const auto found = asked_of.find(name);
+    const std::string asked = found == asked_of.end() ? "" : found->second;
     const test::Outcome explained = test::run_strata(
         "run --check " +
         test::quoted(std::string(STRATA_SOURCE_DIR) + "/components/config/" + name + ".yaml") +
@@ -66,6 +77,7 @@ TEST(ContractTopics, HaveTheTypesAndTheQosThatOthersRelyOn) {
       {"writes /expected_scan/mid", scan + reliable},
       {"writes /expected_scan/long", scan + reliable},
       {"writes /patch_map", "strata_msgs/msg/PatchMap" + latched},
+      {"writes /localizer/patch_map", "strata_msgs/msg/PatchMap" + latched},
       {"writes /submap_states", "strata_msgs/msg/SubmapStates" + latched},
       {"writes /node_map", "strata_msgs/msg/NodeMap" + latched},
       {"writes /topologies", "strata_msgs/msg/Topologies" + latched},
