@@ -99,6 +99,34 @@ class Page:
             out.write(base64.b64decode(self.picture()))
 
 
+# Draws with one layer and without it; where pixels differ: how many, and around what. Nothing comes
+# in between: a script is not interrupted.
+LAYER = """(() => {
+  const show = (is) => { shown[LAYER] = is; draw();
+    return pen.getImageData(0, 0, canvas.width, canvas.height).data; };
+  const without = show(false), data = show(true), ratio = devicePixelRatio || 1;
+  let count = 0, box = [Infinity, Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < data.length; i += 4) {
+    if (data[i] === without[i] && data[i + 1] === without[i + 1] && data[i + 2] === without[i + 2]) continue;
+    const x = (i / 4) % canvas.width / ratio, y = Math.floor(i / 4 / canvas.width) / ratio;
+    ++count; box = [Math.min(box[0], x), Math.min(box[1], y), Math.max(box[2], x), Math.max(box[3], y)];
+  }
+  return JSON.stringify({ count, box });
+})()"""
+
+
+def layer(page, name):
+    return json.loads(page.evaluate(LAYER.replace("LAYER", json.dumps(name))))
+
+
+def screen(page, x, y):
+    return json.loads(page.evaluate(f"JSON.stringify(toScreen({x}, {y}))"))
+
+
+def mouse(page, kind, x, y):
+    page.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+
 def shows_a_robot(drawn):
     """Map, scan and pose; the scan with labels or without."""
     beams = drawn.get("plain", 0) + drawn.get("static", 0)

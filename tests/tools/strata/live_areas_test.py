@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The areas that change, on the live page of a robot whose localizer has a folder of maps or a site,
+in headless Chromium.
+
+usage: live_areas_test.py STRATA HALL.yaml WORK
+
+Exits with 77 when no Chromium is installed (Debian: chromium-headless-shell or chromium).
+"""
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+
+from browser_page import Page, find_browser, layer, mouse, screen
+from robot_process import comes_true, free_port, listens, simulated, started
+
+# The site's maps are of a localizer alone: nobody publishes /patch_map.
+COMPOSITION = """version: 1
+transport: loopback
+processes:
+  - name: robot
+    executor: multi_threaded
+    components:
+      - {{type: strata::Player, name: player, parameters: {{log: {work}/world/log.clf, rate: 4.0}}}}
+      - type: strata::Localizer
+        name: localizer
+        parameters: {{maps: {work}/site, model: patch, start: {{pose: [0, 0, 0]}}}}
+      - {{type: strata::LiveView, name: live_view, parameters: {{port: {port}}}}}
+"""
+AREA = """JSON.stringify((() => { const a = robot.patches.submaps[0], r = areaRect(a);
+  return { id: a.id, x: r.x + r.w / 2, y: r.y + r.h / 2, count: a.configurations.length }; })())"""
+
+
+def site(strata, work, action, *words):
+    subprocess.run([strata, "site", action, f"{work}/site", *words, "--quiet"], check=True)
+
+
+def make_site(strata, hall, work):
+    """The hall's maps as version 1, which is active, and the same as version 2."""
+    subprocess.run([strata, "learn", simulated(strata, hall, work), "--out", f"{work}/maps", "--quiet"],
+                   check=True)
+    shutil.copytree(f"{work}/maps", f"{work}/again")
+    with open(f"{work}/again/trajectory.tum", "a") as out:
+        out.write("\n")
+    site(strata, work, "init", "--id", "hall")
+    for number, maps in (("1", "maps"), ("2", "again")):
+        site(strata, work, "add", f"{work}/{maps}")
+        site(strata, work, "approve", number, "--unchecked")
+    site(strata, work, "activate", "1")
+
+
+def test_areas_are_drawn_and_clickable(page):
+    comes_true(lambda: page.evaluate("robot.patches !== null && robot.map !== null"), "areas")
+    assert page.evaluate("robot.patchesTopic") == "/localizer/patch_map"
+    page.evaluate("setFollow(false); fitMap(); view.isChosen = true")
+    assert layer(page, "areas")["count"] > 100
+    comes_true(lambda: page.evaluate("robot.patches.submaps.every((a) => robot.states.has(a.id) && "
+                                     "robot.states.get(a.id).length === a.configurations.length)"),
+               "what the localizer believes of each")
+    area = json.loads(page.evaluate(AREA))
+    x, y = screen(page, area["x"], area["y"])
+    mouse(page, "mousePressed", x, y)
+    mouse(page, "mouseReleased", x, y)
+    comes_true(lambda: page.evaluate("$('area').hidden") is False, "a click opens the area's card")
+    text = page.text("area")
+    assert text.startswith(f"Area {area['id']}"), text
+    assert text.count("Configuration ") == area["count"], text
+    # In one turn of the page's: what is shown is what is believed.
+    shown = json.loads(page.evaluate(
+        "draw(); JSON.stringify([[...document.querySelectorAll('#area .bar p span:last-child')].map((s) => "
+        f"s.textContent), robot.states.get({area['id']}).map((p) => Math.round(p * 100) + '%')])"))
+    assert shown[0] == shown[1], shown
+
+
+def test_another_version(page, strata, work):
+    """Its areas come in the place of the others, and what was believed of those goes."""
+    page.evaluate("window.before = robot.patches; robot.states.set(-1, [1])")
+    site(strata, work, "activate", "2")
+    comes_true(lambda: page.evaluate("robot.patches !== window.before"), "the next version's areas")
+    assert page.evaluate("robot.patchesTopic") == "/localizer/patch_map"
+    assert page.evaluate("robot.states.has(-1)") is False
+    assert layer(page, "areas")["count"] > 100
+    comes_true(lambda: page.evaluate("robot.states.size > 0"), "what is believed of them")
+
+
+def test_a_learner_comes_first(page):
+    """Messages as they may come, in any order."""
+    other = "(n) => ({ base: robot.patches.base, submaps: robot.patches.submaps.slice(0, n) })"
+    page.evaluate(f"window.make = {other}; window.one = make(1); window.two = make(1);"
+                  "takers['strata_msgs/msg/PatchMap'](one, '/patch_map');"
+                  "takers['strata_msgs/msg/PatchMap'](two, '/localizer/patch_map')")
+    assert page.evaluate("robot.patches === one") is True, "the localizer's does not replace it"
+    page.evaluate("takers['strata_msgs/msg/PatchMap'](two, '/patch_map')")
+    assert page.evaluate("robot.patches === two") is True, "the learner's next one does"
+    page.evaluate("takers['strata_msgs/msg/PatchMap'](one, '/other/patch_map')")
+    assert page.evaluate("robot.patches === two") is True
+    # States of other areas say nothing of these.
+    assert page.evaluate("robot.states.set(two.submaps[0].id, [1, 0, 0, 0, 0, 0, 0]);"
+                         "beliefOf(two.submaps[0]).length === two.submaps[0].configurations.length") is True
+
+
+def main():
+    strata, hall, work = sys.argv[1:4]
+    browser = find_browser()
+    make_site(strata, hall, work)
+    port = free_port()
+    robot = started(strata, COMPOSITION, work, port=port)
+    page = None
+    try:
+        comes_true(lambda: listens(port), "the live view listens")
+        page = Page(browser, f"http://localhost:{port}/", tempfile.mkdtemp(dir=work))
+        test_areas_are_drawn_and_clickable(page)
+        test_another_version(page, strata, work)
+        test_a_learner_comes_first(page)
+    finally:
+        robot.terminate()
+        robot.wait()
+        if page is not None:
+            page.close()
+    assert robot.returncode == 0, robot.returncode
+
+
+main()
