@@ -94,7 +94,9 @@ TEST_P(LocalizerReplay, WritesTheVeryFilesOfTheDirectPath) {
     replay(parameters_of(model, global), replayed, threads);
     for (const char* file : {"trajectory.tum", "refined.tum", "states.csv"}) {
       const std::string direct = test::bytes_of(out.path() / "direct" / file);
-      EXPECT_FALSE(direct.empty());
+      // The room looks nearly the same turned round: from nowhere the pose stays ambiguous, and
+      // none is refined.
+      EXPECT_EQ(direct.empty(), global && file == std::string("refined.tum"));
       EXPECT_EQ(test::bytes_of(replayed / file), direct) << file << ", threads " << threads;
     }
     auto expected = nlohmann::json::parse(test::bytes_of(out.path() / "direct" / "metrics.json"));

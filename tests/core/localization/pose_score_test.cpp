@@ -40,8 +40,9 @@ enum class Model { kGrid, kField, kPatch };
 
 class Score : public testing::TestWithParam<Model> {
  protected:
-  static Localizer localizer(const BoxWorld& world) {
+  static Localizer localizer(const BoxWorld& world, bool has_search = true) {
     LocalizerConfig config;
+    config.global_search.is_used = has_search;
     config.particles = 300;
     config.adaptive = false;
     config.gating.every_scans = 1;
@@ -157,12 +158,22 @@ TEST_P(Score, WearsOffWhileNothingIsSeen) {
 
 TEST_P(Score, IsLowWhileTheRobotMayBeAnywhere) {
   Drive drive({1.5, 2.2, 0.0}, 6);
-  Localizer localizer = Score::localizer(room());
+  Localizer localizer = Score::localizer(room(), false);
   localizer.initialize_global(map_of(room()));
   const LocalizationResult result = localizer.update(drive.look(room()));
   ASSERT_GT(result.health.position_stddev_m, 0.5);
   EXPECT_LT(result.score, 0.1);
   EXPECT_EQ(part(localizer, ScoreEvidence::kDoubt), 1.0);
+}
+
+TEST_P(Score, IsLowWhileSeveralPlacesOfACorridorFit) {
+  Drive drive({10.0, 1.2, 0.0}, 6);
+  Localizer localizer = Score::localizer(corridor());
+  localizer.initialize_global(map_of(corridor()));
+  const LocalizationResult result = localizer.update(drive.look(corridor(), 4.0));
+  ASSERT_TRUE(result.is_ambiguous);
+  EXPECT_LT(result.score, 0.3);
+  EXPECT_GT(part(localizer, ScoreEvidence::kDoubt), 0.9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Score, testing::Values(Model::kGrid, Model::kField, Model::kPatch),
