@@ -54,7 +54,7 @@ class PlaceFinder {
   [[nodiscard]] bool has_map() const { return map_.size() > 0; }
 
   void forget_scans() { scans_.clear(); }
-  /// Nothing is looked for any more: the table, about as large as the map, is made again when it is.
+  /// Nothing is looked for any more. The table, as large as the map, is made again when it is.
   void rest() {
     scans_.clear();
     search_.reset();
