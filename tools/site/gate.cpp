@@ -21,6 +21,8 @@ constexpr double kStartStddev_m = 0.2;
 constexpr double kStartStddev_rad = 0.1;
 /// From such a score on the robot counts as found.
 constexpr double kFoundScore = 0.6;
+/// Of a recording: fewer are no drive.
+constexpr std::size_t kMinScans = 10;
 
 struct Side {
   maps::Maps maps;
@@ -196,6 +198,13 @@ void drive_log(std::size_t number, const GateTask& task, const GateConfig& confi
   const std::optional<Pose2> start = find_start(known, recording, task, config, progress);
   if (!start && active) {
     log.passed_over = "the robot is not found in the active version";
+    report.logs.push_back(std::move(log));
+    return;
+  }
+  if (recording.observations.size() < kMinScans) {
+    log.passed_over = "there are only " + std::to_string(recording.observations.size()) +
+                      " scans from where the robot is found on; at least " +
+                      std::to_string(kMinScans) + " say something";
     report.logs.push_back(std::move(log));
     return;
   }
