@@ -39,8 +39,8 @@ class Canvas {
   void set(int x, int y, std::uint8_t Character::*layer) {
     const auto at = static_cast<std::size_t>(y / kDotsDown) * static_cast<std::size_t>(columns_) +
                     static_cast<std::size_t>(x / kDotsAcross);
-    characters_[at].*layer |=
-        kBits[static_cast<std::size_t>(y % kDotsDown * kDotsAcross + x % kDotsAcross)];
+    const int dot = y % kDotsDown * kDotsAcross + x % kDotsAcross;
+    characters_[at].*layer |= kBits[static_cast<std::size_t>(dot)];
   }
 
   [[nodiscard]] std::string text(bool color) const;
