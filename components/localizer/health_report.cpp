@@ -62,12 +62,21 @@ strata_msgs::msg::LocalizationHealth to_message(const HealthReport& report, Stam
   return message;
 }
 
+namespace {
+
+const char* ambiguity_of(std::size_t places) {
+  if (places == 0) return "ambiguous: no place has been found yet";
+  if (places == 1) return "ambiguous: the place that is left is not confirmed yet";
+  return "ambiguous: several places are possible";
+}
+
+}  // namespace
+
 void describe(const HealthReport& report, runtime::Health& health) {
   if (report.is_lost()) {
     health.fail("lost");
   } else if (report.is_ambiguous) {
-    health.warn(report.places == 1 ? "ambiguous: the place that is left is not confirmed yet"
-                                   : "ambiguous: several places are possible");
+    health.warn(ambiguity_of(report.places));
   } else if (!report.converged) {
     health.warn("not localized yet");
   } else if (report.is_probably_wrong()) {

@@ -277,7 +277,7 @@ const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool
   result_.places.clear();
   if (places_.is_active()) {
     result_.places = places_.beliefs();
-  } else if (result_.is_ambiguous) {
+  } else if (result_.is_ambiguous && !is_seeking_) {
     result_.places.push_back({pose.mean, result_.score});
   }
   result_.converged =

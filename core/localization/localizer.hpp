@@ -44,7 +44,9 @@ struct LocalizationResult {
   /// (global_search.places), or it is still looked for any, or the one that is left has not been
   /// confirmed (global_search.confirmation).
   bool is_ambiguous = false;
-  std::vector<PlaceBelief> places;  ///< those places, the likeliest first; empty when not ambiguous
+  /// Those places, the likeliest first; one that is left and not confirmed has the score for its
+  /// probability. Empty when not ambiguous, and while no place was found.
+  std::vector<PlaceBelief> places;
   std::vector<SubmapBelief> submaps;  ///< one a sub-map; empty for maps without
 };
 

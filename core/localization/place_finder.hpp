@@ -30,7 +30,8 @@ struct PlaceFinderConfig {
     v.field("is_used", c.is_used,
             {.doc = "a start without a pose, and what recovers, looks for the scans in the whole "
                     "map, and is ambiguous until one place is left; false: particles anywhere "
-                    "(global_start)"});
+                    "(global_start)",
+             .preset = {"paper-patch", "false"}});
     v.field("local_scans", c.local_scans,
             {.doc = "weighed scans that are looked for together", .unit = "scans", .min = 1});
     v.field(

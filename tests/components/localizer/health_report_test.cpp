@@ -34,6 +34,22 @@ TEST(HealthReport, SeparatesALostRobotFromAnOutdatedMap) {
   EXPECT_EQ(described(HealthState::kGood, true).level(), HealthLevel::kOk);
 }
 
+TEST(HealthReport, SaysWhyAPoseIsAmbiguous) {
+  localization::LocalizationResult result;
+  result.is_ambiguous = true;
+  result.health.state = HealthState::kConverging;
+  for (const char* why :
+       {"ambiguous: no place has been found yet",
+        "ambiguous: the place that is left is not confirmed yet",
+        "ambiguous: several places are possible", "ambiguous: several places are possible"}) {
+    runtime::Health health;
+    describe(make_health_report("filtered", result, {}), health);
+    EXPECT_EQ(health.level(), HealthLevel::kWarn);
+    EXPECT_EQ(health.message(), why);
+    result.places.emplace_back();
+  }
+}
+
 TEST(HealthReport, FollowsTheScoreWhereNothingInTheMapContradictsThePose) {
   for (const HealthState state : {HealthState::kMapOutdated, HealthState::kGood}) {
     const runtime::Health wrong = described(state, true, 0.03);

@@ -64,6 +64,23 @@ TEST(PlaceHypotheses, AreSeveralInAPlainCorridorUntilAMarkComesInSight) {
   }
 }
 
+TEST(PlaceHypotheses, AreNotToldOfBeforeAnyWasFound) {
+  const BoxWorld world = corridor();
+  const ReflectionGrid map = test::rasterize(world, 0.05, {{0, 0}, {480, 60}});
+  LocalizerConfig config = searching();
+  config.global_search.search.max_candidates = 3;  // more fit, so it waits for more scans
+  config.global_search.patience = 4;
+  Localizer localizer(config, make_grid_beam_model(map), 4, 1);
+  localizer.initialize_global(map);
+  Drive drive({16.0, 1.6, 3.1}, 61);
+  for (int n = 0; n < 8; ++n) {
+    drive.step({0.12, 0.0, 0.0});
+    const LocalizationResult result = localizer.update(drive.look(world, 4.0, 60));
+    EXPECT_TRUE(result.is_ambiguous) << n;
+    EXPECT_EQ(result.places.empty(), n < 4) << n;
+  }
+}
+
 TEST(PlaceHypotheses, AreNeverDecidedWhereTwoPlacesLookAlike) {
   const BoxWorld world = turned_room();
   const ReflectionGrid map = test::rasterize(world, 0.05, {{0, 0}, {120, 80}});
