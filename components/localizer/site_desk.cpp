@@ -177,11 +177,13 @@ void SiteDesk::look() {
   const auto written = fs::last_write_time(folder_ / site::kSiteFile, error);
   const fs::path active = fs::read_symlink(folder_ / site::kActiveLink, error);
   std::string now = std::to_string(written.time_since_epoch().count()) + " " + active.string();
-  if (now == seen_) return;
+  if (now == seen_ && !is_untold_) return;
   const std::lock_guard lock(mutex_);
   if (waiting_.size() >= kMaxWaiting) return;  // at the next look
   seen_ = std::move(now);
-  waiting_.push_back({[this] { tell_(to_message(open())); }, [](const std::string&) {}});
+  is_untold_ = false;
+  waiting_.push_back(
+      {[this] { tell_(to_message(open())); }, [this](const std::string&) { is_untold_ = true; }});
   changed_.notify_one();
 }
 

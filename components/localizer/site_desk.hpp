@@ -3,6 +3,7 @@
 /// and decisions on them.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -78,7 +79,8 @@ class SiteDesk {
   std::string name_;
   bool changes_;
   Tell tell_;
-  std::string seen_;  ///< what the last look saw
+  std::string seen_;                    ///< what the last look saw
+  std::atomic<bool> is_untold_{false};  // what it saw could not be told: another one is due
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<Job> waiting_;  // under mutex_

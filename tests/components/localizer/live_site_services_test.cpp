@@ -13,6 +13,7 @@
 #include "components/bus/site_service_types.hpp"
 #include "components/log/folder_lock.hpp"
 #include "tests/components/localizer/site_fixture.hpp"
+#include "tests/support/test_data.hpp"
 
 namespace strata::localizer {
 namespace {
@@ -71,6 +72,23 @@ class LiveSiteServices : public LiveSite {
   }
   test::Collector<SiteVersions> told_{robot_, "/localizer/site_versions", "latched"};
 };
+
+TEST_F(LiveSiteServices, TellLaterWhatCouldNotBeRead) {
+  ASSERT_TRUE(is_told(hashes_[0], "active"));
+  const fs::path file = site_->folder() / site::kSiteFile;
+  const std::string whole = test::bytes_of(file);
+  std::ofstream(file, std::ios::trunc) << "{";
+  const auto written = fs::last_write_time(file);
+  const std::size_t before = told_.wait_for(0).size();
+  host_->tick();
+  EXPECT_FALSE(list().success()) << "behind the look at it";
+  std::ofstream(file, std::ios::trunc) << whole;
+  fs::last_write_time(file, written);
+  EXPECT_TRUE(test::comes_true([&] {
+    host_->tick();
+    return told_.wait_for(0).size() > before;
+  }));
+}
 
 TEST_F(LiveSiteServices, TellWhatThereIsWhoeverChangedIt) {
   EXPECT_TRUE(is_told(hashes_[0], "active"));
