@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A page in headless Chromium, for tests of what the live view shows."""
 import base64
+import contextlib
 import json
 import os
 import re
@@ -10,9 +11,10 @@ import socket
 import struct
 import subprocess
 import sys
+import tempfile
 import urllib.request
 
-from robot_process import comes_true, free_port
+from robot_process import comes_true, free_port, listens, started
 
 
 def find_browser():
@@ -97,6 +99,24 @@ class Page:
     def shoot(self, path):
         with open(path, "wb") as out:
             out.write(base64.b64decode(self.picture()))
+
+
+@contextlib.contextmanager
+def viewed(browser, strata, composition, work, **ports):
+    """The pages of a composition's live views, one a port; the process has to end with 0."""
+    robot = started(strata, composition, work, **ports)
+    pages = []
+    try:
+        for port in ports.values():
+            comes_true(lambda: listens(port), "the live view listens")
+            pages.append(Page(browser, f"http://localhost:{port}/", tempfile.mkdtemp(dir=work)))
+        yield pages
+    finally:
+        robot.terminate()
+        robot.wait()
+        for page in pages:
+            page.close()
+    assert robot.returncode == 0, robot.returncode
 
 
 # Draws with one layer and without it; where pixels differ: how many, and around what. Nothing comes

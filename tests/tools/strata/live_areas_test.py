@@ -11,10 +11,9 @@ import json
 import shutil
 import subprocess
 import sys
-import tempfile
 
-from browser_page import Page, find_browser, layer, mouse, screen
-from robot_process import comes_true, free_port, listens, simulated, started
+from browser_page import find_browser, layer, mouse, screen, viewed
+from robot_process import comes_true, free_port, simulated
 
 # The site's maps are of a localizer alone: nobody publishes /patch_map.
 COMPOSITION = """version: 1
@@ -105,21 +104,10 @@ def main():
     strata, hall, work = sys.argv[1:4]
     browser = find_browser()
     make_site(strata, hall, work)
-    port = free_port()
-    robot = started(strata, COMPOSITION, work, port=port)
-    page = None
-    try:
-        comes_true(lambda: listens(port), "the live view listens")
-        page = Page(browser, f"http://localhost:{port}/", tempfile.mkdtemp(dir=work))
+    with viewed(browser, strata, COMPOSITION, work, port=free_port()) as (page,):
         test_areas_are_drawn_and_clickable(page)
         test_another_version(page, strata, work)
         test_a_learner_comes_first(page)
-    finally:
-        robot.terminate()
-        robot.wait()
-        if page is not None:
-            page.close()
-    assert robot.returncode == 0, robot.returncode
 
 
 main()

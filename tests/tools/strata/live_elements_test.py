@@ -14,8 +14,8 @@ import sys
 import tempfile
 import urllib.request
 
-from browser_page import LAYER, Page, find_browser, layer, mouse, screen
-from robot_process import comes_true, free_port, listens, simulated, started
+from browser_page import LAYER, Page, find_browser, layer, mouse, screen, viewed
+from robot_process import comes_true, free_port, listens, simulated
 
 COMPOSITION = """version: 1
 transport: loopback
@@ -245,11 +245,7 @@ def main():
                    check=True)
     test_areas(strata, browser, work)
     port = free_port()
-    robot = started(strata, COMPOSITION, work, port=port)
-    page = None
-    try:
-        comes_true(lambda: listens(port), "the live view listens")
-        page = Page(browser, f"http://localhost:{port}/", tempfile.mkdtemp(dir=work))
+    with viewed(browser, strata, COMPOSITION, work, port=port) as (page,):
         test_drawing(page)
         test_shades(page)
         test_silence_of_a_layer(page)
@@ -258,12 +254,6 @@ def main():
         test_version(page, work)
         test_setting_a_pose(page, port)
         test_relocalizing(page, port)
-    finally:
-        robot.terminate()
-        robot.wait()
-        if page is not None:
-            page.close()
-    assert robot.returncode == 0, robot.returncode
 
 
 main()

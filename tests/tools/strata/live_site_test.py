@@ -10,10 +10,9 @@ import json
 import shutil
 import subprocess
 import sys
-import tempfile
 
-from browser_page import Page, find_browser
-from robot_process import comes_true, free_port, listens, simulated, started
+from browser_page import find_browser, viewed
+from robot_process import comes_true, free_port, simulated
 
 COMPOSITION = """version: 1
 transport: loopback
@@ -160,25 +159,14 @@ def main():
     strata, hall_file, work = sys.argv[1:4]
     browser = find_browser()
     hall = Hall(strata, hall_file, work)
-    port, closed = free_port(), free_port()
-    robot = started(strata, COMPOSITION, work, port=port, closed=closed)
-    pages = []
-    try:
-        for at in (port, closed):
-            comes_true(lambda: listens(at), "the live view listens")
-            pages.append(Page(browser, f"http://localhost:{at}/", tempfile.mkdtemp(dir=work)))
-        test_what_there_is(pages[0])
-        test_approving(pages[0], hall)
-        test_activating_and_going_back(pages[0], hall)
-        test_a_refusal(pages[0], hall)
-        test_the_map_of_a_day(pages[0])
-        test_a_page_that_only_looks(pages[1], hall)
-    finally:
-        robot.terminate()
-        robot.wait()
-        for page in pages:
-            page.close()
-    assert robot.returncode == 0, robot.returncode
+    with viewed(browser, strata, COMPOSITION, work, port=free_port(),
+                closed=free_port()) as (page, shop_window):
+        test_what_there_is(page)
+        test_approving(page, hall)
+        test_activating_and_going_back(page, hall)
+        test_a_refusal(page, hall)
+        test_the_map_of_a_day(page)
+        test_a_page_that_only_looks(shop_window, hall)
 
 
 main()
