@@ -55,7 +55,7 @@ class Drives {
   SplicedDrive begin() { return {*world_, sensor_, ++drives_}; }
   void record(SplicedDrive& drive, std::size_t from, std::size_t to, ScoreSample sample) {
     const localization::Localizer& localizer = drive.localizer();
-    drive.drive(from, to, [&](const auto& result, double error_m) {
+    drive.drive(from, to, [&](const auto& result, double error_m, Stamp) {
       sample.drive = drives_;
       sample.evidence = localizer.score_evidence();
       sample.score = result.score;

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <type_traits>
 
 #include "core/localization/localizer.hpp"
 #include "tools/laboratory/experiments/verdict_worlds.hpp"
@@ -42,7 +41,7 @@ class SplicedDrive {
     localizer_.initialize({map_from_robot, Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal()});
   }
 
-  /// Calls said(result, error in m), or that with the scan's stamp as well, for each weighed scan
+  /// Calls said(result, error in m, stamp) for each weighed scan
   /// of [begin, end) whose truth is known, until that returns false. Ends early where the log
   /// itself has a gap.
   template <typename Said>
@@ -59,11 +58,7 @@ class SplicedDrive {
       if (!result.weighed || !world_->truths[i]) continue;
       const Pose2& truth = *world_->truths[i];
       const double error_m = (result.pose.mean.translation() - truth.translation()).norm();
-      if constexpr (std::is_invocable_v<Said, decltype(result), double, Stamp>) {
-        if (!said(result, error_m, stamp_)) return;
-      } else if (!said(result, error_m)) {
-        return;
-      }
+      if (!said(result, error_m, stamp_)) return;
     }
   }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kStarts = 5;
 constexpr std::size_t kScans = 300;
-constexpr std::size_t kScansAtLeast = 100;  // are left of the drive
+constexpr std::size_t kMinScansLeft = 100;  // of the drive, at a start
 constexpr double kWrongPlace_m = 1.0;
 constexpr double kWrongPose_m = 0.5;
 constexpr double kHighScore = 0.9;
@@ -64,13 +64,10 @@ StartsOutcome start_at(const VerdictWorld& world, SplicedDrive& drive, std::size
   return outcome;
 }
 
-Rows rows_of(const VerdictWorld& world) {
+Rows rows_of(const VerdictWorld& world, int starts) {
   Rows rows{};
-  for (std::size_t m = 0; m < kModels.size(); ++m) {
-    for (const bool has_search : {false, true}) {
-      rows[2 * m + (has_search ? 1 : 0)] =
-          start_anywhere(world, kModels[m], has_search, kStarts, kScans);
-    }
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    rows[r] = start_anywhere(world, kModels[r / 2], r % 2 == 1, starts, kScans);
   }
   return rows;
 }
@@ -96,7 +93,7 @@ void report_world(const std::string& name, const Seeds& seeds, shards::Units& un
     const std::uint64_t seed = seeds.first + static_cast<std::uint64_t>(i);
     const std::string unit = name + ", seed " + std::to_string(seed);
     const auto rows = units.of<Rows>(
-        unit, [&] { return rows_of(world_of_scenario(unit, scenario(seed), seed)); });
+        unit, [&] { return rows_of(world_of_scenario(unit, scenario(seed), seed), kStarts); });
     for (std::size_t r = 0; r < rows.size(); ++r) sums[r] += rows[r];
   }
   print(name, sums);
@@ -130,7 +127,7 @@ StartsOutcome start_anywhere(const VerdictWorld& world, const std::string& model
   config.global_search.is_used = has_search;
   const auto sensor = sensor_of(world, model);
   const std::size_t n = world.observations.size();
-  const std::size_t last = n > kScansAtLeast ? n - kScansAtLeast : 0;
+  const std::size_t last = n > kMinScansLeft ? n - kMinScansLeft : 0;
   StartsOutcome sum;
   for (int i = 0; i < starts; ++i) {
     const auto at = static_cast<std::size_t>(i) * last / static_cast<std::size_t>(starts);
@@ -173,11 +170,7 @@ void report_starts_of_logs(const std::vector<std::string>& logs,
   constexpr int kStartsOfLog = 40;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const VerdictWorld world = world_of_log(logs[i], poses[i]);
-    Rows rows{};
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      rows[r] = start_anywhere(world, kModels[r / 2], r % 2 == 1, kStartsOfLog, kScans);
-    }
-    print(world.name, rows);
+    print(world.name, rows_of(world, kStartsOfLog));
   }
 }
 

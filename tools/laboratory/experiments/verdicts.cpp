@@ -28,7 +28,7 @@ void count_tracked(const VerdictWorld& world, SplicedDrive splicer, VerdictCount
     throw InputError(world.name, "has no scan whose truth is known", "give poses of that time");
   }
   splicer.start(*world.truths[begin]);
-  splicer.drive(begin, world.observations.size(), [&](const auto& result, double error_m) {
+  splicer.drive(begin, world.observations.size(), [&](const auto& result, double error_m, Stamp) {
     if (error_m >= kRight_m) return true;
     ++counts.scans;
     counts.doubtful += result.health.is_in_doubt ? 1 : 0;
@@ -40,11 +40,11 @@ void count_tracked(const VerdictWorld& world, SplicedDrive splicer, VerdictCount
 void count_kidnapped(const VerdictWorld& world, SplicedDrive splicer, std::size_t from,
                      std::size_t to, VerdictCounts& counts) {
   splicer.start(*world.truths[from]);
-  splicer.drive(from, from + kTracked, [](const auto&, double) { return true; });
+  splicer.drive(from, from + kTracked, [](const auto&, double, Stamp) { return true; });
   int scans = 0;
   std::optional<int> doubtful;
   std::optional<int> lost;
-  splicer.drive(to, to + kKidnapped, [&](const auto& result, double error_m) {
+  splicer.drive(to, to + kKidnapped, [&](const auto& result, double error_m, Stamp) {
     if (error_m < kWrong_m) return false;
     if (!doubtful && result.health.is_in_doubt) doubtful = scans;
     if (!lost && result.health.state == localization::HealthState::kLost) lost = scans;
