@@ -46,6 +46,13 @@ std::string percent_encoded(const std::string& path) {
 
 std::string data_uri(const std::string& png) { return "data:image/png;base64," + base64(png); }
 
+/// size: attributes with a space before each; may be empty.
+std::string figure(const std::string& png, const std::string& alt, const std::string& size,
+                   const std::string& caption) {
+  return "<figure><img src=\"" + data_uri(png) + "\" alt=\"" + escape(alt) + "\"" + size +
+         "><figcaption>" + escape(caption) + "</figcaption></figure>\n";
+}
+
 }  // namespace
 
 std::string base64(const std::string& bytes) {
@@ -116,17 +123,17 @@ void HtmlReport::picture(const std::string& name, const Image& image, const std:
     png = encode_png(image);
     write_file(file, png);
   });
-  body_ += "<figure><img src=\"" + data_uri(png) + "\" alt=\"" + escape(alt) + "\" width=\"" +
-           std::to_string(image.width()) + "\" height=\"" + std::to_string(image.height()) +
-           "\"><figcaption>" + escape(caption) + "</figcaption></figure>\n";
+  body_ += figure(png, alt,
+                  " width=\"" + std::to_string(image.width()) + "\" height=\"" +
+                      std::to_string(image.height()) + "\"",
+                  caption);
 }
 
 void HtmlReport::png(const std::string& name, const std::string& bytes, const std::string& alt,
                      const std::string& caption) {
   const auto file = folder_ / (name + ".png");
   draw(drawings_, file, [&] { write_file(file, bytes); });
-  body_ += "<figure><img src=\"" + data_uri(bytes) + "\" alt=\"" + escape(alt) + "\"><figcaption>" +
-           escape(caption) + "</figcaption></figure>\n";
+  body_ += figure(bytes, alt, "", caption);
 }
 
 void HtmlReport::before_after(const std::string& name, const Image& before, const Image& after,

@@ -43,7 +43,7 @@ class HtmlReport {
   /// A picture; writes NAME.png. alt: what a reader who cannot see it must know.
   void picture(const std::string& name, const Image& image, const std::string& alt,
                const std::string& caption);
-  /// The same of a PNG's bytes.
+  /// A picture that is encoded already, as the bytes of a PNG; writes NAME.png.
   void png(const std::string& name, const std::string& bytes, const std::string& alt,
            const std::string& caption);
   /// Two pictures of the same size with a slider between them; writes both PNGs.

@@ -178,6 +178,18 @@ TEST(HtmlReport, IsOneFileWithEveryPictureInside) {
   EXPECT_EQ(html.find("https://"), std::string::npos);
 }
 
+TEST(HtmlReport, TakesPicturesThatAreEncodedAsTheyAre) {
+  const test::TemporaryDirectory folder;
+  HtmlReport report(folder.path(), "r");
+  report.png("map", "foobar", "no \"picture\"", "a < b");
+  EXPECT_EQ(test::bytes_of(folder.path() / "map.png"), "foobar");
+  EXPECT_NE(report.body().find("<img src=\"data:image/png;base64,Zm9vYmFy\" "
+                               "alt=\"no &quot;picture&quot;\">"
+                               "<figcaption>a &lt; b</figcaption>"),
+            std::string::npos)
+      << report.body();
+}
+
 TEST(HtmlReport, ExplainsTheWordsOfATableBelowIt) {
   HtmlReport report(".", "r");
   report.table({{"a", "b"}, {{"1", "2"}}, "plain"});
