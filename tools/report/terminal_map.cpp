@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "tools/report/map_picture.hpp"
 #include "tools/report/plot.hpp"
 
 namespace strata::report {
@@ -96,18 +97,16 @@ struct Frame {
     return {(cell.x - rect.min.x) / cells_a_dot, (rect.max.y - 1 - cell.y) / cells_a_dot};
   }
   [[nodiscard]] Cell cell(const Pose2& pose) const {
-    return {static_cast<int>(std::floor(pose.x / resolution_m)),
-            static_cast<int>(std::floor(pose.y / resolution_m))};
+    return cell_at(pose.translation(), resolution_m);
   }
 };
 
 Frame frame_of(const ReflectionGrid& map, std::span<const TerminalWay> ways,
                const TerminalShape& shape) {
   Frame frame{{}, 1, map.resolution_m()};
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    if (!is_known(map.values()[i])) continue;
-    const Cell cell = map.cell(i);
-    frame.rect = frame.rect.united({cell, {cell.x + 1, cell.y + 1}});
+  // Where nothing is known known_rect would be all of the map.
+  if (std::any_of(map.values().begin(), map.values().end(), is_known)) {
+    frame.rect = known_rect(map, 0);
   }
   for (const TerminalWay& way : ways) {
     for (const Pose2& pose : way) {
