@@ -17,7 +17,7 @@ namespace {
 
 using report::fixed;
 
-bool is_lost_more_often(const PairedTest& test) { return test.p_lost < kAlpha; }
+bool differs_in_lost_runs(const PairedTest& test) { return test.p_lost < kAlpha; }
 
 using NamePairs = std::set<std::pair<std::string, std::string>>;
 
@@ -66,7 +66,7 @@ double widest_m(const std::vector<std::string>& models, const std::vector<Paired
 
 std::string shown_in(const PairedTest& test) {
   if (!test.significant) return "lost runs";
-  return is_lost_more_often(test) ? "mean error, lost runs" : "mean error";
+  return differs_in_lost_runs(test) ? "mean error, lost runs" : "mean error";
 }
 
 report::Table table_of_differences() {
@@ -86,7 +86,8 @@ report::Table table_of_differences() {
        "difference; one that holds 0 shows none"},
       {"p (Holm)",
        "how often chance alone would show as much, made larger by Holm's correction because among "
-       "many pairs some differ by chance; below 0.05 counts"},
+       "many pairs some differ by chance; below " +
+           fixed(kAlpha, 2) + " counts"},
       {"Cliff's delta",
        "how often a run of the second has a larger error than one of the first, less how often a "
        "smaller one: 1 is always, 0 even"},
@@ -97,7 +98,7 @@ report::Table table_of_differences() {
 }  // namespace
 
 bool shows_difference(const PairedTest& test) {
-  return test.significant || is_lost_more_often(test);
+  return test.significant || differs_in_lost_runs(test);
 }
 
 std::vector<std::vector<std::string>> alike_models(const Comparison& comparison,
