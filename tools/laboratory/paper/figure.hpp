@@ -36,7 +36,7 @@ struct Picture {
 
 struct Outcome {
   Verdict verdict = Verdict::kNotMade;
-  std::string reason;  ///< of not held and not made; of held, what to know beside the numbers
+  std::string reason;  ///< of not held and not made
   std::vector<Number> numbers;
   std::vector<Picture> pictures;
 };
@@ -64,7 +64,7 @@ struct Figure {
   std::string missing;
 };
 
-/// held(is_held, why): the verdict of a criterion; why: of not held.
+/// Held or not held, as the criterion says; why_not: the reason where it is not.
 [[nodiscard]] Outcome judged(bool is_held, std::string why_not, std::vector<Number> numbers,
                              std::vector<Picture> pictures);
 

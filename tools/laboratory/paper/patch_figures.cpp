@@ -186,7 +186,8 @@ Outcome averages(const Setting& setting) {
   }
   report::MapPicture picture = report::draw_map(mean, report::known_rect(mean), 900);
   report::mark_submaps(picture, map, {0, 114, 178});
-  return judged(configurations >= 3 && shades > 0, "fewer than three configurations of a sub-map",
+  return judged(configurations >= 3 && shades > 0,
+                "no sub-map has three configurations, or no cell is in a shade",
                 {{"sub-maps", {}, real(static_cast<int>(map.submaps.size())), 0},
                  {"configurations of the richest", {}, real(static_cast<int>(configurations)), 0},
                  {"cells in shades (0.1 to 0.9)", {}, real(static_cast<int>(shades)), 0}},
