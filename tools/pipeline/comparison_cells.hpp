@@ -12,6 +12,7 @@
 #include "tools/pipeline/comparison.hpp"
 #include "tools/report/html_report.hpp"
 #include "tools/report/plot.hpp"
+#include "tools/statistics/statistics.hpp"
 
 namespace strata::pipeline {
 
@@ -23,9 +24,12 @@ inline std::string number(const nlohmann::json& value, int digits) {
   return value.is_null() ? kNoValue : report::fixed(value.get<double>(), digits);
 }
 
+inline std::string interval(const statistics::Interval& ci, int digits) {
+  return report::fixed(ci.low, digits) + " to " + report::fixed(ci.high, digits);
+}
+/// ci: [low, high].
 inline std::string interval(const nlohmann::json& ci, int digits) {
-  return report::fixed(ci[0].get<double>(), digits) + " to " +
-         report::fixed(ci[1].get<double>(), digits);
+  return interval(statistics::Interval{ci[0].get<double>(), ci[1].get<double>()}, digits);
 }
 
 inline std::string percent(const nlohmann::json& share) {

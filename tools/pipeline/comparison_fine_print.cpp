@@ -52,8 +52,7 @@ void add_robustness(const Comparison& comparison, const json& models, HtmlReport
                   "blocked paths", "path length varies", "next path differs [m]"};
   table.caption =
       "What passing obstacles leave behind, and ways planned in the map as the model knows it, "
-      "asked "
-      "for 15 times along the drive, for a robot of 0.25 m radius.";
+      "asked for 15 times along the drive, for a robot of 0.25 m radius.";
   table.terms = {
       {"false adaptation",
        "an obstacle 0.6 m wide is put into the recorded scans for 30 s beside the robot's way; of "

@@ -130,8 +130,7 @@ void add_pairs(const Comparison& comparison, const std::vector<PairedTest>& test
     if (!shows_difference(test)) continue;
     table.rows.push_back(
         {test.better, test.worse, shown_in(test), fixed(test.mean_difference_m, 3),
-         fixed(test.ci95_m.low, 3) + " to " + fixed(test.ci95_m.high, 3), p_value(test.p),
-         fixed(test.cliffs_delta, 2),
+         interval(test.ci95_m, 3), p_value(test.p), fixed(test.cliffs_delta, 2),
          std::to_string(test.lost_only_better) + ", " + std::to_string(test.lost_only_worse),
          p_value(test.p_lost)});
   }
