@@ -101,6 +101,7 @@ struct Frame {
   }
 };
 
+/// shape: with room for a character.
 Frame frame_of(const ReflectionGrid& map, std::span<const TerminalWay> ways,
                const TerminalShape& shape) {
   Frame frame{{}, 1, map.resolution_m()};
@@ -115,8 +116,8 @@ Frame frame_of(const ReflectionGrid& map, std::span<const TerminalWay> ways,
       frame.rect = frame.rect.united({cell, {cell.x + 1, cell.y + 1}});
     }
   }
-  const int across = std::max(1, shape.columns * kDotsAcross);
-  const int down = std::max(1, shape.rows * kDotsDown);
+  const int across = shape.columns * kDotsAcross;
+  const int down = shape.rows * kDotsDown;
   frame.cells_a_dot = std::max(
       {1, (frame.rect.width() + across - 1) / across, (frame.rect.height() + down - 1) / down});
   return frame;
