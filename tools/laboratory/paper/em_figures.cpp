@@ -32,8 +32,7 @@ Outcome ghosts(const Setting& setting) {
   double recall = 0.0;
   const int seeds = setting.seeds_or(3);
   for (int i = 0; i < seeds; ++i) {
-    const PeopleOutcome one =
-        learn_among(corridor(setting), kPeople, setting.first_seed + static_cast<std::uint64_t>(i));
+    const PeopleOutcome one = learn_among(corridor(setting), kPeople, setting.seed(i));
     raw += one.spurious_raw;
     filtered += one.spurious_filtered;
     precision += one.precision / seeds;
@@ -57,8 +56,7 @@ Outcome better_poses(const Setting& setting) {
   double with = 0.0;
   double without = 0.0;
   for (int i = 0; i < seeds; ++i) {
-    const auto simulation =
-        drive_among(corridor(setting), kPeople, setting.first_seed + static_cast<std::uint64_t>(i));
+    const auto simulation = drive_among(corridor(setting), kPeople, setting.seed(i));
     const auto error = [&](int rounds) {
       slam::SlamConfig config;
       config.em.max_iterations = rounds;
@@ -123,7 +121,7 @@ Outcome likelihood(const Setting& setting) {
                         .y_label = "nats above round 0"};
   double gain = 0.0;
   for (int i = 0; i < seeds; ++i) {
-    const std::uint64_t seed = setting.first_seed + static_cast<std::uint64_t>(i);
+    const std::uint64_t seed = setting.seed(i);
     const auto all =
         learn_first_day(drive_among(corridor(setting), kPeople, seed), {}).log_likelihood;
     const double end = *std::max_element(all.begin(), all.end()) - all.front();

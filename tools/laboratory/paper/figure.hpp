@@ -50,6 +50,10 @@ struct Setting {
   int threads = 2;
 
   [[nodiscard]] int seeds_or(int own) const { return seeds > 0 ? seeds : own; }
+  /// The i-th, from 0.
+  [[nodiscard]] std::uint64_t seed(int i) const {
+    return first_seed + static_cast<std::uint64_t>(i);
+  }
 };
 
 struct Figure {

@@ -26,7 +26,7 @@ struct Row {
 /// not, without a finite number in our form is not made either.
 [[nodiscard]] Row make(const Figure& figure, const Setting& setting);
 
-/// All of them; `each` is told of every row as soon as it is there.
+/// All of them; `each`, where it is not null, is told of the rows so far whenever one is there.
 [[nodiscard]] std::vector<Row> make_all(const std::vector<Figure>& figures, const Setting& setting,
                                         const std::function<void(const std::vector<Row>&)>& each);
 

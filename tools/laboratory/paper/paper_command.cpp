@@ -51,7 +51,8 @@ int paper_command(int count, char** words, const char* scenarios) {
                  "a figure as `list` names it, em, patch, kessler, ptm, all, or list")
       ->required();
   app.add_option("--out", out, "folder of index.html, results.json and pictures");
-  app.add_option("--data", setting.data, "folder of the real logs");
+  app.add_option("--data", setting.data,
+                 "folder of the real logs; by itself STRATA_DATA_DIR, else ../shared/data");
   app.add_option("--scenarios", setting.scenarios, "folder of the scenario files");
   app.add_option("--seeds", setting.seeds, "how many; 0: as each figure has them")
       ->check(CLI::Range(0, 1000));

@@ -61,6 +61,18 @@ void add_row(report::HtmlReport& page, const Row& row) {
   add_pictures(page, row.outcome.pictures);
 }
 
+/// "label ours (the paper's form 1.23); ...".
+std::string numbers_in_words(const Outcome& outcome) {
+  std::string words;
+  for (const Number& number : outcome.numbers) {
+    words += (words.empty() ? "" : "; ") + number.label + " " + shown(number.ours, number.digits);
+    if (number.papers_form) {
+      words += " (the paper's form " + shown(number.papers_form, number.digits) + ")";
+    }
+  }
+  return words;
+}
+
 report::Table overview(std::span<const Row> rows) {
   report::Table table;
   table.header = {"figure", "verdict", "title", "time [s]"};
@@ -73,17 +85,6 @@ report::Table overview(std::span<const Row> rows) {
 }
 
 }  // namespace
-
-std::string numbers_in_words(const Outcome& outcome) {
-  std::string words;
-  for (const Number& number : outcome.numbers) {
-    words += (words.empty() ? "" : "; ") + number.label + " " + shown(number.ours, number.digits);
-    if (number.papers_form) {
-      words += " (the paper's form " + shown(number.papers_form, number.digits) + ")";
-    }
-  }
-  return words;
-}
 
 std::string sum_of(std::span<const Row> rows) {
   const auto count = [&](Verdict verdict) {

@@ -12,10 +12,7 @@
 
 namespace strata::paper {
 
-/// Numbers of a row in a line: "label: ours (paper's form: ...)".
-[[nodiscard]] std::string numbers_in_words(const Outcome& outcome);
-
-/// "N held, N not held, N not made of N".
+/// "N held, N not held, N not made, of N".
 [[nodiscard]] std::string sum_of(std::span<const Row> rows);
 
 /// A Markdown table of the rows, and the sum.

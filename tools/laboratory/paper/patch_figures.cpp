@@ -26,7 +26,7 @@ Outcome learned(const Setting& setting, const std::string& id, const char* scena
   const std::string path = file(setting, scenario);
   Judgement sum;
   for (int i = 0; i < seeds; ++i) {
-    sum += one(path, setting.first_seed + static_cast<std::uint64_t>(i), kGoodPoses);
+    sum += one(path, setting.seed(i), kGoodPoses);
   }
   const auto simulation = simulate::simulate(simulate::load_scenario(path), setting.first_seed);
   const auto scans = noisy_scans(simulation, kGoodPoses, setting.first_seed, 1,
@@ -61,7 +61,7 @@ template <typename One>
 std::map<std::string, Mean> means(const Setting& setting, int seeds, One&& one) {
   std::map<std::string, Mean> result;
   for (int i = 0; i < seeds; ++i) {
-    for (const auto& [name, day] : one(setting.first_seed + static_cast<std::uint64_t>(i))) {
+    for (const auto& [name, day] : one(setting.seed(i))) {
       Mean& mean = result[name];
       mean.changed_m += day.changed_error_m / seeds;
       mean.end_m += day.final_error_m / seeds;
@@ -115,8 +115,7 @@ std::map<std::string, Failed> failed(const Setting& setting, int seeds,
                                      const std::vector<std::string>& models) {
   std::map<std::string, Failed> result;
   for (int i = 0; i < seeds; ++i) {
-    const auto one = door_opens(file(setting, "side_door.yaml"),
-                                setting.first_seed + static_cast<std::uint64_t>(i), models);
+    const auto one = door_opens(file(setting, "side_door.yaml"), setting.seed(i), models);
     for (const auto& [name, phases] : one) {
       result[name].closed += phases.closed_m > 1.0 ? 1 : 0;
       result[name].open += phases.open_m > 1.0 ? 1 : 0;
