@@ -113,6 +113,17 @@ TEST(PaperFigures, JsonHasNullForWhatIsMissing) {
   EXPECT_EQ(json[1]["verdict"], "not made");
 }
 
+TEST(PaperFigures, OfABoxAreMadeOfItsScenarioWithPictures) {
+  Setting setting;
+  setting.scenarios = STRATA_SCENARIO_DIR;
+  const Row row = make(select(all_figures(), {"patch-1.12"}).front(), setting);
+  EXPECT_EQ(row.outcome.verdict, Verdict::kHeld) << row.outcome.reason;
+  ASSERT_EQ(row.outcome.numbers.size(), 3U);
+  EXPECT_EQ(row.outcome.numbers[1].ours, 3.0) << "places of the box";
+  ASSERT_EQ(row.outcome.pictures.size(), 1U);
+  EXPECT_THAT(std::get<std::string>(row.outcome.pictures[0].content), HasSubstr("PNG"));
+}
+
 TEST(PaperPoseError, IsThatAfterTheBestRigidMotion) {
   const std::vector<Pose2> way{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
   const Pose2 map_from_truth{10.0, -3.0, 1.0};
