@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -32,7 +33,9 @@ struct alignas(64) SurfacePoint {
   /// hit it in between.
   double slack_m = 0.0;
   bool occupied = true;  ///< false: once occupied, since seen free; beams there match nothing
+  std::array<std::uint8_t, 15> unused{};  ///< so that equal points have equal bytes when saved
 };
+static_assert(sizeof(SurfacePoint) == 64);
 
 /// How far `along_m` lies beyond the slack on either side; 0 within.
 [[nodiscard]] inline double beyond(double along_m, double slack_m) {

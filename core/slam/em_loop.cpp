@@ -7,9 +7,9 @@
 #include "core/beam_filter/beam_filter.hpp"
 #include "core/grid/count_scans.hpp"
 #include "core/registration/scan_matcher.hpp"
-#include "core/slam/surface_map.hpp"
-#include "core/slam/tracker.hpp"
-#include "core/slam/tracker_parts.hpp"
+#include "core/tracking/surface_map.hpp"
+#include "core/tracking/tracker.hpp"
+#include "core/tracking/tracker_parts.hpp"
 
 namespace strata::slam {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/registration/match_field.hpp"
-#include "core/slam/surface_map.hpp"
+#include "core/tracking/surface_map.hpp"
 
 namespace strata::slam {
 namespace {

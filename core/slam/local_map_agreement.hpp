@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "core/registration/match_field.hpp"
-#include "core/slam/local_map.hpp"
+#include "core/tracking/local_map.hpp"
 
 namespace strata::slam {
 

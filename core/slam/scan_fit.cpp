@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/scan/endpoints.hpp"
-#include "core/slam/local_map.hpp"
+#include "core/tracking/local_map.hpp"
 
 namespace strata::slam {
 namespace {

@@ -14,7 +14,7 @@
 #include "core/slam/local_map_graph.hpp"
 #include "core/slam/log_checks.hpp"
 #include "core/slam/slam.hpp"
-#include "core/slam/tracker.hpp"
+#include "core/tracking/tracker.hpp"
 
 namespace strata::slam {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/slam/tracker.hpp"
+#include "core/tracking/tracker.hpp"
 #include "core/topology/place_names.hpp"
 
 namespace strata::topology {

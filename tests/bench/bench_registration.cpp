@@ -10,7 +10,7 @@
 
 #include "core/registration/scan_matcher.hpp"
 #include "core/scan/endpoints.hpp"
-#include "core/slam/surface_map.hpp"
+#include "core/tracking/surface_map.hpp"
 #include "tests/bench/peers_scenario.hpp"
 
 namespace strata {

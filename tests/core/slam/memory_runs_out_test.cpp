@@ -13,7 +13,7 @@
 #include "core/base/error.hpp"
 #include "core/random/stream.hpp"
 #include "core/slam/slam.hpp"
-#include "core/slam/surface_map.hpp"
+#include "core/tracking/surface_map.hpp"
 #include "tests/core/slam/ring_world.hpp"
 #include "tests/support/counted_allocations.hpp"
 

@@ -11,7 +11,7 @@
 
 #include "core/geometry/angle.hpp"
 #include "core/slam/slam.hpp"
-#include "core/slam/tracker.hpp"
+#include "core/tracking/tracker.hpp"
 #include "tests/core/slam/ring_world.hpp"
 
 namespace strata::slam {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/surface_map.hpp"
+#include "core/tracking/surface_map.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -9,8 +9,8 @@
 #include "core/geometry/angle.hpp"
 #include "core/registration/correlative_search.hpp"
 #include "core/registration/scan_matcher.hpp"
-#include "core/slam/tracker.hpp"
-#include "core/slam/tracker_parts.hpp"
+#include "core/tracking/tracker.hpp"
+#include "core/tracking/tracker_parts.hpp"
 
 namespace strata::slam {
 namespace {

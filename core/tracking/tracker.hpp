@@ -15,10 +15,10 @@
 #include "core/scan/endpoints.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/scanner_turns.hpp"
-#include "core/slam/local_map.hpp"
-#include "core/slam/log_checks.hpp"
-#include "core/slam/slam_config.hpp"
-#include "core/slam/surface_map.hpp"
+#include "core/tracking/local_map.hpp"
+#include "core/tracking/scan_findings.hpp"
+#include "core/tracking/surface_map.hpp"
+#include "core/tracking/tracking_config.hpp"
 
 namespace strata::slam {
 

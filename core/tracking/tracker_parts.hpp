@@ -9,7 +9,7 @@
 #include "core/geometry/pose2_gaussian.hpp"
 #include "core/registration/scan_matcher.hpp"
 #include "core/scan/endpoints.hpp"
-#include "core/slam/slam_config.hpp"
+#include "core/tracking/tracking_config.hpp"
 
 namespace strata::slam {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/tracker.hpp"
+#include "core/tracking/tracker.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 
 #include "core/geometry/angle.hpp"
-#include "core/slam/tracker_parts.hpp"
+#include "core/tracking/tracker_parts.hpp"
 
 namespace strata::slam {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/slam/local_map.hpp"
+#include "core/tracking/local_map.hpp"
 
 #include <cmath>
 
