@@ -24,6 +24,7 @@ struct HealthReport {
   bool converged = false;
   bool is_ambiguous = false;
   std::size_t places = 0;  ///< that are still possible while it is; 0: none was found yet
+  bool is_beyond_map = false;  ///< LocalizationResult::is_beyond_map
   std::chrono::duration<double> update_time{0.0};
 
   /// Whether the pose can be trusted: VDA 5050's `localized`.
@@ -51,7 +52,7 @@ struct HealthReport {
                                                               const std::string& frame);
 
 /// An error when lost; a warning while not localized, where the score says that the pose is wrong,
-/// and where the map is outdated; and the figures, among them localizationScore, deviationRange [m]
+/// beyond the map, and where it is outdated; and the figures, among them localizationScore, deviationRange [m]
 /// and localized as VDA 5050 names them.
 void describe(const HealthReport& report, runtime::Health& health);
 

@@ -49,6 +49,7 @@ void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult
   max_particles = std::max(max_particles, result.particles);
   unusable_scans = localizer.unusable_scans();
   ambiguous_scans += result.is_ambiguous ? 1 : 0;
+  beyond_map_scans += result.is_beyond_map ? 1 : 0;
   for (const localization::SubmapBelief& belief : result.submaps) {
     for (std::size_t k = 0; k < belief.probability.size(); ++k) {
       states.push_back({stamp, belief.submap, static_cast<int>(k), belief.probability[k]});
@@ -87,6 +88,7 @@ json localization_metrics(const LocalizationRecord& record, const std::string& m
       {"scans", record.trajectory.size()},
       {"unusable_scans", record.unusable_scans},
       {"ambiguous_scans", record.ambiguous_scans},
+      {"beyond_map_scans", record.beyond_map_scans},
       {"health", health_shares(record.health)},
       {"score", score_json(record.scores)},
       {"refined", {{"scans", record.refined.size()}, {"error_m", nullptr}, {"error_rad", nullptr}}},

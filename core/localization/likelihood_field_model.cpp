@@ -11,6 +11,7 @@
 
 #include "core/base/config.hpp"
 #include "core/localization/particle_kernels.hpp"
+#include "core/localization/unjudged_beams.hpp"
 
 namespace strata::localization {
 namespace {
@@ -141,6 +142,15 @@ InlierShares LikelihoodFieldModel::inlier_shares(const Scan& scan, const Pose2& 
   }
   said.divide_by(static_cast<double>(count));
   return said;
+}
+
+void LikelihoodFieldModel::find_unjudged(const Scan& scan, const Pose2& map_from_robot,
+                                         std::vector<std::uint8_t>& is_unjudged) const {
+  const Pose2 laser = map_from_robot * scan.robot_from_laser;
+  const auto expected_m = [&](const Eigen::Vector2d& direction, double limit_m) {
+    return caster_->range_m(laser.x, laser.y, direction.x(), direction.y(), limit_m);
+  };
+  mark_unjudged(*caster_, scan, laser, 3.0 * config_.field.hit_stddev_m, expected_m, is_unjudged);
 }
 
 }  // namespace strata::localization

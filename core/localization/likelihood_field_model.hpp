@@ -52,6 +52,8 @@ class LikelihoodFieldModel final : public SensorModel {
   /// the field does not tell what lies before it. Asks 60 hits at most.
   [[nodiscard]] InlierShares inlier_shares(const Scan& scan, const Pose2& map_from_robot,
                                            const ParticleSet& particles) const override;
+  void find_unjudged(const Scan& scan, const Pose2& map_from_robot,
+                     std::vector<std::uint8_t>& is_unjudged) const override;
 
  private:
   /// End points in the robot frame, in cells.

@@ -42,7 +42,8 @@ Localizer::Localizer(const LocalizerConfig& config, std::shared_ptr<const Sensor
       finder_(config.global_search),
       places_(config.global_search.places),
       confirmation_(config.global_search.confirmation),
-      odometry_(config.gating.limits()) {
+      odometry_(config.gating.limits()),
+      beyond_(config.beyond_map) {
   require_valid(config, "localizer");
 }
 
@@ -74,6 +75,7 @@ Pose2 Localizer::motion_since_last(const Observation& observation) {
   if (run_ != observation.run) {
     run_ = observation.run;
     odometry_.reset();
+    beyond_.reset();
     is_patched_ = false;
   }
   const OdometryStep step = odometry_.pass(
@@ -85,7 +87,7 @@ Pose2 Localizer::motion_since_last(const Observation& observation) {
     companions_.clear();
   }
   if (!is_missing_) is_untold_ |= std::exchange(is_patched_, false);
-  return step.motion;
+  return beyond_.follow(observation).value_or(step.motion);
 }
 
 /// Before a scan is weighed: what odometry said since the last one that was, with its noise.
@@ -97,8 +99,9 @@ void Localizer::follow_motion(const Pose2& moved_before) {
   } else {
     resample();
   }
-  const bool is_told = !is_missing_ && !is_untold_;
-  sample_motions(moved_, moved_before, is_told, config_.motion, seed_, step_, particles_, *pool_);
+  const bool is_told = beyond_.is_told() || (!is_missing_ && !is_untold_);
+  sample_motions(moved_, moved_before, is_told, beyond_.noise(config_.motion), seed_, step_,
+                 particles_, *pool_);
   roughen_start();
 }
 
@@ -129,7 +132,9 @@ bool Localizer::is_due() {
 /// What the other scanners saw meanwhile, each in turn, as if the robot had stood still since.
 void Localizer::weigh_companions(const Observation& observation, double tempering) {
   for (const CompanionScans::Companion* companion : companions_.take(observation)) {
-    (void)model_->log_likelihoods(companion->scan, {tempering, companion->share}, particles_,
+    const Scan* judged = judged_part(companion->scan);
+    if (judged == nullptr) continue;
+    (void)model_->log_likelihoods(*judged, {tempering, companion->share}, particles_,
                                   log_likelihood_, *pool_);
     (void)reweigh(particles_, log_likelihood_);
     const Pose2Gaussian pose = estimate(particles_);
@@ -188,6 +193,13 @@ double Localizer::elapsed_s(const PatchStates& states, Stamp now) const {
   return states.follows_time() ? kLongAgo_s : 0.0;
 }
 
+/// Several places judge differently: then all beams are weighed.
+const Scan* Localizer::judged_part(const Scan& scan) {
+  if (is_open() || annealed_updates_ < config_.global_start.annealing_updates) return &scan;
+  const Pose2Gaussian pose = estimate(particles_);
+  return beyond_.judged(scan, *model_, pose.mean, position_stddev(pose));
+}
+
 Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& moved_before) {
   ++step_;
   follow_motion(moved_before);
@@ -204,11 +216,16 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
     weigh_companions(observation, weighing.tempering);
     weighing.share = companions_.own_share();
   }
-  const std::size_t beams =
-      model_->log_likelihoods(observation.scan, weighing, particles_, log_likelihood_, *pool_);
+  const Scan* judged = judged_part(observation.scan);
+  std::size_t beams = 0;
+  if (judged != nullptr) {
+    beams = model_->log_likelihoods(*judged, weighing, particles_, log_likelihood_, *pool_);
+  } else {
+    std::fill(log_likelihood_.begin(), log_likelihood_.end(), 0.0);
+  }
   const double log_mean = reweigh(particles_, log_likelihood_);
   const Pose2Gaussian pose = places_.is_active() ? judge_places() : estimate(particles_);
-  if (states != nullptr) states->absorb(pose, particles_);
+  if (states != nullptr && judged != nullptr) states->absorb(pose, particles_);
   pool_beliefs();
   if (beams > 0 && std::isfinite(log_mean)) {
     judge(observation, pose, std::exp(log_mean * weighing.tempering / static_cast<double>(beams)));
@@ -217,6 +234,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose, trust());
   settle_motion(pose);
+  beyond_.settle();
   last_weighed_ = now;
   turns_.use();
   moved_ = Pose2{};
@@ -273,6 +291,7 @@ const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool
   result_.effective_sample_size = effective_sample_size(particles_);
   result_.particles = particles_.size();
   result_.weighed = weighed;
+  result_.is_beyond_map = beyond_.is_outside();
   result_.is_ambiguous = is_ambiguous();
   result_.places.clear();
   if (places_.is_active()) {

@@ -14,6 +14,7 @@
 #include "core/base/parallel.hpp"
 #include "core/geometry/odometry_gate.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
+#include "core/localization/beyond_map.hpp"
 #include "core/localization/companion_scans.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "core/localization/particle_set.hpp"
@@ -40,6 +41,9 @@ struct LocalizationResult {
   std::size_t particles = 0;
   bool weighed = false;    ///< false: moved by odometry only (gated, or nothing usable in the scan)
   bool converged = false;  ///< the spread is below recovery.uncertain_stddev_m, and not ambiguous
+  /// Half of the last weighed scan (beyond_map.coast_share) shows what the map says nothing of: an
+  /// unknown room, a place beside the map.
+  bool is_beyond_map = false;
   /// Several places explain what was seen, and none has refuted the others by the margin
   /// (global_search.places), or it is still looked for any, or the one that is left has not been
   /// confirmed (global_search.confirmation).
@@ -142,6 +146,7 @@ class Localizer {
   [[nodiscard]] PoseTrust trust() const;
   void judge(const Observation& observation, const Pose2Gaussian& pose, double likelihood_per_beam);
   [[nodiscard]] double elapsed_s(const PatchStates& states, Stamp now) const;
+  [[nodiscard]] const Scan* judged_part(const Scan& scan);
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);
   void weigh_companions(const Observation& observation, double tempering);
   void roughen_start();
@@ -181,7 +186,8 @@ class Localizer {
   std::optional<int> run_;
   OdometryGate odometry_;
   std::optional<Pose2Gaussian> at_reading_;  // the pose when odometry was last heard, if one place
-  bool is_missing_ = false;                  // odometry, since then
+  BeyondMap beyond_;
+  bool is_missing_ = false;  // odometry, since then
   bool is_untold_ = false;   // some of the motion since the last weighed scan, for good
   bool is_patched_ = false;  // what odometry tells next has been followed by scans already
   std::optional<Stamp> last_weighed_;

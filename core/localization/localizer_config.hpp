@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/geometry/odometry_noise.hpp"
+#include "core/localization/beyond_map.hpp"
 #include "core/localization/motion_model.hpp"
 #include "core/localization/place_finder.hpp"
 #include "core/localization/recovery.hpp"
@@ -104,6 +105,7 @@ struct LocalizerConfig {
   GlobalStartConfig global_start;
   PlaceFinderConfig global_search;
   RecoveryConfig recovery;
+  BeyondMapConfig beyond_map;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("particles", c.particles,
@@ -123,6 +125,7 @@ struct LocalizerConfig {
             "start without a pose, where global_search is not used");
     v.group("global_search", c.global_search, "the search for the robot in the whole map");
     v.group("recovery", c.recovery, "health and recovery");
+    v.group("beyond_map", c.beyond_map, "going on where the map ends");
   }
 };
 

@@ -26,6 +26,7 @@ void Localizer::start(std::size_t count) {
   is_started_ = true;
   run_.reset();
   odometry_.reset();
+  beyond_.reset();
   at_reading_.reset();
   is_missing_ = is_untold_ = is_patched_ = false;
   last_weighed_.reset();

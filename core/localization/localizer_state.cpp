@@ -6,14 +6,16 @@
 
 #include "core/base/state_archive.hpp"
 #include "core/geometry/matrix_state.hpp"
+#include "core/grid/grid_state.hpp"
 #include "core/localization/localizer.hpp"
 #include "core/scan/scan_state.hpp"
 
 namespace strata::localization {
 namespace {
 
-/// 2: with what a model has learned; 3: and whether a place that was found is confirmed.
-constexpr std::uint64_t kStateVersion = 3;
+/// 2: with what a model has learned; 3: and whether a place that was found is confirmed;
+/// 4: and the last metres beyond the map.
+constexpr std::uint64_t kStateVersion = 4;
 
 /// Whether the columns fit each other, and the map, is checked when all is read.
 template <class Particles, class Archive>
@@ -55,6 +57,7 @@ void Localizer::state(Self& self, Archive& archive) {
   StartConfirmation::state(self.confirmation_, archive);
   PoseScore::state(self.score_, archive);
   OdometryGate::state(self.odometry_, archive);
+  BeyondMap::state(self.beyond_, archive);
   ScannerTurns::state(self.turns_, archive);
   CompanionScans::state(self.companions_, archive);
   archive_particles(self.particles_, archive);

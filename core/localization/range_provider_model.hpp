@@ -17,6 +17,7 @@
 #include "core/localization/laser_columns.hpp"
 #include "core/localization/object_pool.hpp"
 #include "core/localization/sensor_model.hpp"
+#include "core/localization/unjudged_beams.hpp"
 #include "core/rays/beam_mixture.hpp"
 #include "core/rays/bundle_kernel.hpp"
 #include "core/rays/column_math.hpp"
@@ -85,6 +86,16 @@ class RangeProviderModel final : public SensorModel {
   }
 
   [[nodiscard]] double tempering() const override { return config_.tempering; }
+
+  void find_unjudged(const Scan& scan, const Pose2& map_from_robot,
+                     std::vector<std::uint8_t>& is_unjudged) const override {
+    const Pose2 laser = map_from_robot * scan.robot_from_laser;
+    const auto expected_m = [&](const Eigen::Vector2d& direction, double /*limit_m*/) {
+      return provider_->expected_range_m(laser,
+                                         std::atan2(direction.y(), direction.x()) - laser.theta);
+    };
+    mark_unjudged(*provider_, scan, laser, mixture_.tolerance_m(), expected_m, is_unjudged);
+  }
 
   [[nodiscard]] InlierShares inlier_shares(const Scan& scan, const Pose2& map_from_robot,
                                            const ParticleSet& /*particles*/) const override {

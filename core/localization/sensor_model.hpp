@@ -68,6 +68,13 @@ class SensorModel {
     return inlier_shares(scan, map_from_robot, particles);
   }
 
+  /// Marks (1) the beams of which the map says nothing from this pose (unjudged_beams.hpp).
+  /// is_unjudged: one a beam of the scan; all 0 from models that do not know where their map ends.
+  virtual void find_unjudged(const Scan& scan, const Pose2& /*map_from_robot*/,
+                             std::vector<std::uint8_t>& is_unjudged) const {
+    is_unjudged.assign(scan.size(), 0);
+  }
+
   /// A copy of its own for each localizer, from a model that goes on learning while it localizes;
   /// null from one that may be shared.
   [[nodiscard]] virtual std::unique_ptr<SensorModel> for_one_run() const { return nullptr; }

@@ -2,10 +2,12 @@
 #include "core/patch_beams/patch_beam_model.hpp"
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "core/localization/laser_columns.hpp"
 #include "core/localization/object_pool.hpp"
+#include "core/localization/unjudged_beams.hpp"
 #include "core/patch_beams/beam_ends.hpp"
 #include "core/patch_beams/beam_mixing.hpp"
 #include "core/patch_beams/belief_learning.hpp"
@@ -141,6 +143,18 @@ localization::InlierShares PatchBeamModel::inlier_shares_given(
   return explain_beams(*prepared, caster_, states_,
                        map_from_robot * prepared->beams.robot_from_laser,
                        states_.submap_of(map_from_robot.translation()), believed->row, *memory);
+}
+
+void PatchBeamModel::find_unjudged(const Scan& scan, const Pose2& map_from_robot,
+                                   std::vector<std::uint8_t>& is_unjudged) const {
+  const Pose2 laser = map_from_robot * scan.robot_from_laser;
+  std::vector<RayEvent> events;
+  const auto expected_m = [&](const Eigen::Vector2d& direction, double limit_m) {
+    caster_.events(laser.x, laser.y, direction.x(), direction.y(), limit_m, -1, events);
+    return events.empty() ? std::numeric_limits<double>::infinity() : events.front().range_m;
+  };
+  localization::mark_unjudged(caster_, scan, laser, mixture_.tolerance_m(), expected_m,
+                              is_unjudged);
 }
 
 }  // namespace strata::patch_beams

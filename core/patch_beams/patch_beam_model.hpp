@@ -50,6 +50,9 @@ class PatchBeamModel final : public localization::SensorModel {
   [[nodiscard]] localization::InlierShares inlier_shares_given(
       const std::vector<localization::SubmapBelief>& posterior, const Scan& scan,
       const Pose2& map_from_robot, const localization::ParticleSet& particles) const override;
+  /// The nearest obstacle of any configuration counts.
+  void find_unjudged(const Scan& scan, const Pose2& map_from_robot,
+                     std::vector<std::uint8_t>& is_unjudged) const override;
   [[nodiscard]] const localization::PatchStates* patch_states() const override { return &states_; }
 
  private:
