@@ -6,6 +6,7 @@
 ///     SITE/versions/HASH/version.json
 ///     SITE/active                a link to versions/HASH/maps
 ///     SITE/recordings/N_NAME/    log/NAME, truth/NAME: what the gate replays
+///     SITE/zones.geojson         what people drew over the maps: Zones
 ///
 /// Every step is one rename, synced: a kill or a power cut leaves what was before or what is to be.
 /// Several programs may work on a site; those that change it wait for each other. One thread at a
@@ -23,6 +24,7 @@
 #include "components/log/disk.hpp"
 #include "components/site/decisions.hpp"
 #include "components/site/map_version.hpp"
+#include "components/site/zones.hpp"
 
 namespace strata::site {
 
@@ -105,6 +107,15 @@ class Site {
   std::vector<KeptRecording> keep(const std::filesystem::path& log,
                                   const std::filesystem::path& truth, std::uint64_t max_bytes,
                                   const Actor& actor);
+
+  [[nodiscard]] std::filesystem::path zones_file() const { return folder_ / kZonesFile; }
+  /// None where there is no such file. Throws InputError for a damaged one.
+  [[nodiscard]] Zones zones() const;
+  /// Has the zones changed by `change` while nobody else changes the site, and writes them whole.
+  /// With `replaces` it is given none, whatever is there, be it damaged. what: for the diary. What
+  /// `change` throws leaves the file as it is; throws InputError and OutputError.
+  Zones change_zones(const std::function<void(Zones&)>& change, const Actor& actor,
+                     const std::string& what, bool replaces = false);
 
   struct Rubbish {
     std::size_t keep_retired = 5;  ///< so many of those that were active last stay

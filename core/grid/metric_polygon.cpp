@@ -95,9 +95,11 @@ CellRect cells_around(const MetricPolygon& polygon, double resolution_m) {
     low = low.cwiseMin(corner);
     high = high.cwiseMax(corner);
   }
-  const Cell first = cell_at(low, resolution_m);
-  const Cell last = cell_at(high, resolution_m);
-  return {first, {last.x + 1, last.y + 1}};
+  constexpr double kRounding = 1e-6;  // of a cell
+  const Eigen::Vector2d first = low / resolution_m - Eigen::Vector2d::Constant(0.5 + kRounding);
+  const Eigen::Vector2d last = high / resolution_m - Eigen::Vector2d::Constant(0.5 - kRounding);
+  return {{static_cast<int>(std::ceil(first.x())), static_cast<int>(std::ceil(first.y()))},
+          {static_cast<int>(std::floor(last.x())) + 1, static_cast<int>(std::floor(last.y())) + 1}};
 }
 
 Grid<std::uint8_t> cells_in(const MetricPolygon& polygon, double resolution_m,

@@ -30,7 +30,7 @@ struct MetricPolygon {
 /// Whether a point lies in it; one on a border may lie on either side. O(corners).
 [[nodiscard]] bool contains(const MetricPolygon& polygon, const Eigen::Vector2d& point_m);
 
-/// The cells that the polygon reaches at most.
+/// The smallest rectangle with all cells whose middle the polygon may contain.
 [[nodiscard]] CellRect cells_around(const MetricPolygon& polygon, double resolution_m);
 
 /// 1 for each cell of `rect` whose middle the polygon contains; of the part of `rect` that the

@@ -119,6 +119,33 @@ TEST_F(SiteKilled, KeepLeavesWholeRecordings) {
       });
 }
 
+TEST_F(SiteKilled, ZonesAreThoseBeforeOrThoseAfter) {
+  const auto zone = [](const std::string& name) {
+    return parse_zones(R"({"type": "Feature", "properties": {"kind": "keepout", "name": ")" + name +
+                           R"("}, "geometry": {"type": "Polygon", "coordinates":
+                           [[[0, 0], [1, 0], [1, 1], [0, 0]]]}})",
+                       name);
+  };
+  Site site(at("hall"));
+  (void)site.change_zones([&](Zones& zones) { zones = zone("dock"); }, kAda, "set");
+  try_every_step(
+      "zones",
+      [&](Site& now) {
+        (void)now.change_zones([&](Zones& zones) { add(zones, zone("lift"), "more"); }, kAda, "");
+      },
+      [](const Site& now) {
+        const Zones zones = now.zones();
+        EXPECT_NE(zones.find("dock"), nullptr) << "what people drew is lost";
+        return zones.find("lift") != nullptr;
+      },
+      [](Site& now) {
+        (void)now.change_zones([](Zones& zones) { remove(zones, "lift", "z"); }, kAda, "");
+      });
+  for (const auto& entry : fs::directory_iterator(at("hall"))) {
+    EXPECT_EQ(entry.path().filename().string().find(".partial-"), std::string::npos) << entry;
+  }
+}
+
 TEST_F(SiteKilled, ActivateLeavesTheOneOrTheOther) {
   const Site site(at("hall"));
   const std::string a = site.find("1").version.hash;
