@@ -2,6 +2,7 @@
 /// What the actions of `strata site` share, and those that ask the gate.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,17 @@
 #include "tools/strata/verb_context.hpp"
 
 namespace strata::tools {
+
+/// Of `strata site zones`.
+struct ZoneOptions {
+  std::string action;
+  std::string file;
+  std::string name;
+  std::string kind;
+  std::optional<double> base;
+  std::optional<double> multiplier;
+  double outside_cost = 30.0;
+};
 
 struct SiteOptions {
   std::string folder;
@@ -31,6 +43,7 @@ struct SiteOptions {
   double max_mb = 2000.0;
   std::size_t recordings = 5;  ///< so many kept ones are replayed where no log is named
   std::string out;
+  ZoneOptions zone;
   bool unchecked = false;
   bool json = false;
 };

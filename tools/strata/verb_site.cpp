@@ -11,6 +11,7 @@
 #include "tools/report/plot.hpp"
 #include "tools/strata/site_actions.hpp"
 #include "tools/strata/site_text.hpp"
+#include "tools/strata/site_zones.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
 #include "tools/strata/words.hpp"
@@ -144,7 +145,7 @@ void add_note(CLI::App& action, SiteOptions& options) {
   action.add_option("--note", options.note, "why, for the diary");
 }
 
-constexpr std::array<Action, 12> kActions{{
+constexpr std::array<Action, 13> kActions{{
     {"init", "make a site", "site --id hall-3", init,
      [](CLI::App& action, SiteOptions& options) {
        action.add_option("--id", options.id, "its name, VDA 5050's mapId")->required();
@@ -226,6 +227,8 @@ constexpr std::array<Action, 12> kActions{{
        action.add_flag("--dry-run", options.rubbish.dry_run, "only say what would go");
        add_who(action, options);
      }},
+    {"zones", "what people draw over the maps: keepout, speed, preferred, and what may be learned",
+     "site list", run_zone_action, add_zone_actions},
 }};
 
 }  // namespace

@@ -114,7 +114,7 @@ TEST(Zones, KeepWhatOtherProgramsWroteAndTheOrderOfIt) {
   const std::string text =
       R"({"type": "FeatureCollection", "name": "zones", "crs": {"type": "name"}, "features": [
 {"type": "Feature", "id": 7, "properties": {"fid": 3, "name": "dock", "kind": "keepout",
-"control": null, "cost_percent": null, "cost_percent": null, "speed_m_s": null, "color": "#ff0000", "checked by": "Ada"}, "geometry":
+"control": null, "cost_percent": null, "speed_m_s": null, "color": "#ff0000", "checked by": "Ada"}, "geometry":
 {"type": "MultiPolygon", "coordinates": [[[[0, 0], [2, 0], [2, 2], [0, 0]]]]}}], "zoom": [1, 2]})";
   Zones zones = parse_zones(text, "z.geojson");
   const Document before = zones.document;

@@ -131,6 +131,33 @@ TEST_F(SiteVerb, TakesWhatANightLearnedWhereTheKeptRecordingsAllowIt) {
   EXPECT_EQ(ask("list")[2]["state"], "candidate") << "to be looked at";
 }
 
+/// Drawn by one person, changed by the program, written as a mask for nav2 and taken from it.
+TEST_F(SiteVerb, KeepsZonesThatGoToNav2AndBack) {
+  ASSERT_EQ(site("init", "--id hall-3").code, 0);
+  std::ofstream(at("z.geojson")) << R"({"type": "FeatureCollection", "drawn by": "Ada", "features":
+    [{"type": "Feature", "properties": {"name": "dock", "kind": "keepout", "color": "red"},
+      "geometry": {"type": "Polygon", "coordinates": [[[0,0],[2,0],[2,1],[0,1],[0,0]]]}}]})";
+  EXPECT_EQ(ask("zones", "set " + quoted(at("z.geojson"))).size(), 1U);
+  EXPECT_THAT(site("zones", "list").out, HasSubstr("dock: keepout, 2.00 m2"));
+  EXPECT_EQ(site("zones", "mask keepout --quiet --out " + quoted(at("mask"))).code, 0);
+  EXPECT_THAT(test::bytes_of(at("mask/nav2_params.yaml")), HasSubstr("type: 0"));
+  EXPECT_EQ(ask("zones", "import speed_m_s --multiplier 0.02 --name ramp " +
+                             quoted(at("mask/keepout.yaml")))[1]["speed_m_s"],
+            2.0);
+  EXPECT_EQ(ask("zones", "remove dock --by grace").size(), 1U);
+  EXPECT_EQ(ask("status")["diary"].back()["by"], "grace");
+  EXPECT_EQ(ask("zones", "import keepout " + quoted(at("mask/keepout.yaml")))[1]["area_m2"], 2.0);
+  EXPECT_EQ(site("zones", "export " + quoted(at("out.geojson"))).code, 0);
+  EXPECT_THAT(test::bytes_of(at("out.geojson")), HasSubstr(R"("drawn by": "Ada")"));
+  EXPECT_EQ(site("zones", "draw " + quoted(at("zones.png"))).code, 0);
+  EXPECT_GT(fs::file_size(at("zones.png")), 100U);
+  const Outcome twice = site("zones", "add " + quoted(at("out.geojson")));
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_THAT(twice.out, HasSubstr("feature 1: properties.name: is \"ramp\""));
+  EXPECT_EQ(site("zones", "mask sped --out " + quoted(at("no"))).code, 2);
+  EXPECT_FALSE(fs::exists(at("no")));
+}
+
 TEST_F(SiteVerb, OutlivesKillsAtAnyMoment) {
   ASSERT_EQ(site("init", "--id hall-3").code, 0);
   const std::string a = approved("a");
