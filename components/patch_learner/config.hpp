@@ -73,12 +73,18 @@ struct OnlineLearningConfig {
 struct PatchLearnerComponentConfig {
   patch::PatchLearnerConfig patch;
   OnlineLearningConfig online;
+  std::string zones;
   std::string map_frame = "map";
   int learn_every_scans = 0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("patch", c.patch, "sub-maps and their configurations");
     v.group("online", c.online, "learning while the robot works");
+    v.field(
+        "zones", c.zones,
+        {.doc = "a site, or a GeoJSON file, whose zones of kind learn are obeyed: where nothing "
+                "is learned, and where nothing changes; read when it is configured; empty: "
+                "none"});
     v.field("map_frame", c.map_frame, runtime::kMapFrame);
     v.field("learn_every_scans", c.learn_every_scans,
             {.doc = "live and not online: learn anew from all scans after so many; 0: never. Takes "

@@ -14,7 +14,9 @@
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/runtime/share_of_time.hpp"
+#include "core/grid/blind_beams.hpp"
 #include "core/grid/shared_walls.hpp"
+#include "core/patch/without_change.hpp"
 
 namespace strata::patch_learner {
 namespace {
@@ -37,6 +39,7 @@ void PatchLearner::on_configure() {
   config_ = read_parameters<PatchLearnerComponentConfig>();
   keep_live(config_, {"learn_every_scans"});
   learner_.emplace(config_.patch, context().threads);
+  zones_ = config_.zones.empty() ? site::no_zones() : site::zones_at(config_.zones);
   publish_map_ = advertise<strata_msgs::msg::PatchMap>("patch_map", "latched");
   const OnlineLearningConfig& online = config_.online;
   is_online_ = online.enabled && (!lockstep() || !online.maps.empty());
@@ -57,6 +60,7 @@ void PatchLearner::on_configure() {
 void PatchLearner::on_base(ReflectionGrid filtered) {
   const bool is_new = !filtered_ || !is_same(*filtered_, filtered);
   filtered_ = std::move(filtered);
+  if (is_new) limits_ = site::learn_limits(zones_, filtered_->resolution_m());
   if (!is_online_ || !is_new) return;
   if (online_) {
     online_->set_base(*filtered_);
@@ -145,11 +149,13 @@ void PatchLearner::on_scan(const strata_msgs::msg::LabeledScan& message) {
     learn_online(std::move(scan));
     return;
   }
+  if (filtered_) (void)blind_beams(scan, limits_.never);
   learner_->add(std::move(scan));
   const auto every = static_cast<std::size_t>(config_.learn_every_scans);
   if (lockstep() || every == 0 || learner_->size() % every != 0 || !filtered_) return;
-  publish_map_(convert::to_message(learner_->finish(*filtered_, context().progress),
-                                   convert::from_message(message.scan().header().stamp()),
+  patch::PatchMap map = learner_->finish(*filtered_, context().progress);
+  patch::keep_static(map, limits_.static_only);
+  publish_map_(convert::to_message(map, convert::from_message(message.scan().header().stamp()),
                                    config_.map_frame));
 }
 
@@ -161,6 +167,7 @@ void PatchLearner::learn_online(PosedScan scan) {
     ++scans_without_map_;
     return;
   }
+  (void)blind_beams(scan, limits_.never);
   newest_ = scan.scan.stamp;
   scan.run += first_run_;
   if (store_) {
@@ -178,7 +185,8 @@ void PatchLearner::publish_if_due() {
   if (published_ && std::abs((newest_ - *published_).seconds()) < config_.online.publish_every_s) {
     return;
   }
-  const patch::PatchMap map = online_->map();
+  patch::PatchMap map = online_->map();
+  patch::keep_static(map, limits_.static_only);
   count_areas(map);
   publish_map_(convert::to_message(map, newest_, config_.map_frame));
   published_ = newest_;
@@ -222,8 +230,9 @@ void PatchLearner::on_finish(const std::filesystem::path& out_dir) {
     throw InputError(full_name(), "no filtered map came",
                      "add a strata::ScanMatcher before it to the composition");
   }
-  const patch::PatchMap map =
+  patch::PatchMap map =
       online_ ? online_->finish() : learner_->finish(*filtered_, context().progress);
+  patch::keep_static(map, limits_.static_only);
   publish_map_(convert::to_message(map, Stamp(), config_.map_frame));
   maps::write_patch_map(out_dir, map);
 }

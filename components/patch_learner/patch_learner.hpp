@@ -15,6 +15,7 @@
 #include "components/patch_learner/relearner.hpp"
 #include "components/runtime/component.hpp"
 #include "components/runtime/pose_watch.hpp"
+#include "components/site/learn_limits.hpp"
 #include "core/patch/online_learner.hpp"
 #include "core/patch/patch_learner.hpp"
 
@@ -61,6 +62,8 @@ class PatchLearner final : public runtime::Component {
   void publish_if_due();
   void count_areas(const patch::PatchMap& map);
 
+  site::Zones zones_;         ///< as they were when it was configured
+  site::LearnLimits limits_;  ///< of these on the map's cells
   PatchLearnerComponentConfig config_;
   std::optional<patch::PatchLearner> learner_;
   std::optional<ReflectionGrid> filtered_;

@@ -2,6 +2,9 @@
 #include "tools/pipeline/learn.hpp"
 
 #include "core/patch/patch_learner.hpp"
+#include "core/patch/without_change.hpp"
+#include "tools/pipeline/keep_base.hpp"
+#include "tools/pipeline/learn_within.hpp"
 
 namespace strata::pipeline {
 
@@ -9,6 +12,15 @@ LearnResult learn(const std::vector<Observation>& observations,
                   const std::vector<std::optional<Pose2>>& given_poses,
                   const maps::LearnConfig& config, const LearnParts& parts, std::uint64_t seed,
                   int threads, Progress* progress, maps::EarlierRuns* earlier) {
+  return learn_within({}, observations, given_poses, config, parts, seed, threads, progress,
+                      earlier);
+}
+
+LearnResult learn_within(const LearnWithin& limits, const std::vector<Observation>& observations,
+                         const std::vector<std::optional<Pose2>>& given_poses,
+                         const maps::LearnConfig& config, const LearnParts& parts,
+                         std::uint64_t seed, int threads, Progress* progress,
+                         maps::EarlierRuns* earlier) {
   LearnResult result;
   slam::Slam slam(config.slam, threads);
   const std::vector<PosedScan> none;
@@ -23,11 +35,13 @@ LearnResult learn(const std::vector<Observation>& observations,
     report_progress(progress, "match scans", i + 1, observations.size());
   }
   result.slam = slam.finish(progress);
+  keep_base(limits, earlier != nullptr ? earlier->next_run : 0, result.slam);
 
   if (parts.patch) {
     patch::PatchLearner learner(config.patch, threads);
     for (const PosedScan& scan : result.slam.scans) learner.add(scan);
     result.patches = learner.finish(result.slam.filtered, progress);
+    patch::keep_static(result.patches, limits.static_only);
   }
 
   if (parts.timescale) {

@@ -16,10 +16,12 @@
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/summary.hpp"
 #include "components/settings/settings.hpp"
+#include "components/site/learn_limits.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/learn.hpp"
 #include "tools/pipeline/learn_pictures.hpp"
+#include "tools/pipeline/learn_within.hpp"
 #include "tools/pipeline/truth_frame.hpp"
 #include "tools/report/drawings.hpp"
 #include "tools/report/plot.hpp"
@@ -38,6 +40,7 @@ struct Options {
   pipeline::RunsInput input;
   std::string out;
   std::string update;
+  std::string zones;
   std::vector<std::string> only;
   bool pictures = false;
 };
@@ -111,6 +114,16 @@ void wait_for_others(const std::string& folder, VerbContext& context,
   });
 }
 
+/// What the zones that are named keep learning from.
+pipeline::LearnWithin limits_of(const Options& options, const maps::LearnConfig& config) {
+  if (options.zones.empty()) return {};
+  site::LearnLimits limits =
+      site::learn_limits(site::zones_at(options.zones), config.slam.beam_filter.resolution_m);
+  pipeline::LearnWithin within{std::move(limits.never), std::move(limits.static_only), {}};
+  if (!options.update.empty()) within.before = pipeline::read_base(options.update);
+  return within;
+}
+
 std::string joined(const std::vector<std::string>& texts) {
   std::string all;
   for (const std::string& text : texts) all += (all.empty() ? "" : " ") + text;
@@ -148,15 +161,16 @@ void run_learn(const Options& options, VerbContext& context) {
   // Told before the work: what cannot be written, or must not be replaced.
   ResultDirectory out(options.out, "maps", context);
   if (!options.update.empty()) earlier = maps::read_earlier_runs(options.update);
+  const pipeline::LearnWithin limits = limits_of(options, config);
   const int first_run = earlier ? earlier->next_run : 0;
   const std::size_t earlier_runs = earlier ? runs_in(options.update) : 0;
   require_no_more_runs(options.out, earlier_runs + options.input.logs.size(), context);
   const pipeline::Runs runs =
       pipeline::read_runs(with_config(options.input, log_config), context.progress(), first_run);
   note_reports(context, runs);
-  const pipeline::LearnResult result =
-      pipeline::learn(runs.observations, runs.poses, config, parts, context.options.seed,
-                      context.options.threads, context.progress(), earlier ? &*earlier : nullptr);
+  const pipeline::LearnResult result = pipeline::learn_within(
+      limits, runs.observations, runs.poses, config, parts, context.options.seed,
+      context.options.threads, context.progress(), earlier ? &*earlier : nullptr);
   for (const std::string& warning : result.slam.warnings) context.note("warning: " + warning);
   for (const int run : result.slam.unplaced_runs) {
     context.note("run " + std::to_string(run) + " could not be placed in the map of the first: " +
@@ -206,6 +220,9 @@ void add_learn(CLI::App& app, VerbContext& context) {
   add_force(*verb, context);
   verb->add_option("--update", options->update,
                    "folder of maps learned before: go on from them; their runs come first");
+  verb->add_option("--zones", options->zones,
+                   "site, or GeoJSON file, whose zones of kind learn say where nothing is learned "
+                   "(what was known stays), or nothing that changes");
   verb->add_option("--only", options->only, "em, patch, timescale (comma separated)")
       ->delimiter(',');
   verb->add_flag("--pictures", options->pictures,

@@ -61,7 +61,7 @@ const Hall& hall() {
   return *made;
 }
 
-runtime::Composition composition() {
+runtime::Composition composition(const std::string& zones = "") {
   const std::string maps = hall().maps.path().string();
   const Pose2& start = hall().truth.front();
   std::ostringstream text;
@@ -73,7 +73,7 @@ runtime::Composition composition() {
       << start.x << ", " << start.y << ", " << start.theta << "]}, "
       << "localizer: {particles: 500}}}, {type: strata::PatchLearner, name: patch_learner, "
       << "parameters: {online: {enabled: true, maps: '" << maps
-      << "', scan_topic: located_scan, publish_every_s: 2}}}]}]}";
+      << "', scan_topic: located_scan, publish_every_s: 2}, zones: '" << zones << "'}}]}]}";
   return runtime::read_composition(settings::parse_yaml(text.str(), "test"), "test");
 }
 
@@ -121,9 +121,9 @@ struct Outcome {
   std::vector<patch::PatchMap> maps;  ///< published before the end
 };
 
-Outcome replay(const fs::path& out, int threads) {
-  test::LockstepReplay replay(composition(), {localizer::register_component, register_component},
-                              kSeed, threads);
+Outcome replay(const fs::path& out, int threads, const std::string& zones = "") {
+  test::LockstepReplay replay(composition(zones),
+                              {localizer::register_component, register_component}, kSeed, threads);
   Listener listener(replay.participant);
   replay.coordinator().expect_reader("/patch_map");
   replay.coordinator().expect_reader("/localization_health");
@@ -221,6 +221,31 @@ TEST(OnlineLearning, OpenedDoorsBecomeConfigurationsAndTheRobotStaysLocalized) {
     const std::string expected = test::bytes_of(one.path() / file);
     EXPECT_FALSE(expected.empty()) << file;
     EXPECT_EQ(test::bytes_of(two.path() / file), expected) << file;
+  }
+}
+
+/// The west door lies where nothing is to be learned, the middle one where nothing is to change.
+TEST(OnlineLearning, LearnsNothingOfDoorsInZonesThatForbidIt) {
+  const test::TemporaryDirectory folder;
+  const fs::path zones = folder.path() / "zones.geojson";
+  std::ofstream(zones) << R"({"type": "FeatureCollection", "features": [
+    {"type": "Feature", "properties": {"name": "a", "kind": "learn", "control": "never_learn"},
+     "geometry": {"type": "Polygon",
+                  "coordinates": [[[2.2, 1.9], [3.9, 1.9], [3.9, 4.1], [2.2, 4.1], [2.2, 1.9]]]}},
+    {"type": "Feature", "properties": {"name": "b", "kind": "learn", "control": "static_only"},
+     "geometry": {"type": "Polygon",
+                  "coordinates": [[[8.2, 1.9], [9.9, 1.9], [9.9, 4.1], [8.2, 4.1], [8.2, 1.9]]]}}
+  ]})";
+  const Outcome outcome = replay(folder.path() / "out", 2, zones.string());
+  EXPECT_EQ(outcome.lost, 0U);
+  const patch::PatchMap end = *maps::read_maps(folder.path() / "out").patches;
+  ASSERT_EQ(end.submaps.size(), 1U) << "with both of the others there are three";
+  EXPECT_TRUE(end.submaps[0].rect.contains(cell_at({kDoorsX[2], 3.0}, 0.05)));
+  for (const patch::PatchMap& map : outcome.maps) {
+    for (const patch::Submap& submap : map.submaps) {
+      EXPECT_FALSE(submap.rect.contains(cell_at({kDoorsX[0], 3.0}, 0.05)));
+      EXPECT_FALSE(submap.rect.contains(cell_at({kDoorsX[1], 3.0}, 0.05)));
+    }
   }
 }
 

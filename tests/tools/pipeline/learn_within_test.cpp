@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Doors within zones in which nothing is learned, or nothing changes.
+#include "tools/pipeline/learn_within.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "components/maps/earlier_runs.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/tools/simulate/two_days.hpp"
+
+namespace strata::pipeline {
+namespace {
+
+constexpr std::uint64_t kSeed = 7;
+constexpr double kCell_m = 0.05;
+/// With the whole way of the leaf; the doors of three_doors.yaml.
+const CellRect kWest{{44, 38}, {78, 82}};
+const CellRect kMiddle{{164, 38}, {198, 82}};
+const CellRect kEast{{284, 38}, {318, 82}};
+
+Grid<std::uint8_t> ones(const CellRect& rect) {
+  Grid<std::uint8_t> cells(kCell_m, rect, 0);
+  std::fill(cells.values().begin(), cells.values().end(), std::uint8_t{1});
+  return cells;
+}
+
+/// A hall with three doors: closed on the day that the maps were learned on, open on the next.
+struct Days {
+  Days() : days(test::two_days(STRATA_SCENARIO_DIR "/three_doors.yaml", 101)) {
+    const LearnResult first = learn(days.first, days.first_poses, {}, {}, kSeed, 2, nullptr);
+    maps::write_grid_maps(folder.path(), first.slam);
+    maps::write_timescale(folder.path(), *first.timescale);
+    maps::write_summary(folder.path(), "monday", {});
+    for (Observation& observation : days.second) observation.run = 1;
+    poses.assign(days.second_poses.begin(), days.second_poses.end());
+  }
+  [[nodiscard]] LearnResult update(const LearnWithin& limits, int threads = 2) const {
+    maps::EarlierRuns earlier = maps::read_earlier_runs(folder.path());
+    return learn_within(limits, days.second, poses, {}, {}, kSeed, threads, nullptr, &earlier);
+  }
+  test::TwoDays days;
+  std::vector<std::optional<Pose2>> poses;
+  test::TemporaryDirectory folder;
+};
+
+const Days& days() {
+  static const Days made;
+  return made;
+}
+
+bool has_change_in(const patch::PatchMap& map, const CellRect& rect) {
+  return std::any_of(map.submaps.begin(), map.submaps.end(), [&](const patch::Submap& submap) {
+    for (int y = rect.min.y; y < rect.max.y; ++y) {
+      for (int x = rect.min.x; x < rect.max.x; ++x) {
+        if (submap.contradictory.get({x, y}) != 0) return true;
+      }
+    }
+    return false;
+  });
+}
+
+std::size_t different_cells(const ReflectionGrid& a, const ReflectionGrid& b,
+                            const CellRect& rect) {
+  std::size_t count = 0;
+  for (int y = rect.min.y; y < rect.max.y; ++y) {
+    for (int x = rect.min.x; x < rect.max.x; ++x) {
+      const float one = a.get({x, y});
+      const float other = b.get({x, y});
+      count += std::memcmp(&one, &other, sizeof one) != 0 ? 1U : 0U;
+    }
+  }
+  return count;
+}
+
+/// In steps of 1 cm, as nobody else does it.
+bool touches(const PosedScan& scan, std::size_t beam, const CellRect& rect) {
+  const Pose2 laser = scan.map_from_laser();
+  const double bearing = laser.theta + scan.scan.bearing_rad(beam);
+  for (double r = 0.0; r < static_cast<double>(scan.scan.ranges_m[beam]); r += 0.01) {
+    const Eigen::Vector2d at{laser.x + r * std::cos(bearing), laser.y + r * std::sin(bearing)};
+    if (rect.contains(cell_at(at, kCell_m))) return true;
+  }
+  return false;
+}
+
+TEST(LearnWithin, IsLearnWhereNoCellIsNamed) {
+  maps::EarlierRuns earlier = maps::read_earlier_runs(days().folder.path());
+  const LearnResult plain =
+      learn(days().days.second, days().poses, {}, {}, kSeed, 2, nullptr, &earlier);
+  const LearnResult within = days().update({}, 1);
+  EXPECT_EQ(plain.patches.submaps.size(), within.patches.submaps.size());
+  EXPECT_EQ(plain.timescale->state(), within.timescale->state());
+  for (const CellRect& door : {kWest, kMiddle, kEast}) {
+    EXPECT_TRUE(has_change_in(within.patches, door)) << "or nothing below says anything";
+    EXPECT_EQ(different_cells(plain.slam.filtered, within.slam.filtered, door), 0U);
+  }
+}
+
+TEST(LearnWithin, LeavesWhatWasKnownWhereNothingIsToBeLearned) {
+  const BaseBefore before = read_base(days().folder.path());
+  const LearnResult after = days().update({ones(kWest), {}, before});
+  EXPECT_FALSE(has_change_in(after.patches, kWest));
+  EXPECT_TRUE(has_change_in(after.patches, kEast));
+  EXPECT_EQ(different_cells(before.filtered, after.slam.filtered, kWest), 0U);
+  EXPECT_EQ(different_cells(before.occupancy, after.slam.occupancy, kWest), 0U);
+  EXPECT_EQ(different_cells(before.filtered, after.patches.base, kWest), 0U);
+  EXPECT_GT(different_cells(before.filtered, after.slam.filtered, kEast), 100U);
+  for (int y = kWest.min.y; y < kWest.max.y; ++y) {
+    for (int x = kWest.min.x; x < kWest.max.x; ++x) {
+      const CellCounts& counts = after.slam.raw.cells().get({x, y});
+      ASSERT_EQ(counts.hits, before.counts.get({x, y}).hits);
+      ASSERT_EQ(counts.misses, before.counts.get({x, y}).misses);
+    }
+  }
+  for (const SurfaceCell& surface : after.slam.surfaces.cells) {
+    if (!kWest.contains({surface.x, surface.y})) continue;
+    EXPECT_NE(std::find(before.surfaces.cells.begin(), before.surfaces.cells.end(), surface),
+              before.surfaces.cells.end());
+  }
+}
+
+TEST(LearnWithin, ShowsTheMemoryAndLaterUpdatesNoBeamThatSawThere) {
+  const LearnResult after = days().update({ones(kWest), {}, read_base(days().folder.path())});
+  maps::EarlierRuns earlier = maps::read_earlier_runs(days().folder.path());
+  std::size_t blinded = 0;
+  std::size_t second = 0;
+  for (const PosedScan& scan : after.slam.scans) {
+    if (scan.run == 0) continue;
+    const std::vector<float>& measured = days().days.second[second++].scan.ranges_m;
+    for (std::size_t i = 0; i < scan.scan.size(); ++i) {
+      const bool is_taken = std::isnan(scan.scan.ranges_m[i]) && !std::isnan(measured[i]);
+      blinded += is_taken ? 1U : 0U;
+      if (!std::isfinite(scan.scan.ranges_m[i])) continue;
+      ASSERT_FALSE(touches(scan, i, kWest)) << second << ", beam " << i;
+    }
+    earlier.timescale->observe(scan);
+  }
+  EXPECT_GT(blinded, 1000U);
+  EXPECT_LT(blinded, second * 90) << "most beams are elsewhere";
+  earlier.timescale->close_day();
+  EXPECT_EQ(after.timescale->state(), earlier.timescale->state());
+}
+
+TEST(LearnWithin, LearnsTheMapButNoChangeWhereOnlyWhatIsStaticCounts) {
+  const BaseBefore before = read_base(days().folder.path());
+  const LearnResult after = days().update({{}, ones(kMiddle), before});
+  EXPECT_FALSE(has_change_in(after.patches, kMiddle));
+  EXPECT_TRUE(has_change_in(after.patches, kWest));
+  EXPECT_TRUE(has_change_in(after.patches, kEast));
+  EXPECT_GT(different_cells(before.filtered, after.slam.filtered, kMiddle), 100U);
+  for (std::size_t s = 0; s < after.patches.submaps.size(); ++s) {
+    const patch::Submap& submap = after.patches.submaps[s];
+    EXPECT_EQ(submap.id, static_cast<int>(s));
+    for (const patch::Configuration& one : submap.configurations) {
+      EXPECT_EQ(
+          different_cells(one.reflection, after.patches.base, kMiddle.intersected(submap.rect)),
+          0U);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace strata::pipeline
