@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "components/convert/geometry_messages.hpp"
-
 namespace strata::localizer {
 namespace {
 
@@ -47,17 +45,10 @@ ReflectionGrid mask_of(const Grid<float>& change, const ReflectionGrid& occupied
   return mask;
 }
 
-nav2_msgs::msg::CostmapFilterInfo filter_info(const ChangeMaskConfig& config,
-                                              const std::string& mask_topic, Stamp stamp,
-                                              const std::string& frame) {
-  const bool is_penalty = config.kind == ChangeMaskKind::kPenalty;
-  nav2_msgs::msg::CostmapFilterInfo info;
-  info.header(convert::make_header(stamp, frame));
-  info.type(is_penalty ? kKeepout : kSpeedLimitInPercent);
-  info.filter_mask_topic(mask_topic);
-  info.base(is_penalty ? 0.0F : static_cast<float>(kPercent));
-  info.multiplier(is_penalty ? 1.0F : static_cast<float>((config.min_speed - kPercent) / kPercent));
-  return info;
+site::FilterMeaning meaning_of(const ChangeMaskConfig& config) {
+  if (config.kind == ChangeMaskKind::kPenalty) return {kKeepout, 0.0F, 1.0F};
+  return {kSpeedLimitInPercent, static_cast<float>(kPercent),
+          static_cast<float>((config.min_speed - kPercent) / kPercent)};
 }
 
 }  // namespace strata::localizer

@@ -3,13 +3,11 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
-#include "components/bus/message_types.hpp"
 #include "components/localizer/current_map_config.hpp"
 #include "components/maps/map_models.hpp"
-#include "core/base/time.hpp"
+#include "components/site/zone_masks.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/localization/particle_set.hpp"
 #include "core/localization/patch_states.hpp"
@@ -35,8 +33,6 @@ namespace strata::localizer {
 
 /// What the mask's percent mean: KeepoutFilter wants base 0 and multiplier 1; to SpeedFilter value
 /// v is a limit of base + multiplier v percent, of which 100 makes min_speed. Not for kOff.
-[[nodiscard]] nav2_msgs::msg::CostmapFilterInfo filter_info(const ChangeMaskConfig& config,
-                                                            const std::string& mask_topic,
-                                                            Stamp stamp, const std::string& frame);
+[[nodiscard]] site::FilterMeaning meaning_of(const ChangeMaskConfig& config);
 
 }  // namespace strata::localizer

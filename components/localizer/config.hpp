@@ -9,6 +9,7 @@
 
 #include "components/localizer/current_map_config.hpp"
 #include "components/localizer/place_store.hpp"
+#include "components/localizer/zone_topics.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/runtime/common_settings.hpp"
 #include "components/runtime/sensor_input.hpp"
@@ -137,6 +138,7 @@ struct LocalizerComponentConfig {
   std::string state_qos = "latched";
   std::string out_subfolder;
   bool site_changes = true;
+  ZoneTopicsConfig zones;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field(
@@ -232,6 +234,7 @@ struct LocalizerComponentConfig {
     v.field("site_changes", c.site_changes,
             {.doc = "maps of a site: ~/approve_version, ~/activate_version and ~/roll_back decide "
                     "on its versions; else they are refused, and the site is only told of"});
+    v.group("zones", c.zones, "maps of a site: its zones, for nav2's costmap filters");
   }
 };
 

@@ -180,7 +180,7 @@ void Localizer::on_diagnose(runtime::Health& health) const {
   if (waits_for_odometry_) health.warn("waits for odometry, to go on from its store");
   health.add("maps", config_.maps.empty() ? std::string("topics") : config_.maps);
   health.add("maps taken", maps_taken_);
-  if (config_.change_mask.kind != ChangeMaskKind::kOff && !publish_mask_) {
+  if (config_.change_mask.kind != ChangeMaskKind::kOff && !change_mask_) {
     health.add("change mask", "none: the model " + config_.model + " has no sub-maps");
   }
   if (identity_) {
@@ -189,6 +189,7 @@ void Localizer::on_diagnose(runtime::Health& health) const {
     health.add("mapHash", identity_->hash);
   }
   if (!refused_maps_.empty()) health.warn(refused_maps_);
+  if (zone_topics_ && !zone_topics_->fault().empty()) health.warn(zone_topics_->fault());
   if (journal_ && journal_->lacks_points()) {
     health.add("incidents", std::string("cannot be replayed: the model has learned more than "
                                         "restore_point_mb"));
@@ -230,9 +231,7 @@ void Localizer::on_cleanup() {
   refiner_.reset();
   journal_.reset();
   current_map_.reset();
-  publish_mask_ = nullptr;
-  publish_mask_info_ = nullptr;
-  is_mask_explained_ = false;
+  change_mask_.reset();
   publish_patch_map_ = nullptr;
   unsent_patch_map_.reset();
   live_maps_.reset();
@@ -250,6 +249,8 @@ void Localizer::on_cleanup() {
   record_ = {};
   particle_writer_.reset();
   site_desk_.reset();
+  zone_topics_.reset();
+  zones_fault_.clear();
 }
 
 }  // namespace strata::localizer

@@ -14,12 +14,14 @@
 #include "components/localizer/change_mask.hpp"
 #include "components/localizer/config.hpp"
 #include "components/localizer/current_map.hpp"
+#include "components/localizer/filter_mask.hpp"
 #include "components/localizer/health_report.hpp"
 #include "components/localizer/journal.hpp"
 #include "components/localizer/live_maps.hpp"
 #include "components/localizer/map_source.hpp"
 #include "components/localizer/place_store.hpp"
 #include "components/localizer/site_desk.hpp"
+#include "components/localizer/zone_topics.hpp"
 #include "components/maps/localization_files.hpp"
 #include "components/maps/map_model.hpp"
 #include "components/runtime/sensor_component.hpp"
@@ -39,10 +41,11 @@ namespace strata::localizer {
 /// has and what they believe of sub-maps that are still there; so it does when the folder is a
 /// site's and another version becomes active: then ~/site_versions tells of it, latched, and
 /// ~/list_versions, ~/approve_version, ~/activate_version, ~/roll_back and ~/version_map are
-/// answered. Sub-maps of a folder or a site's version are on ~/patch_map, latched: those that
-/// submap_states tells of. Scans with their poses go out where a learner wants them. At the end of
-/// a log trajectory.tum, refined.tum, states.csv and metrics.json, byte for byte those of `strata
-/// localize` without truth but for the cost.
+/// answered, and the site's zones go out on zones/KIND, with what they mean on
+/// zones/KIND_info, latched, and again when they change. Sub-maps of a folder or a site's version
+/// are on ~/patch_map, latched: those that submap_states tells of. Scans with their poses go out
+/// where a learner wants them. At the end of a log trajectory.tum, refined.tum, states.csv and
+/// metrics.json, byte for byte those of `strata localize` without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
@@ -69,10 +72,12 @@ class Localizer final : public runtime::SensorComponent {
   void subscribe_maps();
   void advertise_topics();
   void advertise_change_mask();
+  [[nodiscard]] FilterMask advertise_mask(const std::string& topic, const std::string& info_topic);
   void subscribe_topics();
   void offer_services();
   /// Where the maps are a site's.
   void offer_site();
+  void offer_zones();
   /// Where the maps have sub-maps.
   void offer_patch_map(const LoadedMaps& loaded);
   void make_patch_map(const LoadedMaps& loaded);
@@ -146,15 +151,14 @@ class Localizer final : public runtime::SensorComponent {
   std::function<void(const strata_msgs::msg::PatchMap&)> publish_patch_map_;
   std::optional<strata_msgs::msg::PatchMap> unsent_patch_map_;
   std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_map_;
-  /// null: not wanted, or of a model that has none
-  std::function<void(const nav_msgs::msg::OccupancyGrid&)> publish_mask_;
-  std::function<void(const nav2_msgs::msg::CostmapFilterInfo&)> publish_mask_info_;
-  bool is_mask_explained_ = false;
+  std::optional<FilterMask> change_mask_;  ///< none: not wanted, or of a model that has none
   std::function<void(const strata_msgs::msg::LocalizationHealth&)> publish_health_;
   std::function<void(const std_msgs::msg::Float64&)> publish_score_;
   std::function<void(const strata_msgs::msg::LabeledScan&)> publish_located_;  // null: not wanted
   std::shared_ptr<bus::RawWriter> particle_writer_;  // raw, to see whether somebody reads
-  std::unique_ptr<SiteDesk> site_desk_;              ///< live, where the maps are a site's
+  std::unique_ptr<ZoneTopics> zone_topics_;          ///< live, where the maps are a site's
+  std::string zones_fault_;                          ///< as it was told last
+  std::unique_ptr<SiteDesk> site_desk_;              ///< the same; it uses the zones
 };
 
 }  // namespace strata::localizer

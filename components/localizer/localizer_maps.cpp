@@ -27,6 +27,10 @@ LoadedMaps Localizer::make_maps(const std::filesystem::path& folder,
 
 void Localizer::on_tick() {
   if (site_desk_) site_desk_->look();
+  if (zone_topics_ && zones_fault_ != zone_topics_->fault()) {
+    zones_fault_ = zone_topics_->fault();
+    if (!zones_fault_.empty()) say(runtime::LogLevel::kError, zones_fault_);
+  }
   if (!map_source_) return;
   if (map_source_->look()) refused_maps_.clear();
   take_folder();
@@ -79,8 +83,13 @@ void Localizer::offer_site() {
     return;
   }
   const auto publish = advertise<strata_msgs::msg::SiteVersions>("~/site_versions", "latched");
+  offer_zones();
   if (context().dry_run) return;
   site_desk_ = std::make_unique<SiteDesk>(config_.maps, full_name(), config_.site_changes, publish);
+  if (zone_topics_) {
+    site_desk_->watch_with(
+        [topics = zone_topics_.get()](const site::Site& site) { topics->tell(site); });
+  }
   SiteDesk* desk = site_desk_.get();  // the services end before it
   offer_later<bus::srv::ListSiteVersions>(
       "~/list_versions", [desk](const auto&, auto reply) { desk->list(std::move(reply)); });
@@ -96,6 +105,15 @@ void Localizer::offer_site() {
   offer_later<bus::srv::GetSiteVersionMap>(
       "~/version_map",
       [desk](const auto& request, auto reply) { desk->map_of(request, std::move(reply)); });
+}
+
+void Localizer::offer_zones() {
+  if (config_.zones.topic.empty()) return;
+  zone_topics_ =
+      std::make_unique<ZoneTopics>(config_.zones, config_.map_frame, [this](site::MaskKind kind) {
+        const std::string topic = config_.zones.topic + "/" + site::name_of(kind);
+        return advertise_mask(topic, topic + "_info");
+      });
 }
 
 void Localizer::use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaussian>& start) {

@@ -52,8 +52,12 @@ void Localizer::advertise_change_mask() {
     return;
   }
   // Latched, whatever the QoS of others: nav2 reads no mask that is not.
-  publish_mask_ = advertise<nav_msgs::msg::OccupancyGrid>(mask.topic, "latched");
-  publish_mask_info_ = advertise<nav2_msgs::msg::CostmapFilterInfo>(mask.info_topic, "latched");
+  change_mask_ = advertise_mask(mask.topic, mask.info_topic);
+}
+
+FilterMask Localizer::advertise_mask(const std::string& topic, const std::string& info_topic) {
+  return {resolve(topic), advertise<nav_msgs::msg::OccupancyGrid>(topic, "latched"),
+          advertise<nav2_msgs::msg::CostmapFilterInfo>(info_topic, "latched")};
 }
 
 void Localizer::begin_journal() {
@@ -170,25 +174,21 @@ void Localizer::publish_current_map(Stamp stamp,
                                     const std::vector<localization::SubmapBelief>& submaps) {
   const localization::PatchStates* states = model_.sensor->patch_states();
   std::span<const float> usual;
-  if (publish_mask_ && states != nullptr) usual = states->usual(localizer_->particles());
+  if (change_mask_ && states != nullptr) usual = states->usual(localizer_->particles());
   const std::optional<ReflectionGrid> map = current_map_->news(submaps, usual, stamp);
   if (!map) return;
   publish_map_(convert::to_occupancy(*map, stamp, config_.map_frame));
-  if (publish_mask_) publish_change_mask(stamp, *map, usual);
+  if (change_mask_) publish_change_mask(stamp, *map, usual);
 }
 
 void Localizer::publish_change_mask(Stamp stamp, const ReflectionGrid& occupied,
                                     std::span<const float> usual) {
   const ChangeMaskConfig& config = config_.change_mask;
-  if (!is_mask_explained_) {
-    // Once: with each of these nav2 subscribes to its mask anew.
-    publish_mask_info_(filter_info(config, resolve(config.topic), stamp, config_.map_frame));
-    is_mask_explained_ = true;
-  }
   const auto outlook = outlook_of(*model_.sensor->patch_states(), usual, current_map_->beliefs());
   const Grid<float> change =
       current_map_->cells().change(outlook, config.horizon_s, config.reach_m);
-  publish_mask_(convert::to_occupancy(mask_of(change, occupied, config), stamp, config_.map_frame));
+  change_mask_->send(mask_of(change, occupied, config), meaning_of(config), stamp,
+                     config_.map_frame);
 }
 
 void Localizer::publish_health(Stamp stamp, const localization::LocalizationResult& result,

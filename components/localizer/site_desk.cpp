@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/map_messages.hpp"
@@ -43,6 +44,14 @@ std::int64_t unix_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
+}
+
+/// Another text for another content, as far as the file system tells.
+std::string state_of(const fs::path& file) {
+  struct stat state {};
+  if (stat(file.c_str(), &state) != 0) return "none";
+  return std::to_string(state.st_mtim.tv_sec) + "." + std::to_string(state.st_mtim.tv_nsec) + " " +
+         std::to_string(state.st_size) + " " + std::to_string(state.st_ino);
 }
 
 /// "version 3 (3f2a...)".
@@ -174,16 +183,20 @@ void SiteDesk::enqueue_change(Work<S> work, Reply<S> reply) {
 
 void SiteDesk::look() {
   std::error_code error;
-  const auto written = fs::last_write_time(folder_ / site::kSiteFile, error);
   const fs::path active = fs::read_symlink(folder_ / site::kActiveLink, error);
-  std::string now = std::to_string(written.time_since_epoch().count()) + " " + active.string();
+  std::string now = state_of(folder_ / site::kSiteFile) + " " + active.string() + " " +
+                    state_of(folder_ / site::kZonesFile);
   if (now == seen_ && !is_untold_) return;
   const std::lock_guard lock(mutex_);
   if (waiting_.size() >= kMaxWaiting) return;  // at the next look
   seen_ = std::move(now);
   is_untold_ = false;
-  waiting_.push_back(
-      {[this] { tell_(to_message(open())); }, [this](const std::string&) { is_untold_ = true; }});
+  waiting_.push_back({[this] {
+                        const site::Site site = open();
+                        tell_(to_message(site));
+                        if (watch_) watch_(site);
+                      },
+                      [this](const std::string&) { is_untold_ = true; }});
   changed_.notify_one();
 }
 

@@ -13,6 +13,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "strata_idl/strata_msgs_site.h"
 
@@ -43,8 +44,10 @@ class SiteDesk {
   SiteDesk(const SiteDesk&) = delete;
   SiteDesk& operator=(const SiteDesk&) = delete;
 
-  /// Has `tell` called when the site has changed since the last look, by whomever, and at the
-  /// first one. Two looks at files; returns at once.
+  /// Called on the desk's thread after `tell`, with the site. To be set before the first look.
+  void watch_with(std::function<void(const site::Site&)> watch) { watch_ = std::move(watch); }
+  /// Has `tell` called when the site or its zones has changed since the last look, by whomever, and
+  /// at the first one. Three looks at files; returns at once.
   void look();
   void list(Reply<bus::srv::ListSiteVersions> reply);
   /// As `strata site approve --unchecked`: the gate is not asked.
@@ -79,6 +82,7 @@ class SiteDesk {
   std::string name_;
   bool changes_;
   Tell tell_;
+  std::function<void(const site::Site&)> watch_;
   std::string seen_;                    ///< what the last look saw
   std::atomic<bool> is_untold_{false};  // what it saw could not be told: another one is due
   std::mutex mutex_;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "components/convert/map_messages.hpp"
+#include "components/localizer/filter_mask.hpp"
 #include "tests/support/nav2_costmap.hpp"
 
 namespace strata::localizer {
@@ -40,7 +41,8 @@ std::vector<std::int8_t> sent(const ChangeMaskConfig& config) {
 TEST(ChangeMask, CostsInAKeepoutFilterByTheProbabilityAndMakesNoWallsAndNoFreeCells) {
   for (const int strongest : {99, 40}) {
     const ChangeMaskConfig config{.kind = ChangeMaskKind::kPenalty, .max_penalty = strongest};
-    const auto info = filter_info(config, "/change_mask", Stamp::from_seconds(3.0), "map");
+    const auto info =
+        filter_info(meaning_of(config), "/change_mask", Stamp::from_seconds(3.0), "map");
     EXPECT_EQ(info.type(), 0);
     EXPECT_EQ(info.base(), 0.0F) << "KeepoutFilter takes no other";
     EXPECT_EQ(info.multiplier(), 1.0F);
@@ -65,7 +67,8 @@ TEST(ChangeMask, CostsInAKeepoutFilterByTheProbabilityAndMakesNoWallsAndNoFreeCe
 TEST(ChangeMask, SlowsInASpeedFilterFromNoLimitToTheLowestSpeed) {
   for (const double lowest : {30.0, 1.0, 100.0}) {
     const ChangeMaskConfig config{.kind = ChangeMaskKind::kSpeed, .min_speed = lowest};
-    const auto info = filter_info(config, "/r/change_mask", Stamp::from_seconds(3.0), "map");
+    const auto info =
+        filter_info(meaning_of(config), "/r/change_mask", Stamp::from_seconds(3.0), "map");
     EXPECT_EQ(info.type(), 1);
     EXPECT_EQ(info.filter_mask_topic(), "/r/change_mask");
     EXPECT_EQ(info.header().frame_id(), "map");

@@ -10,6 +10,7 @@
 
 #include "components/convert/map_messages.hpp"
 #include "tests/components/localizer/door_fixture.hpp"
+#include "tests/components/localizer/site_fixture.hpp"
 #include "tests/interop/cyclone/process.hpp"
 
 namespace strata::test {
@@ -17,6 +18,7 @@ namespace {
 
 class CycloneLocalization : public localizer::LiveLocalizer {};
 class CycloneCostmap : public localizer::LiveDoor {};
+class CycloneZones : public localizer::LiveSite {};
 
 TEST_F(CycloneLocalization, IsStartedAnywhereAndAtAPose) {
   const double settled_m2 = next_pose().pose().covariance()[0];
@@ -84,6 +86,37 @@ TEST_F(CycloneCostmap, GetsTheMaskOfWhatChangesAndWhatItMeansAsNav2sFiltersDo) {
   EXPECT_EQ(mask.wait_for_line("mask"), "mask " + std::to_string(sent.info().width()) + " " +
                                             std::to_string(sent.info().height()) + " " +
                                             std::to_string(above) + " " + std::to_string(greatest));
+}
+
+TEST_F(CycloneZones, AreReadByWhoComesLateAsNav2sFiltersDo) {
+  Collector<nav_msgs::msg::OccupancyGrid> masks(robot_, "/zones/speed", "latched");
+  (void)site_->change_zones(
+      [](site::Zones& zones) {
+        const MetricPolygon square{{{1.0, 1.0}, {2.0, 1.0}, {2.0, 2.0}, {1.0, 2.0}}, {}};
+        site::add(zones,
+                  site::zones_of(
+                      site::to_feature(
+                          {square}, {{"name", "ramp"}, {"kind", "speed"}, {"speed_percent", 30}}),
+                      "test"),
+                  "test");
+      },
+      localizer::kAda, "");
+  std::size_t limited = 0;
+  nav_msgs::msg::OccupancyGrid sent;
+  ASSERT_TRUE(comes_true([&] {
+    host_->tick();
+    const auto all = masks.wait_for(0);
+    if (all.empty()) return false;
+    sent = all.back();
+    limited = static_cast<std::size_t>(std::count(sent.data().begin(), sent.data().end(), 70));
+    return limited > 0;
+  }));
+  CycloneProcess info({"filter_info", "rt/zones/speed_info"});
+  EXPECT_EQ(info.wait_for_line("info"), "info 1 /zones/speed 100.000 -1.000 map");
+  CycloneProcess mask({"mask", "rt/zones/speed"});
+  EXPECT_EQ(mask.wait_for_line("mask"), "mask " + std::to_string(sent.info().width()) + " " +
+                                            std::to_string(sent.info().height()) + " " +
+                                            std::to_string(limited) + " 70");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Names, types and QoS of the topics that others rely on, as `run --check` tells them.
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "components/maps/maps_folder.hpp"
+#include "components/site/site.hpp"
 #include "tests/components/maps/learned_room.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/tools/strata/replay_fixture.hpp"
@@ -21,9 +23,16 @@ std::map<std::string, std::string> explained_topics() {
   const slam::SlamResult slam = maps::test_room::make_slam_result();
   maps::write_grid_maps(folder.path(), slam);
   maps::write_patch_map(folder.path(), maps::test_room::make_patch_map(slam));
+  const site::Actor somebody{"ada", 1};
+  const test::TemporaryDirectory beside;
+  site::Site site = site::Site::create(beside.path() / "site", "hall", "map", somebody);
+  std::ofstream(folder.path() / maps::kSummaryFile) << R"({"kind": "maps"})";
+  const std::string hash = site.add(folder.path(), somebody, "").status.version.hash;
+  site.approve(hash, somebody, "");
+  (void)site.activate(hash, somebody);
   const std::map<std::string, std::string> asked_of = {
       {"learn_and_localize", " --set localizer.change_mask.kind=penalty"},
-      {"localize", " --set localizer.maps=" + test::quoted(folder.path())}};
+      {"localize", " --set localizer.maps=" + test::quoted(site.folder())}};
   std::map<std::string, std::string> topics;
   for (const std::string name :
        {"learn_and_localize", "localize", "mapping", "topology", "volume"}) {
@@ -69,6 +78,13 @@ TEST(ContractTopics, HaveTheTypesAndTheQosThatOthersRelyOn) {
       {"writes /map_current", map + latched},
       {"writes /change_mask", map + latched},
       {"writes /change_mask_info", "nav2_msgs/msg/CostmapFilterInfo" + latched},
+      {"writes /zones/keepout", map + latched},
+      {"writes /zones/keepout_info", "nav2_msgs/msg/CostmapFilterInfo" + latched},
+      {"writes /zones/preferred", map + latched},
+      {"writes /zones/speed", map + latched},
+      {"writes /zones/speed_m_s", map + latched},
+      {"writes /zones/never_learn", map + latched},
+      {"writes /zones/static_only_info", "nav2_msgs/msg/CostmapFilterInfo" + latched},
       {"writes /amcl_pose", pose + latched},
       {"writes /particle_cloud", "nav2_msgs/msg/ParticleCloud" + sensor_data},
       {"writes /scan_static", scan + sensor_data},
