@@ -166,5 +166,22 @@ TEST(LearnWithin, LearnsTheMapButNoChangeWhereOnlyWhatIsStaticCounts) {
   }
 }
 
+TEST(LearnWithin, HoldsAPartOfAnAreaThatChangesStill) {
+  const CellRect half{kEast.min, {301, kEast.max.y}};  // to the middle of the opening
+  const CellRect rest{{301, kEast.min.y}, kEast.max};
+  const LearnResult after = days().update({{}, ones(half), read_base(days().folder.path())});
+  EXPECT_FALSE(has_change_in(after.patches, half));
+  ASSERT_TRUE(has_change_in(after.patches, rest));
+  std::size_t shared = 0;
+  for (const patch::Submap& submap : after.patches.submaps) {
+    const CellRect both = half.intersected(submap.rect);
+    shared += both.area();
+    for (const patch::Configuration& one : submap.configurations) {
+      EXPECT_EQ(different_cells(one.reflection, after.patches.base, both), 0U);
+    }
+  }
+  EXPECT_GT(shared, 20U) << "or nothing is held";
+}
+
 }  // namespace
 }  // namespace strata::pipeline
