@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/localization/unjudged_beams.hpp"
 #include "core/rays/column_math.hpp"
 
 namespace strata::maps {
@@ -235,6 +236,17 @@ localization::InlierShares TimescaleModel::inlier_shares(
   said.at_surface = said.inlier;
   said.divide_by(static_cast<double>(beams.size()));
   return said;
+}
+
+void TimescaleModel::find_unjudged(const Scan& scan, const Pose2& map_from_robot,
+                                   std::vector<std::uint8_t>& is_unjudged) const {
+  if (base_ == nullptr) return SensorModel::find_unjudged(scan, map_from_robot, is_unjudged);
+  const Pose2 laser = map_from_robot * scan.robot_from_laser;
+  const auto expected_m = [&](const Eigen::Vector2d& direction, double limit_m) {
+    return base_->range_m(laser.x, laser.y, direction.x(), direction.y(), limit_m);
+  };
+  localization::mark_unjudged(*base_, scan, laser, beam_mixture_.tolerance_m(), expected_m,
+                              is_unjudged);
 }
 
 std::unique_ptr<localization::SensorModel> TimescaleModel::for_one_run() const {

@@ -63,6 +63,9 @@ class TimescaleModel final : public localization::SensorModel {
   [[nodiscard]] localization::InlierShares inlier_shares(
       const Scan& scan, const Pose2& map_from_robot,
       const localization::ParticleSet& particles) const override;
+  /// By the base map; nothing without one.
+  void find_unjudged(const Scan& scan, const Pose2& map_from_robot,
+                     std::vector<std::uint8_t>& is_unjudged) const override;
   [[nodiscard]] std::unique_ptr<SensorModel> for_one_run() const override;
   void learn(const Observation& observation, const Pose2Gaussian& map_from_robot,
              const localization::PoseTrust& trust) override;

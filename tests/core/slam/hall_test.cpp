@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/parallel.hpp"
-#include "core/slam/local_map.hpp"
 #include "core/slam/local_map_graph.hpp"
-#include "core/slam/tracker.hpp"
+#include "core/tracking/local_map.hpp"
+#include "core/tracking/tracker.hpp"
 #include "tests/core/registration/room_world.hpp"
 
 namespace strata::slam {
