@@ -23,7 +23,7 @@ struct HealthReport {
   std::size_t particles = 0;
   bool converged = false;
   bool is_ambiguous = false;
-  std::size_t places = 0;  ///< that are still possible while it is; 0: none was found yet
+  std::size_t places = 0;      ///< that are still possible while it is; 0: none was found yet
   bool is_beyond_map = false;  ///< LocalizationResult::is_beyond_map
   std::chrono::duration<double> update_time{0.0};
 
@@ -52,8 +52,8 @@ struct HealthReport {
                                                               const std::string& frame);
 
 /// An error when lost; a warning while not localized, where the score says that the pose is wrong,
-/// beyond the map, and where it is outdated; and the figures, among them localizationScore, deviationRange [m]
-/// and localized as VDA 5050 names them.
+/// beyond the map, and where it is outdated; and the figures, among them localizationScore,
+/// deviationRange [m] and localized as VDA 5050 names them.
 void describe(const HealthReport& report, runtime::Health& health);
 
 /// VDA 5050's figures before the first scan: not localized, score 0, no range.

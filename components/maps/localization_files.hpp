@@ -37,8 +37,8 @@ struct LocalizationRecord {
   std::vector<localization::HealthState> health;  ///< one a scan
   std::vector<double> scores;                     ///< LocalizationResult::score, one a scan
   std::size_t max_particles = 0;
-  std::size_t unusable_scans = 0;   ///< so far
-  std::size_t ambiguous_scans = 0;  ///< of which several places were still possible
+  std::size_t unusable_scans = 0;    ///< so far
+  std::size_t ambiguous_scans = 0;   ///< of which several places were still possible
   std::size_t beyond_map_scans = 0;  ///< LocalizationResult::is_beyond_map
 
   /// Takes up the result of localizer.update for a scan of that stamp, and the pose that was made

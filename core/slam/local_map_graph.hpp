@@ -11,9 +11,9 @@
 #include "core/base/progress.hpp"
 #include "core/pose_graph/pose_graph.hpp"
 #include "core/slam/keep_config.hpp"
-#include "core/tracking/local_map.hpp"
 #include "core/slam/local_map_agreement.hpp"
 #include "core/slam/slam_config.hpp"
+#include "core/tracking/local_map.hpp"
 
 namespace strata::slam {
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "core/tracking/tracker.hpp"
 #include "core/topology/place_names.hpp"
+#include "core/tracking/tracker.hpp"
 
 namespace strata::topology {
 
