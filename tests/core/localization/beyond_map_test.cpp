@@ -215,6 +215,8 @@ TEST(BeyondMap, ARoomThatNobodyMappedDoesNotLoseTheRobot) {
       EXPECT_GT(outcome.beyond_scans, 60) << "seed " << seed;
       EXPECT_FALSE(outcome.is_beyond_at_the_end) << "seed " << seed;
       EXPECT_GT(outcome.max_stddev_m, 0.05) << "it is less sure there; seed " << seed;
+      EXPECT_LT(localizer.saved_state()->size(), std::size_t{200'000})
+          << "the last metres are kept beyond the map only; seed " << seed;
     }
   }
 }
@@ -240,7 +242,8 @@ TEST(BeyondMap, ARobotInItsMapIsWeighedAsEver) {
   EXPECT_EQ(a.back_error_m, b.back_error_m);
 }
 
-TEST(BeyondMap, GoesOnFromASavedStateToTheBit) {
+/// Saved after scan `cut` of a drive into the room.
+void expect_same_after(int cut) {
   const auto model = models().front();
   Localizer first(config(true), model, 5);
   Localizer second(config(true), model, 5);
@@ -249,19 +252,33 @@ TEST(BeyondMap, GoesOnFromASavedStateToTheBit) {
   for (int n = 0; n < 60; ++n) {
     drive.step({0.06, 0.0, 0.0});
     const Observation seen = drive.look(building());
-    const Pose2 expected = first.update(seen).pose.mean;
-    if (n == 35) {
-      ASSERT_TRUE(first.update(seen).is_beyond_map);
+    const LocalizationResult expected = first.update(seen);
+    if (n == cut) {
+      ASSERT_TRUE(expected.is_beyond_map);
       const auto state = first.saved_state();
       ASSERT_TRUE(state);
       second.restore(*state, "state");
-    } else if (n > 35) {
+    } else if (n > cut) {
       const Pose2 found = second.update(seen).pose.mean;
-      ASSERT_EQ(found.x, expected.x) << n;
-      ASSERT_EQ(found.theta, expected.theta) << n;
+      ASSERT_EQ(found.x, expected.pose.mean.x) << n;
+      ASSERT_EQ(found.theta, expected.pose.mean.theta) << n;
     }
   }
   EXPECT_TRUE(first.saved_state() == second.saved_state());
+}
+
+TEST(BeyondMap, GoesOnFromASavedStateToTheBit) {
+  // One of two scans is weighed.
+  for (const int cut : {35, 36}) expect_same_after(cut);
+}
+
+TEST(BeyondMap, NothingIsLeftOutWhileTheRobotMayBeAnywhere) {
+  Localizer localizer(config(true), models().front(), 5);
+  Drive drive({8.5, 5.0, 0.0}, 4);
+  localizer.initialize({drive.truth(), Eigen::Vector3d(4.0, 4.0, 0.1).asDiagonal()});
+  EXPECT_FALSE(localizer.update(drive.look(building())).is_beyond_map);
+  localizer.initialize({drive.truth(), Eigen::Vector3d(1e-3, 1e-3, 1e-3).asDiagonal()});
+  EXPECT_TRUE(localizer.update(drive.look(building())).is_beyond_map);
 }
 
 TEST(BeyondMap, NoiseIsSmallerOnlyWhereAllScansToldTheMotion) {
