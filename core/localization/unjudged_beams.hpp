@@ -62,7 +62,7 @@ void mark_unjudged(const Map& map, const Scan& scan, const Pose2& map_from_laser
     if (kind == BeamKind::kNoReturn) {
       return !is_known_here && !(expected_m(direction, kFar_m) <= kFar_m);
     }
-    const double range_m = scan.ranges_m[beam];
+    const auto range_m = static_cast<double>(scan.ranges_m[beam]);
     const double obstacle_m = expected_m(direction, range_m + tolerance_m);
     if (obstacle_m + tolerance_m < range_m) return false;
     const double way_m = std::min(obstacle_m, range_m);
