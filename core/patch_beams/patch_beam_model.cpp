@@ -94,6 +94,7 @@ struct PatchBeamModel::Lenders {
   ObjectPool<ChunkMemory> chunks;
   ObjectPool<ExplanationMemory> explanations;
   ObjectPool<Posterior> posteriors;
+  ObjectPool<std::vector<RayEvent>> events;
 };
 
 PatchBeamModel::PatchBeamModel(std::shared_ptr<const patch::PatchMap> map,
@@ -148,10 +149,10 @@ localization::InlierShares PatchBeamModel::inlier_shares_given(
 void PatchBeamModel::find_unjudged(const Scan& scan, const Pose2& map_from_robot,
                                    std::vector<std::uint8_t>& is_unjudged) const {
   const Pose2 laser = map_from_robot * scan.robot_from_laser;
-  std::vector<RayEvent> events;
+  const auto events = lenders_->events.acquire();
   const auto expected_m = [&](const Eigen::Vector2d& direction, double limit_m) {
-    caster_.events(laser.x, laser.y, direction.x(), direction.y(), limit_m, -1, events);
-    return events.empty() ? std::numeric_limits<double>::infinity() : events.front().range_m;
+    caster_.events(laser.x, laser.y, direction.x(), direction.y(), limit_m, -1, *events);
+    return events->empty() ? std::numeric_limits<double>::infinity() : events->front().range_m;
   };
   localization::mark_unjudged(caster_, scan, laser, mixture_.tolerance_m(), expected_m,
                               is_unjudged);
