@@ -70,7 +70,7 @@ Endpoints match_endpoints(const Scan& scan, double max_range_m, int max_beams,
 
 Tracker::Tracker(const TrackingConfig& config, double resolution_m, int run, const Pose2& start)
     : config_(config), resolution_m_(resolution_m), run_(run) {
-  pose_.mean = start;
+  pose_ = {start, Eigen::Matrix3d::Zero()};
   last_pose_ = start;
 }
 
