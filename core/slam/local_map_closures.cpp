@@ -18,12 +18,6 @@ namespace {
 /// What is kept of the local maps that were searched last; one alone may be larger. More would save
 /// little: along a way the same few are candidates again and again.
 constexpr std::size_t kCache_bytes = 24'000'000;
-/// Local maps whose middles lie so far apart may see the same place; in halls, where each sees
-/// farther, as far as the wider of them spreads.
-constexpr double kApartM = 4.0;
-/// The same where the poses are good and only the overlap decides: as far as both spread.
-constexpr double kApartTightM = 8.0;
-
 /// Neighbours in a run share scans: what they say of each other is in the chain already.
 constexpr std::size_t kSharedScans = 2;
 
@@ -130,9 +124,7 @@ void LocalMapGraph::search_closures(std::size_t index) {
         config_.max_window_rad, config_.floor_window_rad + config_.drift_rad_per_m * length_m);
     const Eigen::Vector2d other = graph_.pose(i) * local_maps_[i].center_m;
     const double distance_m = (other - center).norm();
-    const double apart_m =
-        std::max({kApartM, local_maps_[i].spread_m, local_maps_[index].spread_m});
-    if (distance_m > apart_m + window_m) continue;
+    if (distance_m > 4.0 + window_m) continue;
     candidates.push_back({i, distance_m, window_m, window_rad});
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
@@ -169,8 +161,7 @@ void LocalMapGraph::tighten(int rounds, Progress* progress) {
         if (shares || !located_[b] || local_maps_[b].points.empty()) continue;
         const Eigen::Vector2d apart =
             graph_.pose(a) * local_maps_[a].center_m - graph_.pose(b) * local_maps_[b].center_m;
-        const double both_m = local_maps_[a].spread_m + local_maps_[b].spread_m;
-        if (apart.norm() > std::max(kApartTightM, both_m)) continue;
+        if (apart.norm() > 8.0) continue;
         const double overlap = agreement(a, b, between(graph_.pose(a), graph_.pose(b))).overlap;
         if (overlap >= config_.min_overlap) partners.emplace_back(-overlap, b);
       }

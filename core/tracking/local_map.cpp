@@ -5,15 +5,6 @@
 
 namespace strata::slam {
 
-double LocalMap::spread_of_points_m() const {
-  if (points.empty()) return 0.0;
-  double sum_m2 = 0.0;
-  for (const registration::SurfacePoint& point : points) {
-    sum_m2 += (Eigen::Vector2d(point.x_m, point.y_m) - center_m).squaredNorm();
-  }
-  return std::sqrt(sum_m2 / static_cast<double>(points.size()));
-}
-
 LocalMap make_local_map(const SurfaceMap& map, int run, const Pose2& run_from_local_map,
                         std::size_t first_scan, std::size_t last_scan) {
   LocalMap local_map;
@@ -41,7 +32,6 @@ LocalMap make_local_map(const SurfaceMap& map, int run, const Pose2& run_from_lo
   }
   if (local_map.points.empty()) return local_map;
   local_map.center_m /= static_cast<double>(local_map.points.size());
-  local_map.spread_m = local_map.spread_of_points_m();
   local_map.states = StateGrid(resolution, rect.inflated(2), SurfaceState::kUnknown);
   for (std::size_t i = 0; i < local_map.states.size(); ++i) {
     const Eigen::Vector2d center = local_map.states.center(local_map.states.cell(i));

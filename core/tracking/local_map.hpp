@@ -26,10 +26,6 @@ struct LocalMap {
   std::vector<registration::SurfacePoint> points;
   StateGrid states;
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  ///< mean of the points
-  double spread_m = 0.0;  ///< root of the mean squared distance of the points from it
-
-  /// What `points` and `center_m` make of it. O(points).
-  [[nodiscard]] double spread_of_points_m() const;
 
   /// Whether it can be of a log of so many scans.
   [[nodiscard]] bool is_of(std::size_t scans) const {
@@ -48,7 +44,6 @@ struct LocalMap {
     archive(self.center_m);
     if constexpr (!std::is_const_v<Self>) {
       for (const auto& point : self.points) archive.check_bool(point.occupied);
-      self.spread_m = self.spread_of_points_m();
     }
   }
 };

@@ -55,15 +55,13 @@ double scan_cost(const registration::MatchResult& result, const Pose2Gaussian& p
   return result.cost - 0.5 * mahalanobis_squared(prior, result.pose);
 }
 
-/// Of so many steps, e to the power of this, one may be wrong as a whole where nothing is known of
-/// the odometry; over the doubt of it where it agreed with the matches lately. Else a row of stands
-/// that all look alike moves the robot from one to the next.
+/// Of so many steps, e to the power of this, one may be wrong as a whole.
 constexpr double kMaxSurprise = 6.0;
 
 /// How odd a pose is by odometry, whose errors have long tails: wheels spin [nats, Student's t with
-/// one degree of freedom], `most` at most.
-double surprise(const Pose2& pose, const Pose2Gaussian& guess, double most) {
-  return std::min(most, 2.0 * std::log1p(mahalanobis_squared(guess, pose)));
+/// one degree of freedom].
+double surprise(const Pose2& pose, const Pose2Gaussian& guess) {
+  return std::min(kMaxSurprise, 2.0 * std::log1p(mahalanobis_squared(guess, pose)));
 }
 
 /// The end points that are inliers of something still at the pose.
@@ -224,7 +222,6 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
   double cost = scan_cost(result, guess);
   // Beams side by side are no witnesses of their own, nor are those left of a scan in a crowd.
   const double share = std::min(1.0, config_.match.effective_beams / static_cast<double>(hits));
-  const double most = kMaxSurprise / doubt_;
   auto try_from = [&](const Pose2& start, const Pose2& believed) {
     wide.mean = believed;
     const registration::MatchResult other =
@@ -233,8 +230,7 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
     const double other_cost = scan_cost(other, wide);
     if (from == GuessFrom::kOdometry) {
       const double gain = share * (cost - other_cost);
-      const double odder = surprise(other.pose, guess, most) - surprise(result.pose, guess, most);
-      if (gain <= odder) return;
+      if (gain <= surprise(other.pose, guess) - surprise(result.pose, guess)) return;
     }
     cost = other_cost;
     result = other;
