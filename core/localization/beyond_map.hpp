@@ -19,7 +19,7 @@
 namespace strata::localization {
 
 struct BeyondMapConfig {
-  bool is_used = true;
+  bool is_used = false;
   double begin_share = 0.1;
   double coast_share = 0.5;
   double noise_share = 0.03;
@@ -27,9 +27,9 @@ struct BeyondMapConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("is_used", c.is_used,
-            {.doc = "false: beams of which the map says nothing are weighed as if nothing stood "
-                    "there, and odometry alone tells the motion",
-             .preset = {"paper-patch", "false"}});
+            {.doc = "leave out beams of which the map says nothing, and let scans tell the motion "
+                    "there; false: they are weighed as if nothing stood there, and odometry alone "
+                    "tells the motion"});
     v.field("begin_share", c.begin_share,
             {.doc = "from this share of the beams on those that the map does not judge are left "
                     "out, and scans are matched to the last metres",

@@ -51,7 +51,7 @@ TEST(PaperPresets, OfPatchMapsEnterSubMapsCountClustersKeepWhatNeverReturnsAndFo
   EXPECT_THAT(changed<patch::PatchLearnerConfig>("preset: paper-patch"),
               ElementsAre("mode: entered", "theta_mode: clusters", "min_probability: 0"));
   EXPECT_THAT(changed<localizer::LocalizerComponentConfig>("preset: paper-patch"),
-              ElementsAre("is_used: false", "is_used: false", "memory: none", "rates: fixed"));
+              ElementsAre("is_used: false", "memory: none", "rates: fixed"));
 }
 
 TEST(PaperPresets, OfTheTimescaleMemoryAreItsExperiment) {

@@ -207,7 +207,6 @@ Outcomes global_start(const std::string& scenario, std::uint64_t seed, bool is_o
   const simulate::Simulation tested = simulate::simulate(config, seed + 1000);
   LocalizerConfig localizer;
   localizer.global_search.is_used = false;  // the paper draws particles anywhere
-  localizer.beyond_map.is_used = false;
   localizer.global_start.max_particles = 20000;
   DayTask task{&tested, 1, patches.get(), {}, &maps.filtered, 0.0, 0.0};
   task.truth = true_configurations(learned, *patches, tested, 1);
@@ -254,7 +253,6 @@ std::map<std::string, TwoPhases> door_opens(const std::string& scenario, std::ui
   const std::size_t fifth = half / 5;
   LocalizerConfig localizer_config;
   localizer_config.global_search.is_used = false;
-  localizer_config.beyond_map.is_used = false;
   localizer_config.global_start.max_particles = 20000;
   std::map<std::string, TwoPhases> result;
   for (const std::string& name : models) {
