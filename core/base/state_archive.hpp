@@ -2,7 +2,8 @@
 /// Objects as bytes and back, for what a process goes on with after it was stopped: the same
 /// version on the same kind of machine. Not a format for exchange.
 ///
-/// A class with more than plain values lists them once, for both directions:
+/// A class with more than plain values, or with gaps between them, lists them once, for both
+/// directions:
 ///
 ///     template <class Self, class Archive>
 ///     static void state(Self& self, Archive& archive) { archive(self.a_); archive(self.b_); }
@@ -31,6 +32,18 @@ void state_of(T& value, Archive& archive) {
   std::remove_const_t<T>::state(value, archive);
 }
 
+/// Whether a class lists its values itself. Then they are never copied with the gaps between them,
+/// whose bytes are anybody's.
+template <typename T, typename Archive>
+concept ListsItsState = requires(T& value, Archive& archive) {
+  std::remove_const_t<T>::state(value, archive);
+};
+
+/// Copied byte by byte.
+template <typename T, typename Archive>
+inline constexpr bool is_plain_state =
+    std::is_trivially_copyable_v<T> && !ListsItsState<T, Archive>;
+
 /// Appends values to bytes.
 class StateWriter {
  public:
@@ -38,7 +51,7 @@ class StateWriter {
 
   template <typename T>
   void operator()(const T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
+    if constexpr (is_plain_state<const T, StateWriter>) {
       append(&value, sizeof value);
     } else {
       state_of(value, *this);
@@ -47,7 +60,7 @@ class StateWriter {
   template <typename T>
   void operator()(const std::vector<T>& values) {
     (*this)(static_cast<std::uint64_t>(values.size()));
-    if constexpr (std::is_trivially_copyable_v<T>) {
+    if constexpr (is_plain_state<const T, StateWriter>) {
       append(values.data(), values.size() * sizeof(T));
     } else {
       for (const T& value : values) (*this)(value);
@@ -113,7 +126,7 @@ class StateReader {
 
   template <typename T>
   void operator()(T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
+    if constexpr (is_plain_state<T, StateReader>) {
       copy(&value, sizeof value);
       check_enum(value);
     } else {
@@ -129,12 +142,17 @@ class StateReader {
   }
   template <typename T>
   void operator()(std::vector<T>& values) {
-    values.resize(length(std::is_trivially_copyable_v<T> ? sizeof(T) : 1));
-    if constexpr (std::is_trivially_copyable_v<T>) {
+    if constexpr (is_plain_state<T, StateReader>) {
+      values.resize(length(sizeof(T)));
       copy(values.data(), values.size() * sizeof(T));
       for (const T& value : values) check_enum(value);
     } else {
-      for (T& value : values) (*this)(value);
+      const std::size_t count = length(1);
+      if (values.size() > count) values.resize(count);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (i == values.size()) values.emplace_back();  // grows with what is read
+        (*this)(values[i]);
+      }
     }
   }
   void operator()(std::vector<bool>& values) {
@@ -171,12 +189,6 @@ class StateReader {
     static_assert(std::is_trivially_copyable_v<T>);
     copy(values.data(), values.size_bytes());
     for (const T& value : values) check_enum(value);
-  }
-  /// For a bool in a plain struct, which was copied as the byte that it was.
-  void check_bool(const bool& value) const {
-    std::uint8_t byte = 0;
-    std::memcpy(&byte, &value, sizeof byte);
-    if (byte > 1) fail("is damaged");
   }
   /// How many items follow, each of at least so many bytes.
   [[nodiscard]] std::size_t length(std::size_t item_bytes) {

@@ -50,16 +50,15 @@ void archive_beliefs(Beliefs& beliefs, Archive& archive) {
 
 template <class Self, class Archive>
 void Localizer::state(Self& self, Archive& archive) {
-  // By name: as plain values they would be copied with the gaps between their members.
-  HealthMonitor::state(self.monitor_, archive);
-  PlaceFinder::state(self.finder_, archive);
-  PlaceHypotheses::state(self.places_, archive);
-  StartConfirmation::state(self.confirmation_, archive);
-  PoseScore::state(self.score_, archive);
-  OdometryGate::state(self.odometry_, archive);
-  BeyondMap::state(self.beyond_, archive);
-  ScannerTurns::state(self.turns_, archive);
-  CompanionScans::state(self.companions_, archive);
+  archive(self.monitor_);
+  archive(self.finder_);
+  archive(self.places_);
+  archive(self.confirmation_);
+  archive(self.score_);
+  archive(self.odometry_);
+  archive(self.beyond_);
+  archive(self.turns_);
+  archive(self.companions_);
   archive_particles(self.particles_, archive);
   archive_beliefs(self.result_.submaps, archive);
   for (auto* flag : {&self.is_seeking_, &self.keeps_old_, &self.is_missing_, &self.is_untold_,

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -33,9 +32,17 @@ struct alignas(64) SurfacePoint {
   /// hit it in between.
   double slack_m = 0.0;
   bool occupied = true;  ///< false: once occupied, since seen free; beams there match nothing
-  std::array<std::uint8_t, 15> unused{};  ///< so that equal points have equal bytes when saved
+
+  /// For saved states.
+  template <class Self, class Archive>
+  static void state(Self& self, Archive& archive) {
+    for (auto* value :
+         {&self.x_m, &self.y_m, &self.normal_x, &self.normal_y, &self.tangential, &self.slack_m}) {
+      archive(*value);
+    }
+    archive(self.occupied);
+  }
 };
-static_assert(sizeof(SurfacePoint) == 64);
 
 /// How far `along_m` lies beyond the slack on either side; 0 within.
 [[nodiscard]] inline double beyond(double along_m, double slack_m) {
@@ -111,7 +118,6 @@ class MatchField {
     archive(self.nearest_);
     archive(self.squared_m2_);
     if constexpr (!std::is_const_v<Self>) {
-      for (const SurfacePoint& point : self.points_) archive.check_bool(point.occupied);
       if (!self.is_sound()) archive.fail("has a damaged field");
     }
   }

@@ -12,7 +12,7 @@ namespace strata::slam {
 namespace {
 
 /// Changes with the fields of the classes saved: bytes of another version are refused.
-constexpr std::uint64_t kVersion = 0x53'53'4c'4d'0000'0004;
+constexpr std::uint64_t kVersion = 0x53'53'4c'4d'0000'0005;
 
 }  // namespace
 

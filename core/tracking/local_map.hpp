@@ -42,9 +42,6 @@ struct LocalMap {
     archive(self.points);
     archive(self.states);
     archive(self.center_m);
-    if constexpr (!std::is_const_v<Self>) {
-      for (const auto& point : self.points) archive.check_bool(point.occupied);
-    }
   }
 };
 
