@@ -242,7 +242,8 @@ void TimescaleModel::find_unjudged(const Scan& scan, const Pose2& map_from_robot
                                    std::vector<std::uint8_t>& is_unjudged) const {
   if (base_ == nullptr) return SensorModel::find_unjudged(scan, map_from_robot, is_unjudged);
   const Pose2 laser = map_from_robot * scan.robot_from_laser;
-  const auto expected_m = [&](const Eigen::Vector2d& direction, double limit_m) {
+  const auto expected_m = [&](std::size_t /*beam*/, const Eigen::Vector2d& direction,
+                              double limit_m) {
     return base_->range_m(laser.x, laser.y, direction.x(), direction.y(), limit_m);
   };
   localization::mark_unjudged(*base_, scan, laser, beam_mixture_.tolerance_m(), expected_m,

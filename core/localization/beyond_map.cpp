@@ -69,7 +69,7 @@ const Scan* BeyondMap::judged(const Scan& scan, const SensorModel& model,
                               const Pose2& map_from_robot, double stddev_m) {
   if (!config_.is_used) return &scan;
   if (stddev_m > config_.max_stddev_m) {
-    unjudged_share_ = 0.0;
+    judge_nothing();
     return &scan;
   }
   model.find_unjudged(scan, map_from_robot, is_unjudged_);

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "core/base/config.hpp"
@@ -71,10 +70,16 @@ class BeyondMap {
   /// not judge from there; null: not to be weighed. Valid until the next call.
   [[nodiscard]] const Scan* judged(const Scan& scan, const SensorModel& model,
                                    const Pose2& map_from_robot, double stddev_m);
+  /// A scan is weighed whole, since nobody can say where the map ends from there.
+  void judge_nothing() { unjudged_share_ = 0.0; }
   /// The last scan that was judged was weighed in part, or not at all.
-  [[nodiscard]] bool is_beyond() const { return unjudged_share_ >= config_.begin_share; }
+  [[nodiscard]] bool is_beyond() const {
+    return config_.is_used && unjudged_share_ >= config_.begin_share;
+  }
   /// ... of which the map says nothing of coast_share of the beams.
-  [[nodiscard]] bool is_outside() const { return unjudged_share_ >= config_.coast_share; }
+  [[nodiscard]] bool is_outside() const {
+    return config_.is_used && unjudged_share_ >= config_.coast_share;
+  }
   /// Of the beams of that scan that say something, those that the map does not judge.
   [[nodiscard]] double unjudged_share() const { return unjudged_share_; }
   /// Noise of a motion that was told by scans, all of them, since the last weighed scan.
@@ -93,13 +98,7 @@ class BeyondMap {
       self.tracker_.reset();
       if (is_tracking) self.begin();
     }
-    if (is_tracking) {
-      if constexpr (Archive::kReads) {
-        slam::Tracker::state(*self.tracker_, archive);
-      } else {
-        slam::Tracker::state(std::as_const(*self.tracker_), archive);
-      }
-    }
+    if (is_tracking) archive(*self.tracker_);
     archive(self.last_);
     archive(self.scans_);
     archive(self.matched_);

@@ -147,7 +147,8 @@ InlierShares LikelihoodFieldModel::inlier_shares(const Scan& scan, const Pose2& 
 void LikelihoodFieldModel::find_unjudged(const Scan& scan, const Pose2& map_from_robot,
                                          std::vector<std::uint8_t>& is_unjudged) const {
   const Pose2 laser = map_from_robot * scan.robot_from_laser;
-  const auto expected_m = [&](const Eigen::Vector2d& direction, double limit_m) {
+  const auto expected_m = [&](std::size_t /*beam*/, const Eigen::Vector2d& direction,
+                              double limit_m) {
     return caster_->range_m(laser.x, laser.y, direction.x(), direction.y(), limit_m);
   };
   mark_unjudged(*caster_, scan, laser, 3.0 * config_.field.hit_stddev_m, expected_m, is_unjudged);

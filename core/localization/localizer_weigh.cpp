@@ -30,7 +30,7 @@ void Localizer::weigh_companions(const Observation& observation, double temperin
 }
 
 PoseTrust Localizer::trust() const {
-  return {score_.value(), is_ambiguous() || monitor_.health().is_in_doubt};
+  return {score_.value(), is_ambiguous() || monitor_.health().is_in_doubt || beyond_.is_outside()};
 }
 
 /// What the scan says of the pose that was found with it.
@@ -56,7 +56,10 @@ double Localizer::elapsed_s(const PatchStates& states, Stamp now) const {
 
 /// Several places judge differently: then all beams are weighed.
 const Scan* Localizer::judged_part(const Scan& scan) {
-  if (is_open() || annealed_updates_ < config_.global_start.annealing_updates) return &scan;
+  if (is_open() || annealed_updates_ < config_.global_start.annealing_updates) {
+    beyond_.judge_nothing();
+    return &scan;
+  }
   const Pose2Gaussian pose = estimate(particles_);
   return beyond_.judged(scan, *model_, pose.mean, position_stddev(pose));
 }

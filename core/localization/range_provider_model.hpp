@@ -90,9 +90,8 @@ class RangeProviderModel final : public SensorModel {
   void find_unjudged(const Scan& scan, const Pose2& map_from_robot,
                      std::vector<std::uint8_t>& is_unjudged) const override {
     const Pose2 laser = map_from_robot * scan.robot_from_laser;
-    const auto expected_m = [&](const Eigen::Vector2d& direction, double /*limit_m*/) {
-      return provider_->expected_range_m(laser,
-                                         std::atan2(direction.y(), direction.x()) - laser.theta);
+    const auto expected_m = [&](std::size_t beam, const Eigen::Vector2d& /*direction*/, double) {
+      return provider_->expected_range_m(laser, scan.bearing_rad(beam));
     };
     mark_unjudged(*provider_, scan, laser, mixture_.tolerance_m(), expected_m, is_unjudged);
   }

@@ -31,7 +31,7 @@ struct Weighing {
 /// How far a pose is to be believed that somebody learns from.
 struct PoseTrust {
   double score = 1.0;        ///< 0 to 1, of PoseScore
-  bool is_in_doubt = false;  ///< lost, about to be, or one of several places
+  bool is_in_doubt = false;  ///< lost, about to be, one of several places, or beyond the map
 };
 
 /// A map and how beams behave in it. Const and without hidden state, so that several localizers may

@@ -42,10 +42,10 @@ template <LimitedMap Map>
 /// nothing, and those whose way up to the first obstacle leads through such places, where another
 /// one may stand. A wall that was mapped from its other side only is seen through such a place,
 /// and lies a wall's thickness further away than it seems. A beam that goes through an obstacle of
-/// the map is judged: the pose, or the map, is wrong. expected_m(direction, limit_m): metres to the
-/// first obstacle of the map from the laser, anything above limit_m when there is none before.
-/// tolerance_m: within it a beam ends at what it was expected to end at. O(beams x cells on their
-/// way).
+/// the map is judged: the pose, or the map, is wrong. expected_m(beam, direction, limit_m): metres
+/// to the first obstacle of the map from the laser, anything above limit_m when there is none
+/// before; direction in the map frame. tolerance_m: within it a beam ends at what it was expected
+/// to end at. O(beams x cells on their way).
 template <LimitedMap Map, typename Expected>
 void mark_unjudged(const Map& map, const Scan& scan, const Pose2& map_from_laser,
                    double tolerance_m, Expected&& expected_m,
@@ -60,10 +60,10 @@ void mark_unjudged(const Map& map, const Scan& scan, const Pose2& map_from_laser
     const double heading = map_from_laser.theta + scan.bearing_rad(beam);
     const Eigen::Vector2d direction(std::cos(heading), std::sin(heading));
     if (kind == BeamKind::kNoReturn) {
-      return !is_known_here && !(expected_m(direction, kFar_m) <= kFar_m);
+      return !is_known_here && !(expected_m(beam, direction, kFar_m) <= kFar_m);
     }
     const auto range_m = static_cast<double>(scan.ranges_m[beam]);
-    const double obstacle_m = expected_m(direction, range_m + tolerance_m);
+    const double obstacle_m = expected_m(beam, direction, range_m + tolerance_m);
     if (obstacle_m + tolerance_m < range_m) return false;
     const double way_m = std::min(obstacle_m, range_m);
     if (unknown_way_m(map, laser_m, direction, way_m) > kMaxUnknownWay_m) return true;

@@ -150,7 +150,8 @@ void PatchBeamModel::find_unjudged(const Scan& scan, const Pose2& map_from_robot
                                    std::vector<std::uint8_t>& is_unjudged) const {
   const Pose2 laser = map_from_robot * scan.robot_from_laser;
   const auto events = lenders_->events.acquire();
-  const auto expected_m = [&](const Eigen::Vector2d& direction, double limit_m) {
+  const auto expected_m = [&](std::size_t /*beam*/, const Eigen::Vector2d& direction,
+                              double limit_m) {
     caster_.events(laser.x, laser.y, direction.x(), direction.y(), limit_m, -1, *events);
     return events->empty() ? std::numeric_limits<double>::infinity() : events->front().range_m;
   };

@@ -67,6 +67,24 @@ TEST(HealthReport, FollowsTheScoreWhereNothingInTheMapContradictsThePose) {
   EXPECT_EQ(described(HealthState::kConverging, false, 0.03).message(), "not localized yet");
 }
 
+TEST(HealthReport, SaysThatTheRobotIsBeyondTheMapUnlessWorseIsToBeSaid) {
+  localization::LocalizationResult result;
+  result.converged = true;
+  result.score = 0.5;
+  result.is_beyond_map = true;
+  result.health.state = HealthState::kMapOutdated;
+  runtime::Health beyond;
+  describe(make_health_report("filtered", result, {}), beyond);
+  EXPECT_EQ(beyond.level(), HealthLevel::kWarn);
+  EXPECT_THAT(beyond.message(), testing::HasSubstr("beyond the map"));
+  EXPECT_THAT(beyond.values(), Contains(Pair("beyond_map", "true")));
+  result.health.state = HealthState::kLost;
+  runtime::Health lost;
+  describe(make_health_report("filtered", result, {}), lost);
+  EXPECT_EQ(lost.message(), "lost");
+  EXPECT_THAT(described(HealthState::kGood, true).values(), Contains(Pair("beyond_map", "false")));
+}
+
 TEST(HealthReport, TellsTheVerdictAndWhatItRestsOn) {
   const runtime::Health health = described(HealthState::kMapOutdated, true);
   EXPECT_THAT(health.values(), Contains(Pair("verdict", "map_outdated")));

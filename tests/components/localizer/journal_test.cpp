@@ -35,6 +35,16 @@ TEST_F(LocalizerJournal, GivesThePosesThatTheRobotPublishedToTheBit) {
   }
 }
 
+TEST_F(LocalizerJournal, GivesThePosesOfARobotThatLocalMapsLeadBeyondItsMap) {
+  // Any scan counts as beyond it.
+  begin("filtered", ", localizer: {beyond_map: {is_used: true, begin_share: 0.0}}");
+  const auto poses = drive(25);
+  const JournalReplay::Outcome outcome = run(journal(poses.size()));
+  EXPECT_TRUE(outcome.is_same());
+  EXPECT_GT(outcome.compared, 1U);
+  EXPECT_EQ(replayed_, poses);
+}
+
 TEST_F(LocalizerJournal, GoesThroughWhatOthersAskOfTheFilter) {
   begin("patch", ", localizer: {global_start: {max_particles: 2000}}");
   auto poses = drive(8);

@@ -281,11 +281,14 @@ TEST(BeyondMap, NothingIsLeftOutWhileTheRobotMayBeAnywhere) {
   EXPECT_TRUE(localizer.update(drive.look(building())).is_beyond_map);
 }
 
-TEST(BeyondMap, NoiseIsSmallerOnlyWhereAllScansToldTheMotion) {
-  BeyondMap beyond{BeyondMapConfig{}};
-  const MotionModelConfig odometry;
-  EXPECT_EQ(beyond.noise(odometry).rotation_from_rotation, odometry.rotation_from_rotation);
-  EXPECT_FALSE(beyond.is_told());
+TEST(BeyondMap, IsForgottenWhileTheRobotIsSoughtInTheWholeMap) {
+  Localizer localizer(config(true), models().front(), 5);
+  localizer.set_free_space(corridor_map());
+  Drive drive({8.5, 5.0, 0.0}, 4);
+  localizer.initialize({drive.truth(), Eigen::Vector3d(1e-3, 1e-3, 1e-3).asDiagonal()});
+  ASSERT_TRUE(localizer.update(drive.look(building())).is_beyond_map);
+  localizer.initialize_global();
+  EXPECT_FALSE(localizer.update(drive.look(building())).is_beyond_map);
 }
 
 }  // namespace
