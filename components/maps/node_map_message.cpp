@@ -55,7 +55,7 @@ strata_msgs::msg::NodeMap to_message(const memory::TimescaleMemory& memory,
       expected.name(map.level_names()[level]);
       expected.half_life_s(memory.config().levels[level].nominal_half_life_s());
       expected.consistent(!node.levels[level]->scan.inconsistent);
-      expected.ranges(map.expected_scan(static_cast<int>(level), static_cast<int>(i)).ranges_m);
+      expected.ranges(node.levels[level]->scan.range_m);
       entry.levels().push_back(std::move(expected));
     }
     message.nodes().push_back(std::move(entry));
@@ -91,8 +91,10 @@ std::shared_ptr<const memory::NodeMap> from_message(const strata_msgs::msg::Node
     for (const auto& level : entry.levels()) {
       const std::vector<float>& ranges = level.ranges();
       if (static_cast<int>(ranges.size()) != bins.angle_bins || ranges.empty()) refuse();
-      if (std::any_of(ranges.begin(), ranges.end(), [](float range) { return range < 0.0F; })) {
-        throw InputError("NodeMap", "a range is negative", "check the sender's version");
+      if (std::any_of(ranges.begin(), ranges.end(),
+                      [&](float range) { return range < -bins.max_range_m; })) {
+        throw InputError("NodeMap", "a way is free for longer than its nodes see",
+                         "check the sender's version");
       }
       // A level that nothing was put into expects nothing anywhere.
       const bool is_known =

@@ -9,8 +9,8 @@
 
 namespace strata::memory {
 
-/// One range per angle bin: a value that was measured; +Inf for "at least max_range_m"; NaN where
-/// nothing was ever seen.
+/// One range per angle bin: a value that was measured; +Inf for "at least max_range_m"; -f where
+/// the way is free to f and nobody saw what comes then; NaN where nothing was ever seen.
 struct DecodedScan {
   std::vector<float> range_m;
   double cost = 0.0;

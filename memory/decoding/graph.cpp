@@ -24,13 +24,14 @@ class EdgeTable {
     width_ = to.states.size();
     pairs_.assign(from.states.size() * width_, 0.0);
     row_total_.assign(from.states.size(), 0.0);
-    for (const RangePair& pair : level.pairs(angle_bin)) {
-      for_states_near(from, pair.alpha, reach, [&](std::size_t i) {
-        row_total_[i] += 1.0;
-        for_states_near(to, pair.beta, reach,
-                        [&](std::size_t j) { pairs_[i * width_ + j] += 1.0; });
-      });
-    }
+    detail::for_each_pair(
+        level, angle_bin, from, to, [&](std::uint8_t alpha, std::uint8_t beta, double weight) {
+          for_states_near(from, alpha, reach, [&](std::size_t i) {
+            row_total_[i] += weight;
+            for_states_near(to, beta, reach,
+                            [&](std::size_t j) { pairs_[i * width_ + j] += weight; });
+          });
+        });
     const auto all = static_cast<double>(level.pairs(angle_bin).size());
     extra_.clear();
     for (const std::uint8_t bin : to.states) {
@@ -100,9 +101,8 @@ LayeredGraph build_graph(const NodeLevel& level, const DecodingConfig& config) {
   const double certain = step_cost(1.0, config.cost);
   for (std::size_t i = 0; i < graph.states(0).size(); ++i) {
     const RowCounts& row = counts[0];
-    const double share = row.empty() ? 1.0
-                                     : static_cast<double>(row.count[row.states[i]]) /
-                                           static_cast<double>(row.total);
+    const double share =
+        row.empty() ? 1.0 : row.count[row.states[i]] / static_cast<double>(row.total);
     graph.start_cost()[i] = step_cost(share, config.cost);
   }
   EdgeTable table;

@@ -81,24 +81,25 @@ class SceneTable {
     const std::size_t width = to.states();
     after_.start(from.states(), width);
     before_.start(width, from.states());
-    for (const RangePair& pair : level.pairs(angle_bin)) {
-      for_states_near(from.counts, pair.alpha, 1, [&](std::size_t i) {
-        const bool is_i = from.counts.states[i] == pair.alpha;
-        after_.weight[i] += is_i ? 1.0 : kConditionBeside;
-        after_.pairs[i] += 1.0;
-        for_states_near(to.counts, pair.beta, 1, [&](std::size_t j) {
-          const bool is_j = to.counts.states[j] == pair.beta;
+    const auto add = [&](std::uint8_t alpha, std::uint8_t beta, double weight) {
+      for_states_near(from.counts, alpha, 1, [&](std::size_t i) {
+        const bool is_i = from.counts.states[i] == alpha;
+        after_.weight[i] += weight * (is_i ? 1.0 : kConditionBeside);
+        after_.pairs[i] += weight;
+        for_states_near(to.counts, beta, 1, [&](std::size_t j) {
+          const bool is_j = to.counts.states[j] == beta;
           after_.together[i * width + j] +=
-              (is_i ? 1.0 : kConditionBeside) * (is_j ? 1.0 : kBeside);
+              weight * (is_i ? 1.0 : kConditionBeside) * (is_j ? 1.0 : kBeside);
           before_.together[i * width + j] +=
-              (is_j ? 1.0 : kConditionBeside) * (is_i ? 1.0 : kBeside);
+              weight * (is_j ? 1.0 : kConditionBeside) * (is_i ? 1.0 : kBeside);
         });
       });
-      for_states_near(to.counts, pair.beta, 1, [&](std::size_t j) {
-        before_.weight[j] += to.counts.states[j] == pair.beta ? 1.0 : kConditionBeside;
-        before_.pairs[j] += 1.0;
+      for_states_near(to.counts, beta, 1, [&](std::size_t j) {
+        before_.weight[j] += weight * (to.counts.states[j] == beta ? 1.0 : kConditionBeside);
+        before_.pairs[j] += weight;
       });
-    }
+    };
+    for_each_pair(level, angle_bin, from.counts, to.counts, add);
   }
   /// How much more often the two were seen together than bins that have nothing to do with each
   /// other; at most 1.

@@ -56,7 +56,7 @@ void NodeLevel::insert_sample(std::size_t bin, float range_m, RandomStream& rand
     return;
   }
   float& leaving = samples[random.below(static_cast<std::uint32_t>(capacity_))];
-  if (coupled_eviction_) drop_pair_from(bin, bins_.range_bin(leaving), random);
+  if (coupled_eviction_) drop_pair_from(bin, bins_.state_bin(leaving), random);
   leaving = range_m;
 }
 
@@ -79,7 +79,7 @@ void NodeLevel::insert(const VirtualScan& scan, RandomStream& random) {
   for (std::size_t a = 0; a < count; ++a) {
     const float next = scan[a + 1 == count ? 0 : a + 1];
     if (std::isnan(scan[a]) || std::isnan(next)) continue;
-    insert_pair(a, {bins_.range_bin(scan[a]), bins_.range_bin(next)}, random);
+    insert_pair(a, {bins_.state_bin(scan[a]), bins_.state_bin(next)}, random);
   }
 }
 
@@ -125,12 +125,16 @@ bool NodeLevel::has_room() const {
 }
 
 bool NodeLevel::is_sound() const {
+  const float least_m = bins_.tells_beyond() ? -static_cast<float>(bins_.max_range_m) : 0.0F;
+  const auto is_bin = [this](std::uint8_t bin) {
+    return bin <= bins_.overflow_bin() || (bins_.tells_beyond() && bin == bins_.beyond_bin());
+  };
   for (int a = 0; a < bins_.angle_bins; ++a) {
     for (const float range_m : samples(a)) {
-      if (std::isnan(range_m) || range_m < 0.0F) return false;
+      if (!(range_m >= 0.0F || range_m > least_m)) return false;  // nor NaN
     }
     for (const RangePair& pair : pairs(a)) {
-      if (pair.alpha > bins_.overflow_bin() || pair.beta > bins_.overflow_bin()) return false;
+      if (!is_bin(pair.alpha) || !is_bin(pair.beta)) return false;
     }
   }
   return true;

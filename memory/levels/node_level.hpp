@@ -15,7 +15,7 @@
 
 namespace strata::memory {
 
-/// Range bins that one scan saw in an angle bin and in the next.
+/// Range bins that one scan saw in an angle bin and in the next; PolarBins::state_bin.
 struct RangePair {
   std::uint8_t alpha = 0;
   std::uint8_t beta = 0;
@@ -35,7 +35,7 @@ class NodeLevel {
 
   [[nodiscard]] const PolarBins& bins() const { return bins_; }
   [[nodiscard]] int capacity() const { return static_cast<int>(capacity_); }
-  /// In no order; +Inf for the overflow bin.
+  /// In no order; +Inf for the overflow bin, -f for no nearer than f.
   [[nodiscard]] std::span<const float> samples(int angle_bin) const;
   [[nodiscard]] std::span<const RangePair> pairs(int angle_bin) const;
   /// How many scans were inserted; changes whenever the content does.

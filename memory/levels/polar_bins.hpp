@@ -12,7 +12,8 @@ namespace strata::memory {
 /// Angle bin a covers bearings [a, a + 1) * 2 pi / angle_bins of the map frame, seen from the node;
 /// range bin i covers [i, i + 1) * range_bin_m(). One more range bin, the overflow bin, holds "at
 /// least max_range_m": the paper has none, and so can never forget an obstacle that vanishes before
-/// open space.
+/// open space. Nor one that vanishes where the scanner does not reach what is behind it: what is
+/// only known to be no nearer than f, f < max_range_m, is -f wherever ranges of a node are kept.
 struct PolarBins {
   int angle_bins = 360;
   int range_bins = 50;  ///< without the overflow bin; at most kMaxRangeBins
@@ -27,6 +28,10 @@ struct PolarBins {
     return (angle_bin + 0.5) * angle_bin_rad();
   }
   [[nodiscard]] int overflow_bin() const { return range_bins; }
+  /// What stands for -f in pairs of range bins; no neighbour of another bin.
+  [[nodiscard]] int beyond_bin() const { return range_bins + 2; }
+  /// With more range bins there is no number left for it.
+  [[nodiscard]] bool tells_beyond() const { return range_bins <= 252; }
   /// The angle bin after this one, around the circle.
   [[nodiscard]] int next(int angle_bin) const {
     return angle_bin + 1 == angle_bins ? 0 : angle_bin + 1;
@@ -38,6 +43,10 @@ struct PolarBins {
     // Rounding of the quotient may reach range_bins for a range a hair below max_range_m.
     return static_cast<std::uint8_t>(
         std::min(range_bins - 1, static_cast<int>(range / range_bin_m())));
+  }
+  /// range_bin, or beyond_bin for what is only known to be no nearer than that.
+  [[nodiscard]] std::uint8_t state_bin(float range_m) const {
+    return range_m < 0.0F ? static_cast<std::uint8_t>(beyond_bin()) : range_bin(range_m);
   }
 };
 

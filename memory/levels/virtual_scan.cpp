@@ -35,7 +35,26 @@ Reach reach_of(const PosedScan& scan, std::size_t beam, const VisibilityConfig& 
   return {};
 }
 
+constexpr std::size_t kFreeEndsInARow = 3;
+constexpr double kDropShare = 0.05;
+constexpr double kOneSurface = 0.1;
+
 }  // namespace
+
+bool drops_returns(const Scan& scan) {
+  std::size_t judged = 0;
+  std::size_t dropped = 0;
+  for (std::size_t i = 1; i + 1 < scan.size(); ++i) {
+    if (scan.kind(i - 1) != BeamKind::kHit || scan.kind(i + 1) != BeamKind::kHit) continue;
+    const auto before_m = static_cast<double>(scan.ranges_m[i - 1]);
+    const auto after_m = static_cast<double>(scan.ranges_m[i + 1]);
+    if (std::abs(before_m - after_m) > kOneSurface * std::min(before_m, after_m)) continue;
+    const BeamKind kind = scan.kind(i);
+    if (kind == BeamKind::kNoReturn) ++dropped;
+    if (kind == BeamKind::kNoReturn || kind == BeamKind::kHit) ++judged;
+  }
+  return static_cast<double>(dropped) > kDropShare * static_cast<double>(judged);
+}
 
 VirtualScanner::VirtualScanner(const PolarBins& bins, const VisibilityConfig& config)
     : bins_(bins),
@@ -55,7 +74,8 @@ void VirtualScanner::add_unknown_sector(const Eigen::Vector2d& laser_m, double f
   for (int i = 0; i <= steps; ++i) {
     const double angle = from_rad + (to_rad - from_rad) * i / steps;
     polygon_.push_back({laser_m.x() + config_.own_place_m * std::cos(angle),
-                        laser_m.y() + config_.own_place_m * std::sin(angle), false, false, true});
+                        laser_m.y() + config_.own_place_m * std::sin(angle), false, false, true,
+                        false});
   }
 }
 
@@ -65,6 +85,7 @@ void VirtualScanner::build_polygon(const PosedScan& posed, const Eigen::Vector2d
   const Eigen::Vector2d laser_m = map_from_laser.translation() - node_m;
   const double far_m = 2.0 * (bins_.max_range_m + laser_m.norm());
   const bool clockwise = scan.angle_increment_rad < 0.0F;
+  const bool trusts_ends = bins_.tells_beyond() && !drops_returns(scan);
   polygon_.clear();
   bool any = false;
   double first_rad = 0.0;
@@ -79,7 +100,8 @@ void VirtualScanner::build_polygon(const PosedScan& posed, const Eigen::Vector2d
       add_unknown_sector(laser_m, last_rad, angle);
     }
     polygon_.push_back({laser_m.x() + reach.range_m * std::cos(angle),
-                        laser_m.y() + reach.range_m * std::sin(angle), reach.is_hit, false, false});
+                        laser_m.y() + reach.range_m * std::sin(angle), reach.is_hit, false, false,
+                        trusts_ends && !reach.is_hit});
     last_rad = angle;
     any = true;
   }
@@ -89,6 +111,18 @@ void VirtualScanner::build_polygon(const PosedScan& posed, const Eigen::Vector2d
     add_unknown_sector(laser_m, last_rad, closing_rad);
   }
   if (config_.fill_between_beams) join_surfaces(laser_m);
+  doubt_lone_free_ends();
+}
+
+void VirtualScanner::doubt_lone_free_ends() {
+  for (std::size_t begin = 0; begin < polygon_.size();) {
+    std::size_t end = begin;
+    while (end < polygon_.size() && polygon_[end].is_free_end) ++end;
+    if (end - begin < kFreeEndsInARow) {
+      for (std::size_t i = begin; i < end; ++i) polygon_[i].is_free_end = false;
+    }
+    begin = end + 1;
+  }
 }
 
 void VirtualScanner::join_surfaces(const Eigen::Vector2d& laser_m) {
@@ -148,6 +182,7 @@ void VirtualScanner::measure_boundary() {
       if (t > 0.0 && t < boundary_m_[bin]) {
         boundary_m_[bin] = t;
         boundary_[bin] = p.joins_next                                 ? Boundary::kSurface
+                         : p.is_free_end && polygon_[j].is_free_end   ? Boundary::kReach
                          : p.is_own_place && polygon_[j].is_own_place ? Boundary::kUnseen
                                                                       : Boundary::kBetween;
       }
@@ -183,6 +218,11 @@ bool VirtualScanner::transform(const PosedScan& scan, const Eigen::Vector2d& nod
     const bool seen = std::isfinite(reach_m) && boundary_[a] != Boundary::kUnseen;
     const bool open = reach_m >= bins_.max_range_m && (seen || !unknown);
     if (open) result[a] = kOverflowRange;
+    const double free_m = boundary_m_[a] - tolerance_m;
+    const bool is_free_end = std::isfinite(free_m) && boundary_[a] == Boundary::kReach;
+    if (unknown && !open && is_free_end && free_m > 0.0) {
+      result[a] = -static_cast<float>(free_m);
+    }
   }
   return true;
 }

@@ -26,7 +26,9 @@ struct VisibilityConfig {
   /// empty, and would never give a pair of neighbours. [kessler2010what] has a beam for each bin.
   bool fill_between_beams = true;
   double min_incidence_rad = 0.175;
-  /// A beam without return says that nothing is there up to the scanner's greatest range.
+  /// A beam without return says that nothing is there up to the scanner's greatest range. Within
+  /// max_range_m it does so only where that is known (tells_reach), for three such beams in a row,
+  /// and in scans whose returns do not drop out by themselves (drops_returns).
   bool trust_no_return = true;
   /// Beams that the beam filter gives a smaller probability of being static are left out; 0: none.
   double min_static_probability = 0.0;
@@ -61,9 +63,15 @@ struct VisibilityConfig {
   }
 };
 
-/// Per angle bin the range in metres from the node; +Inf for "at least max_range_m"; NaN where the
-/// scan says nothing.
+/// Per angle bin the range in metres from the node; +Inf for "at least max_range_m"; -f for "no
+/// nearer than f", f < max_range_m, where beams ended without return; NaN where the scan says
+/// nothing.
 using VirtualScan = std::vector<float>;
+
+/// Whether returns of the scan drop out by themselves, so that a beam without one says nothing: of
+/// the beams between two that hit one surface (within a tenth of their range, the outer two and the
+/// one between) more than a twentieth returned nothing. O(beams).
+[[nodiscard]] bool drops_returns(const Scan& scan);
 
 /// Turns scans into virtual scans; keeps its scratch memory. One thread at a time.
 ///
@@ -72,7 +80,8 @@ using VirtualScan = std::vector<float>;
 /// counts only if the node would see it: the node must lie inside the star polygon of the scan, and
 /// the way from node to point must stay inside it, to within one bin. Of several points in an angle
 /// bin the nearest counts; a bin between two points of one surface takes the range of the line that
-/// joins them. Where beams reach max_range_m without a point, the bin overflows.
+/// joins them. Where beams reach max_range_m without a point, the bin overflows; where they end
+/// without return before that, nothing is nearer than their ends, less one range bin.
 class VirtualScanner {
  public:
   VirtualScanner(const PolarBins& bins, const VisibilityConfig& config);
@@ -91,11 +100,14 @@ class VirtualScanner {
     bool joins_next = false;
     /// No beam's end, but the edge of the ground that is taken as free where no beam looks.
     bool is_own_place = false;
+    /// The end of a beam that nothing came back from, and that is taken at its word.
+    bool is_free_end = false;
   };
   /// An edge of the polygon.
   enum class Boundary : unsigned char {
     kBetween,  ///< beams that end at two surfaces, or at none
     kSurface,  ///< two hits on one surface
+    kReach,    ///< two beams without return
     kUnseen,   ///< no beam looks there
   };
   void build_polygon(const PosedScan& scan, const Eigen::Vector2d& node_m);
@@ -103,6 +115,8 @@ class VirtualScanner {
   [[nodiscard]] bool node_is_inside() const;
   /// Marks corners that belong to one surface with the next, as seen from the laser.
   void join_surfaces(const Eigen::Vector2d& laser_m);
+  /// Leaves only free ends that stand in a row.
+  void doubt_lone_free_ends();
   void measure_boundary();
 
   PolarBins bins_;

@@ -98,7 +98,7 @@ class NodeMap {
   [[nodiscard]] int node_at(int level, const Eigen::Vector2d& point_m) const;
 
   /// What a scanner at the node, turned like the map, would see: one beam per angle bin, at bin
-  /// centres; +Inf for "at least max_range_m", NaN where nothing is known.
+  /// centres; +Inf for "at least max_range_m", NaN where no surface is known.
   [[nodiscard]] Scan expected_scan(int level, int node) const;
 
   /// Range that a beam is expected to measure, as `reach` finds it: +Inf where it runs free to

@@ -138,6 +138,9 @@ Scan NodeMap::expected_scan(int level, int node) const {
   scan.angle_increment_rad = static_cast<float>(bins_.angle_bin_rad());
   scan.range_max_m = static_cast<float>(bins_.max_range_m);
   scan.ranges_m = this->level(level, node).scan.range_m;
+  std::replace_if(
+      scan.ranges_m.begin(), scan.ranges_m.end(), [](float range_m) { return range_m < 0.0F; },
+      std::numeric_limits<float>::quiet_NaN());
   return scan;
 }
 

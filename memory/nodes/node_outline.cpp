@@ -38,22 +38,24 @@ NodeOutline::NodeOutline(const PolarBins& bins, double own_place_m, std::span<co
   const std::size_t count = range_m.size();
   std::vector<bool> known(count);
   std::vector<bool> open(count);
+  std::vector<bool> free_end(count);
   const double step = bins.angle_bin_rad();
   for (std::size_t a = 0; a < count; ++a) {
     known[a] = !std::isnan(range_m[a]);
     open[a] = std::isinf(range_m[a]);
+    free_end[a] = range_m[a] < 0.0F;
     const double radius = !known[a] ? own_place_m
                           : open[a] ? bins.max_range_m
-                                    : static_cast<double>(range_m[a]);
+                                    : std::abs(static_cast<double>(range_m[a]));
     radius_m_.push_back(static_cast<float>(radius));
   }
-  bridge_gaps(known);
+  bridge_gaps(known, free_end);
   for (std::size_t a = 0; a < count; ++a) {
     const double angle = (static_cast<double>(a) + 0.5) * step;
     x_m_.push_back(radius_m_[a] * static_cast<float>(std::cos(angle)));
     y_m_.push_back(radius_m_[a] * static_cast<float>(std::sin(angle)));
   }
-  classify_edges(known, open);
+  classify_edges(known, open, free_end);
   inner_m_ = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < count; ++a) {
     const Eigen::Vector2d p = corner_m(a);
@@ -78,7 +80,7 @@ void NodeOutline::measure_blocks() {
   }
 }
 
-void NodeOutline::bridge_gaps(std::vector<bool>& known) {
+void NodeOutline::bridge_gaps(std::vector<bool>& known, std::vector<bool>& free_end) {
   const std::size_t count = size();
   const double step = 1.0 / bins_per_rad_;
   const std::vector<bool> measured = known;
@@ -99,11 +101,13 @@ void NodeOutline::bridge_gaps(std::vector<bool>& known) {
           from * to * std::sin(span) / (from * std::sin(angle) + to * std::sin(span - angle));
       radius_m_[(a + k) % count] = static_cast<float>(radius);
       known[(a + k) % count] = true;
+      free_end[(a + k) % count] = free_end[a] || free_end[end];
     }
   }
 }
 
-void NodeOutline::classify_edges(const std::vector<bool>& known, const std::vector<bool>& open) {
+void NodeOutline::classify_edges(const std::vector<bool>& known, const std::vector<bool>& open,
+                                 const std::vector<bool>& free_end) {
   const double slope = 1.0 / (bins_per_rad_ * std::tan(kMinIncidence_rad));
   for (std::size_t a = 0; a < size(); ++a) {
     const std::size_t b = next(a);
@@ -113,6 +117,8 @@ void NodeOutline::classify_edges(const std::vector<bool>& known, const std::vect
       edge_.push_back(Edge::kUnseen);
     } else if (open[a] && open[b]) {
       edge_.push_back(Edge::kOpen);
+    } else if (free_end[a] || free_end[b]) {
+      edge_.push_back(Edge::kHidden);
     } else {
       const bool one_surface = std::abs(from - to) <= slope * std::min(from, to);
       edge_.push_back(one_surface ? Edge::kSurface : Edge::kHidden);

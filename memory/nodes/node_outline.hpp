@@ -14,7 +14,8 @@
 namespace strata::memory {
 
 /// Corner a lies at the centre of angle bin a, at its decoded range, at max_range_m where the bin
-/// is open, and at the own-place radius where nothing is known. Gaps of up to three unknown bins
+/// is open, at the end of the free way where no more is known, and at the own-place radius where
+/// nothing is. Gaps of up to three unknown bins
 /// within one surface are bridged. Immutable, thread-safe.
 class NodeOutline {
  public:
@@ -22,7 +23,7 @@ class NodeOutline {
   enum class Edge : std::uint8_t {
     kSurface,  ///< something was seen there
     kOpen,     ///< nothing within max_range_m
-    kHidden,   ///< the way on from there is hidden from the node by a nearer surface
+    kHidden,   ///< the way on from there is hidden by a nearer surface, or beyond the scanner
     kUnseen,   ///< never seen: not even the way to it is known to be free
   };
 
@@ -85,8 +86,9 @@ class NodeOutline {
                                    const Eigen::Vector2d& direction) const;
   [[nodiscard]] Reach meet(std::size_t sector, const Eigen::Vector2d& from_m,
                            const Eigen::Vector2d& direction) const;
-  void bridge_gaps(std::vector<bool>& known);
-  void classify_edges(const std::vector<bool>& known, const std::vector<bool>& open);
+  void bridge_gaps(std::vector<bool>& known, std::vector<bool>& free_end);
+  void classify_edges(const std::vector<bool>& known, const std::vector<bool>& open,
+                      const std::vector<bool>& free_end);
   void measure_blocks();
 
   double bins_per_rad_ = 1.0;

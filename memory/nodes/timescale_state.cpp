@@ -12,7 +12,8 @@ namespace {
 /// 2: a node may gather a day. Memories of version 1 have no level that learns by days.
 /// 3: what was seen last, and when each node was needed last. A node that has slept since an older
 /// version wrote it does without.
-constexpr std::uint32_t kStateVersion = 3;
+/// 4: samples and pairs may say "no nearer than", which older versions would take for damage.
+constexpr std::uint32_t kStateVersion = 4;
 
 /// Run and robot share a number: files of before several robots could feed a memory have robot 0.
 std::int64_t run_and_robot(const MemoryNode& node) {

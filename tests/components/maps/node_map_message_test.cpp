@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/maps/node_map_message.hpp"
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -35,6 +36,19 @@ TEST(NodeMapMessage, IsRefusedWhenATableOfItsNodesWouldTakeAllMemory) {
   for (const double radius_m : {1e5, inf, nan, 0.0, -1.0}) {
     EXPECT_THROW((void)from_message(two_nodes(radius_m, 1.0), {}), InputError) << radius_m;
   }
+}
+
+TEST(NodeMapMessage, KeepsFreeWaysWhoseEndNobodySaw) {
+  auto message = two_nodes(8.0, 20.0);
+  auto& ranges = message.nodes()[0].levels()[0].ranges();
+  ranges[0] = -5.0F;
+  ranges[1] = -5.0F;
+  const auto map = from_message(message, {});
+  EXPECT_EQ(map->nodes()[0].levels[0]->scan.range_m[0], -5.0F);
+  EXPECT_EQ(map->nodes()[0].levels[0]->outline.edge(0), memory::NodeOutline::Edge::kHidden);
+  EXPECT_TRUE(std::isnan(map->expected_scan(0, 0).ranges_m[0]));
+  ranges[1] = -8.5F;
+  EXPECT_THROW((void)from_message(message, {}), InputError);
 }
 
 }  // namespace

@@ -201,5 +201,42 @@ TEST(NodeLevel, RefusesBytesThatCannotBeItsOwn) {
   EXPECT_THROW(read(overfull), DamageError);
 }
 
+TEST(NodeLevel, KeepsWhatIsNoNearerThanSomethingAsAKindOfItsOwn) {
+  const PolarBins bins{4, 10, 1.0};
+  NodeLevel level(bins, 2, false);
+  RandomStream random(1, StreamId::kTest);
+  level.insert({0.05F, -0.6F, -0.7F, kNothing}, random);
+  EXPECT_THAT(level.samples(1), testing::ElementsAre(-0.6F));
+  const auto beyond = static_cast<std::uint8_t>(bins.beyond_bin());
+  EXPECT_THAT(level.pairs(0), testing::ElementsAre(RangePair{0, beyond}));
+  EXPECT_THAT(level.pairs(1), testing::ElementsAre(RangePair{beyond, beyond}));
+  StateWriter out;
+  out(level);
+  const std::vector<std::uint8_t> bytes = out.take();
+  NodeLevel again(bins, 2, false);
+  StateReader in(bytes, "test");
+  in(again);
+  EXPECT_THAT(again.samples(2), testing::ElementsAre(-0.7F));
+}
+
+TEST(NodeLevel, RefusesFreeWaysLongerThanItsRanges) {
+  const PolarBins bins{4, 10, 1.0};
+  for (const float range_m : {-1.0F, -kOpen, -0.99F}) {
+    NodeLevel level(bins, 2, false);
+    RandomStream random(1, StreamId::kTest);
+    level.insert({0.05F, range_m, 0.5F, kNothing}, random);
+    StateWriter out;
+    out(level);
+    const std::vector<std::uint8_t> bytes = out.take();
+    NodeLevel again(bins, 2, false);
+    StateReader in(bytes, "test");
+    if (range_m == -0.99F) {
+      EXPECT_NO_THROW(in(again));
+    } else {
+      EXPECT_THROW(in(again), InputError) << range_m;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace strata::memory

@@ -130,5 +130,30 @@ TEST(NodeOutline, BridgesShortGapsInASurfaceOnly) {
   EXPECT_NEAR(cast(110), 5.0F, 0.01F);
 }
 
+// A free way of 3 m between walls at 2 m: a beam goes on behind its end, unlike at a wall.
+TEST(NodeOutline, KnowsAWayToBeFreeWithoutKnowingItsEnd) {
+  std::vector<float> ranges(360, 2.0F);
+  for (std::size_t a = 80; a < 100; ++a) ranges[a] = -3.0F;
+  const NodeOutline outline({360, 50, 8.0}, 0.75, ranges);
+  const NodeOutline::Reach ahead = outline.cast({0.0, 0.0}, {0.0, 1.0});
+  EXPECT_EQ(ahead.end, NodeOutline::Edge::kHidden);
+  EXPECT_NEAR(ahead.range_m, 3.0, 1e-3);
+  EXPECT_EQ(outline.cast({0.0, 0.0}, {1.0, 0.0}).end, NodeOutline::Edge::kSurface);
+  EXPECT_TRUE(outline.contains({0.0, 2.9}));
+  EXPECT_FALSE(outline.contains({0.0, 3.1}));
+}
+
+// A bin between a wall and the end of a free way shows no wall, though both are as far.
+TEST(NodeOutline, BridgesNoGapToTheEndOfAFreeWay) {
+  std::vector<float> ranges(360, 2.0F);
+  ranges[80] = kNothing;
+  for (std::size_t a = 81; a < 100; ++a) ranges[a] = -2.0F;
+  const NodeOutline outline({360, 50, 8.0}, 0.75, ranges);
+  EXPECT_EQ(outline.edge(79), NodeOutline::Edge::kHidden);
+  EXPECT_EQ(outline.edge(80), NodeOutline::Edge::kHidden);
+  EXPECT_EQ(outline.edge(99), NodeOutline::Edge::kHidden);
+  EXPECT_EQ(outline.edge(100), NodeOutline::Edge::kSurface);
+}
+
 }  // namespace
 }  // namespace strata::memory
