@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/log_sum.hpp"
 #include "core/localization/unjudged_beams.hpp"
-#include "core/rays/column_math.hpp"
 
 namespace strata::maps {
 namespace {
@@ -122,20 +122,19 @@ void TimescaleModel::weigh(const Pose2& laser, const NodeMap::View& view, const 
   }
 }
 
-double TimescaleModel::log_likelihood_at(const Pose2& laser, const BelievedLevels& levels,
-                                         const Scratch& scratch) const {
+TimescaleModel::OfLevels TimescaleModel::log_p_of_levels(const Pose2& laser,
+                                                         const BelievedLevels& levels,
+                                                         const Scratch& scratch) const {
   const double c = std::cos(laser.theta);
   const double s = std::sin(laser.theta);
   std::array<NodeMap::View, BelievedLevels::kMax> views;
   for (std::size_t l = 0; l < levels.size(); ++l) {
     views[l] = map_->view(levels[l].level, laser.translation());
   }
-  std::array<double, BelievedLevels::kMax> weights;
-  for (std::size_t l = 0; l < levels.size(); ++l) weights[l] = levels[l].weight;
-  std::array<double, BelievedLevels::kMax * kBlock> log_p;
+  OfLevels sums{};
+  std::array<double, kBlock> log_p;
   Beams beams;
   beams.laser_m = laser.translation();
-  double sum = 0.0;
   for (; beams.begin < scratch.beams.size(); beams.begin += kBlock) {
     beams.count = std::min(kBlock, scratch.beams.size() - beams.begin);
     beams.is_cast = false;
@@ -145,15 +144,16 @@ double TimescaleModel::log_likelihood_at(const Pose2& laser, const BelievedLevel
       beams.direction[k] = {c * beam_c - s * beam_s, s * beam_c + c * beam_s};
     }
     for (std::size_t l = 0; l < levels.size(); ++l) {
-      weigh(laser, views[l], scratch, beams, log_p.data() + l * kBlock);
+      weigh(laser, views[l], scratch, beams, log_p.data());
+      for (std::size_t k = 0; k < beams.count; ++k) sums[l] += log_p[k];
     }
-    if (levels.size() > 1) {
-      rays::mix_rows(std::span(weights.data(), levels.size()), log_p.data(), kBlock, beams.count,
-                     log_p.data());
-    }
-    for (std::size_t k = 0; k < beams.count; ++k) sum += log_p[k];
   }
-  return sum;
+  return sums;
+}
+
+double TimescaleModel::mixed(const BelievedLevels& levels, OfLevels log_p) {
+  for (std::size_t l = 0; l < levels.size(); ++l) log_p[l] += std::log(levels[l].weight);
+  return log_sum_exp(std::span(log_p.data(), levels.size()));
 }
 
 NodeOutline::Reach TimescaleModel::reach_at(int level, const Eigen::Vector2d& laser_m,
@@ -193,7 +193,8 @@ std::size_t TimescaleModel::log_likelihoods(const Scan& scan,
   const auto weigh_chunk = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
     for (std::size_t i = begin; i < end; ++i) {
       const Pose2 laser = particles.pose(i) * scratch->beams.robot_from_laser;
-      log_likelihood[i] = log_likelihood_at(laser, levels, *scratch) / weighing.tempering;
+      log_likelihood[i] =
+          mixed(levels, log_p_of_levels(laser, levels, *scratch)) / weighing.tempering;
     }
   };
   pool.for_chunks(particles.size(), kChunk, std::cref(weigh_chunk));
@@ -250,6 +251,22 @@ void TimescaleModel::find_unjudged(const Scan& scan, const Pose2& map_from_robot
                               is_unjudged);
 }
 
+void TimescaleModel::weigh_levels(const Scan& scan, const Pose2& laser) {
+  if (node_ < 0) return;
+  const auto scratch = scratch_.acquire();
+  prepare(scan, *scratch);
+  if (scratch->beams.size() == 0) return;
+  std::vector<double>& log_p = scratch->log_p_a_beam;
+  log_p.resize(map_->level_names().size());
+  for (std::size_t level = 0; level < log_p.size(); ++level) {
+    BelievedLevels alone;
+    alone.add({static_cast<int>(level), 1.0});
+    log_p[level] =
+        log_p_of_levels(laser, alone, *scratch)[0] / static_cast<double>(scratch->beams.size());
+  }
+  mixture_.update(node_, log_p);
+}
+
 std::unique_ptr<localization::SensorModel> TimescaleModel::for_one_run() const {
   if (!use_.goes_on_learning && use_.level) return nullptr;
   auto own = std::make_unique<TimescaleModel>(memory_, map_, config_, use_, base_);
@@ -261,8 +278,8 @@ void TimescaleModel::learn(const Observation& observation, const Pose2Gaussian& 
                            const localization::PoseTrust& trust) {
   const Pose2 laser = map_from_robot.mean * observation.scan.robot_from_laser;
   if (!use_.level) {
-    mixture_.update(*map_, laser, observation.scan);
     node_ = mixture_.node_at(*map_, laser.translation());
+    weigh_levels(observation.scan, laser);
   }
   if (!own_memory_ || trust.is_in_doubt || trust.score < use_.min_score) return;
   posed_.run = observation.run;

@@ -40,8 +40,9 @@ struct TimescaleUse {
   memory::LevelMixtureConfig mixture;
 };
 
-/// ln p(z | x) = 1/tau sum over beams ln sum over levels w_l p(z_n | what level l expects), with
-/// the mixture, beams and tau of the grid models (docs/theory/timescale_memory.md, "Localization").
+/// ln p(z | x) = 1/tau ln sum over levels w_l product over beams p(z_n | what level l expects),
+/// with the mixture, beams and tau of the grid models (docs/theory/timescale_memory.md,
+/// "Localization").
 ///
 /// The weights w_l are those of the node that the robot was last believed to be at, the same for
 /// all particles, and follow how well each level explains the scans there. Where a level knows only
@@ -108,6 +109,7 @@ class TimescaleModel final : public localization::SensorModel {
     /// ln p of a hit within a way that is free, and nothing is known beyond: the same however far
     /// the way is free.
     std::vector<double> log_within_free;
+    std::vector<double> log_p_a_beam;
   };
   void prepare(const Scan& scan, Scratch& scratch) const;
   /// Up to kBlock beams of a scan from one place, and how far each goes in the base map.
@@ -134,8 +136,15 @@ class TimescaleModel final : public localization::SensorModel {
   [[nodiscard]] memory::NodeOutline::Reach reach_at(int level, const Eigen::Vector2d& laser_m,
                                                     const Eigen::Vector2d& direction,
                                                     double r_max_m) const;
-  [[nodiscard]] double log_likelihood_at(const Pose2& laser, const BelievedLevels& levels,
+  /// One entry a believed level.
+  using OfLevels = std::array<double, BelievedLevels::kMax>;
+  /// ln p of the scan from there under each level alone.
+  [[nodiscard]] OfLevels log_p_of_levels(const Pose2& laser, const BelievedLevels& levels,
                                          const Scratch& scratch) const;
+  /// ln sum_l w_l p_l.
+  [[nodiscard]] static double mixed(const BelievedLevels& levels, OfLevels log_p);
+  /// How well each level, alone, explains the scan from there: the weights learn from it.
+  void weigh_levels(const Scan& scan, const Pose2& laser);
 
   std::shared_ptr<const memory::TimescaleMemory> memory_;
   std::shared_ptr<const memory::NodeMap> map_;
