@@ -1,7 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/slam/local_map_agreement.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
 namespace strata::slam {
+
+double breadth_m(const Endpoints& view) {
+  if (view.size() == 0) return 0.0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    const Eigen::Vector2d at(view.x_m[i], view.y_m[i]);
+    sum += at;
+    squares += at * at.transpose();
+  }
+  const auto count = static_cast<double>(view.size());
+  const Eigen::Vector2d mean = sum / count;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
+      squares / count - mean * mean.transpose(), Eigen::EigenvaluesOnly);
+  return std::sqrt(2.0 * std::max(0.0, axes.eigenvalues()(0)));
+}
 
 registration::MatchField field_of(const LocalMap& local_map, double resolution_m,
                                   const registration::MatchFieldConfig& config) {

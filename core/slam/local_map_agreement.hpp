@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "core/registration/match_field.hpp"
+#include "core/scan/endpoints.hpp"
 #include "core/tracking/local_map.hpp"
 
 namespace strata::slam {
@@ -36,6 +37,10 @@ template <typename Points, typename PointM>
   }
   return agreement_of(surface, free, points.size());
 }
+
+/// How far a view goes to all sides: root 2 times the standard deviation of its points along the
+/// lesser of their two axes, which is their spread where both are alike. O(points).
+[[nodiscard]] double breadth_m(const Endpoints& view);
 
 /// A match field over the points of a local map, in its frame.
 [[nodiscard]] registration::MatchField field_of(const LocalMap& local_map, double resolution_m,

@@ -18,6 +18,13 @@ namespace {
 /// What is kept of the local maps that were searched last; one alone may be larger. More would save
 /// little: along a way the same few are candidates again and again.
 constexpr std::size_t kCache_bytes = 24'000'000;
+/// Local maps whose middles lie so far apart may see the same place; in halls and outdoors, where
+/// each sees farther to all sides, as far as the broader of them does. Not where poses that came
+/// with the log hold both: those tell of far places more than what is seen from afar.
+constexpr double kApartM = 4.0;
+/// The same where the poses are good and only the overlap decides: as far as both see.
+constexpr double kApartTightM = 8.0;
+
 /// Neighbours in a run share scans: what they say of each other is in the chain already.
 constexpr std::size_t kSharedScans = 2;
 
@@ -112,6 +119,7 @@ void LocalMapGraph::search_closures(std::size_t index) {
   };
   const std::vector<double> lengths = path_lengths(index);
   const Eigen::Vector2d center = graph_.pose(index) * local_maps_[index].center_m;
+  const double own_breadth_m = breadth_m(clouds_[index]);
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < index; ++i) {
     const bool shares = local_maps_[i].run == local_maps_[index].run && index - i <= kSharedScans;
@@ -124,7 +132,10 @@ void LocalMapGraph::search_closures(std::size_t index) {
         config_.max_window_rad, config_.floor_window_rad + config_.drift_rad_per_m * length_m);
     const Eigen::Vector2d other = graph_.pose(i) * local_maps_[i].center_m;
     const double distance_m = (other - center).norm();
-    if (distance_m > 4.0 + window_m) continue;
+    const bool held = given_[i] && given_[index];
+    const double apart_m =
+        held ? kApartM : std::max({kApartM, own_breadth_m, breadth_m(clouds_[i])});
+    if (distance_m > apart_m + window_m) continue;
     candidates.push_back({i, distance_m, window_m, window_rad});
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
@@ -148,6 +159,8 @@ void LocalMapGraph::search_closures(std::size_t index) {
 void LocalMapGraph::tighten(int rounds, Progress* progress) {
   if (!config_.enabled) return;
   constexpr std::size_t kPartners = 8;
+  std::vector<double> breadths_m;
+  for (const Endpoints& cloud : clouds_) breadths_m.push_back(breadth_m(cloud));
   for (int round = 0; round < rounds; ++round) {
     report_progress(progress, "match local maps", static_cast<std::size_t>(round),
                     static_cast<std::size_t>(rounds));
@@ -161,7 +174,9 @@ void LocalMapGraph::tighten(int rounds, Progress* progress) {
         if (shares || !located_[b] || local_maps_[b].points.empty()) continue;
         const Eigen::Vector2d apart =
             graph_.pose(a) * local_maps_[a].center_m - graph_.pose(b) * local_maps_[b].center_m;
-        if (apart.norm() > 8.0) continue;
+        const bool held = given_[a] && given_[b];
+        const double both_m = held ? 0.0 : breadths_m[a] + breadths_m[b];
+        if (apart.norm() > std::max(kApartTightM, both_m)) continue;
         const double overlap = agreement(a, b, between(graph_.pose(a), graph_.pose(b))).overlap;
         if (overlap >= config_.min_overlap) partners.emplace_back(-overlap, b);
       }

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Large halls: surfaces far from where the robot goes.
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/base/parallel.hpp"
+#include "core/geometry/pose2_gaussian.hpp"
+#include "core/slam/local_map_agreement.hpp"
+#include "core/slam/local_map_graph.hpp"
+#include "core/tracking/local_map.hpp"
+#include "tests/core/registration/room_world.hpp"
+
+namespace strata::slam {
+namespace {
+
+using test::scan_of;
+using test::Wall;
+
+constexpr double kResolutionM = 0.05;
+
+/// 40 m x 24 m with some pillars.
+std::vector<Wall> hall() {
+  std::vector<Wall> walls{
+      {-20, -12, 20, -12}, {20, -12, 20, 12}, {20, 12, -20, 12}, {-20, 12, -20, -12}};
+  const auto pillar = [&](double x, double y, double w) {
+    walls.insert(
+        walls.end(),
+        {{x, y, x + w, y}, {x + w, y, x + w, y + w}, {x + w, y + w, x, y + w}, {x, y + w, x, y}});
+  };
+  pillar(-9.0, 3.0, 1.0);
+  pillar(-2.0, -6.0, 1.5);
+  pillar(7.0, 5.0, 0.8);
+  pillar(11.0, -4.0, 1.2);
+  return walls;
+}
+
+/// Seen from a few places beside `from` with beams of 180 degrees; the robot believes that it
+/// looked from `drift` away.
+LocalMap local_map_at(const Pose2& from, const Pose2& drift, std::size_t first_scan) {
+  SurfaceMap map(kResolutionM, {});
+  for (int i = 0; i < 12; ++i) {
+    const Pose2 pose = from * Pose2{0.2 * i, 0.05 * i, 0.0};
+    const Scan scan = scan_of(hall(), pose, i, 0.005, 1, 361, std::numbers::pi, 30.0);
+    map.add(scan, drift * pose, {}, 30.0);
+  }
+  return make_local_map(map, 0, drift * from, first_scan, first_scan + 12);
+}
+
+/// A robot that saw nothing for 100 m.
+LocalMap blind_local_map(std::size_t first_scan) {
+  LocalMap local_map;
+  local_map.first_scan = first_scan;
+  local_map.last_scan = first_scan + 12;
+  local_map.run_from_local_map = {0.0, -100.0, 0.0};
+  return local_map;
+}
+
+TEST(Hall, IsClosedOverWallsFartherApartThanASearchReachesIndoors) {
+  // The first looks from one corner to the other end, the second from beside the other side.
+  const Pose2 first{-10.0, -8.0, 0.2};
+  const Pose2 second{8.0, 6.0, 0.0};
+  const LocalMap a = local_map_at(first, {}, 0);
+  const LocalMap b = local_map_at(second, {0.3, -0.2, 0.0}, 36);
+  const Eigen::Vector2d apart =
+      a.run_from_local_map * a.center_m - b.run_from_local_map * b.center_m;
+  ASSERT_GT(apart.norm(), 4.0 + ClosureConfig{}.max_window_m);
+  WorkerPool pool(1);
+  LocalMapGraph graph(ClosureConfig{}, {}, {}, kResolutionM, pool);
+  graph.add(a, std::nullopt);
+  graph.add(blind_local_map(12), std::nullopt);
+  graph.add(blind_local_map(24), std::nullopt);
+  graph.add(b, std::nullopt);
+  EXPECT_EQ(graph.closures(), 1U);
+  EXPECT_LT(translation_distance(graph.map_from_local_map(3), second), 0.05);
+  graph.tighten(2, nullptr);
+  EXPECT_EQ(graph.closures(), 1U);
+  EXPECT_LT(translation_distance(graph.map_from_local_map(3), second), 0.05);
+}
+
+TEST(Hall, IsNotClosedFromAfarWherePosesOfTheLogHoldIt) {
+  const Pose2 first{-10.0, -8.0, 0.2};
+  const Pose2 second{8.0, 6.0, 0.0};
+  const Eigen::Matrix3d covariance = pose_covariance(0.1, 0.01);
+  WorkerPool pool(1);
+  LocalMapGraph graph(ClosureConfig{}, {}, {}, kResolutionM, pool);
+  graph.add(local_map_at(first, {}, 0), Pose2Gaussian{first, covariance});
+  graph.add(blind_local_map(12), std::nullopt);
+  graph.add(blind_local_map(24), std::nullopt);
+  graph.add(local_map_at(second, {}, 36), Pose2Gaussian{second, covariance});
+  EXPECT_EQ(graph.closures(), 0U);
+  graph.tighten(1, nullptr);
+  EXPECT_EQ(graph.closures(), 0U);
+}
+
+Endpoints cross(double half_x_m, double half_y_m) {
+  Endpoints view;
+  for (const double x : {-half_x_m, half_x_m}) {
+    for (const double y : {-half_y_m, half_y_m}) {
+      view.x_m.push_back(7.0 + x);
+      view.y_m.push_back(y - 50.0);
+      view.beam.push_back(0);
+    }
+  }
+  return view;
+}
+
+TEST(LocalMap, SeesNoFartherToAllSidesThanAcrossACorridor) {
+  EXPECT_EQ(breadth_m({}), 0.0);
+  EXPECT_NEAR(breadth_m(cross(3.0, 3.0)), std::sqrt(18.0), 1e-9);
+  EXPECT_NEAR(breadth_m(cross(30.0, 1.0)), std::numbers::sqrt2, 1e-9);
+  EXPECT_NEAR(breadth_m(cross(1.0, 30.0)), std::numbers::sqrt2, 1e-9);
+}
+
+}  // namespace
+}  // namespace strata::slam
