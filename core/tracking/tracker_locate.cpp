@@ -58,10 +58,23 @@ double scan_cost(const registration::MatchResult& result, const Pose2Gaussian& p
 /// Of so many steps, e to the power of this, one may be wrong as a whole.
 constexpr double kMaxSurprise = 6.0;
 
+/// Stands, pillars and doors that look alike lie no closer than this. What a match finds nearer by
+/// is the same place.
+constexpr double kLookAlikeM = 0.6;
+
 /// How odd a pose is by odometry, whose errors have long tails: wheels spin [nats, Student's t with
-/// one degree of freedom].
-double surprise(const Pose2& pose, const Pose2Gaussian& guess) {
-  return std::min(kMaxSurprise, 2.0 * std::log1p(mahalanobis_squared(guess, pose)));
+/// one degree of freedom], `most` at most.
+double surprise(const Pose2& pose, const Pose2Gaussian& guess, double most) {
+  return std::min(most, 2.0 * std::log1p(mahalanobis_squared(guess, pose)));
+}
+
+/// By how much odder `other` is than `own` [nats]. Where the two lie so far apart that they may be
+/// look-alikes, odometry that agreed with the matches lately may object the more: doubt: 0 to 1.
+/// Else a row of stands moves the robot from one to the next.
+double odder_by(const Pose2& other, const Pose2& own, const Pose2Gaussian& guess, double doubt) {
+  const bool may_look_alike = translation_distance(other, own) > kLookAlikeM;
+  const double most = may_look_alike ? kMaxSurprise / doubt : kMaxSurprise;
+  return surprise(other, guess, most) - surprise(own, guess, most);
 }
 
 /// The end points that are inliers of something still at the pose.
@@ -230,7 +243,7 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
     const double other_cost = scan_cost(other, wide);
     if (from == GuessFrom::kOdometry) {
       const double gain = share * (cost - other_cost);
-      if (gain <= surprise(other.pose, guess) - surprise(result.pose, guess)) return;
+      if (gain <= odder_by(other.pose, result.pose, guess, doubt_)) return;
     }
     cost = other_cost;
     result = other;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Large halls: surfaces far from where the robot goes.
+// Large halls: stands that all look alike, and surfaces far from where the robot goes.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "core/slam/local_map_agreement.hpp"
 #include "core/slam/local_map_graph.hpp"
 #include "core/tracking/local_map.hpp"
+#include "core/tracking/tracker.hpp"
 #include "tests/core/registration/room_world.hpp"
 
 namespace strata::slam {
@@ -22,6 +25,62 @@ using test::scan_of;
 using test::Wall;
 
 constexpr double kResolutionM = 0.05;
+
+/// Two rows of stands along x, 1.2 m from tooth to tooth, 2 m apart.
+constexpr double kToothM = 1.2;
+std::vector<Wall> stands() {
+  std::vector<Wall> walls;
+  for (int i = -5; i < 30; ++i) {
+    const double x = kToothM * i;
+    const double middle = x + 0.5 * kToothM;
+    for (const double side : {-1.0, 1.0}) {
+      walls.push_back({x, side, middle, 1.4 * side});
+      walls.push_back({middle, 1.4 * side, x + kToothM, side});
+    }
+  }
+  return walls;
+}
+
+/// Small steps, until it is known how good the odometry is, then steps of a tooth.
+std::vector<Pose2> past_the_stands() {
+  std::vector<Pose2> path;
+  double x = 0.0;
+  for (int i = 0; i < 20; ++i) path.push_back({x += 0.3, 0.0, 0.0});
+  for (int i = 0; i < 10; ++i) path.push_back({x += kToothM, 0.0, 0.0});
+  return path;
+}
+
+TEST(Hall, StandsThatLookAlikeSeldomMoveARobotBackWhoseOdometryWasGood) {
+  const std::vector<Pose2> path = past_the_stands();
+  int held = 0;
+  for (std::uint64_t drive = 0; drive < 6; ++drive) {
+    Tracker tracker({}, kResolutionM, 0, path.front());
+    double worst_m = 0.0;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const Scan scan = scan_of(stands(), path[i], 0.5 * static_cast<double>(i), 0.05,
+                                i + 1 + 100 * drive, 360, 2.0 * std::numbers::pi, 4.2);
+      const Pose2 found = tracker.add(scan, &path[i], i).run_from_robot.mean;
+      worst_m = std::max(worst_m, translation_distance(found, path[i]));
+    }
+    held += worst_m < 0.5 * kToothM ? 1 : 0;
+  }
+  EXPECT_GE(held, 3) << "of six drives";
+}
+
+TEST(Hall, AnOdometryThatWasGoodIsStillNotBelievedAgainstAllBeams) {
+  // In a room that looks the same from nowhere else it counts on while the robot stands.
+  Tracker tracker({}, kResolutionM, 0, {2.0, 4.0, 0.0});
+  Pose2 at{2.0, 4.0, 0.0};
+  Pose2 counted = at;
+  for (std::size_t i = 0; i < 60; ++i) {
+    if (i > 0 && i < 40) at.x += 0.05;
+    if (i > 0) counted.x += i < 40 ? 0.05 : 0.8;
+    const Scan scan = scan_of(test::room(), at, 0.5 * static_cast<double>(i), 0.01, i + 1, 360,
+                              2.0 * std::numbers::pi);
+    const Pose2 found = tracker.add(scan, &counted, i).run_from_robot.mean;
+    ASSERT_LT(translation_distance(found, at), 0.1) << "scan " << i;
+  }
+}
 
 /// 40 m x 24 m with some pillars.
 std::vector<Wall> hall() {
