@@ -66,7 +66,12 @@ std::vector<std::byte> Compressor::finish() {
 }
 
 std::vector<std::byte> compress(std::span<const std::byte> bytes) {
+  return compress(bytes, ZSTD_CLEVEL_DEFAULT);
+}
+
+std::vector<std::byte> compress(std::span<const std::byte> bytes, int level) {
   const Context context = make_context();
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, level);
   // Not set to zero: memory that is never written to is never taken.
   const std::size_t most = ZSTD_compressBound(bytes.size());
   const auto blob = std::make_unique_for_overwrite<std::byte[]>(most);

@@ -18,6 +18,8 @@ static_assert(std::endian::native == std::endian::little, "the store keeps littl
 
 /// zstd frame with its content checksum on, so that a flipped bit is found when reading.
 [[nodiscard]] std::vector<std::byte> compress(std::span<const std::byte> bytes);
+/// The same at a level of zstd's own, 1 to 19.
+[[nodiscard]] std::vector<std::byte> compress(std::span<const std::byte> bytes, int level);
 
 /// The same of content that comes in pieces and is never held as a whole. O(piece) memory beside
 /// the frame and a window of a few megabytes.

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/store/visit_content.hpp"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include <zstd.h>
+
+#include "core/base/damage.hpp"
+#include "memory/store/detail/blob.hpp"
+
+namespace strata::memory {
+namespace {
+
+/// Everything of a scan but its ranges. No padding: it goes out as it lies in memory.
+struct VisitHeader {
+  std::int64_t stamp_ns;
+  double map_from_robot[3];
+  double robot_from_laser[3];
+  float angle_min_rad;
+  float angle_increment_rad;
+  float time_increment_s;
+  float scan_time_s;
+  float range_min_m;
+  float range_max_m;
+  std::uint32_t ranges;
+  std::uint32_t steps_a_metre;  ///< its ranges are whole steps; 0: they are floats
+};
+static_assert(sizeof(VisitHeader) == 88);
+
+constexpr std::uint32_t kFloats = 0;
+constexpr std::array<std::uint32_t, 2> kSteps{100, 1000};
+/// Ranges that are no number of steps.
+constexpr std::uint16_t kNothingSeen = 0xFFFF;
+constexpr std::uint16_t kTooClose = 0xFFFE;
+constexpr std::uint16_t kNan = 0xFFFD;
+constexpr double kMostSteps = 0xFFFC;
+
+float range_of(std::uint16_t steps, std::uint32_t steps_a_metre) {
+  switch (steps) {
+    case kNothingSeen:
+      return std::numeric_limits<float>::infinity();
+    case kTooClose:
+      return -std::numeric_limits<float>::infinity();
+    case kNan:
+      return std::numeric_limits<float>::quiet_NaN();
+    default:
+      return static_cast<float>(static_cast<double>(steps) / static_cast<double>(steps_a_metre));
+  }
+}
+
+std::uint16_t steps_of(float range_m, std::uint32_t steps_a_metre) {
+  if (std::isnan(range_m)) return kNan;
+  if (std::isinf(range_m)) return range_m > 0.0F ? kNothingSeen : kTooClose;
+  const double steps = std::round(double{range_m} * static_cast<double>(steps_a_metre));
+  return steps >= 0.0 && steps <= kMostSteps ? static_cast<std::uint16_t>(steps) : kNan;
+}
+
+bool is_same(float a, float b) {
+  return (std::isnan(a) && std::isnan(b)) ||
+         std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+}
+
+bool are_whole(std::span<const float> ranges_m, std::uint32_t steps_a_metre) {
+  for (const float range_m : ranges_m) {
+    if (!is_same(range_of(steps_of(range_m, steps_a_metre), steps_a_metre), range_m)) return false;
+  }
+  return true;
+}
+
+std::uint32_t steps_a_metre_of(std::span<const float> ranges_m) {
+  for (const std::uint32_t steps_a_metre : kSteps) {
+    if (are_whole(ranges_m, steps_a_metre)) return steps_a_metre;
+  }
+  return kFloats;
+}
+
+/// Small numbers for small differences of either sign.
+std::uint16_t zigzag(std::uint16_t difference) {
+  const bool is_negative = (difference & 0x8000U) != 0U;
+  const auto twice = static_cast<std::uint16_t>(difference << 1U);
+  return is_negative ? static_cast<std::uint16_t>(~twice) : twice;
+}
+std::uint16_t from_zigzag(std::uint16_t code) {
+  const auto half = static_cast<std::uint16_t>(code >> 1U);
+  return (code & 1U) != 0U ? static_cast<std::uint16_t>(~half) : half;
+}
+
+VisitHeader header_of(const PosedScan& posed) {
+  const Scan& scan = posed.scan;
+  const Pose2& pose = posed.map_from_robot;
+  const Pose2& laser = scan.robot_from_laser;
+  return {scan.stamp.ns,
+          {pose.x, pose.y, pose.theta},
+          {laser.x, laser.y, laser.theta},
+          scan.angle_min_rad,
+          scan.angle_increment_rad,
+          scan.time_increment_s,
+          scan.scan_time_s,
+          scan.range_min_m,
+          scan.range_max_m,
+          static_cast<std::uint32_t>(scan.ranges_m.size()),
+          steps_a_metre_of(scan.ranges_m)};
+}
+
+PosedScan scan_of(const VisitHeader& header, int run) {
+  PosedScan posed;
+  posed.run = run;
+  posed.map_from_robot = {header.map_from_robot[0], header.map_from_robot[1],
+                          header.map_from_robot[2]};
+  Scan& scan = posed.scan;
+  scan.stamp = {header.stamp_ns};
+  scan.robot_from_laser = {header.robot_from_laser[0], header.robot_from_laser[1],
+                           header.robot_from_laser[2]};
+  scan.angle_min_rad = header.angle_min_rad;
+  scan.angle_increment_rad = header.angle_increment_rad;
+  scan.time_increment_s = header.time_increment_s;
+  scan.scan_time_s = header.scan_time_s;
+  scan.range_min_m = header.range_min_m;
+  scan.range_max_m = header.range_max_m;
+  scan.ranges_m.resize(header.ranges);
+  return posed;
+}
+
+template <typename T>
+void append(std::vector<std::byte>& bytes, std::span<const T> values) {
+  const std::vector<std::byte> planes = detail::to_planes(values);
+  bytes.insert(bytes.end(), planes.begin(), planes.end());
+}
+
+[[noreturn]] void throw_damaged(const std::string& place) {
+  throw DamageError(place, "is damaged: its scans are not whole",
+                    "push the visit again from the robot that drove it");
+}
+
+/// Takes planes of `count` values off the front of `rest`.
+template <typename T>
+std::vector<T> take(std::span<const std::byte>& rest, std::size_t count, const std::string& place) {
+  if (rest.size() / sizeof(T) < count) throw_damaged(place);
+  std::vector<T> values(count);
+  detail::from_planes(rest.first(count * sizeof(T)), std::span<T>(values));
+  rest = rest.subspan(count * sizeof(T));
+  return values;
+}
+
+}  // namespace
+
+std::vector<std::byte> visit_content(std::span<const PosedScan> scans) {
+  std::vector<VisitHeader> headers;
+  std::vector<std::uint16_t> steps;
+  std::vector<float> floats;
+  for (const PosedScan& posed : scans) {
+    const VisitHeader& header = headers.emplace_back(header_of(posed));
+    const std::vector<float>& ranges_m = posed.scan.ranges_m;
+    if (header.steps_a_metre == kFloats) {
+      for (const float range_m : ranges_m) {
+        floats.push_back(std::isnan(range_m) ? std::numeric_limits<float>::quiet_NaN() : range_m);
+      }
+      continue;
+    }
+    std::uint16_t last = 0;
+    for (const float range_m : ranges_m) {
+      const std::uint16_t now = steps_of(range_m, header.steps_a_metre);
+      steps.push_back(zigzag(static_cast<std::uint16_t>(now - last)));
+      last = now;
+    }
+  }
+  const auto count = static_cast<std::uint32_t>(scans.size());
+  std::vector<std::byte> bytes(sizeof(count));
+  std::memcpy(bytes.data(), &count, sizeof(count));
+  append(bytes, std::span<const VisitHeader>(headers));
+  append(bytes, std::span<const std::uint16_t>(steps));
+  append(bytes, std::span<const float>(floats));
+  return bytes;
+}
+
+std::vector<PosedScan> scans_of_visit(std::span<const std::byte> content, int run,
+                                      const std::string& place) {
+  std::uint32_t count = 0;
+  if (content.size() < sizeof(count)) throw_damaged(place);
+  std::memcpy(&count, content.data(), sizeof(count));
+  std::span<const std::byte> rest = content.subspan(sizeof(count));
+  const auto headers = take<VisitHeader>(rest, count, place);
+  std::size_t in_steps = 0;
+  std::size_t in_floats = 0;
+  for (const VisitHeader& header : headers) {
+    (header.steps_a_metre == kFloats ? in_floats : in_steps) += header.ranges;
+  }
+  const auto steps = take<std::uint16_t>(rest, in_steps, place);
+  const auto floats = take<float>(rest, in_floats, place);
+  if (!rest.empty()) throw_damaged(place);
+
+  std::vector<PosedScan> scans;
+  scans.reserve(count);
+  std::size_t next_step = 0;
+  std::size_t next_float = 0;
+  for (const VisitHeader& header : headers) {
+    PosedScan& posed = scans.emplace_back(scan_of(header, run));
+    std::uint16_t last = 0;
+    for (float& range_m : posed.scan.ranges_m) {
+      if (header.steps_a_metre == kFloats) {
+        range_m = floats[next_float++];
+        continue;
+      }
+      last = static_cast<std::uint16_t>(last + from_zigzag(steps[next_step++]));
+      range_m = range_of(last, header.steps_a_metre);
+    }
+  }
+  return scans;
+}
+
+std::vector<std::byte> pack_visit(std::span<const std::byte> content) {
+  constexpr int kLevel = 19;
+  return detail::compress(content, kLevel);
+}
+
+std::vector<std::byte> unpack_visit(std::span<const std::byte> packed, const std::string& place) {
+  // Whoever may push must not make others take all of their memory.
+  constexpr unsigned long long kMostBytes = 1ULL << 30U;
+  const unsigned long long stated = ZSTD_getFrameContentSize(packed.data(), packed.size());
+  if (stated > kMostBytes) throw_damaged(place);  // also what zstd says of what is no frame
+  return detail::decompress(packed, place);
+}
+
+}  // namespace strata::memory
