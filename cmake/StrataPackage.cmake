@@ -46,5 +46,8 @@ if(STRATA_COMPONENTS)
   string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     ", libfastrtps-dev, libfastcdr-dev, libyaml-cpp-dev, liblz4-dev, libbz2-dev, zlib1g-dev, libpng-dev,"
     " librsvg2-bin, libssl-dev, nlohmann-json3-dev, libcli11-dev, libboost-dev")
+  if(STRATA_FLEET)
+    string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libpq-dev")
+  endif()
 endif()
 include(CPack)

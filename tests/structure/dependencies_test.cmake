@@ -5,7 +5,7 @@ cmake_minimum_required(VERSION 3.22)
 # find_package's name -> Debian package. System: comes with the compiler.
 set(found_by
   Threads=System BZip2=libbz2-dev Boost=libboost-dev Ceres=libceres-dev CLI11=libcli11-dev Eigen3=libeigen3-dev GTest=libgtest-dev
-  OpenSSL=libssl-dev PNG=libpng-dev Python3=python3 SQLite3=libsqlite3-dev
+  OpenSSL=libssl-dev PNG=libpng-dev PostgreSQL=libpq-dev Python3=python3 SQLite3=libsqlite3-dev
   ZLIB=zlib1g-dev benchmark=libbenchmark-dev fastcdr=libfastcdr-dev fastrtps=libfastrtps-dev
   hwy=libhwy-dev nlohmann_json=nlohmann-json3-dev octomap=liboctomap-dev
   yaml-cpp=libyaml-cpp-dev zstd=libzstd-dev)
@@ -13,7 +13,7 @@ set(found_by
 set(keys
   cmake=cmake eigen=libeigen3-dev libceres-dev=libceres-dev libboost-dev=libboost-dev
   liboctomap-dev=liboctomap-dev libssl-dev=libssl-dev libsqlite3-dev=libsqlite3-dev
-  libzstd-dev=libzstd-dev liblz4-dev=liblz4-dev bzip2=libbz2-dev zlib=zlib1g-dev libpng-dev=libpng-dev
+  libzstd-dev=libzstd-dev liblz4-dev=liblz4-dev bzip2=libbz2-dev zlib=zlib1g-dev libpng-dev=libpng-dev libpq-dev=libpq-dev
   yaml-cpp=libyaml-cpp-dev nlohmann-json-dev=nlohmann-json3-dev
   cli11=libcli11-dev libgtest-dev=libgtest-dev libgmock-dev=libgmock-dev benchmark=libbenchmark-dev
   python3=python3)

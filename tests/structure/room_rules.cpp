@@ -43,6 +43,7 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"components/clouds", {"components/log"}},
       {"components/maps", {"core", "memory", "components/log", "components/settings"}},
       {"components/site", {"components/maps"}},
+      {"components/fleet", {"components/site"}},
       {"components/topologies", {"components/maps"}},
       {"components/security", {"core"}},
       {"components/bus", {"core/base", "components/convert", "components/security"}},

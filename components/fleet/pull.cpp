@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/fleet/pull.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "components/log/disk.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::fleet {
+namespace {
+
+/// Goes with what is in it.
+class Scratch {
+ public:
+  explicit Scratch(const fs::path& name) : folder_(log::staged_name(name)) {
+    log::remove_left_over(name);
+  }
+  ~Scratch() {
+    std::error_code error;
+    fs::remove_all(folder_, error);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  [[nodiscard]] const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
+bool has(const site::Site& site, const std::string& hash) {
+  const auto versions = site.versions();
+  return std::any_of(versions.begin(), versions.end(), [&](const site::VersionStatus& one) {
+    return one.version.hash == hash && one.fault.empty();
+  });
+}
+
+}  // namespace
+
+std::optional<Pulled> pull(Connection& connection, site::Site& site, const PullOptions& options,
+                           const site::Actor& actor) {
+  require_same_site(connection, site);
+  const std::string id = site.decisions().id;
+  const std::optional<ServerVersion> wanted = newest_released(connection, id);
+  if (!wanted) return std::nullopt;
+  const std::string note = "released by " + wanted->by + " at " + wanted->at + " on " +
+                           connection.place() + (wanted->note.empty() ? "" : ": " + wanted->note);
+  Pulled pulled{*wanted, {}, !has(site, wanted->hash)};
+  if (pulled.is_new) {
+    const Scratch scratch(site.folder() / "fetched");
+    fetch(connection, id, wanted->hash, scratch.folder());
+    (void)site.add(scratch.folder(), actor, note);
+  }
+  pulled.status = site.find(wanted->hash);
+  if (options.approve && pulled.status.state == site::VersionState::kCandidate) {
+    site.approve(wanted->hash, actor, note);
+  }
+  if (options.activate) (void)site.activate(wanted->hash, actor);
+  pulled.status = site.find(wanted->hash);
+  return pulled;
+}
+
+}  // namespace strata::fleet

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/fleet/push.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "components/fleet/schema.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "memory/store/visit_content.hpp"
+
+namespace strata::fleet {
+namespace {
+
+/// What the server has of this robot: hashes by number.
+std::map<std::int64_t, std::string> own_visits(Connection& connection, const Member& robot) {
+  const Rows rows =
+      connection.query("SELECT visit, sha256 FROM strata.visit WHERE site = $1 AND robot = $2",
+                       {robot.site, robot.name});
+  std::map<std::int64_t, std::string> visits;
+  for (std::size_t i = 0; i < rows.size(); ++i) visits[rows.integer(i, 0)] = rows.text(i, 1);
+  return visits;
+}
+
+std::set<std::string> released_runs(Connection& connection) {
+  const Rows rows = connection.query("SELECT strata.known_runs()");
+  std::set<std::string> runs;
+  for (std::size_t i = 0; i < rows.size(); ++i) runs.insert(rows.text(i, 0));
+  return runs;
+}
+
+void require_same_frame(const Connection& connection, const std::filesystem::path& maps,
+                        const std::vector<Visit>& visits, const std::set<std::string>& released) {
+  if (released.empty()) {
+    throw InputError(connection.place(),
+                     "has no version of the site yet, so nobody knows its frame",
+                     "an operator releases one first: `strata fleet release`");
+  }
+  const bool shares_one = std::any_of(visits.begin(), visits.end(), [&](const Visit& visit) {
+    return released.contains(visit.name.sha256);
+  });
+  if (shares_one) return;
+  throw InputError(maps.string(),
+                   "was not learned from a version of the site: its frame is its own",
+                   "pull a version, and learn with `--update` of its maps");
+}
+
+/// One statement, which is one transaction.
+PushOutcome send(Connection& connection, const Member& robot, const Visit& visit,
+                 std::span<const std::byte> payload) {
+  const Rows sent = connection.query(
+      "INSERT INTO strata.visit (site, robot, visit, sha256, format, scans, end_ns, path_m, "
+      "payload) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9) ON CONFLICT DO NOTHING",
+      {robot.site, robot.name, visit.name.number, visit.name.sha256, memory::kVisitFormat,
+       visit.scans, visit.end_ns, visit.path_m, payload});
+  if (sent.changed() == 1) return PushOutcome::kSent;
+  const auto there = own_visits(connection, robot);  // another process was quicker
+  return there.at(visit.name.number) == visit.name.sha256 ? PushOutcome::kThere
+                                                          : PushOutcome::kClash;
+}
+
+}  // namespace
+
+const char* name_of(PushOutcome outcome) {
+  switch (outcome) {
+    case PushOutcome::kSent:
+      return "sent";
+    case PushOutcome::kThere:
+      return "there";
+    case PushOutcome::kReleased:
+      return "released";
+    case PushOutcome::kClash:
+      break;
+  }
+  return "clash";
+}
+
+void push(Connection& connection, const std::string& site, const std::filesystem::path& maps,
+          const std::function<void(const PushedVisit&)>& told) {
+  const Member robot = require_member(connection, site);
+  if (robot.kind != MemberKind::kRobot) {
+    throw InputError(connection.place(),
+                     robot.role + " is an " + name_of(robot.kind) + ", and visits are robots'",
+                     "give the URL that `strata fleet add-robot` printed");
+  }
+  const memory::Store store = maps::open_for_reading(maps);
+  std::vector<Visit> visits;
+  for (const int run : store.runs_with_scans()) {
+    visits.push_back(visit_of(store, run));
+    visits.back().content.clear();  // of long memories only the one that is sent is held
+    visits.back().content.shrink_to_fit();
+  }
+  const std::set<std::string> released = released_runs(connection);
+  require_same_frame(connection, maps, visits, released);
+  const auto there = own_visits(connection, robot);
+  for (Visit& visit : visits) {
+    visit.name.robot = robot.name;
+    PushedVisit pushed{visit.name, visit.run, visit.scans, visit.path_m, 0, PushOutcome::kReleased};
+    const auto same_number = there.find(visit.name.number);
+    if (!released.contains(visit.name.sha256)) {
+      if (same_number != there.end()) {
+        pushed.outcome =
+            same_number->second == visit.name.sha256 ? PushOutcome::kThere : PushOutcome::kClash;
+      } else {
+        const auto payload = memory::pack_visit(visit_of(store, visit.run).content);
+        pushed.outcome = send(connection, robot, visit, payload);
+        if (pushed.outcome == PushOutcome::kSent) pushed.bytes = payload.size();
+      }
+    }
+    told(pushed);
+  }
+}
+
+}  // namespace strata::fleet

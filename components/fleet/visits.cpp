@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/fleet/visits.hpp"
+
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "components/log/sha256.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "core/base/damage.hpp"
+#include "memory/store/visit_content.hpp"
+
+namespace strata::fleet {
+namespace {
+
+std::string hash_of(std::span<const std::byte> content) {
+  return log::sha256_of(
+      std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
+}
+
+std::string named(const std::string& place, const VisitName& name) {
+  return place + ": visit " + std::to_string(name.number) + " of " + name.robot;
+}
+
+std::vector<std::byte> fetch_content(Connection& connection, const std::string& site,
+                                     const VisitName& name) {
+  const std::string place = named(connection.place(), name);
+  const Rows format = connection.query(
+      "SELECT format FROM strata.visit WHERE site = $1 AND robot = $2 AND visit = $3",
+      {site, name.robot, name.number});
+  if (format.integer(0, 0) != memory::kVisitFormat) {
+    throw InputError(place, "is of a format that this Strata does not know", "update Strata here");
+  }
+  const Rows rows = connection.query_bytes(
+      "SELECT payload FROM strata.visit WHERE site = $1 AND robot = $2 AND visit = $3",
+      {site, name.robot, name.number});
+  std::vector<std::byte> content = memory::unpack_visit(rows.bytes(0, 0), place);
+  if (hash_of(content) != name.sha256) {
+    throw DamageError(place, "is damaged: its hash does not hold",
+                      "set the robot aside, and look into the server's disk");
+  }
+  return content;
+}
+
+}  // namespace
+
+Visit visit_of(const memory::Store& store, int run) {
+  const std::vector<PosedScan> scans = store.load_scans(run);
+  Visit visit;
+  visit.run = run;
+  visit.name.number = scans.front().scan.stamp.ns;
+  visit.end_ns = scans.back().scan.stamp.ns;
+  visit.scans = scans.size();
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    const Pose2 step = inverse(scans[i - 1].map_from_robot) * scans[i].map_from_robot;
+    visit.path_m += std::hypot(step.x, step.y);
+  }
+  visit.content = memory::visit_content(scans);
+  visit.name.sha256 = hash_of(visit.content);
+  return visit;
+}
+
+std::vector<std::string> run_hashes(const std::filesystem::path& maps) {
+  const memory::Store store = maps::open_for_reading(maps);
+  std::vector<std::string> hashes;
+  for (const int run : store.runs_with_scans()) hashes.push_back(visit_of(store, run).name.sha256);
+  return hashes;
+}
+
+std::vector<VisitName> visit_names(Connection& connection, const std::string& site) {
+  // Bytes, not letters, are compared: every server sorts alike.
+  const Rows rows = connection.query(
+      "SELECT v.robot, v.visit, v.sha256 FROM strata.visit AS v JOIN strata.robot AS r USING "
+      "(site, robot) WHERE v.site = $1 AND r.set_aside IS NULL ORDER BY v.robot::text COLLATE "
+      "\"C\", v.visit",
+      {site});
+  std::vector<VisitName> names;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    names.push_back({rows.text(i, 0), rows.integer(i, 1), rows.text(i, 2)});
+  }
+  return names;
+}
+
+void for_each_visit(Connection& connection, const std::string& site,
+                    const std::set<std::string>& known,
+                    const std::function<void(const VisitName&, std::vector<PosedScan>)>& take) {
+  for (const VisitName& name : visit_names(connection, site)) {
+    if (known.contains(name.sha256)) continue;
+    take(name, memory::scans_of_visit(fetch_content(connection, site, name), 0,
+                                      named(connection.place(), name)));
+  }
+}
+
+}  // namespace strata::fleet

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Visits: what one robot saw on one drive, as a fleet's server keeps it (docs/fleet.md, "What a
+/// visit is").
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "components/fleet/connection.hpp"
+#include "core/scan/scan.hpp"
+#include "memory/store/store.hpp"
+
+namespace strata::fleet {
+
+/// What names a visit: of a robot no two have the same number.
+struct VisitName {
+  std::string robot;
+  std::int64_t number = 0;  ///< stamp of its first scan, in nanoseconds
+  std::string sha256;       ///< of its content (memory/store/visit_content.hpp)
+};
+
+struct Visit {
+  VisitName name;
+  int run = 0;  ///< of a MAPS folder
+  std::int64_t end_ns = 0;
+  std::size_t scans = 0;
+  double path_m = 0.0;
+  std::vector<std::byte> content;
+};
+
+/// A run of a MAPS folder as a visit, without a robot. Requires scans. O(beams).
+[[nodiscard]] Visit visit_of(const memory::Store& store, int run);
+
+/// The hash of each run's visit of a MAPS folder, in the order of the runs. O(beams of all).
+[[nodiscard]] std::vector<std::string> run_hashes(const std::filesystem::path& maps);
+
+/// Every visit of a site but those of robots that were set aside and those whose hash is in
+/// `known`, sorted by robot and number, so that who came first makes no difference; payloads are
+/// fetched one by one, unpacked, and their hash is checked. For an operator or the owner. Throws
+/// DamageError where a hash does not hold.
+void for_each_visit(Connection& connection, const std::string& site,
+                    const std::set<std::string>& known,
+                    const std::function<void(const VisitName&, std::vector<PosedScan>)>& take);
+
+/// The names alone.
+[[nodiscard]] std::vector<VisitName> visit_names(Connection& connection, const std::string& site);
+
+}  // namespace strata::fleet
