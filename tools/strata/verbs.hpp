@@ -18,6 +18,7 @@ void add_compare(CLI::App& app, VerbContext& context);
 void add_convert(CLI::App& app, VerbContext& context);
 void add_doctor(CLI::App& app, VerbContext& context);
 void add_evaluate(CLI::App& app, VerbContext& context);
+void add_fleet(CLI::App& app, VerbContext& context);
 void add_incidents(CLI::App& app, VerbContext& context);
 void add_info(CLI::App& app, VerbContext& context);
 void add_keystore(CLI::App& app, VerbContext& context);
@@ -53,6 +54,7 @@ inline constexpr AddVerb kVerbs[] = {
     add_view,       //
     add_incidents,  //
     add_site,       //
+    add_fleet,      //
     add_doctor,     //
     add_keystore,   //
     add_messages,   //

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The actions of `strata fleet`, which programs built without PostgreSQL only refuse
+/// (no_fleet.cpp).
+#pragma once
+
+#include <string>
+
+#include "tools/strata/verb_context.hpp"
+
+namespace strata::tools {
+
+struct FleetOptions {
+  std::string url;
+  std::string site;    ///< name on the server
+  std::string folder;  ///< of a site, or of maps
+  std::string frame = "map";
+  std::string name;  ///< of a robot or an operator
+  std::string version;
+  std::string password_file;
+  std::string by;
+  std::string note;
+  std::string why;
+  int timeout_s = 120;
+  bool new_password = false;
+  bool approve = false;
+  bool activate = false;
+  bool undo = false;
+  bool json = false;
+};
+
+/// Runs the action of that name.
+void run_fleet_action(const std::string& name, const FleetOptions& options, VerbContext& context);
+
+}  // namespace strata::tools
