@@ -48,7 +48,9 @@ std::optional<Pulled> pull(Connection& connection, site::Site& site, const PullO
   if (!wanted) return std::nullopt;
   const std::string note = "released by " + wanted->by + " at " + wanted->at + " on " +
                            connection.place() + (wanted->note.empty() ? "" : ": " + wanted->note);
-  Pulled pulled{*wanted, {}, !has(site, wanted->hash)};
+  Pulled pulled;
+  pulled.version = *wanted;
+  pulled.is_new = !has(site, wanted->hash);
   if (pulled.is_new) {
     const Scratch scratch(site.folder() / "fetched");
     fetch(connection, id, wanted->hash, scratch.folder());

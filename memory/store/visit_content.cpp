@@ -126,10 +126,16 @@ PosedScan scan_of(const VisitHeader& header, int run) {
   return posed;
 }
 
+/// The values as planes of their bytes (detail::to_planes), behind what is there.
 template <typename T>
 void append(std::vector<std::byte>& bytes, std::span<const T> values) {
-  const std::vector<std::byte> planes = detail::to_planes(values);
-  bytes.insert(bytes.end(), planes.begin(), planes.end());
+  const std::size_t begin = bytes.size();
+  bytes.resize(begin + values.size() * sizeof(T));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::array<std::byte, sizeof(T)> raw;
+    std::memcpy(raw.data(), &values[i], sizeof(T));
+    for (std::size_t b = 0; b < sizeof(T); ++b) bytes[begin + b * values.size() + i] = raw[b];
+  }
 }
 
 [[noreturn]] void throw_damaged(const std::string& place) {
@@ -170,8 +176,8 @@ std::vector<std::byte> visit_content(std::span<const PosedScan> scans) {
     }
   }
   const auto count = static_cast<std::uint32_t>(scans.size());
-  std::vector<std::byte> bytes(sizeof(count));
-  std::memcpy(bytes.data(), &count, sizeof(count));
+  std::vector<std::byte> bytes;
+  append(bytes, std::span<const std::uint32_t>(&count, 1));
   append(bytes, std::span<const VisitHeader>(headers));
   append(bytes, std::span<const std::uint16_t>(steps));
   append(bytes, std::span<const float>(floats));
