@@ -56,7 +56,8 @@ float range_of(std::uint16_t steps, std::uint32_t steps_a_metre) {
 std::uint16_t steps_of(float range_m, std::uint32_t steps_a_metre) {
   if (std::isnan(range_m)) return kNan;
   if (std::isinf(range_m)) return range_m > 0.0F ? kNothingSeen : kTooClose;
-  const double steps = std::round(double{range_m} * static_cast<double>(steps_a_metre));
+  const double steps =
+      std::round(static_cast<double>(range_m) * static_cast<double>(steps_a_metre));
   return steps >= 0.0 && steps <= kMostSteps ? static_cast<std::uint16_t>(steps) : kNan;
 }
 
