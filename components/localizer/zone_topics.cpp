@@ -48,7 +48,7 @@ ZoneTopics::ZoneTopics(const ZoneTopicsConfig& config, std::string map_frame,
 void ZoneTopics::tell(const site::Site& site) {
   std::string fault;
   try {
-    send(site);
+    fault = send(site);
   } catch (const std::exception& error) {
     fault = std::string("its zones are not used as they are now: ") + error.what();
   }
@@ -56,7 +56,7 @@ void ZoneTopics::tell(const site::Site& site) {
   fault_ = std::move(fault);
 }
 
-void ZoneTopics::send(const site::Site& site) {
+std::string ZoneTopics::send(const site::Site& site) {
   const site::Zones zones = site.zones();
   const ReflectionGrid map =
       maps::open_for_reading(site::real_maps(site.folder())).load_reflection_grid("filtered");
@@ -71,6 +71,7 @@ void ZoneTopics::send(const site::Site& site) {
     topics_[i].mask.send(masks[i].values, masks[i].meaning, now(), map_frame_);
     topics_[i].sent = hash;
   }
+  return site::narrow_zones(zones, map.resolution_m(), rect);
 }
 
 std::string ZoneTopics::fault() const {

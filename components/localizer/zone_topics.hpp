@@ -43,11 +43,13 @@ class ZoneTopics {
   /// Sends the masks that are not as they were sent last, on the cells of the active map and of the
   /// zones. Zones that cannot be read leave all as they are. One thread at a time. O(cells).
   void tell(const site::Site& site);
-  /// Why the zones are not used as they are now; empty: they are. Thread-safe.
+  /// Why the zones are not used as they are now, or which does nothing; empty: all is well.
+  /// Thread-safe.
   [[nodiscard]] std::string fault() const;
 
  private:
-  void send(const site::Site& site);
+  /// Returns which zones do nothing.
+  std::string send(const site::Site& site);
 
   struct Topic {
     site::MaskKind kind;

@@ -194,6 +194,17 @@ FilterMeaning usual_meaning(MaskKind kind) {
   return {};
 }
 
+std::string narrow_zones(const Zones& zones, double resolution_m, const CellRect& rect) {
+  std::string names;
+  for (const Zone& zone : zones.zones) {
+    bool has_some = false;
+    for_each_cell(zone, resolution_m, rect, [&](const Cell&) { has_some = true; });
+    if (!has_some) names += (names.empty() ? "'" : ", '") + zone.name + "'";
+  }
+  if (names.empty()) return names;
+  return "narrower than the map's cells, these zones do nothing: " + names + "; draw them wider";
+}
+
 CellRect mask_rect(const Zones& zones, const ReflectionGrid& map) {
   CellRect rect = map.rect();
   for (const Zone& zone : zones.zones) {

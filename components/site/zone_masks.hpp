@@ -55,6 +55,11 @@ struct ZoneMask {
 [[nodiscard]] ZoneMask mask_of(const Zones& zones, MaskKind kind, const ReflectionGrid& map,
                                const CellRect& rect, const MaskConfig& config = {});
 
+/// One line for people about zones that do nothing since no cell of `rect` has its middle in them,
+/// such as a line of tape; empty when there are none. O(cells + corners).
+[[nodiscard]] std::string narrow_zones(const Zones& zones, double resolution_m,
+                                       const CellRect& rect);
+
 /// What may be learned in each cell of `rect`; where zones of kind learn overlap, the smallest
 /// holds, and of two alike the stricter. Values are those of LearnControl. O(cells + corners).
 [[nodiscard]] Grid<std::uint8_t> learn_control(const Zones& zones, double resolution_m,

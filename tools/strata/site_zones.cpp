@@ -20,6 +20,7 @@
 #include "tools/site/often_changing.hpp"
 #include "tools/site/zone_picture.hpp"
 #include "tools/strata/result_directory.hpp"
+#include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
 namespace fs = std::filesystem;
@@ -62,6 +63,20 @@ void list(const SiteOptions& options, VerbContext& context, const site::Zones& z
   answer(options, context, text, all);
 }
 
+/// What is localized in, or without an active version nothing: then masks have cells of 0.05 m.
+ReflectionGrid map_of(const site::Site& site) {
+  if (!site.active()) return make_reflection_grid(0.05, {});
+  return maps::open_for_reading(site::real_maps(site.folder())).load_reflection_grid("filtered");
+}
+
+/// Of zones that no mask will have.
+void warn_of(const site::Site& site, const site::Zones& zones, VerbContext& context) try {
+  const ReflectionGrid map = map_of(site);
+  warn(context, site::narrow_zones(zones, map.resolution_m(), site::mask_rect(zones, map)));
+} catch (const InputError& error) {
+  warn(context, error.what());
+}
+
 void list_zones(const SiteOptions& options, VerbContext& context) {
   list(options, context, open_site(options, context).zones(), "");
 }
@@ -71,6 +86,7 @@ void set_zones(const SiteOptions& options, VerbContext& context) {
   const site::Zones wanted = site::read_zones(options.zone.file);
   const site::Zones now = site.change_zones([&](site::Zones& zones) { zones = wanted; },
                                             actor(options), "set from " + options.zone.file, true);
+  warn_of(site, now, context);
   list(options, context, now, "has " + counted(now.zones.size(), "zone") + " now");
 }
 
@@ -80,6 +96,7 @@ void add_zones(const SiteOptions& options, VerbContext& context) {
   const site::Zones now = site.change_zones(
       [&](site::Zones& zones) { site::add(zones, more, options.zone.file); }, actor(options),
       "added " + counted(more.zones.size(), "zone") + " from " + options.zone.file);
+  warn_of(site, now, context);
   list(options, context, now, "has " + counted(now.zones.size(), "zone") + " now");
 }
 
@@ -105,12 +122,6 @@ void export_zones(const SiteOptions& options, VerbContext& context) {
   write_text(options.zone.file, site::to_text(zones));
   list(options, context, zones,
        "wrote " + counted(zones.zones.size(), "zone") + " to " + options.zone.file);
-}
-
-/// What is localized in, or without an active version nothing: then masks have cells of 0.05 m.
-ReflectionGrid map_of(const site::Site& site) {
-  if (!site.active()) return make_reflection_grid(0.05, {});
-  return maps::open_for_reading(site::real_maps(site.folder())).load_reflection_grid("filtered");
 }
 
 /// The parameters of nav2's costmap_filter_info_server, and of the map_server of the mask.

@@ -95,6 +95,17 @@ TEST_F(LiveZones, AreToldToLateJoinersAsTheyAreNow) {
   EXPECT_EQ(value_at(keepout_.wait_for(1).back(), 1.5, 1.5), 60);
 }
 
+TEST_F(LiveZones, ThatDoNothingAreToldOf) {
+  const MetricPolygon tape{{{1.0, 1.01}, {2.0, 1.01}, {2.0, 1.02}, {1.0, 1.02}}, {}};
+  add(site::zones_of(site::to_feature({tape}, {{"name", "tape"}, {"kind", "keepout"}}), "test"));
+  EXPECT_TRUE(test::comes_true([&] {
+    host_->tick();
+    const auto all = diagnostics_.wait_for(0);
+    return !all.empty() && all.back().status().front().message().find(
+                               "these zones do nothing: 'tape'") != std::string::npos;
+  }));
+}
+
 TEST_F(LiveZones, ThatCannotBeReadLeaveTheMasksAndAreToldOf) {
   add(square(1.0, 1.0, {{"name", "dock"}, {"kind", "keepout"}}));
   ASSERT_TRUE(says(keepout_, 1.5, 1.5, 100));

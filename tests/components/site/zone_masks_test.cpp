@@ -43,6 +43,20 @@ std::vector<int> values_of(const ZoneMask& mask) {
   return values;
 }
 
+TEST(ZoneMasks, ZonesNarrowerThanACellAreNamed) {
+  const auto lane = [](double begin_m, double end_m, const char* name) {
+    const MetricPolygon polygon{{{1.0, begin_m}, {5.0, begin_m}, {5.0, end_m}, {1.0, end_m}}, {}};
+    return to_feature({polygon}, {{"name", name}, {"kind", "keepout"}});
+  };
+  const Zones zones = zones_with(
+      Document::array({lane(0.4, 0.6, "over the middles"), lane(0.51, 0.9, "beside them"),
+                       lane(3.4, 3.6, "beyond the cells")}));
+  const std::string line = narrow_zones(zones, 1.0, kRect);
+  EXPECT_THAT(line, testing::HasSubstr("'beside them', 'beyond the cells'"));
+  EXPECT_THAT(line, testing::Not(testing::HasSubstr("over the middles")));
+  EXPECT_EQ(narrow_zones(zones, 0.1, {{0, 0}, {60, 60}}), "");
+}
+
 TEST(ZoneMasks, MeanToNav2WhatTheZonesSay) {
   const Zones zones = zones_with(Document::array(
       {rectangle({{1, 0}, {3, 1}}, {{"name", "a"}, {"kind", "keepout"}}),

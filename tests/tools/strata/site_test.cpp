@@ -154,6 +154,12 @@ TEST_F(SiteVerb, KeepsZonesThatGoToNav2AndBack) {
   const Outcome twice = site("zones", "add " + quoted(at("out.geojson")));
   EXPECT_EQ(twice.code, 2);
   EXPECT_THAT(twice.out, HasSubstr("feature 1: properties.name: is \"ramp\""));
+  std::ofstream(at("tape.geojson")) << R"({"type": "FeatureCollection", "features":
+    [{"type": "Feature", "properties": {"name": "tape", "kind": "keepout"},
+      "geometry": {"type": "Polygon", "coordinates": [[[0,3.01],[2,3.01],[2,3.02],[0,3.02],[0,3.01]]]}}]})";
+  const Outcome tape = site("zones", "add " + quoted(at("tape.geojson")));
+  EXPECT_EQ(tape.code, 0);
+  EXPECT_THAT(tape.out, HasSubstr("these zones do nothing: 'tape'"));
   EXPECT_EQ(site("zones", "mask sped --out " + quoted(at("no"))).code, 2);
   EXPECT_FALSE(fs::exists(at("no")));
 }
