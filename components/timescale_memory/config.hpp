@@ -23,6 +23,7 @@ struct TimescaleMemoryConfig {
   std::string changes_before;
   std::string changes_now;
   std::vector<std::string> robots;
+  std::string zones;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("timescale", c.timescale, "the timescale memory");
@@ -59,6 +60,10 @@ struct TimescaleMemoryConfig {
                     "/robot2], all in one map frame and with one clock; empty: the one in this "
                     "namespace",
              .when = "several robots share one memory"});
+    v.field(
+        "zones", c.zones,
+        {.doc = "a site, or a GeoJSON file: beams that reach a zone of kind learn whose control "
+                "is never_learn teach nothing; read when it is configured; empty: none"});
   }
 };
 

@@ -13,7 +13,9 @@
 #include "components/maps/changes_json.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/node_map_message.hpp"
+#include "components/site/learn_limits.hpp"
 #include "core/base/error.hpp"
+#include "core/grid/blind_beams.hpp"
 #include "memory/nodes/changed_places.hpp"
 
 namespace strata::timescale_memory {
@@ -49,6 +51,9 @@ void TimescaleMemory::on_configure() {
   require_level(config_, "changes_before", config_.changes_before);
   require_level(config_, "changes_now", config_.changes_now);
   keep_live(config_, {"publish_period_s", "changes_period_s"});
+  if (!config_.zones.empty()) {
+    never_learned_ = site::learn_limits(site::zones_at(config_.zones), kZoneCell_m).never;
+  }
   const bool is_kept = !lockstep() && !config_.store.empty();
   if (is_kept) log::require_own_file(config_.store, log::kDatabase, "store");
   if (is_kept && context().dry_run) log::require_file_place(config_.store);
@@ -117,6 +122,7 @@ void TimescaleMemory::on_scan(const strata_msgs::msg::LabeledScan& message, int 
   if (!lockstep()) poses_[robot].require(scan.map_from_robot, resolve("labeled_scan"));
   // Robots that share a memory count their runs each for itself: only the clock is common.
   if (!config_.robots.empty()) scan.run = 0;
+  (void)blind_beams(scan, never_learned_);
   memory_->observe(scan, nullptr, robot);
   if (!is_time_to_publish(scan.scan.stamp)) return;
   const auto begin = std::chrono::steady_clock::now();
@@ -177,6 +183,7 @@ void TimescaleMemory::on_cleanup() {
   memory_.reset();
   decoded_.reset();
   poses_.clear();
+  never_learned_ = Grid<std::uint8_t>(kZoneCell_m, CellRect{}, 0);
   last_published_.reset();
   last_changes_.reset();
   rest_until_ = {};

@@ -17,6 +17,7 @@
 #include "components/runtime/pose_watch.hpp"
 #include "components/timescale_memory/config.hpp"
 #include "components/timescale_memory/memory_file.hpp"
+#include "core/grid/grid.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
 namespace strata::timescale_memory {
@@ -47,10 +48,13 @@ class TimescaleMemory final : public runtime::Component {
   void publish_changes(Stamp stamp);
   void publish_expected(const PosedScan& scan, const std::string& frame);
 
+  static constexpr double kZoneCell_m = 0.05;  // the memory has no cells of its own
+
   TimescaleMemoryConfig config_;
   std::optional<memory::TimescaleMemory> memory_;
   std::optional<MemoryFile> file_;
-  std::map<int, runtime::PoseWatch> poses_;  // by robot
+  std::map<int, runtime::PoseWatch> poses_;                       // by robot
+  Grid<std::uint8_t> never_learned_{kZoneCell_m, CellRect{}, 0};  // cells with 1
   std::shared_ptr<const memory::NodeMap> decoded_;
   std::optional<Stamp> last_published_;
   std::optional<Stamp> last_changes_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The memory of running robots, over DDS.
 #include <algorithm>
+#include <cstdint>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,7 +13,9 @@
 
 #include "components/bus/text_message.hpp"
 #include "components/convert/scan_messages.hpp"
+#include "components/site/learn_limits.hpp"
 #include "components/timescale_memory/register.hpp"
+#include "core/grid/blind_beams.hpp"
 #include "memory/store/store.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/components/runtime/status_watch.hpp"
@@ -146,6 +150,33 @@ TEST_F(LiveMemoryTest, GoesOnAfterARestartAsIfNothingHadHappened) {
     ASSERT_TRUE(memory.has_received("/labeled_scan", 20));
   }
   EXPECT_EQ(stored().state(), uninterrupted.state());
+}
+
+TEST_F(LiveMemoryTest, LearnsNothingOfZonesThatForbidIt) {
+  const std::string zones = path() + ".geojson";
+  std::ofstream(zones) << R"({"type": "FeatureCollection", "features": [
+    {"type": "Feature", "properties": {"name": "a", "kind": "learn", "control": "never_learn"},
+     "geometry": {"type": "Polygon",
+                  "coordinates": [[[-9, 0.6], [9, 0.6], [9, 9], [-9, 9], [-9, 0.6]]]}}]})";
+  const Grid<std::uint8_t> cells = site::learn_limits(site::zones_at(zones), 0.05).never;
+  TimescaleMemory blind({}, 1);
+  std::size_t beams = 0;
+  std::size_t blinded = 0;
+  {
+    LiveMemory memory("store: '" + path() + "', zones: '" + zones + "'");
+    Robot robot("/labeled_scan");
+    for (int k = 0; k < 20; ++k) {
+      PosedScan scan = scan_of(0, k);
+      robot.publish(scan);
+      beams += scan.scan.size();
+      blinded += blind_beams(scan, cells);
+      blind.observe(scan);
+    }
+    ASSERT_TRUE(memory.has_received("/labeled_scan", 20));
+  }
+  EXPECT_GT(blinded, beams / 4);
+  EXPECT_LT(blinded, beams);
+  EXPECT_EQ(stored().state(), blind.state());
 }
 
 TEST_F(LiveMemoryTest, PublishesWhichPlacesHaveChanged) {
