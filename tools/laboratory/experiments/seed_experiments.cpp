@@ -5,6 +5,7 @@
 
 #include "tools/laboratory/experiments/among_people.hpp"
 #include "tools/laboratory/experiments/few_beams.hpp"
+#include "tools/laboratory/experiments/half_known.hpp"
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/refined_poses.hpp"
@@ -74,6 +75,8 @@ bool run_seed_experiment(const std::string& name, const SeedOptions& options,
     }
   } else if (name == "refined_poses") {
     report_refined_poses(options.scenarios, seeds, units);
+  } else if (name == "half_known") {
+    report_half_known(seeds, units);
   } else if (name == "starts") {
     report_starts(options.scenarios, seeds, units);
   } else if (name == "offices") {

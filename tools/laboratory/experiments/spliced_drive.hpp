@@ -33,6 +33,9 @@ class SplicedDrive {
 
   [[nodiscard]] localization::Localizer& localizer() { return localizer_; }
 
+  /// Of the scan that is told of, or was last.
+  [[nodiscard]] const Pose2& truth() const { return truth_; }
+
   /// At the pose, as `compare` starts.
   void start(const Pose2& map_from_robot) {
     const pipeline::CompareProtocol protocol;
@@ -56,8 +59,8 @@ class SplicedDrive {
       observation.scan.stamp = stamp_;
       const localization::LocalizationResult& result = localizer_.update(observation);
       if (!result.weighed || !world_->truths[i]) continue;
-      const Pose2& truth = *world_->truths[i];
-      const double error_m = (result.pose.mean.translation() - truth.translation()).norm();
+      truth_ = *world_->truths[i];
+      const double error_m = (result.pose.mean.translation() - truth_.translation()).norm();
       if (!said(result, error_m, stamp_)) return;
     }
   }
@@ -74,6 +77,7 @@ class SplicedDrive {
   const VerdictWorld* world_;
   localization::Localizer localizer_;
   Pose2 odom_;
+  Pose2 truth_;
   Stamp stamp_ = Stamp::from_seconds(1.0);
 };
 

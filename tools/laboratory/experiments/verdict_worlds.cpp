@@ -33,11 +33,8 @@ VerdictWorld world_of_log(const std::string& log, const std::string& poses) {
           {runs.poses.begin() + learned, runs.poses.end()}};
 }
 
-VerdictWorld world_of_scenario(const std::string& name, const simulate::ScenarioConfig& scenario,
-                               std::uint64_t seed) {
-  const simulate::Simulation simulation = simulate::simulate(scenario, seed);
-  const std::vector<PosedScan> scans =
-      noisy_scans(simulation, kGoodPoses, seed, 1, scenario.days - 1);
+VerdictWorld world_of_scans(const std::string& name, const simulate::Simulation& simulation,
+                            const std::vector<PosedScan>& scans) {
   const StaticMaps maps = static_maps(scans);
   VerdictWorld world;
   world.name = name;
@@ -49,6 +46,13 @@ VerdictWorld world_of_scenario(const std::string& name, const simulate::Scenario
     world.truths.emplace_back(scan.map_from_robot);
   }
   return world;
+}
+
+VerdictWorld world_of_scenario(const std::string& name, const simulate::ScenarioConfig& scenario,
+                               std::uint64_t seed) {
+  const simulate::Simulation simulation = simulate::simulate(scenario, seed);
+  return world_of_scans(name, simulation,
+                        noisy_scans(simulation, kGoodPoses, seed, 1, scenario.days - 1));
 }
 
 VerdictWorld world_of_office(std::uint64_t office) {

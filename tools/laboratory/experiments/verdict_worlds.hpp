@@ -11,6 +11,7 @@
 #include "core/scan/scan.hpp"
 #include "tools/pipeline/learned_maps.hpp"
 #include "tools/simulate/scenario.hpp"
+#include "tools/simulate/simulation.hpp"
 
 namespace strata::experiments {
 
@@ -24,6 +25,10 @@ struct VerdictWorld {
 
 /// A log with poses: maps of its first 60%, and the rest of it.
 [[nodiscard]] VerdictWorld world_of_log(const std::string& log, const std::string& poses);
+/// Maps of scans of a simulation's days but the last, and that one.
+[[nodiscard]] VerdictWorld world_of_scans(const std::string& name,
+                                          const simulate::Simulation& simulation,
+                                          const std::vector<PosedScan>& scans);
 /// Three days of a random office, and its fourth.
 [[nodiscard]] VerdictWorld world_of_office(std::uint64_t office);
 /// The same of any scenario with several days: all but the last, and the last. The simulation of
