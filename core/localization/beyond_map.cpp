@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/beyond_map.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -29,6 +30,7 @@ void BeyondMap::reset() {
   scans_ = matched_ = unmatched_ = 0;
   judged_in_a_row_ = 0;
   unjudged_share_ = 0.0;
+  away_m_ = 0.0;
 }
 
 void BeyondMap::begin() {
@@ -37,7 +39,15 @@ void BeyondMap::begin() {
   scans_ = 0;
 }
 
-void BeyondMap::settle() { matched_ = unmatched_ = 0; }
+void BeyondMap::settle(double moved_m) {
+  if (is_outside()) away_m_ += moved_m;
+  matched_ = unmatched_ = 0;
+}
+
+double BeyondMap::drift_m(double away_m) const {
+  constexpr double kLeast_m = 0.5;
+  return std::max(kLeast_m, config_.drift * away_m);
+}
 
 std::optional<Pose2> BeyondMap::follow(const Observation& observation) {
   if (!tracker_) return std::nullopt;
@@ -66,7 +76,7 @@ MotionModelConfig BeyondMap::noise(const MotionModelConfig& of_odometry) const {
 }
 
 const Scan* BeyondMap::judged(const Scan& scan, const SensorModel& model,
-                              const Pose2& map_from_robot, double stddev_m) {
+                              const Pose2& map_from_robot, double stddev_m, bool is_outdated) {
   if (!config_.is_used) return &scan;
   if (stddev_m > config_.max_stddev_m) {
     judge_nothing();
@@ -84,6 +94,11 @@ const Scan* BeyondMap::judged(const Scan& scan, const SensorModel& model,
   unjudged_share_ =
       speaking > 0 ? static_cast<double>(unjudged) / static_cast<double>(speaking) : 0.0;
   if (!is_beyond()) {
+    if (is_outdated) {
+      judged_in_a_row_ = 0;
+      if (!tracker_) begin();
+      return &scan;
+    }
     if (tracker_ && ++judged_in_a_row_ >= kJudgedToEnd) tracker_.reset();
     return &scan;
   }

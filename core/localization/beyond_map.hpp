@@ -18,11 +18,14 @@
 namespace strata::localization {
 
 struct BeyondMapConfig {
-  bool is_used = false;
+  bool is_used = true;
   double begin_share = 0.1;
   double coast_share = 0.5;
   double noise_share = 0.03;
   double max_stddev_m = 1.0;
+  double search_after_m = 3.0;
+  double drift = 0.1;
+  double outdated_tempering = 8.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("is_used", c.is_used,
@@ -51,6 +54,23 @@ struct BeyondMapConfig {
                     "depends on where the robot is",
              .unit = "m",
              .min = 0.0});
+    v.field("search_after_m", c.search_after_m,
+            {.doc = "back from so long a way on which no scan was weighed, the first scans are "
+                    "looked for about the pose, and where they fit better than there particles are "
+                    "put too; 0: never",
+             .unit = "m",
+             .min = 0.0});
+    v.field("drift", c.drift,
+            {.doc = "... as far from it as this share of that way, and at least 0.5 m",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
+    v.field(
+        "outdated_tempering", c.outdated_tempering,
+        {.doc = "where the map is outdated, and scans tell the motion, the log-likelihood is "
+                "divided by this too: what has changed there is wrong for all of its beams alike",
+         .unit = "1",
+         .min = 1.0});
     v.require(c.begin_share <= c.coast_share, "begin_share", "is above coast_share", "lower it");
   }
 };
@@ -69,7 +89,7 @@ class BeyondMap {
   /// The part of a scan to weigh: the scan itself, or a copy without the beams that the model does
   /// not judge from there; null: not to be weighed. Valid until the next call.
   [[nodiscard]] const Scan* judged(const Scan& scan, const SensorModel& model,
-                                   const Pose2& map_from_robot, double stddev_m);
+                                   const Pose2& map_from_robot, double stddev_m, bool is_outdated);
   /// A scan is weighed whole, since nobody can say where the map ends from there.
   void judge_nothing() { unjudged_share_ = 0.0; }
   /// The last scan that was judged was weighed in part, or not at all.
@@ -86,8 +106,19 @@ class BeyondMap {
   [[nodiscard]] MotionModelConfig noise(const MotionModelConfig& of_odometry) const;
   /// Whether it was; odometry is not needed then.
   [[nodiscard]] bool is_told() const { return matched_ > 0 && unmatched_ == 0; }
-  /// A scan was weighed, or its turn is over: what comes is the next motion.
-  void settle();
+  /// A scan was weighed, or its turn is over: what comes is the next motion. moved_m: since the
+  /// one before.
+  void settle(double moved_m);
+  /// How far the robot drove with no scan weighed, if it is back since and was not looked for; else
+  /// 0.
+  [[nodiscard]] double came_back_m() const {
+    const bool is_far = config_.search_after_m > 0.0 && away_m_ >= config_.search_after_m;
+    return is_far && !is_outside() ? away_m_ : 0.0;
+  }
+  /// How far from its pose the robot may be after such a way.
+  [[nodiscard]] double drift_m(double away_m) const;
+  /// It was looked for about its pose.
+  void looked_for() { away_m_ = 0.0; }
 
   /// For saved states; the config is the constructor's.
   template <class Self, class Archive>
@@ -105,6 +136,7 @@ class BeyondMap {
     archive(self.unmatched_);
     archive(self.judged_in_a_row_);
     archive(self.unjudged_share_);
+    archive(self.away_m_);
     if constexpr (Archive::kReads) {
       if (self.tracker_ && !self.tracker_->is_sound(self.scans_)) {
         archive.fail("has a damaged local map");
@@ -123,6 +155,7 @@ class BeyondMap {
   std::size_t unmatched_ = 0;
   int judged_in_a_row_ = 0;
   double unjudged_share_ = 0.0;
+  double away_m_ = 0.0;  // driven with no scan weighed, since it was last looked for
   Scan part_;
   std::vector<std::uint8_t> is_unjudged_;
 };

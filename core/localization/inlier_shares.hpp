@@ -32,6 +32,14 @@ struct InlierShares {
   void divide_by(double count) {
     for (double* sum : {&inlier, &judged, &met, &at_surface, &stopped}) *sum /= count;
   }
+  /// Of a scan of which these beams are that share, and the others are not judged.
+  [[nodiscard]] InlierShares among_all(double share) const {
+    InlierShares all = *this;
+    for (double* of : {&all.inlier, &all.judged, &all.met, &all.at_surface, &all.stopped}) {
+      *of *= share;
+    }
+    return all;
+  }
 };
 
 /// Whatever says where it knows anything.

@@ -132,6 +132,7 @@ class Localizer {
   void search_everywhere();
   void seek(bool keeps_old);
   void find_places();
+  void look_around(double away_m);
   [[nodiscard]] Pose2Gaussian judge_places();
   [[nodiscard]] Pose2Gaussian pose_now();
   void fill(ParticleSet& particles, std::size_t begin, StreamId stream) const;
@@ -144,7 +145,7 @@ class Localizer {
   [[nodiscard]] bool is_ambiguous() const { return is_open() || confirmation_.is_pending(); }
   /// How far what was weighed so far lets the pose be believed.
   [[nodiscard]] PoseTrust trust() const;
-  void judge(const Observation& observation, const Pose2Gaussian& pose, double likelihood_per_beam);
+  void judge(const Scan& judged, const Pose2Gaussian& pose, double likelihood_per_beam);
   [[nodiscard]] double elapsed_s(const PatchStates& states, Stamp now) const;
   [[nodiscard]] const Scan* judged_part(const Scan& scan);
   Pose2Gaussian weigh(const Observation& observation, const Pose2& moved_before);

@@ -14,8 +14,8 @@ namespace strata::localization {
 namespace {
 
 /// 2: with what a model has learned; 3: and whether a place that was found is confirmed;
-/// 4: and the last metres beyond the map.
-constexpr std::uint64_t kStateVersion = 4;
+/// 4: and the last metres beyond the map; 5: and how far the robot was beyond it.
+constexpr std::uint64_t kStateVersion = 5;
 
 /// Whether the columns fit each other, and the map, is checked when all is read.
 template <class Particles, class Archive>

@@ -56,16 +56,18 @@ void PoseScore::Averages::follow(const Averages& now, double rate) {
   }
 }
 
-void PoseScore::add(const Scan& scan, const Pose2& map_from_robot, const InlierShares& here,
-                    const std::vector<SubmapBelief>& submaps, const ParticleSet& particles,
-                    const SensorModel& model, double position_stddev_m) {
+void PoseScore::add(const Scan& scan, double share, const Pose2& map_from_robot,
+                    const InlierShares& here, const std::vector<SubmapBelief>& submaps,
+                    const ParticleSet& particles, const SensorModel& model,
+                    double position_stddev_m) {
   Averages now;
   now.shares = here;
   for (std::size_t k = 0; k < kDirections; ++k) {
     const double angle = static_cast<double>(k) * 2.0 * std::numbers::pi / kDirections;
     const Pose2 elsewhere{map_from_robot.x + kElsewhere_m * std::cos(angle),
                           map_from_robot.y + kElsewhere_m * std::sin(angle), map_from_robot.theta};
-    const InlierShares there = model.inlier_shares_given(submaps, scan, elsewhere, particles);
+    const InlierShares there =
+        model.inlier_shares_given(submaps, scan, elsewhere, particles).among_all(share);
     now.inlier_margin[k] = here.inlier - there.inlier;
     now.surface_margin[k] = here.at_surface - there.at_surface;
   }

@@ -55,9 +55,10 @@ class PoseScore {
   void reset() { *this = PoseScore(); }
   /// The robot may be anywhere: nobody said where, and no place has won yet.
   void doubt() { evidence_.part[ScoreEvidence::kDoubt] = 1.0; }
-  /// A scan was weighed. here: its shares at the pose, the mean of `particles`, whose position has
-  /// that standard deviation. submaps: what they believe of the changeable areas, pooled.
-  void add(const Scan& scan, const Pose2& map_from_robot, const InlierShares& here,
+  /// A scan was weighed, or that share of its beams. here: the shares of all of them at the pose,
+  /// the mean of `particles`, whose position has that standard deviation. submaps: what they
+  /// believe of the changeable areas, pooled.
+  void add(const Scan& scan, double share, const Pose2& map_from_robot, const InlierShares& here,
            const std::vector<SubmapBelief>& submaps, const ParticleSet& particles,
            const SensorModel& model, double position_stddev_m);
   /// The robot drove on without seeing anything: after 10 m of that 1/e of the score is left.

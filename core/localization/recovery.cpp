@@ -73,6 +73,23 @@ void HealthMonitor::add(double likelihood_per_beam, const InlierShares& shares,
   }
 }
 
+void HealthMonitor::add_unjudged(double judged_share, double position_stddev_m) {
+  LocalizationHealth& h = health_;
+  h.position_stddev_m = position_stddev_m;
+  if (fast_.judged > 0.0) {
+    // All shares fall alike, so that those of the judged beams stay what they were.
+    const double part = std::clamp(judged_share, 0.0, fast_.judged) / fast_.judged;
+    follow(config_.fast_rate * (1.0 - part), {}, fast_);
+    h.judged_share_fast = fast_.judged;
+  }
+  if (h.state == HealthState::kLost) return;
+  if (position_stddev_m > config_.uncertain_stddev_m) {
+    h.state = HealthState::kConverging;
+  } else if (h.judged_share_fast < kMinJudged) {
+    h.state = HealthState::kMapOutdated;
+  }
+}
+
 /// Whether all readings of the map contradict the pose: rays, surfaces, and that of the beams which
 /// nothing new stopped. Where furniture stands otherwise one of them mostly holds. Compares
 /// quotients without division, as there may be nothing below.

@@ -133,7 +133,15 @@ class HealthMonitor {
   /// than wrong is called lost.
   void add(double likelihood_per_beam, const InlierShares& shares, double position_stddev_m,
            std::optional<double> score = std::nullopt);
+  /// A scan was not weighed, since the map says nothing of most of what it shows: of the beams that
+  /// say something it judges that share. What was usual stays, and so does doubt: nothing was seen
+  /// that speaks for or against the pose. That few are judged, and the spread, is told.
+  void add_unjudged(double judged_share, double position_stddev_m);
   [[nodiscard]] const LocalizationHealth& health() const { return health_; }
+  /// Fewer beams than usual are inliers, of late.
+  [[nodiscard]] bool is_outdated() const {
+    return health_.inlier_share_fast < config_.outdated_share * health_.inlier_share_slow;
+  }
   /// Share of particles to replace: max(0, 1 - fast / ((1 - tolerated_drop) slow)).
   [[nodiscard]] double injection_share() const;
   /// Whether the pose has been in doubt for restart_after values in a row: fewer inlier beams

@@ -108,6 +108,44 @@ TEST(HealthMonitor, LooksForABetterPlaceAlreadyWhereTheVerdictIsThatTheMapIsOutd
   EXPECT_GT(monitor.injection_share(), 0.0);
 }
 
+TEST(HealthMonitor, CallsTheMapOutdatedWhileScansAreNotWeighedSinceItSaysNothingOfThem) {
+  HealthMonitor monitor = after_leaving_the_map({0.9, 1.0});
+  ASSERT_EQ(monitor.health().state, HealthState::kGood);
+  const double inlier_share = monitor.health().inlier_share_fast;
+  monitor.add_unjudged(0.2, 0.05);
+  EXPECT_EQ(monitor.health().state, HealthState::kGood) << "one scan is not enough";
+  for (int n = 0; n < 30; ++n) monitor.add_unjudged(0.2, 0.05);
+  EXPECT_EQ(monitor.health().state, HealthState::kMapOutdated);
+  EXPECT_NEAR(monitor.health().judged_share_fast, 0.2, 0.05);
+  for (int n = 0; n < 1000; ++n) monitor.add_unjudged(0.2, 0.05);
+  EXPECT_NEAR(monitor.health().judged_share_fast, 0.2, 1e-9) << "never below what it judges";
+  monitor.add(1.0, {0.9, 1.0}, 0.05);
+  EXPECT_NEAR(monitor.health().inlier_share_fast, inlier_share, 1e-3) << "what was usual stays";
+  for (int n = 0; n < 40; ++n) monitor.add(1.0, {0.9, 1.0}, 0.05);
+  EXPECT_EQ(monitor.health().state, HealthState::kGood);
+}
+
+TEST(HealthMonitor, TellsTheSpreadWhileScansAreNotWeighed) {
+  HealthMonitor monitor = after_leaving_the_map({0.9, 1.0});
+  monitor.add_unjudged(0.0, 0.7);
+  EXPECT_EQ(monitor.health().state, HealthState::kConverging);
+  EXPECT_EQ(monitor.health().position_stddev_m, 0.7);
+}
+
+TEST(HealthMonitor, WhatWasLostStaysSoWhileScansAreNotWeighed) {
+  HealthMonitor monitor = after_leaving_the_map({0.2, 0.6});
+  ASSERT_EQ(monitor.health().state, HealthState::kLost);
+  for (int n = 0; n < 100; ++n) monitor.add_unjudged(0.0, 0.7);
+  EXPECT_EQ(monitor.health().state, HealthState::kLost);
+  EXPECT_TRUE(monitor.health().is_in_doubt);
+}
+
+TEST(HealthMonitor, SaysThatFewAreJudgedBeforeAnyScanWasWeighed) {
+  HealthMonitor monitor{RecoveryConfig{}};
+  monitor.add_unjudged(0.3, 0.05);
+  EXPECT_NE(monitor.health().state, HealthState::kGood);
+}
+
 /// How many of 100,000 values at a pose that went wrong pass until it counts as usual; -1 if never.
 int values_until_not_lost() {
   HealthMonitor monitor{RecoveryConfig{}};
