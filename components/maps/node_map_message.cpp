@@ -91,8 +91,9 @@ std::shared_ptr<const memory::NodeMap> from_message(const strata_msgs::msg::Node
     for (const auto& level : entry.levels()) {
       const std::vector<float>& ranges = level.ranges();
       if (static_cast<int>(ranges.size()) != bins.angle_bins || ranges.empty()) refuse();
-      if (std::any_of(ranges.begin(), ranges.end(),
-                      [&](float range) { return range < -bins.max_range_m; })) {
+      if (std::any_of(ranges.begin(), ranges.end(), [&](float range) {
+            return static_cast<double>(range) < -bins.max_range_m;
+          })) {
         throw InputError("NodeMap", "a way is free for longer than its nodes see",
                          "check the sender's version");
       }
