@@ -96,7 +96,6 @@ const Scan* BeyondMap::judged(const Scan& scan, const SensorModel& model,
   if (!is_beyond()) {
     if (is_outdated) {
       judged_in_a_row_ = 0;
-      if (!tracker_) begin();
       return &scan;
     }
     if (tracker_ && ++judged_in_a_row_ >= kJudgedToEnd) tracker_.reset();

@@ -246,62 +246,52 @@ TEST(BeyondMap, ARobotInItsMapIsWeighedAsEver) {
   EXPECT_EQ(a.back_error_m, b.back_error_m);
 }
 
-/// A hall of 12 m x 8 m, with things along a way round its middle.
-BoxWorld hall(const BoxWorld& things) {
-  BoxWorld world{{-0.3, -0.3, 12.3, 0.0},
-                 {-0.3, 8.0, 12.3, 8.3},
-                 {-0.3, -0.3, 0.0, 8.3},
-                 {12.0, -0.3, 12.3, 8.3}};
-  world.insert(world.end(), things.begin(), things.end());
-  return world;
-}
-BoxWorld mapped_things() {
-  return {{1.0, 0.2, 2.4, 0.9}, {4.0, 0.1, 5.0, 1.2},  {8.0, 0.3, 9.2, 1.0},
-          {3.4, 3.4, 5.2, 4.8}, {7.0, 3.3, 8.4, 4.6},  {1.2, 6.9, 2.6, 7.7},
-          {5.4, 6.8, 6.6, 7.8}, {9.4, 6.9, 10.8, 7.6}, {10.8, 2.6, 11.7, 4.0}};
-}
-BoxWorld things_now() {
-  return {{2.2, 0.4, 3.0, 1.3}, {5.4, 0.2, 7.0, 1.0},   {9.8, 0.1, 10.8, 1.2},
-          {4.2, 3.2, 6.0, 4.4}, {7.8, 3.6, 9.2, 4.9},   {2.2, 6.7, 3.4, 7.9},
-          {6.4, 6.9, 8.0, 7.6}, {10.2, 6.6, 11.4, 7.5}, {10.9, 3.4, 11.9, 4.8},
-          {0.2, 3.0, 1.0, 4.4}};
+/// Whether scans tell the motion after 25 that the map judges whole, behind one that it does not.
+bool is_told_after_judged_scans(bool is_outdated) {
+  const auto model = models().front();
+  BeyondMap beyond{BeyondMapConfig{}};
+  Drive drive({2.0, 1.0, 0.0}, 4);
+  // From there it would be beyond the map.
+  (void)beyond.judged(drive.look(building()).scan, *model, {8.5, 5.0, 0.0}, 0.01, false);
+  EXPECT_TRUE(beyond.is_beyond());
+  for (int n = 0; n < 25; ++n) {
+    const Observation seen = drive.look(building());
+    (void)beyond.follow(seen);
+    EXPECT_NE(beyond.judged(seen.scan, *model, drive.truth(), 0.01, is_outdated), nullptr);
+    EXPECT_FALSE(beyond.is_beyond());
+    beyond.settle(0.0);
+  }
+  return beyond.follow(drive.look(building())).has_value();
 }
 
-/// The greatest error on a way round, of an odometry whose turns are counted 8% too large.
-double error_among_other_things(bool is_used, std::uint64_t seed) {
-  const auto model =
-      make_grid_beam_model(test::rasterize(hall(mapped_things()), 0.05, {{-6, -6}, {246, 166}}));
-  const BoxWorld now = hall(things_now());
-  Localizer localizer(config(is_used), model, seed);
-  Drive drive({1.5, 2.0, 0.0}, seed);
-  localizer.initialize({drive.truth(), Eigen::Vector3d(1e-3, 1e-3, 1e-3).asDiagonal()});
-  Pose2 odom;
-  double max_error_m = 0.0;
-  const auto go = [&](const Pose2& motion) {
-    drive.step(motion);
-    Observation seen = drive.look(now);
-    odom = odom * Pose2{motion.x, motion.y, 1.08 * motion.theta};
-    seen.odom_from_robot = odom;
-    const Pose2 found = localizer.update(seen).pose.mean;
-    max_error_m = std::max(max_error_m, translation_distance(found, drive.truth()));
+TEST(BeyondMap, ScansGoOnTellingTheMotionWhereTheMapIsOutdatedBesideItsEnd) {
+  EXPECT_FALSE(is_told_after_judged_scans(false));
+  EXPECT_TRUE(is_told_after_judged_scans(true));
+}
+
+TEST(BeyondMap, KnowsHowFarTheRobotDroveWithNoScanWeighedUntilItWasLookedFor) {
+  const auto model = models().front();
+  BeyondMapConfig config;
+  config.search_after_m = 2.0;
+  BeyondMap beyond{config};
+  Drive drive({2.0, 1.0, 0.0}, 4);
+  const Scan scan = drive.look(building()).scan;
+  const auto see_from = [&](const Pose2& pose, double moved_m) {
+    (void)beyond.judged(scan, *model, pose, 0.01, false);
+    beyond.settle(moved_m);
   };
-  for (const double side_m : {8.5, 4.0, 8.5, 4.0, 8.5, 4.0, 8.5}) {
-    for (int n = 0; n < static_cast<int>(side_m / 0.1); ++n) go({0.1, 0.0, 0.0});
-    for (int n = 0; n < 16; ++n) go({0.0, 0.0, std::numbers::pi / 32.0});
-  }
-  return max_error_m;
-}
-
-TEST(BeyondMap, WhereThingsStandOtherwiseScansTellTheMotionToo) {
-  double with_m = 0.0;
-  double without_m = 0.0;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const double error_m = error_among_other_things(true, seed);
-    EXPECT_LT(error_m, 0.3) << "seed " << seed;
-    with_m += error_m;
-    without_m += error_among_other_things(false, seed);
-  }
-  EXPECT_LT(with_m, without_m);
+  const Pose2 in_the_room{8.5, 5.0, 0.0};
+  see_from(in_the_room, 1.0);
+  see_from(drive.truth(), 5.0);
+  EXPECT_EQ(beyond.came_back_m(), 0.0) << "too short a way";
+  see_from(in_the_room, 1.5);
+  EXPECT_EQ(beyond.came_back_m(), 0.0) << "still there";
+  see_from(drive.truth(), 5.0);
+  EXPECT_EQ(beyond.came_back_m(), 2.5);
+  EXPECT_EQ(beyond.drift_m(2.5), 0.5);
+  EXPECT_EQ(beyond.drift_m(20.0), 2.0);
+  beyond.looked_for();
+  EXPECT_EQ(beyond.came_back_m(), 0.0);
 }
 
 /// Saved after scan `cut` of a drive into the room.

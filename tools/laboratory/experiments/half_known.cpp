@@ -36,7 +36,8 @@ VerdictWorld without(const std::string& name, const simulate::ScenarioConfig& sc
                      std::uint64_t seed, const CellRect& unseen) {
   const simulate::Simulation simulation = simulate::simulate(scenario, seed);
   std::vector<PosedScan> scans = noisy_scans(simulation, kGoodPoses, seed, 1, kDays - 1);
-  const Grid<std::uint8_t> cells(kCell_m, unseen, 1);
+  Grid<std::uint8_t> cells(kCell_m, unseen, 0);
+  std::fill(cells.values().begin(), cells.values().end(), std::uint8_t{1});
   for (PosedScan& scan : scans) (void)blind_beams(scan, cells);
   return world_of_scans(name, simulation, scans);
 }
