@@ -67,8 +67,9 @@ struct BeyondMapConfig {
              .max = 1.0});
     v.field(
         "outdated_tempering", c.outdated_tempering,
-        {.doc = "where the map is outdated, and scans tell the motion, the log-likelihood is "
-                "divided by this too: what has changed there is wrong for all of its beams alike",
+        {.doc = "beside the map's end, where it is outdated too and scans tell the motion, the "
+                "log-likelihood is divided by this besides: what is wrong there is wrong for many "
+                "beams alike",
          .unit = "1",
          .min = 1.0});
     v.require(c.begin_share <= c.coast_share, "begin_share", "is above coast_share", "lower it");
@@ -87,7 +88,8 @@ class BeyondMap {
   /// nothing when they do not, or nobody asks.
   [[nodiscard]] std::optional<Pose2> follow(const Observation& observation);
   /// The part of a scan to weigh: the scan itself, or a copy without the beams that the model does
-  /// not judge from there; null: not to be weighed. Valid until the next call.
+  /// not judge from there; null: not to be weighed. Valid until the next call. is_outdated: scans
+  /// go on telling the motion, if they do.
   [[nodiscard]] const Scan* judged(const Scan& scan, const SensorModel& model,
                                    const Pose2& map_from_robot, double stddev_m, bool is_outdated);
   /// A scan is weighed whole, since nobody can say where the map ends from there.
