@@ -31,6 +31,7 @@ void BeyondMap::reset() {
   judged_in_a_row_ = 0;
   unjudged_share_ = 0.0;
   away_m_ = 0.0;
+  leads_ = false;
 }
 
 void BeyondMap::begin() {
@@ -59,8 +60,8 @@ std::optional<Pose2> BeyondMap::follow(const Observation& observation) {
   // In a corridor or a round hall the scan leaves open what odometry has to tell.
   const bool is_told = before && found.matched && !found.findings.ambiguous &&
                        !found.findings.heading_open && !found.findings.few;
-  ++(is_told ? matched_ : unmatched_);
-  if (!before || !found.matched) return std::nullopt;
+  ++(is_told && leads_ ? matched_ : unmatched_);
+  if (!before || !found.matched || !leads_) return std::nullopt;
   return between(*before, *last_);
 }
 
@@ -76,9 +77,11 @@ MotionModelConfig BeyondMap::noise(const MotionModelConfig& of_odometry) const {
 }
 
 const Scan* BeyondMap::judged(const Scan& scan, const SensorModel& model,
-                              const Pose2& map_from_robot, double stddev_m, bool is_outdated) {
+                              const Pose2& map_from_robot, double stddev_m) {
   if (!config_.is_used) return &scan;
-  if (stddev_m > config_.max_stddev_m) {
+  // Where the robot is known to be outside, particles that have spread on the way know no better.
+  const bool is_away = is_outside() && is_told();
+  if (stddev_m > config_.max_stddev_m && !is_away) {
     judge_nothing();
     return &scan;
   }
@@ -93,11 +96,8 @@ const Scan* BeyondMap::judged(const Scan& scan, const SensorModel& model,
   }
   unjudged_share_ =
       speaking > 0 ? static_cast<double>(unjudged) / static_cast<double>(speaking) : 0.0;
-  if (!is_beyond()) {
-    if (is_outdated) {
-      judged_in_a_row_ = 0;
-      return &scan;
-    }
+  leads_ = is_beyond();
+  if (!leads_) {
     if (tracker_ && ++judged_in_a_row_ >= kJudgedToEnd) tracker_.reset();
     return &scan;
   }

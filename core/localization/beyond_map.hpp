@@ -85,15 +85,18 @@ class BeyondMap {
   /// A start, or a new run: nothing that was seen before says how the robot moves.
   void reset();
   /// Every scan, in order. The motion since the scan before as scans tell it, before_from_now;
-  /// nothing when they do not, or nobody asks.
+  /// nothing when they do not, or where the map judges well: among people a tracker slides, and
+  /// there the map says more.
   [[nodiscard]] std::optional<Pose2> follow(const Observation& observation);
   /// The part of a scan to weigh: the scan itself, or a copy without the beams that the model does
-  /// not judge from there; null: not to be weighed. Valid until the next call. is_outdated: scans
-  /// go on telling the motion, if they do.
+  /// not judge from there; null: not to be weighed. Valid until the next call.
   [[nodiscard]] const Scan* judged(const Scan& scan, const SensorModel& model,
-                                   const Pose2& map_from_robot, double stddev_m, bool is_outdated);
+                                   const Pose2& map_from_robot, double stddev_m);
   /// A scan is weighed whole, since nobody can say where the map ends from there.
-  void judge_nothing() { unjudged_share_ = 0.0; }
+  void judge_nothing() {
+    unjudged_share_ = 0.0;
+    leads_ = false;
+  }
   /// The last scan that was judged was weighed in part, or not at all.
   [[nodiscard]] bool is_beyond() const {
     return config_.is_used && unjudged_share_ >= config_.begin_share;
@@ -139,6 +142,7 @@ class BeyondMap {
     archive(self.judged_in_a_row_);
     archive(self.unjudged_share_);
     archive(self.away_m_);
+    archive(self.leads_);
     if constexpr (Archive::kReads) {
       if (self.tracker_ && !self.tracker_->is_sound(self.scans_)) {
         archive.fail("has a damaged local map");
@@ -157,6 +161,7 @@ class BeyondMap {
   std::size_t unmatched_ = 0;
   int judged_in_a_row_ = 0;
   double unjudged_share_ = 0.0;
+  bool leads_ = false;   // what scans tell of the motion is followed
   double away_m_ = 0.0;  // driven with no scan weighed, since it was last looked for
   Scan part_;
   std::vector<std::uint8_t> is_unjudged_;

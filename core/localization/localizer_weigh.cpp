@@ -61,7 +61,7 @@ const Scan* Localizer::judged_part(const Scan& scan) {
     return &scan;
   }
   const Pose2Gaussian pose = estimate(particles_);
-  return beyond_.judged(scan, *model_, pose.mean, position_stddev(pose), monitor_.is_outdated());
+  return beyond_.judged(scan, *model_, pose.mean, position_stddev(pose));
 }
 
 Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& moved_before) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -246,27 +247,34 @@ TEST(BeyondMap, ARobotInItsMapIsWeighedAsEver) {
   EXPECT_EQ(a.back_error_m, b.back_error_m);
 }
 
-/// Whether scans tell the motion after 25 that the map judges whole, behind one that it does not.
-bool is_told_after_judged_scans(bool is_outdated) {
+/// What scans tell of the motion after `count` that the map judges whole, behind one that it does
+/// not; and whether they do again with the next that it does not.
+std::pair<bool, bool> are_told_after(int count) {
   const auto model = models().front();
   BeyondMap beyond{BeyondMapConfig{}};
   Drive drive({2.0, 1.0, 0.0}, 4);
-  // From there it would be beyond the map.
-  (void)beyond.judged(drive.look(building()).scan, *model, {8.5, 5.0, 0.0}, 0.01, false);
-  EXPECT_TRUE(beyond.is_beyond());
-  for (int n = 0; n < 25; ++n) {
+  const Pose2 in_the_room{8.5, 5.0, 0.0};  // from there it would be beyond the map
+  const auto see_from = [&](const Pose2& pose) {
     const Observation seen = drive.look(building());
-    (void)beyond.follow(seen);
-    EXPECT_NE(beyond.judged(seen.scan, *model, drive.truth(), 0.01, is_outdated), nullptr);
-    EXPECT_FALSE(beyond.is_beyond());
+    const bool is_told = beyond.follow(seen).has_value();
+    (void)beyond.judged(seen.scan, *model, pose, 0.01);
     beyond.settle(0.0);
+    return is_told;
+  };
+  (void)see_from(in_the_room);
+  EXPECT_TRUE(beyond.is_beyond());
+  for (int n = 0; n < count; ++n) {
+    (void)see_from(drive.truth());
+    EXPECT_FALSE(beyond.is_beyond());
   }
-  return beyond.follow(drive.look(building())).has_value();
+  const bool is_told = see_from(in_the_room);
+  return {is_told, see_from(in_the_room)};
 }
 
-TEST(BeyondMap, ScansGoOnTellingTheMotionWhereTheMapIsOutdatedBesideItsEnd) {
-  EXPECT_FALSE(is_told_after_judged_scans(false));
-  EXPECT_TRUE(is_told_after_judged_scans(true));
+TEST(BeyondMap, ScansTellTheMotionWhereTheMapDoesNotAndAreReadyForAWhileAfter) {
+  EXPECT_EQ(are_told_after(0), (std::pair{false, true})) << "of the first scan nothing is known";
+  EXPECT_EQ(are_told_after(10), (std::pair{false, true})) << "the map says more";
+  EXPECT_EQ(are_told_after(25), (std::pair{false, false})) << "it begins anew";
 }
 
 TEST(BeyondMap, KnowsHowFarTheRobotDroveWithNoScanWeighedUntilItWasLookedFor) {
@@ -277,7 +285,7 @@ TEST(BeyondMap, KnowsHowFarTheRobotDroveWithNoScanWeighedUntilItWasLookedFor) {
   Drive drive({2.0, 1.0, 0.0}, 4);
   const Scan scan = drive.look(building()).scan;
   const auto see_from = [&](const Pose2& pose, double moved_m) {
-    (void)beyond.judged(scan, *model, pose, 0.01, false);
+    (void)beyond.judged(scan, *model, pose, 0.01);
     beyond.settle(moved_m);
   };
   const Pose2 in_the_room{8.5, 5.0, 0.0};
