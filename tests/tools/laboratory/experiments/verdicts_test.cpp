@@ -26,7 +26,7 @@ TEST(Verdicts, OnlyScansNearTheTruthCountAsRight) {
   VerdictWorld half = world;
   for (std::size_t i = world.truths.size() / 2; i < world.truths.size(); ++i) {
     half.truths[i].reset();
-    if (world.truths[i]) world.truths[i]->x += 0.6;
+    if (world.truths[i]) world.truths[i]->x += 2.0;
   }
   const std::size_t in_first_half = count_verdicts(half, "filtered", 0, 1).scans;
   EXPECT_LT(in_first_half, right);
