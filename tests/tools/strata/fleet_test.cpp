@@ -41,7 +41,7 @@ class FleetVerb : public testing::Test {
     return json::parse(outcome.out, nullptr, false);
   }
   [[nodiscard]] Outcome learn(const std::string& words) const {
-    return run("learn --quiet --only em " + words);
+    return run("learn --quiet " + words + " --only em");
   }
   [[nodiscard]] std::string day(int number) const {
     return quoted(at("days/day_" + std::to_string(number) + "/log.clf"));
