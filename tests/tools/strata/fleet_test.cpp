@@ -64,7 +64,7 @@ TEST_F(FleetVerb, LeadsFromOneRobotToTwoThatShareWhatTheyLearn) {
             0);
   // The first robot's maps are the site's first version.
   ASSERT_EQ(learn(day(1) + " --out " + quoted(at("maps"))).code, 0);
-  EXPECT_EQ(ask("site init " + quoted(at("site")) + " --id hall-3")["site"], "hall-3");
+  EXPECT_EQ(ask("site init " + quoted(at("site")) + " --id hall-3")["mapId"], "hall-3");
   const std::string first =
       ask("site add " + quoted(at("site")) + " " + quoted(at("maps")))["mapHash"];
   EXPECT_EQ(run("site approve " + quoted(at("site")) + " 1 --unchecked").code, 0);
