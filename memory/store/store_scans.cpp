@@ -5,6 +5,7 @@
 
 #include "core/base/damage.hpp"
 #include "memory/store/detail/blob.hpp"
+#include "memory/store/detail/scan_header.hpp"
 #include "memory/store/detail/store_impl.hpp"
 
 namespace strata::memory {
@@ -13,70 +14,19 @@ namespace {
 /// Scans that share one compressed blob: many, to compress well; few, to read in pieces.
 constexpr std::size_t kScansPerChunk = 256;
 
-/// Everything of a scan but its beams. No padding: it goes to disk as it lies in memory.
-struct ScanHeader {
-  std::int64_t stamp_ns;
-  double map_from_robot[3];
-  double robot_from_laser[3];
-  float angle_min_rad;
-  float angle_increment_rad;
-  float time_increment_s;
-  float scan_time_s;
-  float range_min_m;
-  float range_max_m;
-  std::uint32_t ranges;
-  std::uint32_t labels;
-};
-static_assert(sizeof(ScanHeader) == 88);
-
-ScanHeader header_of(const PosedScan& posed) {
-  const Scan& scan = posed.scan;
-  const Pose2& pose = posed.map_from_robot;
-  const Pose2& laser = scan.robot_from_laser;
-  return {scan.stamp.ns,
-          {pose.x, pose.y, pose.theta},
-          {laser.x, laser.y, laser.theta},
-          scan.angle_min_rad,
-          scan.angle_increment_rad,
-          scan.time_increment_s,
-          scan.scan_time_s,
-          scan.range_min_m,
-          scan.range_max_m,
-          static_cast<std::uint32_t>(scan.ranges_m.size()),
-          static_cast<std::uint32_t>(posed.static_probability.size())};
-}
-
-PosedScan scan_of(const ScanHeader& header, int run) {
-  PosedScan posed;
-  posed.run = run;
-  posed.map_from_robot = {header.map_from_robot[0], header.map_from_robot[1],
-                          header.map_from_robot[2]};
-  Scan& scan = posed.scan;
-  scan.stamp = {header.stamp_ns};
-  scan.robot_from_laser = {header.robot_from_laser[0], header.robot_from_laser[1],
-                           header.robot_from_laser[2]};
-  scan.angle_min_rad = header.angle_min_rad;
-  scan.angle_increment_rad = header.angle_increment_rad;
-  scan.time_increment_s = header.time_increment_s;
-  scan.scan_time_s = header.scan_time_s;
-  scan.range_min_m = header.range_min_m;
-  scan.range_max_m = header.range_max_m;
-  scan.ranges_m.resize(header.ranges);
-  posed.static_probability.resize(header.labels);
-  return posed;
-}
-
-/// Planes of the headers, then of all ranges, then of all labels.
+/// Planes of the headers, which have the number of labels besides, then of all ranges, then of all
+/// labels.
 std::vector<std::byte> encode(std::span<const PosedScan> scans) {
-  std::vector<ScanHeader> headers;
+  std::vector<detail::ScanHeader> headers;
   std::vector<float> ranges;
   std::vector<float> labels;
   for (const PosedScan& scan : scans) {
-    headers.push_back(header_of(scan));
+    headers.push_back(
+        detail::header_of(scan, static_cast<std::uint32_t>(scan.static_probability.size())));
     ranges.insert(ranges.end(), scan.scan.ranges_m.begin(), scan.scan.ranges_m.end());
     labels.insert(labels.end(), scan.static_probability.begin(), scan.static_probability.end());
   }
-  std::vector<std::byte> bytes = detail::to_planes(std::span<const ScanHeader>(headers));
+  std::vector<std::byte> bytes = detail::to_planes(std::span<const detail::ScanHeader>(headers));
   for (const std::vector<float>* values : {&ranges, &labels}) {
     const std::vector<std::byte> planes = detail::to_planes(std::span<const float>(*values));
     bytes.insert(bytes.end(), planes.begin(), planes.end());
@@ -87,15 +37,15 @@ std::vector<std::byte> encode(std::span<const PosedScan> scans) {
 /// The chunk's scans, appended. Throws InputError when the sizes do not add up.
 void decode(std::span<const std::byte> bytes, std::size_t count, int run, const std::string& place,
             std::vector<PosedScan>& scans) {
-  std::vector<ScanHeader> headers(count);
+  std::vector<detail::ScanHeader> headers(count);
   std::size_t ranges = 0;
   std::size_t labels = 0;
-  const std::size_t header_bytes = count * sizeof(ScanHeader);
+  const std::size_t header_bytes = count * sizeof(detail::ScanHeader);
   if (bytes.size() >= header_bytes) {
-    detail::from_planes(bytes.first(header_bytes), std::span<ScanHeader>(headers));
-    for (const ScanHeader& header : headers) {
+    detail::from_planes(bytes.first(header_bytes), std::span<detail::ScanHeader>(headers));
+    for (const detail::ScanHeader& header : headers) {
       ranges += header.ranges;
-      labels += header.labels;
+      labels += header.more;
     }
   }
   if (bytes.size() != header_bytes + (ranges + labels) * sizeof(float)) {
@@ -107,12 +57,13 @@ void decode(std::span<const std::byte> bytes, std::size_t count, int run, const 
   detail::from_planes(rest.subspan(ranges * sizeof(float)), std::span(values).subspan(ranges));
   const float* next_range = values.data();
   const float* next_label = values.data() + ranges;
-  for (const ScanHeader& header : headers) {
-    PosedScan& posed = scans.emplace_back(scan_of(header, run));
+  for (const detail::ScanHeader& header : headers) {
+    PosedScan& posed = scans.emplace_back(detail::scan_of(header, run));
+    posed.static_probability.resize(header.more);
     std::copy_n(next_range, header.ranges, posed.scan.ranges_m.begin());
-    std::copy_n(next_label, header.labels, posed.static_probability.begin());
+    std::copy_n(next_label, header.more, posed.static_probability.begin());
     next_range += header.ranges;
-    next_label += header.labels;
+    next_label += header.more;
   }
 }
 

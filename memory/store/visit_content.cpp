@@ -1,37 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/store/visit_content.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 #include <zstd.h>
 
 #include "core/base/damage.hpp"
 #include "memory/store/detail/blob.hpp"
+#include "memory/store/detail/scan_header.hpp"
 
 namespace strata::memory {
 namespace {
 
-/// Everything of a scan but its ranges. No padding: it goes out as it lies in memory.
-struct VisitHeader {
-  std::int64_t stamp_ns;
-  double map_from_robot[3];
-  double robot_from_laser[3];
-  float angle_min_rad;
-  float angle_increment_rad;
-  float time_increment_s;
-  float scan_time_s;
-  float range_min_m;
-  float range_max_m;
-  std::uint32_t ranges;
-  std::uint32_t steps_a_metre;  ///< its ranges are whole steps; 0: they are floats
-};
-static_assert(sizeof(VisitHeader) == 88);
+using detail::ScanHeader;
 
+// What a header has besides: its ranges are whole steps, so many a metre, or floats.
 constexpr std::uint32_t kFloats = 0;
 constexpr std::array<std::uint32_t, 2> kSteps{100, 1000};
 /// Ranges that are no number of steps.
@@ -80,6 +70,18 @@ std::uint32_t steps_a_metre_of(std::span<const float> ranges_m) {
   return kFloats;
 }
 
+/// What a robot may send and no learner could use.
+bool is_sound(const ScanHeader& header) {
+  const auto all_finite = [](const auto& values) {
+    return std::all_of(std::begin(values), std::end(values),
+                       [](double value) { return std::isfinite(value); });
+  };
+  const bool is_known = header.more == kFloats ||
+                        std::find(kSteps.begin(), kSteps.end(), header.more) != kSteps.end();
+  return is_known && all_finite(header.map_from_robot) && all_finite(header.robot_from_laser) &&
+         std::isfinite(header.angle_min_rad) && std::isfinite(header.angle_increment_rad);
+}
+
 /// Small numbers for small differences of either sign.
 std::uint16_t zigzag(std::uint16_t difference) {
   const bool is_negative = (difference & 0x8000U) != 0U;
@@ -91,52 +93,11 @@ std::uint16_t from_zigzag(std::uint16_t code) {
   return (code & 1U) != 0U ? static_cast<std::uint16_t>(~half) : half;
 }
 
-VisitHeader header_of(const PosedScan& posed) {
-  const Scan& scan = posed.scan;
-  const Pose2& pose = posed.map_from_robot;
-  const Pose2& laser = scan.robot_from_laser;
-  return {scan.stamp.ns,
-          {pose.x, pose.y, pose.theta},
-          {laser.x, laser.y, laser.theta},
-          scan.angle_min_rad,
-          scan.angle_increment_rad,
-          scan.time_increment_s,
-          scan.scan_time_s,
-          scan.range_min_m,
-          scan.range_max_m,
-          static_cast<std::uint32_t>(scan.ranges_m.size()),
-          steps_a_metre_of(scan.ranges_m)};
-}
-
-PosedScan scan_of(const VisitHeader& header, int run) {
-  PosedScan posed;
-  posed.run = run;
-  posed.map_from_robot = {header.map_from_robot[0], header.map_from_robot[1],
-                          header.map_from_robot[2]};
-  Scan& scan = posed.scan;
-  scan.stamp = {header.stamp_ns};
-  scan.robot_from_laser = {header.robot_from_laser[0], header.robot_from_laser[1],
-                           header.robot_from_laser[2]};
-  scan.angle_min_rad = header.angle_min_rad;
-  scan.angle_increment_rad = header.angle_increment_rad;
-  scan.time_increment_s = header.time_increment_s;
-  scan.scan_time_s = header.scan_time_s;
-  scan.range_min_m = header.range_min_m;
-  scan.range_max_m = header.range_max_m;
-  scan.ranges_m.resize(header.ranges);
-  return posed;
-}
-
-/// The values as planes of their bytes (detail::to_planes), behind what is there.
+/// The values as planes of their bytes, behind what is there.
 template <typename T>
 void append(std::vector<std::byte>& bytes, std::span<const T> values) {
-  const std::size_t begin = bytes.size();
-  bytes.resize(begin + values.size() * sizeof(T));
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    std::array<std::byte, sizeof(T)> raw;
-    std::memcpy(raw.data(), &values[i], sizeof(T));
-    for (std::size_t b = 0; b < sizeof(T); ++b) bytes[begin + b * values.size() + i] = raw[b];
-  }
+  const std::vector<std::byte> planes = detail::to_planes(values);
+  bytes.insert(bytes.end(), planes.begin(), planes.end());
 }
 
 [[noreturn]] void throw_damaged(const std::string& place) {
@@ -157,13 +118,14 @@ std::vector<T> take(std::span<const std::byte>& rest, std::size_t count, const s
 }  // namespace
 
 std::vector<std::byte> visit_content(std::span<const PosedScan> scans) {
-  std::vector<VisitHeader> headers;
+  std::vector<ScanHeader> headers;
   std::vector<std::uint16_t> steps;
   std::vector<float> floats;
   for (const PosedScan& posed : scans) {
-    const VisitHeader& header = headers.emplace_back(header_of(posed));
+    const ScanHeader& header =
+        headers.emplace_back(detail::header_of(posed, steps_a_metre_of(posed.scan.ranges_m)));
     const std::vector<float>& ranges_m = posed.scan.ranges_m;
-    if (header.steps_a_metre == kFloats) {
+    if (header.more == kFloats) {
       for (const float range_m : ranges_m) {
         floats.push_back(std::isnan(range_m) ? std::numeric_limits<float>::quiet_NaN() : range_m);
       }
@@ -171,7 +133,7 @@ std::vector<std::byte> visit_content(std::span<const PosedScan> scans) {
     }
     std::uint16_t last = 0;
     for (const float range_m : ranges_m) {
-      const std::uint16_t now = steps_of(range_m, header.steps_a_metre);
+      const std::uint16_t now = steps_of(range_m, header.more);
       steps.push_back(zigzag(static_cast<std::uint16_t>(now - last)));
       last = now;
     }
@@ -179,7 +141,7 @@ std::vector<std::byte> visit_content(std::span<const PosedScan> scans) {
   const auto count = static_cast<std::uint32_t>(scans.size());
   std::vector<std::byte> bytes;
   append(bytes, std::span<const std::uint32_t>(&count, 1));
-  append(bytes, std::span<const VisitHeader>(headers));
+  append(bytes, std::span<const ScanHeader>(headers));
   append(bytes, std::span<const std::uint16_t>(steps));
   append(bytes, std::span<const float>(floats));
   return bytes;
@@ -191,11 +153,12 @@ std::vector<PosedScan> scans_of_visit(std::span<const std::byte> content, int ru
   if (content.size() < sizeof(count)) throw_damaged(place);
   std::memcpy(&count, content.data(), sizeof(count));
   std::span<const std::byte> rest = content.subspan(sizeof(count));
-  const auto headers = take<VisitHeader>(rest, count, place);
+  const auto headers = take<ScanHeader>(rest, count, place);
   std::size_t in_steps = 0;
   std::size_t in_floats = 0;
-  for (const VisitHeader& header : headers) {
-    (header.steps_a_metre == kFloats ? in_floats : in_steps) += header.ranges;
+  for (const ScanHeader& header : headers) {
+    if (!is_sound(header)) throw_damaged(place);
+    (header.more == kFloats ? in_floats : in_steps) += header.ranges;
   }
   const auto steps = take<std::uint16_t>(rest, in_steps, place);
   const auto floats = take<float>(rest, in_floats, place);
@@ -205,16 +168,16 @@ std::vector<PosedScan> scans_of_visit(std::span<const std::byte> content, int ru
   scans.reserve(count);
   std::size_t next_step = 0;
   std::size_t next_float = 0;
-  for (const VisitHeader& header : headers) {
-    PosedScan& posed = scans.emplace_back(scan_of(header, run));
+  for (const ScanHeader& header : headers) {
+    PosedScan& posed = scans.emplace_back(detail::scan_of(header, run));
     std::uint16_t last = 0;
     for (float& range_m : posed.scan.ranges_m) {
-      if (header.steps_a_metre == kFloats) {
+      if (header.more == kFloats) {
         range_m = floats[next_float++];
         continue;
       }
       last = static_cast<std::uint16_t>(last + from_zigzag(steps[next_step++]));
-      range_m = range_of(last, header.steps_a_metre);
+      range_m = range_of(last, header.more);
     }
   }
   return scans;

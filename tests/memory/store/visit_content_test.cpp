@@ -105,6 +105,26 @@ TEST(VisitContent, ThatIsDamagedIsRefused) {
   EXPECT_THROW((void)unpack_visit({}, "visit"), DamageError);
 }
 
+TEST(VisitContent, WithWhatNoLearnerCouldUseIsRefused) {
+  constexpr std::size_t kScans = 20;
+  std::vector<PosedScan> scans = visit(Ranges::kMillimetres, kScans);
+  auto content = visit_content(scans);
+  EXPECT_NO_THROW((void)scans_of_visit(content, 0, "visit"));
+  // The lowest byte of the steps a metre of one scan: headers lie in planes of their bytes.
+  constexpr std::size_t kStepsAt = 84;
+  content[sizeof(std::uint32_t) + kStepsAt * kScans + 3] ^= std::byte{1};
+  EXPECT_THROW((void)scans_of_visit(content, 0, "visit"), DamageError);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (double Pose2::*part : {&Pose2::x, &Pose2::y, &Pose2::theta}) {
+    scans = visit(Ranges::kMillimetres, kScans);
+    scans[3].map_from_robot.*part = nan;
+    EXPECT_THROW((void)scans_of_visit(visit_content(scans), 0, "visit"), DamageError);
+    scans = visit(Ranges::kMillimetres, kScans);
+    scans[3].scan.robot_from_laser.*part = nan;
+    EXPECT_THROW((void)scans_of_visit(visit_content(scans), 0, "visit"), DamageError);
+  }
+}
+
 /// A frame that says it unpacks to 16 GB: the first bytes of a zstd frame with an 8-byte size.
 TEST(VisitContent, ThatAsksForAllMemoryIsRefused) {
   std::vector<std::byte> frame{std::byte{0x28}, std::byte{0xB5}, std::byte{0x2F}, std::byte{0xFD},
