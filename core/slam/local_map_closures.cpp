@@ -119,7 +119,6 @@ void LocalMapGraph::search_closures(std::size_t index) {
   };
   const std::vector<double> lengths = path_lengths(index);
   const Eigen::Vector2d center = graph_.pose(index) * local_maps_[index].center_m;
-  const double own_breadth_m = breadth_m(clouds_[index]);
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < index; ++i) {
     const bool shares = local_maps_[i].run == local_maps_[index].run && index - i <= kSharedScans;
@@ -133,8 +132,7 @@ void LocalMapGraph::search_closures(std::size_t index) {
     const Eigen::Vector2d other = graph_.pose(i) * local_maps_[i].center_m;
     const double distance_m = (other - center).norm();
     const bool held = given_[i] && given_[index];
-    const double apart_m =
-        held ? kApartM : std::max({kApartM, own_breadth_m, breadth_m(clouds_[i])});
+    const double apart_m = held ? kApartM : std::max({kApartM, breadths_m_[index], breadths_m_[i]});
     if (distance_m > apart_m + window_m) continue;
     candidates.push_back({i, distance_m, window_m, window_rad});
   }
@@ -159,8 +157,6 @@ void LocalMapGraph::search_closures(std::size_t index) {
 void LocalMapGraph::tighten(int rounds, Progress* progress) {
   if (!config_.enabled) return;
   constexpr std::size_t kPartners = 8;
-  std::vector<double> breadths_m;
-  for (const Endpoints& cloud : clouds_) breadths_m.push_back(breadth_m(cloud));
   for (int round = 0; round < rounds; ++round) {
     report_progress(progress, "match local maps", static_cast<std::size_t>(round),
                     static_cast<std::size_t>(rounds));
@@ -175,7 +171,7 @@ void LocalMapGraph::tighten(int rounds, Progress* progress) {
         const Eigen::Vector2d apart =
             graph_.pose(a) * local_maps_[a].center_m - graph_.pose(b) * local_maps_[b].center_m;
         const bool held = given_[a] && given_[b];
-        const double both_m = held ? 0.0 : breadths_m[a] + breadths_m[b];
+        const double both_m = held ? 0.0 : breadths_m_[a] + breadths_m_[b];
         if (apart.norm() > std::max(kApartTightM, both_m)) continue;
         const double overlap = agreement(a, b, between(graph_.pose(a), graph_.pose(b))).overlap;
         if (overlap >= config_.min_overlap) partners.emplace_back(-overlap, b);

@@ -126,11 +126,13 @@ void LocalMapGraph::remove(const std::vector<std::size_t>& gone) {
     if (now[i] == i) continue;
     local_maps_[now[i]] = std::move(local_maps_[i]);
     clouds_[now[i]] = std::move(clouds_[i]);
+    breadths_m_[now[i]] = breadths_m_[i];
     given_[now[i]] = given_[i];
     located_[now[i]] = located_[i];
   }
   local_maps_.resize(count);
   clouds_.resize(count);
+  breadths_m_.resize(count);
   given_.resize(count);
   located_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {

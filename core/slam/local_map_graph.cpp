@@ -54,6 +54,7 @@ void LocalMapGraph::make_room() {
   make_room_for_one(chain_);
   make_room_for_one(located_);
   make_room_for_one(clouds_);
+  make_room_for_one(breadths_m_);
   make_room_for_one(given_);
   make_room_for_one(local_maps_);
 }
@@ -89,6 +90,7 @@ std::size_t LocalMapGraph::add(LocalMap local_map, const std::optional<Pose2Gaus
     chain_.push_back(edge);
   }
   located_.push_back(given.has_value() || (continues ? located_.back() : index == 0));
+  breadths_m_.push_back(breadth_m(cloud));
   clouds_.push_back(std::move(cloud));
   given_.push_back(given);
   local_maps_.push_back(std::move(local_map));
@@ -177,6 +179,11 @@ void LocalMapGraph::rebuild_graph(const std::vector<Closure>& closures) {
   graph_ = std::move(graph);
   for (const Closure& closure : closures) add_closure(closure);
   optimize();
+}
+
+void LocalMapGraph::measure_breadths() {
+  breadths_m_.clear();
+  for (const Endpoints& cloud : clouds_) breadths_m_.push_back(breadth_m(cloud));
 }
 
 void LocalMapGraph::forget_surfaces() {

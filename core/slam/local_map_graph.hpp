@@ -66,6 +66,7 @@ class LocalMapGraph {
   static void state(Self& self, Archive& archive) {
     archive(self.local_maps_);
     archive(self.clouds_);
+    if constexpr (Archive::kReads) self.measure_breadths();
     archive(self.given_);
     archive(self.located_);
     archive(self.chain_);
@@ -103,6 +104,7 @@ class LocalMapGraph {
   }
   void remove(const std::vector<std::size_t>& gone);
   void make_room();
+  void measure_breadths();
   void search_closures(std::size_t index);
   void locate_run(std::size_t last);
   std::size_t connect_run(std::size_t first, std::size_t last);
@@ -116,6 +118,7 @@ class LocalMapGraph {
   WorkerPool& pool_;
   std::vector<LocalMap> local_maps_;
   std::vector<Endpoints> clouds_;
+  std::vector<double> breadths_m_;  // of these, when they were added; made again for a saved state
   std::vector<std::optional<Pose2Gaussian>> given_;
   std::vector<bool> located_;
   std::vector<pose_graph::Edge> chain_;  // what `tighten` does not replace
