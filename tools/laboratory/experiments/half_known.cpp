@@ -12,15 +12,14 @@
 #include "core/grid/blind_beams.hpp"
 #include "tools/laboratory/experiments/simulated_maps.hpp"
 #include "tools/laboratory/experiments/spliced_drive.hpp"
+#include "tools/pipeline/localization_metrics.hpp"
 #include "tools/simulate/random_floor.hpp"
 #include "tools/simulate/random_office.hpp"
 
 namespace strata::experiments {
 namespace {
 
-constexpr double kLost_m = 1.0;
-constexpr double kLost_s = 5.0;
-constexpr double kWrongPose_m = 0.5;
+constexpr double kFarOff_m = 1.0;
 constexpr double kHighScore = 0.9;
 constexpr int kDays = 4;
 constexpr double kCell_m = 0.05;
@@ -41,22 +40,6 @@ VerdictWorld without(const std::string& name, const simulate::ScenarioConfig& sc
   for (PosedScan& scan : scans) (void)blind_beams(scan, cells);
   return world_of_scans(name, simulation, scans);
 }
-
-/// Follows how long an error lasts.
-class LostWatch {
- public:
-  void see(double error_m, Stamp now) {
-    const bool was_off = std::exchange(is_off_, error_m > kLost_m);
-    if (is_off_ && !was_off) since_ = now;
-    is_lost_ = is_lost_ || (is_off_ && (now - since_).seconds() >= kLost_s);
-  }
-  [[nodiscard]] bool is_lost() const { return is_lost_; }
-
- private:
-  bool is_off_ = false;
-  Stamp since_;
-  bool is_lost_ = false;
-};
 
 Rows rows_of(const VerdictWorld& world, std::uint64_t seed) {
   Rows rows{};
@@ -132,7 +115,7 @@ HalfKnownOutcome drive_half_known(const VerdictWorld& world, const std::string& 
   const std::size_t begin = known_from(world, 0);
   if (begin == world.truths.size()) return outcome;
   outcome.runs = 1.0;
-  LostWatch watch;
+  std::vector<pipeline::ScanError> errors;
   drive.start(*world.truths[begin]);
   drive.drive(begin, world.observations.size(), [&](const auto& result, double error_m, Stamp now) {
     const Cell here = cell_at(drive.truth().translation(), world.maps.filtered.resolution_m());
@@ -140,15 +123,15 @@ HalfKnownOutcome drive_half_known(const VerdictWorld& world, const std::string& 
     (is_mapped ? outcome.mapped_scans : outcome.beyond_scans) += 1.0;
     (is_mapped ? outcome.mapped_error_m : outcome.beyond_error_m) += error_m;
     const bool is_good = result.health.state == localization::HealthState::kGood;
-    outcome.called_good += is_good && error_m > kLost_m ? 1.0 : 0.0;
+    outcome.called_good += is_good && error_m > kFarOff_m ? 1.0 : 0.0;
     if (result.score >= kHighScore) {
       outcome.high_scored += 1.0;
-      outcome.high_scored_wrong += error_m > kWrongPose_m ? 1.0 : 0.0;
+      outcome.high_scored_wrong += error_m > pipeline::kFailureDistance_m ? 1.0 : 0.0;
     }
-    watch.see(error_m, now);
+    errors.push_back({now, error_m});
     return true;
   });
-  outcome.lost = watch.is_lost() ? 1.0 : 0.0;
+  outcome.lost = pipeline::evaluate_run(errors).lost ? 1.0 : 0.0;
   return outcome;
 }
 

@@ -16,7 +16,7 @@ namespace strata::experiments {
 /// Sums over runs. Errors are distances of the pose from the truth at weighed scans.
 struct HalfKnownOutcome {
   double runs = 0.0;
-  double lost = 0.0;            ///< above 1 m for 5 s or longer
+  double lost = 0.0;            ///< pipeline::LocalizationMetrics::lost
   double mapped_scans = 0.0;    ///< the map knows where the robot is
   double mapped_error_m = 0.0;  ///< sum over those
   double beyond_scans = 0.0;    ///< the others

@@ -209,8 +209,8 @@ void run(const std::string& name, const Options& options) {
   if (!options.merge.empty()) return merge(name, options);
   if (!options.shard.empty()) return run_shard(name, options);
   const bool takes_logs = name == "starts" || name == "half_known";
-  if (takes_logs && (!options.logs.empty() || !options.runs.empty()))
-    return run_whole(name, options);
+  const bool has_logs = !options.logs.empty() || !options.runs.empty();
+  if (takes_logs && has_logs) return run_whole(name, options);
   shards::Units units;
   if (!run_seed_experiment(name, options.of_seeds(), units)) run_whole(name, options);
 }
