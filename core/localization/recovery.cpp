@@ -60,7 +60,7 @@ void HealthMonitor::add(double likelihood_per_beam, const InlierShares& shares,
     h.state = HealthState::kLost;
   } else if (position_stddev_m > config_.uncertain_stddev_m) {
     h.state = HealthState::kConverging;
-  } else if (!is_known || h.inlier_share_fast < config_.outdated_share * h.inlier_share_slow) {
+  } else if (!is_known || is_outdated()) {
     h.state = HealthState::kMapOutdated;
   } else {
     h.state = HealthState::kGood;
