@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/beyond_map.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -30,7 +29,6 @@ void BeyondMap::reset() {
   scans_ = matched_ = unmatched_ = 0;
   judged_in_a_row_ = 0;
   unjudged_share_ = 0.0;
-  away_m_ = 0.0;
   leads_ = false;
 }
 
@@ -40,15 +38,7 @@ void BeyondMap::begin() {
   scans_ = 0;
 }
 
-void BeyondMap::settle(double moved_m) {
-  if (is_outside()) away_m_ += moved_m;
-  matched_ = unmatched_ = 0;
-}
-
-double BeyondMap::drift_m(double away_m) const {
-  constexpr double kLeast_m = 0.5;
-  return std::max(kLeast_m, config_.drift * away_m);
-}
+void BeyondMap::settle() { matched_ = unmatched_ = 0; }
 
 std::optional<Pose2> BeyondMap::follow(const Observation& observation) {
   if (!tracker_) return std::nullopt;

@@ -23,8 +23,6 @@ struct BeyondMapConfig {
   double coast_share = 0.5;
   double noise_share = 0.03;
   double max_stddev_m = 1.0;
-  double search_after_m = 3.0;
-  double drift = 0.1;
   double outdated_tempering = 8.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -54,17 +52,6 @@ struct BeyondMapConfig {
                     "depends on where the robot is",
              .unit = "m",
              .min = 0.0});
-    v.field("search_after_m", c.search_after_m,
-            {.doc = "back from so long a way on which no scan was weighed, the first scans are "
-                    "looked for about the pose, and where they fit better than there particles are "
-                    "put too; 0: never",
-             .unit = "m",
-             .min = 0.0});
-    v.field("drift", c.drift,
-            {.doc = "... as far from it as this share of that way, and at least 0.5 m",
-             .unit = "1",
-             .min = 0.0,
-             .max = 1.0});
     v.field(
         "outdated_tempering", c.outdated_tempering,
         {.doc = "beside the map's end, where it is outdated too and scans tell the motion, the "
@@ -105,25 +92,19 @@ class BeyondMap {
   [[nodiscard]] bool is_outside() const {
     return config_.is_used && unjudged_share_ >= config_.coast_share;
   }
-  /// Of the beams of that scan that say something, those that the map does not judge.
-  [[nodiscard]] double unjudged_share() const { return unjudged_share_; }
+  /// Of the beams of that scan that say something those that the map judges; 1 when it is weighed
+  /// whole.
+  [[nodiscard]] double judged_share() const { return is_beyond() ? 1.0 - unjudged_share_ : 1.0; }
   /// Noise of a motion that was told by scans, all of them, since the last weighed scan.
   [[nodiscard]] MotionModelConfig noise(const MotionModelConfig& of_odometry) const;
   /// Whether it was; odometry is not needed then.
   [[nodiscard]] bool is_told() const { return matched_ > 0 && unmatched_ == 0; }
-  /// A scan was weighed, or its turn is over: what comes is the next motion. moved_m: since the
-  /// one before.
-  void settle(double moved_m);
-  /// How far the robot drove with no scan weighed, if it is back since and was not looked for; else
-  /// 0.
-  [[nodiscard]] double came_back_m() const {
-    const bool is_far = config_.search_after_m > 0.0 && away_m_ >= config_.search_after_m;
-    return is_far && !is_outside() ? away_m_ : 0.0;
+  /// Divides the log-likelihood besides; is_outdated: few beams are inliers of late.
+  [[nodiscard]] double tempering(bool is_outdated) const {
+    return is_outdated && is_told() ? config_.outdated_tempering : 1.0;
   }
-  /// How far from its pose the robot may be after such a way.
-  [[nodiscard]] double drift_m(double away_m) const;
-  /// It was looked for about its pose.
-  void looked_for() { away_m_ = 0.0; }
+  /// A scan was weighed, or its turn is over: what comes is the next motion.
+  void settle();
 
   /// For saved states; the config is the constructor's.
   template <class Self, class Archive>
@@ -141,7 +122,6 @@ class BeyondMap {
     archive(self.unmatched_);
     archive(self.judged_in_a_row_);
     archive(self.unjudged_share_);
-    archive(self.away_m_);
     archive(self.leads_);
     if constexpr (Archive::kReads) {
       if (self.tracker_ && !self.tracker_->is_sound(self.scans_)) {
@@ -161,8 +141,7 @@ class BeyondMap {
   std::size_t unmatched_ = 0;
   int judged_in_a_row_ = 0;
   double unjudged_share_ = 0.0;
-  bool leads_ = false;   // what scans tell of the motion is followed
-  double away_m_ = 0.0;  // driven with no scan weighed, since it was last looked for
+  bool leads_ = false;  // what scans tell of the motion is followed
   Scan part_;
   std::vector<std::uint8_t> is_unjudged_;
 };

@@ -132,7 +132,6 @@ class Localizer {
   void search_everywhere();
   void seek(bool keeps_old);
   void find_places();
-  void look_around(double away_m);
   [[nodiscard]] Pose2Gaussian judge_places();
   [[nodiscard]] Pose2Gaussian pose_now();
   void fill(ParticleSet& particles, std::size_t begin, StreamId stream) const;

@@ -107,18 +107,6 @@ void Localizer::find_places() {
   is_seeking_ = false;
 }
 
-/// Back in the map, once enough scans are kept: drift on a way that nothing corrected may be more
-/// than the particles spread, and what looks alike lies as near.
-void Localizer::look_around(double away_m) {
-  if (finder_.scans() < static_cast<std::size_t>(config_.global_search.local_scans)) return;
-  beyond_.looked_for();
-  constexpr double kTurn_rad = 0.3;
-  const std::optional<PlaceSeed> better =
-      finder_.find_better(estimate(particles_).mean, beyond_.drift_m(away_m), kTurn_rad);
-  if (!better) return;
-  places_.begin({&*better, 1}, true, model_->patch_states(), seed_, step_, particles_);
-}
-
 /// After the weights: the likeliest place, and the only one once it has refuted all others.
 Pose2Gaussian Localizer::judge_places() {
   const bool is_decided = places_.judge(particles_);

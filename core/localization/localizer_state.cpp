@@ -14,7 +14,7 @@ namespace strata::localization {
 namespace {
 
 /// 2: with what a model has learned; 3: and whether a place that was found is confirmed;
-/// 4: and the last metres beyond the map; 5: and how far the robot was beyond it.
+/// 4: and the last metres beyond the map; 5: and whether they lead.
 constexpr std::uint64_t kStateVersion = 5;
 
 /// Whether the columns fit each other, and the map, is checked when all is read.

@@ -35,7 +35,7 @@ PoseTrust Localizer::trust() const {
 
 /// What the weighed part of the scan says of the pose that was found with it.
 void Localizer::judge(const Scan& judged, const Pose2Gaussian& pose, double likelihood_per_beam) {
-  const double share = beyond_.is_beyond() ? 1.0 - beyond_.unjudged_share() : 1.0;
+  const double share = beyond_.judged_share();
   const InlierShares shares =
       model_->inlier_shares_given(result_.submaps, judged, pose.mean, particles_).among_all(share);
   const double stddev_m = position_stddev(pose);
@@ -44,7 +44,7 @@ void Localizer::judge(const Scan& judged, const Pose2Gaussian& pose, double like
   monitor_.add(likelihood_per_beam, shares, stddev_m, score_.value());
   if (is_open()) return;
   if (confirmation_.judge(score_.value())) seek(true);
-  if (!is_ambiguous() && beyond_.came_back_m() == 0.0) finder_.rest();
+  if (!is_ambiguous()) finder_.rest();
 }
 
 /// Since the last weighed scan. A filter that has not seen one knows no state yet: of what follows
@@ -70,21 +70,12 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   const Stamp now = observation.scan.stamp;
   const PatchStates* states = model_->patch_states();
   if (states != nullptr) states->tell_time(now, particles_);
-  const double came_back_m = is_ambiguous() ? 0.0 : beyond_.came_back_m();
-  if (is_ambiguous() || came_back_m > 0.0) {
-    finder_.add(moved_, observation.scan);
-  } else {
-    finder_.forget_scans();
-  }
+  if (is_ambiguous()) finder_.add(moved_, observation.scan);
   if (is_seeking_) find_places();
-  if (came_back_m > 0.0) look_around(came_back_m);
   if (states != nullptr) states->predict(elapsed_s(*states, now), seed_, step_, particles_, *pool_);
 
   log_likelihood_.resize(particles_.size());
-  Weighing weighing{model_->tempering() * annealing()};
-  if (config_.beyond_map.is_used && monitor_.is_outdated() && beyond_.is_told()) {
-    weighing.tempering *= config_.beyond_map.outdated_tempering;
-  }
+  Weighing weighing{model_->tempering() * annealing() * beyond_.tempering(monitor_.is_outdated())};
   if (turns_.alive() > 1) {
     weigh_companions(observation, weighing.tempering);
     weighing.share = companions_.own_share();
@@ -104,13 +95,11 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
     judge(*judged, pose, std::exp(log_mean * weighing.tempering / static_cast<double>(beams)));
   } else {
     score_.drive_unseen(moved_.translation().norm());
-    if (judged == nullptr) {
-      monitor_.add_unjudged(1.0 - beyond_.unjudged_share(), position_stddev(pose));
-    }
+    if (judged == nullptr) monitor_.add_unjudged(beyond_.judged_share(), position_stddev(pose));
   }
   if (own_model_ != nullptr) own_model_->learn(observation, pose, trust());
   settle_motion(pose);
-  beyond_.settle(moved_.translation().norm());
+  beyond_.settle();
   last_weighed_ = now;
   turns_.use();
   moved_ = Pose2{};

@@ -65,12 +65,6 @@ class PlaceFinder {
   /// Places where the scans fit; nothing while there are more of them than are kept and scans are
   /// to be waited for. `waited`: scans so far.
   [[nodiscard]] std::vector<PlaceSeed> find(int waited);
-  /// The best of the places within radius_m and turn_rad of a pose where the scans fit better than
-  /// nearest to it; nothing when there is none, or no map. O(cells within a beam's reach).
-  [[nodiscard]] std::optional<PlaceSeed> find_better(const Pose2& map_from_robot, double radius_m,
-                                                     double turn_rad) const;
-  /// So many of the last scans are kept.
-  [[nodiscard]] std::size_t scans() const { return scans_.size(); }
 
   /// For saved states; config and map are told.
   template <class Self, class Archive>
@@ -88,9 +82,6 @@ class PlaceFinder {
       archive(self.points);
     }
   };
-  [[nodiscard]] Endpoints points() const;
-  [[nodiscard]] PlaceSeed seed_at(const PlaceCandidate& candidate) const;
-
   PlaceFinderConfig config_;
   ReflectionGrid map_;
   std::shared_ptr<const GlobalSearch> search_;

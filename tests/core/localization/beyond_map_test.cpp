@@ -14,124 +14,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/localization/likelihood_field_model.hpp"
 #include "core/localization/localizer.hpp"
 #include "core/localization/range_provider_model.hpp"
-#include "core/patch_beams/patch_beam_model.hpp"
-#include "core/rays/ray_caster.hpp"
 #include "tests/core/localization/box_world.hpp"
+#include "tests/core/localization/unmapped_room.hpp"
 
 namespace strata::localization {
 namespace {
 
-using test::BoxWorld;
 using test::Drive;
 
-/// A corridor of 16 m x 2 m with pillars, and beside it a room that is entered by a gap at x = 8 to
-/// 9 m; the wall between them is 0.3 m thick.
-BoxWorld building() {
-  return {{0.0, -0.3, 16.0, 0.0},
-          {-0.3, -0.3, 0.0, 2.3},
-          {16.0, -0.3, 16.3, 2.3},
-          {0.0, 2.0, 8.0, 2.3},
-          {9.0, 2.0, 16.0, 2.3},
-          {3.0, 0.0, 3.4, 0.5},
-          {5.6, 1.6, 6.0, 2.0},
-          {11.0, 0.0, 11.3, 0.6},
-          {13.0, 1.5, 13.5, 2.0},
-          // The room.
-          {4.7, 2.0, 5.0, 8.0},
-          {12.0, 2.0, 12.3, 8.0},
-          {4.7, 8.0, 12.3, 8.3},
-          {6.0, 5.0, 6.8, 6.0},
-          {10.0, 4.0, 10.5, 5.5}};
-}
-
-constexpr double kInnerWall_m = 2.05;
-
-/// What was seen from the corridor only: it, and the first cell of every wall.
-ReflectionGrid corridor_map() {
-  ReflectionGrid map = test::rasterize(building(), 0.05, {{-6, -6}, {326, 166}});
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const Eigen::Vector2d at = map.center(map.cell(i));
-    const bool is_seen =
-        at.x() > -0.05 && at.x() < 16.05 && at.y() > -0.05 && at.y() < kInnerWall_m;
-    if (!is_seen) map.values()[i] = kUnknownReflection;
-  }
-  return map;
-}
-
-std::shared_ptr<const patch::PatchMap> as_patch_map() {
-  auto map = std::make_shared<patch::PatchMap>();
-  map->base = corridor_map();
-  return map;
-}
-
-std::vector<std::shared_ptr<const SensorModel>> models() {
-  return {make_grid_beam_model(corridor_map()),
-          std::make_shared<const patch_beams::PatchBeamModel>(as_patch_map()),
-          std::make_shared<const LikelihoodFieldModel>(corridor_map())};
-}
-
-/// One beam of that range, straight ahead.
-Scan beam(double range_m) {
-  Scan scan;
-  scan.angle_increment_rad = 0.1F;
-  scan.range_min_m = 0.05F;
-  scan.range_max_m = 30.0F;
-  scan.ranges_m = {static_cast<float>(range_m)};
-  return scan;
-}
-
-bool is_unjudged(const SensorModel& model, const Pose2& from, double range_m) {
-  std::vector<std::uint8_t> marks;
-  model.find_unjudged(beam(range_m), from, marks);
-  return marks.at(0) != 0;
-}
-
-TEST(UnjudgedBeams, AreThoseThatGoWhereNobodyHasBeen) {
-  constexpr double kUp = std::numbers::pi / 2.0;
-  constexpr double kNothing = std::numeric_limits<double>::infinity();
-  for (const auto& model : models()) {
-    EXPECT_FALSE(is_unjudged(*model, {2.0, 1.0, kUp}, 1.0)) << "the wall";
-    EXPECT_FALSE(is_unjudged(*model, {2.0, 1.0, kUp}, 0.4)) << "something new before it";
-    EXPECT_FALSE(is_unjudged(*model, {2.0, 1.0, kUp}, 3.0)) << "through the wall";
-    EXPECT_TRUE(is_unjudged(*model, {8.5, 1.0, kUp}, 4.0)) << "through the gap into the room";
-    EXPECT_FALSE(is_unjudged(*model, {8.5, 0.5, kUp}, 0.8)) << "a person before the gap";
-    EXPECT_TRUE(is_unjudged(*model, {7.0, 4.0, -kUp}, 1.7)) << "the wall from its other side";
-    EXPECT_FALSE(is_unjudged(*model, {7.0, 4.0, -kUp}, 3.8)) << "through it from there";
-    EXPECT_TRUE(is_unjudged(*model, {8.5, 4.0, -kUp}, 4.0)) << "from the room through the gap";
-    EXPECT_TRUE(is_unjudged(*model, {7.0, 4.0, kUp}, kNothing)) << "nothing, from the room";
-    EXPECT_FALSE(is_unjudged(*model, {8.5, 1.0, kUp}, kNothing)) << "nothing, through the gap";
-  }
-}
-
-TEST(UnjudgedBeams, OfReadingsThatSayNothingAreNone) {
-  const Pose2 in_the_room{7.0, 4.0, 0.0};
-  for (const float reading : {std::numeric_limits<float>::quiet_NaN(), 0.0F, -1.0F}) {
-    for (const auto& model : models()) {
-      EXPECT_FALSE(is_unjudged(*model, in_the_room, static_cast<double>(reading)));
-    }
-  }
-}
-
-/// Everything is known but x in [begin, end).
-struct Gap {
-  double begin_m, end_m;
-  [[nodiscard]] bool knows(const Eigen::Vector2d& point_m) const {
-    return point_m.x() < begin_m || point_m.x() >= end_m;
-  }
-};
-
-TEST(UnknownWay, IsWhatOfTheWayIsUnknown) {
-  const Eigen::Vector2d ahead(1.0, 0.0);
-  for (const double end_m : {1.0, 1.5, 3.2}) {
-    EXPECT_NEAR(unknown_way_m(Gap{1.0, end_m}, {0.0, 0.0}, ahead, 5.0), end_m - 1.0, 0.051);
-    EXPECT_EQ(unknown_way_m(Gap{1.0, end_m}, {0.0, 0.0}, ahead, 0.9), 0.0);
-    EXPECT_EQ(unknown_way_m(Gap{1.0, end_m}, {0.0, 0.0}, -ahead, 5.0), 0.0);
-  }
-  EXPECT_EQ(unknown_way_m(Gap{0.0, 9.0}, {1.0, 0.0}, ahead, -1.0), 0.0);
-}
+using unmapped_room::building;
+using unmapped_room::corridor_map;
+using unmapped_room::models;
 
 struct Outcome {
   double max_error_m = 0.0;   // in the room
@@ -258,7 +153,7 @@ std::pair<bool, bool> are_told_after(int count) {
     const Observation seen = drive.look(building());
     const bool is_told = beyond.follow(seen).has_value();
     (void)beyond.judged(seen.scan, *model, pose, 0.01);
-    beyond.settle(0.0);
+    beyond.settle();
     return is_told;
   };
   (void)see_from(in_the_room);
@@ -277,29 +172,56 @@ TEST(BeyondMap, ScansTellTheMotionWhereTheMapDoesNotAndAreReadyForAWhileAfter) {
   EXPECT_EQ(are_told_after(25), (std::pair{false, false})) << "it begins anew";
 }
 
-TEST(BeyondMap, KnowsHowFarTheRobotDroveWithNoScanWeighedUntilItWasLookedFor) {
+TEST(BeyondMap, ARobotThatIsOutsideStaysSoHoweverFarItsParticlesSpread) {
   const auto model = models().front();
+  Drive drive({8.5, 5.0, 0.0}, 4);
+  BeyondMap beyond{BeyondMapConfig{}};
+  constexpr double kWide_m = 5.0;
+  const Scan first = drive.look(building()).scan;
+  EXPECT_EQ(beyond.judged(first, *model, drive.truth(), kWide_m), &first) << "not known to be";
+  const Scan* weighed = nullptr;
+  for (int n = 0; n < 5; ++n) {
+    const Observation seen = drive.look(building());
+    (void)beyond.follow(seen);
+    weighed = beyond.judged(seen.scan, *model, drive.truth(), n < 4 ? 0.1 : kWide_m);
+    EXPECT_EQ(beyond.is_outside(), true);
+    if (n < 4) beyond.settle();
+  }
+  EXPECT_EQ(weighed, nullptr);
+}
+
+TEST(BeyondMap, TheVerdictIsOfTheBeamsThatAreJudged) {
+  Localizer localizer(config(true), models().front(), 5);
+  Drive drive({8.5, 1.4, 0.0}, 4);
+  localizer.initialize({drive.truth(), Eigen::Vector3d(1e-3, 1e-3, 1e-3).asDiagonal()});
+  LocalizationResult result;
+  for (int n = 0; n < 40; ++n) {
+    drive.step({0.001, 0.0, 0.0});
+    result = localizer.update(drive.look(building()));
+  }
+  EXPECT_FALSE(result.is_beyond_map) << "most of the scan is in the corridor";
+  EXPECT_LT(result.health.judged_share_fast, 0.85) << "the gap";
+  EXPECT_GT(result.health.inlier_share_fast, 0.9);
+  EXPECT_EQ(result.health.state, HealthState::kGood);
+}
+
+TEST(BeyondMap, WeighsLessWhereTheMapIsOutdatedBesidesAndScansTellTheMotion) {
+  const auto model = models().front();
+  Drive drive({8.5, 5.0, 0.0}, 4);
   BeyondMapConfig config;
-  config.search_after_m = 2.0;
+  config.outdated_tempering = 5.0;
   BeyondMap beyond{config};
-  Drive drive({2.0, 1.0, 0.0}, 4);
-  const Scan scan = drive.look(building()).scan;
-  const auto see_from = [&](const Pose2& pose, double moved_m) {
-    (void)beyond.judged(scan, *model, pose, 0.01);
-    beyond.settle(moved_m);
-  };
-  const Pose2 in_the_room{8.5, 5.0, 0.0};
-  see_from(in_the_room, 1.0);
-  see_from(drive.truth(), 5.0);
-  EXPECT_EQ(beyond.came_back_m(), 0.0) << "too short a way";
-  see_from(in_the_room, 1.5);
-  EXPECT_EQ(beyond.came_back_m(), 0.0) << "still there";
-  see_from(drive.truth(), 5.0);
-  EXPECT_EQ(beyond.came_back_m(), 2.5);
-  EXPECT_EQ(beyond.drift_m(2.5), 0.5);
-  EXPECT_EQ(beyond.drift_m(20.0), 2.0);
-  beyond.looked_for();
-  EXPECT_EQ(beyond.came_back_m(), 0.0);
+  EXPECT_EQ(beyond.tempering(true), 1.0);
+  for (int n = 0; n < 3; ++n) {
+    beyond.settle();
+    const Observation seen = drive.look(building());
+    (void)beyond.follow(seen);
+    (void)beyond.judged(seen.scan, *model, drive.truth(), 0.1);
+  }
+  EXPECT_EQ(beyond.tempering(true), 5.0);
+  EXPECT_EQ(beyond.tempering(false), 1.0);
+  beyond.settle();
+  EXPECT_EQ(beyond.tempering(true), 1.0) << "nothing is told yet of the next motion";
 }
 
 /// Saved after scan `cut` of a drive into the room.
