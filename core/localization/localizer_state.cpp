@@ -16,6 +16,8 @@ namespace {
 /// 2: with what a model has learned; 3: and whether a place that was found is confirmed;
 /// 4: and the last metres beyond the map; 5: and whether they lead.
 constexpr std::uint64_t kStateVersion = 5;
+/// More than any map asks for; what a damaged state asks for would not fit into memory.
+constexpr std::size_t kMaxSavedParticles = std::size_t{1} << 24U;
 
 /// Whether the columns fit each other, and the map, is checked when all is read.
 template <class Particles, class Archive>
@@ -65,11 +67,19 @@ void Localizer::state(Self& self, Archive& archive) {
                      &self.is_patched_, &self.must_weigh_, &self.are_beliefs_pooled_}) {
     archive(*flag);
   }
-  for (auto* count : {&self.sought_, &self.annealed_updates_}) archive(*count);
+  for (auto* count : {&self.sought_, &self.annealed_updates_}) {
+    archive(*count);
+    if constexpr (Archive::kReads) {
+      if (*count < 0) archive.fail("has counted less than nothing");
+    }
+  }
   for (auto* count : {&self.start_count_, &self.step_}) archive(*count);
   for (auto* count : {&self.max_particles_, &self.scans_since_weighed_, &self.unusable_scans_,
                       &self.odometry_jumps_}) {
     archive(*count);
+  }
+  if constexpr (Archive::kReads) {
+    if (self.max_particles_ > kMaxSavedParticles) archive.fail("asks for too many particles");
   }
   archive(self.run_);
   archive(self.at_reading_);
