@@ -45,6 +45,10 @@ class NodeOutline {
   struct Reach {
     double range_m = 0.0;
     Edge end = Edge::kUnseen;
+    /// Whether no more is said than that the way is free so far, for a scanner of that reach.
+    [[nodiscard]] bool is_open_ended(double r_max_m) const {
+      return end != Edge::kSurface && range_m < r_max_m;
+    }
   };
   /// In the direction (unit). Nothing, {0, kUnseen}, from a viewpoint outside. O(corners passed):
   /// few, since everything within the nearest edge's distance is skipped, and corners that lie
