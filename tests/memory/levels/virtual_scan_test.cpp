@@ -3,31 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "core/geometry/angle.hpp"
 #include "core/random/stream.hpp"
+#include "tests/memory/levels/room_scans.hpp"
 
 namespace strata::memory {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-/// A scan of a world given as "range from this point in this direction".
-using World = std::function<double(const Eigen::Vector2d&, double)>;
-
-/// A room with walls at x = -3, 5 and y = -2, 4.
-double room(const Eigen::Vector2d& from, double angle) {
-  const double c = std::cos(angle);
-  const double s = std::sin(angle);
-  const double tx = c > 0.0 ? (5.0 - from.x()) / c : (-3.0 - from.x()) / c;
-  const double ty = s > 0.0 ? (4.0 - from.y()) / s : (-2.0 - from.y()) / s;
-  return std::min(std::abs(tx), std::abs(ty));
-}
+using room_scans::kBins;
+using room_scans::kPi;
+using room_scans::observe;
+using room_scans::room;
+using room_scans::transform;
 
 /// The same room with a box of 0.4 m radius around (2, 0).
 double room_with_pillar(const Eigen::Vector2d& from, double angle) {
@@ -37,33 +28,6 @@ double room_with_pillar(const Eigen::Vector2d& from, double angle) {
   const double aside_squared = to_center.squaredNorm() - along * along;
   if (along > 0.0 && aside_squared < 0.16) return along - std::sqrt(0.16 - aside_squared);
   return room(from, angle);
-}
-
-PosedScan observe(const World& world, const Pose2& map_from_robot, int beams, double fov_rad,
-                  const Pose2& robot_from_laser = {}) {
-  PosedScan posed;
-  posed.map_from_robot = map_from_robot;
-  Scan& scan = posed.scan;
-  scan.robot_from_laser = robot_from_laser;
-  const double increment = fov_rad / beams;
-  scan.angle_min_rad = static_cast<float>(-0.5 * fov_rad + 0.5 * increment);
-  scan.angle_increment_rad = static_cast<float>(increment);
-  scan.range_max_m = 20.0F;
-  const Pose2 map_from_laser = posed.map_from_laser();
-  for (int i = 0; i < beams; ++i) {
-    const double angle = map_from_laser.theta + scan.bearing_rad(static_cast<std::size_t>(i));
-    scan.ranges_m.push_back(static_cast<float>(world(map_from_laser.translation(), angle)));
-  }
-  return posed;
-}
-
-const PolarBins kBins{360, 50, 8.0};
-
-VirtualScan transform(const PosedScan& scan, const Eigen::Vector2d& node,
-                      const VisibilityConfig& config = {}) {
-  VirtualScan result;
-  VirtualScanner(kBins, config).transform(scan, node, result);
-  return result;
 }
 
 int known(const VirtualScan& scan) {
@@ -177,7 +141,7 @@ TEST(VirtualScan, LetsAHalfCircleScannerFillANodeThatItJustLeft) {
 }
 
 TEST(VirtualScan, OverflowsWhereTheScanReachesFarEnough) {
-  const World corridor = [](const Eigen::Vector2d& from, double angle) {
+  const auto corridor = [](const Eigen::Vector2d& from, double angle) {
     const double s = std::sin(angle);
     const double range = s > 0.0 ? (1.0 - from.y()) / s : (-1.0 - from.y()) / s;
     return std::min(range, 30.0);
@@ -245,81 +209,6 @@ TEST(VirtualScan, DoesNotDependOnTheDirectionOfTheSweep) {
                      : 0;
   }
   EXPECT_LE(different, 4);
-}
-
-// Beams without return, each a class of its own below.
-constexpr float kNoReturn = std::numeric_limits<float>::infinity();
-
-/// The room by a scanner that reaches 3.9 m: the wall at x = 5 is out of its reach ahead.
-PosedScan observe_nearby(const Pose2& pose) {
-  PosedScan posed = observe(room, pose, 720, 2.0 * kPi);
-  posed.scan.range_max_m = 3.9F;
-  return posed;
-}
-
-// Closed form: beams end on a circle about the laser, of which a node a behind it sees
-// sqrt(reach^2 - (a sin)^2) + a cos; one range bin less is said.
-TEST(VirtualScan, SaysHowFarTheWayIsFreeWhereTheScannerDoesNotReach) {
-  const Eigen::Vector2d node(-0.4, 0.0);
-  const VirtualScan result = transform(observe_nearby({0.0, 0.0, 0.0}), node);
-  int free_ways = 0;
-  for (int a = 0; a < 360; ++a) {
-    const double bearing = wrap_angle(kBins.center_bearing_rad(a));
-    const float range = result[static_cast<std::size_t>(a)];
-    if (std::abs(bearing) < 0.4) {
-      const double aside = 0.4 * std::sin(bearing);
-      const double end_m = std::sqrt(3.9 * 3.9 - aside * aside) + 0.4 * std::cos(bearing);
-      EXPECT_NEAR(static_cast<double>(range), kBins.range_bin_m() - end_m, 1e-3) << a;
-      ++free_ways;
-    }
-    EXPECT_LT(-static_cast<double>(range), room(node, bearing)) << a;
-  }
-  EXPECT_GT(free_ways, 40);
-}
-
-TEST(VirtualScan, SaysSoOnlyOfAScannerWhoseReachIsKnown) {
-  PosedScan scan = observe_nearby({0.0, 0.0, 0.0});
-  for (float& range : scan.scan.ranges_m) range = range < 3.9F ? range : kNoReturn;
-  const auto free_ways = [&](const PolarBins& bins, const VisibilityConfig& config) {
-    VirtualScan result;
-    VirtualScanner(bins, config).transform(scan, {-0.4, 0.0}, result);
-    return std::count_if(result.begin(), result.end(), [](float range) { return range < 0.0F; });
-  };
-  EXPECT_GT(free_ways(kBins, {}), 50);
-  EXPECT_GT(free_ways({360, 252, 8.0}, {}), 50);
-  EXPECT_EQ(free_ways({360, 253, 8.0}, {}), 0);  // no number is left for it
-  VisibilityConfig distrust;
-  distrust.trust_no_return = false;
-  EXPECT_EQ(free_ways(kBins, distrust), 0);
-  scan.scan.range_max_m = 0.0F;
-  EXPECT_EQ(free_ways(kBins, {}), 0);
-}
-
-// Two beams without return say nothing, three do.
-TEST(VirtualScan, TakesThreeBeamsWithoutReturnInARowAtTheirWord) {
-  const Pose2 pose{0.0, 0.0, 0.0};
-  for (const std::size_t count : {2U, 3U}) {
-    PosedScan scan = observe(room, pose, 720, 2.0 * kPi);
-    scan.scan.range_max_m = 6.5F;
-    for (std::size_t i = 0; i < count; ++i) scan.scan.ranges_m[540 + i] = kNoReturn;  // at +y
-    const VirtualScan result = transform(scan, pose.translation());
-    const auto free_ways =
-        std::count_if(result.begin(), result.end(), [](float range) { return range < 0.0F; });
-    EXPECT_EQ(free_ways > 0, count == 3) << count;
-  }
-}
-
-// Of 720 beams every tenth drops out: the others without return may have as well.
-TEST(VirtualScan, DoesNotBelieveAScannerWhoseReturnsDropOutByThemselves) {
-  PosedScan scan = observe_nearby({0.0, 0.0, 0.0});
-  EXPECT_FALSE(drops_returns(scan.scan));
-  PosedScan seldom = scan;
-  for (std::size_t i = 0; i < 720; i += 40) seldom.scan.ranges_m[i] = kNoReturn;
-  EXPECT_FALSE(drops_returns(seldom.scan));
-  for (std::size_t i = 0; i < 720; i += 10) scan.scan.ranges_m[i] = kNoReturn;
-  EXPECT_TRUE(drops_returns(scan.scan));
-  const VirtualScan result = transform(scan, {-0.4, 0.0});
-  EXPECT_TRUE(std::none_of(result.begin(), result.end(), [](float range) { return range < 0.0F; }));
 }
 
 }  // namespace
