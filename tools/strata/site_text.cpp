@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "components/log/content_hash.hpp"
+#include "components/log/text.hpp"
+#include "tools/report/plot.hpp"
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
@@ -163,6 +165,28 @@ void print_diary(const site::Site& site, std::size_t count) {
                 event.note.empty() ? "" : ": ", event.note.c_str());
   }
   std::fflush(stdout);
+}
+
+std::string words_of(const site::Zone& zone) {
+  using report::fixed;
+  std::string words = site::name_of(zone.kind);
+  if (zone.kind == site::ZoneKind::kLearn) words = site::name_of(zone.control);
+  if (zone.kind == site::ZoneKind::kKeepout && zone.cost_percent < 100.0) {
+    words += " at a cost of " + log::format_number(zone.cost_percent) + " %";
+  }
+  if (zone.speed_percent) words += " " + log::format_number(*zone.speed_percent) + " %";
+  if (zone.speed_m_s) words += " " + log::format_number(*zone.speed_m_s) + " m/s";
+  return words + ", " + fixed(site::area_m2(zone), 2) + " m2";
+}
+
+nlohmann::json json_of(const site::Zone& zone) {
+  json text{
+      {"name", zone.name}, {"kind", site::name_of(zone.kind)}, {"area_m2", site::area_m2(zone)}};
+  if (zone.kind == site::ZoneKind::kLearn) text["control"] = site::name_of(zone.control);
+  if (zone.kind == site::ZoneKind::kKeepout) text["cost_percent"] = zone.cost_percent;
+  if (zone.speed_percent) text["speed_percent"] = *zone.speed_percent;
+  if (zone.speed_m_s) text["speed_m_s"] = *zone.speed_m_s;
+  return text;
 }
 
 }  // namespace strata::tools

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "components/site/site.hpp"
+#include "components/site/zones.hpp"
 
 namespace strata::tools {
 
@@ -25,5 +26,9 @@ void print_site(const site::Site& site);
 
 /// The last `count` lines of the diary.
 void print_diary(const site::Site& site, std::size_t count);
+
+/// "keepout at a cost of 50 %, 2.00 m2".
+[[nodiscard]] std::string words_of(const site::Zone& zone);
+[[nodiscard]] nlohmann::json json_of(const site::Zone& zone);
 
 }  // namespace strata::tools

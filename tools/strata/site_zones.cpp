@@ -20,6 +20,7 @@
 #include "tools/site/often_changing.hpp"
 #include "tools/site/zone_picture.hpp"
 #include "tools/strata/result_directory.hpp"
+#include "tools/strata/site_text.hpp"
 #include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
@@ -29,28 +30,6 @@ namespace strata::tools {
 namespace {
 
 using nlohmann::json;
-
-std::string words_of(const site::Zone& zone) {
-  using report::fixed;
-  std::string words = site::name_of(zone.kind);
-  if (zone.kind == site::ZoneKind::kLearn) words = site::name_of(zone.control);
-  if (zone.kind == site::ZoneKind::kKeepout && zone.cost_percent < 100.0) {
-    words += " at a cost of " + log::format_number(zone.cost_percent) + " %";
-  }
-  if (zone.speed_percent) words += " " + log::format_number(*zone.speed_percent) + " %";
-  if (zone.speed_m_s) words += " " + log::format_number(*zone.speed_m_s) + " m/s";
-  return words + ", " + fixed(site::area_m2(zone), 2) + " m2";
-}
-
-json json_of(const site::Zone& zone) {
-  json text{
-      {"name", zone.name}, {"kind", site::name_of(zone.kind)}, {"area_m2", site::area_m2(zone)}};
-  if (zone.kind == site::ZoneKind::kLearn) text["control"] = site::name_of(zone.control);
-  if (zone.kind == site::ZoneKind::kKeepout) text["cost_percent"] = zone.cost_percent;
-  if (zone.speed_percent) text["speed_percent"] = *zone.speed_percent;
-  if (zone.speed_m_s) text["speed_m_s"] = *zone.speed_m_s;
-  return text;
-}
 
 void list(const SiteOptions& options, VerbContext& context, const site::Zones& zones,
           const std::string& what) {
