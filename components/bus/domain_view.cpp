@@ -2,23 +2,18 @@
 #include "components/bus/domain_view.hpp"
 
 #include <array>
+#include <span>
 #include <utility>
 
+#include "core/base/hex_text.hpp"
+
 namespace strata::bus {
-namespace {
-
-std::string hex(std::uint8_t byte) {
-  constexpr const char* kDigits = "0123456789abcdef";
-  return {kDigits[byte >> 4U], kDigits[byte & 15U]};
-}
-
-}  // namespace
 
 std::string guid_text(const Guid& guid) {
   std::string text;
   for (std::size_t i = 0; i < guid.size(); ++i) {
     if (i > 0 && i % 4 == 0) text += '.';
-    text += hex(guid[i]);
+    text += hex_text({&guid[i], 1});
   }
   return text;
 }
@@ -34,8 +29,9 @@ std::string vendor_name(std::uint16_t vendor) {
   for (const auto& [id, name] : kKnown) {
     if (id == vendor) return name;
   }
-  return "vendor " + hex(static_cast<std::uint8_t>(vendor >> 8U)) + "." +
-         hex(static_cast<std::uint8_t>(vendor & 255U));
+  const std::array<std::uint8_t, 2> bytes{static_cast<std::uint8_t>(vendor >> 8U),
+                                          static_cast<std::uint8_t>(vendor & 255U)};
+  return "vendor " + hex_text(std::span(bytes).first(1)) + "." + hex_text(std::span(bytes).last(1));
 }
 
 }  // namespace strata::bus

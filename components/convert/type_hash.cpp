@@ -3,12 +3,14 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
 #include <openssl/evp.h>
 
 #include "components/convert/type_description.hpp"
+#include "core/base/hex_text.hpp"
 
 namespace strata::convert {
 namespace {
@@ -54,13 +56,7 @@ std::string type_hash(std::string_view type) {
                  nullptr) != 1) {
     throw std::runtime_error("OpenSSL has no SHA-256");
   }
-  constexpr const char* kDigits = "0123456789abcdef";
-  std::string hash = "RIHS01_";
-  for (unsigned int i = 0; i < size; ++i) {
-    hash += kDigits[digest[i] >> 4U];
-    hash += kDigits[digest[i] & 15U];
-  }
-  return hash;
+  return "RIHS01_" + hex_text(std::span(digest.data(), size));
 }
 
 }  // namespace strata::convert

@@ -3,8 +3,11 @@
 
 #include <array>
 #include <new>
+#include <span>
 
 #include <openssl/evp.h>
+
+#include "core/base/hex_text.hpp"
 
 namespace strata::log {
 
@@ -32,14 +35,7 @@ std::string Sha256::hex() {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;
   EVP_DigestFinal_ex(state_->context, digest.data(), &size);
-  constexpr const char* kDigits = "0123456789abcdef";
-  std::string text;
-  text.reserve(2 * std::size_t{size});
-  for (unsigned int i = 0; i < size; ++i) {
-    text += kDigits[digest[i] >> 4];
-    text += kDigits[digest[i] & 15];
-  }
-  return text;
+  return hex_text(std::span(digest.data(), size));
 }
 
 std::string sha256_of(std::string_view text) {

@@ -17,6 +17,7 @@
 #include "components/fleet/status.hpp"
 #include "components/log/content_hash.hpp"
 #include "components/log/json_text.hpp"
+#include "core/base/hex_text.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/fleet_learn.hpp"
 #include "tools/strata/site_actions.hpp"
@@ -60,13 +61,7 @@ std::string made_password() {
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
     throw OutputError("the system", "gives no random numbers", "give --password-file");
   }
-  constexpr const char* kDigits = "0123456789abcdef";
-  std::string text;
-  for (const unsigned char byte : bytes) {
-    text += kDigits[byte >> 4U];
-    text += kDigits[byte & 15U];
-  }
-  return text;
+  return hex_text(bytes);
 }
 
 std::string password_in(const std::string& file) {
