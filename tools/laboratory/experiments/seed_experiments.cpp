@@ -5,6 +5,7 @@
 
 #include "tools/laboratory/experiments/among_people.hpp"
 #include "tools/laboratory/experiments/few_beams.hpp"
+#include "tools/laboratory/experiments/folded_maps.hpp"
 #include "tools/laboratory/experiments/half_known.hpp"
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
@@ -75,6 +76,8 @@ bool run_seed_experiment(const std::string& name, const SeedOptions& options,
     }
   } else if (name == "refined_poses") {
     report_refined_poses(options.scenarios, seeds, units);
+  } else if (name == "folded_maps") {
+    report_folded_maps(seeds, units);
   } else if (name == "half_known") {
     report_half_known(seeds, units);
   } else if (name == "starts") {
