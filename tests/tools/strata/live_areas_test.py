@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The areas that change, on the live page of a robot whose localizer has a folder of maps or a site,
-in headless Chromium.
+"""The areas that change, and the zones, on the live page of a robot whose localizer has a site, in
+headless Chromium.
 
 usage: live_areas_test.py STRATA HALL.yaml WORK
 
@@ -100,6 +100,43 @@ def test_a_learner_comes_first(page):
                          "beliefOf(two.submaps[0]).length === two.submaps[0].configurations.length") is True
 
 
+def square(name, kind, low, high, **properties):
+    x, y = low
+    u, v = high
+    return {"type": "Feature", "properties": {"name": name, "kind": kind, **properties},
+            "geometry": {"type": "Polygon", "coordinates": [[[x, y], [u, y], [u, v], [x, v], [x, y]]]}}
+
+
+def test_zones(page, strata, work):
+    """They are drawn where they lie as soon as somebody has drawn them, and a click says what holds there."""
+    features = [square("stairs", "keepout", (1.0, -0.5), (2.0, 0.5)),
+                square("slow", "speed", (1.5, 0.0), (3.0, 1.0), speed_percent=40),
+                square("calm", "learn", (-1.0, -1.0), (0.0, 0.0), control="never_learn")]
+    with open(f"{work}/zones.geojson", "w") as out:
+        json.dump({"type": "FeatureCollection", "features": features}, out)
+    assert layer(page, "zones")["count"] == 0
+    subprocess.run([strata, "site", "zones", f"{work}/site", "set", f"{work}/zones.geojson", "--quiet"],
+                   check=True)
+    kinds = "[...zones.masks].filter(([k, m]) => isSet(k, m)).map(([k]) => k).sort().join()"
+    comes_true(lambda: page.evaluate(kinds) == "keepout,never_learn,speed", "the zones")
+    comes_true(lambda: page.evaluate("zones.meanings.has('speed')"), "what the values mean")
+    page.evaluate("setFollow(false); fitMap(); view.isChosen = true; chosen = null")
+    corners = screen(page, -1.0, 1.0) + screen(page, 3.0, -1.0)
+    drawn = layer(page, "zones")["box"]
+    assert all(abs(at - wanted) < 4 for at, wanted in zip(drawn, corners)), (drawn, corners)
+    said = {(1.2, -0.2): ["No robots here"], (1.7, 0.2): ["No robots here", "Speed at most 40%"],
+            (2.5, 0.5): ["Speed at most 40%"], (-0.5, -0.5): ["Nothing is learned here"], (1.2, 0.8): []}
+    for (x, y), words in said.items():
+        assert json.loads(page.evaluate(f"JSON.stringify(zonesAt({x}, {y}))")) == words, (x, y)
+    page.evaluate("robot.patches = null")  # no area below the pointer
+    x, y = screen(page, 2.5, 0.5)
+    mouse(page, "mousePressed", x, y)
+    mouse(page, "mouseReleased", x, y)
+    assert page.text("hint") == "Speed at most 40%", page.text("hint")
+    subprocess.run([strata, "site", "zones", f"{work}/site", "remove", "stairs", "--quiet"], check=True)
+    comes_true(lambda: page.evaluate(kinds) == "never_learn,speed", "one of them is gone")
+
+
 def main():
     strata, hall, work = sys.argv[1:4]
     browser = find_browser()
@@ -108,6 +145,7 @@ def main():
         test_areas_are_drawn_and_clickable(page)
         test_another_version(page, strata, work)
         test_a_learner_comes_first(page)
+        test_zones(page, strata, work)
 
 
 main()
