@@ -9,6 +9,7 @@
 #include "core/geometry/angle.hpp"
 #include "core/registration/correlative_search.hpp"
 #include "core/registration/scan_matcher.hpp"
+#include "core/tracking/pose_choice.hpp"
 #include "core/tracking/tracker.hpp"
 #include "core/tracking/tracker_parts.hpp"
 
@@ -49,33 +50,6 @@ constexpr double kFixedStddevRad = 1e-4;
 /// beams passed than hit: somebody was there.
 constexpr double kStillStddevs = 3.0;
 constexpr double kStillReflection = 0.5;
-
-/// What the beams alone cost in a match [nats].
-double scan_cost(const registration::MatchResult& result, const Pose2Gaussian& prior) {
-  return result.cost - 0.5 * mahalanobis_squared(prior, result.pose);
-}
-
-/// Of so many steps, e to the power of this, one may be wrong as a whole.
-constexpr double kMaxSurprise = 6.0;
-
-/// Stands, pillars and doors that look alike lie no closer than this. What a match finds nearer by
-/// is the same place.
-constexpr double kLookAlikeM = 0.6;
-
-/// How odd a pose is by odometry, whose errors have long tails: wheels spin [nats, Student's t with
-/// one degree of freedom], `most` at most.
-double surprise(const Pose2& pose, const Pose2Gaussian& guess, double most) {
-  return std::min(most, 2.0 * std::log1p(mahalanobis_squared(guess, pose)));
-}
-
-/// By how much odder `other` is than `own` [nats]. Where the two lie so far apart that they may be
-/// look-alikes, odometry that agreed with the matches lately may object the more: doubt: 0 to 1.
-/// Else a row of stands moves the robot from one to the next.
-double odder_by(const Pose2& other, const Pose2& own, const Pose2Gaussian& guess, double doubt) {
-  const bool may_look_alike = translation_distance(other, own) > kLookAlikeM;
-  const double most = may_look_alike ? kMaxSurprise / doubt : kMaxSurprise;
-  return surprise(other, guess, most) - surprise(own, guess, most);
-}
 
 /// The end points that are inliers of something still at the pose.
 Endpoints inliers_at(const Endpoints& endpoints, const SurfaceMap& map, const Pose2& pose,
@@ -120,7 +94,6 @@ Pose2 with_known_heading(const registration::MatchResult& found, const Pose2Gaus
   return is_as_good ? fixed.pose : found.pose;
 }
 
-/// How far a robot without odometry may have come.
 }  // namespace
 
 Pose2Gaussian doubted_step(const Pose2& step, const OdometryNoiseConfig& noise, double doubt) {
@@ -232,7 +205,6 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
   // Away from the odometry only the scan decides.
   Pose2Gaussian wide{guess.mean, pose_covariance(kBlindStddevM, kBlindStddevRad)};
   const Pose2Gaussian* prior = &guess;
-  double cost = scan_cost(result, guess);
   // Beams side by side are no witnesses of their own, nor are those left of a scan in a crowd.
   const double share = std::min(1.0, config_.match.effective_beams / static_cast<double>(hits));
   auto try_from = [&](const Pose2& start, const Pose2& believed) {
@@ -240,12 +212,11 @@ bool Tracker::locate(const Endpoints& endpoints, std::size_t hits, const Pose2Ga
     const registration::MatchResult other =
         registration::match(endpoints, {}, field, start, &wide, config_.match);
     if (!other.converged || other.inlier_share <= result.inlier_share + kMargin) return;
-    const double other_cost = scan_cost(other, wide);
     if (from == GuessFrom::kOdometry) {
-      const double gain = share * (cost - other_cost);
+      const double gain = share * likelier_by(other.pose, result.pose, endpoints,
+                                              active_.front().map, config_.match);
       if (gain <= odder_by(other.pose, result.pose, guess, doubt_)) return;
     }
-    cost = other_cost;
     result = other;
     prior = &wide;
   };
