@@ -34,26 +34,44 @@ struct Told {
   }
 };
 
-void print(const char* name, const Told& told, const std::vector<double>& errors_m) {
+void print(const std::string& name, const Told& told, const std::vector<double>& errors_m) {
   double sum_m = 0.0;
   for (const double error_m : errors_m) sum_m += error_m;
   std::printf(
       "%s: %zu buildings, mean error %.3f m, worst %.3f m; not folded %d, of them told as "
       "inconsistent %d; folded %d, of them told as consistent %d\n",
-      name, errors_m.size(), sum_m / static_cast<double>(errors_m.size()),
+      name.c_str(), errors_m.size(), sum_m / static_cast<double>(errors_m.size()),
       *std::max_element(errors_m.begin(), errors_m.end()),
       told.sound_consistent + told.sound_inconsistent, told.sound_inconsistent,
       told.folded_consistent + told.folded_inconsistent, told.folded_consistent);
   std::fflush(stdout);
 }
 
-void print(const char* name, std::uint64_t seed, const FoldedMap& map) {
+void print(const std::string& name, std::uint64_t seed, const FoldedMap& map) {
   std::printf(
       "  %s %llu: error %.3f m (odometry %.2f m), %.0f of %.0f pairs of scans wrong, worst %.2f m; "
       "%.0f of %.0f stretches contradict each other: %s\n",
-      name, static_cast<unsigned long long>(seed), map.error_m, map.odometry_error_m,
+      name.c_str(), static_cast<unsigned long long>(seed), map.error_m, map.odometry_error_m,
       map.revisits.wrong, map.revisits.pairs, map.revisits.worst_m, map.contradicting, map.compared,
       map.is_consistent > 0.0 ? "consistent" : "inconsistent");
+}
+
+using Building = simulate::ScenarioConfig (*)(std::uint64_t);
+
+void report_kind(const std::string& name, Building building, const slam::SlamConfig& config,
+                 const Seeds& seeds, shards::Units& units) {
+  Told told;
+  std::vector<double> errors_m;
+  for (int i = 0; i < seeds.count; ++i) {
+    const std::uint64_t seed = seeds.first + static_cast<std::uint64_t>(i);
+    const FoldedMap map = units.of<FoldedMap>(name + ", seed " + std::to_string(seed), [&] {
+      return map_building(building(seed), seed, config);
+    });
+    told.add(map);
+    errors_m.push_back(map.error_m);
+    if (map.revisits.is_folded() || map.is_consistent == 0.0) print(name, seed, map);
+  }
+  if (!errors_m.empty()) print(name, told, errors_m);
 }
 
 }  // namespace
@@ -79,9 +97,18 @@ Revisits judge_revisits(const std::vector<Pose2>& found, const std::vector<Pose2
   return result;
 }
 
-FoldedMap map_building(const simulate::ScenarioConfig& building, std::uint64_t seed) {
+slam::SlamConfig without_closures() {
+  slam::SlamConfig config;
+  config.closure.enabled = false;
+  config.em.match_again = false;
+  config.em.track_again = false;
+  return config;
+}
+
+FoldedMap map_building(const simulate::ScenarioConfig& building, std::uint64_t seed,
+                       const slam::SlamConfig& config) {
   const simulate::Simulation simulation = simulate::simulate(building, seed);
-  const slam::SlamResult mapped = learn_first_day(simulation);
+  const slam::SlamResult mapped = learn_first_day(simulation, config);
   const std::vector<Pose2> found = found_poses(mapped);
   const std::vector<Pose2> truth = true_poses(simulation);
   std::vector<Pose2> odometry;
@@ -99,24 +126,15 @@ FoldedMap map_building(const simulate::ScenarioConfig& building, std::uint64_t s
 }
 
 void report_folded_maps(const Seeds& seeds, shards::Units& units) {
-  const std::array<std::pair<const char*, simulate::ScenarioConfig (*)(std::uint64_t)>, 4> kinds{
-      {{"ring of rooms", ring_of_rooms},
-       {"long corridor", long_corridor},
-       {"hall of pillars", hall_of_pillars},
-       {"floor", poor_odometry_floor}}};
-  for (const auto& [name, building] : kinds) {
-    Told told;
-    std::vector<double> errors_m;
-    for (int i = 0; i < seeds.count; ++i) {
-      const std::uint64_t seed = seeds.first + static_cast<std::uint64_t>(i);
-      const FoldedMap map =
-          units.of<FoldedMap>(std::string(name) + ", seed " + std::to_string(seed),
-                              [&, make = building] { return map_building(make(seed), seed); });
-      told.add(map);
-      errors_m.push_back(map.error_m);
-      if (map.revisits.is_folded() || map.is_consistent == 0.0) print(name, seed, map);
+  const std::array<std::pair<const char*, Building>, 4> kinds{{{"ring of rooms", ring_of_rooms},
+                                                               {"long corridor", long_corridor},
+                                                               {"hall of pillars", hall_of_pillars},
+                                                               {"floor", poor_odometry_floor}}};
+  for (const auto& [kind, building] : kinds) {
+    for (const bool has_closures : {true, false}) {
+      report_kind(std::string(kind) + (has_closures ? "" : ", scan matching alone"), building,
+                  has_closures ? slam::SlamConfig{} : without_closures(), seeds, units);
     }
-    if (!errors_m.empty()) print(name, told, errors_m);
   }
 }
 

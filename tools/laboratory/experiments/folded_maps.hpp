@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/pose2.hpp"
+#include "core/slam/slam.hpp"
 #include "tools/laboratory/experiments/seed_reports.hpp"
 #include "tools/shards/units.hpp"
 #include "tools/simulate/scenario.hpp"
@@ -33,9 +34,13 @@ struct FoldedMap {
   double is_consistent = 0.0;  ///< 0 or 1
   Revisits revisits;
 };
-[[nodiscard]] FoldedMap map_building(const simulate::ScenarioConfig& building, std::uint64_t seed);
+[[nodiscard]] FoldedMap map_building(const simulate::ScenarioConfig& building, std::uint64_t seed,
+                                     const slam::SlamConfig& config = {});
+/// Scan matching alone: loops stay open.
+[[nodiscard]] slam::SlamConfig without_closures();
 
-/// Prints a line for each kind of building, and each that was folded or is held to be.
+/// Prints a line for each kind of building, by SLAM and by scan matching alone, and for each that
+/// was folded or is held to be.
 void report_folded_maps(const Seeds& seeds, shards::Units& units);
 
 }  // namespace strata::experiments
