@@ -117,11 +117,13 @@ double bayesian_information(const VectorSet& vectors, const FuzzyClusters& clust
   return sum - 0.5 * penalty;
 }
 
-Clustering select_clusters(const VectorSet& vectors, const ModelSelectionConfig& config) {
+Clustering select_clusters(const VectorSet& vectors, const ModelSelectionConfig& config,
+                           const std::function<void(const FuzzyClusters&)>& each) {
   Clustering result;
   FuzzyClusters model = fuzzy_kmeans(vectors, {mean_of(vectors)}, config.fuzzy);
   double best = bayesian_information(vectors, model, config);
   result.criterion.push_back(best);
+  if (each) each(model);
   result.clusters = model;
   if (vectors.dimension < static_cast<std::size_t>(config.min_features)) return result;
   int decreases = 0;
@@ -132,6 +134,7 @@ Clustering select_clusters(const VectorSet& vectors, const ModelSelectionConfig&
     const double criterion = bayesian_information(vectors, model, config);
     decreases = criterion < result.criterion.back() ? decreases + 1 : 0;
     result.criterion.push_back(criterion);
+    if (each) each(model);
     if (criterion <= best) continue;
     best = criterion;
     result.clusters = model;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -88,8 +89,10 @@ struct Clustering {
 /// (`patience` in a row) or at k = n. "Explains worst" is the least likelihood relative to a
 /// perfect fit, so that a vector with few known entries, whose density has fewer factors, is not
 /// taken for an unlikely one; the entries it does not know start at those of its nearest centre.
-/// Requires at least one vector. O(k^2 sweeps n dimension).
-[[nodiscard]] Clustering select_clusters(const VectorSet& vectors,
-                                         const ModelSelectionConfig& config);
+/// each: is told of every model tried, in order. Requires at least one vector. O(k^2 sweeps n
+/// dimension).
+[[nodiscard]] Clustering select_clusters(
+    const VectorSet& vectors, const ModelSelectionConfig& config,
+    const std::function<void(const FuzzyClusters&)>& each = nullptr);
 
 }  // namespace strata::patch

@@ -85,8 +85,11 @@ TEST(ModelSelection, FindsFourStatesInSeventeenMaps) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     RandomStream random(seed, StreamId::kTest);
     const VectorSet vectors = noisy_states(17, 4, 40, 0.15, 0.0, random);
-    const Clustering result = select_clusters(vectors, {});
+    std::vector<std::size_t> tried;
+    const Clustering result = select_clusters(
+        vectors, {}, [&](const FuzzyClusters& model) { tried.push_back(model.centroids.size()); });
     ASSERT_EQ(result.k(), 4U) << "seed " << seed;
+    EXPECT_EQ(tried, (std::vector<std::size_t>{1, 2, 3, 4, 5})) << "seed " << seed;
     // Same state, same cluster; other state, other cluster.
     for (std::size_t i = 0; i < vectors.size(); ++i) {
       for (std::size_t c = 0; c < 4; ++c) {
