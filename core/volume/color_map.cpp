@@ -131,6 +131,7 @@ bool ColorMap::offer(const CameraView& view, const Pose3& camera_from_map,
   }
   to.likelihood = likelihood;
   to.frontality = frontality;
+  to.view = offered_;
   const auto nearest = [](double at, int size) {
     return std::clamp(static_cast<int>(std::lround(at)), 0, size - 1);
   };
@@ -157,6 +158,7 @@ std::size_t ColorMap::add(const CameraView& view, WorkerPool& pool) {
     }
     shown += mine;
   });
+  ++offered_;
   return shown;
 }
 

@@ -83,6 +83,7 @@ struct ColoredVoxel {
   /// In units of tie_nats; a voxel that no view showed has the least.
   std::int32_t likelihood = std::numeric_limits<std::int32_t>::min();
   float frontality = 0.0F;  ///< cosine between its normal and the view, of the view it took
+  std::int32_t view = -1;   ///< which of those offered that was, from 0
   Rgb color{128, 128, 128};
   [[nodiscard]] bool is_seen() const {
     return likelihood != std::numeric_limits<std::int32_t>::min();
@@ -128,6 +129,7 @@ class ColorMap {
   BrickMap<Bits> occupied_;
   std::vector<ColoredVoxel> voxels_;
   std::vector<Eigen::Vector3f> normals_;  ///< one a voxel, 0 where free space is all around
+  std::int32_t offered_ = 0;              ///< views
 };
 
 /// Blue low, over green, to red high; `share` in [0, 1].

@@ -78,6 +78,19 @@ void color(const fs::path& log, const VolumeJobConfig& config, const VolumeSourc
   result.images = reader.report();
 }
 
+/// The pictures once more, in the same order.
+void texture(const fs::path& log, const VolumeJobConfig& config, const VolumeSources& sources,
+             VolumeResult& result, Progress* progress) {
+  textures::TextureMaker maker(config.textures, *result.colors, result.map.lattice());
+  clouds::BagImageReader reader(log, sources.reading);
+  clouds::PosedImage image;
+  for (std::int32_t view = 0; reader.next(image); ++view) {
+    maker.add(view, {image.stamp, image.map_from_camera, image.camera, &image.image});
+    report_progress(progress, "texture the map", reader.report().images, result.images.images);
+  }
+  result.mesh = maker.mesh();
+}
+
 void require_clouds(const fs::path& log, const clouds::CloudReport& report) {
   if (report.clouds > 0) return;
   throw InputError(log.string(),
@@ -135,6 +148,7 @@ VolumeResult make_volume(const fs::path& log, const std::string& poses,
   require_clouds(log, result.report);
   result.score = truth.score(result.map);
   if (clouds::is_bag(log)) color(log, config, sources, result, pool, progress);
+  if (config.has_textures && result.colors) texture(log, config, sources, result, progress);
   return result;
 }
 

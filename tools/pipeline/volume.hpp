@@ -17,6 +17,7 @@
 #include "core/volume/voxel_memory.hpp"
 #include "tools/pipeline/volume_sources.hpp"
 #include "tools/pipeline/volume_truth.hpp"
+#include "tools/textures/textured_mesh.hpp"
 
 namespace strata::pipeline {
 
@@ -31,6 +32,8 @@ struct VolumeJobConfig {
   bool remember = false;
   volume::VoxelMemoryConfig memory;
   volume::ColorConfig colors;
+  bool has_textures = false;
+  textures::TextureConfig textures;
   slam::SlamConfig slam;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -55,6 +58,10 @@ struct VolumeJobConfig {
             {.doc = "keep short, mid and long levels of every voxel, and tell what changed"});
     v.group("memory", c.memory, "the levels of a voxel");
     v.group("colors", c.colors, "which picture a voxel takes its colour from");
+    v.field("has_textures", c.has_textures,
+            {.doc = "flat surfaces become polygons with the pictures on them (textured.glb)",
+             .when = "the map is to be shown, and the log has images"});
+    v.group("textures", c.textures, "polygons with pictures");
     v.group("slam", c.slam, "poses and labels from planar scans");
   }
 };
@@ -70,15 +77,16 @@ struct VolumeResult {
   std::string pose_source;
   std::vector<std::string> warnings;
   std::vector<Pose3> sensor_poses;
-  std::optional<VolumeScore> score;           ///< where clouds had truth
-  std::optional<volume::VoxelMemory> memory;  ///< with `remember`
-  std::optional<volume::ColorMap> colors;     ///< where there were images
+  std::optional<VolumeScore> score;            ///< where clouds had truth
+  std::optional<volume::VoxelMemory> memory;   ///< with `remember`
+  std::optional<volume::ColorMap> colors;      ///< where there were images
+  std::optional<textures::TexturedMesh> mesh;  ///< ... with `has_textures`
   clouds::ImageReport images;
 };
 
-/// Reads the log once, more often with the filter on voxels (the first time to learn what moves)
-/// and with images. A .bt or .ot file is a map already: it is read as such. poses: a file of
-/// map_from_robot, or empty. Throws InputError, ConfigError, Cancelled.
+/// Reads the log once, more often with the filter on voxels (the first time to learn what moves),
+/// with images, and with textures. A .bt or .ot file is a map already: it is read as such. poses: a
+/// file of map_from_robot, or empty. Throws InputError, ConfigError, Cancelled.
 [[nodiscard]] VolumeResult make_volume(const std::filesystem::path& log, const std::string& poses,
                                        const VolumeJobConfig& config, int threads,
                                        Progress* progress);

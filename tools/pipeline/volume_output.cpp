@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "core/volume/slice.hpp"
 #include "tools/report/html_report.hpp"
 #include "tools/report/volume_picture.hpp"
+#include "tools/textures/glb.hpp"
 
 namespace fs = std::filesystem;
 
@@ -110,6 +112,11 @@ void add_pictures(report::HtmlReport& page, const VolumeResult& result) {
               report::colored_cubes(*result.colors, lattice),
               below + "in the colours of the pictures; grey: in none.");
   }
+  if (result.mesh) {
+    add_views(page, result, "textured_", textures::texel_cubes(*result.mesh, cut_m),
+              textures::texel_cubes(*result.mesh, std::numeric_limits<double>::infinity()),
+              below + "flat surfaces with the pictures on them; grey: on none.");
+  }
   if (result.memory) add_changes(page, result, result.memory->changes(), cut_m);
 }
 
@@ -197,6 +204,11 @@ nlohmann::json make_summary(const std::string& log, const VolumeResult& result, 
        {{"wall_s", cost.wall_s}, {"cpu_s", cost.cpu_s}, {"peak_rss_mb", cost.peak_rss_mb}}}};
   if (result.score) summary["truth"] = score_json(*result.score);
   if (result.colors) summary["colors"] = colors_json(result);
+  if (result.mesh) {
+    summary["textures"] = {{"polygons", result.mesh->polygons.size()},
+                           {"texels", result.mesh->texels},
+                           {"seen", result.mesh->seen}};
+  }
   if (result.memory) {
     const volume::VoxelMemory& memory = *result.memory;
     summary["memory"] = {{"voxels", memory.known_voxels()},
@@ -258,6 +270,7 @@ nlohmann::json write_volume(const fs::path& folder, const std::string& log,
   report::write_file(folder / "map.bt", result.map.binary_file());
   report::write_file(folder / "map.ot", result.map.full_file());
   report::write_file(folder / "map_color.ot", color_file(result));
+  if (result.mesh) report::write_file(folder / "textured.glb", textures::glb_of(*result.mesh));
   if (slices.empty() && !result.sensor_poses.empty()) {
     const double height = result.sensor_poses.front().translation.z();
     slices.push_back({height - 0.2, height + 0.2});

@@ -22,8 +22,9 @@ constexpr const char* kTopology[] = {"topologies.*", "topology.graphml", "places
 constexpr const char* kComparison[] = {"comparison.json", "report.html", "replay.html",
                                        "*.csv",           "*.png",       "*.svg",
                                        "[0-9]*_*",        "summary.json"};
-constexpr const char* kVolume[] = {"map.bt", "map.ot",      "map_color.ot", "slice_*",
-                                   "*.png",  "report.html", "changes.json", "summary.json"};
+constexpr const char* kVolume[] = {"map.bt",      "map.ot",       "map_color.ot",
+                                   "*.png",       "textured.glb", "slice_*",
+                                   "report.html", "changes.json", "summary.json"};
 constexpr const char* kChanges[] = {"changes.json", "changes.png", "level_*.png", "path_*.png",
                                     "summary.json"};
 constexpr const char* kSimulation[] = {"log.clf",     "bag",       "truth.tum",   "day_*",
