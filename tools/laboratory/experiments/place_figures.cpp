@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/error.hpp"
 #include "memory/decoding/decode.hpp"
 
 namespace strata::experiments {
@@ -46,6 +47,13 @@ std::vector<NamedDecoder> paper_decoders() {
           {"paper", true, by(memory::paper_decoding())},
           {"literal", true, by(memory::literal_decoding())},
           {"median of each bin", false, memory::decode_per_bin_median}};
+}
+
+NamedDecoder decoder_named(const std::string& name) {
+  for (const NamedDecoder& decoder : paper_decoders()) {
+    if (decoder.name == name) return decoder;
+  }
+  throw Error(name, "is no decoder", "name one of paper_decoders()");
 }
 
 SwitchResult switch_states(const TwoStates& states, const NamedDecoder& decoder,

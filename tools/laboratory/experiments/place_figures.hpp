@@ -21,6 +21,8 @@ struct NamedDecoder {
 };
 /// scene, exact, paper (Dijkstra), literal, median of each bin.
 [[nodiscard]] std::vector<NamedDecoder> paper_decoders();
+/// One of them. Throws Error for another name.
+[[nodiscard]] NamedDecoder decoder_named(const std::string& name);
 
 /// A level of `samples` that takes in every view, drawn at random from those of a state.
 struct PlaceFigures {
