@@ -5,7 +5,9 @@ namespace strata::paper {
 
 std::vector<Figure> all_figures() {
   std::vector<Figure> all;
-  for (const auto& figures : {em_figures(), patch_figures(), kessler_figures(), ptm_figures()}) {
+  for (const auto& figures :
+       {em_figures(), patch_figures(), kessler_figures(), kessler_turning_figures(), ptm_figures(),
+        ptm_cloud_figures(), ptm_building_figures()}) {
     all.insert(all.end(), figures.begin(), figures.end());
   }
   return all;

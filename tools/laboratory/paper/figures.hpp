@@ -14,8 +14,13 @@ namespace strata::paper {
 [[nodiscard]] std::vector<Figure> patch_figures();
 /// [kessler2010what, section 5].
 [[nodiscard]] std::vector<Figure> kessler_figures();
+/// Figures 6 to 8 of it by scanners that never see all of a node.
+[[nodiscard]] std::vector<Figure> kessler_turning_figures();
 /// [ranganathan2006rao, section V].
 [[nodiscard]] std::vector<Figure> ptm_figures();
+/// Figure 1 of it, and what it shows of a second building.
+[[nodiscard]] std::vector<Figure> ptm_cloud_figures();
+[[nodiscard]] std::vector<Figure> ptm_building_figures();
 /// All of them.
 [[nodiscard]] std::vector<Figure> all_figures();
 

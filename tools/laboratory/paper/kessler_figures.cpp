@@ -46,18 +46,10 @@ TwoStates states_of(const Setting& setting, bool is_pose) {
                     views_from(changed, place_m, kRadius_m, bins), bins, 0.3);
 }
 
-const NamedDecoder& named(const std::vector<NamedDecoder>& all, const std::string& name) {
-  for (const NamedDecoder& decoder : all) {
-    if (decoder.name == name) return decoder;
-  }
-  throw Error(name, "is no decoder", "name one of paper_decoders()");
-}
-
 Outcome figure_6(const Setting& setting) {
-  const auto all = paper_decoders();
   const TwoStates states = states_of(setting, false);
-  const SwitchResult theirs = switch_states(states, named(all, "paper"), figures_of(setting));
-  const SwitchResult ours = switch_states(states, named(all, "scene"), figures_of(setting));
+  const SwitchResult theirs = switch_states(states, decoder_named("paper"), figures_of(setting));
+  const SwitchResult ours = switch_states(states, decoder_named("scene"), figures_of(setting));
   report::LinePlot plot{.title = "A board appears",
                         .x_label = "scans since",
                         .y_label = "share of it shown (first seed)"};
@@ -78,11 +70,10 @@ Outcome figure_6(const Setting& setting) {
 }
 
 Outcome figure_7(const Setting& setting) {
-  const auto all = paper_decoders();
   const TwoStates states = states_of(setting, false);
   const PlaceFigures figures = figures_of(setting);
   const auto complete = [&](const char* name) {
-    return static_cast<double>(complete_half(states, named(all, name), figures).complete);
+    return static_cast<double>(complete_half(states, decoder_named(name), figures).complete);
   };
   const double ours = complete("scene");
   return judged(ours >= 0.9 * figures.seeds, "the hidden half is completed in too few seeds",
@@ -93,10 +84,9 @@ Outcome figure_7(const Setting& setting) {
 }
 
 Outcome figure_8(const Setting& setting) {
-  const auto all = paper_decoders();
   const TwoStates states = states_of(setting, true);
   const auto wrong = [&](const char* name, double share) {
-    return wrong_bins(states, named(all, name), share, figures_of(setting));
+    return wrong_bins(states, decoder_named(name), share, figures_of(setting));
   };
   const double ours = wrong("scene", 0.3);
   return judged(ours <= 0.03, "more than 3% of the bins follow the wrong pose",

@@ -99,16 +99,12 @@ std::vector<Figure> ptm_figures() {
       {"ptm-7", "ptm", "The metric map of the topology", "it is consistent.",
        "as ptm-4, and the mean pose error after alignment is at most 0.5 m.", log,
        by({"ptm-7", "map.png", true, true}), ""}};
-  constexpr std::array<std::tuple<const char*, const char*, const char*, const char*>, 5> kMissing{
-      {{"ptm-1", "Local clouds of the landmarks", "each place has a patch.", "drawn in ptm-4 only"},
-       {"ptm-mass-1", "Mass of the truth, experiment 1", "the truth has 94%.",
+  constexpr std::array<std::tuple<const char*, const char*, const char*, const char*>, 2> kMissing{
+      {{"ptm-mass-1", "Mass of the truth, experiment 1", "the truth has 94%.",
         "its worlds are part of the tests (topology_figures), not of the laboratory; at laser "
         "level it was never run"},
-       {"ptm-9", "Metric map, experiment 2", "it is consistent.",
-        "no log of a second building was run"},
-       {"ptm-10", "Mass of the truth, experiment 2", "the truth has 82% or 89%.", "as ptm-mass-1"},
-       {"ptm-11", "The likeliest sample, experiment 2", "it is near the truth.",
-        "no log of a second building was run"}}};
+       {"ptm-10", "Mass of the truth, experiment 2", "the truth has 82% or 89%.",
+        "as ptm-mass-1"}}};
   for (const auto& [id, title, shows, why] : kMissing) {
     all.push_back({id, "ptm", title, shows, "not fixed yet.", "nothing yet", nullptr, why});
   }
