@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "core/base/error.hpp"
 #include "core/patch/sequence_vectors.hpp"
@@ -92,6 +93,18 @@ std::size_t ClusterRows::rightly_clustered() const {
   std::size_t sum = 0;
   for (const auto& [state, count] : right) sum += count;
   return sum;
+}
+
+bool ClusterRows::splits_a_state() const {
+  if (best() + 1 >= rows.size()) return false;
+  const patch::FuzzyClusters& next = rows[best() + 1];
+  const std::size_t newest = next.centroids.size() - 1;
+  std::set<std::size_t> in_newest;
+  std::set<std::size_t> in_others;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    (likeliest(next.memberships[i]) == newest ? in_newest : in_others).insert(states[i]);
+  }
+  return in_newest.size() == 1 && in_others.count(*in_newest.begin()) == 1;
 }
 
 double ClusterRows::mean_membership() const {

@@ -31,6 +31,9 @@ struct ClusterRows {
   /// Local maps that belong most to a cluster to which most of those of their own state belong
   /// most, and to which no other state does.
   [[nodiscard]] std::size_t rightly_clustered() const;
+  /// Whether the row after the best has all that is in its newest cluster from one state, which has
+  /// another cluster too; not without such a row.
+  [[nodiscard]] bool splits_a_state() const;
   /// Mean over the local maps of their greatest membership in the best row.
   [[nodiscard]] double mean_membership() const;
   /// How near the two nearest centres of a row are to each other: root of the squared distance over

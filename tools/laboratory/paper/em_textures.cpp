@@ -96,6 +96,7 @@ Outcome textured_rooms(const Setting& setting) {
   Model with;
   Model without;
   std::size_t polygons = 0;
+  std::size_t texels = 0;
   std::size_t seen = 0;
   std::size_t in_polygons = 0;
   std::vector<Picture> pictures;
@@ -111,6 +112,7 @@ Outcome textured_rooms(const Setting& setting) {
     add(with, filtered);
     add(without, raw);
     polygons += filtered.mesh.polygons.size();
+    texels += filtered.mesh.texels;
     seen += filtered.mesh.seen;
     in_polygons += filtered.mesh.voxels;
     if (i > 0) continue;
@@ -127,6 +129,7 @@ Outcome textured_rooms(const Setting& setting) {
                 {{"seeds", {}, static_cast<double>(seeds), 0},
                  {"polygons", {}, real(polygons), 0},
                  {"share of occupied voxels in them", {}, flat, 3},
+                 {"texels", {}, real(texels), 0},
                  {"texels that a picture showed", {}, real(seen), 0},
                  {"of them people", {}, real(with.person_texels), 0},
                  {"texels that show people without filtering", {}, real(without.person_texels), 0},

@@ -245,7 +245,7 @@ std::vector<Figure> patch_figures() {
        "fifth, in more than half two of the five centroids are less than half as far apart as any "
        "two of the four, and at least 95% of the local maps belong most to the cluster of their "
        "state.",
-       "the local maps of patch-1.18", rows_of_centroids, ""}};
+       "the local maps of patch-1.18, two a day: there and back", rows_of_centroids, ""}};
 }
 
 }  // namespace strata::paper

@@ -84,6 +84,8 @@ Outcome rows_of_centroids(const Setting& setting) {
   const int seeds = setting.seeds_or(20);
   int four = 0;
   int redundant = 0;
+  int split = 0;
+  double nearer = 0.0;
   std::size_t maps = 0;
   std::size_t right = 0;
   double membership = 0.0;
@@ -96,6 +98,8 @@ Outcome rows_of_centroids(const Setting& setting) {
     const bool is_four = rows->best() == 3 && rows->rows.size() == 5;
     four += is_four ? 1 : 0;
     redundant += is_four && rows->nearest_centres(4) < 0.5 * rows->nearest_centres(3) ? 1 : 0;
+    split += rows->splits_a_state() ? 1 : 0;
+    if (is_four) nearer += rows->nearest_centres(4) / rows->nearest_centres(3);
     maps += rows->states.size();
     right += rows->rightly_clustered();
     membership += rows->mean_membership() / seeds;
@@ -113,15 +117,21 @@ Outcome rows_of_centroids(const Setting& setting) {
       {"seeds", {}, static_cast<double>(seeds), 0},
       {"ended by the fifth, with four", {}, static_cast<double>(four), 0},
       {"in which the fifth is redundant", {}, static_cast<double>(redundant), 0},
+      {"in which it splits a state", {}, static_cast<double>(split), 0},
+      {"least distance of centroids, five to four", {}, nearer / std::max(1, four), 2},
       {"local maps", {}, static_cast<double>(maps), 0},
       {"in the cluster of their state", {}, static_cast<double>(right), 0},
       {"mean of the greatest membership", {}, membership, 3}};
   numbers.insert(numbers.end(), first.begin(), first.end());
   const bool ends = 10 * four >= 9 * seeds && 2 * redundant > seeds;
-  return judged(ends && maps > 0 && 20 * right >= 19 * maps,
-                ends ? "local maps belong to clusters of other states"
-                     : "the search does not end by a fifth cluster that is redundant",
-                std::move(numbers), std::move(pictures));
+  return judged(
+      ends && maps > 0 && 20 * right >= 19 * maps,
+      ends ? "local maps belong to clusters of other states"
+      : 10 * four >= 9 * seeds
+          ? "it ends with four, but the fifth, which splits a state, is more than half as "
+            "far from another as the four are apart"
+          : "the search does not end with four clusters",
+      std::move(numbers), std::move(pictures));
 }
 
 }  // namespace strata::paper

@@ -55,7 +55,7 @@ std::vector<Picture> draw_way(const WayThrough& way) {
     const Cell cell = map.cell_at(point.truth.translation());
     part = part.united({cell, {cell.x + 1, cell.y + 1}});
   }
-  part = part.inflated(static_cast<int>(std::lround(0.5 / resolution_m))).intersected(map.rect());
+  part = part.inflated(static_cast<int>(std::lround(1.2 / resolution_m))).intersected(map.rect());
   const double cell = kPixelsPerMetre * resolution_m;
   const auto x = [&](double x_m) { return kMargin + cell * (x_m / resolution_m - part.min.x); };
   const auto y = [&](double y_m) { return kMargin + cell * (part.max.y - y_m / resolution_m); };

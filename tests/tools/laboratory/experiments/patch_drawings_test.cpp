@@ -43,13 +43,15 @@ TEST(BoxWay, GoesThroughTheSubmapOnceAndKnowsItsStateThen) {
 TEST(ClusterRows, EndWithFourClustersAsTheLearnerDoes) {
   const auto rows = cluster_rows(scenario("four_states.yaml"), kSeed);
   ASSERT_TRUE(rows);
-  EXPECT_EQ(rows->states.size(), 17U);
-  EXPECT_EQ(rows->local_maps.size(), 17U);
+  // Seventeen days, each there and back.
+  EXPECT_EQ(rows->states.size(), 34U);
+  EXPECT_EQ(rows->local_maps.size(), 34U);
   ASSERT_EQ(rows->rows.size(), 5U);
   for (std::size_t k = 0; k < 5; ++k) EXPECT_EQ(rows->rows[k].centroids.size(), k + 1);
   EXPECT_EQ(rows->best(), 3U);
   EXPECT_EQ(rows->submap.configurations.size(), 4U);
-  EXPECT_EQ(rows->rightly_clustered(), 17U);
+  EXPECT_EQ(rows->rightly_clustered(), 34U);
+  EXPECT_TRUE(rows->splits_a_state());
   EXPECT_GT(rows->mean_membership(), 0.5);
   EXPECT_LT(rows->nearest_centres(4), rows->nearest_centres(3));
 }
@@ -66,6 +68,14 @@ TEST(ClusterRows, CountWhatLiesInTheClusterOfAnotherState) {
   EXPECT_EQ(rows.rightly_clustered(), 4U);
   EXPECT_NEAR(rows.mean_membership(), 0.82, 1e-12);
   EXPECT_EQ(rows.nearest_centres(0), 3.0);
+  EXPECT_FALSE(rows.splits_a_state()) << "there is no row with one more";
+  rows.rows.push_back(rows.rows[0]);
+  rows.criterion.push_back(0.0);
+  EXPECT_FALSE(rows.splits_a_state()) << "the newest cluster has maps of both states";
+  rows.rows[1].memberships[2] = {0.9, 0.1};
+  EXPECT_FALSE(rows.splits_a_state()) << "its state has no other cluster";
+  rows.rows[1].memberships[3] = {0.9, 0.1};
+  EXPECT_TRUE(rows.splits_a_state());
 }
 
 }  // namespace

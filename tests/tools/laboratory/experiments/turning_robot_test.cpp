@@ -57,7 +57,7 @@ TEST(TurningRobot, CompletesTheHiddenHalfByScenesAndNotBinByBin) {
 
 TEST(TurningRobot, WrongPosesShowTheWallsElsewhere) {
   const TwoStates states = wrong_pose_states(board_room(), kBins, kSeed);
-  EXPECT_GT(states.bins.size(), 100U);
+  EXPECT_GT(states.bins.size(), 30U);
   PlaceFigures figures;
   figures.seeds = 3;
   EXPECT_EQ(wrong_bins(states, decoder_named("scene"), 0.0, figures), 0.0);
