@@ -89,7 +89,7 @@ class VolumePeople : public testing::Test {
 };
 
 TEST_F(VolumePeople, AreGoneWithPosesOfTheSameSlamThatLabelsBeamsFromTheColoursToo) {
-  const nlohmann::json summary = volume("slam", "--remember");
+  const nlohmann::json summary = volume("slam", "--remember --set has_textures=true");
   EXPECT_EQ(summary["poses"], "slam");
   EXPECT_EQ(summary["moving"], "boxes");
   expect_gone(summary);
@@ -128,6 +128,11 @@ TEST_F(VolumePeople, AreGoneWithPosesOfTheSameSlamThatLabelsBeamsFromTheColoursT
   const auto brown = colored("slam", [](const Color& c) { return c.r > c.b + 40; });
   EXPECT_LE(magenta, colored_voxels / 1000);
   EXPECT_GT(brown, 300U);
+  EXPECT_EQ(test::bytes_of(file("slam") / "textured.glb").substr(0, 4), "glTF");
+  EXPECT_TRUE(fs::exists(file("slam") / "textured_above.png"));
+  EXPECT_GT(summary["textures"]["polygons"], 10);
+  EXPECT_LE(summary["textures"]["seen"], summary["textures"]["texels"]);
+  EXPECT_GT(summary["textures"]["seen"], 100'000);
 }
 
 TEST_F(VolumePeople, AreGoneWithoutAPlanarScanner) {

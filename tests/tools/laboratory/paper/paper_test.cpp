@@ -124,6 +124,19 @@ TEST(PaperFigures, OfABoxAreMadeOfItsScenarioWithPictures) {
   EXPECT_THAT(std::get<std::string>(row.outcome.pictures[0].content), HasSubstr("PNG"));
 }
 
+TEST(PaperFigures, OfRoomsAreTexturedWithoutPeople) {
+  Setting setting;
+  setting.scenarios = STRATA_SCENARIO_DIR;
+  setting.first_seed = 112;  // no figure uses it
+  setting.seeds = 1;
+  const Row row = make(select(all_figures(), {"em-1.10"}).front(), setting);
+  EXPECT_EQ(row.outcome.verdict, Verdict::kHeld) << row.outcome.reason;
+  ASSERT_EQ(row.outcome.numbers.size(), 9U);
+  EXPECT_GT(*row.outcome.numbers[2].ours, 0.8) << "share of the voxels in polygons";
+  EXPECT_GT(*row.outcome.numbers[6].ours, 100.0) << "texels of people without filtering";
+  EXPECT_EQ(row.outcome.pictures.size(), 2U);
+}
+
 TEST(PaperPoseError, IsThatAfterTheBestRigidMotion) {
   const std::vector<Pose2> way{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
   const Pose2 map_from_truth{10.0, -3.0, 1.0};
