@@ -200,7 +200,7 @@ TexturedMesh TextureMaker::mesh() const {
       is_there[static_cast<std::size_t>(square.y) * static_cast<std::size_t>(sheet.width) +
                static_cast<std::size_t>(square.x)] = 1;
       is_shown[square.voxel] = 1;
-      const auto in_square = static_cast<std::size_t>(texels * texels);
+      const auto in_square = static_cast<std::size_t>(texels) * static_cast<std::size_t>(texels);
       mesh.texels += in_square;
       if (voxels_[square.voxel].is_seen()) mesh.seen += in_square;
     }
