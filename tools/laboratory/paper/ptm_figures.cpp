@@ -1,44 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
-#include <fstream>
-#include <sstream>
 #include <tuple>
+#include <utility>
 
-#include <unistd.h>
-
+#include "tools/laboratory/paper/building_topology.hpp"
 #include "tools/laboratory/paper/figures.hpp"
-#include "tools/laboratory/paper/pose_error.hpp"
-#include "tools/pipeline/runs_input.hpp"
-#include "tools/pipeline/topology.hpp"
-#include "tools/pipeline/topology_files.hpp"
 
 namespace strata::paper {
 namespace {
-
-constexpr double kPrecision_m = 0.05;
-constexpr double kNear_m = 1.0;
-constexpr double kConsistent_m = 0.5;
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::stringstream bytes;
-  bytes << in.rdbuf();
-  return bytes.str();
-}
-
-/// One of the pictures of `strata topology`; nothing where it cannot be drawn.
-std::vector<Picture> pictures_of(const pipeline::TopologyMap& map, const std::string& id,
-                                 const std::string& picture) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("strata_" + id + "_" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
-  report::Drawings drawings;
-  pipeline::write_topology_pictures(folder, map, drawings);
-  std::string bytes = bytes_of(folder / picture);
-  std::filesystem::remove_all(folder);
-  if (bytes.empty()) return {};
-  return {{id, picture + " of Freiburg 079", std::move(bytes)}};
-}
 
 /// What is made of the topology of Freiburg 079.
 struct TopologyFigure {
@@ -49,36 +18,18 @@ struct TopologyFigure {
 };
 
 Outcome topology(const Setting& setting, const TopologyFigure& figure) {
-  pipeline::RunsInput input;
-  input.logs = {data_file(setting, "fr079/fr079.clf.gz")};
-  input.truths = {data_file(setting, "fr079/fr079.ref.txt")};
-  const pipeline::Runs runs = pipeline::read_runs(input, nullptr);
-  topology::TopologyMapperConfig config;
-  config.match_scans = figure.match_scans;
-  const pipeline::TopologyMap map = pipeline::map_topology(
-      runs.observations, {}, std::nullopt, config, setting.first_seed, setting.threads, nullptr);
-  const auto pairs = pipeline::agreement(map, map.posterior.front(), runs.observations, runs.truths,
-                                         kNear_m, kPrecision_m);
-  const auto real = [](std::size_t count) { return static_cast<double>(count); };
-  std::vector<Number> numbers{
-      {"visits", {}, real(map.visits.size()), 0},
-      {"pairs within 1 m", {}, real(pairs.near), 0},
-      {"of them one landmark", {}, real(pairs.near_merged), 0},
-      {"pairs more than 2 m apart", {}, real(pairs.far), 0},
-      {"of them one landmark", {}, real(pairs.far_merged), 0},
-      {"probability of the likeliest topology", {}, map.posterior.front().probability, 3}};
-  const bool is_true =
-      pairs.near > 0 && pairs.far_merged == 0 && 10 * pairs.near_merged >= 9 * pairs.near;
-  bool is_consistent = true;
+  const BuildingTopology building = topology_of(setting, freiburg_079(), figure.match_scans);
+  std::vector<Number> numbers = numbers_of(building);
   if (figure.judges_map) {
-    const double error_m = pose_error_m(map.scans, stamped_truth(runs));
-    is_consistent = error_m <= kConsistent_m;
-    numbers.push_back({"mean pose error after alignment [m]", {}, error_m, 3});
+    numbers.push_back({"mean pose error after alignment [m]", {}, building.error_m, 3});
   }
-  return judged(is_true && is_consistent,
-                is_true ? "poses in the map are too far from the true ones"
-                        : "places apart are taken for one, or too many revisits for new places",
-                std::move(numbers), pictures_of(map, figure.id, figure.picture));
+  const bool is_right = is_true(building.pairs);
+  return judged(
+      is_right && (!figure.judges_map || is_consistent(building)),
+      is_right ? "poses in the map are too far from the true ones"
+               : "places apart are taken for one, or too many revisits for new places",
+      std::move(numbers),
+      picture_of(building, figure.picture, figure.id, figure.picture + " of Freiburg 079"));
 }
 
 }  // namespace
