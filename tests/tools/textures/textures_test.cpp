@@ -90,8 +90,7 @@ volume::VolumeMap map_of_wall() {
   return map;
 }
 
-/// A camera at (x, 0.05, 1.05) that looks along x; red on the left half of the picture, green on
-/// the right.
+/// A camera at (x, 0.05, 1.05) that looks along x.
 volume::CameraView looking(double x, const volume::ColorImage& image) {
   volume::CameraView view;
   view.map_from_camera.translation = {x, 0.05, 1.05};
@@ -103,15 +102,20 @@ volume::CameraView looking(double x, const volume::ColorImage& image) {
   return view;
 }
 
-volume::ColorImage halves(volume::Rgb left, volume::Rgb right) {
-  volume::ColorImage image{200, 200, {}};
-  for (int i = 0; i < 200 * 200; ++i) image.pixels.push_back(i % 200 < 100 ? left : right);
-  return image;
-}
-
 constexpr volume::Rgb kRed{200, 0, 0};
 constexpr volume::Rgb kGreen{0, 200, 0};
 constexpr volume::Rgb kBlue{0, 0, 200};
+constexpr volume::Rgb kGrey{90, 90, 90};
+
+/// Grey in the upper rows, above 1.19 m on the wall; below it two halves.
+volume::ColorImage halves(volume::Rgb left, volume::Rgb right) {
+  volume::ColorImage image{200, 200, {}};
+  for (int i = 0; i < 200 * 200; ++i) {
+    const volume::Rgb half = i % 200 < 100 ? left : right;
+    image.pixels.push_back(i / 200 < 90 ? kGrey : half);
+  }
+  return image;
+}
 
 /// What of a texture is of that colour.
 std::size_t count(const TexturedMesh& mesh, const volume::Rgb& color) {
@@ -156,6 +160,8 @@ TEST(Textures, AreOnePolygonWithThePictureTheRightWayRound) {
     if (cube.color == report::Color{0, 200, 0}) {
       EXPECT_LT(y, 0.06);
     }
+    const double z = cube.corner_m.z() + 0.5 * cube.edge_m;
+    EXPECT_EQ((cube.color == report::Color{90, 90, 90}), z > 1.2) << z;
     EXPECT_NEAR(cube.corner_m.x() + 0.5 * cube.edge_m, 3.05, 1e-6);
   }
 }
