@@ -80,45 +80,27 @@ std::unique_ptr<const BlockFactor> BlockFactor::of(int size, std::span<const Blo
   factor->entries_.resize(factor->begin_.back());
   factor->inverse_diagonal_.resize(count);
   std::vector<std::size_t> end = factor->begin_;  // of what is known of each column
-  std::vector<Eigen::Matrix3d> left(count, Eigen::Matrix3d::Zero());
+  std::vector<PaddedBlock> left(count, PaddedBlock{});
   for (std::size_t row = 0; row < count; ++row) {
     for (const std::size_t b : rows.of(static_cast<int>(row))) {
-      left[static_cast<std::size_t>(blocks[b].column)] += blocks[b].value;
+      block_in(left[static_cast<std::size_t>(blocks[b].column)]) += blocks[b].value;
     }
     for (const int fill_column : fill[row]) {
       const auto column = static_cast<std::size_t>(fill_column);
-      const Eigen::Matrix3d entry = left[column] * factor->inverse_diagonal_[column].transpose();
-      left[column].setZero();
-      for (std::size_t e = factor->begin_[column]; e < end[column]; ++e) {
-        const Entry& above = factor->entries_[e];
-        left[static_cast<std::size_t>(above.row)].noalias() -= entry * above.value.transpose();
-      }
-      left[row].noalias() -= entry * entry.transpose();
+      PaddedBlock padded{};
+      block_in(padded).noalias() =
+          block_in(left[column]) * factor->inverse_diagonal_[column].transpose();
+      const Eigen::Matrix3d entry = block_in(padded);
+      left[column].fill(0.0);
+      const std::size_t begin = factor->begin_[column];
       factor->entries_[end[column]++] = {static_cast<int>(row), entry};
+      subtract_products(padded, std::span(factor->entries_).subspan(begin, end[column] - begin),
+                        left.data());
     }
-    if (!invert_factor(left[row], factor->inverse_diagonal_[row])) return nullptr;
-    left[row].setZero();
+    if (!invert_factor(block_in(left[row]), factor->inverse_diagonal_[row])) return nullptr;
+    left[row].fill(0.0);
   }
   return factor;
-}
-
-/// Rows before `first` of x are zero.
-template <int kColumns>
-void BlockFactor::solve_from(int first, std::vector<Eigen::Matrix<double, 3, kColumns>>& x) const {
-  using Rows3 = Eigen::Matrix<double, 3, kColumns>;
-  for (std::size_t c = static_cast<std::size_t>(first); c < x.size(); ++c) {
-    x[c] = (inverse_diagonal_[c] * x[c]).eval();
-    for (std::size_t e = begin_[c]; e < begin_[c + 1]; ++e) {
-      x[static_cast<std::size_t>(entries_[e].row)].noalias() -= entries_[e].value * x[c];
-    }
-  }
-  for (std::size_t c = x.size(); c-- > 0;) {
-    Rows3 sum = x[c];
-    for (std::size_t e = begin_[c]; e < begin_[c + 1]; ++e) {
-      sum.noalias() -= entries_[e].value.transpose() * x[static_cast<std::size_t>(entries_[e].row)];
-    }
-    x[c].noalias() = inverse_diagonal_[c].transpose() * sum;
-  }
 }
 
 void BlockFactor::solve(Eigen::VectorXd& b) const {
@@ -126,21 +108,86 @@ void BlockFactor::solve(Eigen::VectorXd& b) const {
   for (std::size_t i = 0; i < x.size(); ++i) {
     x[i] = b.segment<3>(3 * static_cast<Eigen::Index>(i));
   }
-  solve_from<1>(0, x);
+  for (std::size_t c = 0; c < x.size(); ++c) {
+    x[c] = (inverse_diagonal_[c] * x[c]).eval();
+    for (const FactorEntry& entry : column(c)) {
+      x[static_cast<std::size_t>(entry.row)].noalias() -= entry.value * x[c];
+    }
+  }
+  for (std::size_t c = x.size(); c-- > 0;) {
+    Eigen::Vector3d sum = x[c];
+    for (const FactorEntry& entry : column(c)) {
+      sum.noalias() -= entry.value.transpose() * x[static_cast<std::size_t>(entry.row)];
+    }
+    x[c].noalias() = inverse_diagonal_[c].transpose() * sum;
+  }
   for (std::size_t i = 0; i < x.size(); ++i) {
     b.segment<3>(3 * static_cast<Eigen::Index>(i)) = x[i];
   }
 }
 
+/// With the row, ascending: its way up the elimination tree. All entries of their columns are among
+/// them, so a right side that is zero but in `row` stays zero elsewhere, and what comes back to
+/// `row` comes from them alone.
+std::vector<std::size_t> BlockFactor::ancestors_of(int row) const {
+  std::vector<std::size_t> ancestors;
+  for (auto c = static_cast<std::size_t>(row);;) {
+    ancestors.push_back(c);
+    if (begin_[c] == begin_[c + 1]) return ancestors;
+    c = static_cast<std::size_t>(entries_[begin_[c]].row);
+  }
+}
+
 Eigen::MatrixX3d BlockFactor::inverse_of(int row) const {
-  std::vector<Eigen::Matrix3d> x(inverse_diagonal_.size(), Eigen::Matrix3d::Zero());
-  x[static_cast<std::size_t>(row)].setIdentity();
-  solve_from<3>(row, x);
+  const std::vector<std::size_t> ancestors = ancestors_of(row);
+  std::vector<PaddedBlock> x(inverse_diagonal_.size(), PaddedBlock{});
+  const auto at = [&](std::size_t c) { return block_in(x[c]); };
+  at(static_cast<std::size_t>(row)).setIdentity();
+  for (const std::size_t c : ancestors) {
+    at(c) = (inverse_diagonal_[c] * at(c)).eval();
+    for (const FactorEntry& entry : column(c)) {
+      at(static_cast<std::size_t>(entry.row)).noalias() -= entry.value * at(c);
+    }
+  }
+  for (const std::size_t c : ancestors) at(c).transposeInPlace();
   Eigen::MatrixX3d columns(3 * static_cast<Eigen::Index>(x.size()), 3);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    columns.middleRows<3>(3 * static_cast<Eigen::Index>(i)) = x[i];
+  for (std::size_t c = x.size(); c-- > 0;) {
+    subtract_transposed(column(c), x.data(), x[c]);
+    const Eigen::Matrix3d sum = at(c).transpose();
+    const Eigen::Matrix3d solved = inverse_diagonal_[c].transpose() * sum;
+    at(c) = solved.transpose();
+    columns.middleRows<3>(3 * static_cast<Eigen::Index>(c)) = solved;
   }
   return columns;
+}
+
+/// As inverse_of, of the ancestors alone.
+Eigen::Matrix3d BlockFactor::inverse_block(int row) const {
+  const std::vector<std::size_t> ancestors = ancestors_of(row);
+  std::vector<Eigen::Matrix3d> x(ancestors.size(), Eigen::Matrix3d::Zero());
+  x.front().setIdentity();
+  // Rows ascend in each column, as ancestors do: one way through both finds each entry's row.
+  const auto for_entries = [&](std::size_t i, const auto& use) {
+    std::size_t at = i + 1;
+    for (const FactorEntry& entry : column(ancestors[i])) {
+      while (ancestors[at] != static_cast<std::size_t>(entry.row)) ++at;
+      use(entry.value, x[at]);
+    }
+  };
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    x[i] = (inverse_diagonal_[ancestors[i]] * x[i]).eval();
+    for_entries(i, [&](const Eigen::Matrix3d& entry, Eigen::Matrix3d& below) {
+      below.noalias() -= entry * x[i];
+    });
+  }
+  for (std::size_t i = x.size(); i-- > 0;) {
+    Eigen::Matrix3d sum = x[i];
+    for_entries(i, [&](const Eigen::Matrix3d& entry, const Eigen::Matrix3d& below) {
+      sum.noalias() -= entry.transpose() * below;
+    });
+    x[i].noalias() = inverse_diagonal_[ancestors[i]].transpose() * sum;
+  }
+  return x.front();
 }
 
 double BlockFactor::log_determinant() const {

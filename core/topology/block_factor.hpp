@@ -11,6 +11,8 @@
 
 #include <Eigen/Core>
 
+#include "core/topology/block_kernel.hpp"
+
 namespace strata::topology {
 
 /// A block on or below the diagonal.
@@ -33,19 +35,20 @@ class BlockFactor {
   void solve(Eigen::VectorXd& b) const;
   /// The three columns of A^-1 that belong to `row`: 3 size() x 3. O(fill).
   [[nodiscard]] Eigen::MatrixX3d inverse_of(int row) const;
+  /// The block of A^-1 in that row and column. O(fill of the rows that it depends on), a few of a
+  /// large matrix.
+  [[nodiscard]] Eigen::Matrix3d inverse_block(int row) const;
   /// ln of the determinant of A.
   [[nodiscard]] double log_determinant() const;
 
  private:
-  struct Entry {
-    int row = 0;
-    Eigen::Matrix3d value;
-  };
   BlockFactor() = default;
-  template <int kColumns>
-  void solve_from(int first, std::vector<Eigen::Matrix<double, 3, kColumns>>& x) const;
+  [[nodiscard]] std::span<const FactorEntry> column(std::size_t c) const {
+    return std::span(entries_).subspan(begin_[c], begin_[c + 1] - begin_[c]);
+  }
+  [[nodiscard]] std::vector<std::size_t> ancestors_of(int row) const;
   std::vector<std::size_t> begin_;                 // of each column's entries below the diagonal
-  std::vector<Entry> entries_;                     // rows ascending within a column
+  std::vector<FactorEntry> entries_;               // rows ascending within a column
   std::vector<Eigen::Matrix3d> inverse_diagonal_;  // of L's blocks, lower triangular
 };
 

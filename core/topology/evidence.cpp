@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/LU>
+
 #include "core/topology/detail/descent.hpp"
 #include "core/topology/detail/terms.hpp"
 
@@ -26,6 +28,11 @@ std::optional<detail::Optimum> optimum_of(const detail::Terms& terms,
 }
 
 }  // namespace
+
+OdometryFactor::OdometryFactor(const Pose2Gaussian& way)
+    : Pose2Gaussian(way),
+      information(way.covariance.inverse()),
+      log_normalizer(0.5 * (3.0 * kLog2Pi + std::log(way.covariance.determinant()))) {}
 
 Evidence evaluate(const Labels& labels, const Measurements& measurements,
                   std::span<const ScanFactor> scans, const std::vector<Pose2>& start,
@@ -50,7 +57,7 @@ Evidence evaluate(const Labels& labels, const Measurements& measurements,
 }
 
 Eigen::Matrix3d marginal_covariance(const LocationGaussian& gaussian, std::size_t visit) {
-  const Eigen::Matrix3d block = block_of(gaussian.covariance_with(visit), visit);
+  const Eigen::Matrix3d block = gaussian.covariance_of(visit);
   return 0.5 * (block + block.transpose());
 }
 

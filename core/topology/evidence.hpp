@@ -19,7 +19,14 @@
 namespace strata::topology {
 
 /// The way from one visit to the next: from_from_to with its covariance, (x, y, theta) in `from`.
-using OdometryFactor = Pose2Gaussian;
+/// What every topology needs of it is there once.
+struct OdometryFactor : Pose2Gaussian {
+  OdometryFactor(const Pose2Gaussian& way);  // NOLINT(google-explicit-constructor): it is one
+  OdometryFactor(const Pose2& from_from_to, const Eigen::Matrix3d& its_covariance)
+      : OdometryFactor(Pose2Gaussian{from_from_to, its_covariance}) {}
+  Eigen::Matrix3d information;
+  double log_normalizer = 0.0;  ///< -ln of the density at its mean
+};
 
 /// Two visits of one landmark whose local clouds were registered to each other.
 struct ScanFactor {
@@ -59,10 +66,10 @@ struct Evidence {
                                 std::span<const ScanFactor> scans, const std::vector<Pose2>& start,
                                 const LocationPriorConfig& config);
 
-/// The covariance of one visit's pose, symmetric. O(fill of the factor).
+/// The covariance of one visit's pose, symmetric. As LocationGaussian::covariance_of.
 [[nodiscard]] Eigen::Matrix3d marginal_covariance(const LocationGaussian& gaussian,
                                                   std::size_t visit);
-/// The covariance of every visit's pose. O(n x fill of the factor).
+/// The covariance of every visit's pose. As n of them.
 [[nodiscard]] std::vector<Eigen::Matrix3d> marginal_covariances(const LocationGaussian& gaussian);
 
 }  // namespace strata::topology

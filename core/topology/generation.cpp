@@ -111,7 +111,7 @@ Generation evaluate_candidates(std::span<const Candidate> candidates, const Pare
     if (candidate.evidence.scan) next.scans.push_back(*candidate.evidence.scan);
     if (!evaluate_from(candidate.evidence.poses, log, config, next)) return;
     const std::size_t newest = log.size() - 1;
-    particle.newest_covariances.push_back(block_of(next.gaussian->covariance_with(newest), newest));
+    particle.newest_covariances.push_back(next.gaussian->covariance_of(newest));
     evaluated[i] = std::move(particle);
   });
   Generation generation;

@@ -14,6 +14,11 @@ Eigen::MatrixX3d LocationGaussian::covariance_with(std::size_t visit) const {
   return covariances;
 }
 
+Eigen::Matrix3d LocationGaussian::covariance_of(std::size_t visit) const {
+  if (!factor_ || visit == 0) return Eigen::Matrix3d::Zero();
+  return factor_->inverse_block(rows_[visit]);
+}
+
 double LocationGaussian::log_determinant() const {
   return factor_ ? factor_->log_determinant() : 0.0;
 }

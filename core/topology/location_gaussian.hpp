@@ -27,6 +27,9 @@ class LocationGaussian {
   [[nodiscard]] std::size_t visits() const { return factor_ ? rows_.size() : 1; }
   /// Covariance of every visit's pose with that of `visit`: 3 visits() x 3. O(fill of the factor).
   [[nodiscard]] Eigen::MatrixX3d covariance_with(std::size_t visit) const;
+  /// Covariance of one visit's pose: that block of covariance_with(visit). O(fill of the rows that
+  /// it depends on).
+  [[nodiscard]] Eigen::Matrix3d covariance_of(std::size_t visit) const;
   /// ln of the determinant of the information.
   [[nodiscard]] double log_determinant() const;
 

@@ -23,8 +23,8 @@ Eigen::Matrix2d position(const Eigen::Matrix3d& covariance) {
 Prediction::Prediction(std::span<const Pose2> poses, const LocationGaussian& gaussian,
                        const OdometryFactor& odometry)
     : poses_(poses), gaussian_(gaussian) {
-  const Pose2Gaussian last{poses.back(),
-                           block_of(gaussian.covariance_with(poses.size() - 1), poses.size() - 1)};
+  const Eigen::MatrixX3d with_last = gaussian.covariance_with(poses.size() - 1);
+  const Pose2Gaussian last{poses.back(), block_of(with_last, poses.size() - 1)};
   const Pose2Gaussian newest = last * odometry;
   newest_ = newest.mean;
   const Eigen::Vector2d lever = newest_.translation() - poses.back().translation();
@@ -33,7 +33,7 @@ Prediction::Prediction(std::span<const Pose2> poses, const LocationGaussian& gau
   by_last(1, 2) = lever.x();
   const auto rows = 3 * static_cast<Eigen::Index>(poses.size());
   with_newest_.resize(rows + 3, 3);
-  with_newest_.topRows(rows) = gaussian.covariance_with(poses.size() - 1) * by_last.transpose();
+  with_newest_.topRows(rows) = with_last * by_last.transpose();
   with_newest_.bottomRows<3>() = newest.covariance;
 }
 

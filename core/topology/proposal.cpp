@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/random/stream.hpp"
+#include "core/topology/detail/near_pairs.hpp"
 #include "core/topology/dirichlet_process.hpp"
 
 namespace strata::topology {
@@ -99,17 +100,16 @@ std::vector<Choice> choose_children(const Hypothesis& parent, const Children& ch
 
 std::vector<Labels> mergers(const Hypothesis& hypothesis, const LocationPriorConfig& config) {
   std::vector<Labels> merged;
+  const double reach_m = kMergeStddevs * config.revisit_stddev_m;
   const std::vector<std::size_t> firsts = first_visits(hypothesis.labels);
-  for (std::size_t b = 1; b < firsts.size(); ++b) {
-    for (std::size_t a = 0; a < b; ++a) {
-      if (translation_distance(hypothesis.poses[firsts[a]], hypothesis.poses[firsts[b]]) >
-          kMergeStddevs * config.revisit_stddev_m) {
-        continue;
-      }
-      Labels labels = hypothesis.labels;
-      std::replace(labels.begin(), labels.end(), static_cast<int>(b), static_cast<int>(a));
-      merged.push_back(canonical(labels));
+  for (const detail::Pair& pair : detail::near_pairs(firsts, hypothesis.poses, 1.01 * reach_m)) {
+    if (translation_distance(hypothesis.poses[pair.a], hypothesis.poses[pair.b]) > reach_m) {
+      continue;
     }
+    Labels labels = hypothesis.labels;
+    std::replace(labels.begin(), labels.end(), hypothesis.labels[pair.b],
+                 hypothesis.labels[pair.a]);
+    merged.push_back(canonical(labels));
   }
   return merged;
 }
@@ -120,20 +120,25 @@ std::vector<Labels> moved_visits(const Hypothesis& hypothesis, const LocationPri
   for (std::size_t visit = 1; visit < hypothesis.labels.size(); ++visit) {
     const int own = hypothesis.labels[visit];
     if (firsts[static_cast<std::size_t>(own)] == visit) continue;
-    const auto away_m = [&](int label) {
-      return translation_distance(hypothesis.poses[visit],
-                                  hypothesis.poses[firsts[static_cast<std::size_t>(label)]]);
-    };
+    const Pose2& at = hypothesis.poses[visit];
+    const double own_m =
+        translation_distance(at, hypothesis.poses[firsts[static_cast<std::size_t>(own)]]);
     int nearest = own;
+    double nearest_m = own_m;
     for (int label = 0; label < static_cast<int>(firsts.size()); ++label) {
-      if (away_m(label) < away_m(nearest)) nearest = label;
+      const Pose2& landmark = hypothesis.poses[firsts[static_cast<std::size_t>(label)]];
+      if (std::abs(landmark.x - at.x) >= nearest_m) continue;  // of a thousand most
+      const double away_m = translation_distance(at, landmark);
+      if (away_m >= nearest_m) continue;
+      nearest = label;
+      nearest_m = away_m;
     }
     Labels labels = hypothesis.labels;
     if (nearest != own) {
       labels[visit] = nearest;
       moved.push_back(canonical(labels));
     }
-    if (away_m(own) <= kNearStddevs * config.revisit_stddev_m) continue;
+    if (own_m <= kNearStddevs * config.revisit_stddev_m) continue;
     labels[visit] = static_cast<int>(firsts.size());
     moved.push_back(canonical(labels));
   }

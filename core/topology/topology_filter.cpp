@@ -8,6 +8,7 @@
 
 #include "core/base/log_sum.hpp"
 #include "core/base/parallel.hpp"
+#include "core/topology/detail/near_pairs.hpp"
 #include "core/topology/expansion.hpp"
 #include "core/topology/generation.hpp"
 #include "core/topology/proposal.hpp"
@@ -23,12 +24,9 @@ std::size_t count_near_landmarks(const Hypothesis& hypothesis, const LocationPri
   const double reach_m = std::max(kNearM, 2.0 * config.revisit_stddev_m);
   const std::vector<std::size_t> firsts = first_visits(hypothesis.labels);
   std::size_t count = 0;
-  for (std::size_t b = 1; b < firsts.size(); ++b) {
-    for (std::size_t a = 0; a < b; ++a) {
-      const double apart_m =
-          translation_distance(hypothesis.poses[firsts[a]], hypothesis.poses[firsts[b]]);
-      count += apart_m <= reach_m ? 1 : 0;
-    }
+  for (const detail::Pair& pair : detail::near_pairs(firsts, hypothesis.poses, 1.01 * reach_m)) {
+    const double apart_m = translation_distance(hypothesis.poses[pair.a], hypothesis.poses[pair.b]);
+    count += apart_m <= reach_m ? 1 : 0;
   }
   return count;
 }

@@ -117,11 +117,10 @@ Eigen::Matrix2d curvature_of(const Penalty& penalty, const Eigen::Vector2d& apar
          penalty.slope / distance_m * (Eigen::Matrix2d::Identity() - radial);
 }
 
-void add_penalties(const Terms& terms, std::span<const Pose2> poses,
-                   const LocationPriorConfig& config, PenaltyCurvature curvature,
-                   Quadratic& quadratic) {
+void add_penalties(std::span<const Pose2> poses, const LocationPriorConfig& config,
+                   PenaltyCurvature curvature, NearPairs& near, Quadratic& quadratic) {
   if (config.max_penalty <= 0.0) return;
-  for (const Pair& pair : near_pairs(terms, poses, config.penalty_radius_m)) {
+  for (const Pair& pair : near.at(poses)) {
     const Eigen::Vector2d apart = poses[pair.b].translation() - poses[pair.a].translation();
     const Penalty penalty = penalty_at(apart.norm(), config);
     if (!(penalty.value > 0.0)) continue;
@@ -137,7 +136,7 @@ void add_penalties(const Terms& terms, std::span<const Pose2> poses,
 
 /// Few fill-ins: minimum degree, by whole poses.
 std::vector<int> ordered_rows(const Terms& terms, const LocationPriorConfig& config,
-                              std::span<const Pose2> poses) {
+                              std::span<const Pose2> poses, NearPairs& near) {
   const auto size = static_cast<int>(poses.size()) - 1;
   std::vector<Eigen::Triplet<double>> touching;
   const auto touch = [&](std::size_t a, std::size_t b) {
@@ -149,7 +148,7 @@ std::vector<int> ordered_rows(const Terms& terms, const LocationPriorConfig& con
   for (const Link& link : terms.links) touch(link.a, link.b);
   for (const Pair& pair : terms.revisits) touch(pair.a, pair.b);
   if (config.max_penalty > 0.0) {
-    for (const Pair& pair : near_pairs(terms, poses, config.penalty_radius_m)) {
+    for (const Pair& pair : near.at(poses)) {
       touch(pair.a, pair.b);
     }
   }
@@ -164,11 +163,11 @@ std::vector<int> ordered_rows(const Terms& terms, const LocationPriorConfig& con
 
 Quadratic quadratic_at(const Terms& terms, const LocationPriorConfig& config,
                        std::span<const Pose2> poses, const std::vector<int>& rows,
-                       PenaltyCurvature curvature, bool with_curvature = true) {
+                       PenaltyCurvature curvature, NearPairs& near, bool with_curvature = true) {
   Quadratic quadratic(rows, with_curvature);
   add_links(terms, poses, quadratic);
   add_revisits(terms, poses, config, quadratic);
-  add_penalties(terms, poses, config, curvature, quadratic);
+  add_penalties(poses, config, curvature, near, quadratic);
   return quadratic;
 }
 
@@ -184,11 +183,11 @@ std::vector<Pose2> moved(std::span<const Pose2> poses, const std::vector<int>& r
 
 /// Goes along the step as far as the cost falls; false when it does not.
 bool go(const Terms& terms, const LocationPriorConfig& config, const std::vector<int>& rows,
-        const Eigen::VectorXd& step, Optimum& at) {
+        const Eigen::VectorXd& step, NearPairs& near, Optimum& at) {
   double share = 1.0;
   for (int i = 0; i < kMaxHalvings; ++i, share *= 0.5) {
     std::vector<Pose2> poses = moved(at.poses, rows, step, share);
-    const double cost = cost_at(terms, poses, config);
+    const double cost = cost_at(terms, poses, config, near);
     if (!(cost < at.cost)) continue;
     at.poses = std::move(poses);
     at.cost = cost;
@@ -205,13 +204,14 @@ struct Linearized {
 };
 
 Linearized linearize(const Terms& terms, const LocationPriorConfig& config,
-                     std::span<const Pose2> poses, const std::vector<int>& rows) {
+                     std::span<const Pose2> poses, const std::vector<int>& rows, NearPairs& near) {
   Linearized linearized{nullptr, true, {poses.begin(), poses.end()}};
-  linearized.factor = quadratic_at(terms, config, poses, rows, PenaltyCurvature::kTrue).factorize();
+  linearized.factor =
+      quadratic_at(terms, config, poses, rows, PenaltyCurvature::kTrue, near).factorize();
   if (linearized.factor) return linearized;
   linearized.true_curvature = false;
   linearized.factor =
-      quadratic_at(terms, config, poses, rows, PenaltyCurvature::kOfResidual).factorize();
+      quadratic_at(terms, config, poses, rows, PenaltyCurvature::kOfResidual, near).factorize();
   return linearized;
 }
 
@@ -232,9 +232,10 @@ bool still_holds(const Linearized& linearized, std::span<const Pose2> poses) {
 std::shared_ptr<const LocationGaussian> gaussian_at(const Terms& terms,
                                                     const LocationPriorConfig& config,
                                                     std::span<const Pose2> poses) {
-  const std::vector<int> rows = ordered_rows(terms, config, poses);
+  NearPairs near(terms.landmarks, config.penalty_radius_m);
+  const std::vector<int> rows = ordered_rows(terms, config, poses, near);
   for (const PenaltyCurvature curvature : {PenaltyCurvature::kTrue, PenaltyCurvature::kNone}) {
-    if (auto factor = quadratic_at(terms, config, poses, rows, curvature).factorize()) {
+    if (auto factor = quadratic_at(terms, config, poses, rows, curvature, near).factorize()) {
       return std::make_shared<const LocationGaussian>(std::move(factor), rows);
     }
   }
@@ -245,15 +246,17 @@ std::shared_ptr<const LocationGaussian> gaussian_at(const Terms& terms,
 std::optional<Optimum> descend(const Terms& terms, const LocationPriorConfig& config,
                                std::vector<Pose2> start) {
   Optimum at{std::move(start), 0.0, nullptr};
-  at.cost = cost_at(terms, at.poses, config);
+  NearPairs near(terms.landmarks, config.penalty_radius_m);
+  at.cost = cost_at(terms, at.poses, config, near);
   if (!std::isfinite(at.cost)) return std::nullopt;
-  const std::vector<int> rows = ordered_rows(terms, config, at.poses);
-  Linearized linearized = linearize(terms, config, at.poses, rows);
+  const std::vector<int> rows = ordered_rows(terms, config, at.poses, near);
+  Linearized linearized = linearize(terms, config, at.poses, rows, near);
   double last_fall = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMaxSteps; ++i) {
     if (!linearized.factor) return std::nullopt;
     const Eigen::VectorXd gradient =
-        quadratic_at(terms, config, at.poses, rows, PenaltyCurvature::kNone, false).gradient();
+        quadratic_at(terms, config, at.poses, rows, PenaltyCurvature::kNone, near, false)
+            .gradient();
     Eigen::VectorXd step = -gradient;
     linearized.factor->solve(step);
     const double fall = -0.5 * gradient.dot(step);
@@ -268,14 +271,14 @@ std::optional<Optimum> descend(const Terms& terms, const LocationPriorConfig& co
       return at;
     }
     if (!here && (fall < kSettled || fall > kSlow * last_fall)) {
-      linearized = linearize(terms, config, at.poses, rows);
+      linearized = linearize(terms, config, at.poses, rows, near);
       last_fall = std::numeric_limits<double>::infinity();
       continue;
     }
     last_fall = fall;
-    if (go(terms, config, rows, step, at)) continue;
+    if (go(terms, config, rows, step, near, at)) continue;
     if (here) return std::nullopt;
-    linearized = linearize(terms, config, at.poses, rows);
+    linearized = linearize(terms, config, at.poses, rows, near);
   }
   return std::nullopt;
 }

@@ -112,11 +112,12 @@ bool optimize(const Terms& terms, const LocationPriorConfig& config, std::vector
               double& cost) {
   const bool penalized = config.max_penalty > 0.0;
   const double reach_m = penalized ? kReachMargin * config.penalty_radius_m : 0.0;
-  std::vector<Pair> penalties = near_pairs(terms, poses, reach_m);
+  std::vector<Pair> penalties = near_pairs(terms.landmarks, poses, reach_m);
   for (int round = 0; round < kMaxRounds; ++round) {
     if (!solve(terms, penalties, config, poses)) return false;
     const std::size_t known = penalties.size();
-    for (const Pair& pair : near_pairs(terms, poses, penalized ? config.penalty_radius_m : 0.0)) {
+    for (const Pair& pair :
+         near_pairs(terms.landmarks, poses, penalized ? config.penalty_radius_m : 0.0)) {
       const bool is_known =
           std::any_of(penalties.begin(), penalties.begin() + static_cast<std::ptrdiff_t>(known),
                       [&](const Pair& other) { return other.a == pair.a && other.b == pair.b; });

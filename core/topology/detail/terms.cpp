@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/LU>
-
 #include "core/pose_graph/pose_graph.hpp"
 #include "core/topology/location_prior.hpp"
 
@@ -22,8 +20,8 @@ Terms collect(const Labels& labels, const Measurements& measurements,
   terms.links.reserve(labels.size() + scans.size());
   for (std::size_t i = 0; i + 1 < labels.size(); ++i) {
     const OdometryFactor& odometry = measurements.odometry[i];
-    terms.links.push_back({i, i + 1, odometry.mean, odometry.covariance.inverse()});
-    terms.log_constant -= 0.5 * (3.0 * kLog2Pi + std::log(odometry.covariance.determinant()));
+    terms.links.push_back({i, i + 1, odometry.mean, odometry.information});
+    terms.log_constant -= odometry.log_normalizer;
   }
   const double variance = config.revisit_stddev_m * config.revisit_stddev_m;
   terms.landmarks = first_visits(labels);
@@ -44,23 +42,14 @@ Terms collect(const Labels& labels, const Measurements& measurements,
   return terms;
 }
 
-std::vector<Pair> near_pairs(const Terms& terms, std::span<const Pose2> poses, double reach_m) {
-  std::vector<Pair> pairs;
-  const double squared = reach_m * reach_m;
-  for (std::size_t j = 1; j < terms.landmarks.size(); ++j) {
-    const Pose2& b = poses[terms.landmarks[j]];
-    for (std::size_t i = 0; i < j; ++i) {
-      const Pose2& a = poses[terms.landmarks[i]];
-      const double x = b.x - a.x;
-      const double y = b.y - a.y;
-      if (x * x + y * y < squared) pairs.push_back({terms.landmarks[i], terms.landmarks[j]});
-    }
-  }
-  return pairs;
-}
-
 double cost_at(const Terms& terms, std::span<const Pose2> poses,
                const LocationPriorConfig& config) {
+  NearPairs near(terms.landmarks, config.penalty_radius_m);
+  return cost_at(terms, poses, config, near);
+}
+
+double cost_at(const Terms& terms, std::span<const Pose2> poses, const LocationPriorConfig& config,
+               NearPairs& near) {
   double cost = 0.0;
   for (const Link& link : terms.links) {
     const Eigen::Vector3d error =
@@ -73,7 +62,7 @@ double cost_at(const Terms& terms, std::span<const Pose2> poses,
             (poses[pair.b].translation() - poses[pair.a].translation()).squaredNorm();
   }
   if (config.max_penalty <= 0.0) return cost;
-  for (const Pair& pair : near_pairs(terms, poses, config.penalty_radius_m)) {
+  for (const Pair& pair : near.at(poses)) {
     cost += penalty_at(translation_distance(poses[pair.a], poses[pair.b]), config).value;
   }
   return cost;

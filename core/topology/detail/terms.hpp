@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "core/topology/detail/near_pairs.hpp"
 #include "core/topology/evidence.hpp"
 
 namespace strata::topology::detail {
@@ -18,11 +19,6 @@ struct Link {
   std::size_t b = 0;
   Pose2 a_from_b;
   Eigen::Matrix3d information;  // may be singular
-};
-
-struct Pair {
-  std::size_t a = 0;
-  std::size_t b = 0;
 };
 
 /// The factors of one topology, sorted by kind. Every pair of `landmarks` (their first visits)
@@ -38,13 +34,12 @@ struct Terms {
 [[nodiscard]] Terms collect(const Labels& labels, const Measurements& measurements,
                             std::span<const ScanFactor> scans, const LocationPriorConfig& config);
 
-/// Pairs of landmarks nearer to each other than reach_m. O(landmarks^2).
-[[nodiscard]] std::vector<Pair> near_pairs(const Terms& terms, std::span<const Pose2> poses,
-                                           double reach_m);
-
 /// Half the squared whitened errors plus the penalties.
 [[nodiscard]] double cost_at(const Terms& terms, std::span<const Pose2> poses,
                              const LocationPriorConfig& config);
+/// The same; near: of the terms' landmarks within the penalty's radius.
+[[nodiscard]] double cost_at(const Terms& terms, std::span<const Pose2> poses,
+                             const LocationPriorConfig& config, NearPairs& near);
 
 /// Moves the poses to the least cost, the first one fixed, from anywhere; returns whether that
 /// converged. Ceres; `descend` is faster where the start is good.

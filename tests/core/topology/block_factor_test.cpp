@@ -76,6 +76,17 @@ TEST(BlockFactor, SolvesAsADenseFactorDoes) {
   }
 }
 
+TEST(BlockFactor, OneBlockOfTheInverseIsTheSameBitsAlone) {
+  for (const int loops : {0, 3, 40}) {
+    const auto factor = BlockFactor::of(40, chain_with_loops(40, loops, 5));
+    ASSERT_NE(factor, nullptr);
+    for (int row = 0; row < 40; ++row) {
+      const Eigen::Matrix3d block = factor->inverse_of(row).block<3, 3>(3 * row, 0);
+      EXPECT_EQ(factor->inverse_block(row), block) << row;
+    }
+  }
+}
+
 TEST(BlockFactor, IsNoneOfAMatrixThatIsNotPositiveDefinite) {
   std::vector<Block> blocks = chain_with_loops(12, 4, 3);
   ASSERT_NE(BlockFactor::of(12, blocks), nullptr);
