@@ -59,7 +59,7 @@ struct Options {
 
   [[nodiscard]] std::string file(const char* name) const { return scenarios + "/" + name; }
   [[nodiscard]] SeedOptions of_seeds() const {
-    return {scenarios, {first, seeds}, has_poor_poses ? kPoorPoses : kGoodPoses};
+    return {scenarios, {first, seeds}, has_poor_poses ? kPoorPoses : kGoodPoses, out};
   }
 };
 
@@ -231,7 +231,7 @@ int main(int argc, char** argv) {
            "global_start", "offices",    "refined_poses", "year",           "place",
            "decoders",     "wean",       "verdicts",      "score",          "people",
            "filter",       "few_beams",  "single_scan",   "standing_robot", "standing_robot_online",
-           "door_times",   "starts",     "half_known",    "folded_maps"}));
+           "door_times",   "starts",     "half_known",    "folded_maps",    "topologies"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::Range(0, 1'000'000));
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
@@ -269,7 +269,7 @@ int main(int argc, char** argv) {
                  "nats by which `single_scan` accepts a place before all others");
   app.add_option("--step", options.step, "of the scans of `single_scan` every so many-th only")
       ->check(CLI::PositiveNumber);
-  app.add_option("--out", options.out, "where files of the year or the place go");
+  app.add_option("--out", options.out, "where files of the year, the place or `topologies` go");
   app.add_option("--scenario", options.scenario_names,
                  "a file there, of several days, for `score` besides the offices");
   app.add_option("--scenarios", options.scenarios, "folder of the scenario files");

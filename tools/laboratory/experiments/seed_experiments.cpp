@@ -12,6 +12,7 @@
 #include "tools/laboratory/experiments/refined_poses.hpp"
 #include "tools/laboratory/experiments/standing_robot.hpp"
 #include "tools/laboratory/experiments/starts.hpp"
+#include "tools/laboratory/experiments/topology_odds.hpp"
 
 namespace strata::experiments {
 namespace {
@@ -82,6 +83,8 @@ bool run_seed_experiment(const std::string& name, const SeedOptions& options,
     report_half_known(seeds, units);
   } else if (name == "starts") {
     report_starts(options.scenarios, seeds, units);
+  } else if (name == "topologies") {
+    report_topologies(seeds, options.out, units);
   } else if (name == "offices") {
     for (std::uint64_t office = 1; office <= 10; ++office) {
       report_localizing("office " + std::to_string(office), seeds, units, [&](std::uint64_t seed) {

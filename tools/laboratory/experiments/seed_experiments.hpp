@@ -14,6 +14,7 @@ struct SeedOptions {
   std::string scenarios;  ///< folder of the scenario files
   Seeds seeds;
   PoseNoise noise;
+  std::string out;  ///< folder of the files that some write
 };
 
 /// Runs the experiment and prints what it comes to; false for the name of none of these.
