@@ -21,6 +21,8 @@ namespace strata::paper {
 /// Figure 1 of it, and what it shows of a second building.
 [[nodiscard]] std::vector<Figure> ptm_cloud_figures();
 [[nodiscard]] std::vector<Figure> ptm_building_figures();
+/// Of the same section: the mass of the true topology in its two experiments.
+[[nodiscard]] std::vector<Figure> ptm_mass_figures();
 /// All of them.
 [[nodiscard]] std::vector<Figure> all_figures();
 

@@ -50,15 +50,6 @@ std::vector<Figure> ptm_figures() {
       {"ptm-7", "ptm", "The metric map of the topology", "it is consistent.",
        "as ptm-4, and the mean pose error after alignment is at most 0.5 m.", log,
        by({"ptm-7", "map.png", true, true}), ""}};
-  constexpr std::array<std::tuple<const char*, const char*, const char*, const char*>, 2> kMissing{
-      {{"ptm-mass-1", "Mass of the truth, experiment 1", "the truth has 94%.",
-        "its worlds are part of the tests (topology_figures), not of the laboratory; at laser "
-        "level it was never run"},
-       {"ptm-10", "Mass of the truth, experiment 2", "the truth has 82% or 89%.",
-        "as ptm-mass-1"}}};
-  for (const auto& [id, title, shows, why] : kMissing) {
-    all.push_back({id, "ptm", title, shows, "not fixed yet.", "nothing yet", nullptr, why});
-  }
   return all;
 }
 

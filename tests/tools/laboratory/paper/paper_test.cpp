@@ -137,6 +137,19 @@ TEST(PaperFigures, OfRoomsAreTexturedWithoutPeople) {
   EXPECT_EQ(row.outcome.pictures.size(), 2U);
 }
 
+TEST(PaperFigures, TheMassOfTheTruthIsOfLandmarksThatWereFound) {
+  Setting setting;
+  setting.seeds = 1;
+  const Row row = make(select(all_figures(), {"ptm-mass-1"}).front(), setting);
+  ASSERT_EQ(row.outcome.numbers.size(), 5U) << row.outcome.reason;
+  EXPECT_EQ(row.outcome.numbers[0].ours, 1.0) << "seeds";
+  EXPECT_GE(row.outcome.numbers[1].ours, 11.0) << "visits";
+  const double mass = row.outcome.numbers[2].ours.value_or(-1.0);
+  EXPECT_GE(mass, 0.0);
+  EXPECT_LE(mass, 1.0);
+  EXPECT_EQ(row.outcome.verdict, mass >= 0.94 ? Verdict::kHeld : Verdict::kNotHeld);
+}
+
 TEST(PaperPoseError, IsThatAfterTheBestRigidMotion) {
   const std::vector<Pose2> way{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
   const Pose2 map_from_truth{10.0, -3.0, 1.0};
