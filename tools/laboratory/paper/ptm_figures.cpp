@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
-#include <tuple>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "tools/laboratory/paper/building_topology.hpp"
 #include "tools/laboratory/paper/figures.hpp"
@@ -41,16 +41,14 @@ std::vector<Figure> ptm_figures() {
   const auto by = [](const TopologyFigure& figure) {
     return [=](const Setting& s) { return topology(s, figure); };
   };
-  std::vector<Figure> all{
-      {"ptm-4", "ptm", "The likeliest sample with its landmarks", "it is the truth.", truth, log,
-       by({"ptm-4", "landmarks.png"}), ""},
-      {"ptm-6", "ptm", "Raw odometry only", "odometry alone does not close; the topology does.",
-       truth, "the real log fr079 without scan matching between visits",
-       by({"ptm-6", "odometry.png", false}), ""},
-      {"ptm-7", "ptm", "The metric map of the topology", "it is consistent.",
-       "as ptm-4, and the mean pose error after alignment is at most 0.5 m.", log,
-       by({"ptm-7", "map.png", true, true}), ""}};
-  return all;
+  return {{"ptm-4", "ptm", "The likeliest sample with its landmarks", "it is the truth.", truth,
+           log, by({"ptm-4", "landmarks.png"}), ""},
+          {"ptm-6", "ptm", "Raw odometry only", "odometry alone does not close; the topology does.",
+           truth, "the real log fr079 without scan matching between visits",
+           by({"ptm-6", "odometry.png", false}), ""},
+          {"ptm-7", "ptm", "The metric map of the topology", "it is consistent.",
+           "as ptm-4, and the mean pose error after alignment is at most 0.5 m.", log,
+           by({"ptm-7", "map.png", true, true}), ""}};
 }
 
 }  // namespace strata::paper
