@@ -18,7 +18,7 @@ struct ClosureConfig {
   bool enabled = true;
   double floor_window_m = 0.3;
   double drift_m_per_m = 0.03;
-  double max_window_m = 8.0;
+  double max_window_m = 16.0;
   double floor_window_rad = 0.05;
   double drift_rad_per_m = 0.003;
   double max_window_rad = 0.6;

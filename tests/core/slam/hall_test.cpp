@@ -110,12 +110,12 @@ LocalMap local_map_at(const Pose2& from, const Pose2& drift, std::size_t first_s
   return make_local_map(map, 0, drift * from, first_scan, first_scan + 12);
 }
 
-/// A robot that saw nothing for 100 m.
-LocalMap blind_local_map(std::size_t first_scan) {
+/// A robot that saw nothing on the way there and back.
+LocalMap blind_local_map(std::size_t first_scan, double way_m = 100.0) {
   LocalMap local_map;
   local_map.first_scan = first_scan;
   local_map.last_scan = first_scan + 12;
-  local_map.run_from_local_map = {0.0, -100.0, 0.0};
+  local_map.run_from_local_map = {0.0, -way_m, 0.0};
   return local_map;
 }
 
@@ -127,9 +127,11 @@ TEST(Hall, IsClosedOverWallsFartherApartThanASearchReachesIndoors) {
   const LocalMap b = local_map_at(second, {0.3, -0.2, 0.0}, 36);
   const Eigen::Vector2d apart =
       a.run_from_local_map * a.center_m - b.run_from_local_map * b.center_m;
-  ASSERT_GT(apart.norm(), 4.0 + ClosureConfig{}.max_window_m);
+  ASSERT_GT(apart.norm(), 4.0 + 8.0);
   WorkerPool pool(1);
-  LocalMapGraph graph(ClosureConfig{}, {}, {}, kResolutionM, pool);
+  ClosureConfig config;
+  config.max_window_m = 8.0;
+  LocalMapGraph graph(config, {}, {}, kResolutionM, pool);
   graph.add(a, std::nullopt);
   graph.add(blind_local_map(12), std::nullopt);
   graph.add(blind_local_map(24), std::nullopt);
@@ -139,6 +141,24 @@ TEST(Hall, IsClosedOverWallsFartherApartThanASearchReachesIndoors) {
   graph.tighten(2, nullptr);
   EXPECT_EQ(graph.closures(), 1U);
   EXPECT_LT(translation_distance(graph.map_from_local_map(3), second), 0.05);
+}
+
+TEST(Hall, IsClosedHoweverFarTheWayThereMayHaveDrifted) {
+  // 3% of 500 m.
+  const Pose2 here{-10.0, -8.0, 0.2};
+  const LocalMap back = local_map_at(here, {11.0, -6.0, 0.1}, 36);
+  for (const double window_m : {8.0, ClosureConfig{}.max_window_m}) {
+    ClosureConfig config;
+    config.max_window_m = window_m;
+    WorkerPool pool(1);
+    LocalMapGraph graph(config, {}, {}, kResolutionM, pool);
+    graph.add(local_map_at(here, {}, 0), std::nullopt);
+    graph.add(blind_local_map(12, 250.0), std::nullopt);
+    graph.add(blind_local_map(24, 250.0), std::nullopt);
+    graph.add(back, std::nullopt);
+    EXPECT_EQ(graph.closures(), window_m > 8.0 ? 1U : 0U);
+    EXPECT_EQ(translation_distance(graph.map_from_local_map(3), here) < 0.05, window_m > 8.0);
+  }
 }
 
 TEST(Hall, IsNotClosedFromAfarWherePosesOfTheLogHoldIt) {
