@@ -23,19 +23,23 @@ inline constexpr double kMaxUnknownWay_m = 0.3;
 /// Beams closer together than this are judged by one of them.
 inline constexpr double kJudgedTogether_rad = 0.03;
 
-/// How far a way leads through unknown cells, looked at every step_m. Points in the map frame [m].
-/// O(range_m / step_m).
+/// No scanner on a robot measures so far: readings beyond it are broken messages.
+inline constexpr double kMaxReading_m = 10'000.0;
+
+/// How far a way leads through unknown cells, looked at every step_m, until that is more than
+/// enough_m. Points in the map frame [m]. O((map's extent along it + enough_m) / step_m).
 template <LimitedMap Map>
 [[nodiscard]] double unknown_way_m(const Map& map, const Eigen::Vector2d& from_m,
                                    const Eigen::Vector2d& direction, double range_m,
+                                   double enough_m = std::numeric_limits<double>::infinity(),
                                    double step_m = 0.05) {
-  const auto steps = static_cast<std::size_t>(std::max(0.0, range_m / step_m));
-  std::size_t unknown = 0;
-  for (std::size_t n = 0; n < steps; ++n) {
-    const double at_m = (static_cast<double>(n) + 0.5) * step_m;
-    unknown += map.knows(from_m + at_m * direction) ? 0 : 1;
+  const double steps = std::floor(std::max(0.0, range_m / step_m));
+  double unknown = 0.0;
+  for (double n = 0.0; n < steps && unknown * step_m <= enough_m; n += 1.0) {
+    const double at_m = (n + 0.5) * step_m;
+    unknown += map.knows(from_m + at_m * direction) ? 0.0 : 1.0;
   }
-  return static_cast<double>(unknown) * step_m;
+  return unknown * step_m;
 }
 
 /// Marks (1) the beams that the map does not judge from this pose: those that end where it knows
@@ -62,11 +66,13 @@ void mark_unjudged(const Map& map, const Scan& scan, const Pose2& map_from_laser
     if (kind == BeamKind::kNoReturn) {
       return !is_known_here && !(expected_m(beam, direction, kFar_m) <= kFar_m);
     }
-    const auto range_m = static_cast<double>(scan.ranges_m[beam]);
+    const double range_m = std::min(static_cast<double>(scan.ranges_m[beam]), kMaxReading_m);
     const double obstacle_m = expected_m(beam, direction, range_m + tolerance_m);
     if (obstacle_m + tolerance_m < range_m) return false;
     const double way_m = std::min(obstacle_m, range_m);
-    if (unknown_way_m(map, laser_m, direction, way_m) > kMaxUnknownWay_m) return true;
+    if (unknown_way_m(map, laser_m, direction, way_m, kMaxUnknownWay_m) > kMaxUnknownWay_m) {
+      return true;
+    }
     return obstacle_m > range_m + tolerance_m &&
            !knows_end(map, laser_m, laser_m + range_m * direction, tolerance_m);
   };

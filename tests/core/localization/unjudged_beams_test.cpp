@@ -57,6 +57,22 @@ TEST(UnjudgedBeams, OfReadingsThatSayNothingAreNone) {
   }
 }
 
+// As broken messages have them, of scanners that do not tell their reach.
+TEST(UnjudgedBeams, OfReadingsBeyondEveryMapAreJudgedByWhatLiesWithinIt) {
+  constexpr double kUp = std::numbers::pi / 2.0;
+  for (const float reading : {1e6F, 1e12F, std::numeric_limits<float>::max()}) {
+    Scan scan = beam(static_cast<double>(reading));
+    scan.range_max_m = 0.0F;
+    for (const auto& model : models()) {
+      std::vector<std::uint8_t> marks;
+      model->find_unjudged(scan, {2.0, 1.0, kUp}, marks);
+      EXPECT_EQ(marks.at(0), 0) << "through the wall";
+      model->find_unjudged(scan, {8.5, 1.0, kUp}, marks);
+      EXPECT_EQ(marks.at(0), 1) << "through the gap";
+    }
+  }
+}
+
 /// Everything is known but x in [begin, end).
 struct Gap {
   double begin_m, end_m;
@@ -73,6 +89,7 @@ TEST(UnknownWay, IsWhatOfTheWayIsUnknown) {
     EXPECT_EQ(unknown_way_m(Gap{1.0, end_m}, {0.0, 0.0}, -ahead, 5.0), 0.0);
   }
   EXPECT_EQ(unknown_way_m(Gap{0.0, 9.0}, {1.0, 0.0}, ahead, -1.0), 0.0);
+  EXPECT_NEAR(unknown_way_m(Gap{1.0, 1e9}, {0.0, 0.0}, ahead, 1e300, 0.3), 0.35, 1e-9) << "enough";
 }
 
 }  // namespace
