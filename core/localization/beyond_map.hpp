@@ -52,6 +52,8 @@ struct BeyondMapConfig {
                     "depends on where the robot is",
              .unit = "m",
              .min = 0.0});
+    v.removed("search_after_m", "nothing is looked for on the way back into the map");
+    v.removed("drift", "nothing is looked for on the way back into the map");
     v.field(
         "outdated_tempering", c.outdated_tempering,
         {.doc = "beside the map's end, where it is outdated too and scans tell the motion, the "

@@ -14,8 +14,9 @@ namespace strata::localization {
 namespace {
 
 /// 2: with what a model has learned; 3: and whether a place that was found is confirmed;
-/// 4: and the last metres beyond the map; 5: and whether they lead.
-constexpr std::uint64_t kStateVersion = 5;
+/// 4: and the last metres beyond the map; 5: and how far it was beyond it; 6: whether the last
+/// metres lead instead.
+constexpr std::uint64_t kStateVersion = 6;
 /// More than any map asks for; what a damaged state asks for would not fit into memory.
 constexpr std::size_t kMaxSavedParticles = std::size_t{1} << 24U;
 
