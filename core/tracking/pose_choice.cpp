@@ -17,20 +17,38 @@ constexpr double kMinKnownShare = 0.1;
 /// is the same place.
 constexpr double kLookAlikeM = 0.6;
 
+/// A beam is followed in such steps, half a cell of the map, to so far before its end.
+constexpr double kStepM = 0.025;
+constexpr double kBeforeEndM = 0.15;
+
 /// How odd a pose is by odometry [nats, Student's t with one degree of freedom], `most` at most.
 double surprise(const Pose2& pose, const Pose2Gaussian& guess, double most) {
   return std::min(most, 2.0 * std::log1p(mahalanobis_squared(guess, pose)));
 }
 
+/// Whether a beam from the robot passes a surface well before its end.
+bool goes_through(const SurfaceMap& map, const Eigen::Vector2d& from_m,
+                  const Eigen::Vector2d& end_m) {
+  const double length_m = (end_m - from_m).norm();
+  const Eigen::Vector2d step = (end_m - from_m) / length_m;
+  for (double way_m = 0.0; way_m < length_m - kBeforeEndM; way_m += kStepM) {
+    if (map.state(from_m + way_m * step) == SurfaceState::kOccupied) return true;
+  }
+  return false;
+}
+
+/// What ends in the unknown behind a surface is known not to fit.
+bool is_known(const SurfaceMap& map, const Pose2& pose, const Eigen::Vector2d& end_m) {
+  const Eigen::Vector2d at_m = pose * end_m;
+  return map.state(at_m) != SurfaceState::kUnknown || goes_through(map, pose.translation(), at_m);
+}
+
 Endpoints known_from_both(const Endpoints& endpoints, const SurfaceMap& map, const Pose2& a,
                           const Pose2& b) {
-  const auto is_known = [&](const Eigen::Vector2d& end_m) {
-    return map.state(end_m) != SurfaceState::kUnknown;
-  };
   Endpoints known;
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     const Eigen::Vector2d end_m(endpoints.x_m[i], endpoints.y_m[i]);
-    if (!is_known(a * end_m) || !is_known(b * end_m)) continue;
+    if (!is_known(map, a, end_m) || !is_known(map, b, end_m)) continue;
     known.x_m.push_back(endpoints.x_m[i]);
     known.y_m.push_back(endpoints.y_m[i]);
     known.beam.push_back(endpoints.beam[i]);

@@ -12,8 +12,8 @@ namespace strata::slam {
 /// By how much likelier the beams are at `other` than at `own` [nats, positive: likelier], of those
 /// whose ends the map knows from both. The others speak for neither: into what nobody has seen yet
 /// a robot that goes on looks more than one that is held back, and each of those beams would count
-/// against it. Where they are fewer than a tenth, all are asked. Poses are of the robot in the
-/// map's frame. O(end points).
+/// against it. What ends in the unknown behind a surface is known not to fit. Where they are fewer
+/// than a tenth, all are asked. Poses are of the robot in the map's frame. O(length of all beams).
 [[nodiscard]] double likelier_by(const Pose2& other, const Pose2& own, const Endpoints& endpoints,
                                  const SurfaceMap& map, const registration::MatchConfig& config);
 

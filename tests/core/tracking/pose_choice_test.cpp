@@ -45,24 +45,36 @@ TEST(PoseChoice, ABeamThatEndsAtAWallThereAndInTheOpenHereSpeaksForThere) {
   EXPECT_NEAR(likelier_ahead(4.0F, {1.0, 0.0, 0.0}), 0.0, 1e-9) << "in the open at both";
 }
 
-// Beside one that ends in the open from both poses.
+// Beside one that ends in the open from both poses. Behind the origin nobody has looked.
 TEST(PoseChoice, ABeamThatEndsWhereNobodyHasSeenSpeaksForNeither) {
-  const auto likelier = [](float ahead_m, const Pose2& other) {
-    Endpoints ends = one_end(ahead_m, 0.0F);
+  const Pose2 facing_back{5.0, 0.0, std::numbers::pi};
+  Endpoints ends = one_end(-1.0F, 0.0F);
+  ends.x_m.push_back(3.0F);
+  ends.y_m.push_back(0.0F);
+  ends.beam.push_back(1);
+  const SurfaceMap map = seen_from_the_origin();
+  EXPECT_EQ(likelier_by(facing_back, {}, ends, map, {}), 0.0) << "at the wall there, unknown here";
+  EXPECT_EQ(likelier_by({}, facing_back, ends, map, {}), 0.0);
+}
+
+TEST(PoseChoice, ABeamThatGoesThroughAWallSpeaksAgainstThatPose) {
+  const registration::MatchConfig config;
+  const double most = std::log1p(config.hit_weight / (1.0 - config.hit_weight));
+  Endpoints ends = one_end(7.0F, 0.0F);
+  for (std::uint32_t beam = 1; beam < 4; ++beam) {  // enough that are known
     ends.x_m.push_back(3.0F);
-    ends.y_m.push_back(0.0F);
-    ends.beam.push_back(1);
-    return likelier_by(other, {0.0, 0.0, 0.0}, ends, seen_from_the_origin(), {});
-  };
-  EXPECT_EQ(likelier(7.0F, {-1.0, 0.0, 0.0}), 0.0) << "behind the wall, at the wall";
-  EXPECT_EQ(likelier(6.0F, {1.0, 0.0, 0.0}), 0.0) << "at the wall, behind it";
+    ends.y_m.push_back(0.1F * static_cast<float>(beam));
+    ends.beam.push_back(beam);
+  }
+  EXPECT_NEAR(likelier_by({-1.0, 0.0, 0.0}, {}, ends, seen_from_the_origin(), {}), most, 0.1);
 }
 
 TEST(PoseChoice, APoseFromWhichAllIsUnknownDoesNotWinByThat) {
   const registration::MatchConfig config;
   const double most = std::log1p(config.hit_weight / (1.0 - config.hit_weight));
-  EXPECT_NEAR(likelier_ahead(7.0F, {-1.0, 0.0, 0.0}), most, 0.1);
-  EXPECT_NEAR(likelier_ahead(6.0F, {1.0, 0.0, 0.0}), -most, 0.1);
+  const Pose2 facing_back{5.0, 0.0, std::numbers::pi};
+  EXPECT_NEAR(likelier_by(facing_back, {}, one_end(-1.0F, 0.0F), seen_from_the_origin(), {}), most,
+              0.1);
 }
 
 TEST(PoseChoice, OdometryObjectsByItsDoubtToLookAlikesOnly) {
