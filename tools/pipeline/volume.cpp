@@ -78,9 +78,17 @@ void color(const fs::path& log, const VolumeJobConfig& config, const VolumeSourc
   result.images = reader.report();
 }
 
+void warn_without_pictures(const VolumeJobConfig& config, VolumeResult& result) {
+  if (!config.has_textures) return;
+  result.warnings.emplace_back(
+      "has_textures: the log has no pictures of a camera whose pose is "
+      "known, and there is no textured.glb");
+}
+
 /// The pictures once more, in the same order.
 void texture(const fs::path& log, const VolumeJobConfig& config, const VolumeSources& sources,
              VolumeResult& result, Progress* progress) {
+  if (!result.colors) return warn_without_pictures(config, result);
   textures::TextureMaker maker(config.textures, *result.colors, result.map.lattice());
   clouds::BagImageReader reader(log, sources.reading);
   clouds::PosedImage image;
@@ -89,6 +97,11 @@ void texture(const fs::path& log, const VolumeJobConfig& config, const VolumeSou
     report_progress(progress, "texture the map", reader.report().images, result.images.images);
   }
   result.mesh = maker.mesh();
+  if (!result.mesh->polygons.empty()) return;
+  result.mesh.reset();  // glTF has no empty meshes
+  result.warnings.emplace_back(
+      "has_textures: the map has no flat surface large enough, and there "
+      "is no textured.glb");
 }
 
 void require_clouds(const fs::path& log, const clouds::CloudReport& report) {
@@ -110,6 +123,7 @@ VolumeResult make_volume(const fs::path& log, const std::string& poses,
     result.report.format = "OctoMap tree";
     result.pose_source = "none";
     result.moving = "nothing";
+    warn_without_pictures(config, result);
     return result;
   }
   WorkerPool pool(threads);
@@ -148,7 +162,7 @@ VolumeResult make_volume(const fs::path& log, const std::string& poses,
   require_clouds(log, result.report);
   result.score = truth.score(result.map);
   if (clouds::is_bag(log)) color(log, config, sources, result, pool, progress);
-  if (config.has_textures && result.colors) texture(log, config, sources, result, progress);
+  if (config.has_textures) texture(log, config, sources, result, progress);
   return result;
 }
 

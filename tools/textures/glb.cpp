@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/textures/glb.hpp"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 

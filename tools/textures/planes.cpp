@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -76,7 +77,7 @@ class Grower {
       std::vector<std::size_t> region = grow_from(seed);
       if (region.size() < static_cast<std::size_t>(config_.min_voxels)) {
         for (const std::size_t i : region) is_taken_[i] = 0;
-        is_taken_[seed] = 1;  // begins none again
+        is_taken_[seed] = 1;  // in no other region either
         continue;
       }
       regions.push_back(std::move(region));

@@ -24,7 +24,7 @@ struct TextureConfig {
   static void describe(Self& c, V& v) {
     v.group("planes", c.planes, "the flat surfaces of the map");
     v.field("texels_per_voxel", c.texels_per_voxel,
-            {.doc = "pixels of the texture along the edge of a voxel", .min = 1, .max = 32});
+            {.doc = "pixels of the texture along the edge of a voxel", .min = 1, .max = 8});
   }
 };
 
@@ -39,7 +39,7 @@ struct TexturedMesh {
   volume::ColorImage texture;
   std::size_t voxels = 0;  ///< of the map that lie in polygons
   std::size_t texels = 0;  ///< of polygons
-  std::size_t seen = 0;    ///< ... that a picture showed
+  std::size_t seen = 0;    ///< ... of squares whose voxel a picture showed
 };
 
 /// Cuts the planes of a coloured map into squares of a voxel, each with the picture that the colour
@@ -54,7 +54,7 @@ class TextureMaker {
 
   /// view: which of the pictures offered to the ColorMap this one was, from 0. O(squares).
   void add(std::int32_t view, const volume::CameraView& picture);
-  /// Squares side by side with pictures are joined to rectangles. O(squares).
+  /// Squares side by side are joined to rectangles. O(squares).
   [[nodiscard]] TexturedMesh mesh() const;
 
  private:

@@ -115,6 +115,17 @@ TEST(Volume, WritesMapsSlicesPicturesAndASummary) {
   EXPECT_FALSE(is_known(slice.get({30, 0})));
 }
 
+TEST(Volume, SaysThatThereIsNothingToTextureWith) {
+  const test::TemporaryDirectory folder;
+  write_corner(folder.path() / "corner.log");
+  const fs::path out = folder.path() / "out";
+  const auto outcome = run_strata("volume " + quoted(folder.path() / "corner.log") +
+                                  " --set has_textures=true --out " + quoted(out) + " 2>&1");
+  EXPECT_EQ(outcome.code, 0) << outcome.out;
+  EXPECT_THAT(outcome.out, ::testing::HasSubstr("warning: has_textures: the log has no pictures"));
+  EXPECT_FALSE(fs::exists(out / "textured.glb"));
+}
+
 TEST(Volume, SaysWhatIsWrongWithItsInput) {
   const test::TemporaryDirectory folder;
   write_corner(folder.path() / "corner.log");

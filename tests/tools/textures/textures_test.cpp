@@ -56,7 +56,7 @@ TEST(Planes, AreTheFloorAndTheWallWithTheRowThatTheyShare) {
 TEST(Planes, LeaveOutWhatIsSmallAndWhatIsNotFlat) {
   std::vector<ColoredVoxel> voxels;
   for (int i = 0; i < 5; ++i) {
-    for (int j = 0; j < 5; ++j) add(voxels, i, j, 0);  // 25, one short of five
+    for (int j = 0; j < 5; ++j) add(voxels, i, j, 0);  // 25, five fewer than asked
   }
   EXPECT_TRUE(find_planes(voxels, kLattice, {}).empty());
   PlaneConfig smaller;
