@@ -129,7 +129,7 @@ std::vector<Labels> moved_visits(const Hypothesis& hypothesis, const LocationPri
       const Pose2& landmark = hypothesis.poses[firsts[static_cast<std::size_t>(label)]];
       if (std::abs(landmark.x - at.x) >= nearest_m) continue;  // of a thousand most
       const double away_m = translation_distance(at, landmark);
-      if (away_m >= nearest_m) continue;
+      if (!(away_m < nearest_m)) continue;
       nearest = label;
       nearest_m = away_m;
     }

@@ -143,7 +143,7 @@ TEST(Hall, IsClosedOverWallsFartherApartThanASearchReachesIndoors) {
   EXPECT_LT(translation_distance(graph.map_from_local_map(3), second), 0.05);
 }
 
-TEST(Hall, IsClosedHoweverFarTheWayThereMayHaveDrifted) {
+TEST(Hall, IsClosedAsFarAsAWayOf500MetresMayHaveDrifted) {
   // 3% of 500 m.
   const Pose2 here{-10.0, -8.0, 0.2};
   const LocalMap back = local_map_at(here, {11.0, -6.0, 0.1}, 36);

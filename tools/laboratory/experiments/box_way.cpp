@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "core/localization/localizer.hpp"
 #include "core/patch/sequences.hpp"

@@ -67,6 +67,7 @@ void report_kind(const std::string& name, Building building, const slam::SlamCon
     const FoldedMap map = units.of<FoldedMap>(name + ", seed " + std::to_string(seed), [&] {
       return map_building(building(seed), seed, config);
     });
+    if (!units.is_whole()) continue;
     told.add(map);
     errors_m.push_back(map.error_m);
     if (map.revisits.is_folded() || map.is_consistent == 0.0) print(name, seed, map);

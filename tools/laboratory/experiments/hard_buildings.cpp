@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/laboratory/experiments/hard_buildings.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Core>

@@ -241,8 +241,8 @@ std::vector<Figure> patch_figures() {
       {"patch-1.18-rows", "patch", "Rows of centroids, one cluster more a step",
        "the means come apart row by row; the fifth is more or less equal to another.",
        "in at least 90% of the seeds the criterion is greatest for four clusters and falls with "
-       "the "
-       "fifth, in more than half two of the five centroids are less than half as far apart as any "
+       "the fifth, in more than half two of the five centroids are less than half as far apart as "
+       "any "
        "two of the four, and at least 95% of the local maps belong most to the cluster of their "
        "state.",
        "the local maps of patch-1.18, two a day: there and back", rows_of_centroids, ""}};

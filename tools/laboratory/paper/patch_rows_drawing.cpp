@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/laboratory/experiments/cluster_rows.hpp"
@@ -73,9 +74,10 @@ std::vector<Picture> draw_memberships(const ClusterRows& rows) {
       drawing.text(x + 4.0, y + 0.5 * height + 4.5, 12.0, report::fixed(share, 2));
     }
   }
-  return picture_of(drawing, "patch-1.18-rows_memberships",
-                    "local maps, the four centroids, and how much each map belongs to each, first "
-                    "seed");
+  return picture_of(
+      drawing, "patch-1.18-rows_memberships",
+      "local maps, the centroids of the best row, and how much each map belongs to each, first "
+      "seed");
 }
 
 }  // namespace
