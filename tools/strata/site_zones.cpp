@@ -16,7 +16,6 @@
 #include "components/site/zone_masks.hpp"
 #include "core/base/error.hpp"
 #include "tools/report/map_picture.hpp"
-#include "tools/report/plot.hpp"
 #include "tools/site/often_changing.hpp"
 #include "tools/site/zone_picture.hpp"
 #include "tools/strata/result_directory.hpp"
