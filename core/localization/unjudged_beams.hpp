@@ -23,9 +23,6 @@ inline constexpr double kMaxUnknownWay_m = 0.3;
 /// Beams closer together than this are judged by one of them.
 inline constexpr double kJudgedTogether_rad = 0.03;
 
-/// No scanner on a robot measures so far: readings beyond it are broken messages.
-inline constexpr double kMaxReading_m = 10'000.0;
-
 /// How far a way leads through unknown cells, looked at every step_m, until that is more than
 /// enough_m. Points in the map frame [m]. O((map's extent along it + enough_m) / step_m).
 template <LimitedMap Map>
@@ -40,6 +37,15 @@ template <LimitedMap Map>
     unknown += map.knows(from_m + at_m * direction) ? 0.0 : 1.0;
   }
   return unknown * step_m;
+}
+
+/// So many beams lie within that angle: at least 1, at most all. Of increments that are none 1.
+[[nodiscard]] inline std::size_t beams_within(const Scan& scan, double angle_rad) {
+  const double step_rad = std::abs(static_cast<double>(scan.angle_increment_rad));
+  const double beams = angle_rad / step_rad;
+  if (!(step_rad > 0.0 && beams > 1.0)) return 1;
+  const auto all = static_cast<double>(scan.size());
+  return static_cast<std::size_t>(std::max(1.0, std::min(beams, all)));
 }
 
 /// Marks (1) the beams that the map does not judge from this pose: those that end where it knows
@@ -66,7 +72,7 @@ void mark_unjudged(const Map& map, const Scan& scan, const Pose2& map_from_laser
     if (kind == BeamKind::kNoReturn) {
       return !is_known_here && !(expected_m(beam, direction, kFar_m) <= kFar_m);
     }
-    const double range_m = std::min(static_cast<double>(scan.ranges_m[beam]), kMaxReading_m);
+    const auto range_m = static_cast<double>(scan.ranges_m[beam]);
     const double obstacle_m = expected_m(beam, direction, range_m + tolerance_m);
     if (obstacle_m + tolerance_m < range_m) return false;
     const double way_m = std::min(obstacle_m, range_m);
@@ -76,9 +82,7 @@ void mark_unjudged(const Map& map, const Scan& scan, const Pose2& map_from_laser
     return obstacle_m > range_m + tolerance_m &&
            !knows_end(map, laser_m, laser_m + range_m * direction, tolerance_m);
   };
-  const double step_rad = std::abs(static_cast<double>(scan.angle_increment_rad));
-  const std::size_t together =
-      step_rad > 0.0 ? static_cast<std::size_t>(std::max(1.0, kJudgedTogether_rad / step_rad)) : 1;
+  const std::size_t together = beams_within(scan, kJudgedTogether_rad);
   for (std::size_t begin = 0; begin < scan.size(); begin += together) {
     const std::size_t end = std::min(begin + together, scan.size());
     if (!judge(begin + (end - begin) / 2)) continue;

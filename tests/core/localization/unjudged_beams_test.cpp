@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/localization/unjudged_beams.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numbers>
@@ -57,18 +58,21 @@ TEST(UnjudgedBeams, OfReadingsThatSayNothingAreNone) {
   }
 }
 
-// As broken messages have them, of scanners that do not tell their reach.
-TEST(UnjudgedBeams, OfReadingsBeyondEveryMapAreJudgedByWhatLiesWithinIt) {
-  constexpr double kUp = std::numbers::pi / 2.0;
-  for (const float reading : {1e6F, 1e12F, std::numeric_limits<float>::max()}) {
-    Scan scan = beam(static_cast<double>(reading));
-    scan.range_max_m = 0.0F;
+TEST(UnjudgedBeams, OfScansWhoseIncrementIsBrokenComeToAnEnd) {
+  constexpr float kUp = 0.5F * std::numbers::pi_v<float>;
+  for (const float increment : {0.0F, 1e-38F, -1e-44F, std::numeric_limits<float>::infinity(),
+                                std::numeric_limits<float>::quiet_NaN()}) {
+    Scan scan = beam(4.0);
+    scan.angle_min_rad = kUp;
+    scan.angle_increment_rad = increment;
+    scan.ranges_m.assign(5, 4.0F);
+    const std::size_t together = beams_within(scan, kJudgedTogether_rad);
+    EXPECT_EQ(together, std::abs(increment) > 0.0F && std::abs(increment) < 1.0F ? 5U : 1U);
     for (const auto& model : models()) {
       std::vector<std::uint8_t> marks;
-      model->find_unjudged(scan, {2.0, 1.0, kUp}, marks);
-      EXPECT_EQ(marks.at(0), 0) << "through the wall";
-      model->find_unjudged(scan, {8.5, 1.0, kUp}, marks);
-      EXPECT_EQ(marks.at(0), 1) << "through the gap";
+      model->find_unjudged(scan, {8.5, 1.0, 0.0}, marks);
+      ASSERT_EQ(marks.size(), 5U);
+      EXPECT_TRUE(marks[0] == 1 || !std::isfinite(increment)) << increment;
     }
   }
 }
@@ -89,7 +93,7 @@ TEST(UnknownWay, IsWhatOfTheWayIsUnknown) {
     EXPECT_EQ(unknown_way_m(Gap{1.0, end_m}, {0.0, 0.0}, -ahead, 5.0), 0.0);
   }
   EXPECT_EQ(unknown_way_m(Gap{0.0, 9.0}, {1.0, 0.0}, ahead, -1.0), 0.0);
-  EXPECT_NEAR(unknown_way_m(Gap{1.0, 1e9}, {0.0, 0.0}, ahead, 1e300, 0.3), 0.35, 1e-9) << "enough";
+  EXPECT_NEAR(unknown_way_m(Gap{1.0, 1e9}, {0.0, 0.0}, ahead, 1e300, 0.32), 0.35, 1e-9) << "enough";
 }
 
 }  // namespace
