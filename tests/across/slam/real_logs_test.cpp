@@ -84,14 +84,15 @@ TEST(SlamOnRealLogs, AgreesWithTheRelationsOfCsailAndContradictsItselfNowhere) {
 }
 
 // Tracked once more it was folded by 6.5 m; a third time most of the fold opens.
-TEST(SlamOnRealLogs, TracksCsailWithItsStampsAsTheyAreUntilItIsHardlyFoldedAndSaysThatItIs) {
+// Its odometry is 0.17 s late.
+TEST(SlamOnRealLogs, MakesOneMapOfCsailWithItsStampsAsTheyAre) {
   STRATA_REQUIRE_DATA(log_path, "csail/csail.clf.gz");
   STRATA_REQUIRE_DATA(relations_path, "csail/csail.relations");
   log::ReadOptions as_stamped;
   as_stamped.odometry_lag_s = 0.0;
-  bool consistent = true;
-  EXPECT_LT(relation_error(log_path, relations_path, as_stamped, true, &consistent), 0.6);
-  EXPECT_FALSE(consistent);
+  bool consistent = false;
+  EXPECT_LT(relation_error(log_path, relations_path, as_stamped, true, &consistent), 0.1);
+  EXPECT_TRUE(consistent);
 }
 
 TEST(SlamOnRealLogs, MakesOneMapOfAMuseumFullOfVisitors) {
