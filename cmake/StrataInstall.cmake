@@ -11,7 +11,7 @@ function(strata_package_of target out)
   set(names Eigen3::Eigen=Eigen3 Threads::Threads=Threads Ceres::ceres=Ceres yaml-cpp=yaml-cpp
     SQLite::SQLite3=SQLite3 zstd::libzstd_shared=zstd ZLIB::ZLIB=ZLIB BZip2::BZip2=BZip2 PNG::PNG=PNG Boost::headers=Boost
     nlohmann_json::nlohmann_json=nlohmann_json CLI11::CLI11=CLI11
-    fastcdr=fastcdr fastrtps=fastrtps hwy::hwy=HWY octomap=octomap OpenSSL::Crypto=OpenSSL OpenSSL::SSL=OpenSSL PostgreSQL::PostgreSQL=PostgreSQL)
+    fastcdr=fastcdr fastrtps=fastrtps hwy::hwy=HWY octomap=octomap OpenSSL::Crypto=OpenSSL OpenSSL::SSL=OpenSSL)
   foreach(pair ${names})
     if(pair MATCHES "^(.+)=(.+)$" AND CMAKE_MATCH_1 STREQUAL target)
       set(${out} ${CMAKE_MATCH_2} PARENT_SCOPE)

@@ -38,6 +38,9 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME strata)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 # Run, not linked: shlibdeps cannot see them.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "librsvg2-bin, fonts-dejavu-core")
+if(STRATA_FLEET)  # loaded when `strata fleet` needs it
+  string(APPEND CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS ", libpq5")
+endif()
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME strata-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 # What the installed package looks for with find_package; its libraries are static.
@@ -47,7 +50,7 @@ if(STRATA_COMPONENTS)
     ", libfastrtps-dev, libfastcdr-dev, libyaml-cpp-dev, liblz4-dev, libbz2-dev, zlib1g-dev, libpng-dev,"
     " librsvg2-bin, libssl-dev, nlohmann-json3-dev, libcli11-dev, libboost-dev")
   if(STRATA_FLEET)
-    string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libpq-dev")
+    string(APPEND CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ", libpq5")
   endif()
 endif()
 include(CPack)

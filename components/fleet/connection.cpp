@@ -6,16 +6,16 @@
 #include <cstdlib>
 #include <utility>
 
-#include <libpq-fe.h>
+#include "components/fleet/libpq.hpp"
 
 namespace strata::fleet {
 namespace {
 
 struct Clear {
-  void operator()(PGresult* result) const { PQclear(result); }
+  void operator()(PGresult* result) const { libpq().clear(result); }
 };
 struct Finish {
-  void operator()(PGconn* connection) const { PQfinish(connection); }
+  void operator()(PGconn* connection) const { libpq().finish(connection); }
 };
 using ResultOwner = std::unique_ptr<PGresult, Clear>;
 
@@ -49,14 +49,14 @@ std::string name_of(const std::string& host, const std::string& port, const std:
 
 /// Why nobody is let in, as far as libpq tells it.
 [[noreturn]] void fail_to_connect(PGconn* connection, const std::string& place) {
-  const std::string why = one_line(PQerrorMessage(connection));
-  if (PQconnectionNeedsPassword(connection) != 0) {
+  const std::string why = one_line(libpq().error_message(connection));
+  if (libpq().connection_needs_password(connection) != 0) {
     throw DeniedError(place, "asks for a password: " + why,
                       "put it into ~/.pgpass (HOST:PORT:DATABASE:USER:PASSWORD, mode 600) or "
                       "PGPASSWORD");
   }
   // It says FATAL itself; a server that was killed meanwhile says nothing.
-  if (PQconnectionUsedPassword(connection) != 0 && why.find("FATAL") != std::string::npos) {
+  if (libpq().connection_used_password(connection) != 0 && why.find("FATAL") != std::string::npos) {
     throw DeniedError(place, "does not let this user in: " + why,
                       "check user, password and database");
   }
@@ -84,10 +84,10 @@ struct Rows::Result {
 };
 
 std::size_t Rows::size() const {
-  return static_cast<std::size_t>(PQntuples(result_->result.get()));
+  return static_cast<std::size_t>(libpq().ntuples(result_->result.get()));
 }
 bool Rows::is_null(std::size_t row, int column) const {
-  return PQgetisnull(result_->result.get(), static_cast<int>(row), column) != 0;
+  return libpq().getisnull(result_->result.get(), static_cast<int>(row), column) != 0;
 }
 std::string Rows::text(std::size_t row, int column) const {
   const std::span<const std::byte> raw = bytes(row, column);
@@ -96,8 +96,8 @@ std::string Rows::text(std::size_t row, int column) const {
 std::span<const std::byte> Rows::bytes(std::size_t row, int column) const {
   PGresult* result = result_->result.get();
   const int place = static_cast<int>(row);
-  return {reinterpret_cast<const std::byte*>(PQgetvalue(result, place, column)),
-          static_cast<std::size_t>(PQgetlength(result, place, column))};
+  return {reinterpret_cast<const std::byte*>(libpq().getvalue(result, place, column)),
+          static_cast<std::size_t>(libpq().getlength(result, place, column))};
 }
 std::int64_t Rows::integer(std::size_t row, int column) const {
   const std::string digits = text(row, column);
@@ -130,13 +130,13 @@ Connection::Connection(const std::string& url, const Patience& patience)
       "keepalives_count", "fallback_application_name", "dbname",          nullptr};
   const std::array<const char*, 8> values{connect_s.c_str(), silence_ms.c_str(), "10",   "5", "4",
                                           "strata",          url.c_str(),        nullptr};
-  state_->connection.reset(PQconnectdbParams(keys.data(), values.data(), 1));
+  state_->connection.reset(libpq().connectdb_params(keys.data(), values.data(), 1));
   PGconn* connection = state_->connection.get();
   if (connection == nullptr) throw std::bad_alloc();
-  if (PQstatus(connection) != CONNECTION_OK) fail_to_connect(connection, state_->place);
-  state_->place = name_of(setting_of(connection, PQhost), setting_of(connection, PQport),
-                          setting_of(connection, PQdb));
-  PQsetNoticeProcessor(
+  if (libpq().status(connection) != CONNECTION_OK) fail_to_connect(connection, state_->place);
+  state_->place = name_of(setting_of(connection, libpq().host),
+                          setting_of(connection, libpq().port), setting_of(connection, libpq().db));
+  libpq().set_notice_processor(
       connection, [](void*, const char*) {}, nullptr);
   state_->statement_s = patience.statement_s;
   // The server would let visits that it has acknowledged go at a power cut, were it told so.
@@ -154,19 +154,20 @@ Connection::~Connection() = default;
 Connection::Connection(Connection&&) noexcept = default;
 
 const std::string& Connection::place() const { return state_->place; }
-std::string Connection::user() const { return setting_of(state_->connection.get(), PQuser); }
-bool Connection::is_encrypted() const { return PQsslInUse(state_->connection.get()) != 0; }
+std::string Connection::user() const { return setting_of(state_->connection.get(), libpq().user); }
+bool Connection::is_encrypted() const { return libpq().ssl_in_use(state_->connection.get()) != 0; }
 
 void Connection::fail(const void* raw) {
   const auto* result = static_cast<const PGresult*>(raw);
-  const char* code = result != nullptr ? PQresultErrorField(result, PG_DIAG_SQLSTATE) : nullptr;
+  const char* code =
+      result != nullptr ? libpq().result_error_field(result, PG_DIAG_SQLSTATE) : nullptr;
   const std::string sqlstate = code != nullptr ? code : "";
   const char* primary =
-      result != nullptr ? PQresultErrorField(result, PG_DIAG_MESSAGE_PRIMARY) : nullptr;
+      result != nullptr ? libpq().result_error_field(result, PG_DIAG_MESSAGE_PRIMARY) : nullptr;
   const std::string why =
-      one_line(primary != nullptr ? primary : PQerrorMessage(state_->connection.get()));
+      one_line(primary != nullptr ? primary : libpq().error_message(state_->connection.get()));
   const std::string& place = state_->place;
-  if (PQstatus(state_->connection.get()) != CONNECTION_OK || sqlstate.starts_with("57P") ||
+  if (libpq().status(state_->connection.get()) != CONNECTION_OK || sqlstate.starts_with("57P") ||
       sqlstate.starts_with("08")) {
     throw LostError(place, "is gone: " + why,
                     "run it again when the server is back: what it has acknowledged is there, and "
@@ -208,13 +209,13 @@ Rows Connection::run(const std::string& sql, std::span<const Parameter> paramete
     lengths.push_back(static_cast<int>(parameter.size()));
     formats.push_back(parameter.is_bytes() ? kBinary : kText);
   }
-  ResultOwner result(PQexecParams(state_->connection.get(), sql.c_str(),
-                                  static_cast<int>(parameters.size()), types.data(), values.data(),
-                                  lengths.data(), formats.data(), as_bytes ? kBinary : kText));
-  const ExecStatusType status = PQresultStatus(result.get());
+  ResultOwner result(libpq().exec_params(
+      state_->connection.get(), sql.c_str(), static_cast<int>(parameters.size()), types.data(),
+      values.data(), lengths.data(), formats.data(), as_bytes ? kBinary : kText));
+  const ExecStatusType status = libpq().result_status(result.get());
   if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) fail(result.get());
   Rows rows;
-  rows.changed_ = std::strtoll(PQcmdTuples(result.get()), nullptr, 10);
+  rows.changed_ = std::strtoll(libpq().cmd_tuples(result.get()), nullptr, 10);
   rows.result_ = std::make_shared<Rows::Result>(Rows::Result{std::move(result)});
   return rows;
 }
@@ -227,16 +228,16 @@ Rows Connection::query_bytes(const std::string& sql, std::initializer_list<Param
 }
 
 void Connection::script(const std::string& sql) {
-  const ResultOwner result(PQexec(state_->connection.get(), sql.c_str()));
-  const ExecStatusType status = PQresultStatus(result.get());
+  const ResultOwner result(libpq().exec(state_->connection.get(), sql.c_str()));
+  const ExecStatusType status = libpq().result_status(result.get());
   if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) fail(result.get());
 }
 
 std::string Connection::verifier_of(const std::string& password, const std::string& role) {
   const std::unique_ptr<char, void (*)(void*)> verifier(
-      PQencryptPasswordConn(state_->connection.get(), password.c_str(), role.c_str(),
-                            "scram-sha-256"),
-      PQfreemem);
+      libpq().encrypt_password_conn(state_->connection.get(), password.c_str(), role.c_str(),
+                                    "scram-sha-256"),
+      libpq().freemem);
   if (verifier == nullptr) fail(nullptr);
   return verifier.get();
 }
@@ -262,9 +263,9 @@ std::string url_for(const std::string& place, const std::string& user) {
 
 std::string url_without_secrets(const std::string& url) {
   char* said = nullptr;
-  PQconninfoOption* parts = PQconninfoParse(url.c_str(), &said);
+  PQconninfoOption* parts = libpq().conninfo_parse(url.c_str(), &said);
   if (parts == nullptr) {
-    PQfreemem(said);  // it may repeat the password
+    libpq().freemem(said);  // it may repeat the password
     throw InputError("URL", "is none of a PostgreSQL server",
                      "write it as postgresql://USER@HOST/DATABASE");
   }
@@ -278,7 +279,7 @@ std::string url_without_secrets(const std::string& url) {
     if (keyword == "port") port = part->val;
     if (keyword == "dbname") database = part->val;
   }
-  PQconninfoFree(parts);
+  libpq().conninfo_free(parts);
   return name_of(host, port, database);
 }
 
