@@ -49,15 +49,10 @@ double GlobalSearch::settle(const Endpoints& endpoints, Pose2& map_from_robot) c
 }
 
 Endpoints spread_out(const Endpoints& endpoints, double spacing_m, std::size_t max_points) {
-  Endpoints thinned;
   std::set<Cell> taken;
-  for (std::size_t i = 0; i < endpoints.size(); ++i) {
-    const Cell cell = cell_at({endpoints.x_m[i], endpoints.y_m[i]}, spacing_m);
-    if (!taken.insert(cell).second) continue;
-    thinned.x_m.push_back(endpoints.x_m[i]);
-    thinned.y_m.push_back(endpoints.y_m[i]);
-    thinned.beam.push_back(endpoints.beam[i]);
-  }
+  const Endpoints thinned = those_of(endpoints, [&](std::size_t i) {
+    return taken.insert(cell_at(endpoints.point_m(i), spacing_m)).second;
+  });
   return subsample(thinned, max_points);
 }
 

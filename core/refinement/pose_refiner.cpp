@@ -22,14 +22,8 @@ constexpr double kPriorInflation = 4.0;
 
 /// Every other hit.
 std::array<Endpoints, 2> halves_of(const Endpoints& hits) {
-  std::array<Endpoints, 2> halves;
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    Endpoints& half = halves[i % 2];
-    half.x_m.push_back(hits.x_m[i]);
-    half.y_m.push_back(hits.y_m[i]);
-    half.beam.push_back(hits.beam[i]);
-  }
-  return halves;
+  return {those_of(hits, [](std::size_t i) { return i % 2 == 0; }),
+          those_of(hits, [](std::size_t i) { return i % 2 == 1; })};
 }
 
 Eigen::Vector3d from(const Pose2& mean, const Pose2& pose) {

@@ -33,16 +33,9 @@ constexpr std::size_t kSharedScans = 2;
 /// on the way back along a corridor they drew the robot 0.1 m into what the way out had seen.
 Endpoints in_seen_space(const Endpoints& endpoints, const Pose2& seen_from_points,
                         const StateGrid& seen) {
-  Endpoints result;
-  for (std::size_t i = 0; i < endpoints.size(); ++i) {
-    const Eigen::Vector2d at =
-        seen_from_points * Eigen::Vector2d(endpoints.x_m[i], endpoints.y_m[i]);
-    if (state_near(seen, at) == SurfaceState::kUnknown) continue;
-    result.x_m.push_back(endpoints.x_m[i]);
-    result.y_m.push_back(endpoints.y_m[i]);
-    result.beam.push_back(endpoints.beam[i]);
-  }
-  return result;
+  return those_of(endpoints, [&](std::size_t i) {
+    return state_near(seen, seen_from_points * endpoints.point_m(i)) != SurfaceState::kUnknown;
+  });
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ constexpr double kMinKnownShare = 0.1;
 /// is the same place.
 constexpr double kLookAlikeM = 0.6;
 
-/// A beam is followed in such steps, half a cell of the map, to so far before its end.
-constexpr double kStepM = 0.025;
+/// A beam is followed in steps of this share of a cell, to so far before its end.
+constexpr double kStepCells = 0.5;
 constexpr double kBeforeEndM = 0.15;
 
 /// How odd a pose is by odometry [nats, Student's t with one degree of freedom], `most` at most.
@@ -30,9 +30,10 @@ double surprise(const Pose2& pose, const Pose2Gaussian& guess, double most) {
 bool goes_through(const SurfaceMap& map, const Eigen::Vector2d& from_m,
                   const Eigen::Vector2d& end_m) {
   const double length_m = (end_m - from_m).norm();
-  const Eigen::Vector2d step = (end_m - from_m) / length_m;
-  for (double way_m = 0.0; way_m < length_m - kBeforeEndM; way_m += kStepM) {
-    if (map.state(from_m + way_m * step) == SurfaceState::kOccupied) return true;
+  const Eigen::Vector2d direction = (end_m - from_m) / length_m;
+  const double step_m = kStepCells * map.field().resolution_m();
+  for (double way_m = 0.0; way_m < length_m - kBeforeEndM; way_m += step_m) {
+    if (map.state(from_m + way_m * direction) == SurfaceState::kOccupied) return true;
   }
   return false;
 }
@@ -45,15 +46,10 @@ bool is_known(const SurfaceMap& map, const Pose2& pose, const Eigen::Vector2d& e
 
 Endpoints known_from_both(const Endpoints& endpoints, const SurfaceMap& map, const Pose2& a,
                           const Pose2& b) {
-  Endpoints known;
-  for (std::size_t i = 0; i < endpoints.size(); ++i) {
-    const Eigen::Vector2d end_m(endpoints.x_m[i], endpoints.y_m[i]);
-    if (!is_known(map, a, end_m) || !is_known(map, b, end_m)) continue;
-    known.x_m.push_back(endpoints.x_m[i]);
-    known.y_m.push_back(endpoints.y_m[i]);
-    known.beam.push_back(endpoints.beam[i]);
-  }
-  return known;
+  return those_of(endpoints, [&](std::size_t i) {
+    const Eigen::Vector2d end_m = endpoints.point_m(i);
+    return is_known(map, a, end_m) && is_known(map, b, end_m);
+  });
 }
 
 }  // namespace

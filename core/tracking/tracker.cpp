@@ -49,15 +49,10 @@ Pose2Gaussian fused(const Pose2Gaussian& a, const Pose2Gaussian& b) {
 /// Those within reach that are not known to be dynamic.
 Endpoints useful(const Endpoints& endpoints, double max_range_m,
                  std::span<const float> static_probability) {
-  Endpoints result;
-  for (std::size_t i = 0; i < endpoints.size(); ++i) {
-    if (std::hypot(endpoints.x_m[i], endpoints.y_m[i]) > max_range_m) continue;
-    if (!static_probability.empty() && is_dynamic(static_probability[endpoints.beam[i]])) continue;
-    result.x_m.push_back(endpoints.x_m[i]);
-    result.y_m.push_back(endpoints.y_m[i]);
-    result.beam.push_back(endpoints.beam[i]);
-  }
-  return result;
+  return those_of(endpoints, [&](std::size_t i) {
+    if (std::hypot(endpoints.x_m[i], endpoints.y_m[i]) > max_range_m) return false;
+    return static_probability.empty() || !is_dynamic(static_probability[endpoints.beam[i]]);
+  });
 }
 
 }  // namespace

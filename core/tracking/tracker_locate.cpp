@@ -54,24 +54,19 @@ constexpr double kStillReflection = 0.5;
 /// The end points that are inliers of something still at the pose.
 Endpoints inliers_at(const Endpoints& endpoints, const SurfaceMap& map, const Pose2& pose,
                      double within_m) {
-  Endpoints result;
   const registration::MatchField& field = map.field();
-  for (std::size_t i = 0; i < endpoints.size(); ++i) {
-    const Eigen::Vector2d at = pose * Eigen::Vector2d(endpoints.x_m[i], endpoints.y_m[i]);
+  return those_of(endpoints, [&](std::size_t i) {
+    const Eigen::Vector2d at = pose * endpoints.point_m(i);
     const registration::SurfacePoint* point = field.nearest(at.x(), at.y());
-    if (point == nullptr) continue;
-    if (map.reflection(point->x_m, point->y_m) < kStillReflection) continue;
+    if (point == nullptr) return false;
+    if (map.reflection(point->x_m, point->y_m) < kStillReflection) return false;
     const double dx = at.x() - point->x_m;
     const double dy = at.y() - point->y_m;
     const double across = point->normal_x * dx + point->normal_y * dy;
     const double along =
         registration::beyond(point->normal_x * dy - point->normal_y * dx, point->slack_m);
-    if (std::hypot(across, std::sqrt(point->tangential) * along) > within_m) continue;
-    result.x_m.push_back(endpoints.x_m[i]);
-    result.y_m.push_back(endpoints.y_m[i]);
-    result.beam.push_back(endpoints.beam[i]);
-  }
-  return result;
+    return !(std::hypot(across, std::sqrt(point->tangential) * along) > within_m);
+  });
 }
 
 /// Where the heading is open, the pose with the guess's: the map would hold the robot back, since
