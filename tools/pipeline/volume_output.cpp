@@ -207,6 +207,7 @@ nlohmann::json make_summary(const std::string& log, const VolumeResult& result, 
   if (result.mesh) {
     summary["textures"] = {{"polygons", result.mesh->polygons.size()},
                            {"texels", result.mesh->texels},
+                           {"texels_per_voxel", result.mesh->texels_per_voxel},
                            {"seen", result.mesh->seen}};
   }
   if (result.memory) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/textures/glb.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -119,7 +120,10 @@ std::string glb_of(const TexturedMesh& mesh) {
   return file + buffer.bytes;
 }
 
-std::vector<report::ColoredCube> texel_cubes(const TexturedMesh& mesh, double ceiling_m) {
+std::vector<report::ColoredCube> texel_cubes(const TexturedMesh& mesh, double ceiling_m,
+                                             std::size_t max_cubes) {
+  int texels = 1;
+  while (mesh.texels > max_cubes * static_cast<std::size_t>(texels * texels)) ++texels;
   std::vector<report::ColoredCube> cubes;
   for (const TexturedPolygon& polygon : mesh.polygons) {
     const auto& m = polygon.corners_m;
@@ -129,9 +133,11 @@ std::vector<report::ColoredCube> texel_cubes(const TexturedMesh& mesh, double ce
     const auto bottom = static_cast<int>(t[0].y());
     const auto width = static_cast<int>(t[1].x()) - left;
     const auto height = bottom - static_cast<int>(t[3].y());
-    const double edge_m = (m[1] - m[0]).norm() / width;
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
+    const double edge_m = (m[1] - m[0]).norm() / width * texels;
+    for (int from_y = 0; from_y < height; from_y += texels) {
+      const int y = std::min(from_y + texels / 2, height - 1);
+      for (int from_x = 0; from_x < width; from_x += texels) {
+        const int x = std::min(from_x + texels / 2, width - 1);
         const Eigen::Vector3d middle_m =
             m[0] + (x + 0.5) / width * (m[1] - m[0]) + (y + 0.5) / height * (m[3] - m[0]);
         if (middle_m.z() > ceiling_m) continue;

@@ -2,6 +2,7 @@
 /// A textured mesh as a file that 3-D programs and browsers open.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,10 @@ namespace strata::textures {
 /// are seen from both sides and not shaded. Throws OutputError.
 [[nodiscard]] std::string glb_of(const TexturedMesh& mesh);
 
-/// A cube a texel of the polygons below `ceiling_m`, for report::draw_cubes.
+/// A cube a texel of the polygons below `ceiling_m`, for report::draw_cubes; where the mesh has
+/// more texels than max_cubes, one a square of several, in the colour of its middle.
 [[nodiscard]] std::vector<report::ColoredCube> texel_cubes(const TexturedMesh& mesh,
-                                                           double ceiling_m);
+                                                           double ceiling_m,
+                                                           std::size_t max_cubes = 4'000'000);
 
 }  // namespace strata::textures

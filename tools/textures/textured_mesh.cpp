@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 #include <utility>
+
+#include "core/base/error.hpp"
 
 namespace strata::textures {
 namespace {
@@ -27,6 +31,35 @@ Rgb mixed(const volume::ColorImage& image, const Eigen::Vector2d& at) {
     return static_cast<std::uint8_t>(std::lround(value));
   };
   return {mix(&Rgb::r), mix(&Rgb::g), mix(&Rgb::b)};
+}
+
+/// Squares along the edge of a sheet.
+constexpr int kSheetSquares = 64;
+
+/// Row and column of a square in its plane's frame.
+using Place = std::pair<int, int>;
+
+/// Squares on which a voxel of the plane may lie, row by row; at: columns by x, rows by y, whole
+/// numbers in their middles [voxels]. O(voxels log voxels).
+std::vector<Place> squares_near(const std::vector<Eigen::Vector2d>& at) {
+  constexpr int kReach = 2;  // half a voxel's diagonal, and half a square
+  Eigen::Vector2d high = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& point : at) high = high.cwiseMax(point);
+  const auto columns = static_cast<int>(std::ceil(high.x() + 0.5));
+  const auto rows = static_cast<int>(std::ceil(high.y() + 0.5));
+  std::vector<Place> squares;
+  for (const Eigen::Vector2d& point : at) {
+    const auto column = static_cast<int>(std::lround(point.x()));
+    const auto row = static_cast<int>(std::lround(point.y()));
+    for (int y = std::max(row - kReach, 0); y <= std::min(row + kReach, rows - 1); ++y) {
+      for (int x = std::max(column - kReach, 0); x <= std::min(column + kReach, columns - 1); ++x) {
+        squares.emplace_back(y, x);
+      }
+    }
+  }
+  std::sort(squares.begin(), squares.end());
+  squares.erase(std::unique(squares.begin(), squares.end()), squares.end());
+  return squares;
 }
 
 /// Rectangles of squares that are there, row by row from below.
@@ -69,28 +102,26 @@ TextureMaker::TextureMaker(const TextureConfig& config, const volume::ColorMap& 
   const VoxelIndex index = index_of(voxels_);
   for (const Plane& plane : find_planes(voxels_, lattice, config.planes)) cut(plane, index);
   place_sheets();
+  color_sheets();
 }
 
 void TextureMaker::cut(const Plane& plane, const VoxelIndex& index) {
   const double edge_m = lattice_.resolution_m();
+  std::vector<Eigen::Vector2d> at;
   Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d high = -low;
   for (const std::size_t i : plane.voxels) {
     const Eigen::Vector3d from = lattice_.center_m(voxels_[i].key) - plane.origin_m;
-    const Eigen::Vector2d at(from.dot(plane.u), from.dot(plane.v));
-    low = low.cwiseMin(at);
-    high = high.cwiseMax(at);
+    at.emplace_back(from.dot(plane.u) / edge_m, from.dot(plane.v) / edge_m);
+    low = low.cwiseMin(at.back());
   }
-  Sheet sheet;
-  sheet.plane = plane;
-  low -= Eigen::Vector2d::Constant(0.5 * edge_m);
-  sheet.corner_m = plane.origin_m + low.x() * plane.u + low.y() * plane.v;
-  sheet.width = static_cast<int>(std::ceil((high.x() - low.x()) / edge_m));
-  sheet.height = static_cast<int>(std::ceil((high.y() - low.y()) / edge_m));
+  for (Eigen::Vector2d& point : at) point -= low;
+  const auto middle_m = [&](double x, double y) -> Eigen::Vector3d {
+    return plane.origin_m + edge_m * ((low.x() + x) * plane.u + (low.y() + y) * plane.v);
+  };
   // A square is there when its middle, or what is half a voxel off the plane, is in a voxel of it.
-  const auto voxel_at = [&](const Eigen::Vector3d& middle_m) {
+  const auto voxel_at = [&](const Eigen::Vector3d& square_m) {
     for (const double off : {0.0, 0.5, -0.5}) {
-      const Eigen::Vector3d at_m = middle_m + off * edge_m * plane.normal;
+      const Eigen::Vector3d at_m = square_m + off * edge_m * plane.normal;
       const auto key = lattice_.key_at(at_m.cast<float>());
       const auto found = key ? index.find(*key) : index.end();
       if (found != index.end() &&
@@ -100,29 +131,42 @@ void TextureMaker::cut(const Plane& plane, const VoxelIndex& index) {
     }
     return index.end();
   };
-  for (int y = 0; y < sheet.height; ++y) {
-    for (int x = 0; x < sheet.width; ++x) {
-      const auto found =
-          voxel_at(sheet.corner_m + (x + 0.5) * edge_m * plane.u + (y + 0.5) * edge_m * plane.v);
-      if (found != index.end()) sheet.squares.push_back({x, y, found->second});
-    }
+  std::map<Place, Sheet> sheets;
+  for (const auto& [y, x] : squares_near(at)) {
+    const auto found = voxel_at(middle_m(x, y));
+    if (found == index.end()) continue;
+    sheets[{y / kSheetSquares, x / kSheetSquares}].squares.push_back({x, y, found->second});
   }
-  if (!sheet.squares.empty()) sheets_.push_back(std::move(sheet));
+  for (auto& [place, sheet] : sheets) {
+    int low_x = std::numeric_limits<int>::max();
+    int low_y = low_x;
+    for (const Square& square : sheet.squares) {
+      low_x = std::min(low_x, square.x);
+      low_y = std::min(low_y, square.y);
+    }
+    for (Square& square : sheet.squares) {
+      square.x -= low_x;
+      square.y -= low_y;
+      sheet.width = std::max(sheet.width, square.x + 1);
+      sheet.height = std::max(sheet.height, square.y + 1);
+    }
+    sheet.u = plane.u;
+    sheet.v = plane.v;
+    sheet.corner_m = middle_m(low_x - 0.5, low_y - 0.5);
+    sheets_.push_back(std::move(sheet));
+  }
 }
 
 void TextureMaker::place_sheets() {
   double area = 0.0;
-  int width = 1;
-  for (const Sheet& sheet : sheets_) {
-    area += static_cast<double>(sheet.width) * sheet.height;
-    width = std::max(width, sheet.width);
-  }
-  width = std::max(width, static_cast<int>(std::ceil(std::sqrt(area))));
+  for (const Sheet& sheet : sheets_) area += static_cast<double>(sheet.width) * sheet.height;
+  const int width = std::max(kSheetSquares, static_cast<int>(std::ceil(std::sqrt(area))));
   std::vector<Sheet*> order;
   for (Sheet& sheet : sheets_) order.push_back(&sheet);
   std::stable_sort(order.begin(), order.end(),
                    [](const Sheet* a, const Sheet* b) { return a->height > b->height; });
   int left = 0;
+  int right = 1;
   int top = 0;
   int shelf = 0;
   for (Sheet* sheet : order) {
@@ -134,19 +178,30 @@ void TextureMaker::place_sheets() {
     sheet->left = left;
     sheet->top = top;
     left += sheet->width;
+    right = std::max(right, left);
     shelf = std::max(shelf, sheet->height);
   }
-  const int texels = config_.texels_per_voxel;
-  texture_.width = width * texels;
-  texture_.height = std::max(1, top + shelf) * texels;
+  const int height = std::max(1, top + shelf);
+  texels_ = std::min(config_.texels_per_voxel, config_.max_edge / std::max(right, height));
+  if (texels_ == 0) {
+    throw ConfigError("textures",
+                      "are of more surface than a texture of " + std::to_string(config_.max_edge) +
+                          " pixels a side holds",
+                      "make the map with a larger resolution_m, or of a part of the log");
+  }
+  texture_.width = right * texels_;
+  texture_.height = height * texels_;
+}
+
+/// What a picture does not reach keeps the colour of its voxel.
+void TextureMaker::color_sheets() {
   texture_.pixels.assign(
       static_cast<std::size_t>(texture_.width) * static_cast<std::size_t>(texture_.height),
       Rgb{128, 128, 128});
-  // What a picture does not reach keeps the colour of its voxel.
   for (const Sheet& sheet : sheets_) {
     for (const Square& square : sheet.squares) {
-      for (int y = 0; y < texels; ++y) {
-        for (int x = 0; x < texels; ++x) {
+      for (int y = 0; y < texels_; ++y) {
+        for (int x = 0; x < texels_; ++x) {
           texel(sheet, square, x, y) = voxels_[square.voxel].color;
         }
       }
@@ -155,7 +210,7 @@ void TextureMaker::place_sheets() {
 }
 
 Rgb& TextureMaker::texel(const Sheet& sheet, const Square& square, int x, int y) {
-  const int texels = config_.texels_per_voxel;
+  const int texels = texels_;
   const int column = (sheet.left + square.x) * texels + x;
   const int row = (sheet.top + sheet.height - 1 - square.y) * texels + y;
   return texture_.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(texture_.width) +
@@ -164,14 +219,14 @@ Rgb& TextureMaker::texel(const Sheet& sheet, const Square& square, int x, int y)
 
 void TextureMaker::paint(const Sheet& sheet, const Square& square,
                          const volume::CameraView& picture, const Pose3& camera_from_map) {
-  const int texels = config_.texels_per_voxel;
+  const int texels = texels_;
   const double edge_m = lattice_.resolution_m();
   for (int y = 0; y < texels; ++y) {
     for (int x = 0; x < texels; ++x) {
       const double along = square.x + (x + 0.5) / texels;
       const double up = square.y + 1.0 - (y + 0.5) / texels;
       const Eigen::Vector3d at_m =
-          sheet.corner_m + along * edge_m * sheet.plane.u + up * edge_m * sheet.plane.v;
+          sheet.corner_m + along * edge_m * sheet.u + up * edge_m * sheet.v;
       const auto pixel = volume::project(picture.camera, camera_from_map * at_m);
       if (pixel) texel(sheet, square, x, y) = mixed(*picture.image, *pixel);
     }
@@ -188,10 +243,11 @@ void TextureMaker::add(std::int32_t view, const volume::CameraView& picture) {
 }
 
 TexturedMesh TextureMaker::mesh() const {
-  const int texels = config_.texels_per_voxel;
+  const int texels = texels_;
   const double edge_m = lattice_.resolution_m();
   TexturedMesh mesh;
   mesh.texture = texture_;
+  mesh.texels_per_voxel = texels_;
   std::vector<std::uint8_t> is_shown(voxels_.size(), 0);
   for (const Sheet& sheet : sheets_) {
     std::vector<std::uint8_t> is_there(
@@ -210,8 +266,7 @@ TexturedMesh TextureMaker::mesh() const {
       TexturedPolygon polygon;
       for (std::size_t i = 0; i < corners.size(); ++i) {
         const auto [x, y] = corners[i];
-        polygon.corners_m[i] =
-            sheet.corner_m + x * edge_m * sheet.plane.u + y * edge_m * sheet.plane.v;
+        polygon.corners_m[i] = sheet.corner_m + x * edge_m * sheet.u + y * edge_m * sheet.v;
         polygon.corners_texture[i] = {static_cast<double>((sheet.left + x) * texels),
                                       static_cast<double>((sheet.top + sheet.height - y) * texels)};
       }

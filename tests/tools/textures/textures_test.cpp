@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -178,6 +180,76 @@ TEST(Textures, CubesEndAtTheCeiling) {
   const TextureMaker maker({}, wall.colors, wall.map.lattice());
   const auto cubes = texel_cubes(maker.mesh(), 1.0);
   EXPECT_EQ(cubes.size(), 19U * 16U * 5U);  // from 0.5 to 1.0 m
+}
+
+/// A floor of two arms, 3 voxels wide and `length` long, at a right angle.
+volume::VolumeMap map_of_two_arms(int length) {
+  WorkerPool pool(1);
+  volume::VolumeMap map(volume::VolumeConfig{});
+  volume::Cloud cloud;
+  cloud.map_from_sensor.translation = {0.05, 0.05, 2.05};
+  for (int along = 0; along < length; ++along) {
+    for (int across = 0; across < 3; ++across) {
+      const float far_m = 0.1F * static_cast<float>(along);
+      const float side_m = 0.1F * static_cast<float>(across);
+      cloud.points_m.emplace_back(far_m, side_m, -2.0F);
+      cloud.points_m.emplace_back(side_m, far_m, -2.0F);
+    }
+  }
+  for (int i = 0; i < 3; ++i) map.insert(cloud, {}, pool);
+  return map;
+}
+
+TEST(Textures, TakeRoomByTheSurfaceAndNotByTheBoxAroundIt) {
+  constexpr int kLength = 180;
+  const volume::VolumeMap map = map_of_two_arms(kLength);
+  const volume::ColorMap colors({}, map, {});
+  const TexturedMesh mesh = TextureMaker({}, colors, map.lattice()).mesh();
+  EXPECT_EQ(mesh.voxels, 6U * kLength - 9U);
+  EXPECT_EQ(mesh.texels, 16U * mesh.voxels);
+  // The corner's sheet is a square of 64; the box around all has 180 x 180 squares.
+  EXPECT_LT(mesh.texture.pixels.size(), 16U * 64U * 80U);
+  // Joined again they are the floor: every square once, where it is.
+  std::set<std::pair<int, int>> squares;
+  for (const report::ColoredCube& cube :
+       texel_cubes(mesh, std::numeric_limits<double>::infinity())) {
+    const Eigen::Vector3d at = cube.corner_m + Eigen::Vector3d::Constant(0.5 * cube.edge_m);
+    EXPECT_NEAR(at.z(), 0.05, 1e-6);
+    squares.emplace(static_cast<int>(std::floor(at.x() / 0.1)),
+                    static_cast<int>(std::floor(at.y() / 0.1)));
+  }
+  EXPECT_EQ(squares.size(), mesh.voxels);
+  for (const auto& [x, y] : squares) {
+    EXPECT_TRUE(x >= 0 && y >= 0 && std::min(x, y) < 3 && std::max(x, y) < kLength)
+        << x << " " << y;
+  }
+}
+
+TEST(Textures, AreNoLargerThanViewersShow) {
+  const Wall wall;
+  TextureConfig fine;
+  fine.texels_per_voxel = 8;
+  const TexturedMesh mesh = TextureMaker(fine, wall.colors, wall.map.lattice()).mesh();
+  EXPECT_EQ(mesh.texels_per_voxel, 8);
+  TextureConfig small = fine;
+  small.max_edge = 19 * 3 + 2;
+  const TexturedMesh coarse = TextureMaker(small, wall.colors, wall.map.lattice()).mesh();
+  EXPECT_EQ(coarse.texels_per_voxel, 3);
+  EXPECT_EQ(coarse.texture.width, 19 * 3);
+  EXPECT_EQ(coarse.voxels, mesh.voxels);
+  small.max_edge = 18;
+  EXPECT_THROW(TextureMaker(small, wall.colors, wall.map.lattice()), ConfigError);
+}
+
+TEST(Textures, OfMuchSurfaceAreDrawnWithCubesOfManyTexels) {
+  const Wall wall;
+  const TexturedMesh mesh = TextureMaker({}, wall.colors, wall.map.lattice()).mesh();
+  const double all = std::numeric_limits<double>::infinity();
+  const auto fine = texel_cubes(mesh, all);
+  ASSERT_EQ(fine.size(), mesh.texels);
+  const auto coarse = texel_cubes(mesh, all, mesh.texels - 1);
+  EXPECT_EQ(coarse.size(), mesh.texels / 4);
+  EXPECT_NEAR(coarse.front().edge_m, 2.0 * fine.front().edge_m, 1e-12);
 }
 
 std::uint32_t number_at(const std::string& bytes, std::size_t at) {
