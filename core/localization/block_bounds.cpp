@@ -3,17 +3,10 @@
 
 #include <algorithm>
 
+#include "core/grid/floor_divide.hpp"
 #include "core/localization/block_kernel.hpp"
 
 namespace strata::localization {
-namespace {
-
-/// Rounds down, for negative numbers too. side: a power of two.
-int floor_divide(int value, int side) {
-  return value >= 0 ? value / side : -((-value + side - 1) / side);
-}
-
-}  // namespace
 
 BlockBounds::BlockBounds(const Grid<std::uint8_t>& scores, int levels) : side_(1 << levels) {
   maxima_.push_back({{0, 0}, scores.width(), scores.height(), scores.values()});

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/geometry/angle.hpp"
+#include "core/grid/floor_divide.hpp"
 
 namespace strata::localization {
 namespace {
@@ -15,8 +16,6 @@ constexpr double kNearShare = 0.8;
 constexpr double kMinTurn_rad = 0.0087;
 constexpr double kMaxTurn_rad = 0.07;
 constexpr double kMaxDistance_m = 2.0;
-
-int floor_divide(int value, int by) { return value >= 0 ? value / by : -((-value + by - 1) / by); }
 
 bool better(const GlobalSearch::LatticePlace& a, const GlobalSearch::LatticePlace& b) {
   if (a.steps != b.steps) return a.steps > b.steps;

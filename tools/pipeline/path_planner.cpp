@@ -11,14 +11,13 @@
 #include <utility>
 
 #include "core/grid/distance_field.hpp"
+#include "core/grid/floor_divide.hpp"
 
 namespace strata::pipeline {
 namespace {
 
 constexpr double kCell_m = 0.1;
 constexpr double kSnap_m = 0.5;
-
-int floor_divide(int value, int by) { return value >= 0 ? value / by : -((by - 1 - value) / by); }
 
 double octile(const Cell& a, const Cell& b) {
   const double dx = std::abs(a.x - b.x);

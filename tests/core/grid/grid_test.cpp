@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/grid/floor_divide.hpp"
 #include "core/grid/growth.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/random/stream.hpp"
@@ -104,6 +105,15 @@ TEST(Grid, CropsToAnyRectangleAndFillsTheRest) {
   EXPECT_EQ(grid.cropped({{10, 10}, {12, 12}}).values(), std::vector<int>(4, 9));
   EXPECT_EQ(grid.cropped({}).size(), 0U);
   EXPECT_EQ(grid.get({-1, 0}), 9);
+}
+
+TEST(Cell, LiesInABlockByFloor) {
+  for (const int by : {1, 2, 3, 64}) {
+    for (int value = -200; value <= 200; ++value) {
+      ASSERT_EQ(floor_divide(value, by), std::floor(static_cast<double>(value) / by))
+          << value << " by " << by;
+    }
+  }
 }
 
 TEST(ReflectionGrid, UnknownIsNeitherFreeNorOccupied) {
