@@ -69,6 +69,15 @@ TEST(PoseChoice, ABeamThatGoesThroughAWallSpeaksAgainstThatPose) {
   EXPECT_NEAR(likelier_by({-1.0, 0.0, 0.0}, {}, ends, seen_from_the_origin(), {}), most, 0.1);
 }
 
+// Ranges are noisy, and walls are a cell thick.
+TEST(PoseChoice, ABeamThatEndsJustBehindAWallDoesNotGoThroughIt) {
+  Endpoints ends = one_end(6.1F, 0.0F);
+  ends.x_m.push_back(3.0F);
+  ends.y_m.push_back(0.0F);
+  ends.beam.push_back(1);
+  EXPECT_EQ(likelier_by({-1.0, 0.0, 0.0}, {}, ends, seen_from_the_origin(), {}), 0.0);
+}
+
 TEST(PoseChoice, APoseFromWhichAllIsUnknownDoesNotWinByThat) {
   const registration::MatchConfig config;
   const double most = std::log1p(config.hit_weight / (1.0 - config.hit_weight));
