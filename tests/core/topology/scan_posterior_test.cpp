@@ -51,9 +51,9 @@ NearExact near_exact(const TopologyConfig& config, double side_m) {
   every.particles = 1000;
   every.negligible = 1e6;
   NearExact mean;
-  constexpr int kRuns = 20;
-  for (int run = 0; run < kRuns; ++run) {
-    const Drive drive = seven_visits(config, static_cast<std::uint64_t>(run + 1), side_m);
+  constexpr std::uint64_t kRuns = 20;
+  for (std::uint64_t run = 1; run <= kRuns; ++run) {
+    const Drive drive = seven_visits(config, run, side_m);
     const std::vector<Hypothesis> exact = posterior_of(drive.visits, every);
     mean.likeliest += exact.front().probability / kRuns;
     mean.total_variation += total_variation(posterior_of(drive.visits, config), exact) / kRuns;

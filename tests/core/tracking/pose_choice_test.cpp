@@ -24,7 +24,7 @@ SurfaceMap seen_from_the_origin() {
   return map;
 }
 
-Endpoints one_end(float x_m, float y_m) {
+Endpoints one_end(double x_m, double y_m) {
   Endpoints ends;
   ends.x_m = {x_m};
   ends.y_m = {y_m};
@@ -33,24 +33,24 @@ Endpoints one_end(float x_m, float y_m) {
 }
 
 // ahead: where the end lies at the pose that the map was seen from.
-double likelier_ahead(float ahead_m, const Pose2& other) {
-  return likelier_by(other, {0.0, 0.0, 0.0}, one_end(ahead_m, 0.0F), seen_from_the_origin(), {});
+double likelier_ahead(double ahead_m, const Pose2& other) {
+  return likelier_by(other, {0.0, 0.0, 0.0}, one_end(ahead_m, 0.0), seen_from_the_origin(), {});
 }
 
 TEST(PoseChoice, ABeamThatEndsAtAWallThereAndInTheOpenHereSpeaksForThere) {
   const registration::MatchConfig config;
   const double most = std::log1p(config.hit_weight / (1.0 - config.hit_weight));
-  EXPECT_NEAR(likelier_ahead(5.0F, {1.0, 0.0, 0.0}), most, 0.1);
-  EXPECT_NEAR(likelier_ahead(6.0F, {-1.0, 0.0, 0.0}), -most, 0.1);
-  EXPECT_NEAR(likelier_ahead(4.0F, {1.0, 0.0, 0.0}), 0.0, 1e-9) << "in the open at both";
+  EXPECT_NEAR(likelier_ahead(5.0, {1.0, 0.0, 0.0}), most, 0.1);
+  EXPECT_NEAR(likelier_ahead(6.0, {-1.0, 0.0, 0.0}), -most, 0.1);
+  EXPECT_NEAR(likelier_ahead(4.0, {1.0, 0.0, 0.0}), 0.0, 1e-9) << "in the open at both";
 }
 
 // Beside one that ends in the open from both poses. Behind the origin nobody has looked.
 TEST(PoseChoice, ABeamThatEndsWhereNobodyHasSeenSpeaksForNeither) {
   const Pose2 facing_back{5.0, 0.0, std::numbers::pi};
-  Endpoints ends = one_end(-1.0F, 0.0F);
-  ends.x_m.push_back(3.0F);
-  ends.y_m.push_back(0.0F);
+  Endpoints ends = one_end(-1.0, 0.0);
+  ends.x_m.push_back(3.0);
+  ends.y_m.push_back(0.0);
   ends.beam.push_back(1);
   const SurfaceMap map = seen_from_the_origin();
   EXPECT_EQ(likelier_by(facing_back, {}, ends, map, {}), 0.0) << "at the wall there, unknown here";
@@ -60,10 +60,10 @@ TEST(PoseChoice, ABeamThatEndsWhereNobodyHasSeenSpeaksForNeither) {
 TEST(PoseChoice, ABeamThatGoesThroughAWallSpeaksAgainstThatPose) {
   const registration::MatchConfig config;
   const double most = std::log1p(config.hit_weight / (1.0 - config.hit_weight));
-  Endpoints ends = one_end(7.0F, 0.0F);
+  Endpoints ends = one_end(7.0, 0.0);
   for (std::uint32_t beam = 1; beam < 4; ++beam) {  // enough that are known
-    ends.x_m.push_back(3.0F);
-    ends.y_m.push_back(0.1F * static_cast<float>(beam));
+    ends.x_m.push_back(3.0);
+    ends.y_m.push_back(0.1 * static_cast<double>(beam));
     ends.beam.push_back(beam);
   }
   EXPECT_NEAR(likelier_by({-1.0, 0.0, 0.0}, {}, ends, seen_from_the_origin(), {}), most, 0.1);
@@ -71,9 +71,9 @@ TEST(PoseChoice, ABeamThatGoesThroughAWallSpeaksAgainstThatPose) {
 
 // Ranges are noisy, and walls are a cell thick.
 TEST(PoseChoice, ABeamThatEndsJustBehindAWallDoesNotGoThroughIt) {
-  Endpoints ends = one_end(6.1F, 0.0F);
-  ends.x_m.push_back(3.0F);
-  ends.y_m.push_back(0.0F);
+  Endpoints ends = one_end(6.1, 0.0);
+  ends.x_m.push_back(3.0);
+  ends.y_m.push_back(0.0);
   ends.beam.push_back(1);
   EXPECT_EQ(likelier_by({-1.0, 0.0, 0.0}, {}, ends, seen_from_the_origin(), {}), 0.0);
 }
@@ -82,7 +82,7 @@ TEST(PoseChoice, APoseFromWhichAllIsUnknownDoesNotWinByThat) {
   const registration::MatchConfig config;
   const double most = std::log1p(config.hit_weight / (1.0 - config.hit_weight));
   const Pose2 facing_back{5.0, 0.0, std::numbers::pi};
-  EXPECT_NEAR(likelier_by(facing_back, {}, one_end(-1.0F, 0.0F), seen_from_the_origin(), {}), most,
+  EXPECT_NEAR(likelier_by(facing_back, {}, one_end(-1.0, 0.0), seen_from_the_origin(), {}), most,
               0.1);
 }
 
