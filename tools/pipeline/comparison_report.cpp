@@ -27,9 +27,9 @@ void write_errors(const Comparison& comparison, const std::filesystem::path& pat
     for (const ModelRun& run : model.runs) {
       for (std::size_t i = 0; i < run.errors.size(); ++i) {
         const ScanError& error = run.errors[i];
-        out << model.model << ',' << run.part << ',' << run.seed << ',' << error.stamp.seconds()
-            << ',' << error.error_m << ',' << error.error_rad << ','
-            << (run.sees_change[i] != 0 ? 1 : 0) << '\n';
+        out << model.model << ',' << run.part << ',' << run.seed << ','
+            << fixed(error.stamp.seconds(), 6) << ',' << error.error_m << ',' << error.error_rad
+            << ',' << (run.sees_change[i] != 0 ? 1 : 0) << '\n';
       }
     }
   }

@@ -105,6 +105,23 @@ TEST(Compare, WritesAReportWhoseMeansFollowFromItsErrors) {
   EXPECT_TRUE(std::filesystem::exists(dir.path() / "error_over_time.png"));
 }
 
+TEST(Compare, WritesWhenEachErrorWasAlsoWithStampsOfALog) {
+  Comparison comparison;
+  ModelResult& model = comparison.models.emplace_back();
+  model.model = "patch";
+  ModelRun& run = model.runs.emplace_back();
+  run.seed = 7;
+  run.errors = {{Stamp{976'054'472'687'446'000}, 0.25, 0.5, 1.0},
+                {Stamp{1'500'000}, 0.5, 0.0, 1.0}};
+  run.sees_change = {0, 1};
+  const test::TemporaryDirectory dir;
+  write_series(comparison, dir.path());
+  EXPECT_EQ(test::bytes_of(dir.path() / "errors.csv"),
+            "model,part,seed,time_s,error_m,error_rad,changed\n"
+            "patch,0,7,976054472.687446,0.25,0.5,0\n"
+            "patch,0,7,0.001500,0.5,0,1\n");
+}
+
 TEST(Compare, TestsOnWhatItDidNotLearnFrom) {
   const Runs runs = test_room::simulate_runs(2, 2);
   const CompareOutcome outcome = compare_room(runs, 2);
