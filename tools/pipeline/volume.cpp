@@ -90,6 +90,12 @@ void texture(const fs::path& log, const VolumeJobConfig& config, const VolumeSou
              VolumeResult& result, Progress* progress) {
   if (!result.colors) return warn_without_pictures(config, result);
   textures::TextureMaker maker(config.textures, *result.colors, result.map.lattice());
+  if (maker.is_too_large()) {
+    result.warnings.emplace_back(
+        "has_textures: the map has more flat surface than a texture of textures.max_edge pixels a "
+        "side holds, and there is no textured.glb; a larger map.resolution_m makes it fit");
+    return;
+  }
   clouds::BagImageReader reader(log, sources.reading);
   clouds::PosedImage image;
   for (std::int32_t view = 0; reader.next(image); ++view) {

@@ -5,10 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <string>
 #include <utility>
-
-#include "core/base/error.hpp"
 
 namespace strata::textures {
 namespace {
@@ -184,10 +181,8 @@ void TextureMaker::place_sheets() {
   const int height = std::max(1, top + shelf);
   texels_ = std::min(config_.texels_per_voxel, config_.max_edge / std::max(right, height));
   if (texels_ == 0) {
-    throw ConfigError("textures",
-                      "are of more surface than a texture of " + std::to_string(config_.max_edge) +
-                          " pixels a side holds",
-                      "make the map with a larger resolution_m, or of a part of the log");
+    sheets_.clear();
+    return;
   }
   texture_.width = right * texels_;
   texture_.height = height * texels_;

@@ -56,11 +56,14 @@ struct TexturedMesh {
 /// by the box around it: a plane is cut into sheets of 64 squares a side, where there are any.
 class TextureMaker {
  public:
-  /// Squares whose voxel no picture showed are grey. Throws ConfigError, also for more surface than
-  /// a texture of max_edge holds with one pixel a square. Keeps a reference to the map's
-  /// voxels.
+  /// Squares whose voxel no picture showed are grey. Throws ConfigError. Keeps a reference to the
+  /// map's voxels.
   TextureMaker(const TextureConfig& config, const volume::ColorMap& colors,
                const volume::VoxelLattice& lattice);
+
+  /// Whether there is more surface than a texture of max_edge holds with one pixel a square: the
+  /// mesh is empty then.
+  [[nodiscard]] bool is_too_large() const { return texels_ == 0; }
 
   /// view: which of the pictures offered to the ColorMap this one was, from 0. O(squares).
   void add(std::int32_t view, const volume::CameraView& picture);

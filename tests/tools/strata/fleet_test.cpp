@@ -162,5 +162,17 @@ TEST_F(FleetVerb, SaysWhatIsWrongAndWhatToDo) {
   EXPECT_EQ(run("fleet status " + r2 + site).code, 0);
 }
 
+TEST(FleetWithoutItsLibrary, SaysWhatToInstallAndEveryOtherVerbWorks) {
+  const test::TemporaryDirectory folder;
+  std::ofstream(folder.path() / "libpq.so.5") << "no library\n";
+  const std::string prefix = "LD_LIBRARY_PATH=" + quoted(folder.path());
+  const Outcome outcome = test::run_strata_under(
+      prefix, "fleet status postgresql://robot@localhost/fleet --site hall-3 2>&1");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("libpq.so.5: cannot be loaded: "));
+  EXPECT_THAT(outcome.out, HasSubstr("Debian: libpq5"));
+  EXPECT_EQ(test::run_strata_under(prefix, "--version").code, 0);
+}
+
 }  // namespace
 }  // namespace strata::tools

@@ -136,10 +136,15 @@ TEST_F(VolumePeople, AreGoneWithPosesOfTheSameSlamThatLabelsBeamsFromTheColoursT
 }
 
 TEST_F(VolumePeople, AreGoneWithoutAPlanarScanner) {
-  const nlohmann::json summary =
-      volume("voxels", "--moving voxels --poses " + quoted(file("sim") / "truth.tum"));
+  const nlohmann::json summary = volume(
+      "voxels", "--moving voxels --set has_textures=true --set textures.max_edge=64 --poses " +
+                    quoted(file("sim") / "truth.tum"));
   EXPECT_EQ(summary["moving"], "voxels");
   expect_gone(summary);
+  // More surface than fits into so small a texture takes nothing else away.
+  EXPECT_FALSE(summary.contains("textures"));
+  EXPECT_FALSE(fs::exists(file("voxels") / "textured.glb"));
+  EXPECT_TRUE(fs::exists(file("voxels") / "map_color.ot"));
 }
 
 TEST_F(VolumePeople, AreGoneWithGivenPosesInTheirFrame) {

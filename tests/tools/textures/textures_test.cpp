@@ -225,20 +225,28 @@ TEST(Textures, TakeRoomByTheSurfaceAndNotByTheBoxAroundIt) {
   }
 }
 
+TextureConfig with_edge(int pixels) {
+  TextureConfig config;
+  config.max_edge = pixels;
+  return config;
+}
+
 TEST(Textures, AreNoLargerThanViewersShow) {
   const Wall wall;
   TextureConfig fine;
   fine.texels_per_voxel = 8;
   const TexturedMesh mesh = TextureMaker(fine, wall.colors, wall.map.lattice()).mesh();
   EXPECT_EQ(mesh.texels_per_voxel, 8);
-  TextureConfig small = fine;
-  small.max_edge = 19 * 3 + 2;
-  const TexturedMesh coarse = TextureMaker(small, wall.colors, wall.map.lattice()).mesh();
+  const TexturedMesh coarse =
+      TextureMaker(with_edge(19 * 3 + 2), wall.colors, wall.map.lattice()).mesh();
   EXPECT_EQ(coarse.texels_per_voxel, 3);
   EXPECT_EQ(coarse.texture.width, 19 * 3);
   EXPECT_EQ(coarse.voxels, mesh.voxels);
-  small.max_edge = 18;
-  EXPECT_THROW(TextureMaker(small, wall.colors, wall.map.lattice()), ConfigError);
+  const TextureMaker one_pixel(with_edge(19), wall.colors, wall.map.lattice());
+  EXPECT_FALSE(one_pixel.is_too_large());
+  const TextureMaker none(with_edge(18), wall.colors, wall.map.lattice());
+  EXPECT_TRUE(none.is_too_large());
+  EXPECT_TRUE(none.mesh().polygons.empty());
 }
 
 TEST(Textures, OfMuchSurfaceAreDrawnWithCubesOfManyTexels) {
