@@ -225,6 +225,29 @@ TEST(Textures, TakeRoomByTheSurfaceAndNotByTheBoxAroundIt) {
   }
 }
 
+TEST(Textures, OfAWallAcrossTheLatticeHaveNoHoles) {
+  WorkerPool pool(1);
+  volume::VolumeMap map(volume::VolumeConfig{});
+  volume::Cloud cloud;
+  cloud.map_from_sensor.translation = {0.05, 0.05, 1.05};
+  constexpr int kSteps = 20;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int z = -5; z <= 5; ++z) {  // from (3.05, 0.05) in the direction of (1, 1)
+      const float along_m = 0.1F * static_cast<float>(i);
+      cloud.points_m.emplace_back(3.0F + along_m, along_m, 0.1F * static_cast<float>(z));
+    }
+  }
+  for (int i = 0; i < 3; ++i) map.insert(cloud, {}, pool);
+  const volume::ColorMap colors({}, map, {});
+  const TexturedMesh mesh = TextureMaker({}, colors, map.lattice()).mesh();
+  ASSERT_EQ(mesh.voxels, 11U * kSteps);
+  // One rectangle, as long as the wall.
+  ASSERT_EQ(mesh.polygons.size(), 1U);
+  const auto& corners_m = mesh.polygons[0].corners_m;
+  EXPECT_NEAR((corners_m[1] - corners_m[0]).norm(), std::sqrt(2.0) * 0.1 * (kSteps - 1), 0.15);
+  EXPECT_NEAR((corners_m[3] - corners_m[0]).norm(), 1.1, 1e-9);
+}
+
 TextureConfig with_edge(int pixels) {
   TextureConfig config;
   config.max_edge = pixels;
