@@ -16,7 +16,7 @@ namespace strata::textures {
 [[nodiscard]] std::string glb_of(const TexturedMesh& mesh);
 
 /// A cube a texel of the polygons below `ceiling_m`, for report::draw_cubes; where the mesh has
-/// more texels than max_cubes, one a square of several, in the colour of its middle.
+/// more texels than max_cubes (at least 1), one a square of several, in the colour of its middle.
 [[nodiscard]] std::vector<report::ColoredCube> texel_cubes(const TexturedMesh& mesh,
                                                            double ceiling_m,
                                                            std::size_t max_cubes = 4'000'000);
