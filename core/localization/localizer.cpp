@@ -25,11 +25,12 @@ Localizer::Localizer(const LocalizerConfig& config, std::shared_ptr<const Sensor
       own_model_(existing(model).for_one_run()),
       model_(own_model_ != nullptr ? own_model_ : std::move(model)),
       seed_(seed),
-      pool_(std::make_unique<WorkerPool>(threads)),
+      pool_(std::make_shared<WorkerPool>(threads)),
       monitor_(config.recovery),
       finder_(config.global_search),
       places_(config.global_search.places),
       confirmation_(config.global_search.confirmation),
+      watch_(config.global_search.watch),
       odometry_(config.gating.limits()),
       beyond_(config.beyond_map) {
   require_valid(config, "localizer");
@@ -42,6 +43,7 @@ void Localizer::set_model(std::shared_ptr<const SensorModel> model) {
       std::exchange(model_, own != nullptr ? own : std::move(model));
   own_model_ = std::move(own);
   if (!is_started_) return;
+  recall_scout();
   if (const PatchStates* states = model_->patch_states()) {
     // A step of its own, so that its draws are not those of the next scan's transition.
     states->adopt(before->patch_states(), seed_, ++step_, particles_);
@@ -137,7 +139,7 @@ const LocalizationResult& Localizer::update(const Observation& observation) {
     at_reading_.reset();
     if (is_one_place(pose, config_.recovery.uncertain_stddev_m)) at_reading_ = pose;
   }
-  return make_result(pose, is_weighed);
+  return make_result(watch(observation, pose, is_weighed), is_weighed);
 }
 
 void Localizer::resample() {
@@ -183,9 +185,13 @@ const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool
   result_.particles = particles_.size();
   result_.weighed = weighed;
   result_.is_beyond_map = beyond_.is_outside();
-  result_.is_ambiguous = is_ambiguous();
+  result_.is_ambiguous = is_ambiguous() || is_contested_;
   result_.places.clear();
-  if (places_.is_active()) {
+  if (is_contested_) {
+    const double both = score_.value() + scout_->score_.value();
+    result_.places = {{scout_->result_.pose.mean, scout_->score_.value() / both},
+                      {pose.mean, score_.value() / both}};
+  } else if (places_.is_active()) {
     result_.places = places_.beliefs();
   } else if (result_.is_ambiguous && !is_seeking_) {
     result_.places.push_back({pose.mean, result_.score});

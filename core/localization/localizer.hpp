@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/parallel.hpp"
+#include "core/base/state_archive.hpp"
 #include "core/geometry/odometry_gate.hpp"
 #include "core/geometry/pose2_gaussian.hpp"
 #include "core/localization/beyond_map.hpp"
@@ -21,6 +22,7 @@
 #include "core/localization/patch_states.hpp"
 #include "core/localization/place_finder.hpp"
 #include "core/localization/place_hypotheses.hpp"
+#include "core/localization/place_watch.hpp"
 #include "core/localization/pose_score.hpp"
 #include "core/localization/sensor_model.hpp"
 #include "core/localization/start_confirmation.hpp"
@@ -46,7 +48,8 @@ struct LocalizationResult {
   bool is_beyond_map = false;
   /// Several places explain what was seen, and none has refuted the others by the margin
   /// (global_search.places), or it is still looked for any, or the one that is left has not been
-  /// confirmed (global_search.confirmation).
+  /// confirmed (global_search.confirmation), or the search beside a doubted pose has found one that
+  /// fits better (global_search.watch).
   bool is_ambiguous = false;
   /// Those places, the likeliest first; one that is left and not confirmed has the score for its
   /// probability. Empty when not ambiguous, and while no place was found.
@@ -82,6 +85,7 @@ class Localizer {
   void set_free_space(const ReflectionGrid& map) {
     free_space_ = FreeSpace(map);
     if (config_.global_search.is_used) finder_.set_map(map);
+    recall_scout();
   }
 
   /// Another map, in the middle of a run: poses and weights stay, and so does what is believed of
@@ -122,9 +126,20 @@ class Localizer {
   void restore(std::span<const std::uint8_t> state, const std::string& place);
 
  private:
+  /// A filter that looks for the robot beside another one, by the same model, which it leaves as it
+  /// is.
+  Localizer(const Localizer& beside, std::uint64_t seed);
+
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive);
+  void write_filter(StateWriter& archive);
+  void read_filter(StateReader& archive);
   [[nodiscard]] bool fits_map() const;
+  [[nodiscard]] Pose2Gaussian watch(const Observation& observation, const Pose2Gaussian& pose,
+                                    bool weighed);
+  void send_scout(const Observation& observation);
+  void recall_scout();
+  void take_over();
   void start(std::size_t count);
   [[nodiscard]] std::size_t global_count() const;
   /// Draws `keep` of the particles by their weights and adds random ones. Leaves the weights open.
@@ -160,15 +175,18 @@ class Localizer {
   std::shared_ptr<SensorModel> own_model_;  // null for a model that does not learn
   std::shared_ptr<const SensorModel> model_;
   std::uint64_t seed_;
-  std::unique_ptr<WorkerPool> pool_;
+  std::shared_ptr<WorkerPool> pool_;  // a scout's too
   FreeSpace free_space_;
   HealthMonitor monitor_;
   PlaceFinder finder_;
   PlaceHypotheses places_;
   StartConfirmation confirmation_;
-  bool is_seeking_ = false;  // places are still to be found
-  bool keeps_old_ = false;   // ... beside the one believed so far
-  int sought_ = 0;           // scans
+  PlaceWatch watch_;
+  std::unique_ptr<Localizer> scout_;  // while the pose is doubted
+  bool is_contested_ = false;         // by the place that it has found
+  bool is_seeking_ = false;           // places are still to be found
+  bool keeps_old_ = false;            // ... beside the one believed so far
+  int sought_ = 0;                    // scans
   PoseScore score_;
 
   ParticleSet particles_;

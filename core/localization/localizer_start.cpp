@@ -41,6 +41,7 @@ void Localizer::start(std::size_t count) {
   places_.clear();
   finder_.forget_scans();
   confirmation_.tell();
+  recall_scout();
   score_.reset();
   particles_ = ParticleSet{};
   particles_.resize(count);

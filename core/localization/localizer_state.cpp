@@ -15,8 +15,8 @@ namespace {
 
 /// 2: with what a model has learned; 3: and whether a place that was found is confirmed;
 /// 4: and the last metres beyond the map; 5: and how far it was beyond it; 6: whether the last
-/// metres lead instead.
-constexpr std::uint64_t kStateVersion = 6;
+/// metres lead instead; 7: and the search beside the pose.
+constexpr std::uint64_t kStateVersion = 7;
 /// More than any map asks for; what a damaged state asks for would not fit into memory.
 constexpr std::size_t kMaxSavedParticles = std::size_t{1} << 24U;
 
@@ -88,6 +88,23 @@ void Localizer::state(Self& self, Archive& archive) {
   archive(self.moved_);
 }
 
+void Localizer::write_filter(StateWriter& archive) {
+  archive(static_cast<std::uint64_t>(particles_.belief_columns));
+  state(*this, archive);
+}
+
+void Localizer::read_filter(StateReader& archive) {
+  std::uint64_t columns = 0;
+  archive(columns);
+  state(*this, archive);
+  particles_.belief_columns = columns;
+  if (!fits_map()) archive.refuse("is of other maps");
+  const PatchStates* states = model_->patch_states();
+  if (states != nullptr && particles_.time) states->tell_time(*particles_.time, particles_);
+  resampled_ = particles_;
+  is_started_ = true;
+}
+
 std::optional<std::vector<std::uint8_t>> Localizer::saved_state(std::size_t max_learned_bytes) {
   if (!is_started_) return std::nullopt;
   std::optional<std::vector<std::uint8_t>> learned;
@@ -98,8 +115,14 @@ std::optional<std::vector<std::uint8_t>> Localizer::saved_state(std::size_t max_
   StateWriter archive;
   archive(kStateVersion);
   archive(learned);
-  archive(static_cast<std::uint64_t>(particles_.belief_columns));
-  state(*this, archive);
+  write_filter(archive);
+  archive(watch_);
+  archive(is_contested_);
+  archive(scout_ != nullptr);
+  if (scout_ != nullptr) {
+    archive(scout_->seed_);
+    scout_->write_filter(archive);
+  }
   return archive.take();
 }
 
@@ -145,16 +168,22 @@ void Localizer::restore(std::span<const std::uint8_t> bytes, const std::string& 
     archive.refuse(learned ? "is of a model that goes on learning"
                            : "is of a model that does not learn");
   }
-  std::uint64_t columns = 0;
-  archive(columns);
-  state(*this, archive);
+  read_filter(archive);
+  is_started_ = false;
+  archive(watch_);
+  archive(is_contested_);
+  bool has_scout = false;
+  archive(has_scout);
+  scout_.reset();
+  if (has_scout) {
+    std::uint64_t seed = 0;
+    archive(seed);
+    scout_.reset(new Localizer(*this, seed));
+    scout_->read_filter(archive);
+  }
+  if (is_contested_ && !has_scout) archive.fail("is contested by nobody");
   archive.expect_end();
-  particles_.belief_columns = columns;
-  if (!fits_map()) archive.refuse("is of other maps");
-  const PatchStates* states = model_->patch_states();
   if (learned) own_model_->restore_learned(*learned, place);
-  if (states != nullptr && particles_.time) states->tell_time(*particles_.time, particles_);
-  resampled_ = particles_;
   is_started_ = true;
 }
 

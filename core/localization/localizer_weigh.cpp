@@ -30,7 +30,8 @@ void Localizer::weigh_companions(const Observation& observation, double temperin
 }
 
 PoseTrust Localizer::trust() const {
-  return {score_.value(), is_ambiguous() || monitor_.health().is_in_doubt || beyond_.is_outside()};
+  return {score_.value(),
+          is_ambiguous() || is_contested_ || monitor_.health().is_in_doubt || beyond_.is_outside()};
 }
 
 /// What the weighed part of the scan says of the pose that was found with it.
@@ -44,7 +45,7 @@ void Localizer::judge(const Scan& judged, const Pose2Gaussian& pose, double like
   monitor_.add(likelihood_per_beam, shares, stddev_m, score_.value());
   if (is_open()) return;
   if (confirmation_.judge(score_.value())) seek(true);
-  if (!is_ambiguous()) finder_.rest();
+  if (!is_ambiguous() && !watch_.is_doubting()) finder_.rest();
 }
 
 /// Since the last weighed scan. A filter that has not seen one knows no state yet: of what follows
@@ -70,7 +71,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
   const Stamp now = observation.scan.stamp;
   const PatchStates* states = model_->patch_states();
   if (states != nullptr) states->tell_time(now, particles_);
-  if (is_ambiguous()) finder_.add(moved_, observation.scan);
+  if (is_ambiguous() || watch_.is_doubting()) finder_.add(moved_, observation.scan);
   if (is_seeking_) find_places();
   if (states != nullptr) states->predict(elapsed_s(*states, now), seed_, step_, particles_, *pool_);
 

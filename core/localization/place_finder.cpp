@@ -4,7 +4,7 @@
 namespace strata::localization {
 
 void PlaceFinder::set_map(const ReflectionGrid& map) {
-  map_ = map;
+  map_ = std::make_shared<const ReflectionGrid>(map);
   search_.reset();
 }
 
@@ -16,7 +16,7 @@ void PlaceFinder::add(const Pose2& motion, const Scan& scan) {
 }
 
 std::vector<PlaceSeed> PlaceFinder::find(int waited) {
-  if (search_ == nullptr) search_ = std::make_shared<const GlobalSearch>(map_, config_.search);
+  if (search_ == nullptr) search_ = std::make_shared<const GlobalSearch>(*map_, config_.search);
   // The newest first: of end points in one square the first is kept.
   Endpoints all;
   for (auto placed = scans_.rbegin(); placed != scans_.rend(); ++placed) {

@@ -12,6 +12,7 @@
 #include "core/grid/reflection_grid.hpp"
 #include "core/localization/global_search.hpp"
 #include "core/localization/place_hypotheses.hpp"
+#include "core/localization/place_watch.hpp"
 #include "core/localization/start_confirmation.hpp"
 #include "core/scan/scan.hpp"
 
@@ -24,6 +25,7 @@ struct PlaceFinderConfig {
   GlobalSearchConfig search{.max_candidates = 300};
   PlaceHypothesesConfig places;
   StartConfirmationConfig confirmation;
+  PlaceWatchConfig watch;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("is_used", c.is_used,
@@ -41,6 +43,7 @@ struct PlaceFinderConfig {
     v.group("search", c.search, "which places are tried");
     v.group("places", c.places, "how they are told apart");
     v.group("confirmation", c.confirmation, "when the one that is left is believed");
+    v.group("watch", c.watch, "when a robot that is believed somewhere is looked for elsewhere");
   }
 };
 
@@ -51,7 +54,7 @@ class PlaceFinder {
 
   /// The map of later searches. Its table is made when it is first needed.
   void set_map(const ReflectionGrid& map);
-  [[nodiscard]] bool has_map() const { return map_.size() > 0; }
+  [[nodiscard]] bool has_map() const { return map_ != nullptr && map_->size() > 0; }
 
   void forget_scans() { scans_.clear(); }
   /// Nothing is looked for any more. The table, as large as the map, is made again when it is.
@@ -82,7 +85,7 @@ class PlaceFinder {
     }
   };
   PlaceFinderConfig config_;
-  ReflectionGrid map_;
+  std::shared_ptr<const ReflectionGrid> map_;
   std::shared_ptr<const GlobalSearch> search_;
   std::deque<Placed> scans_;  // the newest last
 };

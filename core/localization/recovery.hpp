@@ -18,7 +18,8 @@ namespace strata::localization {
 
 /// Augmented MCL [thrun2005probabilistic, table 8.3] and the thresholds of the verdict.
 /// Both ways of recovering are off by default, as in nav2's AMCL: in a building that changed much
-/// since it was mapped they give up correct poses. `kidnapping_recovery` turns them on.
+/// since it was mapped they give up correct poses. `kidnapping_recovery` turns them on. The search
+/// beside the pose (place_watch.hpp) is another matter.
 struct RecoveryConfig {
   bool inject = false;
   double slow_rate = 0.001;

@@ -13,16 +13,12 @@ constexpr int kMaxPatience = 1000;
 
 void StartConfirmation::search() {
   if (!is_pending_) patience_ = config_.search_again_scans;
-  is_pending_ = is_found_ = true;
+  is_pending_ = true;
   scans_ = 0;
 }
 
 bool StartConfirmation::judge(double score) {
-  if (!is_found_) return false;
-  if (!is_pending_) {
-    scans_ = score < config_.refuted_score ? scans_ + 1 : 0;
-    return scans_ >= config_.refuted_scans;
-  }
+  if (!is_pending_) return false;
   if (score >= config_.confirmed_score) {
     is_pending_ = false;
     scans_ = 0;

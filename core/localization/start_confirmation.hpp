@@ -10,7 +10,6 @@ namespace strata::localization {
 struct StartConfirmationConfig {
   double confirmed_score = 0.6;
   double refuted_score = 0.3;
-  int refuted_scans = 15;
   int search_again_scans = 15;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -21,13 +20,11 @@ struct StartConfirmationConfig {
              .min = 0.0,
              .max = 1.0});
     v.field("refuted_score", c.refuted_score,
-            {.doc = "a place that was believed is no longer after refuted_scans weighed scans on "
-                    "end with a lower score",
+            {.doc = "a lower score speaks against the place that is left",
              .unit = "1",
              .min = 0.0,
              .max = 1.0});
-    v.field("refuted_scans", c.refuted_scans,
-            {.doc = "weighed scans for refuted_score", .unit = "scans", .min = 1});
+    v.removed("refuted_scans", "a place that was believed is watched by global_search.watch");
     v.field("search_again_scans", c.search_again_scans,
             {.doc = "the whole map is searched again, beside the place that is left, after so many "
                     "weighed scans that have not confirmed it and while its score is below "
@@ -58,7 +55,6 @@ class StartConfirmation {
   template <class Self, class Archive>
   static void state(Self& self, Archive& archive) {
     archive(self.is_pending_);
-    archive(self.is_found_);
     archive(self.scans_);
     archive(self.patience_);
   }
@@ -66,9 +62,8 @@ class StartConfirmation {
  private:
   StartConfirmationConfig config_;
   bool is_pending_ = false;
-  bool is_found_ = false;  // by a search
-  int scans_ = 0;          // since the last search; when confirmed: on end that refute it
-  int patience_ = 0;       // scans until the next search
+  int scans_ = 0;     // since the last search
+  int patience_ = 0;  // scans until the next search
 };
 
 }  // namespace strata::localization

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// The search beside a pose that is doubted: a second filter, whose place takes over when it has
+// shown itself better.
+#include <cmath>
+
+#include "core/base/state_archive.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/localization/localizer.hpp"
+
+namespace strata::localization {
+namespace {
+
+/// Far from the draws of the filter itself.
+constexpr std::uint64_t kScoutSeed = 0x9e3779b97f4a7c15U;
+
+LocalizerConfig scout_config(LocalizerConfig config) {
+  config.global_search.watch.is_used = false;
+  config.recovery.inject = false;
+  config.recovery.restart_after = 0;
+  return config;
+}
+
+bool are_apart(const Pose2& a, const Pose2& b, const PlaceHypothesesConfig& config) {
+  return translation_distance(a, b) > config.separation_m ||
+         std::abs(angle_difference(a.theta, b.theta)) > config.separation_rad;
+}
+
+}  // namespace
+
+Localizer::Localizer(const Localizer& beside, std::uint64_t seed)
+    : config_(scout_config(beside.config_)),
+      model_(beside.model_),
+      seed_(seed),
+      pool_(beside.pool_),
+      monitor_(config_.recovery),
+      finder_(beside.finder_),
+      places_(config_.global_search.places),
+      confirmation_(config_.global_search.confirmation),
+      watch_(config_.global_search.watch),
+      odometry_(config_.gating.limits()),
+      beyond_(config_.beyond_map) {}
+
+/// It looks for the scans of which the pose was doubted, this one the last.
+void Localizer::send_scout(const Observation& observation) {
+  scout_.reset(new Localizer(*this, seed_ + kScoutSeed * (step_ + 1)));
+  scout_->start(1);  // places bring their own
+  scout_->finder_ = finder_;
+  scout_->annealed_updates_ = config_.global_start.annealing_updates;
+  scout_->seek(false);
+  (void)scout_->update(observation);
+}
+
+void Localizer::recall_scout() {
+  scout_.reset();
+  watch_.forget();
+  is_contested_ = false;
+}
+
+/// After a scan: the scout sees it too, and its place is the robot's from now on, or not. pose: as
+/// the filter itself has it; the result is the one to tell.
+Pose2Gaussian Localizer::watch(const Observation& observation, const Pose2Gaussian& pose,
+                               bool weighed) {
+  if (scout_ != nullptr) (void)scout_->update(observation);
+  if (!weighed) return pose;
+  // Where the map ends the score falls by itself, and the least wrong place of the map may fit an
+  // unknown room for a while.
+  if (is_ambiguous() || beyond_.is_outside() || !finder_.has_map()) {
+    recall_scout();
+    return pose;
+  }
+  switch (watch_.judge(score_.value())) {
+    case PlaceWatch::Step::kBegin:
+      send_scout(observation);
+      break;
+    case PlaceWatch::Step::kEnd:
+      scout_.reset();
+      break;
+    case PlaceWatch::Step::kNone:
+      break;
+  }
+  const PlaceWatchConfig& config = config_.global_search.watch;
+  const bool is_doubted = score_.value() < config.doubted_score;
+  const bool has_found = is_doubted && scout_ != nullptr && !scout_->is_open();
+  const double found = has_found ? scout_->score_.value() : 0.0;
+  is_contested_ = found >= config.doubted_score &&
+                  are_apart(scout_->result_.pose.mean, pose.mean, config_.global_search.places);
+  if (!has_found || scout_->is_ambiguous()) return pose;
+  take_over();
+  return pose_now();
+}
+
+/// As if the scout had been the filter all the time.
+void Localizer::take_over() {
+  const std::unique_ptr<Localizer> scout = std::move(scout_);
+  const std::size_t unusable = unusable_scans_;
+  const std::size_t jumps = odometry_jumps_;
+  const std::uint64_t starts = start_count_ + 1;
+  StateWriter written;
+  scout->write_filter(written);
+  const std::vector<std::uint8_t> bytes = written.take();
+  StateReader archive(bytes, "the filter beside");
+  read_filter(archive);
+  unusable_scans_ = unusable;
+  odometry_jumps_ = jumps;
+  start_count_ = starts;
+  step_ = starts << 32U;
+  recall_scout();
+}
+
+}  // namespace strata::localization

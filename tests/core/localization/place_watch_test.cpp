@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/localization/place_watch.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/localization/localizer.hpp"
+#include "core/localization/range_provider_model.hpp"
+#include "tests/core/localization/box_world.hpp"
+
+namespace strata::localization {
+namespace {
+
+using test::BoxWorld;
+using test::Drive;
+using Step = PlaceWatch::Step;
+
+constexpr PlaceWatchConfig kConfig{
+    .doubted_score = 0.3, .doubted_scans = 4, .trusted_score = 0.6, .max_scans = 6};
+
+/// Of so many scans of that score, the one with that step; 0 for none.
+int scans_until(Step step, PlaceWatch& watch, double score, int scans) {
+  for (int n = 1; n <= scans; ++n) {
+    if (watch.judge(score) == step) return n;
+  }
+  return 0;
+}
+
+TEST(PlaceWatch, BeginsASearchAfterScansOnEndThatSpeakAgainstThePose) {
+  PlaceWatch watch(kConfig);
+  EXPECT_EQ(scans_until(Step::kBegin, watch, 0.2, 3), 0);
+  EXPECT_EQ(watch.judge(0.4), Step::kNone);  // not on end
+  EXPECT_EQ(scans_until(Step::kBegin, watch, 0.2, 10), 4);
+  EXPECT_TRUE(watch.is_searching());
+}
+
+TEST(PlaceWatch, LeavesAPoseBeThatFitsSomewhat) {
+  PlaceWatch watch(kConfig);
+  EXPECT_EQ(scans_until(Step::kBegin, watch, 0.3, 100), 0);
+  PlaceWatchConfig off = kConfig;
+  off.is_used = false;
+  PlaceWatch blind(off);
+  EXPECT_EQ(scans_until(Step::kBegin, blind, 0.0, 100), 0);
+}
+
+TEST(PlaceWatch, EndsTheSearchWhenThePoseIsTrustedAgain) {
+  PlaceWatch watch(kConfig);
+  ASSERT_EQ(scans_until(Step::kBegin, watch, 0.0, 10), 4);
+  EXPECT_EQ(watch.judge(0.59), Step::kNone);
+  EXPECT_EQ(watch.judge(0.6), Step::kEnd);
+  EXPECT_FALSE(watch.is_searching());
+  EXPECT_EQ(scans_until(Step::kBegin, watch, 0.0, 10), 4) << "it does not rest";
+}
+
+TEST(PlaceWatch, RestsLongerAfterEachSearchInVain) {
+  PlaceWatch watch(kConfig);
+  for (const int rest : {0, 6, 12, 24}) {
+    EXPECT_EQ(scans_until(Step::kBegin, watch, 0.0, 100), rest + 4);
+    EXPECT_EQ(scans_until(Step::kEnd, watch, 0.0, 100), 6);
+  }
+  EXPECT_EQ(watch.judge(0.7), Step::kNone);
+  EXPECT_EQ(scans_until(Step::kBegin, watch, 0.0, 100), 4) << "nothing is in vain any more";
+}
+
+const BoxWorld kRoom = {{0.0, 0.0, 12.0, 0.4},  {0.0, 5.6, 12.0, 6.0}, {0.0, 0.0, 0.4, 6.0},
+                        {11.6, 0.0, 12.0, 6.0}, {2.0, 0.4, 2.6, 1.3},  {7.0, 4.0, 8.2, 5.6},
+                        {9.0, 1.5, 9.4, 2.4}};
+/// Larger, and furnished otherwise: nowhere in the map is like it.
+const BoxWorld kOtherRoom = {{0.0, 0.0, 14.2, 0.4},  {0.0, 7.0, 14.2, 7.4}, {0.0, 0.0, 0.4, 7.4},
+                             {13.8, 0.0, 14.2, 7.4}, {1.0, 5.0, 3.0, 7.0},  {4.6, 2.5, 5.4, 3.4}};
+
+ReflectionGrid map_of_room() { return test::rasterize(kRoom, 0.05, {{0, 0}, {240, 120}}); }
+
+Localizer watched(const ReflectionGrid& map, bool is_used, int threads = 1) {
+  LocalizerConfig config;
+  config.global_search.watch.is_used = is_used;
+  Localizer localizer(config, make_grid_beam_model(map), 4, threads);
+  localizer.set_free_space(map);
+  localizer.initialize({{3.0, 2.5, 0.0}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
+  return localizer;
+}
+
+/// Tracked for 20 scans, then carried to the other end of the room.
+std::vector<Observation> carried_away(int scans_there) {
+  std::vector<Observation> seen;
+  Drive drive({3.0, 2.5, 0.0}, 65);
+  for (int n = 0; n < 20 + scans_there; ++n) {
+    if (n == 20) drive.kidnap({9.8, 4.6, -2.0});
+    drive.step({n < 20 ? 0.1 : 0.05, 0.0, 0.02});
+    seen.push_back(drive.look(kRoom, 8.0, 60));
+  }
+  return seen;
+}
+
+TEST(PlaceWatch, FindsARobotThatWasCarriedAwayAndIsNotSureMeanwhile) {
+  const ReflectionGrid map = map_of_room();
+  for (const bool is_used : {false, true}) {
+    Localizer localizer = watched(map, is_used);
+    Drive drive({3.0, 2.5, 0.0}, 65);
+    bool was_ambiguous = false;
+    double error_m = 0.0;
+    for (int n = 0; n < 90; ++n) {
+      if (n == 20) drive.kidnap({9.8, 4.6, -2.0});
+      drive.step({n < 20 ? 0.1 : 0.05, 0.0, 0.02});
+      const LocalizationResult result = localizer.update(drive.look(kRoom, 8.0, 60));
+      error_m = translation_distance(result.pose.mean, drive.truth());
+      if (n < 20) {
+        EXPECT_LT(error_m, 0.3);
+        EXPECT_FALSE(result.is_ambiguous);
+      }
+      was_ambiguous |= result.is_ambiguous;
+      EXPECT_EQ(result.is_ambiguous, !result.places.empty()) << n;
+    }
+    EXPECT_EQ(error_m < 0.3, is_used) << error_m;
+    EXPECT_TRUE(is_used || !was_ambiguous);
+  }
+}
+
+TEST(PlaceWatch, LeavesTheFilterAsItIsWhereNothingBetterIsFound) {
+  const ReflectionGrid map = map_of_room();
+  Localizer with = watched(map, true);
+  Localizer without = watched(map, false);
+  Drive drive({3.0, 2.5, 0.0}, 66);
+  std::size_t doubted = 0;
+  for (int n = 0; n < 150; ++n) {
+    drive.step({0.03, 0.0, 0.1});
+    const Observation seen = drive.look(kOtherRoom, 8.0, 60);
+    const LocalizationResult a = with.update(seen);
+    const LocalizationResult b = without.update(seen);
+    doubted += a.score < 0.3 ? 1 : 0;
+    ASSERT_EQ(a.pose.mean, b.pose.mean) << n;
+    ASSERT_EQ(a.pose.covariance, b.pose.covariance) << n;
+    ASSERT_EQ(a.score, b.score) << n;
+  }
+  EXPECT_GT(doubted, 50U) << "nothing was doubted";
+  EXPECT_EQ(with.particles().x_m, without.particles().x_m);
+}
+
+TEST(PlaceWatch, IsTheSameAtAnyNumberOfThreadsAndFromAnySavedState) {
+  const ReflectionGrid map = map_of_room();
+  const std::vector<Observation> seen = carried_away(40);
+  Localizer one = watched(map, true);
+  Localizer five = watched(map, true, 5);
+  std::optional<Localizer> other;
+  std::size_t restored = 0;
+  for (std::size_t n = 0; n < seen.size(); ++n) {
+    // Before, during and after the search.
+    const auto state = one.saved_state();
+    ASSERT_TRUE(state.has_value());
+    if (n % 3 == 1) {
+      other.emplace(watched(map, true, 2));
+      other->restore(*state, "test");
+      ASSERT_EQ(other->saved_state(), state) << n;
+      ++restored;
+    }
+    const LocalizationResult expected = one.update(seen[n]);
+    ASSERT_EQ(five.update(seen[n]).pose.mean, expected.pose.mean) << n;
+    if (!other) continue;
+    const LocalizationResult again = other->update(seen[n]);
+    ASSERT_EQ(again.pose.mean, expected.pose.mean) << n;
+    ASSERT_EQ(again.is_ambiguous, expected.is_ambiguous) << n;
+  }
+  EXPECT_GE(restored, 19U);
+  EXPECT_EQ(five.particles().x_m, one.particles().x_m);
+  EXPECT_EQ(five.saved_state(), one.saved_state());
+}
+
+TEST(PlaceWatch, LooksForNothingWithoutAMapToLookIn) {
+  const ReflectionGrid map = map_of_room();
+  LocalizerConfig config;
+  Localizer localizer(config, make_grid_beam_model(map), 4, 1);
+  localizer.initialize({{3.0, 2.5, 0.0}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
+  for (const Observation& observation : carried_away(40)) {
+    EXPECT_FALSE(localizer.update(observation).is_ambiguous);
+  }
+}
+
+TEST(PlaceWatch, ForgetsItsSearchWhenSomebodySaysWhereTheRobotIs) {
+  const ReflectionGrid map = map_of_room();
+  const Pose2Gaussian there{{9.8, 4.6, -2.0}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()};
+  Localizer localizer = watched(map, true);
+  Localizer blind = watched(map, false);
+  std::size_t searched = 0;
+  for (const Observation& observation : carried_away(12)) {
+    (void)localizer.update(observation);
+    (void)blind.update(observation);
+    searched = std::max(searched, localizer.saved_state()->size());
+    if (searched > 2 * blind.saved_state()->size()) break;
+  }
+  ASSERT_GT(searched, 2 * blind.saved_state()->size()) << "nothing is searched";
+  localizer.initialize(there);
+  blind.initialize(there);
+  EXPECT_EQ(localizer.saved_state()->size(), blind.saved_state()->size());
+}
+
+}  // namespace
+}  // namespace strata::localization
