@@ -13,6 +13,7 @@
 #include "core/base/error.hpp"
 #include "tools/laboratory/experiments/door_times.hpp"
 #include "tools/laboratory/experiments/half_known.hpp"
+#include "tools/laboratory/experiments/kidnapped.hpp"
 #include "tools/laboratory/experiments/real_scans_report.hpp"
 #include "tools/laboratory/experiments/score_report.hpp"
 #include "tools/laboratory/experiments/seed_experiments.hpp"
@@ -153,6 +154,10 @@ void run_whole(const std::string& name, const Options& options) {
     (void)occasions(options);  // as many poses as logs
     return report_starts_of_logs(options.logs, options.poses);
   }
+  if (name == "kidnapped") {
+    (void)occasions(options);  // as many poses as logs
+    return report_kidnapped_logs(options.logs, options.poses, {options.first, options.seeds});
+  }
   if (!options.logs.empty()) (void)occasions(options);  // as many poses as logs
   if (name == "half_known") {
     return report_half_known_logs(options.logs, options.poses, options.runs,
@@ -208,7 +213,7 @@ void run_shard(const std::string& name, const Options& options) {
 void run(const std::string& name, const Options& options) {
   if (!options.merge.empty()) return merge(name, options);
   if (!options.shard.empty()) return run_shard(name, options);
-  const bool takes_logs = name == "starts" || name == "half_known";
+  const bool takes_logs = name == "starts" || name == "half_known" || name == "kidnapped";
   const bool has_logs = !options.logs.empty() || !options.runs.empty();
   if (takes_logs && has_logs) return run_whole(name, options);
   shards::Units units;
@@ -231,7 +236,8 @@ int main(int argc, char** argv) {
            "global_start", "offices",    "refined_poses", "year",           "place",
            "decoders",     "wean",       "verdicts",      "score",          "people",
            "filter",       "few_beams",  "single_scan",   "standing_robot", "standing_robot_online",
-           "door_times",   "starts",     "half_known",    "folded_maps",    "topologies"}));
+           "door_times",   "starts",     "half_known",    "folded_maps",    "topologies",
+           "kidnapped"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::Range(0, 1'000'000));
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
@@ -246,7 +252,7 @@ int main(int argc, char** argv) {
   app.add_option("--set", options.overrides, "key.path=value of the year's scenario");
   app.add_option("--log", options.logs,
                  "real logs of `place` (one or two), `decoders`, `verdicts`, `score`, "
-                 "`single_scan`, `starts` and `half_known`");
+                 "`single_scan`, `starts`, `kidnapped` and `half_known`");
   app.add_option("--runs", options.runs,
                  "folder of the three runs of `wean`, `verdicts`, `score` and `half_known`");
   app.add_option("--poses", options.poses, "a file of poses for each");

@@ -5,12 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <functional>
 #include <memory>
 
 #include "tools/laboratory/experiments/spliced_drive.hpp"
-#include "tools/simulate/random_floor.hpp"
-#include "tools/simulate/random_office.hpp"
+#include "tools/laboratory/experiments/world_kinds.hpp"
 
 namespace strata::experiments {
 namespace {
@@ -22,7 +20,6 @@ constexpr double kWrongPlace_m = 1.0;
 constexpr double kWrongPose_m = 0.5;
 constexpr double kHighScore = 0.9;
 constexpr int kFirmly = 10;  // weighed scans on end
-constexpr double kShortReach_m = 4.0;
 
 constexpr std::array<const char*, 2> kModels{"filtered", "patch"};
 /// Each model without and with the search, as shards keep it.
@@ -86,25 +83,16 @@ void print(const std::string& name, const Rows& rows) {
   std::fflush(stdout);
 }
 
-void report_world(const std::string& name, const Seeds& seeds, shards::Units& units,
-                  const std::function<simulate::ScenarioConfig(std::uint64_t)>& scenario) {
+void report_world(const WorldKind& kind, const Seeds& seeds, shards::Units& units) {
   Rows sums{};
   for (int i = 0; i < seeds.count; ++i) {
     const std::uint64_t seed = seeds.first + static_cast<std::uint64_t>(i);
-    const std::string unit = name + ", seed " + std::to_string(seed);
+    const std::string unit = kind.name + ", seed " + std::to_string(seed);
     const auto rows = units.of<Rows>(
-        unit, [&] { return rows_of(world_of_scenario(unit, scenario(seed), seed), kStarts); });
+        unit, [&] { return rows_of(world_of_scenario(unit, kind.scenario(seed), seed), kStarts); });
     for (std::size_t r = 0; r < rows.size(); ++r) sums[r] += rows[r];
   }
-  print(name, sums);
-}
-
-/// Learned closed and open; the robot drives along all of the corridor.
-simulate::ScenarioConfig decisive_door(const std::string& file, const char* state) {
-  simulate::ScenarioConfig scenario = simulate::load_scenario(file);
-  scenario.days = 3;
-  scenario.doors.front().states.schedule.push_back({3, 0.0, state});
-  return scenario;
+  print(kind.name, sums);
 }
 
 }  // namespace
@@ -140,29 +128,7 @@ StartsOutcome start_anywhere(const VerdictWorld& world, const std::string& model
 }
 
 void report_starts(const std::string& scenarios, const Seeds& seeds, shards::Units& units) {
-  using simulate::random_floor;
-  report_world("offices, 4 m", seeds, units, [](std::uint64_t seed) {
-    simulate::ScenarioConfig office = simulate::random_office(seed, {4, true, 2});
-    office.laser.range_max_m = kShortReach_m;
-    return office;
-  });
-  report_world("offices, 12 m", seeds, units, [](std::uint64_t seed) {
-    return simulate::random_office(seed, {4, true, 2});
-  });
-  report_world("floors, 4 m", seeds, units, [](std::uint64_t seed) {
-    return random_floor(seed, {4, kShortReach_m});
-  });
-  report_world("floors, 8 m", seeds, units, [](std::uint64_t seed) {
-    return random_floor(seed, {4, 8.0});
-  });
-  report_world("floors with new boxes, 4 m", seeds, units, [](std::uint64_t seed) {
-    return random_floor(seed, {4, kShortReach_m, 2, true});
-  });
-  for (const char* state : {"closed", "open"}) {
-    const auto door = decisive_door(scenarios + "/side_door.yaml", state);
-    report_world(std::string("decisive door, ") + state, seeds, units,
-                 [&](std::uint64_t) { return door; });
-  }
+  for (const WorldKind& kind : kinds_of_worlds(scenarios)) report_world(kind, seeds, units);
 }
 
 void report_starts_of_logs(const std::vector<std::string>& logs,

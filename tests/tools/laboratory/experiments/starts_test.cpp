@@ -3,20 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/simulate/random_floor.hpp"
+#include "tests/tools/laboratory/experiments/floor_without_change.hpp"
 
 namespace strata::experiments {
 namespace {
 
-const VerdictWorld& floor_without_change() {
-  static const VerdictWorld world = [] {
-    simulate::ScenarioConfig floor = simulate::random_floor(1, {.days = 2, .people = 0});
-    floor.doors.clear();
-    floor.boxes.clear();
-    return world_of_scenario("floor", floor, 1);
-  }();
-  return world;
-}
+using test::floor_without_change;
 
 TEST(Starts, AreRightWhereNothingChangedAndEachPlaceIsItsOwn) {
   for (const bool has_search : {false, true}) {
