@@ -34,9 +34,7 @@ struct RecoveryConfig {
   double uncertain_stddev_m = 0.5;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("inject", c.inject,
-            {.doc = "try random poses when the likelihood drops",
-             .when = "the robot is carried about while it runs"});
+    v.field("inject", c.inject, {.doc = "try random poses when the likelihood drops"});
     v.field("slow_rate", c.slow_rate,
             {.doc = "rate of the long average per weighed scan", .min = 0.0, .max = 1.0});
     v.field("fast_rate", c.fast_rate,
