@@ -34,6 +34,10 @@ class CloudEvidence {
 
   /// A voxel is ended in, passed, or neither. In no certain order.
   [[nodiscard]] const BrickMap<BrickMarks>& bricks() const { return seen_; }
+  /// Where the cloud was seen from, in the map frame: halfway of its sweep. After `see`.
+  [[nodiscard]] const Eigen::Vector3f& origin_m() const {
+    return in_map_.origins[in_map_.origins.size() / 2].origin_m;
+  }
 
  private:
   void see_ends(const Cloud& cloud, std::span<const std::uint8_t> is_dynamic,

@@ -2,17 +2,50 @@
 #include "core/volume/voxel_filter.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
 
 #include "core/volume/cloud_in_map.hpp"
 
 namespace strata::volume {
 namespace {
 
-void add_marks(const BrickBits& marks, std::array<std::uint16_t, kBrickVoxels>& to) {
-  for_each_place(marks, [&](unsigned place) {
-    if (to[place] < std::numeric_limits<std::uint16_t>::max()) ++to[place];
-  });
+/// Half the width of the surroundings that tell a voxel's surface [voxels].
+constexpr std::int32_t kReach = 2;
+
+void halve(BrickCounts& counts, unsigned place) {
+  Passes& passed = counts.passed[place];
+  counts.ended[place] /= 2;
+  passed.clouds /= 2;
+  for (std::int16_t* sum : {&passed.xx, &passed.yy, &passed.xy, &passed.xz, &passed.yz}) *sum /= 2;
+}
+
+void make_room(BrickCounts& counts, unsigned place) {
+  const bool is_full = counts.ended[place] >= BrickCounts::kFull ||
+                       counts.passed[place].clouds >= BrickCounts::kFull;
+  if (is_full) halve(counts, place);
+}
+
+void add(const Eigen::Vector3d& direction, Passes& passes) {
+  const auto part = [&](int i, int j) {
+    return static_cast<std::int16_t>(std::lround(Passes::kUnit * direction[i] * direction[j]));
+  };
+  ++passes.clouds;
+  passes.xx += part(0, 0);
+  passes.yy += part(1, 1);
+  passes.xy += part(0, 1);
+  passes.xz += part(0, 2);
+  passes.yz += part(1, 2);
+}
+
+/// The sum of d d^T.
+Eigen::Matrix3d directions_of(const Passes& passes) {
+  Eigen::Matrix3d sum;
+  sum << passes.xx, passes.xy, passes.xz, passes.xy, passes.yy, passes.yz, passes.xz, passes.yz, 0;
+  sum /= Passes::kUnit;
+  sum(2, 2) = passes.clouds - sum(0, 0) - sum(1, 1);
+  return sum;
 }
 
 }  // namespace
@@ -25,21 +58,65 @@ VoxelFilter::VoxelFilter(const VoxelFilterConfig& config, const VoxelLattice& la
 
 void VoxelFilter::count(const Cloud& cloud, WorkerPool& pool) {
   evidence_.see(cloud, {}, lattice_, limits_, pool);
+  const Eigen::Vector3d origin = evidence_.origin_m().cast<double>();
   for (std::size_t i = 0; i < evidence_.bricks().size(); ++i) {
     const BrickMarks& seen = evidence_.bricks().value(i);
     BrickCounts& counts = counts_.touch(evidence_.bricks().ids()[i]);
-    add_marks(seen.ended, counts.ended);
-    add_marks(seen.passed, counts.passed);
+    for_each_place(seen.ended, [&](unsigned place) {
+      make_room(counts, place);
+      ++counts.ended[place];
+    });
+    for_each_place(seen.passed, [&](unsigned place) {
+      make_room(counts, place);
+      const VoxelKey key = voxel_of(evidence_.bricks().ids()[i], place);
+      add((lattice_.center_m(key) - origin).normalized(), counts.passed[place]);
+    });
   }
 }
 
+const BrickCounts* VoxelFilter::counts_at(const VoxelKey& key) const {
+  return VoxelBox{}.contains(key) ? counts_.find(brick_id(key)) : nullptr;
+}
+
+double VoxelFilter::passed_across(const VoxelKey& key, const Passes& passes) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  double weights = 0.0;
+  for (std::int32_t z = -kReach; z <= kReach; ++z) {
+    for (std::int32_t y = -kReach; y <= kReach; ++y) {
+      for (std::int32_t x = -kReach; x <= kReach; ++x) {
+        const VoxelKey other{key.x + x, key.y + y, key.z + z};
+        const BrickCounts* counts = counts_at(other);
+        const double weight = counts == nullptr ? 0.0 : counts->ended[place_in_brick(other)];
+        if (weight == 0.0) continue;
+        const Eigen::Vector3d place(x, y, z);
+        weights += weight;
+        sum += weight * place;
+        squares += weight * place * place.transpose();
+      }
+    }
+  }
+  if (weights == 0.0) return passes.clouds;
+  const Eigen::Vector3d mean = sum / weights;
+  const Eigen::Matrix3d spread = squares / weights - mean * mean.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+  axes.computeDirect(spread, Eigen::EigenvaluesOnly);
+  const double thickness = axes.eigenvalues()[0];
+  const double width = axes.eigenvalues()[2];
+  if (width < 1e-6) return passes.clouds;  // a voxel by itself
+  const double along =
+      ((spread * directions_of(passes)).trace() - thickness * passes.clouds) / width;
+  return std::clamp(passes.clouds - along, 0.0, static_cast<double>(passes.clouds));
+}
+
 double VoxelFilter::static_probability(const VoxelKey& key) const {
-  const BrickCounts* counts = counts_.find(brick_id(key));
+  const BrickCounts* counts = counts_at(key);
   if (counts == nullptr) return config_.prior;
   const unsigned place = place_in_brick(key);
-  if (counts->ended[place] + counts->passed[place] == 0) return config_.prior;
+  const Passes& passes = counts->passed[place];
+  if (counts->ended[place] + passes.clouds == 0) return config_.prior;
   const double ended = config_.static_clouds + counts->ended[place];
-  const double passed = counts->passed[place];
+  const double passed = passed_across(key, passes);
   const double p = config_.prior;
   const double m = std::max(
       0.0, (ended * (2.0 * p - 1.0) - passed * (1.0 - p)) / ((2.0 * p - 1.0) * (ended + passed)));

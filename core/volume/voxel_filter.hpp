@@ -20,8 +20,8 @@ namespace strata::volume {
 struct VoxelFilterConfig {
   /// Lower than that of beams, chosen on simulated rooms: a 3-D log holds few clouds, so that who
   /// waits through a few is seen in many of them.
-  double prior = 0.59;
-  double static_clouds = 4.0;
+  double prior = 0.54;
+  double static_clouds = 12.0;
 
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -39,10 +39,24 @@ struct VoxelFilterConfig {
   }
 };
 
-/// How often clouds ended in the voxels of a brick, and passed them without ending there.
+/// How many clouds passed a voxel, and from where: the sum of d d^T over their unit directions d.
+/// Its trace is their number, so that zz need not be kept.
+struct Passes {
+  static constexpr int kUnit = 32;  ///< of the sums; room for 1,000 clouds
+  std::uint16_t clouds = 0;
+  std::int16_t xx = 0;
+  std::int16_t yy = 0;
+  std::int16_t xy = 0;
+  std::int16_t xz = 0;
+  std::int16_t yz = 0;
+};
+
+/// How often clouds ended in the voxels of a brick, and passed them without ending there. Both are
+/// halved where one is full, which leaves their share as it is.
 struct BrickCounts {
+  static constexpr std::uint16_t kFull = 1000;
   std::array<std::uint16_t, kBrickVoxels> ended{};
-  std::array<std::uint16_t, kBrickVoxels> passed{};
+  std::array<Passes, kBrickVoxels> passed{};
 };
 
 /// Two rounds over a log: `count` every cloud, then `label` every cloud.
@@ -59,7 +73,8 @@ class VoxelFilter {
 
   /// P(c = 1) of a point that ends in a voxel, eq. (1.10) at the limit of EM: with h clouds that
   /// ended there, static_clouds among them, and f that passed, m maximizes
-  /// h ln[(1 - p) + (2 p - 1) m] + f ln(1 - m). The prior where nothing was counted.
+  /// h ln[(1 - p) + (2 p - 1) m] + f ln(1 - m). A cloud that looks along the surface about the
+  /// voxel counts for less in f. The prior where nothing was counted. O(voxels about it).
   [[nodiscard]] double static_probability(const VoxelKey& key) const;
 
   /// A flag a point: 1 where its end has a static probability below one half. Points beyond the
@@ -69,6 +84,11 @@ class VoxelFilter {
   [[nodiscard]] std::size_t bytes() const { return counts_.bytes(); }
 
  private:
+  [[nodiscard]] const BrickCounts* counts_at(const VoxelKey& key) const;
+  /// f: each direction d counts d^T W d, W = I - (C - c I) / C's largest eigenvalue, c its smallest
+  /// one, C the covariance of what was ended in about the voxel. 1 across a surface or a pole, 0
+  /// along it, 1 everywhere in what is thick to all sides.
+  [[nodiscard]] double passed_across(const VoxelKey& key, const Passes& passes) const;
   VoxelFilterConfig config_;
   VoxelLattice lattice_;
   RayLimits limits_;

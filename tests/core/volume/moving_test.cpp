@@ -2,6 +2,7 @@
 /// What is taken for moving, and slices.
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -107,6 +108,52 @@ TEST(VoxelFilter, DoesNotCountWhatIsPassedBesideAnEndOfTheSameCloud) {
     filter.count(cloud_with({{3.0F, 0.0F, 0.0F}, {1.0F, 0.0F, -0.1F}}), pool);
   }
   EXPECT_GT(filter.static_probability(key_at({1.05F, 0.05F, 0.05F})), 0.9);
+}
+
+/// An upright wall through (4, 0, 0) of the sensor, along a direction of the plane.
+std::vector<Eigen::Vector3f> wall_along(double yaw_rad) {
+  std::vector<Eigen::Vector3f> points;
+  for (int along = -6; along <= 6; ++along) {
+    for (int up = -6; up <= 6; ++up) {
+      points.emplace_back(4.0 + 0.1 * along * std::cos(yaw_rad), 0.1 * along * std::sin(yaw_rad),
+                          0.1 * up);
+    }
+  }
+  return points;
+}
+
+TEST(VoxelFilter, CountsLittleOfCloudsThatLookAlongASurface) {
+  WorkerPool pool(1);
+  const VoxelKey middle = key_at({4.05F, 0.05F, 0.05F});
+  for (const double yaw_rad : {0.0, 0.5 * std::numbers::pi, 0.7, -0.7, 2.0}) {
+    const Eigen::Vector3f along(std::cos(yaw_rad), std::sin(yaw_rad), 0.0F);
+    const Eigen::Vector3f across(-along.y(), along.x(), 0.0F);
+    const auto probability_when_passed = [&](const Eigen::Vector3f& way) {
+      VoxelFilter filter = filter_with(0.77);
+      for (int i = 0; i < 2; ++i) filter.count(cloud_with(wall_along(yaw_rad)), pool);
+      Cloud passing = cloud_with({10.0F * way});
+      passing.map_from_sensor.translation =
+          (Eigen::Vector3f(4.05F, 0.05F, 0.05F) - 3.0F * way).cast<double>();
+      for (int i = 0; i < 4; ++i) filter.count(passing, pool);
+      return filter.static_probability(middle);
+    };
+    EXPECT_LT(probability_when_passed(across), 0.5) << yaw_rad;
+    EXPECT_GT(probability_when_passed(along), 0.9) << yaw_rad;
+    EXPECT_LT(probability_when_passed((across + 0.3F * along).normalized()), 0.5) << yaw_rad;
+  }
+}
+
+TEST(VoxelFilter, KeepsTheShareOfWhatItSawThousandsOfTimes) {
+  WorkerPool pool(1);
+  VoxelFilter filter = filter_with(0.9);
+  for (int i = 0; i < 3000; ++i) {
+    filter.count(cloud_with({{i % 3 == 0 ? 1.0F : 3.0F, 0.0F, 0.0F}}), pool);
+  }
+  VoxelFilter of_three = filter_with(0.9);
+  for (const float x : {1.0F, 3.0F, 3.0F}) of_three.count(cloud_with({{x, 0.0F, 0.0F}}), pool);
+  const VoxelKey key = key_at({1.05F, 0.05F, 0.05F});
+  EXPECT_GT(of_three.static_probability(key), 0.1);
+  EXPECT_NEAR(filter.static_probability(key), of_three.static_probability(key), 0.01);
 }
 
 TEST(VoxelFilter, KnowsNothingOfWhatItDidNotSee) {
