@@ -109,35 +109,48 @@ double VoxelFilter::passed_across(const VoxelKey& key, const Passes& passes) con
   return std::clamp(passes.clouds - along, 0.0, static_cast<double>(passes.clouds));
 }
 
+double VoxelFilter::probability_of(double ended, double passed) const {
+  const double h = config_.static_clouds + ended;
+  const double p = config_.prior;
+  const double m = std::max(
+      0.0, (h * (2.0 * p - 1.0) - passed * (1.0 - p)) / ((2.0 * p - 1.0) * (h + passed)));
+  return p * m / (p * m + (1.0 - p) * (1.0 - m));
+}
+
 double VoxelFilter::static_probability(const VoxelKey& key) const {
   const BrickCounts* counts = counts_at(key);
   if (counts == nullptr) return config_.prior;
   const unsigned place = place_in_brick(key);
   const Passes& passes = counts->passed[place];
   if (counts->ended[place] + passes.clouds == 0) return config_.prior;
-  const double ended = config_.static_clouds + counts->ended[place];
-  const double passed = passed_across(key, passes);
-  const double p = config_.prior;
-  const double m = std::max(
-      0.0, (ended * (2.0 * p - 1.0) - passed * (1.0 - p)) / ((2.0 * p - 1.0) * (ended + passed)));
-  return p * m / (p * m + (1.0 - p) * (1.0 - m));
+  return probability_of(counts->ended[place], passed_across(key, passes));
+}
+
+bool VoxelFilter::is_dynamic(const VoxelKey& key) const {
+  const BrickCounts* counts = counts_at(key);
+  if (counts == nullptr) return false;
+  const unsigned place = place_in_brick(key);
+  // Weights only speak for static, so that most voxels need no look about them.
+  const Passes& passes = counts->passed[place];
+  return probability_of(counts->ended[place], passes.clouds) < 0.5 &&
+         probability_of(counts->ended[place], passed_across(key, passes)) < 0.5;
 }
 
 std::vector<std::uint8_t> VoxelFilter::label(const Cloud& cloud, WorkerPool& pool) const {
   CloudInMap in_map;
   bring_into_map(cloud, pool, in_map);
   const std::vector<Eigen::Vector3f>& ends = in_map.ends_m;
-  std::vector<std::uint8_t> is_dynamic(ends.size(), 0);
+  std::vector<std::uint8_t> moves(ends.size(), 0);
   pool.for_chunks(ends.size(), 4096, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto key = lattice_.key_at(ends[i]);
       if (!key || !limits_.box.contains(*key)) continue;
       const auto range = static_cast<double>(cloud.points_m[i].norm());
       if (limits_.max_range_m > 0.0 && range > limits_.max_range_m) continue;
-      is_dynamic[i] = static_probability(*key) < 0.5 ? 1 : 0;
+      moves[i] = is_dynamic(*key) ? 1 : 0;
     }
   });
-  return is_dynamic;
+  return moves;
 }
 
 }  // namespace strata::volume

@@ -85,6 +85,9 @@ class VoxelFilter {
 
  private:
   [[nodiscard]] const BrickCounts* counts_at(const VoxelKey& key) const;
+  [[nodiscard]] double probability_of(double ended, double passed) const;
+  /// Whether the static probability is below one half.
+  [[nodiscard]] bool is_dynamic(const VoxelKey& key) const;
   /// f: each direction d counts d^T W d, W = I - (C - c I) / C's largest eigenvalue, c its smallest
   /// one, C the covariance of what was ended in about the voxel. 1 across a surface or a pole, 0
   /// along it, 1 everywhere in what is thick to all sides.
