@@ -148,6 +148,15 @@ CloudColumns columns_of(const sensor_msgs::msg::PointCloud2& message) {
       columns.truly_moving.push_back(point[moving->offset] != 0 ? 1 : 0);
     });
   }
+  for (const char* name : {"rgb", "rgba"}) {
+    const auto field = field_named(message, name);
+    const bool is_packed = field && (field->type == kUint32 || field->type == kFloat32);
+    if (!is_packed || !columns.rgb.empty()) continue;
+    for_each_point(message, [&](const std::uint8_t* point) {
+      // Never as a float: with alpha it is NaN, whose bits may change.
+      columns.rgb.push_back(value_at<std::uint32_t>(point, field->offset) & 0xFFFFFFU);
+    });
+  }
   return columns;
 }
 
@@ -169,6 +178,7 @@ sensor_msgs::msg::PointCloud2 to_message(const std::vector<Eigen::Vector3f>& poi
   for (const char* name : {"x", "y", "z"}) add_field(name, kFloat32);
   if (!columns.offset_s.empty()) add_field("time", kFloat32);
   if (!columns.truly_moving.empty()) add_field("moving", kUint8);
+  if (!columns.rgb.empty()) add_field("rgb", kFloat32);
   message.row_step(message.point_step() * message.width());
   message.data().resize(std::size_t{message.point_step()} * points_m.size());
   std::uint8_t* to = message.data().data();
@@ -180,7 +190,19 @@ sensor_msgs::msg::PointCloud2 to_message(const std::vector<Eigen::Vector3f>& poi
       to += 4;
     }
     if (!columns.truly_moving.empty()) *to++ = columns.truly_moving[i];
+    if (!columns.rgb.empty()) {
+      std::memcpy(to, &columns.rgb[i], 4);
+      to += 4;
+    }
   }
+  return message;
+}
+
+octomap_msgs::msg::Octomap to_color_octomap(const std::string& data, double resolution_m,
+                                            Stamp stamp, const std::string& frame) {
+  octomap_msgs::msg::Octomap message = to_binary_octomap(data, resolution_m, stamp, frame);
+  message.binary(false);
+  message.id("ColorOcTree");
   return message;
 }
 

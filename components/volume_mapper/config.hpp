@@ -17,6 +17,8 @@ struct VolumeMapperConfig {
   bool wait_for_labels = false;
   std::string map_frame = "map";
   std::string topic = "octomap_binary";
+  bool has_colors = true;
+  std::string color_topic = "octomap_color";
   std::string points_qos = "sensor_data";
   double publish_period_s = 1.0;
   int waiting_clouds = 20;
@@ -36,6 +38,10 @@ struct VolumeMapperConfig {
                     "that have a 2-D scanner and a beam filter"});
     v.field("map_frame", c.map_frame, runtime::kMapFrame);
     v.field("topic", c.topic, {.doc = "octomap_msgs/Octomap out, binary, latched"});
+    v.field("has_colors", c.has_colors,
+            {.doc = "the map has the colours of clouds with a field rgb or rgba"});
+    v.field("color_topic", c.color_topic,
+            {.doc = "octomap_msgs/Octomap out, a ColorOcTree, latched; once a cloud had colours"});
     v.field("points_qos", c.points_qos,
             {.doc = "QoS profile of points: sensor_data, or lossless for clouds that must not be "
                     "dropped"});
@@ -54,14 +60,17 @@ struct VolumeMapperConfig {
                     "pose and boxes; 0: they are not",
              .unit = "s",
              .min = 0.0});
-    v.field("out_subfolder", c.out_subfolder,
-            {.doc = "at the end of a replay map.bt and map.ot go into this folder of its output"});
+    v.field(
+        "out_subfolder", c.out_subfolder,
+        {.doc =
+             "at the end of a replay map.bt, map.ot and, with colours, map_color.ot go into this "
+             "folder of its output"});
     v.field("save", c.save,
             {.doc = "write the map to this .bt file when the component is deactivated; empty: do "
                     "not"});
     v.field("store", c.store,
             {.doc = "live: keep the map in this .ot file while the robot runs, and go on with what "
-                    "it holds; empty: in RAM only"});
+                    "it holds, colours in NAME_color.ot beside it; empty: in RAM only"});
     v.field("store_period_s", c.store_period_s,
             {.doc = "live: what a crash may lose at most; each time the whole map is written",
              .unit = "s",

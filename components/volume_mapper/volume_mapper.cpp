@@ -21,16 +21,48 @@ namespace {
 /// How long tf and labels are remembered; clouds that wait longer are given up.
 constexpr double kRemembered_s = 10.0;
 
+/// Throws InputError.
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream bytes;
+  if (in) bytes << in.rdbuf();
+  if (!in || in.bad() || std::filesystem::is_directory(file)) {
+    throw InputError(file.string(), "cannot be read", "check the file and its permissions");
+  }
+  return std::move(bytes).str();
+}
+
+void write_whole(const std::filesystem::path& path, const std::string& bytes) {
+  log::WholeFile file(path);
+  file.stream() << bytes;
+  file.commit();
+}
+
+std::vector<volume::Rgb> unpacked(const std::vector<std::uint32_t>& rgb) {
+  std::vector<volume::Rgb> colors(rgb.size());
+  std::transform(rgb.begin(), rgb.end(), colors.begin(), [](std::uint32_t packed) {
+    return volume::Rgb{static_cast<std::uint8_t>(packed >> 16),
+                       static_cast<std::uint8_t>(packed >> 8), static_cast<std::uint8_t>(packed)};
+  });
+  return colors;
+}
+
 }  // namespace
 
 void VolumeMapper::on_configure() {
   config_ = read_parameters<VolumeMapperConfig>();
   keep_live(config_, {"publish_period_s", "leave_out_moving"});
   map_.emplace(first_map());
+  colors_.reset();
+  if (config_.has_colors) colors_.emplace(first_colors());
   kept_ = std::chrono::steady_clock::now();
   pool_.emplace(context().threads);
   transforms_ = log::TransformHistory(kRemembered_s);
   publish_ = advertise<octomap_msgs::msg::Octomap>(config_.topic, "latched");
+  publish_colors_ = nullptr;
+  if (colors_) {
+    publish_colors_ = advertise<octomap_msgs::msg::Octomap>(config_.color_topic, "latched");
+  }
   subscribe<tf2_msgs::msg::TFMessage>(
       "/tf_static", "tf_static", [this](const auto& message) { on_transforms(message, true); });
   subscribe<tf2_msgs::msg::TFMessage>(
@@ -41,16 +73,6 @@ void VolumeMapper::on_configure() {
                                            [this](const auto& message) { on_cloud(message); });
 }
 
-volume::VolumeMap VolumeMapper::stored_map() const {
-  std::ifstream in(config_.store, std::ios::binary);
-  std::ostringstream bytes;
-  if (in) bytes << in.rdbuf();
-  if (!in || in.bad() || std::filesystem::is_directory(config_.store)) {
-    throw InputError(config_.store, "cannot be read", "check the file and its permissions");
-  }
-  return volume::VolumeMap::from_file(bytes.str(), config_.store, config_.map);
-}
-
 volume::VolumeMap VolumeMapper::first_map() {
   std::optional<volume::VolumeMap> stored;
   std::error_code error;
@@ -58,10 +80,29 @@ volume::VolumeMap VolumeMapper::first_map() {
       !lockstep() && !config_.store.empty() && std::filesystem::exists(config_.store, error);
   if (is_stored) log::require_own_file(config_.store, log::kOctree, "store");
   // What cannot be read must not be written over: then there is no start.
-  if (is_stored && restored(config_.store, [&] { stored.emplace(stored_map()); })) {
-    return std::move(*stored);
-  }
+  const auto restore = [&] {
+    stored.emplace(
+        volume::VolumeMap::from_file(bytes_of(config_.store), config_.store, config_.map));
+  };
+  if (is_stored && restored(config_.store, restore)) return std::move(*stored);
   return volume::VolumeMap(config_.map);
+}
+
+std::filesystem::path VolumeMapper::color_store() const {
+  std::filesystem::path path = config_.store;
+  return path.replace_filename(path.stem().string() + "_color.ot");
+}
+
+volume::PointColors VolumeMapper::first_colors() {
+  volume::PointColors stored(config_.map);
+  std::error_code error;
+  const bool is_stored =
+      !lockstep() && !config_.store.empty() && std::filesystem::exists(color_store(), error);
+  if (!is_stored) return stored;
+  const std::string path = color_store().string();
+  log::require_own_file(path, log::kOctree, "store");
+  const bool is_sound = restored(path, [&] { stored.restore(bytes_of(path), path); });
+  return is_sound ? std::move(stored) : volume::PointColors(config_.map);
 }
 
 void VolumeMapper::on_activate() {
@@ -78,9 +119,8 @@ void VolumeMapper::on_tick() {
 void VolumeMapper::keep() {
   kept_ = std::chrono::steady_clock::now();
   if (lockstep() || config_.store.empty() || !map_ || kept_clouds_ == clouds_) return;
-  log::WholeFile file(config_.store);
-  file.stream() << map_->full_file();
-  file.commit();
+  write_whole(config_.store, map_->full_file());
+  if (has_colors()) write_whole(color_store(), colors_->file(*map_));
   kept_clouds_ = clouds_;
 }
 
@@ -119,8 +159,11 @@ void VolumeMapper::on_cloud(const sensor_msgs::msg::PointCloud2& message) {
   waiting.cloud.stamp = convert::from_message(message.header().stamp());
   waiting.frame = message.header().frame_id();
   waiting.last = waiting.cloud.stamp;
+  convert::CloudColumns columns;
+  if (config_.part_s > 0.0 || colors_) columns = convert::columns_of(message);
+  if (colors_) waiting.cloud.colors = unpacked(columns.rgb);
   if (config_.part_s > 0.0 && !waiting.cloud.points_m.empty()) {
-    waiting.offset_s = convert::columns_of(message).offset_s;
+    waiting.offset_s = std::move(columns.offset_s);
     float last_s = 0.0F;
     for (const float offset_s : waiting.offset_s) {
       if (std::isfinite(offset_s)) last_s = std::max(last_s, offset_s);
@@ -166,6 +209,7 @@ void VolumeMapper::enter(const volume::Cloud& cloud) {
     is_dynamic = volume::DynamicBoxes(config_.boxes, moving_).label(cloud);
   }
   counts_ += map_->insert(cloud, is_dynamic, *pool_);
+  if (colors_) colors_->add(cloud, is_dynamic, *pool_);
   ++clouds_;
   // Stamps may run backwards, as when a bag starts again.
   const bool is_due = !last_published_ || std::abs((cloud.stamp - *last_published_).seconds()) >=
@@ -189,25 +233,23 @@ void VolumeMapper::publish_map_of(Stamp newest_cloud) {
 void VolumeMapper::publish(Stamp stamp) {
   publish_(convert::to_binary_octomap(map_->binary_message_data(), config_.map.resolution_m, stamp,
                                       config_.map_frame));
+  if (!has_colors()) return;
+  publish_colors_(convert::to_color_octomap(colors_->message_data(*map_), config_.map.resolution_m,
+                                            stamp, config_.map_frame));
 }
 
 void VolumeMapper::on_deactivate() {
   guarded([&] { keep(); });  // the map may have room elsewhere
   if (lockstep() || config_.save.empty() || !map_) return;
-  log::WholeFile file(config_.save);
-  file.stream() << map_->binary_file();
-  file.commit();
+  write_whole(config_.save, map_->binary_file());
 }
 
 void VolumeMapper::on_finish(const std::filesystem::path& out_dir) {
   const std::filesystem::path folder = out_dir / config_.out_subfolder;
   std::filesystem::create_directories(folder);
-  for (const auto& [name, bytes] :
-       {std::pair("map.bt", map_->binary_file()), std::pair("map.ot", map_->full_file())}) {
-    log::WholeFile file(folder / name);
-    file.stream() << bytes;
-    file.commit();
-  }
+  write_whole(folder / "map.bt", map_->binary_file());
+  write_whole(folder / "map.ot", map_->full_file());
+  if (has_colors()) write_whole(folder / "map_color.ot", colors_->file(*map_));
 }
 
 void VolumeMapper::on_diagnose(runtime::Health& health) const {
@@ -219,6 +261,7 @@ void VolumeMapper::on_diagnose(runtime::Health& health) const {
 
 void VolumeMapper::on_cleanup() {
   map_.reset();
+  colors_.reset();
   pool_.reset();
   transforms_ = log::TransformHistory(kRemembered_s);
   waiting_.clear();

@@ -14,11 +14,13 @@
 #include "components/runtime/component.hpp"
 #include "components/volume_mapper/config.hpp"
 #include "components/volume_mapper/share_of_time.hpp"
+#include "core/volume/point_colors.hpp"
 #include "core/volume/volume_map.hpp"
 
 namespace strata::volume_mapper {
 
-/// In: points (sensor_msgs/PointCloud2), /tf, /tf_static, labeled_scan. Out: octomap_binary. A
+/// In: points (sensor_msgs/PointCloud2), /tf, /tf_static, labeled_scan. Out: octomap_binary, and
+/// octomap_color once clouds have colours. A
 /// cloud waits until tf tells where it was seen from. Clouds that make no sense, or whose pose
 /// stays unknown, are dropped and counted on /diagnostics; the map is as before. Live, publishing
 /// takes at most a tenth of the time: a large map goes out less often than publish_period_s says,
@@ -55,13 +57,17 @@ class VolumeMapper final : public runtime::Component {
   void publish(Stamp stamp);
   /// A new map, or the stored one.
   [[nodiscard]] volume::VolumeMap first_map();
-  /// Throws InputError.
-  [[nodiscard]] volume::VolumeMap stored_map() const;
+  /// None, or the stored ones.
+  [[nodiscard]] volume::PointColors first_colors();
+  [[nodiscard]] bool has_colors() const { return colors_ && !colors_->is_empty(); }
+  /// Beside the store.
+  [[nodiscard]] std::filesystem::path color_store() const;
   /// Writes the map to the store when it has changed.
   void keep();
 
   VolumeMapperConfig config_;
   std::optional<volume::VolumeMap> map_;
+  std::optional<volume::PointColors> colors_;  ///< nothing: not asked for
   std::optional<WorkerPool> pool_;
   log::TransformHistory transforms_;
   std::deque<Waiting> waiting_;
@@ -76,6 +82,7 @@ class VolumeMapper final : public runtime::Component {
   ShareOfTime publishing_;          ///< live
   std::optional<Stamp> held_back_;  ///< of the newest cloud whose map was due, but cost too much
   std::function<void(const octomap_msgs::msg::Octomap&)> publish_;
+  std::function<void(const octomap_msgs::msg::Octomap&)> publish_colors_;
 };
 
 }  // namespace strata::volume_mapper

@@ -4,21 +4,14 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
-namespace strata::volume {
+#include "core/volume/rgb.hpp"
 
-/// 24 bits of colour.
-struct Rgb {
-  std::uint8_t r = 0;
-  std::uint8_t g = 0;
-  std::uint8_t b = 0;
-  friend bool operator==(const Rgb&, const Rgb&) = default;
-};
+namespace strata::volume {
 
 /// A pinhole with the distortion of Brown and Conrady, as sensor_msgs/CameraInfo tells it. The
 /// camera's frame is optical: x right, y down, z ahead. Pixel (0, 0) has its middle at (0, 0).

@@ -30,7 +30,9 @@ std::size_t cut_by_time(Cloud& cloud, std::span<const float> offset_s, double pa
   std::sort(order.begin(), order.end());
   const bool has_truth = cloud.truly_moving.size() == count;
   std::vector<Eigen::Vector3f> points;
+  const bool has_colors = cloud.colors.size() == count;
   std::vector<std::uint8_t> truly_moving;
+  std::vector<Rgb> colors;
   points.reserve(count);
   cloud.parts.clear();
   cloud.sweep_s = 0.0;
@@ -45,12 +47,14 @@ std::size_t cut_by_time(Cloud& cloud, std::span<const float> offset_s, double pa
       for (std::size_t i = begin; i < end; ++i) {
         points.push_back(cloud.points_m[order[i].second]);
         if (has_truth) truly_moving.push_back(cloud.truly_moving[order[i].second]);
+        if (has_colors) colors.push_back(cloud.colors[order[i].second]);
       }
     }
     begin = end;
   }
   cloud.points_m = std::move(points);
   cloud.truly_moving = std::move(truly_moving);
+  cloud.colors = std::move(colors);
   if (!cloud.parts.empty()) {
     const CloudPart& middle = cloud.parts[cloud.parts.size() / 2];
     cloud.stamp = middle.stamp;

@@ -13,6 +13,7 @@
 
 #include "core/base/time.hpp"
 #include "core/geometry/pose3.hpp"
+#include "core/volume/rgb.hpp"
 
 namespace strata::volume {
 
@@ -34,6 +35,8 @@ struct Cloud {
   double sweep_s = 0.0;
   /// What a simulator says of the points: 1 on something that moves. Empty: nothing is known.
   std::vector<std::uint8_t> truly_moving;
+  /// One a point. Empty: nothing is known.
+  std::vector<Rgb> colors;
 };
 
 /// The parts of a cloud; one when it has none of its own.

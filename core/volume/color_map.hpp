@@ -84,7 +84,7 @@ struct ColoredVoxel {
   std::int32_t likelihood = std::numeric_limits<std::int32_t>::min();
   float frontality = 0.0F;  ///< cosine between its normal and the view, of the view it took
   std::int32_t view = -1;   ///< which of those offered that was, from 0
-  Rgb color{128, 128, 128};
+  Rgb color = kGrey;
   [[nodiscard]] bool is_seen() const {
     return likelihood != std::numeric_limits<std::int32_t>::min();
   }

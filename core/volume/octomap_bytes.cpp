@@ -9,7 +9,6 @@ namespace strata::volume {
 namespace {
 
 constexpr std::size_t kDepth = 16;
-constexpr std::size_t kValueBytes = 4;
 constexpr unsigned kInner = 3;  // of a child's two bits in a .bt; 0: there is none
 
 /// The children of a node: which there are, and below which of them the bytes go on.
@@ -18,8 +17,21 @@ struct Children {
   unsigned read_next = 0;
 };
 
+std::size_t bytes_of_node(NodeForm form) {
+  switch (form) {
+    case NodeForm::kBinary:
+      return 2;
+    case NodeForm::kFull:
+      return 5;
+    case NodeForm::kColor:
+      return 8;
+  }
+  return 0;
+}
+
+/// node: of either form that ends in a byte of children.
 Children children_of_full(std::string_view node) {
-  const unsigned bits = static_cast<std::uint8_t>(node[kValueBytes]);
+  const unsigned bits = static_cast<std::uint8_t>(node.back());
   return {bits, bits};
 }
 
@@ -38,8 +50,8 @@ std::size_t count(unsigned bits) { return static_cast<std::size_t>(std::popcount
 
 }  // namespace
 
-std::optional<std::size_t> octomap_nodes(std::string_view data, bool is_binary) {
-  const std::size_t node_bytes = is_binary ? 2 : kValueBytes + 1;
+std::optional<std::size_t> octomap_nodes(std::string_view data, NodeForm form) {
+  const std::size_t node_bytes = bytes_of_node(form);
   std::size_t nodes = 1;
   // How many nodes of each level on the way down are still to be read.
   std::array<std::size_t, kDepth + 1> left{1};
@@ -51,7 +63,9 @@ std::optional<std::size_t> octomap_nodes(std::string_view data, bool is_binary) 
     }
     --left[depth];
     if (data.size() < node_bytes) return std::nullopt;
-    const Children children = is_binary ? children_of_binary(data) : children_of_full(data);
+    const std::string_view node = data.substr(0, node_bytes);
+    const Children children =
+        form == NodeForm::kBinary ? children_of_binary(node) : children_of_full(node);
     data.remove_prefix(node_bytes);
     nodes += count(children.all);
     if (children.all != 0 && depth == kDepth) return std::nullopt;

@@ -4,14 +4,18 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
 namespace strata::volume {
 
+/// How a node is written: two bits a child; a value, and a byte of children; the same with three
+/// bytes of colour after the value.
+enum class NodeForm : std::uint8_t { kBinary, kFull, kColor };
+
 /// How many nodes the bytes after "data" hold, the root included; nothing when they end before the
-/// last of them or go deeper than a tree of 16 levels. is_binary: .bt, two bits a child, else .ot,
-/// a value and a byte of children a node. O(nodes).
-[[nodiscard]] std::optional<std::size_t> octomap_nodes(std::string_view data, bool is_binary);
+/// last of them or go deeper than a tree of 16 levels. O(nodes).
+[[nodiscard]] std::optional<std::size_t> octomap_nodes(std::string_view data, NodeForm form);
 
 }  // namespace strata::volume

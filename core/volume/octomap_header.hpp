@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The text before the nodes in OctoMap's files.
+/// The text before the nodes in OctoMap's files, and files opened with care.
 #pragma once
 
+#include <cstddef>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -18,5 +19,16 @@ std::string octomap_header(const char* first_line, const Tree& tree) {
       << "\ndata\n";
   return std::move(out).str();
 }
+
+/// A .bt or .ot file whose nodes are all there: OctoMap's readers may have `data`.
+struct OctomapFile {
+  bool is_binary = false;
+  double resolution_m = 0.0;
+  std::string data;  ///< empty: a tree without nodes
+};
+/// kind: "OcTree" or "ColorOcTree". place: its name in errors. Throws InputError for a tree of
+/// another kind; DamageError or UnknownContentError for what is cut short, altered or no such file.
+[[nodiscard]] OctomapFile open_octomap_file(const std::string& bytes, const std::string& place,
+                                            const std::string& kind);
 
 }  // namespace strata::volume

@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <sstream>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <octomap/OcTree.h>
 
 #include "core/base/damage.hpp"
-#include "core/volume/octomap_bytes.hpp"
 #include "core/volume/octomap_header.hpp"
 
 namespace strata::volume {
@@ -232,51 +230,22 @@ std::string VolumeMap::binary_file() const {
 
 VolumeMap VolumeMap::from_file(const std::string& bytes, const std::string& place,
                                const std::optional<VolumeConfig>& wanted) {
-  const char* const remedy = "give a .bt or .ot file of an OcTree, as OctoMap writes it";
-  const auto damaged = [&](const std::string& what) { return DamageError(place, what, remedy); };
-  std::istringstream in(bytes, std::ios::binary);
-  std::string line;
-  std::string id;
-  double resolution_m = 0.0;
-  std::size_t size = 0;
-  std::getline(in, line);
-  const bool is_binary = line == "# Octomap OcTree binary file";
-  if (!is_binary && line != "# Octomap OcTree file") {
-    throw UnknownContentError(place, "is no OctoMap file", remedy);
-  }
-  while (std::getline(in, line) && line != "data") {
-    std::istringstream words(line);
-    std::string key;
-    words >> key;
-    if (key == "id") words >> id;
-    if (key == "size") words >> size;
-    if (key == "res") words >> resolution_m;
-  }
-  if (!in) throw damaged("is damaged: its header has no end");
-  if (id != "OcTree") throw InputError(place, "holds a tree of the kind '" + id + "'", remedy);
-  // Nothing at all may follow "data", not even the end of its line.
-  const auto left = in.eof() ? 0 : bytes.size() - static_cast<std::size_t>(in.tellg());
-  if (!(resolution_m > 0.0)) throw damaged("is damaged: it says no voxel edge");
+  const OctomapFile file = open_octomap_file(bytes, place, "OcTree");
   VolumeConfig config = wanted.value_or(VolumeConfig{});
-  if (wanted && wanted->resolution_m != resolution_m) {
-    throw InputError(place, "its voxels have edges of " + std::to_string(resolution_m) + " m",
+  if (wanted && wanted->resolution_m != file.resolution_m) {
+    throw InputError(place, "its voxels have edges of " + std::to_string(file.resolution_m) + " m",
                      "set resolution_m to that, or name another file");
   }
-  config.resolution_m = resolution_m;
-  if (left < 2 && size == 0) return VolumeMap(config);  // of clouds without points
-  if (left < 2) throw damaged("is damaged: it ends too early");
-  const auto nodes = octomap_nodes(std::string_view(bytes).substr(bytes.size() - left), is_binary);
-  if (!nodes) throw damaged("is damaged: it ends too early or goes too deep");
-  if (*nodes != size) {
-    throw damaged("is damaged: " + std::to_string(*nodes) + " nodes of " + std::to_string(size));
-  }
+  config.resolution_m = file.resolution_m;
   VolumeMap map(config);
-  if (is_binary) {
+  if (file.data.empty()) return map;
+  std::istringstream in(file.data, std::ios::binary);
+  if (file.is_binary) {
     map.state_->tree.readBinaryData(in);
   } else {
     map.state_->tree.readData(in);
   }
-  if (!in) throw damaged("cannot be read to its end");
+  if (!in) throw DamageError(place, "cannot be read to its end", "give another file");
   return map;
 }
 

@@ -112,8 +112,8 @@ double VoxelFilter::passed_across(const VoxelKey& key, const Passes& passes) con
 double VoxelFilter::probability_of(double ended, double passed) const {
   const double h = config_.static_clouds + ended;
   const double p = config_.prior;
-  const double m = std::max(
-      0.0, (h * (2.0 * p - 1.0) - passed * (1.0 - p)) / ((2.0 * p - 1.0) * (h + passed)));
+  const double m =
+      std::max(0.0, (h * (2.0 * p - 1.0) - passed * (1.0 - p)) / ((2.0 * p - 1.0) * (h + passed)));
   return p * m / (p * m + (1.0 - p) * (1.0 - m));
 }
 

@@ -99,6 +99,32 @@ TEST(CloudMessages, SayWhenEachPointWasMeasured) {
   EXPECT_THROW((void)columns_of(message), InputError);
 }
 
+TEST(CloudMessages, TellColoursAsPclPacksThem) {
+  const std::vector<Eigen::Vector3f> points{{1.0F, 2.0F, 3.0F}, {4.0F, 5.0F, 6.0F}};
+  CloudColumns columns;
+  columns.rgb = {0x112233, 0xFFFFFF};
+  auto message = to_message(points, Stamp::from_seconds(1.0), "camera", columns);
+  ASSERT_EQ(message.fields().size(), 4U);
+  EXPECT_EQ(message.fields()[3].name(), "rgb");
+  EXPECT_EQ(message.fields()[3].datatype(), 7) << "the bits of a float32";
+  // Little-endian: blue first.
+  EXPECT_EQ(message.data()[12], 0x33);
+  EXPECT_EQ(message.data()[14], 0x11);
+  EXPECT_EQ(from_message(message), points);
+  EXPECT_EQ(columns_of(message).rgb, columns.rgb);
+  // With alpha the float is NaN.
+  message.fields()[3].name("rgba");
+  message.data()[15] = 0xFF;
+  EXPECT_EQ(columns_of(message).rgb, columns.rgb);
+  message.fields()[3].datatype(6);
+  EXPECT_EQ(columns_of(message).rgb, columns.rgb);
+  message.fields()[3].datatype(2);
+  EXPECT_TRUE(columns_of(message).rgb.empty()) << "no colour fits a byte";
+  message.fields()[3].datatype(6);
+  message.fields()[3].offset(13);
+  EXPECT_THROW((void)columns_of(message), InputError);
+}
+
 TEST(CloudMessages, TakeATimeThatOnlyFitsAClockForOne) {
   auto message = to_message({{1.0F, 2.0F, 3.0F}}, Stamp::from_seconds(1.7e9), "lidar");
   sensor_msgs::msg::PointField field;

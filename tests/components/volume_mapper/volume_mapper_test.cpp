@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -13,13 +12,9 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
-#include "components/convert/cloud_messages.hpp"
-#include "components/convert/geometry_messages.hpp"
-#include "components/convert/scan_messages.hpp"
-#include "components/volume_mapper/register.hpp"
 #include "core/base/error.hpp"
 #include "core/volume/volume_map.hpp"
-#include "tests/components/runtime/host_fixture.hpp"
+#include "tests/components/volume_mapper/robot.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::volume_mapper {
@@ -27,96 +22,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-using octomap_msgs::msg::Octomap;
-using sensor_msgs::msg::PointCloud2;
-using tf2_msgs::msg::TFMessage;
-
-TFMessage transform(const std::string& parent, const std::string& child, double time_s, double x) {
-  geometry_msgs::msg::TransformStamped stamped;
-  stamped.header(convert::make_header(Stamp::from_seconds(time_s), parent));
-  stamped.child_frame_id(child);
-  stamped.transform().translation().x(x);
-  stamped.transform().rotation().w(1.0);
-  TFMessage message;
-  message.transforms({stamped});
-  return message;
-}
-
-std::vector<Eigen::Vector3f> wall(float x) {
-  std::vector<Eigen::Vector3f> points;
-  for (int y = -5; y <= 5; ++y) {
-    for (int z = -5; z <= 5; ++z) {
-      points.emplace_back(x, 0.1F * static_cast<float>(y) + 0.05F,
-                          0.1F * static_cast<float>(z) + 0.05F);
-    }
-  }
-  return points;
-}
-
-octomap::OcTree tree_of(const Octomap& message) {
-  octomap::OcTree tree(message.resolution());
-  std::istringstream data(std::string(message.data().begin(), message.data().end()));
-  tree.readBinaryData(data);
-  return tree;
-}
-
-bool is_occupied(const octomap::OcTree& tree, double x, double y, double z) {
-  const octomap::OcTreeNode* node = tree.search(x, y, z);
-  return node != nullptr && tree.isNodeOccupied(node);
-}
-
-/// A robot that publishes, and what the component answers.
-class Robot {
- public:
-  explicit Robot(const std::string& parameters)
-      : participant_(test::make_participant()),
-        maps_(participant_, "/octomap_binary", "latched"),
-        points_(participant_, "/points", bus::qos_profile("lossless")),
-        tf_(participant_, "/tf", bus::qos_profile("tf")),
-        tf_static_(participant_, "/tf_static", bus::qos_profile("tf_static")),
-        scans_(participant_, "/labeled_scan", bus::qos_profile("lossless")) {
-    register_component(registry_);
-    host_ = test::make_host(
-        "{type: strata::VolumeMapper, name: mapper, parameters: {points_qos: lossless, " +
-            parameters + "}}",
-        registry_, test::make_participant());
-    host_->activate();
-    const std::chrono::seconds patience(20);
-    EXPECT_TRUE(points_.raw().wait_for_readers(1, patience));
-    EXPECT_TRUE(tf_.raw().wait_for_readers(1, patience));
-    EXPECT_TRUE(scans_.raw().wait_for_readers(1, patience));
-    tf_static_.publish(transform("base_link", "lidar", 0.0, 0.25));
-  }
-  void move(double time_s, double x) { tf_.publish(transform("map", "base_link", time_s, x)); }
-  void see(double time_s, const std::vector<Eigen::Vector3f>& points,
-           const std::string& frame = "lidar") {
-    publish(convert::to_message(points, Stamp::from_seconds(time_s), frame));
-  }
-  /// Points that were measured time_s + offset_s.
-  void see_over_time(double time_s, const std::vector<Eigen::Vector3f>& points,
-                     const std::vector<float>& offset_s) {
-    convert::CloudColumns columns;
-    columns.offset_s = offset_s;
-    publish(convert::to_message(points, Stamp::from_seconds(time_s), "lidar", columns));
-  }
-  void publish(const PointCloud2& message) { points_.publish(message); }
-  void label(const PosedScan& scan) { scans_.publish(convert::to_message(scan, "map", "laser")); }
-  [[nodiscard]] std::vector<Octomap> wait_for(std::size_t maps) { return maps_.wait_for(maps); }
-  void deactivate() { host_.reset(); }
-  [[nodiscard]] runtime::Host& host() { return *host_; }
-  void tick() { host_->tick(); }
-
- private:
-  std::shared_ptr<bus::Participant> participant_;
-  test::Collector<Octomap> maps_;
-  bus::Writer<PointCloud2> points_;
-  bus::Writer<TFMessage> tf_;
-  bus::Writer<TFMessage> tf_static_;
-  bus::Writer<strata_msgs::msg::LabeledScan> scans_;
-  runtime::Registry registry_;
-  std::unique_ptr<runtime::Host> host_;
-};
 
 TEST(VolumeMapper, PublishesTheMapOfCloudsAtThePosesOfTf) {
   Robot robot("publish_period_s: 0");

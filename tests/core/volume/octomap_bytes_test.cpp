@@ -22,25 +22,34 @@ const std::string kOneChild = "\0\0\0\0\x01"s;
 const std::string kTwoChildren = "\0\0\0\0\x81"s;
 
 TEST(OctomapNodes, CountsNodesOfFullTrees) {
-  EXPECT_EQ(octomap_nodes(kLeaf, false), 1);
-  EXPECT_EQ(octomap_nodes(kTwoChildren + kLeaf + kOneChild + kLeaf, false), 4);
-  EXPECT_EQ(octomap_nodes(kLeaf + "more", false), 1) << "what follows is not its own";
+  EXPECT_EQ(octomap_nodes(kLeaf, NodeForm::kFull), 1);
+  EXPECT_EQ(octomap_nodes(kTwoChildren + kLeaf + kOneChild + kLeaf, NodeForm::kFull), 4);
+  EXPECT_EQ(octomap_nodes(kLeaf + "more", NodeForm::kFull), 1) << "what follows is not its own";
 }
 
 TEST(OctomapNodes, CountsNodesOfBinaryTreesWhoseLeavesTakeNoBytes) {
-  EXPECT_EQ(octomap_nodes("\0\0"s, true), 1);
+  EXPECT_EQ(octomap_nodes("\0\0"s, NodeForm::kBinary), 1);
   // A free child, an occupied one, and one that has two children of its own.
-  EXPECT_EQ(octomap_nodes("\x39\0\x09\0"s, true), 6);
+  EXPECT_EQ(octomap_nodes("\x39\0\x09\0"s, NodeForm::kBinary), 6);
+}
+
+TEST(OctomapNodes, CountsNodesOfColoredTrees) {
+  const std::string leaf = "\0\0\0\0rgb\0"s;
+  const std::string tree = "\0\0\0\0rgb\x11"s + leaf + leaf;
+  EXPECT_EQ(octomap_nodes(tree, NodeForm::kColor), 3);
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    EXPECT_FALSE(octomap_nodes(std::string_view(tree).substr(0, i), NodeForm::kColor)) << i;
+  }
 }
 
 TEST(OctomapNodes, GivesNothingForTreesThatEndTooEarly) {
   const std::string full = kTwoChildren + kLeaf + kOneChild + kLeaf;
   const std::string binary = "\x39\0\x09\0"s;
   for (std::size_t i = 0; i < full.size(); ++i) {
-    EXPECT_FALSE(octomap_nodes(std::string_view(full).substr(0, i), false)) << i;
+    EXPECT_FALSE(octomap_nodes(std::string_view(full).substr(0, i), NodeForm::kFull)) << i;
   }
   for (std::size_t i = 0; i < binary.size(); ++i) {
-    EXPECT_FALSE(octomap_nodes(std::string_view(binary).substr(0, i), true)) << i;
+    EXPECT_FALSE(octomap_nodes(std::string_view(binary).substr(0, i), NodeForm::kBinary)) << i;
   }
 }
 
@@ -50,8 +59,8 @@ TEST(OctomapNodes, GivesNothingForTreesDeeperThanSixteenLevels) {
     for (std::size_t i = 0; i < inner; ++i) bytes += kOneChild;
     return bytes + kLeaf;
   };
-  EXPECT_EQ(octomap_nodes(chain(16), false), 17);
-  EXPECT_FALSE(octomap_nodes(chain(17), false));
+  EXPECT_EQ(octomap_nodes(chain(16), NodeForm::kFull), 17);
+  EXPECT_FALSE(octomap_nodes(chain(17), NodeForm::kFull));
 }
 
 TEST(OctomapNodes, CountsAsManyAsTheTreeHasAndFilesThatDoNotAreRefused) {
@@ -60,9 +69,9 @@ TEST(OctomapNodes, CountsAsManyAsTheTreeHasAndFilesThatDoNotAreRefused) {
   for (std::size_t i = 0; i < 3; ++i) map.insert(test::room_cloud(5, i, 500), {}, pool);
   for (const std::string& whole : {map.full_file(), map.binary_file()}) {
     const std::size_t data = whole.find("\ndata\n") + 6;
-    const bool is_binary = whole.find("binary") < data;
+    const auto form = whole.find("binary") < data ? NodeForm::kBinary : NodeForm::kFull;
     EXPECT_THROW((void)VolumeMap::from_file(whole.substr(0, data - 1), "header"), InputError);
-    const auto nodes = octomap_nodes(std::string_view(whole).substr(data), is_binary);
+    const auto nodes = octomap_nodes(std::string_view(whole).substr(data), form);
     EXPECT_EQ(nodes, VolumeMap::from_file(whole, "whole").size().nodes);
     for (std::size_t length = data; length < whole.size(); length += 1 + whole.size() / 97) {
       EXPECT_THROW((void)VolumeMap::from_file(whole.substr(0, length), "cut"), InputError)

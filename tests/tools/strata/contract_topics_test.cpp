@@ -100,6 +100,7 @@ TEST(ContractTopics, HaveTheTypesAndTheQosThatOthersRelyOn) {
       {"writes /localization_health", "strata_msgs/msg/LocalizationHealth" + latched},
       {"writes /localization_score", "std_msgs/msg/Float64" + reliable},
       {"writes /octomap_binary", "octomap_msgs/msg/Octomap" + latched},
+      {"writes /octomap_color", "octomap_msgs/msg/Octomap" + latched},
   };
   const std::map<std::string, std::string> topics = explained_topics();
   for (const auto& [topic, promised] : contract) {
