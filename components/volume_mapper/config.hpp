@@ -19,6 +19,12 @@ struct VolumeMapperConfig {
   std::string topic = "octomap_binary";
   bool has_colors = true;
   std::string color_topic = "octomap_color";
+  bool has_levels = false;
+  std::string level_topic = "octomap_level";
+  double level_period_s = 1.0;
+  double short_clouds = 2.0;
+  double mid_clouds = 10.0;
+  double long_clouds = 50.0;
   std::string points_qos = "sensor_data";
   double publish_period_s = 1.0;
   int waiting_clouds = 20;
@@ -42,6 +48,7 @@ struct VolumeMapperConfig {
             {.doc = "the map has the colours of clouds with a field rgb or rgba"});
     v.field("color_topic", c.color_topic,
             {.doc = "octomap_msgs/Octomap out, a ColorOcTree, latched; once a cloud had colours"});
+    describe_levels(c, v);
     v.field("points_qos", c.points_qos,
             {.doc = "QoS profile of points: sensor_data, or lossless for clouds that must not be "
                     "dropped"});
@@ -64,7 +71,7 @@ struct VolumeMapperConfig {
         "out_subfolder", c.out_subfolder,
         {.doc =
              "at the end of a replay map.bt, map.ot and, with colours, map_color.ot go into this "
-             "folder of its output"});
+             "folder of its output, with levels map_short.bt, map_mid.bt and map_long.bt"});
     v.field("save", c.save,
             {.doc = "write the map to this .bt file when the component is deactivated; empty: do "
                     "not"});
@@ -76,6 +83,28 @@ struct VolumeMapperConfig {
              .unit = "s",
              .min = 0.0,
              .max = 3600.0});
+  }
+
+ private:
+  template <class Self, class V>
+  static void describe_levels(Self& c, V& v) {
+    v.field("has_levels", c.has_levels,
+            {.doc = "also map what was there of late, for a while and for long; kept in RAM only",
+             .when = "who plans wants to know what stands there today, and what always does"});
+    v.field("level_topic", c.level_topic,
+            {.doc = "octomap_msgs/Octomap out, binary, latched, on TOPIC/short, TOPIC/mid and "
+                    "TOPIC/long"});
+    v.field(
+        "level_period_s", c.level_period_s,
+        {.doc = "levels take a cloud at most this often, by the stamps", .unit = "s", .min = 0.0});
+    v.field("short_clouds", c.short_clouds,
+            {.doc = "half-life of the short level, in such clouds that saw the voxel",
+             .min = 0.1,
+             .max = 150.0});
+    v.field("mid_clouds", c.mid_clouds, {.doc = "of the mid level", .min = 0.1, .max = 150.0});
+    v.field("long_clouds", c.long_clouds, {.doc = "of the long level", .min = 0.1, .max = 150.0});
+    v.require(c.short_clouds <= c.mid_clouds && c.mid_clouds <= c.long_clouds, "long_clouds",
+              "is not the longest", "order them short, mid, long");
   }
 };
 

@@ -3,40 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <span>
-#include <sstream>
 #include <utility>
 
 #include "components/convert/cloud_messages.hpp"
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/log/kept_file.hpp"
-#include "components/log/whole_file.hpp"
+#include "components/volume_mapper/whole_bytes.hpp"
 #include "core/base/error.hpp"
+#include "core/volume/level_tree.hpp"
 
 namespace strata::volume_mapper {
 namespace {
 
 /// How long tf and labels are remembered; clouds that wait longer are given up.
 constexpr double kRemembered_s = 10.0;
-
-/// Throws InputError.
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream bytes;
-  if (in) bytes << in.rdbuf();
-  if (!in || in.bad() || std::filesystem::is_directory(file)) {
-    throw InputError(file.string(), "cannot be read", "check the file and its permissions");
-  }
-  return std::move(bytes).str();
-}
-
-void write_whole(const std::filesystem::path& path, const std::string& bytes) {
-  log::WholeFile file(path);
-  file.stream() << bytes;
-  file.commit();
-}
 
 std::vector<volume::Rgb> unpacked(const std::vector<std::uint32_t>& rgb) {
   std::vector<volume::Rgb> colors(rgb.size());
@@ -55,14 +37,12 @@ void VolumeMapper::on_configure() {
   map_.emplace(first_map());
   colors_.reset();
   if (config_.has_colors) colors_.emplace(first_colors());
+  levels_.reset();
+  if (config_.has_levels) levels_.emplace(config_);
   kept_ = std::chrono::steady_clock::now();
   pool_.emplace(context().threads);
   transforms_ = log::TransformHistory(kRemembered_s);
-  publish_ = advertise<octomap_msgs::msg::Octomap>(config_.topic, "latched");
-  publish_colors_ = nullptr;
-  if (colors_) {
-    publish_colors_ = advertise<octomap_msgs::msg::Octomap>(config_.color_topic, "latched");
-  }
+  advertise_maps();
   subscribe<tf2_msgs::msg::TFMessage>(
       "/tf_static", "tf_static", [this](const auto& message) { on_transforms(message, true); });
   subscribe<tf2_msgs::msg::TFMessage>(
@@ -71,6 +51,18 @@ void VolumeMapper::on_configure() {
                                            [this](const auto& message) { on_scan(message); });
   subscribe<sensor_msgs::msg::PointCloud2>("points", config_.points_qos,
                                            [this](const auto& message) { on_cloud(message); });
+}
+
+void VolumeMapper::advertise_maps() {
+  using octomap_msgs::msg::Octomap;
+  publish_ = advertise<Octomap>(config_.topic, "latched");
+  publish_colors_ = nullptr;
+  publish_levels_.clear();
+  if (colors_) publish_colors_ = advertise<Octomap>(config_.color_topic, "latched");
+  if (!levels_) return;
+  for (const auto& [level, name] : kLevels) {
+    publish_levels_.push_back(advertise<Octomap>(config_.level_topic + "/" + name, "latched"));
+  }
 }
 
 volume::VolumeMap VolumeMapper::first_map() {
@@ -210,6 +202,7 @@ void VolumeMapper::enter(const volume::Cloud& cloud) {
   }
   counts_ += map_->insert(cloud, is_dynamic, *pool_);
   if (colors_) colors_->add(cloud, is_dynamic, *pool_);
+  if (levels_) levels_->see(cloud, is_dynamic, *pool_);
   ++clouds_;
   // Stamps may run backwards, as when a bag starts again.
   const bool is_due = !last_published_ || std::abs((cloud.stamp - *last_published_).seconds()) >=
@@ -231,11 +224,18 @@ void VolumeMapper::publish_map_of(Stamp newest_cloud) {
 }
 
 void VolumeMapper::publish(Stamp stamp) {
-  publish_(convert::to_binary_octomap(map_->binary_message_data(), config_.map.resolution_m, stamp,
-                                      config_.map_frame));
-  if (!has_colors()) return;
-  publish_colors_(convert::to_color_octomap(colors_->message_data(*map_), config_.map.resolution_m,
-                                            stamp, config_.map_frame));
+  const double resolution_m = config_.map.resolution_m;
+  const std::string& frame = config_.map_frame;
+  publish_(convert::to_binary_octomap(map_->binary_message_data(), resolution_m, stamp, frame));
+  if (has_colors()) {
+    publish_colors_(
+        convert::to_color_octomap(colors_->message_data(*map_), resolution_m, stamp, frame));
+  }
+  for (std::size_t i = 0; i < publish_levels_.size(); ++i) {
+    publish_levels_[i](
+        convert::to_binary_octomap(volume::level_message_data(levels_->memory(), kLevels[i].first),
+                                   resolution_m, stamp, frame));
+  }
 }
 
 void VolumeMapper::on_deactivate() {
@@ -250,6 +250,11 @@ void VolumeMapper::on_finish(const std::filesystem::path& out_dir) {
   write_whole(folder / "map.bt", map_->binary_file());
   write_whole(folder / "map.ot", map_->full_file());
   if (has_colors()) write_whole(folder / "map_color.ot", colors_->file(*map_));
+  if (!levels_) return;
+  for (const auto& [level, name] : kLevels) {
+    write_whole(folder / ("map_" + std::string(name) + ".bt"),
+                volume::level_file(levels_->memory(), level));
+  }
 }
 
 void VolumeMapper::on_diagnose(runtime::Health& health) const {
@@ -262,6 +267,7 @@ void VolumeMapper::on_diagnose(runtime::Health& health) const {
 void VolumeMapper::on_cleanup() {
   map_.reset();
   colors_.reset();
+  levels_.reset();
   pool_.reset();
   transforms_ = log::TransformHistory(kRemembered_s);
   waiting_.clear();

@@ -13,6 +13,7 @@
 #include "components/log/transform_history.hpp"
 #include "components/runtime/component.hpp"
 #include "components/volume_mapper/config.hpp"
+#include "components/volume_mapper/live_levels.hpp"
 #include "components/volume_mapper/share_of_time.hpp"
 #include "core/volume/point_colors.hpp"
 #include "core/volume/volume_map.hpp"
@@ -20,7 +21,7 @@
 namespace strata::volume_mapper {
 
 /// In: points (sensor_msgs/PointCloud2), /tf, /tf_static, labeled_scan. Out: octomap_binary, and
-/// octomap_color once clouds have colours. A
+/// octomap_color once clouds have colours, and octomap_level/short, mid and long when asked. A
 /// cloud waits until tf tells where it was seen from. Clouds that make no sense, or whose pose
 /// stays unknown, are dropped and counted on /diagnostics; the map is as before. Live, publishing
 /// takes at most a tenth of the time: a large map goes out less often than publish_period_s says,
@@ -55,6 +56,7 @@ class VolumeMapper final : public runtime::Component {
   void enter(const volume::Cloud& cloud);
   void publish_map_of(Stamp newest_cloud);
   void publish(Stamp stamp);
+  void advertise_maps();
   /// A new map, or the stored one.
   [[nodiscard]] volume::VolumeMap first_map();
   /// None, or the stored ones.
@@ -68,6 +70,7 @@ class VolumeMapper final : public runtime::Component {
   VolumeMapperConfig config_;
   std::optional<volume::VolumeMap> map_;
   std::optional<volume::PointColors> colors_;  ///< nothing: not asked for
+  std::optional<LiveLevels> levels_;           ///< nothing: not asked for
   std::optional<WorkerPool> pool_;
   log::TransformHistory transforms_;
   std::deque<Waiting> waiting_;
@@ -83,6 +86,7 @@ class VolumeMapper final : public runtime::Component {
   std::optional<Stamp> held_back_;  ///< of the newest cloud whose map was due, but cost too much
   std::function<void(const octomap_msgs::msg::Octomap&)> publish_;
   std::function<void(const octomap_msgs::msg::Octomap&)> publish_colors_;
+  std::vector<std::function<void(const octomap_msgs::msg::Octomap&)>> publish_levels_;
 };
 
 }  // namespace strata::volume_mapper

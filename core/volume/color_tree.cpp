@@ -8,6 +8,7 @@
 
 #include "core/base/error.hpp"
 #include "core/volume/color_map.hpp"
+#include "core/volume/leaf_tree.hpp"
 #include "core/volume/octomap_header.hpp"
 
 namespace strata::volume {
@@ -15,43 +16,25 @@ namespace {
 
 using octomap::ColorOcTreeNode;
 
-class ColorTree final : public octomap::ColorOcTree {
- public:
-  using octomap::ColorOcTree::ColorOcTree;
+using ColorTree = LeafTree<octomap::ColorOcTree, ColorOcTreeNode>;
 
-  /// A leaf of 2^(16 - depth) voxels an edge; leaves must not overlap.
-  void add_leaf(const VoxelKey& corner, unsigned depth, float log_odds, const Rgb& color) {
-    if (root == nullptr) {
-      root = new ColorOcTreeNode();
-      ++tree_size;
-    }
-    ColorOcTreeNode* node = root;
-    for (unsigned at = 0; at < depth; ++at) {
-      const unsigned shift = static_cast<unsigned>(kLatticeDepth) - 1 - at;
-      const auto bit = [shift](std::int32_t key) {
-        return static_cast<unsigned>(key) >> shift & 1U;
-      };
-      const unsigned child = bit(corner.x) | bit(corner.y) << 1 | bit(corner.z) << 2;
-      node =
-          nodeChildExists(node, child) ? getNodeChild(node, child) : createNodeChild(node, child);
-    }
-    node->setLogOdds(log_odds);
-    node->setColor(color.r, color.g, color.b);
-  }
-};
+void paint(ColorOcTreeNode& node, float log_odds, const Rgb& color) {
+  node.setLogOdds(log_odds);
+  node.setColor(color.r, color.g, color.b);
+}
 
 ColorTree tree_of(const VolumeMap& map, const ColorOf& color_of) {
   ColorTree tree(map.lattice().resolution_m());
   map.for_each_cube([&](const VoxelCube& cube) {
     if (cube.is_occupied) {
       for_each_voxel(cube, [&](const VoxelKey& key) {
-        tree.add_leaf(key, kLatticeDepth, cube.log_odds, color_of(key));
+        paint(tree.leaf(key, kLatticeDepth), cube.log_odds, color_of(key));
       });
       return;
     }
     unsigned depth = kLatticeDepth;
     for (std::int32_t edge = cube.edge; edge > 1; edge >>= 1) --depth;
-    tree.add_leaf(cube.corner, depth, cube.log_odds, {255, 255, 255});
+    paint(tree.leaf(cube.corner, depth), cube.log_odds, {255, 255, 255});
   });
   tree.updateInnerOccupancy();
   tree.prune();

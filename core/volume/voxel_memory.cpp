@@ -54,6 +54,18 @@ std::optional<double> VoxelMemory::occupancy(const VoxelKey& key, VoxelLevel lev
   return brick->share[static_cast<std::size_t>(level)][place] / kWhole;
 }
 
+void VoxelMemory::for_each_voxel(VoxelLevel level,
+                                 const std::function<void(const VoxelKey&, double)>& visit) const {
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const Brick& brick = bricks_.value(i);
+    const auto& share = brick.share[static_cast<std::size_t>(level)];
+    for (unsigned place = 0; place < kBrickVoxels; ++place) {
+      if (brick.seen[place] == 0) continue;
+      visit(voxel_of(bricks_.ids()[i], place), share[place] / kWhole);
+    }
+  }
+}
+
 std::size_t VoxelMemory::known_voxels() const {
   std::size_t known = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -72,6 +73,10 @@ class VoxelMemory {
 
   /// Share of clouds that ended in the voxel, by a level; nothing where none saw it.
   [[nodiscard]] std::optional<double> occupancy(const VoxelKey& key, VoxelLevel level) const;
+  /// Every voxel that a cloud saw, with that share; in no certain order.
+  void for_each_voxel(VoxelLevel level,
+                      const std::function<void(const VoxelKey&, double)>& visit) const;
+  [[nodiscard]] const VoxelLattice& lattice() const { return lattice_; }
   /// Where the short and the long level disagree, larger first. O(voxels).
   [[nodiscard]] std::vector<VolumeChange> changes() const;
   [[nodiscard]] std::size_t known_voxels() const;
