@@ -89,8 +89,7 @@ struct VolumeMapperConfig {
   template <class Self, class V>
   static void describe_levels(Self& c, V& v) {
     v.field("has_levels", c.has_levels,
-            {.doc = "also map what was there of late, for a while and for long; kept in RAM only",
-             .when = "who plans wants to know what stands there today, and what always does"});
+            {.doc = "also map what was there of late, for a while and for long; kept in RAM only"});
     v.field("level_topic", c.level_topic,
             {.doc = "octomap_msgs/Octomap out, binary, latched, on TOPIC/short, TOPIC/mid and "
                     "TOPIC/long"});
