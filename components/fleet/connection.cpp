@@ -2,11 +2,17 @@
 #include "components/fleet/connection.hpp"
 
 #include <array>
+#include <atomic>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <utility>
 
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include "components/fleet/libpq.hpp"
+#include "components/fleet/server_name.hpp"
 
 namespace strata::fleet {
 namespace {
@@ -23,8 +29,6 @@ constexpr Oid kByteaType = 17;  // pg_type.dat: bytea; it never changes
 constexpr int kText = 0;
 constexpr int kBinary = 1;
 
-const std::string kScheme = "postgresql://";
-
 std::string one_line(const char* message) {
   std::string text = message != nullptr ? message : "";
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
@@ -37,14 +41,6 @@ std::string one_line(const char* message) {
 std::string setting_of(PGconn* connection, char* (*ask)(const PGconn*)) {
   const char* value = ask(connection);
   return value != nullptr ? value : "";
-}
-
-std::string name_of(const std::string& host, const std::string& port, const std::string& database) {
-  if (host.starts_with('/')) {  // the folder of a socket
-    return kScheme + "/" + database + "?host=" + host + (port.empty() ? "" : "&port=" + port);
-  }
-  return kScheme + (host.empty() ? "localhost" : host) + (port.empty() ? "" : ":" + port) + "/" +
-         database;
 }
 
 /// Why nobody is let in, as far as libpq tells it.
@@ -114,10 +110,39 @@ double Rows::real(std::size_t row, int column) const {
 }
 
 struct Connection::State {
+  State() = default;
+  ~State() {
+    if (socket >= 0) (void)close(socket);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
   std::unique_ptr<PGconn, Finish> connection;
   std::string place;
   int statement_s = 0;
+  int socket = -1;  // a second handle: libpq may close its own at any time
+  std::atomic<std::int64_t> since_ns{0};
 };
+
+namespace {
+
+std::int64_t steady_ns() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
+
+/// While a statement is under way.
+class Waiting {
+ public:
+  explicit Waiting(std::atomic<std::int64_t>& since_ns) : since_ns_(since_ns) {
+    since_ns_ = steady_ns();
+  }
+  ~Waiting() { since_ns_ = 0; }
+  Waiting(const Waiting&) = delete;
+  Waiting& operator=(const Waiting&) = delete;
+
+ private:
+  std::atomic<std::int64_t>& since_ns_;
+};
+
+}  // namespace
 
 Connection::Connection(const std::string& url, const Patience& patience)
     : state_(std::make_unique<State>()) {
@@ -134,10 +159,12 @@ Connection::Connection(const std::string& url, const Patience& patience)
   PGconn* connection = state_->connection.get();
   if (connection == nullptr) throw std::bad_alloc();
   if (libpq().status(connection) != CONNECTION_OK) fail_to_connect(connection, state_->place);
-  state_->place = name_of(setting_of(connection, libpq().host),
-                          setting_of(connection, libpq().port), setting_of(connection, libpq().db));
+  state_->place =
+      server_name(setting_of(connection, libpq().host), setting_of(connection, libpq().port),
+                  setting_of(connection, libpq().db));
   libpq().set_notice_processor(
       connection, [](void*, const char*) {}, nullptr);
+  state_->socket = dup(libpq().socket(connection));
   state_->statement_s = patience.statement_s;
   // The server would let visits that it has acknowledged go at a power cut, were it told so.
   (void)query(
@@ -155,6 +182,11 @@ Connection::Connection(Connection&&) noexcept = default;
 
 const std::string& Connection::place() const { return state_->place; }
 std::string Connection::user() const { return setting_of(state_->connection.get(), libpq().user); }
+void Connection::cut() const { (void)shutdown(state_->socket, SHUT_RDWR); }
+double Connection::waited_s() const {
+  const std::int64_t since_ns = state_->since_ns;
+  return since_ns == 0 ? 0.0 : static_cast<double>(steady_ns() - since_ns) * 1e-9;
+}
 bool Connection::is_encrypted() const { return libpq().ssl_in_use(state_->connection.get()) != 0; }
 
 void Connection::fail(const void* raw) {
@@ -209,6 +241,7 @@ Rows Connection::run(const std::string& sql, std::span<const Parameter> paramete
     lengths.push_back(static_cast<int>(parameter.size()));
     formats.push_back(parameter.is_bytes() ? kBinary : kText);
   }
+  const Waiting waiting(state_->since_ns);
   ResultOwner result(libpq().exec_params(
       state_->connection.get(), sql.c_str(), static_cast<int>(parameters.size()), types.data(),
       values.data(), lengths.data(), formats.data(), as_bytes ? kBinary : kText));
@@ -255,32 +288,6 @@ void Connection::transaction(const std::function<void()>& body) {
     }
     throw;
   }
-}
-
-std::string url_for(const std::string& place, const std::string& user) {
-  return kScheme + user + "@" + place.substr(kScheme.size());
-}
-
-std::string url_without_secrets(const std::string& url) {
-  char* said = nullptr;
-  PQconninfoOption* parts = libpq().conninfo_parse(url.c_str(), &said);
-  if (parts == nullptr) {
-    libpq().freemem(said);  // it may repeat the password
-    throw InputError("URL", "is none of a PostgreSQL server",
-                     "write it as postgresql://USER@HOST/DATABASE");
-  }
-  std::string host;
-  std::string port;
-  std::string database;
-  for (const PQconninfoOption* part = parts; part->keyword != nullptr; ++part) {
-    if (part->val == nullptr) continue;
-    const std::string_view keyword = part->keyword;
-    if (keyword == "host") host = part->val;
-    if (keyword == "port") port = part->val;
-    if (keyword == "dbname") database = part->val;
-  }
-  libpq().conninfo_free(parts);
-  return name_of(host, port, database);
 }
 
 }  // namespace strata::fleet

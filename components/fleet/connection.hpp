@@ -127,6 +127,11 @@ class Connection {
   /// What the server keeps of a role's password (SCRAM-SHA-256), so that the password itself is
   /// never said, nor written to its log.
   [[nodiscard]] std::string verifier_of(const std::string& password, const std::string& role);
+  /// Whoever waits for the server is told that it is gone (LostError), now and later. Thread-safe,
+  /// as waited_s().
+  void cut() const;
+  /// How long the statement under way has been; 0: none is.
+  [[nodiscard]] double waited_s() const;
   /// All that `body` does, or, when it throws, nothing of it.
   void transaction(const std::function<void()>& body);
 

@@ -47,6 +47,7 @@ class Libpq {
   decltype(PQresultStatus)* result_status = find<decltype(PQresultStatus)>("PQresultStatus");
   decltype(PQsetNoticeProcessor)* set_notice_processor =
       find<decltype(PQsetNoticeProcessor)>("PQsetNoticeProcessor");
+  decltype(PQsocket)* socket = find<decltype(PQsocket)>("PQsocket");
   decltype(PQsslInUse)* ssl_in_use = find<decltype(PQsslInUse)>("PQsslInUse");
   decltype(PQstatus)* status = find<decltype(PQstatus)>("PQstatus");
   decltype(PQuser)* user = find<decltype(PQuser)>("PQuser");

@@ -111,4 +111,12 @@ void push(Connection& connection, const std::string& site, const std::filesystem
   }
 }
 
+InputError clash_error(const Connection& connection, const VisitName& visit) {
+  return {connection.place(),
+          "has another visit of this robot that began at the same nanosecond, " +
+              std::to_string(visit.number) + ", which stays",
+          "look whether a clock was set back, or two robots share a name; the other visits were "
+          "sent"};
+}
+
 }  // namespace strata::fleet

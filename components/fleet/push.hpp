@@ -38,4 +38,7 @@ struct PushedVisit {
 void push(Connection& connection, const std::string& site, const std::filesystem::path& maps,
           const std::function<void(const PushedVisit&)>& told);
 
+/// What to say of a visit that stays here.
+[[nodiscard]] InputError clash_error(const Connection& connection, const VisitName& visit);
+
 }  // namespace strata::fleet

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -162,13 +163,13 @@ void push(const FleetOptions& options, VerbContext& context) {
   std::map<fleet::PushOutcome, std::size_t> counts;
   std::size_t bytes = 0;
   double path_m = 0.0;
-  std::string clash;
+  std::optional<fleet::VisitName> clash;
   fleet::push(connection, options.site, options.folder, [&](const fleet::PushedVisit& visit) {
     visits.push_back(json_of(visit));
     ++counts[visit.outcome];
     bytes += visit.bytes;
     if (visit.outcome == fleet::PushOutcome::kSent) path_m += visit.path_m;
-    if (visit.outcome == fleet::PushOutcome::kClash) clash = std::to_string(visit.name.number);
+    if (visit.outcome == fleet::PushOutcome::kClash) clash = visit.name;
     if (context.interrupt().requested()) throw Cancelled("push");
   });
   const auto count = [&](fleet::PushOutcome outcome) { return counts[outcome]; };
@@ -179,13 +180,7 @@ void push(const FleetOptions& options, VerbContext& context) {
              " were there, " + std::to_string(count(fleet::PushOutcome::kReleased)) +
              " are in released maps",
          {{"site", options.site}, {"bytes", bytes}, {"path_m", path_m}, {"visits", visits}});
-  if (!clash.empty()) {
-    throw InputError(connection.place(),
-                     "has another visit of this robot that began at the same nanosecond, " + clash +
-                         ", which stays",
-                     "look whether a clock was set back, or two robots share a name; the other "
-                     "visits were sent");
-  }
+  if (clash) throw fleet::clash_error(connection, *clash);
 }
 
 void pull(const FleetOptions& options, VerbContext& context) {
