@@ -50,6 +50,8 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"components/runtime",
        {"components/bus", "components/clouds", "components/maps", "components/site",
         "components/topologies"}},
+      // Any other component knows the runtime alone.
+      {"components/fleet_member", {"components/runtime", "components/fleet"}},
   };
   return table;
 }

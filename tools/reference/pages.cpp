@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "components/beam_filter/config.hpp"
+#include "components/fleet_member/config.hpp"
 #include "components/incident_recorder/config.hpp"
 #include "components/live_view/config.hpp"
 #include "components/localizer/config.hpp"
@@ -71,6 +72,7 @@ std::vector<Page> make_pages() {
       component_page<recorder::RecorderConfig>("recorder", "Recorder"),
       component_page<incident_recorder::IncidentRecorderConfig>("incident_recorder",
                                                                 "IncidentRecorder"),
+      component_page<fleet_member::FleetMemberConfig>("fleet_member", "FleetMember"),
       component_page<live_view::LiveViewConfig>("live_view", "LiveView"),
       page<log::LogConfig>("log.md", "Settings of reading logs",
                            "What stands below `log:` in what `strata learn`, `localize` and "

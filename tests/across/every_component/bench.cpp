@@ -38,6 +38,10 @@ std::string parameters_of(const std::string& type, const std::filesystem::path& 
     return "{out: '" + (folder / "incidents").string() +
            "', topics: [/diagnostics], after_s: 0.1, rest_s: 0.0}";
   }
+  if (type == "strata::FleetMember") {
+    return "{server: 'postgresql://hall.r1@/none?host=" + folder.string() +
+           "', site: hall, maps: ['" + (folder / "maps").string() + "'], retry: {first_s: 0.01}}";
+  }
   if (type == "strata::Player") {
     return "{log: '" + written_log(folder).string() + "', loop: true, rate: 100.0}";
   }

@@ -55,6 +55,10 @@ class EveryComponent : public test::ReplayFixture {
     add("Recorder", "out: " + at("bag").string() + ", topics: [scan]", "/old");
     add("IncidentRecorder", "out: " + at("incidents").string() + ", topics: [scan]", "/old");
     add("LiveView", "port: 0");
+    if (all_components().factories().contains("strata::FleetMember")) {
+      add("FleetMember", "server: 'postgresql://hall.r1@/none?host=" + at("none").string() +
+                             "', site: hall, maps: [" + at("direct").string() + "]");
+    }
   }
   void lead(void (runtime::Component::*transition)(), LifecycleState goal) {
     for (const auto& component : host_->components()) {

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A robot whose visits go out and whose maps come in with nobody doing anything.
+#include <thread>
+
+#include "components/fleet/pull.hpp"
+#include "tests/components/fleet_member/member_fixture.hpp"
+
+namespace strata::fleet_member {
+namespace {
+
+using test::drive;
+
+class FleetMemberTest : public test::MemberFixture {
+ protected:
+  /// Released by the operator, from maps with one more drive.
+  std::string release(std::int64_t begin_s) const {
+    const std::string name = "by-ada-" + std::to_string(begin_s);
+    test::write_maps(at(name), {test::first_tour(), drive(begin_s, 9)}, name);
+    site::Site local(at("hall-site"));
+    const std::string hash = local.add(at(name), test::ada(), "").status.version.hash;
+    local.approve(hash, test::ada(), "");
+    fleet::Connection ada = as("hall.ada");
+    fleet::release(ada, local, hash, name);
+    return hash;
+  }
+  [[nodiscard]] std::string newest() const {
+    fleet::Connection ada = as("hall.ada");
+    return fleet::newest_released(ada, "hall")->hash;
+  }
+  /// Some periods long: it looks at everything again, or would.
+  static void wait_for_a_look() { std::this_thread::sleep_for(std::chrono::milliseconds(600)); }
+};
+
+TEST_F(FleetMemberTest, PushesAndPullsByItself) {
+  start();
+  EXPECT_TRUE(test::comes_true([&] { return active() == newest(); }));
+  EXPECT_TRUE(there().empty());
+  learn({drive(10, 1)});
+  EXPECT_TRUE(test::comes_true([&] { return there().size() == 1; }));
+  learn({drive(10, 1), drive(20, 1), drive(30, 1)});
+  EXPECT_TRUE(test::comes_true([&] { return there().size() == 3; }));
+  const std::string next = release(500);
+  EXPECT_TRUE(test::comes_true([&] { return active() == next; }));
+  EXPECT_TRUE(comes_to_say("version pulled", next));
+  EXPECT_TRUE(comes_to_say("visits sent", "3"));
+  EXPECT_EQ(told("visits waiting"), "0");
+  EXPECT_EQ(told("level"), "0");
+  EXPECT_EQ(told("last error"), "none");
+  EXPECT_NE(told("last push, s ago"), "never");
+  EXPECT_NE(told("last pull, s ago"), "never");
+}
+
+TEST_F(FleetMemberTest, LeavesAVersionACandidateUnlessItIsToldMore) {
+  start("", "candidate");
+  EXPECT_TRUE(comes_to_say("version pulled", newest()));
+  EXPECT_EQ(active(), "none");
+  EXPECT_EQ(site::Site(at("robot")).find(newest()).state, site::VersionState::kCandidate);
+}
+
+TEST_F(FleetMemberTest, DoesNotOverruleWhoGoesBackOnTheRobot) {
+  start();
+  const std::string first = newest();
+  ASSERT_TRUE(test::comes_true([&] { return active() == first; }));
+  const std::string second = release(500);
+  ASSERT_TRUE(test::comes_true([&] { return active() == second; }));
+  ASSERT_TRUE(comes_to_say("version pulled", second));
+  (void)site::Site(at("robot")).rollback(test::ada());
+  wait_for_a_look();
+  EXPECT_EQ(active(), first);
+  const std::string third = release(600);
+  EXPECT_TRUE(test::comes_true([&] { return active() == third; }));
+}
+
+TEST_F(FleetMemberTest, GoesBackWithTheFleet) {
+  start();
+  const std::string first = newest();
+  const std::string second = release(500);
+  ASSERT_TRUE(test::comes_true([&] { return active() == second; }));
+  fleet::Connection ada = as("hall.ada");
+  fleet::release(ada, site::Site(at("hall-site")), first, "the second was bad");
+  EXPECT_TRUE(test::comes_true([&] { return active() == first; }));
+}
+
+TEST_F(FleetMemberTest, TellsOfAVisitThatTheServerRefusesAndSendsTheRest) {
+  learn({drive(10, 1)});
+  start();
+  ASSERT_TRUE(test::comes_true([&] { return there().size() == 1; }));
+  learn({drive(10, 2), drive(20, 2)});
+  EXPECT_TRUE(test::comes_true([&] { return there().size() == 2; }));
+  EXPECT_TRUE(comes_to_say("message", "look whether a clock was set back"));
+  EXPECT_TRUE(comes_to_be("visits refused", "1"));
+  EXPECT_TRUE(comes_to_be("visits waiting", "1"));
+}
+
+TEST_F(FleetMemberTest, GoesOnPullingWhereAFolderIsInAnotherFrame) {
+  test::write_maps(at("maps"), {drive(10, 1)});
+  start();
+  EXPECT_TRUE(comes_to_say("message", "its frame is its own"));
+  EXPECT_EQ(told("level"), "1");
+  EXPECT_TRUE(test::comes_true([&] { return active() == newest(); }));
+  EXPECT_TRUE(there().empty());
+  learn({drive(10, 1)});
+  EXPECT_TRUE(test::comes_true([&] { return there().size() == 1; }));
+  EXPECT_TRUE(comes_to_say("message", "OK"));
+}
+
+TEST_F(FleetMemberTest, DoesNotMixTwoSites) {
+  std::filesystem::remove_all(at("robot"));
+  (void)site::Site::create(at("robot"), "yard", "map", test::ada());
+  start();
+  EXPECT_TRUE(comes_to_say("message", "two sites do not mix"));
+  EXPECT_EQ(active(), "none");
+}
+
+TEST_F(FleetMemberTest, MayBeLedThroughItsLifeAgainAndAgain) {
+  learn({drive(10, 1)});
+  start();
+  for (int i = 0; i < 5; ++i) {
+    member().deactivate();
+    if (i == 2) {
+      member().cleanup();
+      member().configure();
+    }
+    member().activate();
+  }
+  EXPECT_TRUE(test::comes_true([&] { return there().size() == 1 && active() == newest(); }));
+  member().deactivate();
+  learn({drive(10, 1), drive(20, 1)});
+  wait_for_a_look();
+  EXPECT_EQ(there().size(), 1U) << "it rests";
+  member().activate();
+  EXPECT_TRUE(test::comes_true([&] { return there().size() == 2; }));
+}
+
+}  // namespace
+}  // namespace strata::fleet_member
