@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/fleet/visits.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "components/log/sha256.hpp"
@@ -89,6 +91,18 @@ void for_each_visit(Connection& connection, const std::string& site,
     take(name, memory::scans_of_visit(fetch_content(connection, site, name), 0,
                                       named(connection.place(), name)));
   }
+}
+
+std::vector<LearnedVisit> visits_to_learn(Connection& connection, const std::string& site,
+                                          const std::set<std::string>& known) {
+  std::vector<LearnedVisit> visits;
+  for_each_visit(connection, site, known, [&](const VisitName& name, std::vector<PosedScan> scans) {
+    visits.push_back({name, std::move(scans)});
+  });
+  std::stable_sort(visits.begin(), visits.end(), [](const LearnedVisit& a, const LearnedVisit& b) {
+    return std::tie(a.name.number, a.name.robot) < std::tie(b.name.number, b.name.robot);
+  });
+  return visits;
 }
 
 }  // namespace strata::fleet

@@ -47,6 +47,18 @@ void for_each_visit(Connection& connection, const std::string& site,
                     const std::set<std::string>& known,
                     const std::function<void(const VisitName&, std::vector<PosedScan>)>& take);
 
+struct LearnedVisit {
+  VisitName name;
+  std::vector<PosedScan> scans;
+};
+
+/// What `strata fleet learn` learns, in the order in which it does: those whose hash is not in
+/// `known`, by their begin, and of one begin by the robots' names. The same bits whoever pushed
+/// first, and in whatever groups. As for_each_visit() otherwise.
+[[nodiscard]] std::vector<LearnedVisit> visits_to_learn(Connection& connection,
+                                                        const std::string& site,
+                                                        const std::set<std::string>& known);
+
 /// The names alone.
 [[nodiscard]] std::vector<VisitName> visit_names(Connection& connection, const std::string& site);
 

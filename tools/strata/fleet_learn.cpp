@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/strata/fleet_learn.hpp"
 
-#include <algorithm>
 #include <iterator>
 #include <set>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -25,32 +23,11 @@
 namespace strata::tools {
 namespace {
 
-struct FleetVisit {
-  fleet::VisitName name;
-  std::vector<PosedScan> scans;
-};
-
-/// Those that the maps do not hold, by their begin.
-std::vector<FleetVisit> new_visits(fleet::Connection& connection, const std::string& site,
-                                   const std::filesystem::path& maps) {
-  const std::vector<std::string> known = fleet::run_hashes(maps);
-  const std::set<std::string> in_maps(known.begin(), known.end());
-  std::vector<FleetVisit> visits;
-  fleet::for_each_visit(connection, site, in_maps,
-                        [&](const fleet::VisitName& name, std::vector<PosedScan> scans) {
-                          visits.push_back({name, std::move(scans)});
-                        });
-  std::stable_sort(visits.begin(), visits.end(), [](const FleetVisit& a, const FleetVisit& b) {
-    return std::tie(a.name.number, a.name.robot) < std::tie(b.name.number, b.name.robot);
-  });
-  return visits;
-}
-
 /// As runs that were placed already; `next_run` stays, so that the timescale memory, which goes on
 /// from where it was, takes them for new.
-void append(std::vector<FleetVisit> visits, maps::EarlierRuns& earlier) {
+void append(std::vector<fleet::LearnedVisit> visits, maps::EarlierRuns& earlier) {
   int run = earlier.next_run;
-  for (FleetVisit& visit : visits) {
+  for (fleet::LearnedVisit& visit : visits) {
     for (PosedScan& scan : visit.scans) scan.run = run;
     earlier.scans.insert(earlier.scans.end(), std::make_move_iterator(visit.scans.begin()),
                          std::make_move_iterator(visit.scans.end()));
@@ -68,13 +45,15 @@ nlohmann::json learn_fleet(fleet::Connection& connection, const site::Site& site
   fleet::require_same_site(connection, site);
   const std::filesystem::path base = site.maps_of(site.find("active").version.hash);
   maps::EarlierRuns earlier = maps::read_earlier_runs(base);
-  std::vector<FleetVisit> visits = new_visits(connection, site.decisions().id, base);
+  const std::vector<std::string> known = fleet::run_hashes(base);
+  std::vector<fleet::LearnedVisit> visits = fleet::visits_to_learn(
+      connection, site.decisions().id, std::set<std::string>(known.begin(), known.end()));
   if (visits.empty()) {
     throw InputError(connection.place(), "has no visit that the active version does not hold",
                      "push some, or wait for robots that do");
   }
   std::set<std::string> robots;
-  for (const FleetVisit& visit : visits) robots.insert(visit.name.robot);
+  for (const fleet::LearnedVisit& visit : visits) robots.insert(visit.name.robot);
   const std::size_t count = visits.size();
   append(std::move(visits), earlier);
   const pipeline::LearnResult result =

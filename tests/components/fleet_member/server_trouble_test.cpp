@@ -96,6 +96,20 @@ TEST_F(ServerTrouble, KilledAndBackAgainAndAgainLosesNothing) {
   EXPECT_EQ(told("visits sent"), std::to_string(kVisits + 4)) << "each once";
 }
 
+/// A drive every ten minutes for 24 hours, learned night by night, and no network.
+TEST_F(ServerTrouble, OfADayLosesNothing) {
+  constexpr std::size_t kDay = 144;
+  server_->kill_hard();
+  start();
+  for (std::size_t count = 36; count <= kDay; count += 36) {
+    learn(drives(count));
+    EXPECT_TRUE(comes_to_be("visits waiting", std::to_string(count + 1))) << "and the first tour";
+  }
+  server_->start();
+  expect_all_once(kDay);
+  EXPECT_TRUE(comes_to_be("visits sent", std::to_string(kDay)));
+}
+
 /// From a backup of before: what is not there comes again.
 TEST_F(ServerTrouble, AnOlderCopyOfTheServerGetsAll) {
   start();
