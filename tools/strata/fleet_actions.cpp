@@ -206,12 +206,14 @@ void pull(const FleetOptions& options, VerbContext& context) {
 void learn(const FleetOptions& options, VerbContext& context) {
   const site::Site site = open_site(options, context);
   fleet::Connection connection = connect(options);
-  const json summary = learn_fleet(connection, site, options.name, context);
+  std::optional<site::RobotLimits> limits;
+  if (!options.unchecked) limits = {options.max_contradicted, options.max_above_others};
+  const json summary = learn_fleet(connection, site, options.name, limits, context);
   context.clear_progress();
   answer(options, context,
          "learned " + counted(summary["visits"].get<std::size_t>(), "visit") + " of " +
-             counted(summary["robots"].size(), "robot") +
-             " on top of the active version; maps in " + options.name +
+             counted(summary["robots"].size(), "robot") + " on top of the active version" +
+             set_aside_in(summary) + "; maps in " + options.name +
              ", add them with `strata site add " + options.folder + " " + options.name + "`",
          summary);
 }

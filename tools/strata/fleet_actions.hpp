@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "tools/site/robot_check.hpp"
 #include "tools/strata/verb_context.hpp"
 
 namespace strata::tools {
@@ -25,6 +26,9 @@ struct FleetOptions {
   bool approve = false;
   bool activate = false;
   bool undo = false;
+  bool unchecked = false;
+  double max_contradicted = site::RobotLimits{}.max_contradicted;
+  double max_above_others = site::RobotLimits{}.max_above_others;
   bool json = false;
 };
 

@@ -2,10 +2,12 @@
 #include "tools/strata/fleet_learn.hpp"
 
 #include <iterator>
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "components/fleet/status.hpp"
 #include "components/fleet/versions.hpp"
 #include "components/fleet/visits.hpp"
 #include "components/maps/earlier_runs.hpp"
@@ -35,10 +37,43 @@ void append(std::vector<fleet::LearnedVisit> visits, maps::EarlierRuns& earlier)
   }
 }
 
+/// Judges each robot by the scans that are to be learned; those who contradict the map as no other
+/// does are set aside on the server, and their visits go. What was found, for the summary.
+nlohmann::json check_robots(fleet::Connection& connection, const std::string& site,
+                            const std::filesystem::path& base, const site::RobotLimits& limits,
+                            std::vector<fleet::LearnedVisit>& visits, VerbContext& context) {
+  std::map<std::string, site::RobotVisits> by_name;
+  for (const fleet::LearnedVisit& visit : visits) {
+    by_name[visit.name.robot].robot = visit.name.robot;
+    by_name[visit.name.robot].visits.emplace_back(visit.scans);
+  }
+  std::vector<site::RobotVisits> robots;
+  for (auto& [name, robot] : by_name) robots.push_back(std::move(robot));
+  const ReflectionGrid map = maps::open_for_reading(base).load_reflection_grid("filtered");
+  nlohmann::json checked = nlohmann::json::array();
+  for (const site::RobotJudgement& robot : site::judge_robots(map, robots, limits)) {
+    checked.push_back(
+        {{"robot", robot.robot},
+         {"scans", robot.scans},
+         {"contradicted", robot.contradicted},
+         {"others", robot.others ? nlohmann::json(*robot.others) : nlohmann::json(nullptr)},
+         {"set_aside", robot.why.empty() ? nlohmann::json(nullptr) : nlohmann::json(robot.why)}});
+    if (robot.why.empty()) continue;
+    fleet::set_aside(connection, site, robot.robot, "by learn: " + robot.why);
+    context.note("warning: " + robot.robot + " is set aside: " + robot.why +
+                 "; look at it, then `strata fleet set-aside " + robot.robot +
+                 " --undo` and learn with --unchecked, if it is right");
+    std::erase_if(
+        visits, [&](const fleet::LearnedVisit& visit) { return visit.name.robot == robot.robot; });
+  }
+  return checked;
+}
+
 }  // namespace
 
 nlohmann::json learn_fleet(fleet::Connection& connection, const site::Site& site,
-                           const std::string& out_folder, VerbContext& context) {
+                           const std::string& out_folder,
+                           const std::optional<site::RobotLimits>& limits, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto config = read_config<maps::LearnConfig>(context);
   ResultDirectory out(out_folder, "maps", context);
@@ -51,6 +86,10 @@ nlohmann::json learn_fleet(fleet::Connection& connection, const site::Site& site
   if (visits.empty()) {
     throw InputError(connection.place(), "has no visit that the active version does not hold",
                      "push some, or wait for robots that do");
+  }
+  nlohmann::json checked = nlohmann::json::array();
+  if (limits) {
+    checked = check_robots(connection, site.decisions().id, base, *limits, visits, context);
   }
   std::set<std::string> robots;
   for (const fleet::LearnedVisit& visit : visits) robots.insert(visit.name.robot);
@@ -75,7 +114,18 @@ nlohmann::json learn_fleet(fleet::Connection& connection, const site::Site& site
   warn(context, drawings.what_is_missing());
   summary["visits"] = count;
   summary["robots"] = robots;
+  summary["checked"] = checked;
   return summary;
+}
+
+std::string set_aside_in(const nlohmann::json& summary) {
+  std::string text;
+  for (const nlohmann::json& robot : summary["checked"]) {
+    if (robot["set_aside"].is_null()) continue;
+    text += "; set aside " + robot["robot"].get<std::string>() + ": " +
+            robot["set_aside"].get<std::string>();
+  }
+  return text;
 }
 
 }  // namespace strata::tools

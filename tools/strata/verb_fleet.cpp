@@ -81,6 +81,18 @@ constexpr std::array<Action, 10> kActions{{
      [](CLI::App& action, FleetOptions& options) {
        add_folder(action, options);
        action.add_option("--out", options.name, "folder for the maps")->required();
+       action
+           .add_option("--max-contradicted", options.max_contradicted,
+                       "share of a robot's scans that may contradict the active version, ...")
+           ->check(CLI::Range(0.0, 1.0))
+           ->capture_default_str();
+       action
+           .add_option("--max-above-others", options.max_above_others,
+                       "... and by so much more than the other robots': beyond both, the robot is "
+                       "set aside")
+           ->check(CLI::Range(0.0, 1.0))
+           ->capture_default_str();
+       action.add_flag("--unchecked", options.unchecked, "set no robot aside");
      }},
     {"set-aside", "learn from a robot's visits no more",
      "postgresql://hall-3.ada@server/fleet --site hall-3 robot-4 --why 'its laser is bent'",

@@ -56,6 +56,16 @@ class FleetVerb : public testing::Test {
   std::optional<test::PostgresServer> server_;
 };
 
+/// The visit of a robot that does not know how it is turned.
+void make_lost(const fs::path& maps) {
+  memory::Store store(maps / maps::kStoreFile);
+  std::vector<PosedScan> scans = store.load_scans(1);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    scans[i].map_from_robot.theta += i % 2 == 0 ? 1.0 : -2.0;
+  }
+  store.save_scans(1, scans);
+}
+
 TEST_F(FleetVerb, LeadsFromOneRobotToTwoThatShareWhatTheyLearn) {
   ASSERT_EQ(run("simulate '" STRATA_SOURCE_DIR
                 "/tools/simulate/scenarios/empty_room.yaml' --set days=3 --per-day --quiet --out " +
@@ -96,12 +106,28 @@ TEST_F(FleetVerb, LeadsFromOneRobotToTwoThatShareWhatTheyLearn) {
     EXPECT_EQ(pushed["visits"][1]["outcome"], "sent");
     EXPECT_EQ(ask(push)["visits"][1]["outcome"], "there");
   }
+  // A third one is lost.
+  add_member("robot", "r3");
+  fs::copy(at("robot2-maps"), at("robot3-maps"), fs::copy_options::recursive);
+  make_lost(at("robot3-maps"));
+  const json third =
+      ask("fleet push " + url("hall-3.r3") + " " + quoted(at("robot3-maps")) + " --site hall-3");
+  EXPECT_EQ(third["visits"][1]["outcome"], "sent");
   // What both saw becomes the next version.
   const json learned = ask("fleet learn " + url("hall-3.ada") + " " + quoted(at("site")) +
                            " --quiet --out " + quoted(at("together")));
   EXPECT_EQ(learned["visits"], 2);
   EXPECT_EQ(learned["robots"], json({"r1", "r2"}));
   EXPECT_EQ(learned["runs"], 3);
+  ASSERT_EQ(learned["checked"].size(), 3U);
+  EXPECT_EQ(learned["checked"][0]["set_aside"], nullptr);
+  EXPECT_EQ(learned["checked"][1]["set_aside"], nullptr);
+  EXPECT_THAT(learned["checked"][2]["set_aside"].get<std::string>(),
+              HasSubstr("of its scans contradict the active version"));
+  EXPECT_THAT(run("fleet status " + url("hall-3.ada") + " --site hall-3").out,
+              HasSubstr("r3: 1 visits"));
+  EXPECT_THAT(run("fleet status " + url("hall-3.ada") + " --site hall-3").out,
+              HasSubstr("SET ASIDE: by learn: "));
   // Pushed in the other order: the same store, bit for bit.
   fleet::Connection admin = server_->admin();
   (void)admin.query("SET session_replication_role = replica");  // no trigger forbids it
@@ -121,7 +147,7 @@ TEST_F(FleetVerb, LeadsFromOneRobotToTwoThatShareWhatTheyLearn) {
   EXPECT_EQ(pulled["mapHash"], added["mapHash"]);
   EXPECT_EQ(pulled["is_new"], true);
   const json status = ask("fleet status " + url("hall-3.ada") + " --site hall-3");
-  EXPECT_EQ(status["robots"].size(), 2U);
+  EXPECT_EQ(status["robots"].size(), 3U);
   EXPECT_EQ(status["robots"][1]["visits"], 1);
   EXPECT_EQ(status["versions"].size(), 2U);
   EXPECT_THAT(run("fleet status " + url("hall-3.r1") + " --site hall-3").out,
