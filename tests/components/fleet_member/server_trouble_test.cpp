@@ -166,6 +166,19 @@ TEST_F(ServerTrouble, APasswordThatIsMendedIsTaken) {
   expect_all_once(kVisits);
 }
 
+TEST_F(ServerTrouble, ThatHangsDoesNotHoldUpTheEndOfTheProcess) {
+  {
+    const Locked locked(*server_);
+    start();
+    ASSERT_TRUE(test::comes_true([&] { return somebody_waits(); }));
+    const auto before = std::chrono::steady_clock::now();
+    host_.reset();
+    EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(5));
+  }
+  start();
+  expect_all_once(kVisits);
+}
+
 TEST_F(ServerTrouble, ThatHangsHoldsUpNobodyOnTheRobot) {
   using Clock = std::chrono::steady_clock;
   {
