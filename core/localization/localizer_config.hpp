@@ -35,10 +35,7 @@ struct GatingConfig {
              .min = 0.0,
              .when = "the processor is too slow (raise it), or poses lag behind (lower it)"});
     v.field("rotation_rad", c.rotation_rad,
-            {.doc = "or this much turning",
-             .unit = "rad",
-             .min = 0.0,
-             .when = "as translation_m, for turning"});
+            {.doc = "or this much turning", .unit = "rad", .min = 0.0});
     v.field("every_scans", c.every_scans,
             {.doc = "or at the latest every so many scans of each scanner; 1: weigh all",
              .unit = "scans",

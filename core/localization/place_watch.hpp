@@ -18,8 +18,7 @@ struct PlaceWatchConfig {
     v.field("is_used", c.is_used,
             {.doc = "a robot whose score stays low is looked for in the whole map, beside the pose "
                     "that it has; the place that is found takes over when it is confirmed "
-                    "(confirmation) and the pose still doubted; false: nothing is looked for",
-             .when = "the processor has no time for a second filter now and then (false)"});
+                    "(confirmation) and the pose still doubted; false: nothing is looked for"});
     v.field("doubted_score", c.doubted_score,
             {.doc = "a lower score speaks against the pose", .unit = "1", .min = 0.0, .max = 1.0});
     v.field("doubted_scans", c.doubted_scans,

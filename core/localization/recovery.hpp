@@ -72,8 +72,7 @@ struct RecoveryConfig {
     v.field("restart_after", c.restart_after,
             {.doc = "weighed scans in a row in doubt until all free space is searched; 0: never",
              .unit = "scans",
-             .min = 0,
-             .when = "a robot that is lost shall look for itself in the whole map; 5 with inject"});
+             .min = 0});
     v.field("uncertain_stddev_m", c.uncertain_stddev_m,
             {.doc = "above this spread the pose is not converged", .unit = "m", .min = 0.0});
     v.require(c.lost_share <= c.outdated_share, "lost_share", "is above outdated_share",

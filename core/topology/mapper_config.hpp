@@ -79,11 +79,7 @@ struct TopologyMapperConfig {
   static void describe(Self& c, V& v) {
     v.field("match_scans", c.match_scans,
             {.doc = "correct the odometry by matching each scan to the last metres; else raw"});
-    v.field("resolution_m", c.resolution_m,
-            {.doc = "cells of the map",
-             .unit = "m",
-             .min = 0.01,
-             .when = "the metric map shall be finer or coarser"});
+    v.field("resolution_m", c.resolution_m, {.doc = "cells of the map", .unit = "m", .min = 0.01});
     v.group("tracking", c.tracking, "scan matching");
     v.group("landmarks", c.landmarks, "where landmarks are");
     v.group("topology", c.topology, "the posterior over topologies");

@@ -31,8 +31,7 @@ struct VolumeConfig {
     v.field("max_range_m", c.max_range_m,
             {.doc = "points further away only free the space up to this range; 0: no limit",
              .unit = "m",
-             .min = 0.0,
-             .when = "far points are noisy, or time is short"});
+             .min = 0.0});
     v.field("probability_hit", c.probability_hit,
             {.doc = "occupancy that one point in a voxel speaks for",
              .unit = "1",
