@@ -11,6 +11,7 @@
 #include "core/localization/localizer.hpp"
 #include "core/localization/range_provider_model.hpp"
 #include "tests/core/localization/box_world.hpp"
+#include "tests/core/localization/unmapped_room.hpp"
 
 namespace strata::localization {
 namespace {
@@ -118,6 +119,96 @@ TEST(PlaceWatch, FindsARobotThatWasCarriedAwayAndIsNotSureMeanwhile) {
     EXPECT_EQ(error_m < 0.3, is_used) << error_m;
     EXPECT_TRUE(is_used || !was_ambiguous);
   }
+}
+
+TEST(PlaceWatch, TellsBothPlacesWhileTheOtherIsLikelierAndNotConfirmed) {
+  const ReflectionGrid map = map_of_room();
+  LocalizerConfig config;
+  config.global_search.confirmation.confirmed_score = 1.0;  // never
+  Localizer localizer(config, make_grid_beam_model(map), 4, 1);
+  localizer.set_free_space(map);
+  Drive drive({3.0, 2.5, 0.0}, 65);
+  localizer.initialize({drive.truth(), Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
+  std::size_t contested = 0;
+  for (int n = 0; n < 60; ++n) {
+    if (n == 20) drive.kidnap({9.8, 4.6, -2.0});
+    drive.step({n < 20 ? 0.1 : 0.05, 0.0, 0.02});
+    const LocalizationResult result = localizer.update(drive.look(kRoom, 8.0, 60));
+    if (!result.is_ambiguous) continue;
+    ++contested;
+    ASSERT_EQ(result.places.size(), 2U);
+    EXPECT_GT(result.places[0].probability, 0.5);
+    EXPECT_LT(translation_distance(result.places[0].map_from_robot, drive.truth()), 0.5);
+    EXPECT_EQ(result.places[1].map_from_robot, result.pose.mean) << "the pose stays its own";
+    EXPECT_GT(translation_distance(result.pose.mean, drive.truth()), 1.0);
+    EXPECT_FALSE(result.converged);
+    EXPECT_NE(result.health.state, HealthState::kGood);
+  }
+  EXPECT_GT(contested, 10U);
+}
+
+TEST(PlaceWatch, LeavesAPoseThatFitsAgainToTheFilterThatHasIt) {
+  const ReflectionGrid map = map_of_room();
+  LocalizerConfig config;
+  config.global_search.watch.trusted_score = 1.0;  // the search goes on
+  Localizer with(config, make_grid_beam_model(map), 4, 1);
+  Localizer without = watched(map, false);
+  with.set_free_space(map);
+  with.initialize({{3.0, 2.5, 0.0}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
+  Drive drive({3.0, 2.5, 0.0}, 67);
+  std::size_t searched = 0;
+  for (int n = 0; n < 80; ++n) {
+    drive.step({0.03, 0.0, 0.1});
+    // Another room for a while, as behind a crowd.
+    const Observation seen = drive.look(n < 25 ? kOtherRoom : kRoom, 8.0, 60);
+    const Pose2 expected = without.update(seen).pose.mean;
+    ASSERT_EQ(with.update(seen).pose.mean, expected) << n;
+    searched += with.saved_state()->size() > without.saved_state()->size() + 100 ? 1 : 0;
+  }
+  EXPECT_GT(searched, 60U) << "nothing was searched";
+}
+
+TEST(PlaceWatch, LooksForNothingWhereTheMapEnds) {
+  const auto model = unmapped_room::models().front();
+  LocalizerConfig config;
+  Localizer with(config, model, 5, 1);
+  config.global_search.watch.is_used = false;
+  Localizer without(config, model, 5, 1);
+  Drive drive({8.5, 0.8, 1.57}, 4);
+  for (Localizer* localizer : {&with, &without}) {
+    localizer->set_free_space(unmapped_room::corridor_map());
+    localizer->initialize({drive.truth(), Eigen::Vector3d(1e-3, 1e-3, 1e-3).asDiagonal()});
+  }
+  std::size_t outside = 0;
+  double score = 1.0;
+  for (int n = 0; n < 300; ++n) {
+    drive.step({n < 40 ? 0.1 : 0.05, 0.0, n < 40 ? 0.0 : 0.1});  // into the room, and about in it
+    const Observation seen = drive.look(unmapped_room::building());
+    const LocalizationResult result = with.update(seen);
+    ASSERT_EQ(result.pose.mean, without.update(seen).pose.mean) << n;
+    if (!result.is_beyond_map) continue;
+    ++outside;
+    score = result.score;
+    ASSERT_LT(with.saved_state()->size(), without.saved_state()->size() + 100) << n;
+  }
+  EXPECT_GT(outside, 200U);
+  EXPECT_LT(score, 0.3) << "nothing was doubted";
+}
+
+TEST(PlaceWatch, TakesNoNumbersTwiceAfterAnotherPlaceTookOver) {
+  const ReflectionGrid map = map_of_room();
+  const Pose2Gaussian there{{9.8, 4.6, -2.0}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()};
+  Localizer localizer = watched(map, true);  // the first start
+  Pose2 pose;
+  for (const Observation& observation : carried_away(60))
+    pose = localizer.update(observation).pose.mean;
+  ASSERT_GT(pose.x, 6.0) << "nothing took over";  // the second
+  Localizer fresh = watched(map, true);
+  localizer.initialize(there);
+  fresh.initialize(there);
+  EXPECT_NE(localizer.particles().x_m, fresh.particles().x_m);
+  fresh.initialize(there);
+  EXPECT_EQ(localizer.particles().x_m, fresh.particles().x_m) << "both the third";
 }
 
 TEST(PlaceWatch, LeavesTheFilterAsItIsWhereNothingBetterIsFound) {
