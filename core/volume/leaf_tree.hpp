@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Trees of OctoMap's made leaf by leaf. In .cpp files of this folder only.
+/// Trees of OctoMap's made leaf by leaf.
 #pragma once
 
-#include <octomap/octomap.h>
+#include <cstdint>
 
 #include "core/volume/voxel.hpp"
 
