@@ -189,8 +189,12 @@ const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool
   result_.places.clear();
   if (is_contested_) {
     const double both = score_.value() + scout_->score_.value();
-    result_.places = {{scout_->result_.pose.mean, scout_->score_.value() / both},
-                      {pose.mean, score_.value() / both}};
+    const double others = scout_->score_.value() / both;
+    for (const PlaceBelief& place : scout_->places_.beliefs()) {
+      result_.places.push_back({place.map_from_robot, others * place.probability});
+    }
+    if (result_.places.empty()) result_.places.push_back({scout_->result_.pose.mean, others});
+    result_.places.push_back({pose.mean, score_.value() / both});
   } else if (places_.is_active()) {
     result_.places = places_.beliefs();
   } else if (result_.is_ambiguous && !is_seeking_) {

@@ -48,10 +48,11 @@ struct LocalizationResult {
   bool is_beyond_map = false;
   /// Several places explain what was seen, and none has refuted the others by the margin
   /// (global_search.places), or it is still looked for any, or the one that is left has not been
-  /// confirmed (global_search.confirmation), or the search beside a doubted pose has found one that
-  /// fits better (global_search.watch).
+  /// confirmed (global_search.confirmation), or the search beside a doubted pose has found some
+  /// that fit better (global_search.watch).
   bool is_ambiguous = false;
-  /// Those places, the likeliest first; one that is left and not confirmed has the score for its
+  /// Those places, the likeliest first, but for the pose itself, which is the last when others
+  /// were found beside it; one that is left and not confirmed has the score for its
   /// probability. Empty when not ambiguous, and while no place was found.
   std::vector<PlaceBelief> places;
   std::vector<SubmapBelief> submaps;  ///< one a sub-map; empty for maps without

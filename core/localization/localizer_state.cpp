@@ -102,7 +102,6 @@ void Localizer::read_filter(StateReader& archive) {
   const PatchStates* states = model_->patch_states();
   if (states != nullptr && particles_.time) states->tell_time(*particles_.time, particles_);
   resampled_ = particles_;
-  is_started_ = true;
 }
 
 std::optional<std::vector<std::uint8_t>> Localizer::saved_state(std::size_t max_learned_bytes) {
@@ -169,7 +168,6 @@ void Localizer::restore(std::span<const std::uint8_t> bytes, const std::string& 
                            : "is of a model that does not learn");
   }
   read_filter(archive);
-  is_started_ = false;
   archive(watch_);
   archive(is_contested_);
   bool has_scout = false;
@@ -180,6 +178,7 @@ void Localizer::restore(std::span<const std::uint8_t> bytes, const std::string& 
     archive(seed);
     scout_.reset(new Localizer(*this, seed));
     scout_->read_filter(archive);
+    scout_->is_started_ = true;
   }
   if (is_contested_ && !has_scout) archive.fail("is contested by nobody");
   archive.expect_end();

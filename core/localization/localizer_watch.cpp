@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The search beside a pose that is doubted: a second filter, whose place takes over when it has
 // shown itself better.
-#include <cmath>
-
 #include "core/base/state_archive.hpp"
-#include "core/geometry/angle.hpp"
 #include "core/localization/localizer.hpp"
 
 namespace strata::localization {
@@ -18,11 +15,6 @@ LocalizerConfig scout_config(LocalizerConfig config) {
   config.recovery.inject = false;
   config.recovery.restart_after = 0;
   return config;
-}
-
-bool are_apart(const Pose2& a, const Pose2& b, const PlaceHypothesesConfig& config) {
-  return translation_distance(a, b) > config.separation_m ||
-         std::abs(angle_difference(a.theta, b.theta)) > config.separation_rad;
 }
 
 }  // namespace
@@ -78,12 +70,10 @@ Pose2Gaussian Localizer::watch(const Observation& observation, const Pose2Gaussi
     case PlaceWatch::Step::kNone:
       break;
   }
-  const PlaceWatchConfig& config = config_.global_search.watch;
-  const bool is_doubted = score_.value() < config.doubted_score;
-  const bool has_found = is_doubted && scout_ != nullptr && !scout_->is_open();
-  const double found = has_found ? scout_->score_.value() : 0.0;
-  is_contested_ = found >= config.doubted_score &&
-                  are_apart(scout_->result_.pose.mean, pose.mean, config_.global_search.places);
+  const double doubted = config_.global_search.watch.doubted_score;
+  const bool has_found = scout_ != nullptr && !scout_->is_seeking_ && score_.value() < doubted;
+  is_contested_ = has_found && scout_->score_.value() >= doubted &&
+                  !places_.are_near(scout_->result_.pose.mean, pose.mean);
   if (!has_found || scout_->is_ambiguous()) return pose;
   take_over();
   return pose_now();

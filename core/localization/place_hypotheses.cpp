@@ -182,7 +182,7 @@ bool PlaceHypotheses::judge(const ParticleSet& particles) {
     if (place.is_refuted) continue;
     beliefs_.push_back({place.mean, place.mass});
     if (place.mass > best * std::exp(-config_.decided_nats) &&
-        !are_near(place.mean, places_[best_].mean, 1.0)) {
+        !are_near(place.mean, places_[best_].mean)) {
       is_decided = false;
     }
   }
@@ -209,7 +209,7 @@ void PlaceHypotheses::decide(std::size_t count, double offset, ParticleSet& part
   std::vector<double> weights(particles.size(), 0.0);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const Place& place = places_[place_of_[i]];
-    if (are_near(place.mean, places_[best_].mean, 1.0)) weights[i] = particles.weight[i];
+    if (are_near(place.mean, places_[best_].mean)) weights[i] = particles.weight[i];
   }
   std::vector<std::uint32_t> kept;
   draw_low_variance(weights, count, offset, kept);

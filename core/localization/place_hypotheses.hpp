@@ -122,6 +122,8 @@ class PlaceHypotheses {
       }
     }
   }
+  /// Whether two places are one: nearer than `share` of the separation, turned less.
+  [[nodiscard]] bool are_near(const Pose2& a, const Pose2& b, double share = 1.0) const;
   /// Of how many particles it knows the place.
   [[nodiscard]] std::size_t particles() const { return place_of_.size(); }
 
@@ -132,7 +134,6 @@ class PlaceHypotheses {
     Pose2 mean;
     bool is_refuted = false;
   };
-  [[nodiscard]] bool are_near(const Pose2& a, const Pose2& b, double share) const;
   void gather(const ParticleSet& particles);
   void merge();
 

@@ -20,7 +20,7 @@ PlaceWatch::Step PlaceWatch::judge(double score) {
   }
   if (is_searching_) {
     if (++searched_ < config_.max_scans) return Step::kNone;
-    rest_ = std::min(std::max(config_.max_scans, 2 * rest_), kMaxRest);
+    rest_ = std::max(config_.max_scans, std::min(2 * rest_, kMaxRest));
     doubted_ = -rest_;
     is_searching_ = false;
     return Step::kEnd;

@@ -32,7 +32,8 @@ struct PlaceWatchConfig {
              .max = 1.0});
     v.field("max_scans", c.max_scans,
             {.doc = "weighed scans after which a search that found nothing rests, as long as it "
-                    "took; after each one in vain twice as long, until the pose is trusted again",
+                    "took; after each one in vain twice as long, but at most 1000 scans or as "
+                    "long as it took, until the pose is trusted again",
              .unit = "scans",
              .min = 1});
     v.require(c.doubted_score <= c.trusted_score, "doubted_score", "is above trusted_score",
@@ -49,7 +50,7 @@ class PlaceWatch {
 
   /// A start, or another place is believed now.
   void forget() { *this = PlaceWatch(config_); }
-  /// A scan was weighed, with this score. Whether a search begins with the next one, or ends.
+  /// A scan was weighed, with this score. Whether a search begins with it, or ends.
   [[nodiscard]] Step judge(double score);
   [[nodiscard]] bool is_searching() const { return is_searching_; }
   /// The last scan speaks against the pose, and no search is on, or rests.

@@ -41,6 +41,31 @@ TEST_F(LiveLocalizer, StartsAgainWhereAServiceSaysOrAnywhere) {
   EXPECT_TRUE(host_->take_errors().empty());
 }
 
+TEST_F(LiveLocalizer, TellsWhereElseItMayBeWhenSomebodySaidAWrongPlace) {
+  test::Collector<nav2_msgs::msg::ParticleCloud> candidates(robot_, "/place_candidates", "default");
+  (void)next_pose();
+  nav2_msgs::srv::SetInitialPose_Request request;
+  request.pose().header().frame_id("map");
+  request.pose().pose(convert::to_pose_with_covariance(
+      {Pose2{5.5, 3.5, 2.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal()}));
+  ASSERT_TRUE(bus::call_service<bus::srv::SetInitialPose>(robot_, "/set_initial_pose", request,
+                                                          std::chrono::seconds(20))
+                  .has_value());
+  // The room looks the same from its other end, so it cannot know; but it says so.
+  double nearest_m = 100.0;
+  for (int i = 0; i < 40 && nearest_m > 0.3; ++i) {
+    (void)next_pose();
+    const auto clouds = candidates.wait_for(0);
+    if (clouds.empty()) continue;
+    for (const auto& place : clouds.back().particles()) {
+      const Pose2 pose = planar(convert::from_message(place.pose()));
+      nearest_m = std::min(nearest_m, translation_distance(pose, room().truth[next_scan_ - 1]));
+    }
+  }
+  EXPECT_LT(nearest_m, 0.3);
+  EXPECT_TRUE(host_->take_errors().empty());
+}
+
 TEST_F(LiveLocalizer, LocalizesFromTfAlone) {
   has_odometry_topic_ = false;
   test::Collector<tf2_msgs::msg::TFMessage> transforms(robot_, "/tf", "tf");
