@@ -10,11 +10,12 @@
 #include "core/base/error.hpp"
 #include "tools/laboratory/experiments/spliced_drive.hpp"
 #include "tools/laboratory/experiments/world_kinds.hpp"
+#include "tools/pipeline/localization_metrics.hpp"
 
 namespace strata::experiments {
 namespace {
 
-constexpr double kRight_m = 0.5;
+constexpr double kRight_m = pipeline::kFailureDistance_m;
 constexpr double kWrong_m = 1.0;
 constexpr double kSoon_s = 10.0;
 constexpr double kMinCarried_m = 2.0;
@@ -27,32 +28,23 @@ constexpr std::array<const char*, 2> kModels{"filtered", "patch"};
 /// Each model without and with the watch, as shards keep it.
 using Rows = std::array<KidnappedOutcome, 2 * kModels.size()>;
 
-bool is_sure(const localization::LocalizationResult& result) {
-  return result.converged && !result.is_ambiguous &&
-         result.health.state == localization::HealthState::kGood;
-}
-
 void stay(const VerdictWorld& world, SplicedDrive drive, KidnappedOutcome& sum) {
   const std::size_t begin = known_from(world, 0);
   if (begin == world.truths.size()) {
     throw InputError(world.name, "has no scan whose truth is known", "give poses of that time");
   }
   drive.start(*world.truths[begin]);
-  double off_s = 0.0;
-  std::optional<Stamp> before;
-  bool is_lost = false;
+  std::vector<pipeline::ScanError> errors;
   drive.drive(begin, world.observations.size(), [&](const auto& result, double error_m, Stamp now) {
     sum.scans += 1.0;
     sum.error_m += error_m;
     sum.off += error_m > kRight_m ? 1.0 : 0.0;
     sum.ambiguous += result.is_ambiguous ? 1.0 : 0.0;
-    if (before) off_s = error_m > kWrong_m ? off_s + (now - *before).seconds() : 0.0;
-    is_lost |= off_s > 5.0;
-    before = now;
+    errors.push_back({now, error_m});
     return true;
   });
   sum.drives += 1.0;
-  sum.lost_drives += is_lost ? 1.0 : 0.0;
+  sum.lost_drives += pipeline::evaluate_run(errors).lost ? 1.0 : 0.0;
 }
 
 void carry(const VerdictWorld& world, SplicedDrive drive, std::size_t from, std::size_t to,

@@ -13,6 +13,11 @@ std::shared_ptr<const localization::SensorModel> sensor_of(const VerdictWorld& w
   return maps::make_map_model(world.maps, model, pipeline::CompareConfig{}.sensor).sensor;
 }
 
+bool is_sure(const localization::LocalizationResult& result) {
+  return result.converged && !result.is_ambiguous &&
+         result.health.state == localization::HealthState::kGood;
+}
+
 std::size_t known_from(const VerdictWorld& world, std::size_t at) {
   while (at < world.truths.size() && !world.truths[at]) ++at;
   return at;

@@ -20,6 +20,9 @@ namespace strata::experiments {
 [[nodiscard]] std::shared_ptr<const localization::SensorModel> sensor_of(const VerdictWorld& world,
                                                                          const std::string& model);
 
+/// The localizer takes its pose for good: one place, little spread, and the verdict is good.
+[[nodiscard]] bool is_sure(const localization::LocalizationResult& result);
+
 /// The first place from `at` on whose truth is known; the number of observations if there is none.
 [[nodiscard]] std::size_t known_from(const VerdictWorld& world, std::size_t at);
 

@@ -25,11 +25,6 @@ constexpr std::array<const char*, 2> kModels{"filtered", "patch"};
 /// Each model without and with the search, as shards keep it.
 using Rows = std::array<StartsOutcome, 2 * kModels.size()>;
 
-bool is_sure(const localization::LocalizationResult& result) {
-  return result.converged && !result.is_ambiguous &&
-         result.health.state == localization::HealthState::kGood;
-}
-
 StartsOutcome start_at(const VerdictWorld& world, SplicedDrive& drive, std::size_t from,
                        std::size_t scans) {
   StartsOutcome outcome;

@@ -27,8 +27,8 @@ struct StartsOutcome {
   StartsOutcome& operator+=(const StartsOutcome& other);
 };
 
-/// Starts evenly along the drive, each followed for `scans` scans. Sure: converged, not ambiguous,
-/// and the verdict is good. Wrong: more than 1 m off.
+/// Starts evenly along the drive, each followed for `scans` scans. Sure: is_sure. Wrong: more than
+/// 1 m off.
 [[nodiscard]] StartsOutcome start_anywhere(const VerdictWorld& world, const std::string& model,
                                            bool has_search, int starts, std::size_t scans);
 
