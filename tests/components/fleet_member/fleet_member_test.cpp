@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A robot whose visits go out and whose maps come in with nobody doing anything.
-#include <thread>
+#include <chrono>
+#include <cstdlib>
 
 #include "components/fleet/pull.hpp"
 #include "tests/components/fleet_member/member_fixture.hpp"
@@ -27,8 +28,22 @@ class FleetMemberTest : public test::MemberFixture {
     fleet::Connection ada = as("hall.ada");
     return fleet::newest_released(ada, "hall")->hash;
   }
-  /// Some periods long: it looks at everything again, or would.
-  static void wait_for_a_look() { std::this_thread::sleep_for(std::chrono::milliseconds(600)); }
+  /// Until it has asked the server again, from the beginning to the end.
+  void wait_for_a_look() {
+    using Clock = std::chrono::steady_clock;
+    for (int i = 0; i < 2; ++i) {  // the first to end may have begun before
+      const Clock::time_point since = Clock::now();
+      EXPECT_TRUE(test::comes_true([&] {
+        const std::string age_s = told("last pull, s ago");
+        const std::chrono::duration<double> waited = Clock::now() - since;
+        return age_s != "never" && std::atof(age_s.c_str()) < waited.count();
+      }));
+    }
+  }
+  [[nodiscard]] bool is_connected() const {
+    fleet::Connection admin = server_->admin();
+    return admin.query("SELECT FROM pg_stat_activity WHERE usename = 'hall.r1'").size() > 0;
+  }
 };
 
 TEST_F(FleetMemberTest, PushesAndPullsByItself) {
@@ -125,9 +140,12 @@ TEST_F(FleetMemberTest, MayBeLedThroughItsLifeAgainAndAgain) {
   }
   EXPECT_TRUE(test::comes_true([&] { return there().size() == 1 && active() == newest(); }));
   member().deactivate();
+  EXPECT_TRUE(test::comes_true([&] { return !is_connected(); }));
   learn({drive(10, 1), drive(20, 1)});
-  wait_for_a_look();
-  EXPECT_EQ(there().size(), 1U) << "it rests";
+  for (int look = 0; look < 20; ++look) {  // each takes a connection of ours
+    EXPECT_FALSE(is_connected()) << "it rests";
+    EXPECT_EQ(there().size(), 1U);
+  }
   member().activate();
   EXPECT_TRUE(test::comes_true([&] { return there().size() == 2; }));
 }
