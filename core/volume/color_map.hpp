@@ -109,7 +109,7 @@ class ColorMap {
   /// Paints all voxels by height instead: blue low, red high.
   void color_by_height();
   /// A .ot file of OctoMap's ColorOcTree with the log odds of the map; voxels without colour are
-  /// grey. map: the one that was given, as it was then.
+  /// grey, and so are those that the map has only since it was given.
   [[nodiscard]] std::string file(const VolumeMap& map) const;
 
  private:

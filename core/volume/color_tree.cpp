@@ -80,7 +80,10 @@ void read_color_file(const std::string& bytes, const std::string& place, double 
 
 std::string ColorMap::file(const VolumeMap& map) const {
   auto voxel = voxels_.begin();  // in the order of the map's
-  return color_file(map, [&](const VoxelKey&) { return (voxel++)->color; });
+  return color_file(map, [&](const VoxelKey& key) {
+    if (voxel == voxels_.end() || voxel->key != key) return kGrey;  // it came since
+    return (voxel++)->color;
+  });
 }
 
 }  // namespace strata::volume
