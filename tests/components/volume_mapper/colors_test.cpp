@@ -69,16 +69,7 @@ TEST(VolumeMapper, GivesNoColouredMapOfCloudsWithoutColoursOrWhenNotAsked) {
 
 TEST(VolumeMapper, ColoursALateCloudWhenTfComesAndLeavesOutWhatMoves) {
   Robot robot("publish_period_s: 0, wait_for_labels: true");
-  PosedScan scan;
-  scan.scan.stamp = Stamp::from_seconds(1.5);
-  scan.scan.angle_min_rad = -0.02F;
-  scan.scan.angle_increment_rad = 0.01F;
-  scan.scan.range_max_m = 10.0F;
-  scan.scan.ranges_m.assign(5, 2.8F);
-  scan.static_probability.assign(5, 0.1F);
-  robot.label(scan);
-  scan.scan.stamp = Stamp::from_seconds(1.9);
-  robot.label(scan);
+  robot.label_moving(1.5, 1.9);
   robot.see_colored(1.5, wall(2.1F), 0x0000FF);
   robot.see_colored(1.5, wall(2.1F), 0x0000FF);  // told twice
   robot.move(1.0, 0.0);

@@ -100,6 +100,19 @@ class Robot {
   }
   void publish(const PointCloud2& message) { points_.publish(message); }
   void label(const PosedScan& scan) { scans_.publish(convert::to_message(scan, "map", "laser")); }
+  /// Two scans of which all beams hit something that moves, 2.8 m ahead.
+  void label_moving(double first_s, double last_s) {
+    PosedScan scan;
+    scan.scan.angle_min_rad = -0.02F;
+    scan.scan.angle_increment_rad = 0.01F;
+    scan.scan.range_max_m = 10.0F;
+    scan.scan.ranges_m.assign(5, 2.8F);
+    scan.static_probability.assign(5, 0.1F);
+    for (const double time_s : {first_s, last_s}) {
+      scan.scan.stamp = Stamp::from_seconds(time_s);
+      label(scan);
+    }
+  }
   [[nodiscard]] std::vector<Octomap> wait_for(std::size_t maps) { return maps_.wait_for(maps); }
   [[nodiscard]] std::vector<Octomap> wait_for_colored(
       std::size_t maps, std::chrono::milliseconds patience = std::chrono::seconds(20)) {
