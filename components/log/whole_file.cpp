@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/log/whole_file.hpp"
 
-#include <string>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -45,6 +45,23 @@ void WholeFile::commit() {
 
 void WholeFile::throw_not_written() const {
   throw OutputError(path_.string(), "cannot be written to its end", "free some space");
+}
+
+void write_whole_file(const std::filesystem::path& path, const std::string& bytes) {
+  WholeFile file(path);
+  file.stream() << bytes;
+  file.commit();
+}
+
+std::string read_whole_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream bytes;
+  // Nothing at all to read counts as a failure of <<.
+  if (in && in.peek() != std::ifstream::traits_type::eof()) bytes << in.rdbuf();
+  if (in.bad() || (in.fail() && !in.eof()) || std::filesystem::is_directory(path)) {
+    throw InputError(path.string(), "cannot be read", "check the file and its permissions");
+  }
+  return std::move(bytes).str();
 }
 
 }  // namespace strata::log

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "components/log/disk.hpp"
 
@@ -30,5 +31,10 @@ class WholeFile {
   std::ofstream stream_;
   bool committed_ = false;
 };
+
+/// All of it at once, as WholeFile.
+void write_whole_file(const std::filesystem::path& path, const std::string& bytes);
+/// Throws InputError when it is missing, a folder, or cannot be read.
+[[nodiscard]] std::string read_whole_file(const std::filesystem::path& path);
 
 }  // namespace strata::log

@@ -10,7 +10,7 @@
 #include "components/convert/geometry_messages.hpp"
 #include "components/convert/scan_messages.hpp"
 #include "components/log/kept_file.hpp"
-#include "components/volume_mapper/whole_bytes.hpp"
+#include "components/log/whole_file.hpp"
 #include "core/base/error.hpp"
 #include "core/volume/level_tree.hpp"
 
@@ -73,8 +73,8 @@ volume::VolumeMap VolumeMapper::first_map() {
   if (is_stored) log::require_own_file(config_.store, log::kOctree, "store");
   // What cannot be read must not be written over: then there is no start.
   const auto restore = [&] {
-    stored.emplace(
-        volume::VolumeMap::from_file(bytes_of(config_.store), config_.store, config_.map));
+    stored.emplace(volume::VolumeMap::from_file(log::read_whole_file(config_.store), config_.store,
+                                                config_.map));
   };
   if (is_stored && restored(config_.store, restore)) return std::move(*stored);
   return volume::VolumeMap(config_.map);
@@ -93,7 +93,7 @@ volume::PointColors VolumeMapper::first_colors() {
   if (!is_stored) return stored;
   const std::string path = color_store().string();
   log::require_own_file(path, log::kOctree, "store");
-  const bool is_sound = restored(path, [&] { stored.restore(bytes_of(path), path); });
+  const bool is_sound = restored(path, [&] { stored.restore(log::read_whole_file(path), path); });
   return is_sound ? std::move(stored) : volume::PointColors(config_.map);
 }
 
@@ -111,8 +111,8 @@ void VolumeMapper::on_tick() {
 void VolumeMapper::keep() {
   kept_ = std::chrono::steady_clock::now();
   if (lockstep() || config_.store.empty() || !map_ || kept_clouds_ == clouds_) return;
-  write_whole(config_.store, map_->full_file());
-  if (has_colors()) write_whole(color_store(), colors_->file(*map_));
+  log::write_whole_file(config_.store, map_->full_file());
+  if (has_colors()) log::write_whole_file(color_store(), colors_->file(*map_));
   kept_clouds_ = clouds_;
 }
 
@@ -241,19 +241,19 @@ void VolumeMapper::publish(Stamp stamp) {
 void VolumeMapper::on_deactivate() {
   guarded([&] { keep(); });  // the map may have room elsewhere
   if (lockstep() || config_.save.empty() || !map_) return;
-  write_whole(config_.save, map_->binary_file());
+  log::write_whole_file(config_.save, map_->binary_file());
 }
 
 void VolumeMapper::on_finish(const std::filesystem::path& out_dir) {
   const std::filesystem::path folder = out_dir / config_.out_subfolder;
   std::filesystem::create_directories(folder);
-  write_whole(folder / "map.bt", map_->binary_file());
-  write_whole(folder / "map.ot", map_->full_file());
-  if (has_colors()) write_whole(folder / "map_color.ot", colors_->file(*map_));
+  log::write_whole_file(folder / "map.bt", map_->binary_file());
+  log::write_whole_file(folder / "map.ot", map_->full_file());
+  if (has_colors()) log::write_whole_file(folder / "map_color.ot", colors_->file(*map_));
   if (!levels_) return;
   for (const auto& [level, name] : kLevels) {
-    write_whole(folder / ("map_" + std::string(name) + ".bt"),
-                volume::level_file(levels_->memory(), level));
+    log::write_whole_file(folder / ("map_" + std::string(name) + ".bt"),
+                          volume::level_file(levels_->memory(), level));
   }
 }
 

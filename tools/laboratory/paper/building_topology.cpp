@@ -2,11 +2,11 @@
 #include "tools/laboratory/paper/building_topology.hpp"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <utility>
 
 #include <unistd.h>
 
+#include "components/log/whole_file.hpp"
 #include "tools/laboratory/paper/pose_error.hpp"
 #include "tools/pipeline/topology_files.hpp"
 #include "tools/report/drawings.hpp"
@@ -16,13 +16,6 @@ namespace {
 
 constexpr double kNear_m = 1.0;
 constexpr double kConsistent_m = 0.5;
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::stringstream bytes;
-  bytes << in.rdbuf();
-  return bytes.str();
-}
 
 }  // namespace
 
@@ -69,7 +62,7 @@ std::vector<Picture> picture_of(const BuildingTopology& topology, const std::str
   std::filesystem::create_directories(folder);
   report::Drawings drawings;
   pipeline::write_topology_pictures(folder, topology.map, drawings);
-  std::string bytes = bytes_of(folder / file);
+  std::string bytes = log::read_whole_file(folder / file);
   std::filesystem::remove_all(folder);
   if (bytes.empty()) return {};
   return {{name, caption, std::move(bytes)}};
