@@ -12,12 +12,15 @@ namespace strata::incident_recorder {
 struct IncidentTriggerConfig {
   bool on_lost = true;
   bool on_outdated = true;
+  bool on_recovery = true;
   bool on_error = true;
   double score_below = 0.3;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("on_lost", c.on_lost, {.doc = "a localizer's verdict becomes lost"});
     v.field("on_outdated", c.on_outdated, {.doc = "... or says that the map is outdated here"});
+    v.field("on_recovery", c.on_recovery,
+            {.doc = "... or it doubts its pose and looks for the robot elsewhere"});
     v.field("on_error", c.on_error,
             {.doc = "any component's status on /diagnostics becomes an error: a scanner that is "
                     "silent, a disk that is full, a watchdog of others"});

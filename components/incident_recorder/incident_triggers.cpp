@@ -37,6 +37,7 @@ std::optional<IncidentReason> IncidentTriggers::take(
   const Source before = source;
   source.level = status.level();
   source.verdict = value_of(status, "verdict");
+  source.is_recovering = value_of(status, "recovering") == "true";
   const std::string score = value_of(status, "score");
   const bool has_fallen = falls(source, score);
   if (!is_known) return std::nullopt;
@@ -53,6 +54,9 @@ std::optional<IncidentReason> IncidentTriggers::take(
   const bool is_told_as_lost = source.verdict == kLost;
   if (config_.on_error && source.level >= error && before.level < error && !is_told_as_lost) {
     return IncidentReason{"error", name, name + ": " + status.message()};
+  }
+  if (config_.on_recovery && source.is_recovering && !before.is_recovering) {
+    return IncidentReason{"recovery", name, name + " doubts its pose and looks for the robot"};
   }
   if (config_.on_outdated && becomes(kOutdated)) {
     return IncidentReason{"outdated", name, name + " says that the map is outdated here"};

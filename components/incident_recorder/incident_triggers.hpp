@@ -14,7 +14,7 @@ namespace strata::incident_recorder {
 
 /// Why something is an incident.
 struct IncidentReason {
-  std::string kind;    ///< "lost", "outdated", "score", "error" or "asked"
+  std::string kind;    ///< "lost", "outdated", "score", "recovery", "error" or "asked"
   std::string source;  ///< the status's name, "localizer: health"
   std::string text;    ///< for people
 };
@@ -36,6 +36,7 @@ class IncidentTriggers {
   struct Source {
     std::uint8_t level = 0;
     std::string verdict;
+    bool is_recovering = false;
     bool is_armed = false;
   };
   [[nodiscard]] bool falls(Source& source, const std::string& score) const;

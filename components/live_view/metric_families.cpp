@@ -21,6 +21,8 @@ constexpr MetricFamily kFamilies[] = {
     {"strata_localization_places", kGauge, "", "",
      "Places that are still possible while several "
      "are."},
+    {"strata_localization_recovering", kGauge, "", "",
+     "1 while the pose is doubted and the robot is looked for elsewhere too, else 0."},
     {"strata_localization_deviation_range_meters", kGauge, "meters", "",
      "The robot is within this distance of the pose with 95% or more, by the filter's covariance "
      "(VDA 5050: deviationRange)."},
@@ -109,6 +111,7 @@ constexpr StatusFigure kFigures[] = {
     {"localized", "strata_localization_localized", kTruth},
     {"ambiguous", "strata_localization_ambiguous", kTruth},
     {"places", "strata_localization_places"},
+    {"recovering", "strata_localization_recovering", kTruth},
     {"deviationRange", "strata_localization_deviation_range_meters"},
     {"position_std_m", "strata_localization_position_stddev_meters"},
     {"heading_std_rad", "strata_localization_heading_stddev_radians"},

@@ -43,6 +43,7 @@ HealthReport make_health_report(const std::string& model,
   report.is_ambiguous = result.is_ambiguous;
   report.places = result.places.size();
   report.is_beyond_map = result.is_beyond_map;
+  report.is_recovering = result.is_recovering;
   report.update_time = update_time;
   return report;
 }
@@ -82,6 +83,8 @@ void describe(const HealthReport& report, runtime::Health& health) {
     health.warn("not localized yet");
   } else if (report.is_probably_wrong()) {
     health.warn("the pose is probably wrong: the scans speak against it");
+  } else if (report.is_recovering) {
+    health.warn("the pose is doubted: the robot is looked for elsewhere too");
   } else if (report.is_beyond_map) {
     health.warn("beyond the map: the scans alone tell how the robot moves");
   } else if (report.health.state == HealthState::kMapOutdated) {
@@ -91,6 +94,7 @@ void describe(const HealthReport& report, runtime::Health& health) {
   health.add("particles", std::uint64_t{report.particles});
   health.add("ambiguous", truth(report.is_ambiguous));
   health.add("places", std::uint64_t{report.places});
+  health.add("recovering", truth(report.is_recovering));
   health.add("beyond_map", truth(report.is_beyond_map));
   health.add("position_std_m", report.health.position_stddev_m);
   health.add("heading_std_rad", report.heading_stddev_rad);

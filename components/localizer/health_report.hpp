@@ -25,6 +25,7 @@ struct HealthReport {
   bool is_ambiguous = false;
   std::size_t places = 0;      ///< that are still possible while it is; 0: none was found yet
   bool is_beyond_map = false;  ///< LocalizationResult::is_beyond_map
+  bool is_recovering = false;  ///< LocalizationResult::is_recovering
   std::chrono::duration<double> update_time{0.0};
 
   /// Whether the pose can be trusted: VDA 5050's `localized`.

@@ -177,6 +177,11 @@ void Localizer::resample() {
   set_uniform_weights(particles_);
 }
 
+bool Localizer::is_recovering() const {
+  if (scout_ != nullptr || monitor_.is_searching()) return true;
+  return !is_ambiguous() && !free_space_.empty() && monitor_.injection_share() > 0.0;
+}
+
 const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool weighed) {
   result_.pose = pose;
   result_.health = monitor_.health();
@@ -186,6 +191,7 @@ const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool
   result_.weighed = weighed;
   result_.is_beyond_map = beyond_.is_outside();
   result_.is_ambiguous = is_ambiguous() || is_contested_;
+  result_.is_recovering = is_recovering();
   result_.places.clear();
   if (is_contested_) {
     const double both = score_.value() + scout_->score_.value();

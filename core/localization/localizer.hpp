@@ -51,6 +51,10 @@ struct LocalizationResult {
   /// confirmed (global_search.confirmation), or the search beside a doubted pose has found some
   /// that fit better (global_search.watch).
   bool is_ambiguous = false;
+  /// The pose is doubted, and the robot is looked for elsewhere too: beside it
+  /// (global_search.watch), by random poses (recovery.inject) or in all free space
+  /// (recovery.restart_after).
+  bool is_recovering = false;
   /// Those places, the likeliest first, but for the pose itself, which is the last when others
   /// were found beside it; one that is left and not confirmed has the score for its
   /// probability. Empty when not ambiguous, and while no place was found.
@@ -158,6 +162,7 @@ class Localizer {
   /// Several places are possible still.
   [[nodiscard]] bool is_open() const { return is_seeking_ || places_.is_active(); }
   [[nodiscard]] bool is_ambiguous() const { return is_open() || confirmation_.is_pending(); }
+  [[nodiscard]] bool is_recovering() const;
   /// How far what was weighed so far lets the pose be believed.
   [[nodiscard]] PoseTrust trust() const;
   void judge(const Scan& judged, const Pose2Gaussian& pose, double likelihood_per_beam);

@@ -150,6 +150,7 @@ class HealthMonitor {
   }
   /// A search has begun, of this many values at most: no other one while they are all in doubt.
   void search_begins(int updates) { doubtful_in_a_row_ = -updates; }
+  [[nodiscard]] bool is_searching() const { return doubtful_in_a_row_ < 0; }
   /// The search has found a place before that. While that is still in doubt, 1 / fast_rate values
   /// go by without injection, in which the short averages forget most of what was before it.
   void search_ends();

@@ -67,6 +67,23 @@ TEST(IncidentTriggers, AnErrorOfAnybodyBeginsOneAndSoDoesOneWhoFellSilent) {
   EXPECT_EQ(kind(triggers.take(status("base: watchdog", 2))), "none") << "it was one already";
 }
 
+TEST(IncidentTriggers, ARobotThatIsLookedForBeginsOneUnlessThatIsOff) {
+  const auto recovering = [](const char* value) {
+    return status("localizer: health", 1, {{"verdict", "good"}, {"recovering", value}});
+  };
+  IncidentTriggers triggers({});
+  (void)triggers.take(recovering("false"));
+  const auto reason = triggers.take(recovering("true"));
+  EXPECT_EQ(kind(reason), "recovery");
+  EXPECT_EQ(reason->text, "localizer: health doubts its pose and looks for the robot");
+  EXPECT_EQ(kind(triggers.take(recovering("true"))), "none") << "it was one already";
+  (void)triggers.take(recovering("false"));
+  EXPECT_EQ(kind(triggers.take(recovering("true"))), "recovery");
+  IncidentTriggers off({.on_recovery = false});
+  (void)off.take(recovering("false"));
+  EXPECT_EQ(kind(off.take(recovering("true"))), "none");
+}
+
 TEST(IncidentTriggers, WhatASourceSaysFirstBeginsNothing) {
   IncidentTriggers triggers({});
   EXPECT_EQ(kind(triggers.take(verdict("lost", 2))), "none");

@@ -85,6 +85,23 @@ TEST(HealthReport, SaysThatTheRobotIsBeyondTheMapUnlessWorseIsToBeSaid) {
   EXPECT_THAT(described(HealthState::kGood, true).values(), Contains(Pair("beyond_map", "false")));
 }
 
+TEST(HealthReport, SaysThatADoubtedRobotIsLookedForUnlessWorseIsToBeSaid) {
+  localization::LocalizationResult result;
+  result.converged = true;
+  result.score = 0.2;
+  result.is_recovering = true;
+  runtime::Health doubted;
+  describe(make_health_report("filtered", result, {}), doubted);
+  EXPECT_EQ(doubted.level(), HealthLevel::kWarn);
+  EXPECT_THAT(doubted.message(), testing::HasSubstr("looked for elsewhere"));
+  EXPECT_THAT(doubted.values(), Contains(Pair("recovering", "true")));
+  result.score = 0.03;
+  runtime::Health wrong;
+  describe(make_health_report("filtered", result, {}), wrong);
+  EXPECT_THAT(wrong.message(), testing::HasSubstr("probably wrong"));
+  EXPECT_THAT(described(HealthState::kGood, true).values(), Contains(Pair("recovering", "false")));
+}
+
 TEST(HealthReport, TellsTheVerdictAndWhatItRestsOn) {
   const runtime::Health health = described(HealthState::kMapOutdated, true);
   EXPECT_THAT(health.values(), Contains(Pair("verdict", "map_outdated")));
