@@ -238,6 +238,38 @@ def test_areas(strata, browser, work):
             page.close()
 
 
+# Buttons and cards that leave the screen, words that leave their button, and cards that lie on another.
+MISPLACED = """(() => {
+  const seen = (one) => one.offsetParent !== null || getComputedStyle(one).position === 'fixed' && one.offsetWidth > 0;
+  const box = (one) => one.getBoundingClientRect();
+  const cards = [...document.querySelectorAll('.card')].filter(seen);
+  const wrong = [...cards, ...document.querySelectorAll('#tools button')].filter((one) => seen(one) &&
+    (box(one).left < 0 || box(one).top < 0 || box(one).right > innerWidth || box(one).bottom > innerHeight ||
+     one.scrollWidth > one.clientWidth + 1)).map((one) => one.id);
+  for (const a of cards) for (const b of cards) if (a !== b && box(a).left < box(b).right && box(b).left < box(a).right
+    && box(a).top < box(b).bottom && box(b).top < box(a).bottom) wrong.push(a.id + ' on ' + b.id);
+  return wrong.join(); })()"""
+
+
+def test_small_screens(page):
+    """A phone, a tablet upright and lying: all that a large screen has is within reach."""
+    for width, height in ((390, 844), (768, 1024), (1024, 768)):
+        page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
+                  mobile=width < 720)
+        comes_true(lambda: page.evaluate("innerWidth") == width, "the screen is small")
+        assert page.evaluate(MISPLACED) == "", (width, page.evaluate(MISPLACED))
+        layers = "document.getElementById('layers').offsetHeight > 0"
+        assert page.evaluate(layers) is (width > 720), width
+        if width > 720:
+            continue
+        page.evaluate("document.getElementById('more').click()")
+        assert page.evaluate(layers) is True
+        assert page.evaluate("document.getElementById('position').offsetHeight > 0") is True
+        assert page.evaluate(MISPLACED) == "", page.evaluate(MISPLACED)
+        page.evaluate("document.getElementById('more').click()")
+    page.call("Emulation.clearDeviceMetricsOverride")
+
+
 def main():
     strata, hall, work = sys.argv[1:4]
     browser = find_browser()
@@ -252,6 +284,7 @@ def main():
         test_topology(page)
         test_memory(page)
         test_version(page, work)
+        test_small_screens(page)
         test_setting_a_pose(page, port)
         test_relocalizing(page, port)
 
