@@ -90,7 +90,7 @@ void BeamFilter::on_diagnose(runtime::Health& health) const {
   health.add("scans", scans_);
   health.add("scans in window", static_cast<std::uint64_t>(online_->scans_in_window()));
   health.add("cells of the map", static_cast<std::uint64_t>(online_->counts().cells().size()));
-  if (store_) health.add("store_bytes", log::stored_bytes(store_->file()));
+  if (store_) health.add_later("store_bytes", [this] { return log::stored_bytes(store_->file()); });
 }
 
 void BeamFilter::on_cleanup() {

@@ -123,8 +123,13 @@ Guid Participant::guid() const { return to_guid(state_->participant->guid()); }
 
 std::map<std::string, PublishedTopic> Participant::published_topics() const {
   const std::lock_guard lock(state_->mutex);
+  if (!state_->offers_now) state_->offers_now = state_->offers();
+  return *state_->offers_now;
+}
+
+std::map<std::string, PublishedTopic> Participant::State::offers() const {
   std::map<std::string, PublishedTopic> result;
-  for (const auto& [guid, endpoint] : state_->endpoints) {
+  for (const auto& [guid, endpoint] : endpoints) {
     const std::string topic = topic_from_wire(endpoint.wire_topic);
     const std::string type = type_from_wire(endpoint.wire_type);
     if (!endpoint.writes || topic.empty() || type.empty()) continue;
@@ -202,11 +207,13 @@ void Participant::State::leave() {
 void Participant::State::add_endpoint(const DiscoveredEndpoint& endpoint) {
   const std::lock_guard lock(mutex);
   endpoints[endpoint.guid] = endpoint;
+  offers_now.reset();
 }
 
 void Participant::State::remove_endpoint(const Guid& guid) {
   const std::lock_guard lock(mutex);
   endpoints.erase(guid);
+  offers_now.reset();
 }
 
 void Participant::State::on_participant_discovery(dds::DomainParticipant* /*participant*/,

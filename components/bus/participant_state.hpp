@@ -88,16 +88,19 @@ struct Participant::State : dds::DomainParticipantListener {
   void wait_until_forgotten(const Guid& guid, std::chrono::steady_clock::time_point deadline);
   /// It is ending: nobody need wait for it.
   void leave();
+  /// What all endpoints that are known publish, under `mutex`.
+  [[nodiscard]] std::map<std::string, PublishedTopic> offers() const;
 
   Caught caught;  // by callbacks of the middleware
 
   mutable std::mutex mutex;
   std::condition_variable forgot;  // one of `participants`
   bool is_leaving = false;
-  std::function<void(const std::string&)> before_endpoint;  // see Participant
-  std::map<std::string, dds::Topic*> topics;                // by wire name
-  std::map<Guid, DiscoveredParticipant> participants;       // of others
-  std::map<Guid, DiscoveredEndpoint> endpoints;             // own and others'
+  std::function<void(const std::string&)> before_endpoint;         // see Participant
+  std::map<std::string, dds::Topic*> topics;                       // by wire name
+  std::map<Guid, DiscoveredParticipant> participants;              // of others
+  std::map<Guid, DiscoveredEndpoint> endpoints;                    // own and others'
+  std::optional<std::map<std::string, PublishedTopic>> offers_now;  // of those; none: to be made
 
   std::mutex graph_mutex;
   std::weak_ptr<GraphWriter> graph;  // lives with the nodes it announces

@@ -209,8 +209,9 @@ dds::DomainParticipantQos participant_qos(const ParticipantOptions& options) {
   bytes.push_back(0);
   qos.user_data().setValue(bytes);
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  // The default of 3 s makes a late starter wait that long.
-  discovery.leaseDuration_announcementperiod = eprosima::fastrtps::Duration_t(0, 100'000'000);
+  // A new participant is answered at once; where all its first announcements are lost, it waits so
+  // long, by default 3 s. Each goes to every port that may be somebody's: 32 without multicast.
+  discovery.leaseDuration_announcementperiod = eprosima::fastrtps::Duration_t(1, 0);
   discovery.initial_announcements.count = 5;
   discovery.initial_announcements.period = eprosima::fastrtps::Duration_t(0, 50'000'000);
   // Of readers that share a multicast group Fast DDS 2.9 selects the group only, and sends each new

@@ -221,7 +221,9 @@ void PatchLearner::on_diagnose(runtime::Health& health) const {
              static_cast<std::uint64_t>(status.forgotten_configurations));
   health.add("bytes", static_cast<std::uint64_t>(status.bytes));
   health.add("times that loop closures moved scans", moves_);
-  if (store_) health.add("store_bytes", log::stored_bytes(config_.online.store.folder));
+  if (store_)
+    health.add_later("store_bytes",
+                     [this] { return log::stored_bytes(config_.online.store.folder); });
   if (relearner_ && relearner_->is_busy()) health.add("learns again", "from scans that moved");
 }
 

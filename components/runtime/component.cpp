@@ -83,6 +83,7 @@ void Component::perform(const LifecycleTransition& transition) {
       if (lockstep()) {
         on_deactivate();
       } else {
+        guarded([&] { take_waiting(); });
         guarded([&] { on_deactivate(); });  // a full disk must not keep a robot from stopping
       }
       break;
@@ -202,6 +203,7 @@ void Component::tick() {
   const bool is_posted = untold_.run([&] {
     context_.mailbox->post([this] {
       tick_waits_ = false;
+      guarded([&] { take_waiting(); });
       if (is_active()) guarded([&] { on_tick(); });
       guarded([&] { announce(); });  // a recorder finds topics as it goes
       guarded([&] { diagnose(); });

@@ -26,6 +26,7 @@
 #include "components/runtime/diagnostics.hpp"
 #include "components/runtime/lifecycle.hpp"
 #include "components/runtime/parameters.hpp"
+#include "components/runtime/reception.hpp"
 #include "components/runtime/rosout.hpp"
 #include "components/runtime/service_hub.hpp"
 #include "components/runtime/told_errors.hpp"
@@ -85,24 +86,23 @@ class Component {
   /// others are asked again at the end.
   [[nodiscard]] virtual bool learns() const { return false; }
 
-  /// min_waiting: live, as many messages may wait while the component is busy, where the profile
-  /// says fewer.
   template <typename T>
   void subscribe(const std::string& topic, const std::string& qos,
                  std::function<void(const T&)> callback, int min_waiting = 0) {
     const std::string full = resolve(topic);
-    subscribe_raw(
-        full, bus::MessageType<T>::name, bus::qos_profile(qos),
-        [full, callback = std::move(callback)](const bus::RawMessage& message) {
-          callback(convert::from_cdr<T>(message.cdr, full));
-        },
-        min_waiting);
+    subscribe_raw(full, bus::MessageType<T>::name, bus::qos_profile(qos),
+                  [full, callback = std::move(callback)](const bus::RawMessage& message) {
+                    callback(convert::from_cdr<T>(message.cdr, full));
+                  },
+                  {.min_waiting = min_waiting});
   }
   /// topic: resolved. Callbacks of a topic see its messages in the order they were written. All or
   /// nothing: when it throws, nothing is subscribed.
   void subscribe_raw(const std::string& full_topic, const std::string& type,
                      const bus::QosProfile& qos,
-                     std::function<void(const bus::RawMessage&)> callback, int min_waiting = 0);
+                     std::function<void(const bus::RawMessage&)> callback,
+                     Reception reception = {});
+  void take_waiting();  ///< of topics that are taken at ticks: now
 
   /// What is returned publishes until cleanup, and does nothing afterwards. All or nothing.
   template <typename T>

@@ -25,15 +25,16 @@ void make_room(std::vector<T>& list) {
 void Component::subscribe_raw(const std::string& full_topic, const std::string& type,
                               const bus::QosProfile& qos,
                               std::function<void(const bus::RawMessage&)> callback,
-                              int min_waiting) {
+                              Reception reception) {
   const auto subscription = std::make_shared<Subscription>();
   subscription->topic = full_topic;
   TopicUse use{full_topic, type, qos, false};
   subscription->callback = std::move(callback);
   const bus::QosProfile used = lockstep() ? qos.lossless() : qos;
-  const int depth = used.depth > 0 ? std::max(used.depth, min_waiting) : used.depth;
+  const int depth = used.depth > 0 ? std::max(used.depth, reception.min_waiting) : used.depth;
   subscription->depth = static_cast<std::size_t>(depth);
   subscription->latched = used.transient_local;
+  subscription->at_ticks = reception.at_ticks;
   // The reader is the subscription's, so its callback holds it weakly.
   const std::weak_ptr<Subscription> weak = subscription;
   const auto on_message = [this, weak](bus::RawMessage message) {
@@ -41,7 +42,7 @@ void Component::subscribe_raw(const std::string& full_topic, const std::string& 
     if (!held || !keep(*held, std::move(message))) return;
     if (lockstep()) {
       context_.mailbox->post([this] { guarded([&] { try_step(); }); });
-    } else {
+    } else if (!held->at_ticks) {
       context_.mailbox->post([this, held] { take_live(*held); });
     }
   };
@@ -122,6 +123,18 @@ bool Component::take_live(Subscription& subscription) {
   }
   ++(failed_ == failed_before ? processed_ : skipped_);
   return true;
+}
+
+void Component::take_waiting() {
+  // By number: a callback may subscribe.
+  for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
+    const std::shared_ptr<Subscription> subscription = subscriptions_[i];
+    if (!subscription->at_ticks) continue;
+    // No more than are there: others may come as fast as these are taken.
+    for (std::size_t left = subscription->count_waiting(); left > 0; --left) {
+      if (!take_live(*subscription)) break;
+    }
+  }
 }
 
 MessageCounts Component::counts() const {

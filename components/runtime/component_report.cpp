@@ -110,23 +110,14 @@ void Component::diagnose() {
   health.add("dropped requests", dropped_requests);
   health.add("caught", context_.participant->caught().count() + context_.mailbox->caught().count() +
                            untold_.count());
-  health.add("process_memory_bytes", std::uint64_t{resident_bytes()});
+  health.add_later("process_memory_bytes", [] { return std::uint64_t{resident_bytes()}; });
   if (!last_error_.empty()) health.add("last_error", last_error_);
-  for (const auto& subscription : subscriptions_) {
-    const std::lock_guard lock(subscription->mutex);
-    health.add("received " + subscription->topic, subscription->received);
-    health.add("lost " + subscription->topic, subscription->sequences.missing());
-    if (subscription->work_times.count() > 0) {
-      health.add("work times " + subscription->topic, subscription->work_times.text());
-    }
-    if (subscription->latencies.count() > 0) {
-      health.add("latencies " + subscription->topic, subscription->latencies.text());
-    }
-  }
-  for (const auto& writer : writers_) health.add("published " + writer->topic(), writer->count());
   if (is_active()) on_diagnose(health);
-  const bool is_told = diagnostics_->publish(health, now());
-  if (!is_told) return;
+  if (!diagnostics_->wants(health)) return;
+  health.complete();
+  for (const auto& subscription : subscriptions_) subscription->tell(health);
+  for (const auto& writer : writers_) health.add("published " + writer->topic(), writer->count());
+  diagnostics_->publish(health, now());
   told_failed_ = failed_;
   told_dropped_ = dropped_;
   if (rosout_) rosout_->warn(health, last_error_, now());

@@ -20,6 +20,7 @@ struct Component::Subscription {
   std::string topic;
   std::size_t depth = 0;  // live: as many messages may wait; 0: all
   bool latched = false;   // live: messages wait until the component is active
+  bool at_ticks = false;  // Reception's
   std::function<void(const bus::RawMessage&)> callback;
   std::mutex mutex;
   std::deque<bus::RawMessage> waiting;  // under mutex
@@ -29,6 +30,19 @@ struct Component::Subscription {
   TimeHistogram work_times;  // live, on the mailbox: how long its messages were worked on
   TimeHistogram latencies;   // ... and from when they were written to the end of that
   std::unique_ptr<bus::RawReader> reader;
+
+  [[nodiscard]] std::size_t count_waiting() {
+    const std::lock_guard lock(mutex);
+    return waiting.size();
+  }
+  /// On the mailbox.
+  void tell(Health& health) {
+    const std::lock_guard lock(mutex);
+    health.add("received " + topic, received);
+    health.add("lost " + topic, sequences.missing());
+    if (work_times.count() > 0) health.add("work times " + topic, work_times.text());
+    if (latencies.count() > 0) health.add("latencies " + topic, latencies.text());
+  }
 };
 
 }  // namespace strata::runtime

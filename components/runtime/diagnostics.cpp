@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "components/convert/geometry_messages.hpp"
 
@@ -27,6 +28,10 @@ void Health::add(const std::string& key, double value) {
   add(key, std::string(text));
 }
 
+void Health::complete() {
+  for (const auto& [key, value] : std::exchange(later_, {})) add(key, value());
+}
+
 void Health::raise(HealthLevel level, const std::string& message) {
   level_ = std::max(level_, level);
   complaints_.push_back(message);
@@ -44,8 +49,12 @@ bool Diagnostics::is_due() const {
   return !last_level_ || std::chrono::steady_clock::now() - last_time_ >= kPeriod;
 }
 
+bool Diagnostics::wants(const Health& health) const {
+  return is_due() || health.level() > *last_level_;
+}
+
 bool Diagnostics::publish(const Health& health, Stamp stamp) {
-  if (!is_due() && health.level() <= *last_level_) return false;
+  if (!wants(health)) return false;
   last_level_ = health.level();
   last_time_ = std::chrono::steady_clock::now();
   diagnostic_msgs::msg::DiagnosticStatus status;

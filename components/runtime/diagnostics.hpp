@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,6 +31,12 @@ class Health {
   void add(const std::string& key, const std::string& value) { values_.emplace_back(key, value); }
   void add(const std::string& key, std::uint64_t value) { add(key, std::to_string(value)); }
   void add(const std::string& key, double value);
+  /// A figure that costs something: asked for when the status is sent.
+  void add_later(const std::string& key, std::function<std::uint64_t()> value) {
+    later_.emplace_back(key, std::move(value));
+  }
+  /// Adds the figures that are still to be asked for.
+  void complete();
 
   [[nodiscard]] HealthLevel level() const { return level_; }
   /// "OK" when nobody complained.
@@ -46,6 +53,7 @@ class Health {
   std::string message_;
   std::vector<std::string> complaints_;
   std::vector<std::pair<std::string, std::string>> values_;
+  std::vector<std::pair<std::string, std::function<std::uint64_t()>>> later_;
 };
 
 /// What a status that came says under that key; empty: nothing. Lives as long as the status.
@@ -60,7 +68,9 @@ class Diagnostics {
 
   /// Whether a second has passed since the last status.
   [[nodiscard]] bool is_due() const;
-  /// Sends the status when is_due() or it is worse than the last one; whether it did.
+  /// ... or this one is worse.
+  [[nodiscard]] bool wants(const Health& health) const;
+  /// Sends the status when wants() it; whether it did.
   bool publish(const Health& health, Stamp stamp);
 
   [[nodiscard]] const bus::RawWriter& writer() const { return *writer_; }

@@ -175,7 +175,7 @@ void ScanMatcher::on_diagnose(runtime::Health& health) const {
   if (is_lost_) health.warn("looks for its place in the map of the earlier runs");
   health.add("scans kept", static_cast<std::uint64_t>(slam_->kept_scans()));
   health.add("local maps kept", static_cast<std::uint64_t>(slam_->kept_local_maps()));
-  if (store_) health.add("store_bytes", log::stored_bytes(store_->file()));
+  if (store_) health.add_later("store_bytes", [this] { return log::stored_bytes(store_->file()); });
   if (!saver_) return;
   health.add("seconds the last saving of maps took", saver_->last_s());
   health.add("saved sub-maps at live poses", static_cast<std::uint64_t>(saver_->live_submaps()));

@@ -96,7 +96,7 @@ void TimescaleMemory::on_diagnose(runtime::Health& health) const {
   health.add("nodes", std::uint64_t{memory_->nodes().size()});
   health.add("nodes in RAM", std::uint64_t{memory_->resident()});
   health.add("observations", memory_->observations());
-  if (file_) health.add("store_bytes", log::stored_bytes(config_.store));
+  if (file_) health.add_later("store_bytes", [this] { return log::stored_bytes(config_.store); });
 }
 
 void TimescaleMemory::on_tick() {

@@ -219,7 +219,8 @@ void TopologyMapper::on_diagnose(runtime::Health& health) const {
   health.add("topologies that did not converge", std::uint64_t{counts.not_converged});
   health.add("landmarks nearly at one place", std::uint64_t{counts.near_landmarks});
   health.add("update_time_s", update_s_);
-  if (store_) health.add("store_bytes", log::stored_bytes(config_.store.file));
+  if (store_)
+    health.add_later("store_bytes", [this] { return log::stored_bytes(config_.store.file); });
   health.add("longest_update_time_s", max_update_s_);
 }
 

@@ -3,15 +3,18 @@
 #include "components/runtime/component.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "components/convert/cdr.hpp"
 #include "core/base/error.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/components/runtime/status_watch.hpp"
@@ -101,6 +104,47 @@ TEST(Component, TellsItsStateItsCountsAndWhatItAddsOnDiagnostics) {
   EXPECT_THAT(value_of(status, "work times /in"), HasSubstr(" inf:1 sum:"));
   EXPECT_GT(std::stoull(value_of(status, "process_memory_bytes")), 1'000'000U);
   EXPECT_EQ(value_of(status, "colour"), "green");
+}
+
+/// Keeps the frames of scans, which it takes at ticks.
+class Patient final : public Component {
+ public:
+  using Component::Component;
+  /// Of whoever wants to know it after the component's end, too.
+  std::shared_ptr<std::vector<std::string>> frames = std::make_shared<std::vector<std::string>>();
+
+ private:
+  void on_configure() override {
+    subscribe_raw(
+        resolve("in"), bus::MessageType<LaserScan>::name, bus::qos_profile("lossless"),
+        [this](const bus::RawMessage& message) {
+          frames->push_back(convert::from_cdr<LaserScan>(message.cdr, "/in").header().frame_id());
+        },
+        {.at_ticks = true});
+  }
+};
+
+TEST(Component, TakesAtATickWhatCameSinceTheLastWhereThatIsEnough) {
+  const auto participant = test::make_participant();
+  bus::Writer<LaserScan> writer(participant, "/in", bus::qos_profile("lossless"));
+  Registry registry;
+  registry.add<Patient>("strata::Patient");
+  const auto host =
+      test::make_host("{type: strata::Patient, name: patient}", registry, participant);
+  host->activate();
+  ASSERT_TRUE(writer.raw().wait_for_readers(1, std::chrono::seconds(20)));
+  const auto& patient = dynamic_cast<const Patient&>(*host->components().front());
+  const auto frames = patient.frames;
+  for (const char* frame : {"a", "b", "c"}) writer.publish(scan_of(frame));
+  ASSERT_TRUE(test::comes_true([&] { return patient.counts().received == 3; }));
+  EXPECT_EQ(patient.counts().processed, 0U);
+  host->tick();
+  ASSERT_TRUE(test::comes_true([&] { return patient.counts().processed == 3; }));
+  EXPECT_THAT(*frames, testing::ElementsAre("a", "b", "c"));
+  writer.publish(scan_of("last"));
+  ASSERT_TRUE(test::comes_true([&] { return patient.counts().received == 4; }));
+  host->stop();
+  EXPECT_THAT(*frames, testing::ElementsAre("a", "b", "c", "last")) << "at the end too";
 }
 
 /// Throws what its scan's frame says.
