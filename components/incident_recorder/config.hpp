@@ -35,6 +35,7 @@ struct IncidentRecorderConfig {
   std::string out;
   std::vector<std::string> topics;
   std::vector<std::string> keep_files;
+  bool keep_maps = true;
   double before_s = 60.0;
   double after_s = 30.0;
   double memory_mb = 256.0;
@@ -48,9 +49,13 @@ struct IncidentRecorderConfig {
     v.field("topics", c.topics,
             {.doc = "topics to keep; empty: every topic there is. /diagnostics is always kept. "
                     "Camera and cloud topics fill memory"});
-    v.field("keep_files", c.keep_files,
-            {.doc = "files and folders (the maps in use, the composition) of which each incident "
-                    "keeps a copy; contents that are equal are kept once"});
+    v.field(
+        "keep_files", c.keep_files,
+        {.doc = "files and folders (the composition, what nav2 is set to) of which each incident "
+                "keeps a copy; contents that are equal are kept once"});
+    v.field("keep_maps", c.keep_maps,
+            {.doc = "the folders of maps that localizers use, where they are on this machine, are "
+                    "kept so too"});
     v.field("before_s", c.before_s,
             {.doc = "so much of what came before the incident is kept",
              .unit = "s",

@@ -6,6 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "strata_idl/rcl_interfaces.h"
+
 #include "components/bus/recorded_topic.hpp"
 #include "components/convert/cdr.hpp"
 #include "components/log/stored_bytes.hpp"
@@ -27,6 +29,23 @@ std::int64_t unix_now_ns() {
 IncidentRecorder::Clock::duration seconds(double value) {
   return std::chrono::duration_cast<IncidentRecorder::Clock::duration>(
       std::chrono::duration<double>(value));
+}
+
+/// The topic of a localizer's restore points, below its name
+/// (components/localizer/restore_point.hpp).
+constexpr const char* kRestorePoint = "/_restore_point";
+
+/// The folder that a restore point names; empty when it names none.
+std::string maps_of(const KeptMessage& restore_point) {
+  try {
+    const auto told = convert::from_cdr<rcl_interfaces::msg::ParameterEvent>(
+        restore_point.cdr, restore_point.topic->name);
+    for (const auto& value : told.new_parameters()) {
+      if (value.name() == "maps") return value.value().string_value();
+    }
+  } catch (const Error&) {  // another's, by the same name
+  }
+  return "";
 }
 
 }  // namespace
@@ -52,6 +71,7 @@ void IncidentRecorder::on_configure() {
   }
   offer<bus::srv::Trigger>("~/keep_incident", [this](const auto&) {
     const bool is_active = state() == runtime::LifecycleState::kActive;
+    take_waiting();  // it belongs to what came before
     if (is_active) begin({"asked", full_name(), "asked for by ~/keep_incident"});
     std_srvs::srv::Trigger_Response response;
     response.success(is_active);
@@ -77,7 +97,8 @@ void IncidentRecorder::watch(const std::string& topic, const bus::PublishedTopic
   const auto kept = std::make_shared<const KeptTopic>(KeptTopic{
       topic, published.type, bus::offered_qos_text(published), published.transient_local});
   subscribe_raw(topic, published.type, bus::qos_to_record(published),
-                [this, kept](const bus::RawMessage& message) { take(kept, message); });
+                [this, kept](const bus::RawMessage& message) { take(kept, message); },
+                {.at_ticks = true});
   topics_kept_[topic] = kept;
 }
 
@@ -87,6 +108,7 @@ void IncidentRecorder::take(const std::shared_ptr<const KeptTopic>& topic,
       topic, message.identity.writer, Stamp{message.source_stamp_ns}, Clock::now(), message.cdr});
   ring_->add(kept);
   if (incident_) incident_->add(kept);
+  if (topic->name.ends_with(kRestorePoint)) restore_points_[topic->name] = kept;
   if (topic->name == runtime::kDiagnosticsTopic) judge(message);
 }
 
@@ -99,6 +121,19 @@ void IncidentRecorder::judge(const bus::RawMessage& message) {
     const auto reason = triggers_->take(status);
     if (reason && (incident_ || Clock::now() >= rests_until_)) begin(*reason);
   }
+}
+
+std::vector<std::string> IncidentRecorder::files_to_keep() const {
+  std::vector<std::string> files = config_.keep_files;
+  if (!config_.keep_maps) return files;
+  for (const auto& [topic, point] : restore_points_) {
+    const std::string maps = maps_of(*point);
+    std::error_code error;
+    const bool is_here = std::filesystem::is_directory(maps, error);  // the robot's, not another's
+    if (is_here && std::find(files.begin(), files.end(), maps) == files.end())
+      files.push_back(maps);
+  }
+  return files;
 }
 
 void IncidentRecorder::begin(const IncidentReason& reason) {
@@ -120,7 +155,7 @@ void IncidentRecorder::begin(const IncidentReason& reason) {
   record.reasons = {reason};
   record.before_s = config_.before_s;
   record.after_s = config_.after_s;
-  const IncidentPlan plan{config_.out, config_.keep_files,
+  const IncidentPlan plan{config_.out, files_to_keep(),
                           static_cast<std::uint64_t>(config_.disk_mb * kBytesPerMb),
                           static_cast<std::size_t>(config_.memory_mb * kBytesPerMb)};
   say(runtime::LogLevel::kWarn, "incident: " + reason.text + "; kept in " + record.folder.string());
@@ -160,6 +195,7 @@ void IncidentRecorder::on_cleanup() {
   incident_.reset();
   next_.reset();
   topics_kept_.clear();
+  restore_points_.clear();
   ring_.reset();
   triggers_.reset();
 }
@@ -170,7 +206,7 @@ void IncidentRecorder::on_diagnose(runtime::Health& health) const {
   health.add("is writing one", std::string(incident_ ? "true" : "false"));
   health.add("kept in memory, MB", static_cast<double>(ring_->bytes()) / kBytesPerMb);
   health.add("gone before their time", ring_->gone_early());
-  health.add("store_bytes", log::stored_bytes(config_.out));
+  health.add_later("store_bytes", [this] { return log::stored_bytes(config_.out); });
 }
 
 }  // namespace strata::incident_recorder

@@ -41,6 +41,8 @@ class IncidentRecorder final : public runtime::Component {
   void watch(const std::string& topic, const bus::PublishedTopic& published);
   void take(const std::shared_ptr<const KeptTopic>& topic, const bus::RawMessage& message);
   void judge(const bus::RawMessage& message);
+  /// What is kept a copy of: keep_files, and the folders of maps that localizers use.
+  [[nodiscard]] std::vector<std::string> files_to_keep() const;
   /// Begins an incident, prolongs the one that lasts, or leaves the reason for when the one before
   /// is on the disk.
   void begin(const IncidentReason& reason);
@@ -50,6 +52,7 @@ class IncidentRecorder final : public runtime::Component {
   IncidentRecorderConfig config_;
   std::map<std::string, std::shared_ptr<const KeptTopic>> topics_kept_;
   std::optional<MessageRing> ring_;
+  std::map<std::string, KeptMessagePtr> restore_points_;  ///< the last of each topic
   std::optional<IncidentTriggers> triggers_;
   std::unique_ptr<Incident> incident_;
   std::optional<IncidentReason> next_;  ///< came while the one before went to the disk

@@ -38,7 +38,6 @@ processes:
         name: incidents
         parameters:
           out: {work}/incidents_{number}
-          keep_files: [{work}/maps]
           before_s: 10.0
           after_s: 1.5
           when: {{score_below: 0.4}}

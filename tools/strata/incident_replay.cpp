@@ -86,8 +86,8 @@ JournalReplay::FindMaps find_maps_of(const IncidentRecord& record, const fs::pat
     throw InputError(record.folder.string(),
                      "has no copy of the maps " + point.maps + " (" +
                          point.maps_sha256.substr(0, 12) + "), and they are no longer there",
-                     "give a folder with that content by --maps; name the maps in the recorder's "
-                     "keep_files to have a copy with each incident");
+                     "give a folder with that content by --maps; a recorder keeps a copy with each "
+                     "incident (keep_maps) where it runs on the localizer's machine");
   };
 }
 

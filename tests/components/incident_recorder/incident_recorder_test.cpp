@@ -15,9 +15,9 @@
 
 #include "components/bus/service.hpp"
 #include "components/convert/cdr.hpp"
-#include "components/incident_recorder/incident.hpp"
+#include "components/incident_recorder/incident_folder.hpp"
 #include "components/incident_recorder/register.hpp"
-#include "components/log/bag.hpp"
+#include "tests/components/incident_recorder/numbered_scans.hpp"
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/support/comes_true.hpp"
 #include "tests/support/test_data.hpp"
@@ -33,13 +33,6 @@ using ::testing::SizeIs;
 
 constexpr auto kPatience = std::chrono::seconds(20);
 
-LaserScan numbered(int number) {
-  LaserScan scan;
-  scan.header().stamp().sec(number);
-  scan.ranges().assign(100, static_cast<float>(number));
-  return scan;
-}
-
 DiagnosticArray told(const std::string& verdict) {
   diagnostic_msgs::msg::KeyValue entry;
   entry.key("verdict");
@@ -50,19 +43,6 @@ DiagnosticArray told(const std::string& verdict) {
   DiagnosticArray message;
   message.status().push_back(status);
   return message;
-}
-
-/// Numbers of the scans of a bag, by topic.
-std::map<std::string, std::vector<int>> scans_in(const std::filesystem::path& folder) {
-  const auto reader = log::BagReader::open(folder);
-  std::map<std::string, std::vector<int>> numbers;
-  for (log::BagMessage message; reader->next(message);) {
-    const log::BagTopic& topic = reader->topics()[message.topic];
-    if (topic.type != "sensor_msgs/msg/LaserScan") continue;
-    const auto scan = convert::from_cdr<LaserScan>(message.data, topic.name);
-    numbers[topic.name].push_back(scan.header().stamp().sec());
-  }
-  return numbers;
 }
 
 class IncidentRecorderTest : public testing::Test {
@@ -102,7 +82,10 @@ class IncidentRecorderTest : public testing::Test {
   void settle() {
     const auto counts = [this] { return host_->components().front()->counts(); };
     const std::uint64_t received = counts().received;
-    EXPECT_TRUE(test::comes_true([&] { return counts().done() >= received; }));
+    EXPECT_TRUE(test::comes_true([&] {
+      host_->tick();
+      return counts().done() >= received;
+    }));
   }
   std_srvs::srv::Trigger_Response ask() {
     const auto response = bus::call_service<bus::srv::Trigger>(
@@ -153,6 +136,41 @@ TEST_F(IncidentRecorderTest, KeepsWhatIsLatchedThoughItIsOlder) {
   const auto scans = scans_in(records[0].folder);
   EXPECT_EQ(scans.at("/latched"), std::vector<int>{1000});
   EXPECT_FALSE(scans.contains("/scan"));
+}
+
+TEST_F(IncidentRecorderTest, KeepsTheMapsThatALocalizerUsesUnlessThatIsOff) {
+  const std::filesystem::path maps = folder_.path() / "maps";
+  std::filesystem::create_directories(maps);
+  std::ofstream(maps / "map.yaml") << "resolution: 0.05";
+  rcl_interfaces::msg::ParameterEvent point;
+  rcl_interfaces::msg::Parameter named;
+  named.name("maps");
+  named.value().string_value(maps.string());
+  point.new_parameters().push_back(named);
+  bus::Writer<rcl_interfaces::msg::ParameterEvent> points(
+      participant_, "/robot/localizer/_restore_point", bus::qos_profile("default"));
+  for (const bool is_kept : {true, false}) {
+    std::filesystem::remove_all(out());
+    start(std::string(", after_s: 0.0, keep_maps: ") + (is_kept ? "true" : "false"));
+    ASSERT_TRUE(test::comes_true([&] {
+      host_->tick();
+      return points.raw().wait_for_readers(1, std::chrono::milliseconds(0));
+    }));
+    points.publish(point);
+    settle();
+    ASSERT_TRUE(ask().success());
+    const auto records = wait_for(1);
+    ASSERT_THAT(records, SizeIs(1));
+    ASSERT_THAT(records[0].files, SizeIs(is_kept ? 1 : 0));
+    if (is_kept) {
+      EXPECT_EQ(records[0].files[0].source, maps.string());
+      const auto copy = kept_copy(records[0], records[0].files[0].sha256);
+      ASSERT_TRUE(copy.has_value());
+      EXPECT_TRUE(std::filesystem::exists(*copy / "map.yaml")) << *copy;
+    }
+    host_->stop();
+    host_.reset();
+  }
 }
 
 TEST_F(IncidentRecorderTest, IsAskedForByTheService) {
@@ -239,43 +257,6 @@ TEST_F(IncidentRecorderTest, OnAFullDiskGoesOnAndSaysSo) {
     return std::any_of(records.begin(), records.end(),
                        [](const IncidentRecord& record) { return record.is_complete; });
   })) << "there is room again";
-}
-
-TEST(Incident, OfAProcessThatIsKilledIsListedAsCutOffAndCanBeRead) {
-  const test::TemporaryDirectory folder;
-  const auto topic =
-      std::make_shared<const KeptTopic>(KeptTopic{"/scan", "sensor_msgs/msg/LaserScan", "", false});
-  const auto message = [&](int number) {
-    return std::make_shared<const KeptMessage>(KeptMessage{
-        topic, {}, Stamp{number * 1'000'000'000LL}, {}, convert::to_cdr(numbered(number))});
-  };
-  IncidentRecord record;
-  record.folder = folder.path() / "all" / "one";
-  record.reasons = {{"lost", "localizer: health", "lost"}};
-  std::filesystem::create_directories(folder.path() / "all");
-  std::ofstream(folder.path() / "run.yaml") << "version: 1";
-  const IncidentPlan plan{
-      folder.path() / "all", {(folder.path() / "run.yaml").string()}, 1'000'000'000, 1'000'000};
-  Incident incident(plan, record, {message(1), message(2)});
-  // As the disk is at the moment of a kill.
-  const auto copy = folder.path() / "killed";
-  std::map<std::string, std::vector<int>> scans;
-  EXPECT_TRUE(test::comes_true([&] {
-    std::filesystem::remove_all(copy);
-    std::filesystem::copy(folder.path() / "all", copy, std::filesystem::copy_options::recursive);
-    try {
-      scans = scans_in(copy / "one");
-    } catch (const Error&) {  // nothing is in it yet
-    }
-    return scans["/scan"].size() == 2;
-  }));
-  EXPECT_EQ(scans["/scan"], (std::vector<int>{1, 2}));
-  const auto records = read_records(copy);
-  ASSERT_THAT(records, SizeIs(1));
-  EXPECT_FALSE(records[0].is_complete);
-  ASSERT_THAT(records[0].files, SizeIs(1));
-  EXPECT_EQ(make_room(copy, 1'000'000'000), 0U);
-  EXPECT_TRUE(std::filesystem::exists(copy / "files" / records[0].files[0].sha256 / "run.yaml"));
 }
 
 }  // namespace

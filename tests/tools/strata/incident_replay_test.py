@@ -34,7 +34,6 @@ processes:
         name: incidents
         parameters:
           out: {work}/incidents
-          keep_files: [{work}/maps]
           before_s: 12.0
           after_s: 2.0
           when: {{score_below: 0.4}}
