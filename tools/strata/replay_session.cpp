@@ -9,6 +9,7 @@
 #include "components/player/conducted_outputs.hpp"
 #include "core/base/error.hpp"
 #include "tools/all_components/all_components.hpp"
+#include "tools/strata/paced_time.hpp"
 #include "tools/strata/verbs.hpp"
 
 namespace strata::tools {
@@ -77,16 +78,17 @@ std::optional<bus::DomainClaim> claim_domain(VerbContext& context,
 /// Waits until a scan is due; throws when interrupted.
 class Pace {
  public:
-  Pace(double rate, VerbContext& context) : rate_(rate), context_(context) {}
+  Pace(double rate, VerbContext& context) : is_paced_(rate > 0.0), time_(rate), context_(context) {}
   void wait_for(double since_begin_s) {
-    if (rate_ <= 0.0) return;
+    if (!is_paced_) return;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
-    const double left_s = since_begin_s / rate_ - elapsed.count();
+    const double left_s = time_.due_s(since_begin_s) - elapsed.count();
     if (left_s > 0.0 && context_.interrupt().wait_for(left_s)) throw Cancelled("replay");
   }
 
  private:
-  double rate_;
+  bool is_paced_;
+  PacedTime time_;
   VerbContext& context_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
