@@ -34,7 +34,9 @@ class Viewer:
                 elif size == 127:
                     size = struct.unpack(">Q", self.stream.read(8))[0]
                 data = self.stream.read(size)
-                if kind & 15 == 1:
+                if kind & 15 == 9:  # a ping: who does not answer is sent away
+                    self.socket.sendall(bytes([0x8a, 0x80 | len(data)]) + bytes(4) + data)
+                elif kind & 15 == 1:
                     channels = json.loads(data).get("channels", [])
                     scan = next((one["id"] for one in channels if one["topic"] == "/scan"), scan)
                     self.subscribe([one["id"] for one in channels])
