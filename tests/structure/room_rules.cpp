@@ -21,6 +21,7 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"core/geometry", {"core/base"}},
       {"core/scan", {"core/random", "core/geometry"}},
       {"core/grid", {"core/scan"}},
+      {"core/plan", {"core/grid"}},
       {"core/rays", {"core/grid"}},
       {"core/registration", {"core/grid"}},
       {"core/tracking", {"core/registration"}},
