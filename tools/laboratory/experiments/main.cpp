@@ -237,7 +237,7 @@ int main(int argc, char** argv) {
            "decoders",     "wean",       "verdicts",      "score",          "people",
            "filter",       "few_beams",  "single_scan",   "standing_robot", "standing_robot_online",
            "door_times",   "starts",     "half_known",    "folded_maps",    "topologies",
-           "kidnapped"}));
+           "kidnapped",    "floor_plans"}));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::Range(0, 1'000'000));
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,

@@ -5,6 +5,7 @@
 
 #include "tools/laboratory/experiments/among_people.hpp"
 #include "tools/laboratory/experiments/few_beams.hpp"
+#include "tools/laboratory/experiments/floor_plans.hpp"
 #include "tools/laboratory/experiments/folded_maps.hpp"
 #include "tools/laboratory/experiments/half_known.hpp"
 #include "tools/laboratory/experiments/kidnapped.hpp"
@@ -80,6 +81,8 @@ bool run_seed_experiment(const std::string& name, const SeedOptions& options,
     report_refined_poses(options.scenarios, seeds, units);
   } else if (name == "folded_maps") {
     report_folded_maps(seeds, units);
+  } else if (name == "floor_plans") {
+    report_floor_plans(seeds, units);
   } else if (name == "half_known") {
     report_half_known(seeds, units);
   } else if (name == "starts") {
