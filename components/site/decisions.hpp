@@ -30,8 +30,8 @@ struct Decision {
 
 /// One line of the site's diary.
 struct Event {
-  std::string
-      what;  ///< "init", "add", "approve", "activate", "rollback", "gc", "zones", "interrupted"
+  std::string what;  ///< "init", "add", "approve", "activate", "rollback", "gc", "zones", "plan",
+                     ///< "interrupted"
   std::string hash;
   Actor actor;
   std::string note;

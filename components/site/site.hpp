@@ -7,6 +7,7 @@
 ///     SITE/active                a link to versions/HASH/maps
 ///     SITE/recordings/N_NAME/    log/NAME, truth/NAME: what the gate replays
 ///     SITE/zones.geojson         what people drew over the maps: Zones
+///     SITE/plan/                 what an architect drew, and where it lies: FloorPlan
 ///
 /// Every step is one rename, synced: a kill or a power cut leaves what was before or what is to be.
 /// Several programs may work on a site; those that change it wait for each other. One thread at a
@@ -23,6 +24,7 @@
 
 #include "components/log/disk.hpp"
 #include "components/site/decisions.hpp"
+#include "components/site/floor_plan.hpp"
 #include "components/site/map_version.hpp"
 #include "components/site/zones.hpp"
 
@@ -116,6 +118,15 @@ class Site {
   /// `change` throws leaves the file as it is; throws InputError and OutputError.
   Zones change_zones(const std::function<void(Zones&)>& change, const Actor& actor,
                      const std::string& what, bool replaces = false);
+
+  [[nodiscard]] bool has_plan() const;
+  /// Nothing where there is none. Throws InputError for a damaged one.
+  [[nodiscard]] std::optional<FloorPlan> plan() const;
+  /// Takes a plan with where it lies. Throws InputError where there is one already, and
+  /// OutputError.
+  void set_plan(FloorPlan plan, const Actor& actor);
+  /// Takes it away, be it damaged. Throws InputError where there is none, and OutputError.
+  void remove_plan(const Actor& actor);
 
   struct Rubbish {
     std::size_t keep_retired = 5;  ///< so many of those that were active last stay

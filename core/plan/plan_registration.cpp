@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include "core/geometry/angle.hpp"
 #include "core/plan/coarse_places.hpp"
@@ -19,6 +20,7 @@ namespace strata::plan {
 namespace {
 
 constexpr double kFieldCell_m = 0.05;
+constexpr double kMaxFieldCells = 2000.0;  // along a side
 constexpr double kFieldRadius_m = 0.6;
 constexpr std::size_t kPlaces = 24;
 /// Another place: so far off at the corners of what the map shows, or so much turned.
@@ -50,6 +52,19 @@ struct Look {
   double distance_m = 0.0;
 };
 
+/// Cells of a field over these faces: coarser where it would not fit into memory.
+double field_cell_m(const std::vector<WallFace>& faces) {
+  Eigen::AlignedBox2d extent;
+  for (const WallFace& face : faces) extent.extend(face.at_m);
+  if (extent.isEmpty()) return kFieldCell_m;
+  return std::max(kFieldCell_m, extent.sizes().maxCoeff() / kMaxFieldCells);
+}
+
+FaceField field_of(std::vector<WallFace> faces, double radius_m) {
+  const double cell_m = field_cell_m(faces);
+  return {std::move(faces), cell_m, std::max(radius_m, 2.0 * cell_m)};
+}
+
 class Registration {
  public:
   Registration(const ReflectionGrid& plan, const ReflectionGrid& map, const SurfaceLayer& surfaces,
@@ -57,7 +72,7 @@ class Registration {
       : config_(config),
         map_(map),
         seen_(seen_faces(map, surfaces)),
-        drawn_(thinned(drawn_faces(drawn_walls(plan)), kFieldCell_m), kFieldCell_m, kFieldRadius_m),
+        drawn_(field_of(thinned(drawn_faces(drawn_walls(plan)), kFieldCell_m), kFieldRadius_m)),
         middle_(middle_of(seen_)) {}
 
   PlanRegistration run() {
@@ -66,7 +81,7 @@ class Registration {
     if (seen_.empty()) return result;
     result.verdict = PlanVerdict::kNothingDrawn;
     if (drawn_.faces().empty()) return result;
-    seen_field_.emplace(seen_, kFieldCell_m, 2.0 * kFits_m);
+    seen_field_.emplace(field_of(seen_, 2.0 * kFits_m));
     std::vector<PlanPlace> places;
     for (const CoarsePlace& coarse : coarse_places(seen_, drawn_.faces(), kPlaces, guess())) {
       places.push_back(refined(coarse));

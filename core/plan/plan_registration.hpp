@@ -25,7 +25,7 @@ struct SiteFromPlan {
 struct PlanConfig {
   bool keeps_scale = false;       ///< what the plan says of its scale holds
   double max_scale_error = 0.02;  ///< what is more is refused
-  double min_score = 0.7;        ///< what fits less is refused
+  double min_score = 0.7;         ///< what fits less is refused
   double max_rival_share = 0.9;   ///< another place may score so much of the best at most
   std::optional<Pose2> near;      ///< site_from_plan as somebody guesses it
   double near_m = 3.0;            ///< ... of the middle of the plan

@@ -25,6 +25,19 @@ struct ZoneOptions {
   double outside_cost = 30.0;
 };
 
+/// Of `strata site plan`.
+struct PlanOptions {
+  std::string action;
+  std::string file;
+  std::optional<double> metres_per_pixel;
+  std::string between;
+  std::optional<double> metres;
+  std::string near;
+  double dark = 0.5;
+  bool keeps_scale = false;
+  bool is_inverted = false;
+};
+
 struct SiteOptions {
   std::string folder;
   std::string version;
@@ -44,6 +57,7 @@ struct SiteOptions {
   std::size_t recordings = 5;  ///< so many kept ones are replayed where no log is named
   std::string out;
   ZoneOptions zone;
+  PlanOptions plan;
   bool unchecked = false;
   bool json = false;
 };

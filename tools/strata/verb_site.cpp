@@ -10,6 +10,7 @@
 #include "core/base/error.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/site_actions.hpp"
+#include "tools/strata/site_plan.hpp"
 #include "tools/strata/site_text.hpp"
 #include "tools/strata/site_zones.hpp"
 #include "tools/strata/verb_config.hpp"
@@ -145,7 +146,7 @@ void add_note(CLI::App& action, SiteOptions& options) {
   action.add_option("--note", options.note, "why, for the diary");
 }
 
-constexpr std::array<Action, 13> kActions{{
+constexpr std::array<Action, 14> kActions{{
     {"init", "make a site", "site --id hall-3", init,
      [](CLI::App& action, SiteOptions& options) {
        action.add_option("--id", options.id, "its name, VDA 5050's mapId")->required();
@@ -229,6 +230,8 @@ constexpr std::array<Action, 13> kActions{{
      }},
     {"zones", "what people draw over the maps: keepout, speed, preferred, and what may be learned",
      "site list", run_zone_action, add_zone_actions},
+    {"plan", "a drawn floor plan, and where it lies on the maps",
+     "site set office.png --metres-per-pixel 0.02", run_plan_action, add_plan_actions},
 }};
 
 }  // namespace

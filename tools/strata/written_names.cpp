@@ -11,9 +11,9 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
-constexpr const char* kMaps[] = {"occupancy.*",    "filtered.*",  "patches", "patches.*",
-                                 "pictures",       "strata.db*",  "map.png", "dynamic.png",
-                                 "trajectory.tum", "summary.json"};
+constexpr const char* kMaps[] = {"occupancy.*", "filtered.*",     "patches",     "patches.*",
+                                 "plan.*",      "pictures",       "strata.db*",  "map.png",
+                                 "dynamic.png", "trajectory.tum", "summary.json"};
 constexpr const char* kLocalization[] = {"trajectory.*", "replay.html",  "refined.tum",
                                          "states.csv",   "metrics.json", "summary.json"};
 constexpr const char* kTopology[] = {"topologies.*", "topology.graphml", "places.yaml",

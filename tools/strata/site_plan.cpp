@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/strata/site_plan.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "components/log/map_file.hpp"
+#include "components/maps/maps_folder.hpp"
+#include "components/site/active_maps.hpp"
+#include "components/site/floor_plan.hpp"
+#include "core/base/error.hpp"
+#include "core/geometry/angle.hpp"
+#include "core/plan/plan_map.hpp"
+#include "core/plan/plan_registration.hpp"
+#include "tools/pipeline/cost.hpp"
+#include "tools/report/image.hpp"
+#include "tools/report/plot.hpp"
+#include "tools/site/plan_picture.hpp"
+#include "tools/strata/result_directory.hpp"
+#include "tools/strata/site_text.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::tools {
+namespace {
+
+using nlohmann::json;
+using report::fixed;
+
+constexpr double kMapCell_m = 0.05;
+
+std::string percent(double share) { return fixed(100.0 * share, 0) + "%"; }
+
+/// "x,y,degrees" of a place, as --near takes it.
+std::string place_text(const Pose2& pose) {
+  return fixed(pose.x, 2) + "," + fixed(pose.y, 2) + "," + fixed(radians_to_degrees(pose.theta), 1);
+}
+
+std::string words_of(const site::FloorPlan& plan) {
+  const plan::SiteFromPlan& at = plan.site_from_plan;
+  std::string text =
+      "plan " + plan.drawing.name + " lies at " + place_text(at.pose) + " (m, m, degrees)";
+  if (!plan.fit) return text + ": the site had no maps, its frame is the plan's";
+  const double off = 100.0 * (at.scale - 1.0);
+  if (std::abs(off) >= 0.05) {
+    text += ", " + fixed(std::abs(off), 1) + "% " + (off > 0.0 ? "larger" : "smaller") +
+            " than its scale says";
+  }
+  return text + "; it has " + percent(plan.fit->map_share) +
+         " of the map's walls, and the map has " + percent(plan.fit->plan_share) +
+         " of its walls that were looked at";
+}
+
+/// The numbers of "a,b,c"; throws InputError where they are not so many finite ones.
+std::vector<double> numbers_of(const std::string& option, const std::string& text,
+                               std::size_t count, const char* remedy) {
+  std::vector<double> numbers;
+  const char* at = text.c_str();
+  for (std::size_t i = 0; i < count; ++i) {
+    char* end = nullptr;
+    numbers.push_back(std::strtod(at, &end));
+    const bool is_last = i + 1 == count;
+    if (end == at || !std::isfinite(numbers.back()) || *end != (is_last ? '\0' : ',')) {
+      throw InputError(option + " " + text, "is not " + std::to_string(count) + " numbers", remedy);
+    }
+    at = end + 1;
+  }
+  return numbers;
+}
+
+site::DrawingScale scale_of(const PlanOptions& options) {
+  site::DrawingScale scale;
+  scale.dark = options.dark;
+  scale.is_inverted = options.is_inverted;
+  const std::string ending = fs::path(options.file).extension().string();
+  const bool is_map = ending == ".yaml" || ending == ".yml";
+  const bool has_points = !options.between.empty();
+  if (is_map ? options.metres_per_pixel || has_points
+             : options.metres_per_pixel.has_value() == has_points) {
+    throw InputError(options.file,
+                     is_map ? "says its scale itself" : "needs its scale, said in one way",
+                     is_map ? "leave --metres-per-pixel and --between out"
+                            : "give --metres-per-pixel, or --between with --metres");
+  }
+  if (options.metres_per_pixel) scale.metres_per_pixel = *options.metres_per_pixel;
+  if (has_points) {
+    const auto p = numbers_of("--between", options.between, 4, "give X0,Y0,X1,Y1 in pixels");
+    const double pixels = std::hypot(p[2] - p[0], p[3] - p[1]);
+    if (!options.metres || !(pixels > 0.0)) {
+      throw InputError("--between " + options.between, "says no scale",
+                       "give two points, and with --metres how far they are apart");
+    }
+    scale.metres_per_pixel = *options.metres / pixels;
+  }
+  if (!is_map && scale.metres_per_pixel == 0.0) {
+    throw InputError(options.file + ": scale", "is 0", "give the metres of a pixel");
+  }
+  return scale;
+}
+
+/// Throws InputError where the plan has no place, or several.
+void require_one_place(const plan::PlanRegistration& found, const std::string& file) {
+  const plan::PlanPlace& best = found.best;
+  const auto of = [](const plan::PlanPlace& place) {
+    return "--near " + place_text(place.site_from_plan.pose) + " (score " + fixed(place.score, 2) +
+           ")";
+  };
+  switch (found.verdict) {
+    case plan::PlanVerdict::kGood:
+      return;
+    case plan::PlanVerdict::kNothingDrawn:
+      throw InputError(file, "shows no walls", "draw them as lines of at least 0.6 m");
+    case plan::PlanVerdict::kNothingSeen:
+      throw InputError(file, "cannot be compared: the active map has no walls",
+                       "activate a version of the building first");
+    case plan::PlanVerdict::kPoor:
+      throw InputError(file,
+                       "fits the map nowhere; best at " + place_text(best.site_from_plan.pose) +
+                           ", where it has " + percent(best.map_share) +
+                           " of the map's walls, and the map " + percent(best.plan_share) +
+                           " of its own",
+                       "check that it is this floor, and its scale");
+    case plan::PlanVerdict::kWrongScale:
+      throw InputError(file,
+                       "fits best where its scale is off by " +
+                           fixed(100.0 * (best.site_from_plan.scale - 1.0), 1) + "% or more",
+                       "measure a long wall, and give --between with --metres");
+    case plan::PlanVerdict::kAmbiguous:
+      throw InputError(file, "fits in two places alike: " + of(best) + " and " + of(*found.rival),
+                       "say which with --near");
+  }
+}
+
+void set_plan(const SiteOptions& options, VerbContext& context) {
+  const PlanOptions& wanted = options.plan;
+  site::Site site = open_site(options, context);
+  if (site.has_plan()) {
+    throw InputError(options.folder, "has a plan already, which does not move by itself",
+                     "take it away first: `strata site plan " + options.folder + " remove`");
+  }
+  site::FloorPlan plan;
+  plan.drawing = site::read_drawing(wanted.file, scale_of(wanted));
+  plan::PlanConfig config;
+  config.keeps_scale = wanted.keeps_scale;
+  if (!wanted.near.empty()) {
+    const auto n = numbers_of("--near", wanted.near, 3, "give x,y,degrees, such as 1.5,-2,90");
+    config.near = Pose2{n[0], n[1], degrees_to_radians(n[2])};
+  }
+  if (const auto active = site.active()) {
+    const memory::Store store = maps::open_for_reading(site.maps_of(*active));
+    const plan::PlanRegistration found =
+        plan::register_plan(plan.drawing.lines, store.load_reflection_grid("filtered"),
+                            store.load_surfaces("filtered"), config);
+    require_one_place(found, wanted.file);
+    plan.fit = found.best;
+    plan.site_from_plan = found.best.site_from_plan;
+    plan.version = *active;
+  } else if (!site.versions().empty() || config.near) {
+    throw InputError(options.folder, "has no active version that a plan could lie on",
+                     site.versions().empty() ? "leave --near out: its frame becomes the plan's"
+                                             : "activate one with `strata site activate`");
+  }
+  site.set_plan(plan, actor(options));
+  answer(options, context, words_of(plan), to_json(plan));
+}
+
+site::FloorPlan plan_of(const SiteOptions& options, VerbContext& context) {
+  auto plan = open_site(options, context).plan();
+  if (!plan) {
+    throw InputError(options.folder, "has no plan", "`strata site plan SITE set` takes one");
+  }
+  return *std::move(plan);
+}
+
+void show_plan(const SiteOptions& options, VerbContext& context) {
+  const site::FloorPlan plan = plan_of(options, context);
+  answer(options, context,
+         words_of(plan) + "\n  set by " + plan.placed.by + ", " +
+             site::utc_text(plan.placed.at_ns) + "; SHA-256 " + plan.drawing.sha256,
+         to_json(plan));
+}
+
+void remove_plan(const SiteOptions& options, VerbContext& context) {
+  open_site(options, context).remove_plan(actor(options));
+  answer(options, context, "has no plan now", json(nullptr));
+}
+
+void write_map(const SiteOptions& options, VerbContext& context) {
+  const pipeline::CostMeter meter;
+  const site::FloorPlan plan = plan_of(options, context);
+  ResultDirectory out(options.out, "maps", context);
+  slam::SlamResult grids;
+  grids.filtered = plan::map_of_plan(plan.drawing.lines, plan.site_from_plan, kMapCell_m);
+  grids.occupancy = grids.filtered;
+  maps::write_grid_maps(out.path(), grids);
+  log::write_map(out.path() / "plan.yaml", grids.filtered, {.image = log::MapImageFormat::kPng});
+  const auto cost = meter.read();
+  maps::write_summary(out.path(), plan.drawing.name, {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
+  out.commit();
+  answer(options, context,
+         "wrote maps of " + plan.drawing.name + " to " + options.out +
+             "; localize in them with --model filtered --set sensor_model=likelihood_field",
+         {{"maps", options.out}, {"yaml", (fs::path(options.out) / "plan.yaml").string()}});
+}
+
+void draw_plan(const SiteOptions& options, VerbContext& context) {
+  const site::Site site = open_site(options, context);
+  const site::FloorPlan plan = plan_of(options, context);
+  const ReflectionGrid map =
+      site.active()
+          ? maps::open_for_reading(site.maps_of(*site.active())).load_reflection_grid("filtered")
+          : make_reflection_grid(kMapCell_m, {});
+  report::write_file(options.plan.file, report::encode_png(site::draw_plan(
+                                            plan.drawing.lines, plan.site_from_plan, map)));
+  answer(options, context, "drew " + plan.drawing.name + " in " + options.plan.file, to_json(plan));
+}
+
+struct PlanAction {
+  const char* name;
+  const char* description;
+  const char* example;
+  void (*run)(const SiteOptions&, VerbContext&);
+  void (*add_options)(CLI::App&, SiteOptions&);
+};
+
+void add_who(CLI::App& action, SiteOptions& options) {
+  action.add_option("--by", options.by, "who does it, for the diary; by default USER@HOST");
+}
+
+void add_set(CLI::App& action, SiteOptions& options) {
+  PlanOptions& plan = options.plan;
+  action
+      .add_option("FILE", plan.file,
+                  "PNG, PGM or BMP with walls dark on light, or a map_server YAML")
+      ->required();
+  action.add_option("--metres-per-pixel", plan.metres_per_pixel, "of a picture: its scale");
+  action.add_option("--between", plan.between,
+                    "... or two points of it, X0,Y0,X1,Y1 in pixels (with --metres)");
+  action.add_option("--metres", plan.metres, "how far the two points are apart");
+  action.add_option("--near", plan.near,
+                    "x,y,degrees of its lower left corner in the site's frame, to about 3 m and 30 "
+                    "degrees, where it fits in several places");
+  action.add_flag("--keep-scale", plan.keeps_scale,
+                  "its scale holds; else up to 2% are found by the map");
+  action.add_option("--dark", plan.dark, "pixels darker than this, of 1, are drawn")
+      ->check(CLI::Range(0.01, 0.99))
+      ->capture_default_str();
+  action.add_flag("--inverted", plan.is_inverted, "light lines on dark ground");
+  add_who(action, options);
+}
+
+constexpr std::array<PlanAction, 5> kPlanActions{{
+    {"set", "find where a floor plan lies on the active map, and keep it",
+     "set office.png --metres-per-pixel 0.02", set_plan, add_set},
+    {"show", "where it lies, and how well it fits", "show --json", show_plan,
+     [](CLI::App&, SiteOptions&) {}},
+    {"remove", "take it away", "remove", remove_plan, add_who},
+    {"map", "write maps of the plan alone, to localize in before there are others",
+     "map --out plan-maps", write_map,
+     [](CLI::App& action, SiteOptions& options) {
+       action
+           .add_option("--out", options.out,
+                       "folder of maps; plan.yaml and plan.png in it are for map_server")
+           ->required();
+     }},
+    {"draw", "the plan over the map of the active version", "draw plan.png", draw_plan,
+     [](CLI::App& action, SiteOptions& options) {
+       action.add_option("FILE", options.plan.file, "PNG file to be written")->required();
+     }},
+}};
+
+}  // namespace
+
+void add_plan_actions(CLI::App& plan, SiteOptions& options) {
+  plan.require_subcommand(1);
+  for (const PlanAction& action : kPlanActions) {
+    CLI::App* added = plan.add_subcommand(action.name, action.description);
+    action.add_options(*added, options);
+    added->footer(std::string("Example:\n  strata site plan site ") + action.example);
+    added->preparse_callback(
+        [&options, &action](std::size_t) { options.plan.action = action.name; });
+    added->fallthrough();
+  }
+}
+
+void run_plan_action(const SiteOptions& options, VerbContext& context) {
+  for (const PlanAction& action : kPlanActions) {
+    if (options.plan.action == action.name) return action.run(options, context);
+  }
+}
+
+}  // namespace strata::tools
