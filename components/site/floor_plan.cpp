@@ -40,6 +40,15 @@ std::string bytes_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+log::MapImage picture(const fs::path& file) try {
+  return log::read_map_image(file, file.string());
+} catch (const InputError& error) {
+  std::error_code reason;
+  const bool is_there = fs::is_regular_file(file, reason);
+  throw InputError(file.string(), is_there ? error.problem() : "is missing or no file",
+                   "give a whole PNG, PGM or BMP, or a map_server YAML");
+}
+
 bool is_drawn(const log::MapImage& image, std::size_t i, const DrawingScale& scale) {
   double bright = static_cast<double>(image.pixels[i]) / image.white;
   if (scale.is_inverted) bright = 1.0 - bright;
@@ -114,7 +123,7 @@ Drawing read_drawing(const fs::path& file, const DrawingScale& scale) {
                            " m a pixel is that of no floor plan",
                        "give 0.0001 to 0.5");
     }
-    drawing.lines = lines_of(log::read_map_image(file, place), scale, place);
+    drawing.lines = lines_of(picture(file), scale, place);
   }
   require_sense(drawing.lines, place);
   drawing.sha256 = log::sha256_of(bytes_of(file));

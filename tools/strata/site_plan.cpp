@@ -2,28 +2,23 @@
 #include "tools/strata/site_plan.hpp"
 
 #include <array>
-#include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "components/log/map_file.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/site/active_maps.hpp"
 #include "components/site/floor_plan.hpp"
 #include "core/base/error.hpp"
-#include "core/geometry/angle.hpp"
 #include "core/plan/plan_map.hpp"
 #include "core/plan/plan_registration.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/report/image.hpp"
-#include "tools/report/plot.hpp"
 #include "tools/site/plan_picture.hpp"
+#include "tools/strata/plan_words.hpp"
 #include "tools/strata/result_directory.hpp"
-#include "tools/strata/site_text.hpp"
 
 namespace fs = std::filesystem;
 
@@ -31,111 +26,8 @@ namespace strata::tools {
 namespace {
 
 using nlohmann::json;
-using report::fixed;
 
 constexpr double kMapCell_m = 0.05;
-
-std::string percent(double share) { return fixed(100.0 * share, 0) + "%"; }
-
-/// "x,y,degrees" of a place, as --near takes it.
-std::string place_text(const Pose2& pose) {
-  return fixed(pose.x, 2) + "," + fixed(pose.y, 2) + "," + fixed(radians_to_degrees(pose.theta), 1);
-}
-
-std::string words_of(const site::FloorPlan& plan) {
-  const plan::SiteFromPlan& at = plan.site_from_plan;
-  std::string text =
-      "plan " + plan.drawing.name + " lies at " + place_text(at.pose) + " (m, m, degrees)";
-  if (!plan.fit) return text + ": the site had no maps, its frame is the plan's";
-  const double off = 100.0 * (at.scale - 1.0);
-  if (std::abs(off) >= 0.05) {
-    text += ", " + fixed(std::abs(off), 1) + "% " + (off > 0.0 ? "larger" : "smaller") +
-            " than its scale says";
-  }
-  return text + "; it has " + percent(plan.fit->map_share) +
-         " of the map's walls, and the map has " + percent(plan.fit->plan_share) +
-         " of its walls that were looked at";
-}
-
-/// The numbers of "a,b,c"; throws InputError where they are not so many finite ones.
-std::vector<double> numbers_of(const std::string& option, const std::string& text,
-                               std::size_t count, const char* remedy) {
-  std::vector<double> numbers;
-  const char* at = text.c_str();
-  for (std::size_t i = 0; i < count; ++i) {
-    char* end = nullptr;
-    numbers.push_back(std::strtod(at, &end));
-    const bool is_last = i + 1 == count;
-    if (end == at || !std::isfinite(numbers.back()) || *end != (is_last ? '\0' : ',')) {
-      throw InputError(option + " " + text, "is not " + std::to_string(count) + " numbers", remedy);
-    }
-    at = end + 1;
-  }
-  return numbers;
-}
-
-site::DrawingScale scale_of(const PlanOptions& options) {
-  site::DrawingScale scale;
-  scale.dark = options.dark;
-  scale.is_inverted = options.is_inverted;
-  const std::string ending = fs::path(options.file).extension().string();
-  const bool is_map = ending == ".yaml" || ending == ".yml";
-  const bool has_points = !options.between.empty();
-  if (is_map ? options.metres_per_pixel || has_points
-             : options.metres_per_pixel.has_value() == has_points) {
-    throw InputError(options.file,
-                     is_map ? "says its scale itself" : "needs its scale, said in one way",
-                     is_map ? "leave --metres-per-pixel and --between out"
-                            : "give --metres-per-pixel, or --between with --metres");
-  }
-  if (options.metres_per_pixel) scale.metres_per_pixel = *options.metres_per_pixel;
-  if (has_points) {
-    const auto p = numbers_of("--between", options.between, 4, "give X0,Y0,X1,Y1 in pixels");
-    const double pixels = std::hypot(p[2] - p[0], p[3] - p[1]);
-    if (!options.metres || !(pixels > 0.0)) {
-      throw InputError("--between " + options.between, "says no scale",
-                       "give two points, and with --metres how far they are apart");
-    }
-    scale.metres_per_pixel = *options.metres / pixels;
-  }
-  if (!is_map && scale.metres_per_pixel == 0.0) {
-    throw InputError(options.file + ": scale", "is 0", "give the metres of a pixel");
-  }
-  return scale;
-}
-
-/// Throws InputError where the plan has no place, or several.
-void require_one_place(const plan::PlanRegistration& found, const std::string& file) {
-  const plan::PlanPlace& best = found.best;
-  const auto of = [](const plan::PlanPlace& place) {
-    return "--near " + place_text(place.site_from_plan.pose) + " (score " + fixed(place.score, 2) +
-           ")";
-  };
-  switch (found.verdict) {
-    case plan::PlanVerdict::kGood:
-      return;
-    case plan::PlanVerdict::kNothingDrawn:
-      throw InputError(file, "shows no walls", "draw them as lines of at least 0.6 m");
-    case plan::PlanVerdict::kNothingSeen:
-      throw InputError(file, "cannot be compared: the active map has no walls",
-                       "activate a version of the building first");
-    case plan::PlanVerdict::kPoor:
-      throw InputError(file,
-                       "fits the map nowhere; best at " + place_text(best.site_from_plan.pose) +
-                           ", where it has " + percent(best.map_share) +
-                           " of the map's walls, and the map " + percent(best.plan_share) +
-                           " of its own",
-                       "check that it is this floor, and its scale");
-    case plan::PlanVerdict::kWrongScale:
-      throw InputError(file,
-                       "fits best where its scale is off by " +
-                           fixed(100.0 * (best.site_from_plan.scale - 1.0), 1) + "% or more",
-                       "measure a long wall, and give --between with --metres");
-    case plan::PlanVerdict::kAmbiguous:
-      throw InputError(file, "fits in two places alike: " + of(best) + " and " + of(*found.rival),
-                       "say which with --near");
-  }
-}
 
 void set_plan(const SiteOptions& options, VerbContext& context) {
   const PlanOptions& wanted = options.plan;
@@ -148,10 +40,7 @@ void set_plan(const SiteOptions& options, VerbContext& context) {
   plan.drawing = site::read_drawing(wanted.file, scale_of(wanted));
   plan::PlanConfig config;
   config.keeps_scale = wanted.keeps_scale;
-  if (!wanted.near.empty()) {
-    const auto n = numbers_of("--near", wanted.near, 3, "give x,y,degrees, such as 1.5,-2,90");
-    config.near = Pose2{n[0], n[1], degrees_to_radians(n[2])};
-  }
+  if (!wanted.near.empty()) config.near = guessed_place(wanted.near);
   if (const auto active = site.active()) {
     const memory::Store store = maps::open_for_reading(site.maps_of(*active));
     const plan::PlanRegistration found =
@@ -166,7 +55,8 @@ void set_plan(const SiteOptions& options, VerbContext& context) {
                      site.versions().empty() ? "leave --near out: its frame becomes the plan's"
                                              : "activate one with `strata site activate`");
   }
-  site.set_plan(plan, actor(options));
+  plan.placed = actor(options);
+  site.set_plan(plan, plan.placed);
   answer(options, context, words_of(plan), to_json(plan));
 }
 
@@ -205,7 +95,8 @@ void write_map(const SiteOptions& options, VerbContext& context) {
   out.commit();
   answer(options, context,
          "wrote maps of " + plan.drawing.name + " to " + options.out +
-             "; localize in them with --model filtered --set sensor_model=likelihood_field",
+             "; localize in them with --model filtered --set sensor_model=likelihood_field "
+             "--set localizer.global_search.watch.is_used=false",
          {{"maps", options.out}, {"yaml", (fs::path(options.out) / "plan.yaml").string()}});
 }
 

@@ -119,6 +119,22 @@ TEST_F(SiteKilled, KeepLeavesWholeRecordings) {
       });
 }
 
+TEST_F(SiteKilled, PlansAreWholeOrNotThere) {
+  FloorPlan plan;
+  plan.drawing = {"office.png", "abc", ReflectionGrid(0.02, {{0, 0}, {40, 30}}, 1.0F)};
+  const auto set = [&](Site& site) { site.set_plan(plan, kAda); };
+  const auto remove = [](Site& site) { site.remove_plan(kAda); };
+  const auto is_there = [](const Site& site) {
+    const auto kept = site.plan();  // throws where half a plan is left
+    return kept && kept->drawing.lines.size() == 1200;
+  };
+  const auto is_gone = [&](const Site& site) { return !is_there(site); };
+  try_every_step("set a plan", set, is_there, remove);
+  Site site(at("hall"));
+  set(site);
+  try_every_step("remove a plan", remove, is_gone, set);
+}
+
 TEST_F(SiteKilled, ZonesAreThoseBeforeOrThoseAfter) {
   const auto zone = [](const std::string& name) {
     return parse_zones(R"({"type": "Feature", "properties": {"kind": "keepout", "name": ")" + name +

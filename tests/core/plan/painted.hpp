@@ -80,7 +80,7 @@ inline ReflectionGrid drawn(const std::vector<Line>& lines,
   for (const Line& line : lines) {
     turned.push_back({back * line.a / site_from_plan.scale, back * line.b / site_from_plan.scale});
   }
-  return painted(turned, 0.5 * thick_m, pixel_m, 16.0, 0.0F);
+  return painted(turned, 0.5 * thick_m, pixel_m, 10.0, 0.0F);
 }
 
 }  // namespace strata::test
