@@ -84,7 +84,8 @@ class Registration {
     seen_field_.emplace(field_of(seen_, 2.0 * kFits_m));
     std::vector<PlanPlace> places;
     for (const CoarsePlace& coarse : coarse_places(seen_, drawn_.faces(), kPlaces, guess())) {
-      places.push_back(refined(coarse));
+      const PlanPlace place = refined(coarse);
+      if (is_near(place)) places.push_back(place);
     }
     std::stable_sort(places.begin(), places.end(),
                      [](const PlanPlace& a, const PlanPlace& b) { return a.score > b.score; });
@@ -103,14 +104,18 @@ class Registration {
  private:
   [[nodiscard]] std::optional<CoarseGuess> guess() const {
     if (!config_.near) return std::nullopt;
-    // Near is meant of the plan's middle, where a wrong turn does least.
-    const Eigen::Vector2d plan_middle = middle_of(drawn_.faces());
+    // A turn about the plan's origin moves the map's middle as far as it lies from there.
     const Pose2 plan_from_site = inverse(*config_.near);
     const Eigen::Vector2d at = plan_from_site * middle_;
-    const double lever_m = (at - plan_middle).norm();
     return CoarseGuess{{at.x(), at.y(), plan_from_site.theta},
-                       config_.near_m + config_.near_rad * lever_m,
+                       config_.near_m + config_.near_rad * at.norm(),
                        config_.near_rad};
+  }
+  [[nodiscard]] bool is_near(const PlanPlace& place) const {
+    if (!config_.near) return true;
+    const Pose2& pose = place.site_from_plan.pose;
+    return translation_distance(pose, *config_.near) <= config_.near_m &&
+           std::abs(angle_difference(pose.theta, config_.near->theta)) <= config_.near_rad;
   }
 
   [[nodiscard]] Look look(const WallFace& face, const Fit& fit) const {

@@ -28,7 +28,7 @@ struct PlanConfig {
   double min_score = 0.7;         ///< what fits less is refused
   double max_rival_share = 0.9;   ///< another place may score so much of the best at most
   std::optional<Pose2> near;      ///< site_from_plan as somebody guesses it
-  double near_m = 3.0;            ///< ... of the middle of the plan
+  double near_m = 3.0;            ///< ... to so much at the origin of the plan
   double near_rad = 0.5;
 };
 

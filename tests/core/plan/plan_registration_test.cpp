@@ -93,6 +93,21 @@ TEST(PlanRegistration, AsksWhereABuildingIsTheSameAfterHalfATurn) {
   }
 }
 
+TEST(PlanRegistration, LooksNowhereElseThanNearTheGuess) {
+  const SiteFromPlan truth{{1.0, 2.0, 0.3}, 1.0};
+  PlanConfig config;
+  config.near = Pose2{1.0, -7.0, 0.3};  // 9 m off
+  EXPECT_NE(register_plan(drawn(building(), truth), seen(building()), {}, config).verdict,
+            PlanVerdict::kGood);
+  const SiteFromPlan far{{3.5, 0.0, 0.3}, 1.0};
+  config.near = Pose2{7.7, 0.0, 0.3};  // 4.2 m off
+  EXPECT_NE(register_plan(drawn(building(), far), seen(building()), {}, config).verdict,
+            PlanVerdict::kGood);
+  config.near = Pose2{1.5, 1.0, 0.6};
+  EXPECT_EQ(register_plan(drawn(building(), truth), seen(building()), {}, config).verdict,
+            PlanVerdict::kGood);
+}
+
 TEST(PlanRegistration, RefusesAnotherBuilding) {
   std::vector<test::Line> other;
   test::add_box(other, -4.0, -4.0, 0.0, 4.5);
