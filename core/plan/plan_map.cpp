@@ -68,7 +68,8 @@ ReflectionGrid map_of_plan(const ReflectionGrid& drawing, const SiteFromPlan& si
     const Cell cell = map.cell(i);
     bool is_wall = false;
     for (int k = 0; k < parts * parts && !is_wall; ++k) {
-      const Eigen::Vector2d inside((k % parts + 0.5) / parts, (k / parts + 0.5) / parts);
+      const Eigen::Vector2i part(k % parts, k / parts);
+      const Eigen::Vector2d inside = (part.cast<double>().array() + 0.5) / parts;
       const Eigen::Vector2d at = cell_m * (Eigen::Vector2d(cell.x, cell.y) + inside);
       is_wall = is_occupied(
           plan.get(plan.cell_at(Eigen::Vector2d(plan_from_site * at / site_from_plan.scale))));
