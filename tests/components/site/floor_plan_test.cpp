@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/site/floor_plan.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -38,7 +39,7 @@ class FloorPlans : public testing::Test {
     image.width = 300;
     image.height = 100;
     image.pixels.assign(30'000, paper);
-    for (int x = 0; x < dark; ++x) image.pixels[static_cast<std::size_t>(29'700 + x)] = ink;
+    std::fill_n(image.pixels.end() - image.width, dark, ink);
     log::write_map_image(at(name), image, log::MapImageFormat::kPng);
     return at(name);
   }
