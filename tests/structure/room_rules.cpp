@@ -29,6 +29,7 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"core/patch", {"core/beam_filter", "core/periodic"}},
       {"core/localization", {"core/patch", "core/rays", "core/tracking"}},
       {"core/patch_beams", {"core/localization"}},
+      {"core/cells", {"core/localization"}},
       {"core/refinement", {"core/localization"}},
       {"core/pose_graph", {"core/geometry"}},
       {"core/topology", {"core/slam"}},
