@@ -22,6 +22,7 @@ enum class MapLearning {
   kSubmapStates,  ///< what is believed of each sub-map
   kLevelWeights,  ///< how far each timescale level is believed
   kMemory,        ///< the timescale memory takes in the scans, too
+  kCells,         ///< what is believed of each cell
 };
 
 struct MapModelDescriptor {

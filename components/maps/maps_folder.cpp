@@ -97,6 +97,9 @@ const PartRow& row_of(MapPart part) {
       {MapPart::kTimescale,
        {"the timescale memory", true, true, "strata_msgs/NodeMap"},
        [](const Maps& maps) { return maps.timescale != nullptr || maps.nodes != nullptr; }},
+      {MapPart::kScans,
+       {"the scans", true, true, nullptr},
+       [](const Maps& maps) { return static_cast<bool>(maps.visit_scans); }},
       {MapPart::kGiven,
        {"a map_server map", false, false, nullptr},
        [](const Maps& maps) { return maps.given.size() > 0; }},
@@ -219,6 +222,14 @@ Maps read_maps(const fs::path& dir) {
     maps.timescale = std::make_shared<const memory::TimescaleMemory>(store.load_timescale());
   }
   maps.map_from_truth = read_map_from_truth(store);
+  if (!store.runs_with_scans().empty()) {
+    maps.visit_scans = [dir](const std::function<void(const PosedScan&)>& visit) {
+      const memory::Store reopened = open_for_reading(dir);
+      for (const int run : reopened.runs_with_scans()) {
+        for (const PosedScan& scan : reopened.load_scans(run)) visit(scan);
+      }
+    };
+  }
   return maps;
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -78,6 +79,10 @@ struct Maps {
   /// Casts beams in `filtered`; null: made when needed.
   std::shared_ptr<const rays::RayCaster> filtered_caster;
   std::optional<Pose2> map_from_truth;
+  /// Calls with each scan that the maps were learned from, at its pose, run by run; empty: they are
+  /// not kept. Those of a folder are read when it is called, and must still be there; those of a
+  /// LearnResult are its own.
+  std::function<void(const std::function<void(const PosedScan&)>& visit)> visit_scans;
   /// A map that was not learned here (a map_server file), and where it lies.
   ReflectionGrid given;
   Pose2 given_from_map;
@@ -90,6 +95,7 @@ enum class MapPart {
   kPatches,
   kPlacePatches,
   kTimescale,  ///< the memory, or only what it expects
+  kScans,
   kGiven,
 };
 

@@ -63,6 +63,9 @@ maps::Maps maps_of(const LearnResult& result, const memory::DecodingConfig& deco
   maps.patches = result.patches;
   maps.place_patches = result.place_patches;
   maps.timescale = result.timescale;
+  maps.visit_scans = [scans = std::span<const PosedScan>(result.slam.scans)](const auto& visit) {
+    for (const PosedScan& scan : scans) visit(scan);
+  };
   maps.decoding = decoding;
   maps.timescale_use = use;
   if (maps.timescale) maps.nodes = maps.timescale->decode(decoding);

@@ -16,6 +16,8 @@ const char* told(maps::MapLearning learns) {
       return "which level to believe";
     case maps::MapLearning::kMemory:
       return "the scans";
+    case maps::MapLearning::kCells:
+      return "the states of its cells";
   }
   return "nothing";
 }

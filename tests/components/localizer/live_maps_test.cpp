@@ -60,7 +60,7 @@ TEST(LiveMaps, OfAModelThatIsOnlyRegisteredComeWithTheGridThatItIsMadeOf) {
 }
 
 TEST(LiveMaps, AreRefusedForAModelWhoseMapComesOverNoTopic) {
-  for (const char* model : {"patch_places", "map"}) {
+  for (const char* model : {"patch_places", "cells", "map"}) {
     EXPECT_THROW(LiveMaps(maps::map_models().at(model), {}), ConfigError) << model;
   }
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "components/maps/maps_folder.hpp"
 #include "tests/memory/nodes/room_world.hpp"
@@ -76,6 +77,10 @@ inline Maps make_maps() {
   maps.filtered = slam.filtered;
   maps.patches = make_patch_map(slam);
   maps.timescale = make_memory(slam);
+  const auto scans = std::make_shared<const std::vector<PosedScan>>(slam.scans);
+  maps.visit_scans = [scans](const auto& visit) {
+    for (const PosedScan& scan : *scans) visit(scan);
+  };
   return maps;
 }
 

@@ -51,12 +51,15 @@ std::string message_of(const Maps& maps, const std::string& name) {
 TEST(MapModels, AreNamedAfterThePartsThatWereLearned) {
   EXPECT_THAT(model_names(Maps{}), IsEmpty());
   Maps maps = test_room::make_maps();
-  EXPECT_THAT(model_names(maps), ElementsAre("occupancy", "filtered", "patch", "patch_paper",
-                                             "patch_shared", "patch_per_particle", "timescale",
-                                             "timescale_mixture", "timescale_frozen",
-                                             "timescale_short", "timescale_mid", "timescale_long"));
+  EXPECT_THAT(
+      model_names(maps),
+      ElementsAre("occupancy", "filtered", "patch", "patch_paper", "patch_shared",
+                  "patch_per_particle", "timescale", "timescale_mixture", "timescale_frozen",
+                  "timescale_short", "timescale_mid", "timescale_long", "cells"));
   maps.patches.reset();
   maps.timescale.reset();
+  EXPECT_THAT(model_names(maps), ElementsAre("occupancy", "filtered", "cells"));
+  maps.visit_scans = nullptr;
   EXPECT_THAT(model_names(maps), ElementsAre("occupancy", "filtered"));
 }
 

@@ -51,14 +51,14 @@ TEST(MapModels, OfARegistryAreInNoOther) {
   EXPECT_THROW((void)make_map_model(test_room::make_maps(), "toy", {}), ConfigError);
 }
 
-TEST(MapModels, BuiltInAreInEveryFolderAndOverTopicsButForPlacesAndGivenMaps) {
+TEST(MapModels, BuiltInAreInEveryFolderAndOverTopicsButForPlacesCellsAndGivenMaps) {
   const std::vector<std::string> elsewhere{"patch_places", "map"};
   const auto is_elsewhere = [&](const MapModelDescriptor& model) { return !model.is_in_folder(); };
   EXPECT_EQ(map_models().names(is_elsewhere), elsewhere);
   const auto has_no_topic = [&](const MapModelDescriptor& model) {
     return !model.follows_topics();
   };
-  EXPECT_EQ(map_models().names(has_no_topic), elsewhere);
+  EXPECT_THAT(map_models().names(has_no_topic), ElementsAre("patch_places", "cells", "map"));
   EXPECT_THAT(map_models().compared(), ElementsAre("occupancy", "filtered", "patch", "timescale"));
 }
 

@@ -48,6 +48,13 @@ TEST(MapsFolder, GivesEveryPartBackBitForBit) {
   EXPECT_EQ(maps.surfaces.cells, slam.surfaces.cells);
   ASSERT_TRUE(maps.map_from_truth.has_value());
   EXPECT_EQ(*maps.map_from_truth, map_from_truth);
+  ASSERT_TRUE(maps.visit_scans);
+  std::size_t scans = 0;
+  maps.visit_scans([&](const PosedScan& scan) {
+    EXPECT_EQ(scan.map_from_robot, slam.scans.at(scans).map_from_robot);
+    EXPECT_EQ(scan.scan.stamp, slam.scans.at(scans++).scan.stamp);
+  });
+  EXPECT_EQ(scans, slam.scans.size());
   ASSERT_NE(maps.timescale, nullptr);
   EXPECT_EQ(maps.timescale->state(), memory->state());
   ASSERT_TRUE(maps.patches.has_value());

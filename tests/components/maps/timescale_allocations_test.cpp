@@ -43,14 +43,10 @@ std::size_t allocations_of(const std::string& name) {
   return allocations - before;
 }
 
-TEST(TimescaleModel, AllocatesNothingPerScan) { EXPECT_EQ(allocations_of("timescale_frozen"), 0U); }
-
-TEST(TimescaleModel, ThatLearnsAllocatesForTheScansThatItTakesOnly) {
-  // A node takes a scan at most once a second or 10 degrees; each makes a new snapshot.
-  const std::size_t learning = allocations_of("timescale");
-  EXPECT_GT(learning, 0U);
+/// Of the later half of 60 scans of a robot that stands.
+std::size_t allocations_of_standing(const std::string& name) {
   const Maps maps = test_room::make_maps();
-  const MapModel model = make_map_model(maps, "timescale", {});
+  const MapModel model = make_map_model(maps, name, {});
   std::vector<Observation> standing = drive(1);
   localization::LocalizerConfig config;
   config.particles = 200;
@@ -64,7 +60,20 @@ TEST(TimescaleModel, ThatLearnsAllocatesForTheScansThatItTakesOnly) {
     standing[0].scan.stamp.ns += 10'000'000;
     EXPECT_TRUE(localizer.update(standing[0]).weighed);
   }
-  EXPECT_EQ(allocations - before, 0U);
+  return allocations - before;
+}
+
+TEST(TimescaleModel, AllocatesNothingPerScan) { EXPECT_EQ(allocations_of("timescale_frozen"), 0U); }
+
+TEST(TimescaleModel, ThatLearnsAllocatesForTheScansThatItTakesOnly) {
+  // A node takes a scan at most once a second or 10 degrees; each makes a new snapshot.
+  const std::size_t learning = allocations_of("timescale");
+  EXPECT_GT(learning, 0U);
+  EXPECT_EQ(allocations_of_standing("timescale"), 0U);
+}
+
+TEST(CellModel, AllocatesNothingWhileItShowsTheSame) {
+  EXPECT_EQ(allocations_of_standing("cells"), 0U);
 }
 
 }  // namespace
