@@ -120,6 +120,16 @@ TEST(CellLearner, OneBeamThatHitsSomebodyDoesNotChangeACell) {
   EXPECT_LT(state_at(learned(learner), kDoor).usual, 0.02F);
 }
 
+// One hit and one beam that passes say 2.48 - 0.87 nats; half a miss more would be too little.
+TEST(CellLearner, TheCellWhereABeamEndsGetsNoMissFromIt) {
+  CellConfig config;
+  config.min_look_nats = 1.4;
+  CellLearner learner(kResolution_m, config);
+  learner.add(look(0.0, true));
+  learner.add(look(0.1, false));
+  EXPECT_TRUE(state_at(learned(learner), kDoor).is_known);
+}
+
 TEST(CellLearner, StampsOfTwoRunsMayOverlap) {
   CellLearner one(kResolution_m);
   for (int i = 0; i < 10; ++i) visit(one, 3600.0 * i, true, 0);
