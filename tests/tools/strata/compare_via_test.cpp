@@ -25,7 +25,7 @@ class CompareVia : public test::ReplayFixture {
 };
 
 TEST_F(CompareVia, DdsGivesEveryErrorOfTheDirectCall) {
-  const std::string models = "--models occupancy,filtered,patch,patch_places,timescale ";
+  const std::string models = "--models occupancy,filtered,patch,patch_places,timescale,cells ";
   ASSERT_EQ(compare("direct_errors", models).code, 0);
   const test::Outcome outcome = compare("dds_errors", models + "--via dds --jobs 2");
   ASSERT_EQ(outcome.code, 0) << outcome.out;
