@@ -96,10 +96,10 @@ struct Participant::State : dds::DomainParticipantListener {
   mutable std::mutex mutex;
   std::condition_variable forgot;  // one of `participants`
   bool is_leaving = false;
-  std::function<void(const std::string&)> before_endpoint;         // see Participant
-  std::map<std::string, dds::Topic*> topics;                       // by wire name
-  std::map<Guid, DiscoveredParticipant> participants;              // of others
-  std::map<Guid, DiscoveredEndpoint> endpoints;                    // own and others'
+  std::function<void(const std::string&)> before_endpoint;          // see Participant
+  std::map<std::string, dds::Topic*> topics;                        // by wire name
+  std::map<Guid, DiscoveredParticipant> participants;               // of others
+  std::map<Guid, DiscoveredEndpoint> endpoints;                     // own and others'
   std::optional<std::map<std::string, PublishedTopic>> offers_now;  // of those; none: to be made
 
   std::mutex graph_mutex;

@@ -234,7 +234,8 @@ void add_replay(CLI::App& app, VerbContext& context) {
       "--learn-until", options->learn_until_s,
       "seconds from the start: learn from what comes before, then localize the rest in "
       "it (localizers without `maps`)");
-  verb->add_option("--rate", options->rate, "1: as fast as it was, nights cut short; as fast as possible when left out")
+  verb->add_option("--rate", options->rate,
+                   "1: as fast as it was, nights cut short; as fast as possible when left out")
       ->check(positive());
   add_view_option(*verb, options->view_port);
   add_run_options(*verb, options->input);
