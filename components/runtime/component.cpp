@@ -205,7 +205,10 @@ void Component::tick() {
       tick_waits_ = false;
       guarded([&] { take_waiting(); });
       if (is_active()) guarded([&] { on_tick(); });
-      guarded([&] { announce(); });  // a recorder finds topics as it goes
+      // A recorder finds topics as it goes; once a second is soon enough to tell.
+      guarded([&] {
+        if (diagnostics_ && diagnostics_->is_due()) announce();
+      });
       guarded([&] { diagnose(); });
       guarded([&] { tell_what_repeats(); });
     });
