@@ -267,7 +267,6 @@ def test_small_screens(page):
         assert page.evaluate("document.getElementById('position').offsetHeight > 0") is True
         assert page.evaluate(MISPLACED) == "", page.evaluate(MISPLACED)
         page.evaluate("document.getElementById('more').click()")
-    page.call("Emulation.clearDeviceMetricsOverride")
 
 
 def main():
@@ -284,9 +283,9 @@ def main():
         test_topology(page)
         test_memory(page)
         test_version(page, work)
-        test_small_screens(page)
         test_setting_a_pose(page, port)
         test_relocalizing(page, port)
+        test_small_screens(page)
 
 
 main()
