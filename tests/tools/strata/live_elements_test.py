@@ -246,7 +246,8 @@ MISPLACED = """(() => {
   const wrong = [...cards, ...document.querySelectorAll('#tools button')].filter((one) => seen(one) &&
     (box(one).left < 0 || box(one).top < 0 || box(one).right > innerWidth || box(one).bottom > innerHeight ||
      one.scrollWidth > one.clientWidth + 1)).map((one) => one.id);
-  for (const a of cards) for (const b of cards) if (a !== b && box(a).left < box(b).right && box(b).left < box(a).right
+  const stay = cards.filter((one) => one.id !== 'hint');  // which goes by itself
+  for (const a of stay) for (const b of stay) if (a !== b && box(a).left < box(b).right && box(b).left < box(a).right
     && box(a).top < box(b).bottom && box(b).top < box(a).bottom) wrong.push(a.id + ' on ' + b.id);
   return wrong.join(); })()"""
 
