@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Messages that come over the wire or out of bags; the first byte chooses the type. The corpus
 /// names types by their place below: new ones go to the end.
+#include "strata_idl/rcl_interfaces.h"
 #include "strata_idl/rmw_dds_common.h"
 #include "strata_idl/rmw_dds_common_24.h"
 
@@ -155,6 +156,7 @@ constexpr void (*kKinds[])(Input) = {
     receive<nav_msgs::msg::Path>,
     receive<geometry_msgs::msg::PoseStamped>,
     receive<diagnostic_msgs::msg::DiagnosticArray>,
+    receive<rcl_interfaces::msg::ParameterEvent>,
 };
 
 }  // namespace
