@@ -130,8 +130,8 @@ std::vector<std::string> IncidentRecorder::files_to_keep() const {
     const std::string maps = maps_of(*point);
     std::error_code error;
     const bool is_here = std::filesystem::is_directory(maps, error);  // the robot's, not another's
-    if (is_here && std::find(files.begin(), files.end(), maps) == files.end())
-      files.push_back(maps);
+    const bool is_new = std::find(files.begin(), files.end(), maps) == files.end();
+    if (is_here && is_new) files.push_back(maps);
   }
   return files;
 }

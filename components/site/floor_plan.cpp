@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -34,11 +32,6 @@ constexpr double kLeastSide_m = 1.0;
 constexpr double kLargestSide_m = 1000.0;
 constexpr std::size_t kMaxCells = 50'000'000;
 constexpr double kMostDrawn = 0.5;
-
-std::string bytes_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 log::MapImage picture(const fs::path& file) try {
   return log::read_map_image(file, file.string());
@@ -126,7 +119,7 @@ Drawing read_drawing(const fs::path& file, const DrawingScale& scale) {
     drawing.lines = lines_of(picture(file), scale, place);
   }
   require_sense(drawing.lines, place);
-  drawing.sha256 = log::sha256_of(bytes_of(file));
+  drawing.sha256 = log::sha256_of(log::read_whole_file(file));
   return drawing;
 }
 
@@ -164,7 +157,13 @@ FloorPlan read_plan(const fs::path& folder) {
   const auto damaged = [&](const std::string& why) {
     return InputError(place, why, "take it away with `strata site plan SITE remove`, and set it");
   };
-  const json text = json::parse(bytes_of(folder / kPlanFile), nullptr, false);
+  std::string bytes;
+  try {
+    bytes = log::read_whole_file(folder / kPlanFile);
+  } catch (const InputError&) {
+    throw damaged("is missing or no JSON");
+  }
+  const json text = json::parse(bytes, nullptr, false);
   if (!text.is_object()) throw damaged("is missing or no JSON");
   FloorPlan plan;
   try {
