@@ -56,9 +56,8 @@ void write_whole_file(const std::filesystem::path& path, const std::string& byte
 std::string read_whole_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream bytes;
-  // Nothing at all to read counts as a failure of <<.
-  if (in && in.peek() != std::ifstream::traits_type::eof()) bytes << in.rdbuf();
-  if (in.bad() || (in.fail() && !in.eof()) || std::filesystem::is_directory(path)) {
+  if (in) bytes << in.rdbuf();
+  if (!in || std::filesystem::is_directory(path)) {
     throw InputError(path.string(), "cannot be read", "check the file and its permissions");
   }
   return std::move(bytes).str();

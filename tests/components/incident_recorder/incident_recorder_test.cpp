@@ -2,6 +2,7 @@
 /// Incidents of a live robot: what is kept, when, and what disks and kills do to it.
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -156,9 +157,11 @@ TEST_F(IncidentRecorderTest, KeepsTheMapsThatALocalizerUsesUnlessThatIsOff) {
       host_->tick();
       return points.raw().wait_for_readers(1, std::chrono::milliseconds(0));
     }));
+    const auto received = [this] { return host_->components().front()->counts().received; };
+    const std::uint64_t before = received();
     points.publish(point);
-    settle();
-    ASSERT_TRUE(ask().success());
+    ASSERT_TRUE(test::comes_true([&] { return received() > before; }));
+    ASSERT_TRUE(ask().success()) << "before the next tick";
     const auto records = wait_for(1);
     ASSERT_THAT(records, SizeIs(1));
     ASSERT_THAT(records[0].files, SizeIs(is_kept ? 1 : 0));
