@@ -144,23 +144,26 @@ TEST(PlaceHypotheses, AreLookedForWhenThePoseIsInDoubt) {
   const ReflectionGrid map = test::rasterize(world, 0.05, {{0, 0}, {240, 120}});
   LocalizerConfig config = searching();
   config.recovery.restart_after = 5;
+  config.global_search.watch.is_used = false;  // nobody else looks
   Localizer localizer(config, make_grid_beam_model(map), 4, 2);
   localizer.set_free_space(map);
   Drive drive({3.0, 2.5, 0.0}, 65);
   localizer.initialize({drive.truth(), Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
   for (int n = 0; n < 20; ++n) {
     drive.step({0.1, 0.0, 0.02});
-    localizer.update(drive.look(world, 8.0, 60));
+    EXPECT_FALSE(localizer.update(drive.look(world, 8.0, 60)).is_recovering);
   }
   ASSERT_LT(weighted_error(localizer.particles(), drive.truth()), 0.2);
   drive.kidnap({9.8, 4.6, -2.0});
   bool was_elsewhere = false;
+  bool was_recovering = false;
   for (int n = 0; n < 50; ++n) {  // 10 s
     drive.step({0.05, 0.0, 0.02});
-    localizer.update(drive.look(world, 8.0, 60));
+    was_recovering |= localizer.update(drive.look(world, 8.0, 60)).is_recovering;
     was_elsewhere |= weighted_error(localizer.particles(), drive.truth()) > 3.0;
   }
   EXPECT_TRUE(was_elsewhere);
+  EXPECT_TRUE(was_recovering);
   EXPECT_LT(weighted_error(localizer.particles(), drive.truth()), 0.3);
 }
 
