@@ -111,11 +111,14 @@ Zones parse_zones(const std::string& text, const std::string& place) {
   return zones_of(parsed(text, place), place);
 }
 
-Zones read_zones(const fs::path& file) {
+namespace {
+
+/// Throws InputError.
+std::string text_of(const fs::path& file) {
   std::error_code error;
   std::ifstream in(file, std::ios::binary);
   if (!in || fs::is_directory(file, error)) {
-    throw InputError(file.string(), "cannot be read as a file", "name a GeoJSON file of zones");
+    throw InputError(file.string(), "cannot be read as a file", "name a GeoJSON file of polygons");
   }
   std::string text;
   std::array<char, 65536> part{};
@@ -125,7 +128,43 @@ Zones read_zones(const fs::path& file) {
   if (in.bad()) {
     throw InputError(file.string(), "cannot be read to its end", "check the disk");
   }
-  return parse_zones(text, file.string());
+  return text;
+}
+
+/// The same shape as a zone that says nothing.
+Document as_zone(const Document& feature, std::size_t index) {
+  Document zone = {
+      {"type", "Feature"},
+      {"properties", {{"name", std::to_string(index)}, {"kind", "learn"}, {"control", "learn"}}}};
+  if (feature.is_object() && feature.contains("geometry")) zone["geometry"] = feature["geometry"];
+  return zone;
+}
+
+}  // namespace
+
+Zones read_zones(const fs::path& file) { return parse_zones(text_of(file), file.string()); }
+
+std::vector<MetricPolygon> read_region(const fs::path& file) {
+  return parse_region(text_of(file), file.string());
+}
+
+std::vector<MetricPolygon> parse_region(const std::string& text, const std::string& place) {
+  Document document = parsed(text, place);
+  const Document type = document.is_object() ? document.value("type", Document()) : Document();
+  if (type == "Polygon" || type == "MultiPolygon") document = {{"geometry", std::move(document)}};
+  Document features = Document::array({document});
+  if (type == "FeatureCollection") features = document.value("features", Document());
+  if (features.empty()) {
+    throw InputError(place, "has no polygon", "draw the region that is meant");
+  }
+  Document zones = Document::array();
+  for (const Document& feature : features) zones.push_back(as_zone(feature, zones.size()));
+  std::vector<MetricPolygon> region;
+  const Document collection = {{"type", "FeatureCollection"}, {"features", std::move(zones)}};
+  for (Zone& zone : zones_of(collection, place).zones) {
+    std::move(zone.shape.begin(), zone.shape.end(), std::back_inserter(region));
+  }
+  return region;
 }
 
 void add(Zones& zones, const Zones& more, const std::string& place) {

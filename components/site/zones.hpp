@@ -62,6 +62,12 @@ struct Zones {
 [[nodiscard]] Zones parse_zones(const std::string& text, const std::string& place);
 /// Throws InputError, also where there is no such file.
 [[nodiscard]] Zones read_zones(const std::filesystem::path& file);
+/// A region: the polygons of a FeatureCollection, a Feature, a Polygon or a MultiPolygon, whatever
+/// their properties say, such as features of diff.geojson. Throws InputError as read_zones.
+[[nodiscard]] std::vector<MetricPolygon> read_region(const std::filesystem::path& file);
+/// Of its text; place: the file, for errors.
+[[nodiscard]] std::vector<MetricPolygon> parse_region(const std::string& text,
+                                                      const std::string& place);
 /// Of a document of one's own making, such as features of a mask; else as parse_zones().
 [[nodiscard]] Zones zones_of(Zones::Document document, const std::string& place);
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Zones of a site: the GeoJSON, written and read again, and its masks.
+/// Zones of a site: the GeoJSON, written and read again, and its masks; regions.
 #include "components/site/zone_masks.hpp"
 #include "components/site/zones.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace strata;
+  (void)fuzz::expect_value_or_error([&] {
+    (void)site::parse_region(fuzz::text_of({data, size}), "region.geojson");
+  });
   return fuzz::expect_value_or_error([&] {
     const site::Zones zones = site::parse_zones(fuzz::text_of({data, size}), "zones.geojson");
     const std::string text = site::to_text(zones);

@@ -131,6 +131,24 @@ TEST(Zones, KeepWhatOtherProgramsWroteAndTheOrderOfIt) {
   EXPECT_THROW(add(zones, zones, "z.geojson"), InputError) << "names are there already";
 }
 
+TEST(Zones, AreNoRegionsButRegionsAreReadOfAnyPolygons) {
+  const std::string ring = "[[[0,0],[2,0],[2,1],[0,1],[0,0]]]";
+  const std::string polygon = R"({"type": "Polygon", "coordinates": )" + ring + "}";
+  const std::string feature =
+      R"({"type": "Feature", "properties": {"kind": "came"}, "geometry": )" + polygon + "}";
+  for (const std::string& text :
+       {polygon, R"({"type": "MultiPolygon", "coordinates": [)" + ring + "]}", feature,
+        R"({"type": "FeatureCollection", "features": [)" + feature + "]}"}) {
+    const auto region = parse_region(text, "region");
+    ASSERT_EQ(region.size(), 1U) << text;
+    EXPECT_EQ(area_m2(region[0]), 2.0) << text;
+  }
+  const std::string twice =
+      R"({"type": "FeatureCollection", "features": [)" + feature + "," + feature + "]}";
+  EXPECT_EQ(parse_region(twice, "region").size(), 2U);
+  EXPECT_THROW((void)parse_zones(twice, "zones"), InputError);
+}
+
 TEST(Zones, OfASiteAreChangedWholeOrNotAtAll) {
   const test::TemporaryDirectory folder;
   const Actor ada{"ada", 1};
