@@ -7,8 +7,9 @@
 
 namespace strata::pipeline {
 
-/// Puts back what the grid maps were in cells of limits.never, and blinds the beams of runs from
-/// first_run on that say something of them. O(cells + beams of those runs x cells they cross).
+/// Puts back what the grid maps were in cells where nothing is learned, and blinds the beams of
+/// runs from first_run on that say something of them. O(cells + beams of those runs x cells they
+/// cross).
 void keep_base(const LearnWithin& limits, int first_run, slam::SlamResult& slam);
 
 }  // namespace strata::pipeline

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/pipeline/learn.hpp"
 
+#include "core/grid/blind_beams.hpp"
 #include "core/patch/patch_learner.hpp"
 #include "core/patch/without_change.hpp"
 #include "tools/pipeline/keep_base.hpp"
@@ -26,7 +27,13 @@ LearnResult learn_within(const LearnWithin& limits, const std::vector<Observatio
   const std::vector<PosedScan> none;
   const std::vector<PosedScan>& placed = earlier != nullptr ? earlier->scans : none;
   for (std::size_t i = 0; i < placed.size(); ++i) {
-    slam.add_placed(placed[i]);
+    if (limits.forgets && placed[i].run < earlier->next_run) {
+      PosedScan scan = placed[i];
+      (void)blind_beams(scan, limits.only);
+      slam.add_placed(scan);
+    } else {
+      slam.add_placed(placed[i]);
+    }
     report_progress(progress, "match earlier scans", i + 1, placed.size());
   }
   for (std::size_t i = 0; i < observations.size(); ++i) {

@@ -12,6 +12,7 @@
 
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "core/base/error.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/tools/simulate/two_days.hpp"
 
@@ -181,6 +182,67 @@ TEST(LearnWithin, HoldsAPartOfAnAreaThatChangesStill) {
     }
   }
   EXPECT_GT(shared, 20U) << "or nothing is held";
+}
+
+/// The room behind the east door, that door, and the floor before it.
+const CellRect kEastRoom{{260, 0}, {360, 120}};
+
+/// Of all cells of the map but those of a region.
+std::size_t different_outside(const ReflectionGrid& a, const ReflectionGrid& b,
+                              const CellRect& region) {
+  const CellRect all = a.rect().united(b.rect());
+  return different_cells(a, b, all) - different_cells(a, b, region);
+}
+
+TEST(LearnWithin, LearnsInTheRegionThatIsNamedAlone) {
+  const BaseBefore before = read_base(days().folder.path());
+  const LearnResult after = days().update({{}, {}, before, ones(kEastRoom)});
+  EXPECT_TRUE(has_change_in(after.patches, kEast));
+  EXPECT_FALSE(has_change_in(after.patches, kWest));
+  EXPECT_FALSE(has_change_in(after.patches, kMiddle));
+  EXPECT_GT(different_cells(before.filtered, after.slam.filtered, kEast), 100U);
+  EXPECT_EQ(different_outside(before.filtered, after.slam.filtered, kEastRoom), 0U);
+  EXPECT_EQ(different_outside(before.occupancy, after.slam.occupancy, kEastRoom), 0U);
+  const LearnResult never =
+      days().update({ones({{270, 0}, {300, 120}}), {}, before, ones(kEastRoom)});
+  EXPECT_FALSE(has_change_in(never.patches, kEast)) << "a zone in the region holds still";
+}
+
+TEST(LearnWithin, ForgetsWhatEarlierRunsSawOfARegionThatWasRebuilt) {
+  const BaseBefore before = read_base(days().folder.path());
+  const LearnResult after = days().update({{}, {}, before, ones(kEastRoom), true});
+  EXPECT_FALSE(has_change_in(after.patches, kEast)) << "it has only ever been open";
+  EXPECT_EQ(different_outside(before.filtered, after.slam.filtered, kEastRoom), 0U);
+  EXPECT_EQ(different_outside(before.occupancy, after.slam.occupancy, kEastRoom), 0U);
+  const LearnResult both = days().update({{}, {}, before, ones(kEastRoom)});
+  const auto beams_in = [](const LearnResult& result, const CellRect& rect) {
+    std::uint64_t beams = 0;
+    for (int y = rect.min.y; y < rect.max.y; ++y) {
+      for (int x = rect.min.x; x < rect.max.x; ++x) {
+        const CellCounts& counts = result.slam.raw.cells().get({x, y});
+        beams += counts.hits + counts.misses;
+      }
+    }
+    return beams;
+  };
+  EXPECT_LT(beams_in(after, kEast), beams_in(both, kEast) * 2 / 3);
+  EXPECT_GT(beams_in(after, kEast), 1000U) << "the new run's";
+  for (const PosedScan& scan : after.slam.scans) {
+    if (scan.run > 0) continue;
+    for (std::size_t i = 0; i < scan.scan.size(); ++i) {
+      if (!std::isfinite(scan.scan.ranges_m[i])) continue;
+      ASSERT_FALSE(touches(scan, i, kEastRoom)) << "later updates would see it again";
+    }
+  }
+}
+
+TEST(LearnWithin, RefusesARegionThatHoldsNoCellOrTheWholeWorld) {
+  const auto square = [](double size) {
+    return std::vector<MetricPolygon>{{{{0, 0}, {size, 0}, {size, size}, {0, size}}, {}}};
+  };
+  EXPECT_EQ(cells_of_region(square(1.0), kCell_m, "r").size(), 400U);
+  EXPECT_THROW((void)cells_of_region(square(0.01), kCell_m, "r"), InputError);
+  EXPECT_THROW((void)cells_of_region(square(2000.0), kCell_m, "r"), InputError);
 }
 
 }  // namespace
