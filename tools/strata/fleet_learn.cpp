@@ -16,11 +16,9 @@
 #include "core/base/error.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/learn.hpp"
-#include "tools/pipeline/learn_pictures.hpp"
-#include "tools/report/drawings.hpp"
+#include "tools/strata/learned_folder.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
-#include "tools/strata/warning.hpp"
 
 namespace strata::tools {
 namespace {
@@ -99,19 +97,10 @@ nlohmann::json learn_fleet(fleet::Connection& connection, const site::Site& site
       pipeline::learn({}, {}, config, {}, context.options.seed, context.options.threads,
                       context.progress(), &earlier);
   for (const std::string& warning : result.slam.warnings) context.note("warning: " + warning);
-  maps::write_grid_maps(out.path(), result.slam);
-  maps::write_patch_map(out.path(), result.patches);
-  maps::write_timescale(out.path(), *result.timescale);
-  if (earlier.map_from_truth) maps::write_map_from_truth(out.path(), *earlier.map_from_truth);
-  report::Drawings drawings;
-  pipeline::write_map_pictures(out.path(), result.slam, result.patches, drawings);
   std::string logs = earlier.log;
   for (const std::string& robot : robots) logs += (logs.empty() ? "" : " ") + robot;
-  const pipeline::Cost cost = meter.read();
   nlohmann::json summary =
-      maps::write_summary(out.path(), logs, {cost.wall_s, cost.cpu_s, cost.peak_rss_mb});
-  out.commit();
-  warn(context, drawings.what_is_missing());
+      write_learned(out, result, {}, {logs, earlier.map_from_truth, &meter}, context);
   summary["visits"] = count;
   summary["robots"] = robots;
   summary["checked"] = checked;

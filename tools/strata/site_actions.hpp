@@ -56,6 +56,8 @@ struct SiteOptions {
   double max_mb = 2000.0;
   std::size_t recordings = 5;  ///< so many kept ones are replayed where no log is named
   std::string out;
+  std::string region;  ///< a GeoJSON file
+  bool anew = false;   ///< what the active version knows of the region is forgotten
   ZoneOptions zone;
   PlanOptions plan;
   bool unchecked = false;
@@ -79,5 +81,8 @@ void compare_versions(const SiteOptions& options, VerbContext& context);
 /// Adds maps, and activates them where the gate lets them through.
 void take_maps(const SiteOptions& options, VerbContext& context);
 void approve_version(const SiteOptions& options, VerbContext& context);
+
+/// Adds the active version with what another one learned in a region. Of site_merge.cpp.
+void merge_version(const SiteOptions& options, VerbContext& context);
 
 }  // namespace strata::tools

@@ -13,10 +13,10 @@
 #include "components/log/folder_lock.hpp"
 #include "components/log/log_config.hpp"
 #include "components/maps/earlier_runs.hpp"
-#include "components/maps/maps_folder.hpp"
 #include "components/maps/summary.hpp"
 #include "components/settings/settings.hpp"
 #include "components/site/learn_limits.hpp"
+#include "components/site/zones.hpp"
 #include "core/base/error.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/learn.hpp"
@@ -25,12 +25,12 @@
 #include "tools/pipeline/truth_frame.hpp"
 #include "tools/report/drawings.hpp"
 #include "tools/report/plot.hpp"
+#include "tools/strata/learned_folder.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/run_options.hpp"
 #include "tools/strata/terminal_picture.hpp"
 #include "tools/strata/verb_config.hpp"
 #include "tools/strata/verbs.hpp"
-#include "tools/strata/warning.hpp"
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
@@ -41,6 +41,8 @@ struct Options {
   std::string out;
   std::string update;
   std::string zones;
+  std::string only_in;
+  bool anew = false;
   std::vector<std::string> only;
   bool pictures = false;
 };
@@ -114,12 +116,21 @@ void wait_for_others(const std::string& folder, VerbContext& context,
   });
 }
 
-/// What the zones that are named keep learning from.
+/// What the zones and the region that are named keep learning from.
 pipeline::LearnWithin limits_of(const Options& options, const maps::LearnConfig& config) {
-  if (options.zones.empty()) return {};
-  site::LearnLimits limits =
-      site::learn_limits(site::zones_at(options.zones), config.slam.beam_filter.resolution_m);
-  pipeline::LearnWithin within{std::move(limits.never), std::move(limits.static_only), {}};
+  if (options.zones.empty() && options.only_in.empty()) return {};
+  const double resolution_m = config.slam.beam_filter.resolution_m;
+  pipeline::LearnWithin within;
+  if (!options.zones.empty()) {
+    site::LearnLimits limits = site::learn_limits(site::zones_at(options.zones), resolution_m);
+    within.never = std::move(limits.never);
+    within.static_only = std::move(limits.static_only);
+  }
+  if (!options.only_in.empty()) {
+    within.only = pipeline::cells_of_region(site::read_region(options.only_in), resolution_m,
+                                            options.only_in);
+    within.forgets = options.anew;
+  }
   if (!options.update.empty()) within.before = pipeline::read_base(options.update);
   return within;
 }
@@ -177,30 +188,21 @@ void run_learn(const Options& options, VerbContext& context) {
                  options.input.logs[static_cast<std::size_t>(run - first_run)] +
                  " was left out; give --poses");
   }
-  maps::write_grid_maps(out.path(), result.slam);
-  if (parts.patch) maps::write_patch_map(out.path(), result.patches);
-  if (parts.timescale) maps::write_timescale(out.path(), *result.timescale);
-  report::Drawings drawings;
-  pipeline::write_map_pictures(out.path(), result.slam, result.patches, drawings);
-  if (options.pictures) {
-    const std::filesystem::path folder = out.path() / "pictures";
-    drawings.add(folder, [&] {
-      pipeline::write_learn_pictures(folder, result.slam, config.slam.beam_filter);
-    });
-  }
   // The frame of the truth is that of the first truth given: later ones are in it too.
   const auto frame = earlier && earlier->map_from_truth
                          ? earlier->map_from_truth
                          : pipeline::map_from_truth(runs, poses_of(result.slam));
-  if (frame) maps::write_map_from_truth(out.path(), *frame);
-  const pipeline::Cost cost = meter.read();
   std::vector<std::string> logs = options.input.logs;
   if (earlier) logs.insert(logs.begin(), earlier->log);
-  const nlohmann::json summary =
-      maps::write_summary(out.path(), joined(logs), {cost.wall_s, cost.cpu_s, cost.peak_rss_mb},
-                          maps::summarize_reading(runs.reports));
-  out.commit();
-  warn(context, drawings.what_is_missing());
+  const auto draw_more = [&](const std::filesystem::path& maps, report::Drawings& drawings) {
+    if (!options.pictures) return;
+    drawings.add(maps / "pictures", [&] {
+      pipeline::write_learn_pictures(maps / "pictures", result.slam, config.slam.beam_filter);
+    });
+  };
+  const nlohmann::json summary = write_learned(
+      out, result, parts, {joined(logs), frame, &meter, maps::summarize_reading(runs.reports)},
+      context, draw_more);
   if (context.options.quiet) return;
   show_map(result.slam.filtered, ways_of(result.slam), context);
   context.clear_progress();
@@ -223,6 +225,13 @@ void add_learn(CLI::App& app, VerbContext& context) {
   verb->add_option("--zones", options->zones,
                    "site, or GeoJSON file, whose zones of kind learn say where nothing is learned "
                    "(what was known stays), or nothing that changes");
+  CLI::Option* only_in =
+      verb->add_option("--only-in", options->only_in,
+                       "GeoJSON file of polygons in metres: the maps stay as they are elsewhere")
+          ->needs("--update");
+  verb->add_flag("--anew", options->anew,
+                 "what earlier runs saw in that region is forgotten: it was rebuilt")
+      ->needs(only_in);
   verb->add_option("--only", options->only, "em, patch, timescale (comma separated)")
       ->delimiter(',');
   verb->add_flag("--pictures", options->pictures,

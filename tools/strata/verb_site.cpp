@@ -146,7 +146,7 @@ void add_note(CLI::App& action, SiteOptions& options) {
   action.add_option("--note", options.note, "why, for the diary");
 }
 
-constexpr std::array<Action, 14> kActions{{
+constexpr std::array<Action, 15> kActions{{
     {"init", "make a site", "site --id hall-3", init,
      [](CLI::App& action, SiteOptions& options) {
        action.add_option("--id", options.id, "its name, VDA 5050's mapId")->required();
@@ -193,6 +193,19 @@ constexpr std::array<Action, 14> kActions{{
        action.add_option("MAPS", options.maps, "folder that `strata learn` or a mapper wrote")
            ->required();
        add_gate_options(action, options);
+       add_note(action, options);
+       add_who(action, options);
+     }},
+    {"merge", "add a version that is the active one, and in a region another one",
+     "site 5 --region hall.geojson --out merged", merge_version,
+     [](CLI::App& action, SiteOptions& options) {
+       add_version(action, options);
+       action
+           .add_option("--region", options.region, "GeoJSON file of polygons in metres of the maps")
+           ->required();
+       action.add_flag("--anew", options.anew,
+                       "what the active version knows of the region is forgotten: it was rebuilt");
+       action.add_option("--out", options.out, "folder for its maps")->required();
        add_note(action, options);
        add_who(action, options);
      }},
