@@ -236,6 +236,28 @@ TEST(LearnWithin, ForgetsWhatEarlierRunsSawOfARegionThatWasRebuilt) {
   }
 }
 
+TEST(LearnWithin, KeepsWhatLiesBehindARegionThatIsForgotten) {
+  std::vector<Observation> west;
+  std::vector<std::optional<Pose2>> poses;
+  for (std::size_t i = 0; i < days().days.first.size(); ++i) {
+    if (days().days.first_poses[i]->x > 5.0) continue;
+    west.push_back(days().days.first[i]);
+    poses.push_back(days().days.first_poses[i]);
+  }
+  const LearnParts none{.patch = false, .timescale = false};
+  const LearnResult seen = learn(west, poses, {}, none, kSeed, 2, nullptr);
+  test::TemporaryDirectory folder;
+  maps::write_grid_maps(folder.path(), seen.slam);
+  maps::EarlierRuns earlier = maps::read_earlier_runs(folder.path());
+  const BaseBefore before = read_base(folder.path());
+  const CellRect across{{120, -50}, {130, 250}};
+  const LearnResult after = learn_within({{}, {}, before, ones(across), true}, {}, {}, {}, none,
+                                         kSeed, 2, nullptr, &earlier);
+  EXPECT_GT(different_cells(before.filtered, after.slam.filtered, across), 100U) << "forgotten";
+  EXPECT_EQ(different_outside(before.filtered, after.slam.filtered, across), 0U);
+  EXPECT_EQ(different_outside(before.occupancy, after.slam.occupancy, across), 0U);
+}
+
 TEST(LearnWithin, RefusesARegionThatHoldsNoCellOrTheWholeWorld) {
   const auto square = [](double size) {
     return std::vector<MetricPolygon>{{{{0, 0}, {size, 0}, {size, size}, {0, size}}, {}}};
