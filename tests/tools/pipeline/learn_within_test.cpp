@@ -256,6 +256,12 @@ TEST(LearnWithin, KeepsWhatLiesBehindARegionThatIsForgotten) {
   EXPECT_GT(different_cells(before.filtered, after.slam.filtered, across), 100U) << "forgotten";
   EXPECT_EQ(different_outside(before.filtered, after.slam.filtered, across), 0U);
   EXPECT_EQ(different_outside(before.occupancy, after.slam.occupancy, across), 0U);
+  for (std::size_t i = 0; i < before.counts.size(); ++i) {
+    const Cell cell = before.counts.cell(i);
+    if (across.contains(cell)) continue;
+    ASSERT_EQ(after.slam.raw.cells().get(cell).misses, before.counts.values()[i].misses);
+    ASSERT_EQ(after.slam.raw.cells().get(cell).hits, before.counts.values()[i].hits);
+  }
 }
 
 TEST(LearnWithin, RefusesARegionThatHoldsNoCellOrTheWholeWorld) {
