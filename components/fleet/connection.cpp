@@ -56,6 +56,11 @@ std::string setting_of(PGconn* connection, char* (*ask)(const PGconn*)) {
     throw DeniedError(place, "does not let this user in: " + why,
                       "check user, password and database");
   }
+  if (why.find("certificate") != std::string::npos) {
+    throw DeniedError(place, "does not show that it is the server that is meant: " + why,
+                      "name with sslrootcert who signed its certificate, and its host as that has "
+                      "it; nothing was sent");
+  }
   throw LostError(place, "cannot be reached: " + why,
                   "check that the server runs, its name and port, and sslmode; what was to be "
                   "sent is still here");
