@@ -32,7 +32,7 @@ namespace strata::fleet_member {
 
 struct RetryConfig {
   double first_s = 5.0;
-  double longest_s = 300.0;
+  double longest_s = 30.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("first_s", c.first_s,
@@ -64,7 +64,7 @@ struct FleetMemberConfig {
   std::vector<std::string> maps;
   std::string site_folder;
   Pulled pulled = Pulled::kCandidate;
-  double period_s = 60.0;
+  double period_s = 20.0;
   double timeout_s = 120.0;
   RetryConfig retry;
   template <class Self, class V>
