@@ -154,6 +154,11 @@ void Exchange::exchange() {
         {.connect_s = kConnect_s, .statement_s = static_cast<int>(std::ceil(config_.timeout_s))});
     const Held held(*this, connection);
     guarded([&] { fleet::require_schema(connection); });
+    guarded([&] {
+      const fleet::ClockOffset clock = fleet::clock_offset(connection);
+      const std::lock_guard lock(mutex_);
+      state_.clock = clock;
+    });
     guarded([&] { push(connection); });
     if (!config_.site_folder.empty()) guarded([&] { pull(connection); });
   });

@@ -14,6 +14,7 @@
 #include <string>
 #include <thread>
 
+#include "components/fleet/clock.hpp"
 #include "components/fleet/pull.hpp"
 #include "components/fleet/push.hpp"
 #include "components/fleet_member/config.hpp"
@@ -29,6 +30,7 @@ struct ExchangeState {
   std::size_t waiting = 0;                  ///< visits that nobody knows to be there
   std::uint64_t sent = 0;                   ///< visits, since the beginning
   std::size_t refused = 0;                  ///< visits whose number another one has
+  std::optional<fleet::ClockOffset> clock;  ///< of the last try that had an answer
   std::string version;                      ///< hash of the one pulled last; empty: none
   std::string trouble;         ///< of the last try, with its remedy; empty: it went well
   std::string last_error;      ///< of any try; empty: there was none

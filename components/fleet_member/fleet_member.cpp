@@ -34,8 +34,10 @@ void FleetMember::on_diagnose(runtime::Health& health) const {
   const ExchangeState found = exchange_->state();
   // The robot drives on without: no error.
   if (!found.trouble.empty()) health.warn(found.trouble);
+  if (found.clock && found.clock->is_off()) health.warn(found.clock->warning());
   add_age(health, "last push, s ago", found.pushed);
   add_age(health, "last pull, s ago", found.pulled);
+  if (found.clock) health.add("clock ahead of the server, s", found.clock->ahead_s);
   health.add("visits waiting", static_cast<std::uint64_t>(found.waiting));
   health.add("visits sent", found.sent);
   health.add("visits refused", static_cast<std::uint64_t>(found.refused));

@@ -12,6 +12,7 @@ holds it. With --outage-s there was no server for so long, and the clock begins 
 import argparse
 import json
 import os
+import random
 import shutil
 import statistics
 import subprocess
@@ -119,6 +120,7 @@ class Fleet:
         robot = number % len(self.members)
         home = self.home(robot)
         self.run("learn", self.log(number + 2), "--update", f"{home}/site/active", "--out", f"{home}/next")
+        time.sleep(random.Random(number).uniform(0.0, 20.0))  # at no particular moment
         if self.outage_s > 0.0:
             self.server.stop()
             time.sleep(self.outage_s)

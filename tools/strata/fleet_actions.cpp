@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/random.h>
 
+#include "components/fleet/clock.hpp"
 #include "components/fleet/pull.hpp"
 #include "components/fleet/push.hpp"
 #include "components/fleet/schema.hpp"
@@ -159,6 +160,8 @@ json json_of(const fleet::PushedVisit& visit) {
 
 void push(const FleetOptions& options, VerbContext& context) {
   fleet::Connection connection = connect(options);
+  const fleet::ClockOffset clock = fleet::clock_offset(connection);
+  if (clock.is_off()) context.note("warning: " + clock.warning());
   json visits = json::array();
   std::map<fleet::PushOutcome, std::size_t> counts;
   std::size_t bytes = 0;
@@ -179,7 +182,11 @@ void push(const FleetOptions& options, VerbContext& context) {
              report::fixed(path_m, 0) + " m; " + std::to_string(count(fleet::PushOutcome::kThere)) +
              " were there, " + std::to_string(count(fleet::PushOutcome::kReleased)) +
              " are in released maps",
-         {{"site", options.site}, {"bytes", bytes}, {"path_m", path_m}, {"visits", visits}});
+         {{"site", options.site},
+          {"bytes", bytes},
+          {"path_m", path_m},
+          {"clock_ahead_s", clock.ahead_s},
+          {"visits", visits}});
   if (clash) throw fleet::clash_error(connection, *clash);
 }
 

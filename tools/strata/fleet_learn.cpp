@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/strata/fleet_learn.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "components/fleet/clock.hpp"
 #include "components/fleet/status.hpp"
 #include "components/fleet/versions.hpp"
 #include "components/fleet/visits.hpp"
@@ -16,6 +18,7 @@
 #include "core/base/error.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/learn.hpp"
+#include "tools/report/plot.hpp"
 #include "tools/strata/learned_folder.hpp"
 #include "tools/strata/result_directory.hpp"
 #include "tools/strata/verb_config.hpp"
@@ -33,6 +36,36 @@ void append(std::vector<fleet::LearnedVisit> visits, maps::EarlierRuns& earlier)
                          std::make_move_iterator(visit.scans.end()));
     ++run;
   }
+}
+
+/// Keeps a robot's visits, of which nothing is learned any more.
+void set_aside(fleet::Connection& connection, const std::string& site, const std::string& robot,
+               const std::string& why, std::vector<fleet::LearnedVisit>& visits,
+               VerbContext& context) {
+  fleet::set_aside(connection, site, robot, "by learn: " + why);
+  context.note("warning: " + robot + " is set aside: " + why +
+               "; look at it, then `strata fleet set-aside " + robot +
+               " --undo` and learn with --unchecked, if it is right");
+  std::erase_if(visits,
+                [&](const fleet::LearnedVisit& visit) { return visit.name.robot == robot; });
+}
+
+/// Robots whose visits end in the server's future are set aside; what was found, for the summary.
+nlohmann::json check_clocks(fleet::Connection& connection, const std::string& site,
+                            const std::set<std::string>& known,
+                            std::vector<fleet::LearnedVisit>& visits, VerbContext& context) {
+  std::map<std::string, double> ahead_s;
+  for (const fleet::AheadVisit& visit : fleet::visits_ahead(connection, site, known)) {
+    ahead_s[visit.name.robot] = std::max(ahead_s[visit.name.robot], visit.ahead_s);
+  }
+  nlohmann::json checked = nlohmann::json::array();
+  for (const auto& [robot, seconds] : ahead_s) {
+    const std::string why = "a visit ends " + report::fixed(seconds, 0) +
+                            " s after the server received it: its clock was ahead";
+    checked.push_back({{"robot", robot}, {"clock_ahead_s", seconds}, {"set_aside", why}});
+    set_aside(connection, site, robot, why, visits, context);
+  }
+  return checked;
 }
 
 /// Judges each robot by the scans that are to be learned; those who contradict the map as no other
@@ -57,12 +90,7 @@ nlohmann::json check_robots(fleet::Connection& connection, const std::string& si
          {"others", robot.others ? nlohmann::json(*robot.others) : nlohmann::json(nullptr)},
          {"set_aside", robot.why.empty() ? nlohmann::json(nullptr) : nlohmann::json(robot.why)}});
     if (robot.why.empty()) continue;
-    fleet::set_aside(connection, site, robot.robot, "by learn: " + robot.why);
-    context.note("warning: " + robot.robot + " is set aside: " + robot.why +
-                 "; look at it, then `strata fleet set-aside " + robot.robot +
-                 " --undo` and learn with --unchecked, if it is right");
-    std::erase_if(
-        visits, [&](const fleet::LearnedVisit& visit) { return visit.name.robot == robot.robot; });
+    set_aside(connection, site, robot.robot, robot.why, visits, context);
   }
   return checked;
 }
@@ -87,7 +115,11 @@ nlohmann::json learn_fleet(fleet::Connection& connection, const site::Site& site
   }
   nlohmann::json checked = nlohmann::json::array();
   if (limits) {
-    checked = check_robots(connection, site.decisions().id, base, *limits, visits, context);
+    const std::string id = site.decisions().id;
+    checked = check_clocks(connection, id, {known.begin(), known.end()}, visits, context);
+    for (nlohmann::json& robot : check_robots(connection, id, base, *limits, visits, context)) {
+      checked.push_back(std::move(robot));
+    }
   }
   std::set<std::string> robots;
   for (const fleet::LearnedVisit& visit : visits) robots.insert(visit.name.robot);

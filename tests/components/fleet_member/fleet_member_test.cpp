@@ -59,6 +59,7 @@ TEST_F(FleetMemberTest, PushesAndPullsByItself) {
   EXPECT_TRUE(comes_to_say("version pulled", next));
   EXPECT_TRUE(comes_to_say("visits sent", "3"));
   EXPECT_EQ(told("visits waiting"), "0");
+  EXPECT_NEAR(std::stod(told("clock ahead of the server, s")), 0.0, 1.0);
   EXPECT_EQ(told("level"), "0");
   EXPECT_EQ(told("last error"), "none");
   EXPECT_NE(told("last push, s ago"), "never");

@@ -66,6 +66,14 @@ void make_lost(const fs::path& maps) {
   store.save_scans(1, scans);
 }
 
+/// The visit of a robot whose clock is decades ahead.
+void put_forward(const fs::path& maps) {
+  memory::Store store(maps / maps::kStoreFile);
+  std::vector<PosedScan> scans = store.load_scans(1);
+  for (PosedScan& scan : scans) scan.scan.stamp.ns += 2'500'000'000'000'000'000;
+  store.save_scans(1, scans);
+}
+
 TEST_F(FleetVerb, LeadsFromOneRobotToTwoThatShareWhatTheyLearn) {
   ASSERT_EQ(run("simulate '" STRATA_SOURCE_DIR
                 "/tools/simulate/scenarios/empty_room.yaml' --set days=3 --per-day --quiet --out " +
@@ -106,23 +114,30 @@ TEST_F(FleetVerb, LeadsFromOneRobotToTwoThatShareWhatTheyLearn) {
     EXPECT_EQ(pushed["visits"][1]["outcome"], "sent");
     EXPECT_EQ(ask(push)["visits"][1]["outcome"], "there");
   }
-  // A third one is lost.
-  add_member("robot", "r3");
-  fs::copy(at("robot2-maps"), at("robot3-maps"), fs::copy_options::recursive);
-  make_lost(at("robot3-maps"));
-  const json third =
-      ask("fleet push " + url("hall-3.r3") + " " + quoted(at("robot3-maps")) + " --site hall-3");
-  EXPECT_EQ(third["visits"][1]["outcome"], "sent");
+  // A third one is lost, and a fourth one's clock is wrong.
+  for (const std::string& robot : {std::string("3"), std::string("4")}) {
+    add_member("robot", "r" + robot);
+    const fs::path maps = at("robot" + robot + "-maps");
+    fs::copy(at("robot2-maps"), maps, fs::copy_options::recursive);
+    robot == "3" ? make_lost(maps) : put_forward(maps);
+    const json pushed =
+        ask("fleet push " + url("hall-3.r" + robot) + " " + quoted(maps) + " --site hall-3");
+    EXPECT_EQ(pushed["visits"][1]["outcome"], "sent");
+    EXPECT_NEAR(pushed["clock_ahead_s"], 0.0, 1.0);
+  }
   // What both saw becomes the next version.
   const json learned = ask("fleet learn " + url("hall-3.ada") + " " + quoted(at("site")) +
                            " --quiet --out " + quoted(at("together")));
   EXPECT_EQ(learned["visits"], 2);
   EXPECT_EQ(learned["robots"], json({"r1", "r2"}));
   EXPECT_EQ(learned["runs"], 3);
-  ASSERT_EQ(learned["checked"].size(), 3U);
-  EXPECT_EQ(learned["checked"][0]["set_aside"], nullptr);
+  ASSERT_EQ(learned["checked"].size(), 4U);
+  EXPECT_EQ(learned["checked"][0]["robot"], "r4");
+  EXPECT_THAT(learned["checked"][0]["set_aside"].get<std::string>(),
+              HasSubstr("its clock was ahead"));
   EXPECT_EQ(learned["checked"][1]["set_aside"], nullptr);
-  EXPECT_THAT(learned["checked"][2]["set_aside"].get<std::string>(),
+  EXPECT_EQ(learned["checked"][2]["set_aside"], nullptr);
+  EXPECT_THAT(learned["checked"][3]["set_aside"].get<std::string>(),
               HasSubstr("of its scans contradict the active version"));
   EXPECT_THAT(run("fleet status " + url("hall-3.ada") + " --site hall-3").out,
               HasSubstr("r3: 1 visits"));
@@ -147,7 +162,7 @@ TEST_F(FleetVerb, LeadsFromOneRobotToTwoThatShareWhatTheyLearn) {
   EXPECT_EQ(pulled["mapHash"], added["mapHash"]);
   EXPECT_EQ(pulled["is_new"], true);
   const json status = ask("fleet status " + url("hall-3.ada") + " --site hall-3");
-  EXPECT_EQ(status["robots"].size(), 3U);
+  EXPECT_EQ(status["robots"].size(), 4U);
   EXPECT_EQ(status["robots"][1]["visits"], 1);
   EXPECT_EQ(status["versions"].size(), 2U);
   EXPECT_THAT(run("fleet status " + url("hall-3.r1") + " --site hall-3").out,
