@@ -36,6 +36,10 @@ TEST_F(FleetClock, IsComparedWithTheServersByOneQuestion) {
   EXPECT_THAT(ahead.warning(), HasSubstr("46.0 s ahead of"));
   const ClockOffset behind = clock_offset(robot, [] { return now_ns() - 5'000'000'000; });
   EXPECT_THAT(behind.warning(), HasSubstr("5.0 s behind"));
+  int asked = 0;
+  const ClockOffset slow = clock_offset(robot, [&] { return now_ns() + 4'000'000'000 * asked++; });
+  EXPECT_NEAR(slow.ahead_s, 2.0, 0.5) << "the middle of question and answer";
+  EXPECT_NEAR(slow.within_s, 2.0, 0.5);
 }
 
 TEST(ClockOffset, IsNotOffWhereTheAnswerTookTooLongToTell) {
