@@ -51,8 +51,12 @@ std::string setting_of(PGconn* connection, char* (*ask)(const PGconn*)) {
                       "put it into ~/.pgpass (HOST:PORT:DATABASE:USER:PASSWORD, mode 600) or "
                       "PGPASSWORD");
   }
-  // It says FATAL itself; a server that was killed meanwhile says nothing.
-  if (libpq().connection_used_password(connection) != 0 && why.find("FATAL") != std::string::npos) {
+  // It says FATAL itself; a server that was killed meanwhile says nothing, and one that is stopped
+  // meanwhile that it is.
+  const bool is_stopped = why.find("terminating connection") != std::string::npos ||
+                          why.find("the database system is") != std::string::npos;
+  if (!is_stopped && libpq().connection_used_password(connection) != 0 &&
+      why.find("FATAL") != std::string::npos) {
     throw DeniedError(place, "does not let this user in: " + why,
                       "check user, password and database");
   }

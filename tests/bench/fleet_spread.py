@@ -111,6 +111,8 @@ class Fleet:
             ended = [i for i, member in enumerate(self.members) if member.poll() is not None]
             if ended:
                 sys.exit(f"{self.home(ended[0])}/log.txt says why a robot ended")
+            if self.learner.ident is not None and not self.learner.is_alive():
+                sys.exit("whoever learns has ended")
             if time.monotonic() - begin > PATIENCE_S:
                 sys.exit(f"not all robots know {runs} runs after {PATIENCE_S} s")
             time.sleep(0.2)
