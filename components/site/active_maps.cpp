@@ -18,6 +18,10 @@ fs::path real_maps(const fs::path& maps) {
   const fs::path named = is_site ? maps / kActiveLink : maps;
   fs::path real = fs::canonical(named, error);
   if (!error) return real;
+  if (is_site && !levels_of(maps).empty()) {
+    throw InputError(maps.string(), "has levels, each with its own maps",
+                     "name one, such as " + levels_of(maps).front().folder.string());
+  }
   if (is_site) {
     throw InputError(maps.string(), "has no active version that is there",
                      "`strata site status` says what there is, `strata site activate` takes one");

@@ -31,7 +31,7 @@ struct Decision {
 /// One line of the site's diary.
 struct Event {
   std::string what;  ///< "init", "add", "approve", "activate", "rollback", "gc", "zones", "plan",
-                     ///< "interrupted"
+                     ///< "level", "interrupted"
   std::string hash;
   Actor actor;
   std::string note;

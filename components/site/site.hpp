@@ -8,6 +8,7 @@
 ///     SITE/recordings/N_NAME/    log/NAME, truth/NAME: what the gate replays
 ///     SITE/zones.geojson         what people drew over the maps: Zones
 ///     SITE/plan/                 what an architect drew, and where it lies: FloorPlan
+///     SITE/levels/NAME/          of a building: a site of each level, with level.json
 ///
 /// Every step is one rename, synced: a kill or a power cut leaves what was before or what is to be.
 /// Several programs may work on a site; those that change it wait for each other. One thread at a
@@ -25,6 +26,7 @@
 #include "components/log/disk.hpp"
 #include "components/site/decisions.hpp"
 #include "components/site/floor_plan.hpp"
+#include "components/site/level.hpp"
 #include "components/site/map_version.hpp"
 #include "components/site/zones.hpp"
 
@@ -127,6 +129,16 @@ class Site {
   void set_plan(FloorPlan plan, const Actor& actor);
   /// Takes it away, be it damaged. Throws InputError where there is none, and OutputError.
   void remove_plan(const Actor& actor);
+
+  /// From the lowest up; none of a site that is no building. Throws InputError for a damaged one.
+  [[nodiscard]] std::vector<Level> levels() const;
+  /// Makes a level, a site of its own in this one's frame. id: its mapId. Throws InputError where
+  /// the name is taken or cannot be a folder's, where this site has maps or is a level itself, and
+  /// OutputError.
+  Level add_level(const std::string& name, double elevation_m, const std::string& id,
+                  const Actor& actor);
+  /// Throws InputError where there is none, or it has versions.
+  void remove_level(const std::string& name, const Actor& actor);
 
   struct Rubbish {
     std::size_t keep_retired = 5;  ///< so many of those that were active last stay

@@ -81,6 +81,10 @@ Site::Added Site::add(const fs::path& maps, const Actor& actor, const std::strin
   (void)maps::open_for_reading(maps);
   Change change(*this);
   Decisions& decisions = change.decisions;
+  if (!levels().empty()) {
+    throw InputError(folder_.string(), "has levels, and maps are a level's",
+                     "add them to " + levels().front().folder.string() + " or another one");
+  }
   const fs::path place = folder_ / kVersions / content.hash;
   std::error_code error;
   if (fs::exists(place, error)) return {status_of(content.hash, decisions, active()), false};

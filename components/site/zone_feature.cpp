@@ -21,7 +21,7 @@ constexpr std::size_t kMaxNameBytes = 200;
 constexpr std::size_t kMaxTypo = 2;  // letters
 
 constexpr std::array kKinds{ZoneKind::kLearn, ZoneKind::kKeepout, ZoneKind::kSpeed,
-                            ZoneKind::kPreferred};
+                            ZoneKind::kPreferred, ZoneKind::kLift};
 constexpr std::array kControls{LearnControl::kLearn, LearnControl::kNeverLearn,
                                LearnControl::kStaticOnly};
 
@@ -31,6 +31,7 @@ constexpr const char* kControl = "control";
 constexpr const char* kCost = "cost_percent";
 constexpr const char* kPercent = "speed_percent";
 constexpr const char* kMetres = "speed_m_s";
+constexpr const char* kLevelNames = "levels";  // of other kinds it is its owner's
 
 /// What a property is for; of those that not every kind has.
 struct OwnKey {
@@ -69,6 +70,7 @@ class FeatureReader {
       zone.cost_percent = number(kCost, 1.0, 100.0).value_or(zone.cost_percent);
     }
     if (zone.kind == ZoneKind::kSpeed) read_speed(zone);
+    if (zone.kind == ZoneKind::kLift) read_levels(zone);
     read_geometry(zone);
     return zone;
   }
@@ -129,7 +131,8 @@ class FeatureReader {
         }
       }
       if (is_ours(key) || value.is_null() || key.size() > kMaxNameBytes) continue;
-      for (const char* own : {kControl, kCost, kPercent, kMetres}) {
+      for (const char* own : {kControl, kCost, kPercent, kMetres, kLevelNames}) {
+        if (own == kLevelNames && (kind != ZoneKind::kLift || key == own)) continue;
         if (settings::detail::edit_distance(key, own) > kMaxTypo) continue;
         fail("properties." + key, "is unknown", std::string("did you mean '") + own + "'?");
       }
@@ -149,6 +152,18 @@ class FeatureReader {
     if (zone.speed_percent.has_value() == zone.speed_m_s.has_value()) {
       fail("properties", zone.speed_m_s ? "have speed_percent and speed_m_s" : "have no speed",
            "give one of speed_percent (1 to 100) and speed_m_s (0.01 to 10)");
+    }
+  }
+
+  void read_levels(Zone& zone) const {
+    const Document* names = property(kLevelNames);
+    if (names == nullptr) return;
+    const std::string path = std::string("properties.") + kLevelNames;
+    const char* remedy = "write the names of two levels or more, [\"0\", \"1\"], or leave it out";
+    if (!names->is_array() || names->size() < 2) fail(path, "is no list of two or more", remedy);
+    for (const Document& name : *names) {
+      if (!name.is_string()) fail(path, "holds what is no text", remedy);
+      zone.levels.push_back(name.get<std::string>());
     }
   }
 

@@ -56,7 +56,7 @@ std::string words_of(const std::string& name) {
 }  // namespace
 
 const char* name_of(ZoneKind kind) {
-  constexpr std::array kNames{"learn", "keepout", "speed", "preferred"};
+  constexpr std::array kNames{"learn", "keepout", "speed", "preferred", "lift"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

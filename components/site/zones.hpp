@@ -22,6 +22,7 @@ enum class ZoneKind {
   kKeepout,    ///< robots do not drive there, or at a cost
   kSpeed,      ///< robots are no faster there
   kPreferred,  ///< robots rather drive there
+  kLift,       ///< takes robots from level to level
 };
 [[nodiscard]] const char* name_of(ZoneKind kind);
 
@@ -39,6 +40,7 @@ struct Zone {
   double cost_percent = 100.0;                  ///< of kKeepout; 100: not at all
   std::optional<double> speed_percent;          ///< of kSpeed, this or the next
   std::optional<double> speed_m_s;
+  std::vector<std::string> levels;   ///< of kLift, those that it serves; empty: all
   std::vector<MetricPolygon> shape;  ///< in the site's frame
 };
 /// Without what lies in holes; parts that overlap count twice. O(corners).

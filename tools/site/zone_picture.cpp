@@ -18,6 +18,8 @@ Color color_of(const Zone& zone) {
       return {240, 140, 0};
     case ZoneKind::kPreferred:
       return {0, 150, 80};
+    case ZoneKind::kLift:
+      return {0, 160, 170};
     case ZoneKind::kLearn:
       break;
   }

@@ -38,6 +38,14 @@ struct PlanOptions {
   bool is_inverted = false;
 };
 
+/// Of `strata site levels`.
+struct LevelOptions {
+  std::string action;
+  std::string name;
+  double elevation_m = 0.0;
+  std::string id;
+};
+
 struct SiteOptions {
   std::string folder;
   std::string version;
@@ -60,6 +68,7 @@ struct SiteOptions {
   bool anew = false;   ///< what the active version knows of the region is forgotten
   ZoneOptions zone;
   PlanOptions plan;
+  LevelOptions level;
   bool unchecked = false;
   bool json = false;
 };

@@ -115,17 +115,19 @@ json json_of_site(const site::Site& site) {
   json diary = json::array();
   for (const site::Event& event : decisions.diary) diary.push_back(site::to_json(event));
   const std::optional<std::string> active = site.active();
-  return {{"kind", "site"},
-          {"folder", site.folder().string()},
-          {"mapId", decisions.id},
-          {"frame", decisions.frame},
-          {"active", active ? json_or_null(find_hash(all, *active)) : json(nullptr)},
-          {"active_fault", fault_of_active(site)},
-          {"previous", json_or_null(find_hash(all, previous_of(decisions)))},
-          {"candidates", count(VersionState::kCandidate)},
-          {"approved", count(VersionState::kApproved)},
-          {"retired", count(VersionState::kRetired)},
-          {"diary", diary}};
+  json text{{"kind", "site"},
+            {"folder", site.folder().string()},
+            {"mapId", decisions.id},
+            {"frame", decisions.frame},
+            {"active", active ? json_or_null(find_hash(all, *active)) : json(nullptr)},
+            {"active_fault", fault_of_active(site)},
+            {"previous", json_or_null(find_hash(all, previous_of(decisions)))},
+            {"candidates", count(VersionState::kCandidate)},
+            {"approved", count(VersionState::kApproved)},
+            {"retired", count(VersionState::kRetired)},
+            {"diary", diary}};
+  for (const site::Level& level : site.levels()) text["levels"].push_back(level.name);
+  return text;
 }
 
 void print_site(const site::Site& site) {
@@ -135,9 +137,14 @@ void print_site(const site::Site& site) {
               decisions.frame.c_str());
   const std::optional<std::string> active = site.active();
   const auto now = active ? find_hash(all, *active) : std::nullopt;
+  const auto levels = site.levels();
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
+    std::printf("  level     %s: `strata site status %s`\n", level->name.c_str(),
+                level->folder.c_str());
+  }
   if (now) {
     std::printf("  active    %s, of %s\n", name_of(*now).c_str(), made_of(now->version).c_str());
-  } else {
+  } else if (levels.empty()) {
     std::printf("  active    none%s\n", active ? ": the link leads to a version that is gone" : "");
   }
   const std::string fault = fault_of_active(site);
@@ -176,6 +183,9 @@ std::string words_of(const site::Zone& zone) {
   }
   if (zone.speed_percent) words += " " + log::format_number(*zone.speed_percent) + " %";
   if (zone.speed_m_s) words += " " + log::format_number(*zone.speed_m_s) + " m/s";
+  for (std::size_t i = 0; i < zone.levels.size(); ++i) {
+    words += (i == 0 ? " between levels " : ", ") + zone.levels[i];
+  }
   return words + ", " + fixed(site::area_m2(zone), 2) + " m2";
 }
 
@@ -186,6 +196,7 @@ nlohmann::json json_of(const site::Zone& zone) {
   if (zone.kind == site::ZoneKind::kKeepout) text["cost_percent"] = zone.cost_percent;
   if (zone.speed_percent) text["speed_percent"] = *zone.speed_percent;
   if (zone.speed_m_s) text["speed_m_s"] = *zone.speed_m_s;
+  if (!zone.levels.empty()) text["levels"] = zone.levels;
   return text;
 }
 

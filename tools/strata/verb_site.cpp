@@ -10,6 +10,7 @@
 #include "core/base/error.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/site_actions.hpp"
+#include "tools/strata/site_levels.hpp"
 #include "tools/strata/site_plan.hpp"
 #include "tools/strata/site_text.hpp"
 #include "tools/strata/site_zones.hpp"
@@ -146,7 +147,7 @@ void add_note(CLI::App& action, SiteOptions& options) {
   action.add_option("--note", options.note, "why, for the diary");
 }
 
-constexpr std::array<Action, 15> kActions{{
+constexpr std::array<Action, 16> kActions{{
     {"init", "make a site", "site --id hall-3", init,
      [](CLI::App& action, SiteOptions& options) {
        action.add_option("--id", options.id, "its name, VDA 5050's mapId")->required();
@@ -245,6 +246,8 @@ constexpr std::array<Action, 15> kActions{{
      "site list", run_zone_action, add_zone_actions},
     {"plan", "a drawn floor plan, and where it lies on the maps",
      "site set office.png --metres-per-pixel 0.02", run_plan_action, add_plan_actions},
+    {"levels", "the levels of a building, each a site of its own", "site add 1 --elevation 3.5",
+     run_level_action, add_level_actions},
 }};
 
 }  // namespace

@@ -67,6 +67,23 @@ TEST(Zones, AreReadOfEveryKind) {
   EXPECT_EQ(zones.find("f"), nullptr);
 }
 
+TEST(Zones, OfLiftsNameTheLevelsThatTheyServe) {
+  const Zones zones =
+      parse_zones(collection({feature(R"("name": "a", "kind": "lift", "levels": ["0", "1"])"),
+                              feature(R"("name": "b", "kind": "lift")"),
+                              feature(R"("name": "c", "kind": "keepout", "levels": "theirs")")}),
+                  "z.geojson");
+  EXPECT_EQ(zones.zones[0].kind, ZoneKind::kLift);
+  EXPECT_EQ(zones.zones[0].levels, (std::vector<std::string>{"0", "1"}));
+  EXPECT_TRUE(zones.zones[1].levels.empty());
+  EXPECT_TRUE(zones.zones[2].levels.empty());
+  const std::string lift = R"("name": "a", "kind": "lift", )";
+  EXPECT_THAT(error_of(collection({feature(lift + R"("levels": ["0"])")})), HasSubstr("two"));
+  EXPECT_THAT(error_of(collection({feature(lift + R"("levels": [0, 1])")})), HasSubstr("no text"));
+  EXPECT_THAT(error_of(collection({feature(lift + R"("level": ["0", "1"])")})),
+              HasSubstr("did you mean 'levels'"));
+}
+
 TEST(Zones, SayWhereTheyAreWrongAndWhatToDo) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"", "z.geojson:1: is no JSON"},

@@ -49,6 +49,37 @@ class SiteVerb : public testing::Test {
   test::TemporaryDirectory folder_;
 };
 
+TEST_F(SiteVerb, MakesLevelsWithMapsOfTheirOwn) {
+  EXPECT_THAT(site("init", "--id house").out, HasSubstr("made site house"));
+  EXPECT_EQ(site("levels", "add 1 --elevation 3.5").code, 0);
+  EXPECT_EQ(ask("levels", "add 0 --elevation 0 --id ground")["mapId"], "ground");
+  EXPECT_EQ(site("levels", "add 1 --elevation 7").code, 2);
+  test::write_small_maps(at("maps"), "a");
+  const std::string level = quoted(at("site/levels/1"));
+  const auto of_level = [&](const std::string& rest) {
+    return test::run_strata("site " + rest + " 2>&1").code;
+  };
+  EXPECT_EQ(of_level("add " + level + " " + quoted(at("maps"))), 0);
+  EXPECT_EQ(of_level("approve " + level + " 1 --unchecked"), 0);
+  EXPECT_EQ(of_level("activate " + level + " 1"), 0);
+  const json all = ask("levels", "list");
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0]["name"], "0");
+  EXPECT_EQ(all[0]["active"], nullptr);
+  EXPECT_EQ(all[1]["elevation_m"], 3.5);
+  EXPECT_EQ(all[1]["mapId"], "house-1");
+  EXPECT_EQ(all[1]["active"]["mapVersion"], "1");
+  EXPECT_EQ(ask("status")["levels"], (json{"0", "1"}));
+  EXPECT_EQ(site("add", quoted(at("maps"))).code, 2);  // a building has none of its own
+  std::ofstream(at("lift.geojson"))
+      << R"({"type": "Feature", "properties": {"name": "a", "kind": "lift", "levels": ["1", "9"]},)"
+      << R"("geometry": {"type": "Polygon", "coordinates": [[[0,0],[2,0],[2,2],[0,0]]]}})";
+  EXPECT_THAT(site("zones", "add " + quoted(at("lift.geojson"))).out, HasSubstr("1 zone"));
+  EXPECT_THAT(site("levels", "list").out, HasSubstr("serves level '9', which the site has not"));
+  EXPECT_EQ(site("levels", "remove 1").code, 2);
+  EXPECT_EQ(ask("levels", "remove 0"), json{"1"});
+}
+
 TEST_F(SiteVerb, LeadsMapsFromTheFolderToTheRobotAndBack) {
   EXPECT_THAT(site("init", "--id hall-3").out, HasSubstr("made site hall-3"));
   const std::string a = approved("a");
