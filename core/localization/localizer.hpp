@@ -107,6 +107,8 @@ class Localizer {
   /// nothing once it has seen scans as long and particles as many.
   const LocalizationResult& update(const Observation& observation);
 
+  /// Of the last update.
+  [[nodiscard]] const LocalizationResult& result() const { return result_; }
   [[nodiscard]] const ParticleSet& particles() const { return particles_; }
   /// Scans of which nothing was usable so far.
   [[nodiscard]] std::size_t unusable_scans() const { return unusable_scans_; }
