@@ -9,6 +9,7 @@
 #include "tools/laboratory/experiments/folded_maps.hpp"
 #include "tools/laboratory/experiments/half_known.hpp"
 #include "tools/laboratory/experiments/kidnapped.hpp"
+#include "tools/laboratory/experiments/lift_rides.hpp"
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/refined_poses.hpp"
@@ -89,6 +90,8 @@ bool run_seed_experiment(const std::string& name, const SeedOptions& options,
     report_starts(options.scenarios, seeds, units);
   } else if (name == "kidnapped") {
     report_kidnapped(options.scenarios, seeds, units);
+  } else if (name == "lift_rides") {
+    report_lift_rides(seeds, units);
   } else if (name == "topologies") {
     report_topologies(seeds, options.out, units);
   } else if (name == "offices") {
