@@ -14,6 +14,11 @@ struct MessageType<strata_msgs::msg::SiteVersions> {
   static constexpr const char* name = "strata_msgs/msg/SiteVersions";
 };
 
+template <>
+struct MessageType<strata_msgs::msg::SiteLevel> {
+  static constexpr const char* name = "strata_msgs/msg/SiteLevel";
+};
+
 #define STRATA_SITE_SERVICE_TYPE(type)                            \
   namespace srv {                                                 \
   struct type;                                                    \
@@ -30,6 +35,7 @@ STRATA_SITE_SERVICE_TYPE(ApproveSiteVersion);
 STRATA_SITE_SERVICE_TYPE(ActivateSiteVersion);
 STRATA_SITE_SERVICE_TYPE(RollBackSite);
 STRATA_SITE_SERVICE_TYPE(GetSiteVersionMap);
+STRATA_SITE_SERVICE_TYPE(SetSiteLevel);
 
 #undef STRATA_SITE_SERVICE_TYPE
 

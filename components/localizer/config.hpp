@@ -13,6 +13,7 @@
 #include "components/maps/map_model.hpp"
 #include "components/runtime/common_settings.hpp"
 #include "components/runtime/sensor_input.hpp"
+#include "core/localization/level_choice.hpp"
 #include "core/localization/localizer_config.hpp"
 #include "core/patch_beams/patch_beam_model.hpp"
 #include "core/refinement/pose_refiner.hpp"
@@ -24,6 +25,7 @@ namespace strata::localizer {
 /// Where the robot is at the start. The defaults are those of `strata localize`.
 struct StartConfig {
   std::vector<double> pose;
+  std::string level;
   std::string pose_topic;
   double stddev_m = 0.2;
   double stddev_rad = 0.1;
@@ -35,6 +37,8 @@ struct StartConfig {
              .when = "the robot always begins at the same place"});
     v.require(c.pose.empty() || c.pose.size() == 3, "pose", "is not three numbers",
               "write [x, y, theta]");
+    v.field("level", c.level,
+            {.doc = "maps of a building: on this level; empty: on any, which the scans tell"});
     v.field(
         "pose_topic", c.pose_topic,
         {.doc = "strata_msgs/ScanPose in, as scan_pose of a scan matcher: with maps from topics "
@@ -106,6 +110,7 @@ struct LocalizerComponentConfig {
   StartConfig start;
   runtime::SensorInputConfig input;
   localization::LocalizerConfig localizer;
+  localization::LevelChoiceConfig levels;
   maps::SensorModelKind sensor_model = maps::SensorModelKind::kBeam;
   patch_beams::PatchBeamModelConfig sensor;
   localization::LikelihoodFieldModelConfig likelihood_field;
@@ -145,7 +150,8 @@ struct LocalizerComponentConfig {
         "maps", c.maps,
         {.doc =
              "folder that `strata learn` or mapping.yaml wrote, or a site (`strata site`), whose "
-             "active version is used, and the next one when another is activated; its sub-maps go "
+             "active version is used, and the next one when another is activated, and whose "
+             "level is found where it has several; its sub-maps go "
              "out on ~/patch_map (strata_msgs/PatchMap); empty: maps come over topics, and the "
              "robot is localized from when they are there",
          .when = "always, unless maps come over topics"});
@@ -158,6 +164,7 @@ struct LocalizerComponentConfig {
     v.group("start", c.start, "where the robot is at the start");
     v.group("input", c.input, "where scans and odometry come from");
     v.group("localizer", c.localizer, "the particle filter");
+    v.group("levels", c.levels, "maps of a building: when a level is believed");
     v.field(
         "sensor_model", c.sensor_model,
         {.doc = maps::sensor_model_doc(),

@@ -27,26 +27,31 @@ void Localizer::on_configure() {
   config_ = read_parameters<LocalizerComponentConfig>();
   keep_live(config_, {"publish_tf", "transform_tolerance"});
   if (!lockstep()) load_place();
-  std::optional<LoadedMaps> known;
-  if (!config_.maps.empty()) {
+  std::optional<LoadedMaps> loaded;
+  const LoadedMaps* known = nullptr;
+  if (!config_.maps.empty() && is_building(config_.maps)) {
+    known = &begin_levels(start_of(config_.start));
+  } else if (!config_.maps.empty()) {
     map_source_.emplace(config_.maps, [config = config_](const std::filesystem::path& folder) {
       return make_maps(folder, config);
     });
-    known = map_source_->load();
+    loaded = map_source_->load();
+    known = &*loaded;
     use_maps(*known, start_of(config_.start));
   }
   advertise_topics();
   begin_journal();
-  if (!known || config_.map_topics.follow) {
+  if (known == nullptr || config_.map_topics.follow) {
     subscribe_maps();
-    if (known) live_maps_->begin_with(known->maps);
+    if (known != nullptr) live_maps_->begin_with(known->maps);
   }
   subscribe<geometry_msgs::msg::PoseWithCovarianceStamped>(
       config_.initial_pose_topic, config_.initial_pose_qos,
       [this](const auto& message) { restart(message, resolve(config_.initial_pose_topic)); });
   offer_services();
   offer_site();
-  if (known) offer_patch_map(*known);
+  offer_levels();
+  if (known != nullptr) offer_patch_map(*known);
   subscribe_sensors(config_.input, config_.sensor_qos);
 }
 
@@ -71,7 +76,7 @@ bool Localizer::resume(const Observation& observation) {
   const auto resumed = store_->resume(observation, kept_map_);
   kept_map_ = ReflectionGrid(1.0, CellRect{});
   place_ = Place{resumed->map_from_robot, observation.odom_from_robot, observation.has_odometry};
-  localizer_->initialize(resumed->map_from_robot);
+  initialize(resumed->map_from_robot);
   interrupt_journal();
   if (!resumed->fits) {
     tell(InputError(
@@ -93,6 +98,7 @@ std::optional<Pose2Gaussian> Localizer::place_now(const Observation& observation
 
 void Localizer::on_observation(const Observation& observation) {
   take_folder();
+  take_levels();
   if (live_maps_ && live_maps_->has_news()) {
     const maps::Maps& maps = live_maps_->take();
     maps::MapModel model = make_model(config_, maps);
@@ -125,8 +131,22 @@ void Localizer::restart_anywhere() {
                      "ask again when the localizer has its map");
   }
   if (store_) store_->forget();
-  localizer_->initialize_global();
+  if (levels_) {
+    levels_->initialize_global();
+    use_level();
+  } else {
+    localizer_->initialize_global();
+  }
   interrupt_journal();
+}
+
+/// Of a building on the level that is known, or on any.
+void Localizer::initialize(const Pose2Gaussian& map_from_robot) {
+  if (!levels_) return localizer_->initialize(map_from_robot);
+  std::optional<std::size_t> level;
+  if (levels_->is_level_sure()) level = levels_->level();
+  levels_->initialize(map_from_robot, level);
+  use_level();
 }
 
 void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& message,
@@ -146,7 +166,7 @@ void Localizer::restart(const geometry_msgs::msg::PoseWithCovarianceStamped& mes
     pose.covariance = pose_covariance(config_.start.stddev_m, config_.start.stddev_rad);
   place_ = Place{pose, Pose2(), false};
   if (store_) store_->forget();
-  if (localizer_) localizer_->initialize(pose);
+  if (localizer_) initialize(pose);
   interrupt_journal();
 }
 
@@ -154,7 +174,9 @@ void Localizer::localize(const Observation& observation) {
   const Stamp stamp = observation.scan.stamp;
   if (journal_) journal_->before(observation, *localizer_);
   const auto begin = std::chrono::steady_clock::now();
-  const localization::LocalizationResult result = localizer_->update(observation);
+  const localization::LocalizationResult result =
+      levels_ ? levels_->update(observation) : localizer_->update(observation);
+  if (levels_ && levels_->filter() != localizer_) use_level();
   const std::optional<Pose2Gaussian> refined = refiner_->refine(observation.scan, result);
   scanned_at_ = std::chrono::steady_clock::now();
   const auto update_time = scanned_at_ - begin;
@@ -163,6 +185,7 @@ void Localizer::localize(const Observation& observation) {
   }
   if (lockstep()) record_.add(stamp, result, *localizer_, refined);
   if (journal_) journal_->after(observation, result.pose, config_.map_frame);
+  publish_level(stamp);
   publish_pose(observation, result.pose, refined);
   publish_particles(stamp);
   publish_candidates(stamp, result);
@@ -171,7 +194,9 @@ void Localizer::localize(const Observation& observation) {
   publish_current_map(stamp, result.submaps);
   publish_health(stamp, result, update_time);
   if (store_ && result.converged && !result.health.is_in_doubt) {
-    store_->keep(observation, result.pose);
+    const bool is_known = levels_ && levels_->is_level_sure();
+    store_->keep(observation, result.pose,
+                 is_known ? building_->level(levels_->level()).name : std::string());
   }
 }
 
@@ -188,6 +213,7 @@ void Localizer::on_diagnose(runtime::Health& health) const {
     health.add("mapVersion", identity_->version);
     health.add("mapHash", identity_->hash);
   }
+  diagnose_level(health);
   if (!refused_maps_.empty()) health.warn(refused_maps_);
   if (zone_topics_ && !zone_topics_->fault().empty()) health.warn(zone_topics_->fault());
   if (journal_ && journal_->lacks_points()) {
@@ -228,6 +254,9 @@ void Localizer::on_deactivate() {
 
 void Localizer::on_cleanup() {
   localizer_.reset();
+  levels_.reset();
+  building_.reset();
+  told_level_ = {};
   refiner_.reset();
   journal_.reset();
   current_map_.reset();

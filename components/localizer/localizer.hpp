@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 
+#include "components/localizer/building.hpp"
 #include "components/localizer/change_mask.hpp"
 #include "components/localizer/config.hpp"
 #include "components/localizer/current_map.hpp"
@@ -44,8 +45,10 @@ namespace strata::localizer {
 /// answered, and the site's zones go out on zones/KIND, with what they mean on
 /// zones/KIND_info, latched, and again when they change. Sub-maps of a folder or a site's version
 /// are on ~/patch_map, latched: those that submap_states tells of. Scans with their poses go out
-/// where a learner wants them. At the end of a log trajectory.tum, refined.tum, states.csv and
-/// metrics.json, byte for byte those of `strata localize` without truth but for the cost.
+/// where a learner wants them. Of a building the level is found too: it goes out on ~/level,
+/// latched, and ~/set_level tells it; the above is about the site of that level. At the end of a
+/// log trajectory.tum, refined.tum, states.csv and metrics.json, byte for byte those of `strata
+/// localize` without truth but for the cost.
 class Localizer final : public runtime::SensorComponent {
  public:
   using SensorComponent::SensorComponent;
@@ -69,6 +72,18 @@ class Localizer final : public runtime::SensorComponent {
   void use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaussian>& start);
   /// Goes on in the maps that the folder's name leads to by now, once they are loaded.
   void take_folder();
+  /// Before the filter has them.
+  void know_maps(const maps::Maps& maps, maps::MapModel model,
+                 std::shared_ptr<refinement::PoseRefiner> refiner);
+  /// Where the maps are a building's. Returns those of the likeliest level.
+  const LoadedMaps& begin_levels(const std::optional<Pose2Gaussian>& start);
+  /// Another level is the likeliest, or it has other maps.
+  void use_level();
+  void take_levels();
+  void offer_levels();
+  void publish_level(Stamp stamp);
+  void diagnose_level(runtime::Health& health) const;
+  void initialize(const Pose2Gaussian& map_from_robot);
   void subscribe_maps();
   void advertise_topics();
   void advertise_change_mask();
@@ -133,7 +148,11 @@ class Localizer final : public runtime::SensorComponent {
   ReflectionGrid kept_map_;          ///< that tells whether odometry went on
   maps::MapModel model_;
   std::optional<CurrentMap> current_map_;
-  std::unique_ptr<localization::Localizer> localizer_;
+  std::shared_ptr<localization::Localizer> localizer_;
+  std::unique_ptr<Building> building_;                    ///< where the maps have levels
+  std::unique_ptr<localization::LevelLocalizer> levels_;  ///< the same; it owns localizer_
+  std::function<void(const strata_msgs::msg::SiteLevel&)> publish_level_;
+  strata_msgs::msg::SiteLevel told_level_;
   std::shared_ptr<refinement::PoseRefiner> refiner_;  ///< of the maps in use
   std::optional<HealthReport> health_;                // as of the last scan
   std::chrono::steady_clock::time_point scanned_at_;  ///< that scan came

@@ -31,6 +31,8 @@ void Localizer::on_tick() {
     zones_fault_ = zone_topics_->fault();
     if (!zones_fault_.empty()) say(runtime::LogLevel::kError, zones_fault_);
   }
+  if (building_) building_->look();
+  take_levels();
   if (!map_source_) return;
   if (map_source_->look()) refused_maps_.clear();
   take_folder();
@@ -85,7 +87,9 @@ void Localizer::offer_site() {
   const auto publish = advertise<strata_msgs::msg::SiteVersions>("~/site_versions", "latched");
   offer_zones();
   if (context().dry_run) return;
-  site_desk_ = std::make_unique<SiteDesk>(config_.maps, full_name(), config_.site_changes, publish);
+  site_desk_ = std::make_unique<SiteDesk>(
+      building_ ? building_->level(levels_->level()).folder : std::filesystem::path(config_.maps),
+      full_name(), config_.site_changes, publish);
   if (zone_topics_) {
     site_desk_->watch_with(
         [topics = zone_topics_.get()](const site::Site& site) { topics->tell(site); });
@@ -126,13 +130,7 @@ void Localizer::use_maps(const LoadedMaps& loaded, const std::optional<Pose2Gaus
 void Localizer::use_maps(const maps::Maps& maps, maps::MapModel model,
                          std::shared_ptr<refinement::PoseRefiner> refiner,
                          const std::optional<Pose2Gaussian>& start) {
-  ++maps_taken_;
-  identity_.reset();
-  model_ = std::move(model);
-  interrupt_journal();
-  current_map_.emplace(maps, *model_.descriptor, config_.current_map);
-  refiner_ = std::move(refiner);
-  if (store_ && store_->has_place()) kept_map_ = maps.filtered;
+  know_maps(maps, std::move(model), std::move(refiner));
   if (localizer_) {
     // A newer map: all that is known of the pose stays, be it one place or many.
     localizer_->set_model(model_.sensor);
@@ -145,6 +143,17 @@ void Localizer::use_maps(const maps::Maps& maps, maps::MapModel model,
   } else {
     localizer_->initialize_global();
   }
+}
+
+void Localizer::know_maps(const maps::Maps& maps, maps::MapModel model,
+                          std::shared_ptr<refinement::PoseRefiner> refiner) {
+  ++maps_taken_;
+  identity_.reset();
+  model_ = std::move(model);
+  interrupt_journal();
+  current_map_.emplace(maps, *model_.descriptor, config_.current_map);
+  refiner_ = std::move(refiner);
+  if (store_ && store_->has_place()) kept_map_ = maps.filtered;
 }
 
 void Localizer::subscribe_maps() {

@@ -144,6 +144,7 @@ void Localizer::publish_located(const Observation& observation,
                                 const localization::LocalizationResult& result) {
   const LocatedScansConfig& wanted = config_.located;
   const Eigen::Matrix3d& covariance = result.pose.covariance;
+  if (levels_ && !levels_->is_level_sure()) return;
   if (!publish_located_ || !result.weighed || result.health.is_in_doubt ||
       result.score < wanted.min_score ||
       !(std::sqrt(covariance.topLeftCorner<2, 2>().trace()) <= wanted.max_stddev_m) ||

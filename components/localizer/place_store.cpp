@@ -31,6 +31,7 @@ void PlaceStore::Kept::describe(Self& c, V& v) {
   v.field("covariance", c.covariance, {.doc = "of x, y, theta, row by row"});
   v.field("odom_from_robot", c.odom_from_robot, {.doc = "at that moment; empty: no odometry"});
   v.field("stamp_ns", c.stamp_ns, {.doc = "of the scan", .unit = "ns"});
+  v.field("level", c.level, {.doc = "of a building; empty: none"});
   v.require(c.map_from_robot.size() == 3 && all_finite(c.map_from_robot), "map_from_robot",
             "is not three numbers", "remove the file");
   v.require(c.covariance.size() == 9 && all_finite(c.covariance), "covariance",
@@ -97,7 +98,8 @@ std::optional<PlaceStore::Resumed> PlaceStore::resume(const Observation& now,
   return resumed;
 }
 
-void PlaceStore::keep(const Observation& observation, const Pose2Gaussian& map_from_robot) {
+void PlaceStore::keep(const Observation& observation, const Pose2Gaussian& map_from_robot,
+                      const std::string& level) {
   const Stamp now = observation.scan.stamp;
   if (config_.file.empty()) return;
   // A clock that was set back must not stop the writing.
@@ -109,6 +111,7 @@ void PlaceStore::keep(const Observation& observation, const Pose2Gaussian& map_f
   kept.covariance.assign(rows.data(), rows.data() + rows.size());
   if (observation.has_odometry) kept.odom_from_robot = values_of(observation.odom_from_robot);
   kept.stamp_ns = now.ns;
+  kept.level = level;
   const std::string text = settings::write_yaml(kept);
   file_.write(log::Bytes(text.begin(), text.end()));
   file_.check();

@@ -42,6 +42,8 @@ class PlaceStore {
   /// Reads the file, if there is one. Throws InputError for one that cannot be read, DamageError
   /// for one that is damaged, and then goes on as if there were none.
   void load();
+  /// Of a building, where the robot was; empty: it was not known, or there are none.
+  [[nodiscard]] std::string level() const { return kept_ ? kept_->level : std::string(); }
   /// Something newer is known.
   void forget() { kept_.reset(); }
   [[nodiscard]] bool has_place() const { return kept_.has_value(); }
@@ -59,7 +61,8 @@ class PlaceStore {
   [[nodiscard]] std::optional<Resumed> resume(const Observation& now, const ReflectionGrid& map);
   /// Has the pose written, no more often than the config says; all of it or nothing. Returns at
   /// once. Throws OutputError when an earlier one could not be written.
-  void keep(const Observation& observation, const Pose2Gaussian& map_from_robot);
+  void keep(const Observation& observation, const Pose2Gaussian& map_from_robot,
+            const std::string& level = {});
   /// Waits until what was kept is written; throws as keep.
   void flush() { file_.flush(); }
 
@@ -70,6 +73,7 @@ class PlaceStore {
     std::vector<double> covariance;      ///< row by row
     std::vector<double> odom_from_robot;
     std::int64_t stamp_ns = 0;
+    std::string level;
     [[nodiscard]] runtime::KeptMoment moment() const;
     template <class Self, class V>
     static void describe(Self& c, V& v);

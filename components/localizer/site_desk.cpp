@@ -127,14 +127,25 @@ void SiteDesk::run(const std::stop_token& stop) {
   }
 }
 
-site::Site SiteDesk::open() const {
-  site::Site site(folder_);
+void SiteDesk::move_to(fs::path folder) {
+  const std::lock_guard lock(mutex_);
+  if (folder == folder_) return;
+  folder_ = std::move(folder);
+  is_untold_ = true;
+}
+
+site::Site SiteDesk::open() {
+  fs::path folder;
+  {
+    const std::lock_guard lock(mutex_);
+    folder = folder_;
+  }
+  site::Site site(folder);
   const auto until = std::chrono::steady_clock::now() + kLockPatience;
-  site.wait_with([this, until](const std::string& holder) {
+  site.wait_with([this, until, folder](const std::string& holder) {
     if (ending_.stop_requested()) return false;
     if (std::chrono::steady_clock::now() > until) {
-      throw OutputError(folder_.string(), holder + " is changing it",
-                        "ask again when that is done");
+      throw OutputError(folder.string(), holder + " is changing it", "ask again when that is done");
     }
     std::this_thread::sleep_for(kLockPeriod);
     return true;

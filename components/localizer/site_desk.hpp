@@ -46,6 +46,8 @@ class SiteDesk {
 
   /// Called on the desk's thread after `tell`, with the site. To be set before the first look.
   void watch_with(std::function<void(const site::Site&)> watch) { watch_ = std::move(watch); }
+  /// Another site from the next request and look on: a level's.
+  void move_to(std::filesystem::path folder);
   /// Has `tell` called when the site or its zones has changed since the last look, by whomever, and
   /// at the first one. Three looks at files; returns at once.
   void look();
@@ -69,7 +71,7 @@ class SiteDesk {
   void enqueue(Work<S> work, Reply<S> reply);
   template <typename S>
   void enqueue_change(Work<S> work, Reply<S> reply);
-  [[nodiscard]] site::Site open() const;
+  [[nodiscard]] site::Site open();
   [[nodiscard]] site::Actor actor(const std::string& by) const;
   void run(const std::stop_token& stop);
 
@@ -78,7 +80,7 @@ class SiteDesk {
     std::function<void(const std::string&)> refuse;
   };
 
-  std::filesystem::path folder_;
+  std::filesystem::path folder_;  // written under mutex_ by the thread that looks
   std::string name_;
   bool changes_;
   Tell tell_;

@@ -108,6 +108,7 @@ constexpr void (*kServices[])(Input) = {
     serve<srv::ActivateSiteVersion>,
     serve<srv::RollBackSite>,
     serve<srv::GetSiteVersionMap>,
+    serve<srv::SetSiteLevel>,
 };
 
 /// The next byte chooses the service, and its highest bit whose client asks: Cyclone's puts a

@@ -43,7 +43,8 @@ using Messages = ::testing::Types<
     diagnostic_msgs::msg::DiagnosticArray, strata_msgs::msg::LabeledScan,
     strata_msgs::msg::Trajectory, strata_msgs::msg::ReflectionGrid, strata_msgs::msg::NodeMap,
     strata_msgs::msg::SubmapStates, strata_msgs::msg::LocalizationHealth, strata_msgs::msg::Step,
-    strata_msgs::msg::Ack, strata_msgs::msg::SiteVersions, std_msgs::msg::Float64>;
+    strata_msgs::msg::Ack, strata_msgs::msg::SiteVersions, strata_msgs::msg::SiteLevel,
+    std_msgs::msg::Float64>;
 TYPED_TEST_SUITE(EveryMessage, Messages);
 
 TYPED_TEST(EveryMessage, HasTheLayoutThatItsIdlSays) {
