@@ -9,6 +9,7 @@
 
 #include "core/localization/patch_states.hpp"
 #include "core/patch/chain_in_time.hpp"
+#include "core/patch/recurrence.hpp"
 
 namespace strata::localization {
 namespace {
@@ -56,6 +57,23 @@ FilterChain chain_of(const patch::Submap& submap, double min_share) {
   }
   for (double& share : chain.usual) share /= floored;
   return known;
+}
+
+std::vector<double> shares_of_something_else(const patch::PatchMap& map) {
+  // What a thing that nobody saw costs before it explains anything [nats]: where it stands. Chosen
+  // on wards and corridors 11 to 22 (docs/results.md, "A plain corridor in which nothing recurs").
+  constexpr double kPlace_nats = 3.0;
+  std::vector<patch::Recurrence> seen;
+  for (const patch::Submap& submap : map.submaps) seen.push_back(patch::recurrence_of(submap));
+  std::vector<double> shares = patch::return_probabilities(seen);
+  for (std::size_t s = 0; s < shares.size(); ++s) {
+    const patch::Submap& submap = map.submaps[s];
+    const bool is_known = submap.sequences.size() > 1 && submap.configurations.size() > 1;
+    const std::vector<double> usual = chain_of(submap, 0.0).chain.usual;
+    const double most = *std::max_element(usual.begin(), usual.end());
+    shares[s] = is_known ? (1.0 - shares[s]) * (1.0 - most) * std::exp(-kPlace_nats) : 0.0;
+  }
+  return shares;
 }
 
 }  // namespace strata::localization

@@ -64,6 +64,23 @@ PatchStates::PatchStates(std::shared_ptr<const patch::PatchMap> map,
     }
     rates_.push_back(known.chain.rate_per_s);
   }
+  something_else_.assign(rates_.size(), 0.0F);
+  if (config.memory == PatchMemory::kPerParticle && config.rates == RateSource::kLearned) {
+    expect_something_else();
+  }
+}
+
+void PatchStates::expect_something_else() {
+  const std::vector<double> shares = shares_of_something_else(*map_);
+  for (std::size_t s = 0; s < shares.size(); ++s) {
+    // Its place in the masks of configurations is the one behind them.
+    if (!(shares[s] > 0.0) || offsets_[s + 1] - offsets_[s] == kMaxConfigurations) continue;
+    something_else_[s] = static_cast<float>(shares[s]);
+    expects_something_else_ = true;
+    for (std::size_t c = offsets_[s]; c < offsets_[s + 1]; ++c) {
+      usual_[c] = static_cast<float>(static_cast<double>(usual_[c]) * (1.0 - shares[s]));
+    }
+  }
 }
 
 int PatchStates::submap_of(const Eigen::Vector2d& point_m, int current) const {
@@ -86,6 +103,7 @@ void PatchStates::tell_time(Stamp now, ParticleSet& particles) const {
     periodic::shares_at(in_time_[f], part_of_week, shares);
     double sum = 0.0;
     for (double& share : shares) sum += share = std::max(share, config_.min_belief);
+    sum /= 1.0 - static_cast<double>(something_else_[s]);
     for (std::size_t k = 0; k < shares.size(); ++k) {
       particles.usual[offsets_[s] + k] = static_cast<float>(shares[k] / sum);
     }
@@ -229,6 +247,9 @@ void PatchStates::posterior(const ParticleSet& particles,
   const auto pooled = factors_.acquire();
   std::vector<double>& sums = *pooled;
   sums.assign(columns(), 0.0);
+  const auto pooled_left = factors_.acquire();
+  std::vector<double>& left = *pooled_left;
+  left.assign(beliefs.size(), 0.0);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const std::int32_t s = particles.submap[i];
     if (s >= 0) {
@@ -244,6 +265,10 @@ void PatchStates::posterior(const ParticleSet& particles,
     for (std::size_t c = 0; c < row.size(); ++c) {
       sums[c] += particles.weight[i] * static_cast<double>(row[c]);
     }
+    for (std::size_t other = 0; other < left.size() && expects_something_else_; ++other) {
+      const auto configurations = static_cast<std::size_t>(count(other));
+      left[other] += particles.weight[i] * left_of(row.subspan(offsets_[other], configurations));
+    }
   }
   for (std::size_t s = 0; s < beliefs.size(); ++s) {
     std::vector<double>& p = beliefs[s].probability;
@@ -253,7 +278,7 @@ void PatchStates::posterior(const ParticleSet& particles,
         p[k] = static_cast<double>(particles.shared_belief[offsets_[s] + k]);
       }
     }
-    double sum = 0.0;
+    double sum = something_else_[s] > 0.0F ? left[s] : 0.0;
     for (const double value : p) sum += value;
     for (std::size_t k = 0; k < p.size(); ++k) {
       p[k] = sum > 0.0 ? p[k] / sum : static_cast<double>(usual(particles)[offsets_[s] + k]);

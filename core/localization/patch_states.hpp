@@ -73,7 +73,7 @@ struct PatchStatesConfig {
 struct SubmapBelief {
   int submap = -1;
   double mass = 0.0;                ///< weight of the particles whose sub-map it is (submap_of)
-  std::vector<double> probability;  ///< per configuration, sums to 1
+  std::vector<double> probability;  ///< per configuration; what is left to 1 is something else
 };
 
 /// P(same after dt) of the K-state chain that leaves at rate q = gamma (K-1)/K: 1/K + (1 - 1/K)
@@ -91,6 +91,11 @@ struct FilterChain {
 };
 [[nodiscard]] FilterChain chain_of(const patch::Submap& submap, double min_share);
 
+/// For each sub-map, how probably something is there that none of its configurations shows, before
+/// anybody looks (docs/theory/patch_localization.md, "Something else"); 0 where nobody knows what
+/// came back. O(sequences x configurations).
+[[nodiscard]] std::vector<double> shares_of_something_else(const patch::PatchMap& map);
+
 /// The layout of the beliefs of a patch map, and the map transition p(m_t | x_t, m_{t-1}) of
 /// [stachniss2005patch, eq. (8)].
 class PatchStates {
@@ -101,12 +106,18 @@ class PatchStates {
   [[nodiscard]] const patch::PatchMap& map() const { return *map_; }
   [[nodiscard]] PatchMemory memory() const { return config_.memory; }
   [[nodiscard]] double min_belief() const { return config_.min_belief; }
+  [[nodiscard]] std::size_t submaps() const { return rates_.size(); }
   /// Columns of one belief row; those of sub-map s are [offset(s), offset(s) + count(s)).
   [[nodiscard]] std::size_t columns() const { return usual_.size(); }
   [[nodiscard]] std::size_t offset(std::size_t submap) const { return offsets_[submap]; }
   [[nodiscard]] int count(std::size_t submap) const {
     return static_cast<int>(offsets_[submap + 1] - offsets_[submap]);
   }
+  /// How probably none of its configurations is there, for someone who saw nothing. A row's columns
+  /// of that sub-map sum to 1 less what it believes of that. 0 without a memory for each particle,
+  /// and where rates are fixed.
+  [[nodiscard]] float something_else(std::size_t submap) const { return something_else_[submap]; }
+  [[nodiscard]] bool expects_something_else() const { return expects_something_else_; }
   /// The belief of someone who saw nothing: how often each configuration is there, or even odds
   /// where rates are fixed.
   [[nodiscard]] std::span<const float> usual() const { return usual_; }
@@ -161,6 +172,7 @@ class PatchStates {
   [[nodiscard]] std::int32_t next_configuration(std::size_t submap, std::int32_t now, double dt_s,
                                                 std::span<const float> usual,
                                                 RandomStream& random) const;
+  void expect_something_else();
   void find_fading(double dt_s, std::span<const float> usual, std::vector<double>& keep,
                    std::vector<double>& add) const;
   std::shared_ptr<const patch::PatchMap> map_;
@@ -171,7 +183,16 @@ class PatchStates {
   std::vector<periodic::PeriodicShares> in_time_;  // of each of them
   ObjectPool<std::vector<double>> factors_;
   std::vector<double> rates_;  // gamma of each sub-map
+  std::vector<float> something_else_;
+  bool expects_something_else_ = false;
 };
+
+/// What a belief in the configurations of one sub-map leaves to something else.
+[[nodiscard]] inline double left_of(std::span<const float> belief) {
+  double sum = 0.0;
+  for (const float b : belief) sum += static_cast<double>(b);
+  return sum < 1.0 ? 1.0 - sum : 0.0;
+}
 
 /// The probability of a set of configurations. belief: of all of their sub-map.
 [[nodiscard]] inline double probability_of(std::uint64_t mask, const float* belief) {

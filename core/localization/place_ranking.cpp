@@ -29,13 +29,23 @@ std::array<Pose2, 6> moved(const Pose2& pose, double step_m, double step_rad) {
   return poses;
 }
 
-/// KL(after | before) of one row [nats]; the rows' sub-maps each sum to 1.
-double divergence(std::span<const float> after, std::span<const float> before) {
+double divergence_of(double after, double before) {
+  return after > 0.0 && before > 0.0 ? after * std::log(after / before) : 0.0;
+}
+
+/// KL(after | before) of one row [nats], what it leaves to something else included.
+double divergence(const PatchStates& states, std::span<const float> after,
+                  std::span<const float> before) {
   double sum = 0.0;
   for (std::size_t i = 0; i < after.size(); ++i) {
-    const auto p = static_cast<double>(after[i]);
-    const auto q = static_cast<double>(before[i]);
-    if (p > 0.0 && q > 0.0) sum += p * std::log(p / q);
+    sum += divergence_of(static_cast<double>(after[i]), static_cast<double>(before[i]));
+  }
+  for (std::size_t s = 0; s < states.submaps() && states.expects_something_else(); ++s) {
+    if (!(states.something_else(s) > 0.0F)) continue;
+    const auto of_submap = [&](std::span<const float> row) {
+      return left_of(row.subspan(states.offset(s), static_cast<std::size_t>(states.count(s))));
+    };
+    sum += divergence_of(of_submap(after), of_submap(before));
   }
   return sum;
 }
@@ -72,7 +82,8 @@ void weigh_places(const Scan& scan, const SensorModel& model, ParticleSet& parti
   (void)model.log_likelihoods(scan, weighing, after, log_likelihood, pool);
   for (std::size_t i = 0; i < particles.size(); ++i) {
     const std::size_t columns = particles.belief_columns;
-    log_likelihood[i] -= divergence(particles.belief(i), {before.data() + i * columns, columns});
+    log_likelihood[i] -=
+        divergence(*states, particles.belief(i), {before.data() + i * columns, columns});
   }
 }
 

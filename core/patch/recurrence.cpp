@@ -45,6 +45,16 @@ Recurrence recurrence_of(std::span<const std::vector<double>> looks,
   return result;
 }
 
+Recurrence recurrence_of(const Submap& submap) {
+  std::vector<std::vector<double>> memberships;
+  memberships.reserve(submap.sequences.size());
+  for (const SequenceInfo& sequence : submap.sequences) {
+    memberships.push_back(sequence.membership);
+    memberships.back().resize(submap.configurations.size(), 0.0);
+  }
+  return recurrence_of(memberships, history_of(submap.sequences));
+}
+
 std::vector<double> return_probabilities(std::span<const Recurrence> submaps) {
   double returns = 2.0;
   double chances = 3.0;

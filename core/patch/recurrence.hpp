@@ -35,6 +35,10 @@ struct RecurrenceConfig {
 [[nodiscard]] Recurrence recurrence_of(std::span<const std::vector<double>> looks,
                                        const SequenceHistory& history);
 
+/// The same by the memberships of a sub-map's sequences, which are saved and sent with it: who gets
+/// the map by a message finds the same bits. O(sequences x configurations).
+[[nodiscard]] Recurrence recurrence_of(const Submap& submap);
+
 /// For each sub-map of a map, P(what comes next was there before): (r + q) / (n + 1) for r returns
 /// of n chances, as with one appearance beforehand that returned as often as those of all sub-maps
 /// together, q = (R + 2) / (N + 3): few visits are no reason to doubt that things return. Ours.

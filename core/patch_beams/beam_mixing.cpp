@@ -13,7 +13,6 @@ namespace {
 void find_box_shares(const PatchChunk& chunk, const SeenBoxes& boxes,
                      std::vector<double>& box_share) {
   const std::size_t row = boxes.lasers();
-  const bool has_memory = chunk.has_memory();
   box_share.resize(boxes.size() * row);
   for (std::size_t box = 0; box < boxes.size(); ++box) {
     if (!boxes.is_uniform(box)) continue;
@@ -25,7 +24,7 @@ void find_box_shares(const PatchChunk& chunk, const SeenBoxes& boxes,
       const bool is_known = is_own && chunk.states.fixed(n) >= 0;
       if (is_known || cells.mask == chunk.caster.all(cells.submap)) {
         share[n] = 1.0;
-      } else if (is_own && has_memory) {
+      } else if (chunk.mixes_whole(cells.submap, is_own)) {
         share[n] = SingleSums::kApart;
       } else {
         const float* const belief = chunk.belief(n, cells.submap);
@@ -59,7 +58,7 @@ void mix_single(const PatchChunk& chunk, const rays::ScanMixture& mixture, const
       const CellOwner& cells = boxes.content(box, n);
       if (cells.submap != submap) {
         submap = cells.submap;
-        place = ratios.place_of(static_cast<std::size_t>(submap), chunk.configurations(submap));
+        place = ratios.place_of(static_cast<std::size_t>(submap), chunk.rows(submap));
       }
       ratios.meet_again(place, n);
       const SubmapRatios::Met& met = ratios.met()[place];

@@ -18,22 +18,25 @@ using localization::PatchStates;
 /// Brings what the scan says of each sub-map that beams of the chunk met to the tempered scale,
 /// less what is largest there, so that no exponential overflows: for the particles in it that goes
 /// to their log-likelihoods, and a belief of their own does not ask for the scale. Beliefs that
-/// they share weigh the particles by it; there a sub-map they are not in says at most e^80.
-void scale_ratios(double tempering, bool is_shared, std::span<const std::int32_t> current,
-                  std::span<double> log_likelihood, SubmapRatios& ratios,
-                  std::vector<double>& largest) {
+/// they share weigh the particles by it; there a sub-map they are not in says at most e^80. One
+/// that may show something else goes to the log-likelihoods of all particles, as if they were in
+/// it.
+void scale_ratios(const PatchStates& layout, double tempering, bool is_shared,
+                  std::span<const std::int32_t> current, std::span<double> log_likelihood,
+                  SubmapRatios& ratios, std::vector<double>& largest) {
   const double per_tempering = 1.0 / tempering;
   for (double& ratio : ratios.values()) ratio *= per_tempering;
   largest.resize(current.size());
   for (const SubmapRatios::Met& met : ratios.met()) {
     const auto submap = static_cast<std::int32_t>(met.submap);
+    const bool is_for_all = layout.something_else(met.submap) > 0.0F;
     std::copy_n(&ratios.at(met.row, 0), largest.size(), largest.begin());
     for (std::size_t k = 1; k < met.configurations; ++k) {
       const double* const ratio = &ratios.at(met.row + k, 0);
       for (std::size_t n = 0; n < largest.size(); ++n) largest[n] = std::max(largest[n], ratio[n]);
     }
     for (std::size_t n = 0; n < largest.size(); ++n) {
-      const bool is_own = current[n] == submap;
+      const bool is_own = is_for_all || current[n] == submap;
       log_likelihood[n] += is_own ? largest[n] : 0.0;
       largest[n] = is_own || !is_shared ? largest[n] : 0.0;
     }
@@ -53,6 +56,7 @@ void update_beliefs(const PatchStates& layout, std::size_t place, std::size_t be
   const SubmapRatios::Met& met = ratios.met()[place];
   const std::size_t offset = layout.offset(met.submap);
   const double least = layout.min_belief();
+  const std::size_t known = static_cast<std::size_t>(layout.count(met.submap));
   columns.product.resize(met.configurations * count);
   columns.sum.assign(count, 0.0);
   columns.clamped.assign(count, 0.0);
@@ -62,8 +66,12 @@ void update_beliefs(const PatchStates& layout, std::size_t place, std::size_t be
     double* const product = columns.product.data() + k * count;
     const double* const factor = &ratios.at(met.row + k, 0);
     const float* const belief = particles.belief(begin).data() + offset + k;
-    for (std::size_t n = 0; n < count; ++n) {
+    for (std::size_t n = 0; n < count && k < known; ++n) {
       product[n] = static_cast<double>(belief[n * particles.belief_columns]) * factor[n];
+    }
+    for (std::size_t n = 0; n < count && k == known; ++n) {
+      const std::span<const float> row = particles.belief(begin + n).subspan(offset, known);
+      product[n] = localization::left_of(row) * factor[n];
     }
     for (std::size_t n = 0; n < count; ++n) sum[n] += product[n];
   }
@@ -74,7 +82,7 @@ void update_beliefs(const PatchStates& layout, std::size_t place, std::size_t be
   }
   for (std::size_t n = 0; n < count; ++n) {
     if (!ratios.is_met(place, n) || !(sum[n] > 0.0) || !std::isfinite(sum[n])) continue;
-    const std::span<float> row = particles.belief(begin + n).subspan(offset, met.configurations);
+    const std::span<float> row = particles.belief(begin + n).subspan(offset, known);
     for (std::size_t k = 0; k < row.size(); ++k) {
       const auto b = static_cast<float>(columns.product[k * count + n]);
       row[k] = static_cast<float>(static_cast<double>(b) / clamped[n]);
@@ -106,15 +114,16 @@ void write_ratios(const PatchStates& layout, std::size_t place,
   }
 }
 
-/// Adds the logarithm of its mixture to the particles that are in a sub-map; that of others says
-/// nothing.
-void add_own_mixture(std::size_t place, std::span<const std::int32_t> current,
-                     const SubmapRatios& ratios, std::vector<double>& mixture,
-                     std::span<double> log_likelihood) {
+/// Adds the logarithm of its mixture to the particles that are in a sub-map, or to all that met one
+/// that may show something else; that of others says nothing.
+void add_own_mixture(const PatchStates& layout, std::size_t place,
+                     std::span<const std::int32_t> current, const SubmapRatios& ratios,
+                     std::vector<double>& mixture, std::span<double> log_likelihood) {
   const auto submap = static_cast<std::int32_t>(ratios.met()[place].submap);
+  const bool is_for_all = layout.something_else(ratios.met()[place].submap) > 0.0F;
   bool any = false;
   for (std::size_t n = 0; n < current.size(); ++n) {
-    const bool is_own = current[n] == submap && ratios.is_met(place, n);
+    const bool is_own = (is_for_all || current[n] == submap) && ratios.is_met(place, n);
     if (!is_own) mixture[n] = 1.0;
     any = any || is_own;
   }
@@ -131,7 +140,7 @@ void learn_beliefs(const PatchStates& layout, double tempering, std::size_t begi
   const std::size_t count = log_likelihood.size();
   const auto current = std::span<const std::int32_t>(particles.submap).subspan(begin, count);
   const bool is_shared = layout.memory() == localization::PatchMemory::kShared;
-  scale_ratios(tempering, is_shared, current, log_likelihood, ratios, columns.sum);
+  scale_ratios(layout, tempering, is_shared, current, log_likelihood, ratios, columns.sum);
   rays::exp_column(ratios.values().data(), ratios.values().size());
   if (is_shared) {
     float* const rows = particles.belief(begin).data();
@@ -143,7 +152,7 @@ void learn_beliefs(const PatchStates& layout, double tempering, std::size_t begi
     } else {
       update_beliefs(layout, place, begin, count, ratios, particles, columns);
     }
-    add_own_mixture(place, current, ratios, columns.sum, log_likelihood);
+    add_own_mixture(layout, place, current, ratios, columns.sum, log_likelihood);
   }
 }
 

@@ -50,8 +50,17 @@ struct PatchChunk {
   [[nodiscard]] bool has_memory() const {
     return layout.memory() != localization::PatchMemory::kNone;
   }
-  [[nodiscard]] std::size_t configurations(std::int32_t submap) const {
-    return static_cast<std::size_t>(layout.count(static_cast<std::size_t>(submap)));
+  /// Rows of SubmapRatios: its configurations, and behind them something else, where beams pass the
+  /// cells that change.
+  [[nodiscard]] std::size_t rows(std::int32_t submap) const {
+    const auto s = static_cast<std::size_t>(submap);
+    return static_cast<std::size_t>(layout.count(s)) + (layout.something_else(s) > 0.0F ? 1 : 0);
+  }
+  /// Whether its configurations are mixed for the scan as a whole: with a memory those of the
+  /// particle's own sub-map, and of each that may show something else.
+  [[nodiscard]] bool mixes_whole(std::int32_t submap, bool is_own) const {
+    return has_memory() &&
+           (is_own || layout.something_else(static_cast<std::size_t>(submap)) > 0.0F);
   }
   /// What a particle believes of one sub-map.
   [[nodiscard]] const float* belief(std::size_t particle, std::int32_t submap) const {

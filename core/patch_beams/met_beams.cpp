@@ -48,7 +48,7 @@ inline void list_pair(const PatchChunk& chunk, const ChangingBeam& beam,
   pair.particle = beam.particle;
   if (!chunk.has_memory()) return;
   pair.near = near.ray.mask;
-  pair.configurations = static_cast<std::uint32_t>(chunk.configurations(near.ray.submap));
+  pair.configurations = static_cast<std::uint32_t>(chunk.rows(near.ray.submap));
   pair.row = ratios.meet(to_place(near.ray.submap), pair.configurations, beam.particle);
 }
 
@@ -59,9 +59,8 @@ void list_submaps(const PatchChunk& chunk, SeveralBeams::Beam& beam, SeveralBeam
     const auto is_same = [&](const SeveralBeams::Met& met) { return met.submap == event.submap; };
     const auto first = several.met.begin() + static_cast<std::ptrdiff_t>(beam.met);
     if (std::any_of(first, several.met.end(), is_same)) continue;
-    several.met.push_back(
-        {event.submap,
-         ratios.meet(to_place(event.submap), chunk.configurations(event.submap), beam.particle)});
+    several.met.push_back({event.submap, ratios.meet(to_place(event.submap),
+                                                     chunk.rows(event.submap), beam.particle)});
   }
   beam.met_end = several.met.size();
 }

@@ -14,6 +14,7 @@
 #include "core/patch_beams/chunk.hpp"
 #include "core/patch_beams/met_beams.hpp"
 #include "core/patch_beams/patch_explanation.hpp"
+#include "core/patch_beams/something_else.hpp"
 #include "core/patch_beams/submap_ratios.hpp"
 #include "core/rays/column_math.hpp"
 
@@ -36,16 +37,17 @@ struct ChunkMemory {
   ChangingEnds changing;
   MetBeams met;
   SingleMixing single;
-  SubmapRatios ratios;
   std::vector<double> mixed;
   std::vector<double> sums;
   BeliefColumns beliefs;
 };
 
-/// Weighs particles [begin, end); log_likelihood: of all. docs/theory/patch_beams.md, "Pipeline".
+/// Weighs particles [begin, end), but for what learn_beliefs() adds; log_likelihood: of all.
+/// docs/theory/patch_beams.md, "Pipeline".
 void weigh_chunk(const PreparedScan& scan, double tempering, const PatchRayCaster& caster,
                  const PatchStates& layout, ParticleSet& particles, std::size_t begin,
-                 std::size_t end, std::span<double> log_likelihood, ChunkMemory& memory) {
+                 std::size_t end, std::span<double> log_likelihood, ChunkMemory& memory,
+                 SubmapRatios& ratios) {
   memory.lasers.take(particles, begin, end, scan.beams.robot_from_laser);
   const PatchChunk chunk{caster, layout, chunk_states(layout, particles, begin, end),
                          belief_rows(layout, particles, begin), memory.lasers.padded()};
@@ -53,19 +55,17 @@ void weigh_chunk(const PreparedScan& scan, double tempering, const PatchRayCaste
   find_changing(scan, caster, chunk.states, memory.still.range_m.data(), memory.lasers,
                 memory.changing);
   const std::span<double> logs = memory.still.log_likelihood;
-  list_met_beams(chunk, memory.changing.beams, logs, memory.met, memory.ratios);
+  list_met_beams(chunk, memory.changing.beams, logs, memory.met, ratios);
   mix_single(chunk, scan.mixture, memory.changing.boxes, memory.changing.beams.single(), logs,
-             memory.ratios, memory.single);
-  mix_pairs(memory.met.pairs, logs, memory.ratios, memory.mixed);
-  mix_several(chunk, memory.met.several, logs, memory.ratios, memory.mixed);
+             ratios, memory.single);
+  mix_pairs(memory.met.pairs, logs, ratios, memory.mixed);
+  mix_several(chunk, memory.met.several, logs, ratios, memory.mixed);
   memory.sums.resize(chunk.bundles);
   rays::sum_rows(logs.data(), scan.beams.size(), chunk.bundles, memory.sums.data());
   const std::span<double> weighed = log_likelihood.subspan(begin, end - begin);
   for (std::size_t n = 0; n < weighed.size(); ++n) {
     weighed[n] = (memory.sums[n] + memory.single.log_likelihood[n]) / tempering;
   }
-  if (!chunk.has_memory()) return;
-  learn_beliefs(layout, tempering, begin, weighed, memory.ratios, particles, memory.beliefs);
 }
 
 /// What is believed of all sub-maps, as one row.
@@ -92,6 +92,8 @@ void prepare(const Scan& scan, const rays::BeamSelectionConfig& config,
 struct PatchBeamModel::Lenders {
   ObjectPool<PreparedScan> scans;
   ObjectPool<ChunkMemory> chunks;
+  ObjectPool<std::vector<SubmapRatios>> ratios;  // of each chunk
+  ObjectPool<SomethingElse> something_else;
   ObjectPool<ExplanationMemory> explanations;
   ObjectPool<Posterior> posteriors;
   ObjectPool<std::vector<RayEvent>> events;
@@ -116,12 +118,30 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan,
                                             WorkerPool& pool) const {
   const auto prepared = lenders_->scans.acquire();
   prepare(scan, config_.beam.beams, mixture_, *prepared);
-  const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
+  const auto ratios = lenders_->ratios.acquire();
+  const std::size_t chunks = (particles.size() + kChunk - 1) / kChunk;
+  if (ratios->size() < chunks) ratios->resize(chunks);
+  const bool has_memory = states_.memory() != PatchMemory::kNone;
+  const bool learns_later = states_.expects_something_else();
+  const auto learn = [&](std::size_t begin, std::size_t end, std::size_t chunk) {
     const auto memory = lenders_->chunks.acquire();
-    weigh_chunk(*prepared, weighing.tempering, caster_, states_, particles, begin, end,
-                log_likelihood, *memory);
+    learn_beliefs(states_, weighing.tempering, begin, log_likelihood.subspan(begin, end - begin),
+                  (*ratios)[chunk], particles, memory->beliefs);
+  };
+  const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t chunk) {
+    {
+      const auto memory = lenders_->chunks.acquire();
+      weigh_chunk(*prepared, weighing.tempering, caster_, states_, particles, begin, end,
+                  log_likelihood, *memory, (*ratios)[chunk]);
+    }
+    if (has_memory && !learns_later) learn(begin, end, chunk);
   };
   pool.for_chunks(particles.size(), kChunk, std::cref(weigh));
+  if (!learns_later) return prepared->beams.size();
+  const auto something_else = lenders_->something_else.acquire();
+  something_else->explain(states_, weighing.tempering, particles.weight, log_likelihood, kChunk,
+                          std::span(*ratios).first(chunks));
+  pool.for_chunks(particles.size(), kChunk, std::cref(learn));
   return prepared->beams.size();
 }
 

@@ -78,7 +78,7 @@ void mix_any(const PatchChunk& chunk, const SeveralBeams& several, const Several
       has_memory ? -1 : chunk.states.fixed(beam.particle));
   for (std::size_t n = beam.met; n < beam.met_end; ++n) {
     const std::int32_t submap = several.met[n].submap;
-    const auto configurations = static_cast<int>(chunk.configurations(submap));
+    const auto configurations = static_cast<int>(chunk.rows(submap));
     for (int k = 0; k < configurations; ++k) mix(submap, k);
   }
 }
@@ -90,7 +90,7 @@ const double* add_ratios(const PatchChunk& chunk, const SeveralBeams& several,
                          SubmapRatios& ratios) {
   for (std::size_t n = beam.met; n < beam.met_end; ++n) {
     const SeveralBeams::Met& met = several.met[n];
-    const std::size_t configurations = chunk.configurations(met.submap);
+    const std::size_t configurations = chunk.rows(met.submap);
     if (!beam.is_once_each) {
       for (std::size_t k = 0; k < configurations; ++k) {
         ratios.at(met.row + k, beam.particle) += *next++ - mixed;

@@ -14,8 +14,8 @@ class SubmapRatios {
  public:
   struct Met {
     std::size_t submap = 0;
-    std::size_t configurations = 0;
-    std::size_t row = 0;  ///< of its first configuration
+    std::size_t configurations = 0;  ///< its rows, that of something else included
+    std::size_t row = 0;             ///< of its first configuration
   };
 
   /// Forgets all. submaps: how many there are; particles: in the chunk.
@@ -47,6 +47,11 @@ class SubmapRatios {
       is_met_.resize(is_met_.size() + particles_, 0);
     }
     return static_cast<std::size_t>(place);
+  }
+  /// Null where no beam met it.
+  [[nodiscard]] const Met* find(std::size_t submap) const {
+    const std::int32_t place = place_of_[submap];
+    return place < 0 ? nullptr : &met_[static_cast<std::size_t>(place)];
   }
   /// In the order in which beams met them.
   [[nodiscard]] const std::vector<Met>& met() const { return met_; }
