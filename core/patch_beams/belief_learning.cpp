@@ -77,7 +77,9 @@ void update_beliefs(const PatchStates& layout, std::size_t place, std::size_t be
   }
   for (std::size_t k = 0; k < met.configurations; ++k) {
     double* const product = columns.product.data() + k * count;
-    for (std::size_t n = 0; n < count; ++n) product[n] = std::max(least, product[n] / sum[n]);
+    // Something else may come at any time.
+    const double floor = k < known ? least : static_cast<double>(layout.something_else(met.submap));
+    for (std::size_t n = 0; n < count; ++n) product[n] = std::max(floor, product[n] / sum[n]);
     for (std::size_t n = 0; n < count; ++n) clamped[n] += product[n];
   }
   for (std::size_t n = 0; n < count; ++n) {

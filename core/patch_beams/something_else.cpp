@@ -68,8 +68,7 @@ void SomethingElse::explain(const localization::PatchStates& layout, double temp
   for (std::size_t submap = 0; submap < layout.submaps(); ++submap) {
     if (!(layout.something_else(submap) > 0.0F)) continue;
     if (!find_gains(submap, tempering, log_likelihood, chunk_size, ratios)) continue;
-    const double explained = std::max(0.0, likely_gain(weight) - kSurprise_nats) * tempering;
-    if (!(explained > 0.0)) continue;
+    const double explained = (likely_gain(weight) - kSurprise_nats) * tempering;
     const auto rows = static_cast<std::size_t>(layout.count(submap)) + 1;
     for (std::size_t chunk = 0; chunk < ratios.size(); ++chunk) {
       const std::size_t place = ratios[chunk].place_of(submap, rows);

@@ -16,10 +16,11 @@ namespace strata::patch_beams {
 class SomethingElse {
  public:
   /// Something else in a sub-map explains a scan nearly as well as the best of its configurations
-  /// does at the poses that are likely with it, and at all poses alike: it may stand anywhere. Adds
-  /// that to its row of each sub-map that expects it and that any beam met, for all particles.
-  /// weight, log_likelihood: of all particles; ratios: of each chunk of `chunk_size` of them.
-  /// O(particles x configurations of the sub-maps that beams met).
+  /// does at the poses that are likely with it, and at all poses alike: it may stand anywhere. Less
+  /// than nothing where no configuration does. Adds that to its row of each sub-map that expects it
+  /// and that any beam met, for all particles. weight, log_likelihood: of all particles; ratios: of
+  /// each chunk of `chunk_size` of them. O(particles x configurations of the sub-maps that beams
+  /// met).
   void explain(const localization::PatchStates& layout, double tempering,
                std::span<const double> weight, std::span<const double> log_likelihood,
                std::size_t chunk_size, std::span<SubmapRatios> ratios);

@@ -44,6 +44,14 @@ std::shared_ptr<const patch::PatchMap> patched_map() {
       }
       submap.configurations.push_back(std::move(configuration));
     }
+    // So that something else is expected there, too.
+    for (const int k : {0, 0, 1}) {
+      patch::SequenceInfo sequence;
+      sequence.begin = Stamp::from_seconds(3600.0 * static_cast<double>(submap.sequences.size()));
+      sequence.end = sequence.begin;
+      sequence.membership = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0};
+      submap.sequences.push_back(sequence);
+    }
     map->submaps.push_back(std::move(submap));
   }
   return map;
