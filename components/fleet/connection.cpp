@@ -51,8 +51,7 @@ std::string setting_of(PGconn* connection, char* (*ask)(const PGconn*)) {
                       "put it into ~/.pgpass (HOST:PORT:DATABASE:USER:PASSWORD, mode 600) or "
                       "PGPASSWORD");
   }
-  // It says FATAL itself; a server that was killed meanwhile says nothing, and one that is stopped
-  // meanwhile that it is.
+  // It says FATAL itself; who is killed meanwhile says nothing, and who is stopped says that.
   const bool is_stopped = why.find("terminating connection") != std::string::npos ||
                           why.find("the database system is") != std::string::npos;
   if (!is_stopped && libpq().connection_used_password(connection) != 0 &&
@@ -62,8 +61,7 @@ std::string setting_of(PGconn* connection, char* (*ask)(const PGconn*)) {
   }
   if (why.find("certificate") != std::string::npos) {
     throw DeniedError(place, "does not show that it is the server that is meant: " + why,
-                      "name with sslrootcert who signed its certificate, and its host as that has "
-                      "it; nothing was sent");
+                      "name who signed its certificate (sslrootcert), and the host as it has it");
   }
   throw LostError(place, "cannot be reached: " + why,
                   "check that the server runs, its name and port, and sslmode; what was to be "

@@ -8,6 +8,7 @@
 
 #include "components/log/content_hash.hpp"
 #include "components/log/text.hpp"
+#include "core/base/error.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/words.hpp"
 
@@ -67,6 +68,16 @@ std::string fault_of_active(const site::Site& site) {
   return active ? site.fault_of(*active) : "";
 }
 
+/// The name of its floor plan's file, or what is wrong with it; empty where it has none.
+std::string plan_of(const site::Site& site) {
+  try {
+    const auto plan = site.plan();
+    return plan ? plan->drawing.name : "";
+  } catch (const InputError& error) {
+    return std::string("DAMAGED: ") + error.what();
+  }
+}
+
 json json_or_null(const std::optional<VersionStatus>& status) {
   return status ? json_of(*status) : json(nullptr);
 }
@@ -115,6 +126,7 @@ json json_of_site(const site::Site& site) {
   json diary = json::array();
   for (const site::Event& event : decisions.diary) diary.push_back(site::to_json(event));
   const std::optional<std::string> active = site.active();
+  const std::string plan = plan_of(site);
   json text{{"kind", "site"},
             {"folder", site.folder().string()},
             {"mapId", decisions.id},
@@ -125,6 +137,7 @@ json json_of_site(const site::Site& site) {
             {"candidates", count(VersionState::kCandidate)},
             {"approved", count(VersionState::kApproved)},
             {"retired", count(VersionState::kRetired)},
+            {"plan", plan.empty() ? json(nullptr) : json(plan)},
             {"diary", diary}};
   for (const site::Level& level : site.levels()) text["levels"].push_back(level.name);
   return text;
@@ -159,6 +172,10 @@ void print_site(const site::Site& site) {
     } else if (status.state == VersionState::kApproved) {
       std::printf("  waits     %s, approved, to be activated\n", name_of(status).c_str());
     }
+  }
+  if (const std::string plan = plan_of(site); !plan.empty()) {
+    std::printf("  plan      %s; `strata site plan %s show`\n", plan.c_str(),
+                site.folder().c_str());
   }
   std::fflush(stdout);
 }

@@ -12,6 +12,7 @@
 
 #include "core/base/error.hpp"
 #include "tools/laboratory/experiments/door_times.hpp"
+#include "tools/laboratory/experiments/experiment_names.hpp"
 #include "tools/laboratory/experiments/half_known.hpp"
 #include "tools/laboratory/experiments/kidnapped.hpp"
 #include "tools/laboratory/experiments/real_scans_report.hpp"
@@ -231,34 +232,7 @@ int main(int argc, char** argv) {
   CLI::App app{"the experiments of docs/results.md; `paper` makes the papers' figures"};
   app.add_option("NAME", name, "which experiment")
       ->required()
-      ->check(CLI::IsMember({"three_doors",
-                             "local_maps",
-                             "few_visits",
-                             "static_offices",
-                             "box_in_corridor",
-                             "global_start",
-                             "offices",
-                             "refined_poses",
-                             "year",
-                             "place",
-                             "decoders",
-                             "wean",
-                             "verdicts",
-                             "score",
-                             "people",
-                             "filter",
-                             "few_beams",
-                             "single_scan",
-                             "standing_robot",
-                             "standing_robot_online",
-                             "door_times",
-                             "starts",
-                             "half_known",
-                             "folded_maps",
-                             "topologies",
-                             "kidnapped",
-                             "floor_plans",
-                             "lift_rides"}));
+      ->check(CLI::IsMember(experiment_names()));
   app.add_option("--seeds", options.seeds, "how many")->check(CLI::Range(0, 1'000'000));
   app.add_option("--first-seed", options.first, "the first of them");
   app.add_flag("--poor-poses", options.has_poor_poses,
