@@ -61,7 +61,7 @@ FilterChain chain_of(const patch::Submap& submap, double min_share) {
 
 std::vector<double> shares_of_something_else(const patch::PatchMap& map) {
   // What a thing that nobody saw costs before it explains anything [nats]: where it stands. Chosen
-  // on wards and corridors 11 to 22 (docs/results.md, "A plain corridor in which nothing recurs").
+  // on wards and corridors 11 to 22 (docs/results.md, "Something else").
   constexpr double kPlace_nats = 3.0;
   std::vector<patch::Recurrence> seen;
   for (const patch::Submap& submap : map.submaps) seen.push_back(patch::recurrence_of(submap));
