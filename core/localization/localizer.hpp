@@ -164,6 +164,7 @@ class Localizer {
   /// Several places are possible still.
   [[nodiscard]] bool is_open() const { return is_seeking_ || places_.is_active(); }
   [[nodiscard]] bool is_ambiguous() const { return is_open() || confirmation_.is_pending(); }
+  [[nodiscard]] bool is_place_sure() const { return !is_ambiguous() && !is_scattered_; }
   [[nodiscard]] bool is_recovering() const;
   /// How far what was weighed so far lets the pose be believed.
   [[nodiscard]] PoseTrust trust() const;
@@ -193,6 +194,7 @@ class Localizer {
   std::unique_ptr<Localizer> scout_;  // while the pose is doubted
   bool is_contested_ = false;         // by the place that it has found
   bool is_seeking_ = false;           // places are still to be found
+  bool is_scattered_ = false;         // it began anywhere, and no search confirms a place
   bool keeps_old_ = false;            // ... beside the one believed so far
   int sought_ = 0;                    // scans
   PoseScore score_;

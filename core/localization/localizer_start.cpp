@@ -38,6 +38,7 @@ void Localizer::start(std::size_t count) {
   are_beliefs_pooled_ = false;
   monitor_.reset();
   is_seeking_ = false;
+  is_scattered_ = false;
   places_.clear();
   finder_.forget_scans();
   confirmation_.tell();
@@ -88,6 +89,7 @@ void Localizer::initialize_global() {
   start(max_particles_);
   annealed_updates_ = 0;
   fill(particles_, 0, StreamId::kInitialize);
+  is_scattered_ = !config_.global_search.is_used;
   if (config_.global_search.is_used) seek(false);
 }
 

@@ -16,7 +16,7 @@ namespace {
 /// 2: with what a model has learned; 3: and whether a place that was found is confirmed;
 /// 4: and the last metres beyond the map; 5: and how far it was beyond it; 6: whether the last
 /// metres lead instead; 7: and the search beside the pose.
-constexpr std::uint64_t kStateVersion = 7;
+constexpr std::uint64_t kStateVersion = 8;
 /// More than any map asks for; what a damaged state asks for would not fit into memory.
 constexpr std::size_t kMaxSavedParticles = std::size_t{1} << 24U;
 
@@ -64,8 +64,9 @@ void Localizer::state(Self& self, Archive& archive) {
   archive(self.companions_);
   archive_particles(self.particles_, archive);
   archive_beliefs(self.result_.submaps, archive);
-  for (auto* flag : {&self.is_seeking_, &self.keeps_old_, &self.is_missing_, &self.is_untold_,
-                     &self.is_patched_, &self.must_weigh_, &self.are_beliefs_pooled_}) {
+  for (auto* flag :
+       {&self.is_seeking_, &self.keeps_old_, &self.is_missing_, &self.is_untold_, &self.is_patched_,
+        &self.must_weigh_, &self.are_beliefs_pooled_, &self.is_scattered_}) {
     archive(*flag);
   }
   for (auto* count : {&self.sought_, &self.annealed_updates_}) {

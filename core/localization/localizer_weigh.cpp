@@ -18,8 +18,8 @@ void Localizer::weigh_companions(const Observation& observation, double temperin
   for (const CompanionScans::Companion* companion : companions_.take(observation)) {
     const Scan* judged = judged_part(companion->scan);
     if (judged == nullptr) continue;
-    (void)model_->log_likelihoods(*judged, {tempering, companion->share}, particles_,
-                                  log_likelihood_, *pool_);
+    (void)model_->log_likelihoods(*judged, {tempering, companion->share, is_place_sure()},
+                                  particles_, log_likelihood_, *pool_);
     (void)reweigh(particles_, log_likelihood_);
     const Pose2Gaussian pose = estimate(particles_);
     if (const PatchStates* states = model_->patch_states()) states->absorb(pose, particles_);
@@ -77,6 +77,7 @@ Pose2Gaussian Localizer::weigh(const Observation& observation, const Pose2& move
 
   log_likelihood_.resize(particles_.size());
   Weighing weighing{model_->tempering() * annealing() * beyond_.tempering(monitor_.is_outdated())};
+  weighing.is_place_sure = is_place_sure();
   if (turns_.alive() > 1) {
     weigh_companions(observation, weighing.tempering);
     weighing.share = companions_.own_share();

@@ -73,7 +73,7 @@ ParticleSet particles_at(std::span<const Pose2> poses, const SensorModel& model,
 void weigh_places(const Scan& scan, const SensorModel& model, ParticleSet& particles,
                   std::vector<double>& log_likelihood, WorkerPool& pool) {
   log_likelihood.resize(particles.size());
-  const Weighing weighing{model.tempering()};
+  const Weighing weighing{.tempering = model.tempering(), .is_place_sure = false};
   const std::vector<float> before = particles.beliefs;
   (void)model.log_likelihoods(scan, weighing, particles, log_likelihood, pool);
   const PatchStates* states = model.patch_states();

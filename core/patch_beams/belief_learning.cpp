@@ -15,6 +15,11 @@ namespace {
 using localization::ParticleSet;
 using localization::PatchStates;
 
+/// Whether its last row is that of something else.
+bool has_something_else(const PatchStates& layout, const SubmapRatios::Met& met) {
+  return met.configurations > static_cast<std::size_t>(layout.count(met.submap));
+}
+
 /// Brings what the scan says of each sub-map that beams of the chunk met to the tempered scale,
 /// less what is largest there, so that no exponential overflows: for the particles in it that goes
 /// to their log-likelihoods, and a belief of their own does not ask for the scale. Beliefs that
@@ -29,7 +34,7 @@ void scale_ratios(const PatchStates& layout, double tempering, bool is_shared,
   largest.resize(current.size());
   for (const SubmapRatios::Met& met : ratios.met()) {
     const auto submap = static_cast<std::int32_t>(met.submap);
-    const bool is_for_all = layout.something_else(met.submap) > 0.0F;
+    const bool is_for_all = has_something_else(layout, met);
     std::copy_n(&ratios.at(met.row, 0), largest.size(), largest.begin());
     for (std::size_t k = 1; k < met.configurations; ++k) {
       const double* const ratio = &ratios.at(met.row + k, 0);
@@ -122,7 +127,7 @@ void add_own_mixture(const PatchStates& layout, std::size_t place,
                      std::span<const std::int32_t> current, const SubmapRatios& ratios,
                      std::vector<double>& mixture, std::span<double> log_likelihood) {
   const auto submap = static_cast<std::int32_t>(ratios.met()[place].submap);
-  const bool is_for_all = layout.something_else(ratios.met()[place].submap) > 0.0F;
+  const bool is_for_all = has_something_else(layout, ratios.met()[place]);
   bool any = false;
   for (std::size_t n = 0; n < current.size(); ++n) {
     const bool is_own = (is_for_all || current[n] == submap) && ratios.is_met(place, n);

@@ -44,23 +44,26 @@ struct PatchChunk {
   const localization::PatchStates& layout;
   ChunkStates states;
   BeliefRows beliefs;
-  std::size_t bundles = 0;  ///< entries of a row of beams, LaserColumns::padded()
+  std::size_t bundles = 0;              ///< entries of a row of beams, LaserColumns::padded()
+  bool expects_something_else = false;  ///< in this scan
 
   [[nodiscard]] std::size_t size() const { return states.submap.size(); }
   [[nodiscard]] bool has_memory() const {
     return layout.memory() != localization::PatchMemory::kNone;
   }
+  [[nodiscard]] bool may_show_something_else(std::int32_t submap) const {
+    return expects_something_else && layout.something_else(static_cast<std::size_t>(submap)) > 0.0F;
+  }
   /// Rows of SubmapRatios: its configurations, and behind them something else, where beams pass the
   /// cells that change.
   [[nodiscard]] std::size_t rows(std::int32_t submap) const {
-    const auto s = static_cast<std::size_t>(submap);
-    return static_cast<std::size_t>(layout.count(s)) + (layout.something_else(s) > 0.0F ? 1 : 0);
+    return static_cast<std::size_t>(layout.count(static_cast<std::size_t>(submap))) +
+           (may_show_something_else(submap) ? 1 : 0);
   }
   /// Whether its configurations are mixed for the scan as a whole: with a memory those of the
   /// particle's own sub-map, and of each that may show something else.
   [[nodiscard]] bool mixes_whole(std::int32_t submap, bool is_own) const {
-    return has_memory() &&
-           (is_own || layout.something_else(static_cast<std::size_t>(submap)) > 0.0F);
+    return has_memory() && (is_own || may_show_something_else(submap));
   }
   /// What a particle believes of one sub-map.
   [[nodiscard]] const float* belief(std::size_t particle, std::int32_t submap) const {

@@ -46,11 +46,15 @@ struct ChunkMemory {
 /// docs/theory/patch_beams.md, "Pipeline".
 void weigh_chunk(const PreparedScan& scan, double tempering, const PatchRayCaster& caster,
                  const PatchStates& layout, ParticleSet& particles, std::size_t begin,
-                 std::size_t end, std::span<double> log_likelihood, ChunkMemory& memory,
-                 SubmapRatios& ratios) {
+                 std::size_t end, bool expects_something_else, std::span<double> log_likelihood,
+                 ChunkMemory& memory, SubmapRatios& ratios) {
   memory.lasers.take(particles, begin, end, scan.beams.robot_from_laser);
-  const PatchChunk chunk{caster, layout, chunk_states(layout, particles, begin, end),
-                         belief_rows(layout, particles, begin), memory.lasers.padded()};
+  const PatchChunk chunk{caster,
+                         layout,
+                         chunk_states(layout, particles, begin, end),
+                         belief_rows(layout, particles, begin),
+                         memory.lasers.padded(),
+                         expects_something_else};
   cast_static(scan, caster, memory.lasers, memory.still);
   find_changing(scan, caster, chunk.states, memory.still.range_m.data(), memory.lasers,
                 memory.changing);
@@ -122,7 +126,7 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan,
   const std::size_t chunks = (particles.size() + kChunk - 1) / kChunk;
   if (ratios->size() < chunks) ratios->resize(chunks);
   const bool has_memory = states_.memory() != PatchMemory::kNone;
-  const bool learns_later = states_.expects_something_else();
+  const bool learns_later = states_.expects_something_else() && weighing.is_place_sure;
   const auto learn = [&](std::size_t begin, std::size_t end, std::size_t chunk) {
     const auto memory = lenders_->chunks.acquire();
     learn_beliefs(states_, weighing.tempering, begin, log_likelihood.subspan(begin, end - begin),
@@ -132,7 +136,7 @@ std::size_t PatchBeamModel::log_likelihoods(const Scan& scan,
     {
       const auto memory = lenders_->chunks.acquire();
       weigh_chunk(*prepared, weighing.tempering, caster_, states_, particles, begin, end,
-                  log_likelihood, *memory, (*ratios)[chunk]);
+                  learns_later, log_likelihood, *memory, (*ratios)[chunk]);
     }
     if (has_memory && !learns_later) learn(begin, end, chunk);
   };

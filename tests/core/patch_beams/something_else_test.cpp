@@ -178,7 +178,8 @@ struct Weighed {
 /// From 18 m where the box stands `shift_m` further on than where it was seen. Particles stand 1 cm
 /// from each other, number 100 where the robot is, 60 where the box would be the known one if it is
 /// 0.4 m further on.
-Weighed weigh(const std::string& kinds, std::size_t count, int threads, double shift_m) {
+Weighed weigh(const std::string& kinds, std::size_t count, int threads, double shift_m,
+              bool is_place_sure = true) {
   const PatchBeamModel model(corridor_seen(kinds), {});
   Weighed weighed;
   weighed.particles = particles_in(*model.patch_states(), count);
@@ -191,7 +192,9 @@ Weighed weigh(const std::string& kinds, std::size_t count, int threads, double s
   test::Drive drive({18.0, 1.5, 0.0}, 12);
   for (int n = 0; n < 5; ++n) {
     const Scan scan = drive.look(corridor_with_box(20.0 + shift_m)).scan;
-    model.log_likelihoods(scan, {model.tempering()}, weighed.particles, log_likelihood, pool);
+    const localization::Weighing weighing{.tempering = model.tempering(),
+                                          .is_place_sure = is_place_sure};
+    model.log_likelihoods(scan, weighing, weighed.particles, log_likelihood, pool);
     for (std::size_t i = 0; i < count; ++i) weighed.sum[i] += log_likelihood[i];
   }
   return weighed;
@@ -218,6 +221,14 @@ TEST(SomethingElse, KeepsABoxThatIsTakenForAKnownOneFromPullingThePose) {
   EXPECT_LT(with, 18.0) << "a surprise a scan, and what it costs at first";
   EXPECT_GT(with, 5.0) << "what is known is still believed sooner";
   EXPECT_LT(with, pull(kBack)) << "the sooner, the more it returned";
+}
+
+TEST(SomethingElse, ExcusesNoPlaceBeforeOneIsSure) {
+  const auto pull = [](const Weighed& weighed) { return weighed.sum[60] - weighed.sum[100]; };
+  const Weighed unsure = weigh(kNeverBack, 200, 1, 0.4, false);
+  EXPECT_NEAR(pull(unsure), pull(weigh("", 200, 1, 0.4)), 0.5) << "the pull of what is known";
+  EXPECT_GT(pull(unsure), pull(weigh(kNeverBack, 200, 1, 0.4)) + 2.0);
+  EXPECT_NEAR(unsure.left(100), 0.0, 1e-6);
 }
 
 TEST(SomethingElse, IsTheSameBitsWithAnyNumberOfThreads) {
