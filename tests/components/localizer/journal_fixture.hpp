@@ -17,6 +17,7 @@ namespace strata::localizer {
 
 class LocalizerJournal : public LiveLocalizer {
  protected:
+  using LiveLocalizer::LiveLocalizer;
   using ParameterEvent = rcl_interfaces::msg::ParameterEvent;
   using LabeledScan = strata_msgs::msg::LabeledScan;
   using Poses = std::vector<geometry_msgs::msg::PoseWithCovarianceStamped>;

@@ -4,11 +4,8 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <memory>
-#include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,102 +13,21 @@
 #include "components/bus/service.hpp"
 #include "components/bus/site_service_types.hpp"
 #include "components/convert/geometry_messages.hpp"
-#include "components/localizer/register.hpp"
-#include "components/player/log_player.hpp"
-#include "components/runtime/host.hpp"
 #include "components/site/site.hpp"
-#include "tests/components/localizer/room_fixture.hpp"
-#include "tests/components/runtime/host_fixture.hpp"
-#include "tests/support/comes_true.hpp"
-#include "tools/laboratory/experiments/lift_building.hpp"
-#include "tools/pipeline/compare_config.hpp"
+#include "tests/components/localizer/house_fixture.hpp"
 
 namespace strata::localizer {
 namespace {
 
-namespace fs = std::filesystem;
 using strata_msgs::msg::SiteLevel;
 using testing::HasSubstr;
 
-const site::Actor kAda{"ada", 1'000'000'000};
-constexpr const char* kLift =
-    R"({"type": "Feature", "properties": {"name": "lift", "kind": "lift"}, "geometry": {"type":
-    "Polygon", "coordinates": [[[-0.9,-2],[0.9,-2],[0.9,0],[-0.9,0],[-0.9,-2]]]}})";
-
-/// Two levels, mapped, and a ride from the lower to the upper one.
-struct House {
-  test::TemporaryDirectory folder;
-  fs::path site;
-  experiments::Ride ride;
-};
-
-const House& house() {
-  static const std::unique_ptr<const House> made = [] {
-    auto house = std::make_unique<House>();
-    house->site = house->folder.path() / "house";
-    site::Site building = site::Site::create(house->site, "house", "map", kAda);
-    experiments::LiftBuilding floors;
-    for (const std::string name : {"0", "1"}) {
-      const std::uint64_t seed = 31 + floors.floors.size();
-      experiments::LiftFloor floor;
-      floor.scenario = experiments::lift_floor(seed, seed);
-      floor.scenario.days = 1;
-      const auto simulation = simulate::simulate(floor.scenario, seed);
-      floor.walls = simulation.walls;
-      std::vector<Observation> seen;
-      std::vector<std::optional<Pose2>> poses;
-      for (const auto& scan : simulation.days[0].scans) {
-        seen.push_back(scan.observation);
-        poses.emplace_back(scan.map_from_robot);
-      }
-      const auto learned = pipeline::learn(seen, poses, pipeline::learn_at_given_poses(),
-                                           {.patch = false, .timescale = false}, kSeed, 1, nullptr);
-      const fs::path maps = house->folder.path() / ("maps-" + name);
-      maps::write_grid_maps(maps, learned.slam);
-      const double elevation_m = name == "0" ? 0.0 : 3.5;
-      site::Site level(building.add_level(name, elevation_m, "house-" + name, kAda).folder);
-      const std::string hash = level.add(maps, kAda, "").status.version.hash;
-      level.approve(hash, kAda, "");
-      (void)level.activate(hash, kAda);
-      floors.floors.push_back(std::move(floor));
-    }
-    (void)building.change_zones(
-        [](site::Zones& zones) { zones = site::parse_zones(kLift, "lift"); }, kAda, "drawn");
-    house->ride = experiments::ride(floors, 0, 1, 5);
-    return house;
-  }();
-  return *made;
-}
-
-class LiveLevels : public testing::Test {
+class LiveLevels : public LiveLocalizer {
  protected:
-  LiveLevels() {
-    player::Outputs outputs;
-    outputs.clock = [](const auto&) {};
-    outputs.tf_static = [this](const auto& message) { tf_static_.publish(message); };
-    outputs.tf = [this](const auto& message) { tf_.publish(message); };
-    outputs.odometry = [this](const auto& message) { odometry_.publish(message); };
-    outputs.scan = [this](const auto& message) { scan_.publish(message); };
-    std::vector<Observation> seen;
-    for (const auto& scan : house().ride.scans) seen.push_back(scan.observation);
-    player_.emplace(std::move(seen), outputs);
-  }
+  LiveLevels() : LiveLocalizer(seen_on_ride()) {}
 
-  void start(const std::string& start, const fs::path& maps = house().site) {
-    host_.reset();
-    const runtime::Composition composition =
-        composition_of("{maps: '" + maps.string() + "', model: filtered, start: {" + start + "}}");
-    runtime::Registry registry;
-    register_component(registry);
-    host_ = std::make_unique<runtime::Host>(composition, composition.processes[0], registry,
-                                            runtime::make_participant(composition),
-                                            runtime::HostOptions{.seed = kSeed});
-    host_->activate();
-  }
-  [[nodiscard]] static std::string start_pose() {
-    const Pose2& at = house().ride.scans.front().truth;
-    return "pose: [" + std::to_string(at.x) + ", " + std::to_string(at.y) + ", " +
-           std::to_string(at.theta) + "]";
+  void begin(const std::string& start, const fs::path& maps = house().site) {
+    LiveLocalizer::start(parameters_on_ride(start, maps));
   }
   /// Publishes some times as fast as they were taken, whoever listens.
   void play(std::size_t first, std::size_t last) {
@@ -134,35 +50,12 @@ class LiveLevels : public testing::Test {
     return bus::call_service<bus::srv::SetSiteLevel>(robot_, "/localizer/set_level", request,
                                                      std::chrono::seconds(30));
   }
-  [[nodiscard]] std::string status(const std::string& key, const std::string& wanted) {
-    std::string said;
-    (void)test::comes_true([&] {
-      host_->tick();
-      const auto all = diagnostics_.wait_for(0);
-      if (all.empty()) return false;
-      for (const auto& one : all.back().status()) said = runtime::value_of(one, key);
-      return said == wanted;
-    });
-    return said;
-  }
 
-  std::shared_ptr<bus::Participant> robot_ = test::make_participant();
-  bus::Writer<tf2_msgs::msg::TFMessage> tf_static_{robot_, "/tf_static",
-                                                   bus::qos_profile("latched")};
-  bus::Writer<tf2_msgs::msg::TFMessage> tf_{robot_, "/tf", bus::qos_profile("tf")};
-  bus::Writer<nav_msgs::msg::Odometry> odometry_{robot_, "/odom", bus::qos_profile("default")};
-  bus::Writer<sensor_msgs::msg::LaserScan> scan_{robot_, "/scan", bus::qos_profile("default")};
   test::Collector<SiteLevel> levels_{robot_, "/localizer/level", "latched"};
-  test::Collector<diagnostic_msgs::msg::DiagnosticArray> diagnostics_{robot_, "/diagnostics",
-                                                                      "default"};
-  test::Collector<geometry_msgs::msg::PoseWithCovarianceStamped> poses_{robot_, "/amcl_pose",
-                                                                        "default"};
-  std::optional<player::LogPlayer> player_;
-  std::unique_ptr<runtime::Host> host_;
 };
 
 TEST_F(LiveLevels, RideOverTheBusAndAreToldWithinThreeSecondsOfTheDoor) {
-  start("level: '0', " + start_pose());
+  begin(start_of_ride());
   const auto& scans = house().ride.scans;
   play(0, scans.size());
   ASSERT_TRUE(is_told("1", true));
@@ -194,7 +87,7 @@ TEST_F(LiveLevels, RideOverTheBusAndAreToldWithinThreeSecondsOfTheDoor) {
 }
 
 TEST_F(LiveLevels, AreFoundFromNowhereAndToldByHand) {
-  start("");
+  begin("");
   const auto& scans = house().ride.scans;
   std::size_t out = scans.size() - 1;
   while (scans[out].truth.y > 0.5) --out;
@@ -216,7 +109,7 @@ TEST_F(LiveLevels, TakeAnotherVersionOfALevelAndLiftsThatAreDrawnAnewWhileTheyDr
   const test::TemporaryDirectory folder;
   const fs::path own = folder.path() / "house";
   fs::copy(house().site, own, fs::copy_options::recursive | fs::copy_options::copy_symlinks);
-  start("level: '0', " + start_pose(), own);
+  begin(start_of_ride(), own);
   play(0, 20);
   EXPECT_EQ(status("mapVersion", "1"), "1");
   const fs::path maps = folder.path() / "maps";

@@ -12,7 +12,6 @@
 
 #include "components/site/site.hpp"
 #include "tests/components/localizer/live_fixture.hpp"
-#include "tests/support/comes_true.hpp"
 
 namespace strata::localizer {
 
@@ -47,19 +46,6 @@ class LiveSite : public LiveLocalizer {
     return hash;
   }
 
-  /// What the localizer's status says under that key, as soon as it says `wanted`, else at last.
-  [[nodiscard]] std::string status(const std::string& key, const std::string& wanted) {
-    std::string said;
-    (void)test::comes_true([&] {
-      host_->tick();
-      const auto all = diagnostics_.wait_for(0);
-      if (all.empty()) return false;
-      for (const auto& one : all.back().status()) said = runtime::value_of(one, key);
-      return said == wanted;
-    });
-    return said;
-  }
-
   [[nodiscard]] double error_of(const geometry_msgs::msg::PoseWithCovarianceStamped& pose) const {
     const Stamp stamp = convert::from_message(pose.header().stamp());
     std::size_t scan = 0;
@@ -71,8 +57,6 @@ class LiveSite : public LiveLocalizer {
   test::TemporaryDirectory folder_;
   std::optional<site::Site> site_;
   std::vector<std::string> hashes_;
-  test::Collector<diagnostic_msgs::msg::DiagnosticArray> diagnostics_{robot_, "/diagnostics",
-                                                                      "default"};
 };
 
 }  // namespace strata::localizer
