@@ -34,6 +34,8 @@ class Journal {
   /// After it; frame: the map's.
   void after(const Observation& observation, const Pose2Gaussian& map_from_robot,
              const std::string& frame);
+  /// In place of after(): the scan led to another filter, which nothing here can repeat. A gap.
+  void leave_out() { ++next_scan_; }
   [[nodiscard]] bool is_read() const { return points_->matched() > 0; }
   /// Somebody reads, and no restore point could be made: the model has learned too much.
   [[nodiscard]] bool lacks_points() const { return lacks_points_; }

@@ -176,7 +176,8 @@ void Localizer::localize(const Observation& observation) {
   const auto begin = std::chrono::steady_clock::now();
   const localization::LocalizationResult result =
       levels_ ? levels_->update(observation) : localizer_->update(observation);
-  if (levels_ && levels_->filter() != localizer_) use_level();
+  const bool is_other_filter = levels_ && levels_->filter() != localizer_;
+  if (is_other_filter) use_level();
   const std::optional<Pose2Gaussian> refined = refiner_->refine(observation.scan, result);
   scanned_at_ = std::chrono::steady_clock::now();
   const auto update_time = scanned_at_ - begin;
@@ -184,7 +185,11 @@ void Localizer::localize(const Observation& observation) {
     place_ = Place{result.pose, observation.odom_from_robot, observation.has_odometry};
   }
   if (lockstep()) record_.add(stamp, result, *localizer_, refined);
-  if (journal_) journal_->after(observation, result.pose, config_.map_frame);
+  if (journal_ && is_other_filter) {
+    journal_->leave_out();
+  } else if (journal_) {
+    journal_->after(observation, result.pose, config_.map_frame);
+  }
   publish_level(stamp);
   publish_pose(observation, result.pose, refined);
   publish_particles(stamp);
