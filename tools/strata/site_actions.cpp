@@ -49,4 +49,26 @@ void answer(const SiteOptions& options, VerbContext& context, const std::string&
   }
 }
 
+void add_who(CLI::App& action, SiteOptions& options) {
+  action.add_option("--by", options.by, "who does it, for the diary; by default USER@HOST");
+}
+
+void add_actions(CLI::App& group, std::span<const SiteAction> actions, SiteOptions& options) {
+  group.require_subcommand(1);
+  for (const SiteAction& action : actions) {
+    CLI::App* added = group.add_subcommand(action.name, action.description);
+    action.add_options(*added, options);
+    added->footer("Example:\n  strata site " + group.get_name() + " site " + action.example);
+    added->preparse_callback([&options, &action](std::size_t) { options.action = action.name; });
+    added->fallthrough();
+  }
+}
+
+void run_chosen(std::span<const SiteAction> actions, const SiteOptions& options,
+                VerbContext& context) {
+  for (const SiteAction& action : actions) {
+    if (options.action == action.name) return action.run(options, context);
+  }
+}
+
 }  // namespace strata::tools

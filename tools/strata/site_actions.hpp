@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -16,7 +17,6 @@ namespace strata::tools {
 
 /// Of `strata site zones`.
 struct ZoneOptions {
-  std::string action;
   std::string file;
   std::string name;
   std::string kind;
@@ -27,7 +27,6 @@ struct ZoneOptions {
 
 /// Of `strata site plan`.
 struct PlanOptions {
-  std::string action;
   std::string file;
   std::optional<double> metres_per_pixel;
   std::string between;
@@ -40,7 +39,6 @@ struct PlanOptions {
 
 /// Of `strata site levels`.
 struct LevelOptions {
-  std::string action;
   std::string name;
   double elevation_m = 0.0;
   std::string id;
@@ -48,6 +46,7 @@ struct LevelOptions {
 
 struct SiteOptions {
   std::string folder;
+  std::string action;  ///< of a group, such as zones
   std::string version;
   std::string other;  ///< of two that are compared, the later one
   std::string maps;
@@ -82,6 +81,23 @@ struct SiteOptions {
 /// One line for people, or the JSON.
 void answer(const SiteOptions& options, VerbContext& context, const std::string& text,
             const nlohmann::json& as_json);
+
+/// An action of `strata site`, or of one of its groups.
+struct SiteAction {
+  const char* name;
+  const char* description;
+  const char* example;
+  void (*run)(const SiteOptions&, VerbContext&);
+  void (*add_options)(CLI::App&, SiteOptions&);
+};
+
+/// --by, for the diary.
+void add_who(CLI::App& action, SiteOptions& options);
+/// The actions of a group, which outlive it; the chosen one's name becomes options.action.
+void add_actions(CLI::App& group, std::span<const SiteAction> actions, SiteOptions& options);
+/// What was chosen of them.
+void run_chosen(std::span<const SiteAction> actions, const SiteOptions& options,
+                VerbContext& context);
 
 // Of site_check.cpp.
 void add_gate_options(CLI::App& action, SiteOptions& options);

@@ -68,19 +68,7 @@ void remove_level(const SiteOptions& options, VerbContext& context) {
   answer(options, context, "removed level " + options.level.name, names);
 }
 
-struct LevelAction {
-  const char* name;
-  const char* description;
-  const char* example;
-  void (*run)(const SiteOptions&, VerbContext&);
-  void (*add_options)(CLI::App&, SiteOptions&);
-};
-
-void add_who(CLI::App& action, SiteOptions& options) {
-  action.add_option("--by", options.by, "who does it, for the diary; by default USER@HOST");
-}
-
-constexpr std::array<LevelAction, 3> kLevelActions{{
+constexpr std::array<SiteAction, 3> kLevelActions{{
     {"list", "every level, with the version that robots localize in there", "list --json",
      list_levels, [](CLI::App&, SiteOptions&) {}},
     {"add", "make a level; its maps are added to SITE/levels/NAME, which is a site",
@@ -120,21 +108,11 @@ std::string unknown_lift_levels(const site::Site& site) {
 }
 
 void add_level_actions(CLI::App& levels, SiteOptions& options) {
-  levels.require_subcommand(1);
-  for (const LevelAction& action : kLevelActions) {
-    CLI::App* added = levels.add_subcommand(action.name, action.description);
-    action.add_options(*added, options);
-    added->footer(std::string("Example:\n  strata site levels site ") + action.example);
-    added->preparse_callback(
-        [&options, &action](std::size_t) { options.level.action = action.name; });
-    added->fallthrough();
-  }
+  add_actions(levels, kLevelActions, options);
 }
 
 void run_level_action(const SiteOptions& options, VerbContext& context) {
-  for (const LevelAction& action : kLevelActions) {
-    if (options.level.action == action.name) return action.run(options, context);
-  }
+  run_chosen(kLevelActions, options, context);
 }
 
 }  // namespace strata::tools

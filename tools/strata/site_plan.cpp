@@ -112,18 +112,6 @@ void draw_plan(const SiteOptions& options, VerbContext& context) {
   answer(options, context, "drew " + plan.drawing.name + " in " + options.plan.file, to_json(plan));
 }
 
-struct PlanAction {
-  const char* name;
-  const char* description;
-  const char* example;
-  void (*run)(const SiteOptions&, VerbContext&);
-  void (*add_options)(CLI::App&, SiteOptions&);
-};
-
-void add_who(CLI::App& action, SiteOptions& options) {
-  action.add_option("--by", options.by, "who does it, for the diary; by default USER@HOST");
-}
-
 void add_set(CLI::App& action, SiteOptions& options) {
   PlanOptions& plan = options.plan;
   action
@@ -146,7 +134,7 @@ void add_set(CLI::App& action, SiteOptions& options) {
   add_who(action, options);
 }
 
-constexpr std::array<PlanAction, 5> kPlanActions{{
+constexpr std::array<SiteAction, 5> kPlanActions{{
     {"set", "find where a floor plan lies on the active map, and keep it",
      "set office.png --metres-per-pixel 0.02", set_plan, add_set},
     {"show", "where it lies, and how well it fits", "show --json", show_plan,
@@ -169,21 +157,11 @@ constexpr std::array<PlanAction, 5> kPlanActions{{
 }  // namespace
 
 void add_plan_actions(CLI::App& plan, SiteOptions& options) {
-  plan.require_subcommand(1);
-  for (const PlanAction& action : kPlanActions) {
-    CLI::App* added = plan.add_subcommand(action.name, action.description);
-    action.add_options(*added, options);
-    added->footer(std::string("Example:\n  strata site plan site ") + action.example);
-    added->preparse_callback(
-        [&options, &action](std::size_t) { options.plan.action = action.name; });
-    added->fallthrough();
-  }
+  add_actions(plan, kPlanActions, options);
 }
 
 void run_plan_action(const SiteOptions& options, VerbContext& context) {
-  for (const PlanAction& action : kPlanActions) {
-    if (options.plan.action == action.name) return action.run(options, context);
-  }
+  run_chosen(kPlanActions, options, context);
 }
 
 }  // namespace strata::tools

@@ -184,19 +184,8 @@ void draw_zones(const SiteOptions& options, VerbContext& context) {
        "drew " + counted(zones.zones.size(), "zone") + " in " + options.zone.file);
 }
 
-struct ZoneAction {
-  const char* name;
-  const char* description;
-  const char* example;
-  void (*run)(const SiteOptions&, VerbContext&);
-  void (*add_options)(CLI::App&, SiteOptions&);
-};
-
 void add_file(CLI::App& action, SiteOptions& options, const char* what) {
   action.add_option("FILE", options.zone.file, what)->required();
-}
-void add_who(CLI::App& action, SiteOptions& options) {
-  action.add_option("--by", options.by, "who does it, for the diary; by default USER@HOST");
 }
 void add_kind(CLI::App& action, SiteOptions& options) {
   action
@@ -205,7 +194,7 @@ void add_kind(CLI::App& action, SiteOptions& options) {
       ->required();
 }
 
-constexpr std::array<ZoneAction, 9> kZoneActions{{
+constexpr std::array<SiteAction, 9> kZoneActions{{
     {"list", "every zone", "list --json", list_zones, [](CLI::App&, SiteOptions&) {}},
     {"set", "take the zones of a file in the place of all there are", "set zones.geojson",
      set_zones,
@@ -263,21 +252,11 @@ constexpr std::array<ZoneAction, 9> kZoneActions{{
 }  // namespace
 
 void add_zone_actions(CLI::App& zones, SiteOptions& options) {
-  zones.require_subcommand(1);
-  for (const ZoneAction& action : kZoneActions) {
-    CLI::App* added = zones.add_subcommand(action.name, action.description);
-    action.add_options(*added, options);
-    added->footer(std::string("Example:\n  strata site zones site ") + action.example);
-    added->preparse_callback(
-        [&options, &action](std::size_t) { options.zone.action = action.name; });
-    added->fallthrough();
-  }
+  add_actions(zones, kZoneActions, options);
 }
 
 void run_zone_action(const SiteOptions& options, VerbContext& context) {
-  for (const ZoneAction& action : kZoneActions) {
-    if (options.zone.action == action.name) return action.run(options, context);
-  }
+  run_chosen(kZoneActions, options, context);
 }
 
 }  // namespace strata::tools

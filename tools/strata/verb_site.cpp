@@ -124,14 +124,6 @@ void collect(const SiteOptions& options, VerbContext& context) {
          as_json);
 }
 
-struct Action {
-  const char* name;
-  const char* description;
-  const char* example;
-  void (*run)(const SiteOptions&, VerbContext&);
-  void (*add_options)(CLI::App&, SiteOptions&);
-};
-
 void add_version(CLI::App& action, SiteOptions& options) {
   action
       .add_option("VERSION", options.version,
@@ -139,15 +131,11 @@ void add_version(CLI::App& action, SiteOptions& options) {
       ->required();
 }
 
-void add_who(CLI::App& action, SiteOptions& options) {
-  action.add_option("--by", options.by, "who does it, for the diary; by default USER@HOST");
-}
-
 void add_note(CLI::App& action, SiteOptions& options) {
   action.add_option("--note", options.note, "why, for the diary");
 }
 
-constexpr std::array<Action, 16> kActions{{
+constexpr std::array<SiteAction, 16> kActions{{
     {"init", "make a site", "site --id hall-3", init,
      [](CLI::App& action, SiteOptions& options) {
        action.add_option("--id", options.id, "its name, VDA 5050's mapId")->required();
@@ -260,12 +248,12 @@ void add_site(CLI::App& app, VerbContext& context) {
                "strata site approve site 1 && strata site activate site 1",
                [options, &context, &app] {
                  const CLI::App* chosen = app.get_subcommand("site")->get_subcommands().front();
-                 for (const Action& action : kActions) {
+                 for (const SiteAction& action : kActions) {
                    if (chosen->get_name() == action.name) action.run(*options, context);
                  }
                });
   verb->require_subcommand(1);
-  for (const Action& action : kActions) {
+  for (const SiteAction& action : kActions) {
     CLI::App* added = verb->add_subcommand(action.name, action.description);
     added->add_option("SITE", options->folder, "its folder")->required();
     action.add_options(*added, *options);
