@@ -75,6 +75,15 @@ BaseBefore read_base(const std::filesystem::path& maps) {
           store.load_counts_grid("counts"), store.load_surfaces("filtered")};
 }
 
+void require_same_cells(const LearnWithin& limits, double resolution_m) {
+  const ReflectionGrid& before = limits.before.occupancy;
+  if (before.rect().empty() || before.resolution_m() == resolution_m) return;
+  throw InputError("slam.beam_filter.resolution_m",
+                   "is " + std::to_string(resolution_m) + " m, and the maps before have cells of " +
+                       std::to_string(before.resolution_m()) + " m",
+                   "set it to theirs");
+}
+
 void keep_base(const LearnWithin& limits, int first_run, slam::SlamResult& slam) {
   const Grid<std::uint8_t> never = never_cells(limits, slam);
   if (never.rect().empty()) return;

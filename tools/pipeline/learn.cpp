@@ -22,6 +22,7 @@ LearnResult learn_within(const LearnWithin& limits, const std::vector<Observatio
                          const maps::LearnConfig& config, const LearnParts& parts,
                          std::uint64_t seed, int threads, Progress* progress,
                          maps::EarlierRuns* earlier) {
+  require_same_cells(limits, config.slam.beam_filter.resolution_m);
   LearnResult result;
   slam::Slam slam(config.slam, threads);
   const std::vector<PosedScan> none;

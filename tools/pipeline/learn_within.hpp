@@ -42,6 +42,7 @@ struct LearnWithin {
 /// updates do not learn from them either. Where `only` has cells, all others are such cells. Beams
 /// of earlier runs that saw what is forgotten become invalid likewise; what the memory knows of it
 /// stays until new runs have seen it. Without cells it is learn(), bit for bit.
+/// Throws InputError where `before` has cells of another size than config, and as learn().
 [[nodiscard]] LearnResult learn_within(const LearnWithin& limits,
                                        const std::vector<Observation>& observations,
                                        const std::vector<std::optional<Pose2>>& given_poses,

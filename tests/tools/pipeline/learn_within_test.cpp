@@ -264,6 +264,14 @@ TEST(LearnWithin, KeepsWhatLiesBehindARegionThatIsForgotten) {
   }
 }
 
+TEST(LearnWithin, RefusesCellsOfAnotherSizeThanTheMapsBefore) {
+  maps::LearnConfig config;
+  config.slam.beam_filter.resolution_m = 0.1;
+  const LearnWithin limits{{}, {}, read_base(days().folder.path()), ones(kEastRoom)};
+  EXPECT_THROW((void)learn_within(limits, {}, {}, config, {}, kSeed, 1, nullptr, nullptr),
+               InputError);
+}
+
 TEST(LearnWithin, RefusesARegionThatHoldsNoCellOrTheWholeWorld) {
   const auto square = [](double size) {
     return std::vector<MetricPolygon>{{{{0, 0}, {size, 0}, {size, size}, {0, size}}, {}}};
