@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/maps/earlier_runs.hpp"
 
+#include <algorithm>
 #include <fstream>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -40,6 +43,36 @@ EarlierRuns read_earlier_runs(const std::filesystem::path& dir) {
                      "ones");
   }
   return earlier;
+}
+
+void add_run(EarlierRuns& earlier, std::vector<PosedScan> scans) {
+  const int last = earlier.scans.empty() ? -1 : earlier.scans.back().run;
+  const int run = std::max(earlier.next_run, last + 1);
+  for (PosedScan& scan : scans) {
+    scan.run = run;
+    earlier.scans.push_back(std::move(scan));
+  }
+}
+
+std::vector<std::vector<PosedScan>> new_runs(std::vector<PosedScan> scans,
+                                             const EarlierRuns& earlier) {
+  const auto name = [](const PosedScan& scan) {
+    const Pose2& pose = scan.map_from_robot;
+    return std::tuple(scan.scan.stamp, pose.x, pose.y, pose.theta);
+  };
+  std::set<decltype(name(scans.front()))> known;
+  for (const PosedScan& scan : earlier.scans) known.insert(name(scan));
+  std::vector<std::vector<PosedScan>> runs;
+  for (PosedScan& scan : scans) {
+    if (runs.empty() || runs.back().front().run != scan.run) runs.emplace_back();
+    runs.back().push_back(std::move(scan));
+  }
+  std::erase_if(runs, [&](const std::vector<PosedScan>& run) {
+    const auto there = std::count_if(
+        run.begin(), run.end(), [&](const PosedScan& scan) { return known.contains(name(scan)); });
+    return there >= 2 || static_cast<std::size_t>(there) == run.size();
+  });
+  return runs;
 }
 
 }  // namespace strata::maps

@@ -30,4 +30,15 @@ struct EarlierRuns {
 /// version that kept no scans. O(beams of all runs).
 [[nodiscard]] EarlierRuns read_earlier_runs(const std::filesystem::path& dir);
 
+/// Adds a run that was placed already, in the map frame, behind all others. `next_run` stays, so
+/// that all that counts runs from there takes it for new.
+void add_run(EarlierRuns& earlier, std::vector<PosedScan> scans);
+
+/// The runs among these scans, in their order, that `earlier` does not hold. Stamps may begin anew
+/// in each log, and scans may have been blinded or left out since: a run is known where two of its
+/// scans, or its only one, have stamp and pose of a scan there to every bit, which updates keep.
+/// O(n log n).
+[[nodiscard]] std::vector<std::vector<PosedScan>> new_runs(std::vector<PosedScan> scans,
+                                                           const EarlierRuns& earlier);
+
 }  // namespace strata::maps

@@ -2,7 +2,6 @@
 #include "tools/strata/fleet_learn.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -25,18 +24,6 @@
 
 namespace strata::tools {
 namespace {
-
-/// As runs that were placed already; `next_run` stays, so that the timescale memory, which goes on
-/// from where it was, takes them for new.
-void append(std::vector<fleet::LearnedVisit> visits, maps::EarlierRuns& earlier) {
-  int run = earlier.next_run;
-  for (fleet::LearnedVisit& visit : visits) {
-    for (PosedScan& scan : visit.scans) scan.run = run;
-    earlier.scans.insert(earlier.scans.end(), std::make_move_iterator(visit.scans.begin()),
-                         std::make_move_iterator(visit.scans.end()));
-    ++run;
-  }
-}
 
 /// Keeps a robot's visits, of which nothing is learned any more.
 void set_aside(fleet::Connection& connection, const std::string& site, const std::string& robot,
@@ -124,7 +111,7 @@ nlohmann::json learn_fleet(fleet::Connection& connection, const site::Site& site
   std::set<std::string> robots;
   for (const fleet::LearnedVisit& visit : visits) robots.insert(visit.name.robot);
   const std::size_t count = visits.size();
-  append(std::move(visits), earlier);
+  for (fleet::LearnedVisit& visit : visits) maps::add_run(earlier, std::move(visit.scans));
   const pipeline::LearnResult result =
       pipeline::learn({}, {}, config, {}, context.options.seed, context.options.threads,
                       context.progress(), &earlier);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// `strata site merge`: the active version, and in a region what another one learned.
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,35 +15,6 @@
 #include "tools/strata/words.hpp"
 
 namespace strata::tools {
-namespace {
-
-/// Takes over the runs that `earlier` has not, by the stamps of their first scans, as runs that
-/// were placed already; `next_run` stays, so that all that counts runs from there takes them for
-/// new. Returns how many.
-int take_runs(std::vector<PosedScan> scans, maps::EarlierRuns& earlier) {
-  std::set<Stamp> known;
-  const PosedScan* last = nullptr;
-  for (const PosedScan& scan : earlier.scans) {
-    if (last == nullptr || last->run != scan.run) known.insert(scan.scan.stamp);
-    last = &scan;
-  }
-  int taken = 0;
-  int run = -1;
-  bool is_new = false;
-  for (PosedScan& scan : scans) {
-    if (scan.run != run) {
-      run = scan.run;
-      is_new = !known.contains(scan.scan.stamp);
-      taken += is_new ? 1 : 0;
-    }
-    if (!is_new) continue;
-    scan.run = earlier.next_run + taken - 1;
-    earlier.scans.push_back(std::move(scan));
-  }
-  return taken;
-}
-
-}  // namespace
 
 void merge_version(const SiteOptions& options, VerbContext& context) {
   const pipeline::CostMeter meter;
@@ -65,12 +35,14 @@ void merge_version(const SiteOptions& options, VerbContext& context) {
   limits.before = pipeline::read_base(base);
   maps::EarlierRuns earlier = maps::read_earlier_runs(base);
   maps::EarlierRuns other = maps::read_earlier_runs(site.maps_of(version.version.hash));
-  const int runs = take_runs(std::move(other.scans), earlier);
-  if (runs == 0) {
+  auto runs = maps::new_runs(std::move(other.scans), earlier);
+  const std::size_t count = runs.size();
+  if (count == 0) {
     throw InputError("version " + name_of(version),
                      "was learned from no run that the active one does not know",
                      "name a version that was learned from newer logs");
   }
+  for (std::vector<PosedScan>& run : runs) maps::add_run(earlier, std::move(run));
   const pipeline::LearnResult result =
       pipeline::learn_within(limits, {}, {}, config, {}, context.options.seed,
                              context.options.threads, context.progress(), &earlier);
@@ -78,7 +50,7 @@ void merge_version(const SiteOptions& options, VerbContext& context) {
   write_learned(out, result, {}, {other.log, earlier.map_from_truth, &meter}, context);
   const std::string what = "version " + name_of(active) + ", in " + options.region +
                            " with what version " + name_of(version) + " learned of " +
-                           counted(static_cast<std::size_t>(runs), "run");
+                           counted(count, "run");
   const std::string note = options.note.empty() ? what : options.note + "; " + what;
   const site::Site::Added added = site.add(options.out, actor(options), note);
   answer(options, context, "added version " + name_of(added.status) + " as a candidate: " + what,
