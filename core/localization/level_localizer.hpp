@@ -59,7 +59,8 @@ class LevelLocalizer {
   void tell_level(std::size_t level);
 
   /// The pose is ambiguous while the level is, but for one that stands in a lift. The result is
-  /// overwritten by the next call.
+  /// overwritten by the next call. Costs what one Localizer costs where the level is known; in a
+  /// search as many as there are levels; besides, O(levels^2 x beams) where several are possible.
   const LocalizationResult& update(const Observation& observation);
 
   /// Of the level that is likeliest; another one after an update that changed the level.

@@ -26,7 +26,8 @@ struct Weighing {
   double tempering = 1.0;  ///< divides the log-likelihood; > 0
   /// Of the beams that a model looks at: less than 1 where several scanners share them.
   double share = 1.0;
-  /// One place is left, and was told or confirmed. Else what a place lacks is no news of it.
+  /// One place is left, and was told or confirmed. Only there may changeable areas show something
+  /// that nobody saw: it would excuse a wrong place for what that lacks.
   bool is_place_sure = true;
 };
 

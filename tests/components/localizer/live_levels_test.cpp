@@ -29,7 +29,7 @@ class LiveLevels : public LiveLocalizer {
   void begin(const std::string& start, const fs::path& maps = house().site) {
     LiveLocalizer::start(parameters_on_ride(start, maps));
   }
-  /// Publishes some times as fast as they were taken, whoever listens.
+  /// At a pace of its own, four times that of the scanner, whoever listens.
   void play(std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       player_->publish(i);
