@@ -78,7 +78,7 @@ void Site::copy_maps(const fs::path& maps, const log::HashedContent& content,
 Site::Added Site::add(const fs::path& maps, const Actor& actor, const std::string& note) {
   const log::HashedContent content = log::hash_content(maps);
   require_at_rest(maps);
-  (void)maps::open_for_reading(maps);
+  maps::open_for_reading(maps).check_contents();
   Change change(*this);
   Decisions& decisions = change.decisions;
   if (!levels().empty()) {

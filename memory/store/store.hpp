@@ -67,6 +67,9 @@ class Store {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// What was read from it turned out to be damaged: its files stay byte for byte as they are.
   void leave_as_is();
+  /// Reads everything once. Opening finds a file that is torn; this, values that are not what was
+  /// saved. Throws DamageError at the first. O(contents).
+  void check_contents() const;
 
   /// Runs `body` as one transaction: all of its saves or, when it throws, none. One inside another
   /// is undone alone when it throws; what it saved is in the file when the outer one ends.

@@ -205,6 +205,15 @@ TEST_F(SiteTest, RefusesWhatIsNoWholeFolderOfMaps) {
   test::write_small_maps(at("bad"), "bad");
   fs::resize_file(at("bad") / "strata.db", 600);
   EXPECT_THROW((void)site.add(at("bad"), kAda, ""), InputError);
+  // A bit that SQLite does not miss.
+  test::write_small_maps(at("flipped"), "flipped");
+  std::string bytes = test::bytes_of(at("flipped") / "strata.db");
+  const std::size_t frame = bytes.find("\x28\xb5\x2f\xfd");  // where a blob begins
+  ASSERT_NE(frame, std::string::npos);
+  bytes[frame + 8] = static_cast<char>(bytes[frame + 8] ^ 1);
+  std::ofstream(at("flipped") / "strata.db", std::ios::binary) << bytes;
+  EXPECT_THAT(error_of([&] { (void)site.add(at("flipped"), kAda, ""); }),
+              HasSubstr("content is damaged"));
   test::write_small_maps(at("busy"), "busy");
   std::ofstream(at("busy") / "strata.db-wal") << "not yet in the store";
   EXPECT_THAT(error_of([&] { (void)site.add(at("busy"), kAda, ""); }),

@@ -3,8 +3,10 @@
 
 #include <fstream>
 #include <functional>
+#include <optional>
 #include <string>
 #include <typeinfo>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -72,6 +74,40 @@ TEST_F(StoreFile, ThatIsAnotherKindOfDatabaseIsRefused) {
   run_sql("PRAGMA application_id = 1");
   EXPECT_THAT(error_of<InputError>([&] { const Store store(path()); }),
               HasSubstr("not a Strata store"));
+}
+
+/// A bit that flips in a blob is nothing to SQLite.
+TEST_F(StoreFile, WithAFlippedBitInAScanOrAMovedPoseIsFound) {
+  std::vector<PosedScan> scans(30);
+  std::vector<TrajectoryPose> poses;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    scans[i].scan.stamp = {static_cast<std::int64_t>(i) * 100'000'000};
+    scans[i].map_from_robot = {0.1 * static_cast<double>(i), 0.0, 0.0};
+    scans[i].scan.ranges_m.assign(100, 1.0F + 0.01F * static_cast<float>(i));
+    poses.push_back({scans[i].scan.stamp, scans[i].map_from_robot, std::nullopt});
+  }
+  {
+    Store store(path());
+    store.save_scans(0, scans);
+    store.save_trajectory(0, poses);
+    store.check_contents();
+  }
+  const std::string whole = read_file();
+  const auto damaged = [&] {
+    return error_of<DamageError>([&] { Store(path(), {.read_only = true}).check_contents(); });
+  };
+  run_sql(
+      "UPDATE scan_chunk SET data = CAST(substr(data, 1, length(data) - 9) || x'00' || "
+      "substr(data, length(data) - 7) AS BLOB)");
+  EXPECT_THAT(damaged(), HasSubstr("scans of run 0"));
+  write_file(whole);
+  run_sql("UPDATE pose SET x_m = x_m + 1e-9 WHERE place = 7");
+  EXPECT_THAT(damaged(), HasSubstr("trajectory of run 0"));
+  write_file(whole);
+  run_sql(
+      "UPDATE grid SET data = CAST(substr(data, 1, length(data) - 99) || x'00' || "
+      "substr(data, length(data) - 97) AS BLOB)");
+  EXPECT_THAT(damaged(), HasSubstr("grid map"));
 }
 
 template <typename E>
