@@ -53,19 +53,6 @@ memory::Store open_for_writing(const fs::path& dir) {
   return memory::Store(dir / kStoreFile);
 }
 
-/// The configuration with the largest prior of every sub-map.
-std::vector<int> likeliest(const patch::PatchMap& map) {
-  std::vector<int> chosen;
-  for (const patch::Submap& submap : map.submaps) {
-    std::size_t best = 0;
-    for (std::size_t c = 1; c < submap.configurations.size(); ++c) {
-      if (submap.configurations[c].prior > submap.configurations[best].prior) best = c;
-    }
-    chosen.push_back(static_cast<int>(best));
-  }
-  return chosen;
-}
-
 void write_text(const fs::path& path, const std::string& text) {
   std::ofstream out(path);
   out << text;
@@ -143,7 +130,7 @@ void write_grid_maps(const fs::path& dir, const slam::SlamResult& result) {
 
 void write_patch_map(const fs::path& dir, const patch::PatchMap& map) {
   memory::Store store = open_for_writing(dir);
-  log::write_map(dir / "patches.yaml", patch::compose(map, likeliest(map)));
+  log::write_map(dir / "patches.yaml", patch::compose(map, patch::last_seen(map)));
   const fs::path folder = dir / "patches";
   fs::create_directories(folder);
   for (const patch::Submap& submap : map.submaps) {
