@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "components/fleet/schema.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/maps/thinned_runs.hpp"
 #include "memory/store/visit_content.hpp"
 
 namespace strata::fleet {
@@ -29,15 +31,40 @@ std::set<std::string> released_runs(Connection& connection) {
   return runs;
 }
 
+/// A run that lies here, without its content.
+struct LocalVisit {
+  Visit visit;
+  std::string whole;  ///< its hash when it had all of its scans
+};
+
+/// A run that lacks scans keeps the number that it had.
+std::vector<LocalVisit> local_visits(const memory::Store& store, const Member& robot) {
+  const std::vector<maps::ThinnedRun> thinned = maps::read_thinned_runs(store);
+  std::vector<LocalVisit> visits;
+  for (const int run : store.runs_with_scans()) {
+    Visit visit = visit_of(store, run);
+    visit.content = {};  // of long memories only the one that is sent is held
+    visit.name.robot = robot.name;
+    std::string whole = visit.name.sha256;
+    if (const maps::ThinnedRun* before = maps::thinned_run(thinned, run)) {
+      visit.name.number = before->begin_ns;
+      whole = before->visit;
+    }
+    visits.push_back({std::move(visit), std::move(whole)});
+  }
+  return visits;
+}
+
 void require_same_frame(const Connection& connection, const std::filesystem::path& maps,
-                        const std::vector<Visit>& visits, const std::set<std::string>& released) {
+                        const std::vector<LocalVisit>& visits,
+                        const std::set<std::string>& released) {
   if (released.empty()) {
     throw InputError(connection.place(),
                      "has no version of the site yet, so nobody knows its frame",
                      "an operator releases one first: `strata fleet release`");
   }
-  const bool shares_one = std::any_of(visits.begin(), visits.end(), [&](const Visit& visit) {
-    return released.contains(visit.name.sha256);
+  const bool shares_one = std::any_of(visits.begin(), visits.end(), [&](const LocalVisit& visit) {
+    return released.contains(visit.whole);
   });
   if (shares_one) return;
   throw InputError(maps.string(),
@@ -84,23 +111,19 @@ void push(Connection& connection, const std::string& site, const std::filesystem
                      "give the URL that `strata fleet add-robot` printed");
   }
   const memory::Store store = maps::open_for_reading(maps);
-  std::vector<Visit> visits;
-  for (const int run : store.runs_with_scans()) {
-    visits.push_back(visit_of(store, run));
-    visits.back().content.clear();  // of long memories only the one that is sent is held
-    visits.back().content.shrink_to_fit();
-  }
   const std::set<std::string> released = released_runs(connection);
+  std::vector<LocalVisit> visits = local_visits(store, robot);
   require_same_frame(connection, maps, visits, released);
   const auto there = own_visits(connection, robot);
-  for (Visit& visit : visits) {
-    visit.name.robot = robot.name;
-    PushedVisit pushed{visit.name, visit.run, visit.scans, visit.path_m, 0, PushOutcome::kReleased};
+  for (const auto& [visit, whole] : visits) {
+    PushedVisit pushed{
+        visit.name, whole, visit.run, visit.scans, visit.path_m, 0, PushOutcome::kReleased};
     const auto same_number = there.find(visit.name.number);
-    if (!released.contains(visit.name.sha256)) {
+    if (!released.contains(whole)) {
       if (same_number != there.end()) {
-        pushed.outcome =
-            same_number->second == visit.name.sha256 ? PushOutcome::kThere : PushOutcome::kClash;
+        // What is left of a visit has no hash to compare: it is there by its number.
+        const bool is_there = visit.name.sha256 != whole || same_number->second == whole;
+        pushed.outcome = is_there ? PushOutcome::kThere : PushOutcome::kClash;
       } else {
         const auto payload = memory::pack_visit(visit_of(store, visit.run).content);
         pushed.outcome = send(connection, robot, visit, payload);

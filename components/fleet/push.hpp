@@ -23,6 +23,7 @@ enum class PushOutcome {
 
 struct PushedVisit {
   VisitName name;
+  std::string whole;  ///< the hash that it had before scans were forgotten; else the name's
   int run = 0;
   std::size_t scans = 0;
   double path_m = 0.0;

@@ -3,21 +3,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <span>
 #include <string_view>
 #include <tuple>
 #include <utility>
 
 #include "components/log/sha256.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "components/maps/thinned_runs.hpp"
 #include "core/base/damage.hpp"
 #include "memory/store/visit_content.hpp"
 
 namespace strata::fleet {
 namespace {
 
-std::string hash_of(std::span<const std::byte> content) {
-  return log::sha256_of(
-      std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
+std::string_view as_text(std::span<const std::byte> content) {
+  return {reinterpret_cast<const char*>(content.data()), content.size()};
 }
 
 std::string named(const std::string& place, const VisitName& name) {
@@ -37,7 +39,7 @@ std::vector<std::byte> fetch_content(Connection& connection, const std::string& 
       "SELECT payload FROM strata.visit WHERE site = $1 AND robot = $2 AND visit = $3",
       {site, name.robot, name.number});
   std::vector<std::byte> content = memory::unpack_visit(rows.bytes(0, 0), place);
-  if (hash_of(content) != name.sha256) {
+  if (log::sha256_of(as_text(content)) != name.sha256) {
     throw DamageError(place, "is damaged: its hash does not hold",
                       "set the robot aside, and look into the server's disk");
   }
@@ -58,15 +60,20 @@ Visit visit_of(const memory::Store& store, int run) {
     visit.path_m += std::hypot(step.x, step.y);
   }
   visit.content = memory::visit_content(scans);
-  visit.name.sha256 = hash_of(visit.content);
+  visit.name.sha256 = log::sha256_of(as_text(visit.content));
   return visit;
 }
 
 std::vector<std::string> run_hashes(const std::filesystem::path& maps) {
   const memory::Store store = maps::open_for_reading(maps);
-  std::vector<std::string> hashes;
-  for (const int run : store.runs_with_scans()) hashes.push_back(visit_of(store, run).name.sha256);
-  return hashes;
+  std::map<int, std::string> hashes;
+  for (const maps::ThinnedRun& run : maps::read_thinned_runs(store)) hashes[run.run] = run.visit;
+  for (const int run : store.runs_with_scans()) {
+    if (!hashes.contains(run)) hashes[run] = visit_of(store, run).name.sha256;
+  }
+  std::vector<std::string> all;
+  for (auto& [run, hash] : hashes) all.push_back(std::move(hash));
+  return all;
 }
 
 std::vector<VisitName> visit_names(Connection& connection, const std::string& site) {

@@ -36,7 +36,8 @@ struct Visit {
 /// A run of a MAPS folder as a visit, without a robot. Requires scans. O(beams).
 [[nodiscard]] Visit visit_of(const memory::Store& store, int run);
 
-/// The hash of each run's visit of a MAPS folder, in the order of the runs. O(beams of all).
+/// The hash of each run's visit of a MAPS folder, in the order of the runs; of runs that lack
+/// scans, or have none any more, as it was when they had all. O(beams of all).
 [[nodiscard]] std::vector<std::string> run_hashes(const std::filesystem::path& maps);
 
 /// Every visit of a site but those of robots that were set aside and those whose hash is in

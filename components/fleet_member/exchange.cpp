@@ -195,7 +195,7 @@ void Exchange::take(const fleet::PushedVisit& visit) {
   if (visit.outcome == fleet::PushOutcome::kClash) {
     refused_.insert(visit.name.sha256);
   } else {
-    visits_.is_there(visit.name.sha256);
+    visits_.is_there(visit.whole);
   }
   const std::lock_guard lock(mutex_);
   state_.waiting = visits_.waiting();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <set>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -37,6 +38,7 @@ EarlierRuns read_earlier_runs(const std::filesystem::path& dir) {
                          std::make_move_iterator(scans.end()));
     earlier.next_run = run + 1;
   }
+  earlier.thinned = read_thinned_runs(store);
   if (earlier.scans.empty()) {
     throw InputError((dir / kStoreFile).string(), "holds no scans to go on from",
                      "learn its logs again with this version, or learn them together with the new "
@@ -54,23 +56,56 @@ void add_run(EarlierRuns& earlier, std::vector<PosedScan> scans) {
   }
 }
 
-std::vector<std::vector<PosedScan>> new_runs(std::vector<PosedScan> scans,
-                                             const EarlierRuns& earlier) {
+std::size_t forget_scans(EarlierRuns& earlier, const HistoryConfig& config) {
+  const std::vector<bool> keeps = scans_to_keep(earlier.scans, earlier.next_run, config);
+  const auto forgotten = static_cast<std::size_t>(std::count(keeps.begin(), keeps.end(), false));
+  if (forgotten == 0) return 0;
+  const auto ends_of = [&](std::size_t begin) {
+    std::size_t end = begin;
+    while (end < keeps.size() && earlier.scans[end].run == earlier.scans[begin].run) ++end;
+    return end;
+  };
+  for (std::size_t begin = 0; begin < keeps.size(); begin = ends_of(begin)) {
+    const std::size_t end = ends_of(begin);
+    const std::span<const PosedScan> run(earlier.scans.data() + begin, end - begin);
+    const bool loses = std::find(keeps.begin() + static_cast<std::ptrdiff_t>(begin),
+                                 keeps.begin() + static_cast<std::ptrdiff_t>(end),
+                                 false) != keeps.begin() + static_cast<std::ptrdiff_t>(end);
+    if (loses && thinned_run(earlier.thinned, run.front().run) == nullptr) {
+      earlier.thinned.push_back({run.front().run, visit_hash(run), run.front().scan.stamp.ns});
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < keeps.size(); ++i) {
+    if (!keeps[i]) continue;
+    if (kept != i) earlier.scans[kept] = std::move(earlier.scans[i]);
+    ++kept;
+  }
+  earlier.scans.resize(kept);
+  return forgotten;
+}
+
+std::vector<std::vector<PosedScan>> new_runs(EarlierRuns other, const EarlierRuns& earlier) {
   const auto name = [](const PosedScan& scan) {
     const Pose2& pose = scan.map_from_robot;
     return std::tuple(scan.scan.stamp, pose.x, pose.y, pose.theta);
   };
-  std::set<decltype(name(scans.front()))> known;
+  std::set<decltype(name(earlier.scans.front()))> known;
   for (const PosedScan& scan : earlier.scans) known.insert(name(scan));
+  std::set<std::string> thinned;
+  for (const ThinnedRun& run : earlier.thinned) thinned.insert(run.visit);
   std::vector<std::vector<PosedScan>> runs;
-  for (PosedScan& scan : scans) {
+  for (PosedScan& scan : other.scans) {
     if (runs.empty() || runs.back().front().run != scan.run) runs.emplace_back();
     runs.back().push_back(std::move(scan));
   }
   std::erase_if(runs, [&](const std::vector<PosedScan>& run) {
     const auto there = std::count_if(
         run.begin(), run.end(), [&](const PosedScan& scan) { return known.contains(name(scan)); });
-    return there >= 2 || static_cast<std::size_t>(there) == run.size();
+    if (there >= 2 || static_cast<std::size_t>(there) == run.size()) return true;
+    if (thinned.empty()) return false;
+    const ThinnedRun* before = thinned_run(other.thinned, run.front().run);
+    return thinned.contains(before != nullptr ? before->visit : visit_hash(run));
   });
   return runs;
 }

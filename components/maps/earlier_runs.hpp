@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "components/maps/thinned_runs.hpp"
 #include "core/geometry/pose2.hpp"
+#include "core/scan/history.hpp"
 #include "core/scan/scan.hpp"
 #include "memory/nodes/timescale_memory.hpp"
 
@@ -19,7 +21,8 @@ struct EarlierRuns {
   std::vector<PosedScan> scans;                        ///< of all runs, in order, in the map frame
   std::shared_ptr<memory::TimescaleMemory> timescale;  ///< null when none was learned
   std::optional<Pose2> map_from_truth;
-  int next_run = 0;  ///< the run id that no scan has yet
+  int next_run = 0;                 ///< the run id that no scan has yet
+  std::vector<ThinnedRun> thinned;  ///< runs that lack scans, by their ids; or have none any more
 };
 
 /// The names of the logs that the maps in a folder were learned from, by its summary; empty when
@@ -34,11 +37,15 @@ struct EarlierRuns {
 /// that all that counts runs from there takes it for new.
 void add_run(EarlierRuns& earlier, std::vector<PosedScan> scans);
 
-/// The runs among these scans, in their order, that `earlier` does not hold. Stamps may begin anew
+/// Forgets scans of runs before `next_run` (scans_to_keep), and notes of which runs. Returns
+/// how many. O(n log n + beams of the runs that lose some).
+std::size_t forget_scans(EarlierRuns& earlier, const HistoryConfig& config);
+
+/// The runs of `other`, in their order, that `earlier` does not hold. Stamps may begin anew
 /// in each log, and scans may have been blinded or left out since: a run is known where two of its
-/// scans, or its only one, have stamp and pose of a scan there to every bit, which updates keep.
-/// O(n log n).
-[[nodiscard]] std::vector<std::vector<PosedScan>> new_runs(std::vector<PosedScan> scans,
+/// scans, or its only one, have stamp and pose of a scan there to every bit, which updates keep;
+/// and where `earlier` has forgotten scans of it. O(n log n).
+[[nodiscard]] std::vector<std::vector<PosedScan>> new_runs(EarlierRuns other,
                                                            const EarlierRuns& earlier);
 
 }  // namespace strata::maps

@@ -17,7 +17,7 @@ namespace strata::maps {
 /// As it was before it lost its first scan.
 struct ThinnedRun {
   int run = 0;
-  std::string visit;          ///< SHA-256 of its content as a visit (memory/store/visit_content.hpp)
+  std::string visit;  ///< SHA-256 of its content as a visit (memory/store/visit_content.hpp)
   std::int64_t begin_ns = 0;  ///< stamp of its first scan
 };
 

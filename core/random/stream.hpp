@@ -30,6 +30,7 @@ enum class StreamId : std::uint32_t {
   kBootstrap = 11,
   kTopology = 12,
   kRoughening = 13,
+  kHistory = 14,
 };
 
 /// One stream of random numbers. Cheap to make (no state table), cheap to copy.

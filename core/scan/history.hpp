@@ -18,10 +18,11 @@ struct HistoryConfig {
   double pass_s = 120.0;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
-    v.field("passes_per_place", c.passes_per_place,
-            {.doc = "passes by a place, in each of four headings, that maps go on from; 0: all, and "
-                    "every update costs more than the one before",
-             .min = 0});
+    v.field(
+        "passes_per_place", c.passes_per_place,
+        {.doc = "passes by a place, in each of four headings, that maps go on from; 0: all, and "
+                "every update costs more than the one before",
+         .min = 0});
     v.field("half_life_days", c.half_life_days,
             {.doc = "a pass this much older is half as likely to be kept where there are more",
              .unit = "d",

@@ -24,6 +24,7 @@ LearnResult learn_within(const LearnWithin& limits, const std::vector<Observatio
                          maps::EarlierRuns* earlier) {
   require_same_cells(limits, config.slam.beam_filter.resolution_m);
   LearnResult result;
+  if (earlier != nullptr) result.forgotten_scans = maps::forget_scans(*earlier, config.history);
   slam::Slam slam(config.slam, threads);
   const std::vector<PosedScan> none;
   const std::vector<PosedScan>& placed = earlier != nullptr ? earlier->scans : none;

@@ -2,6 +2,7 @@
 /// The direct path of learning: observations in, every map out, by calling core and memory.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <optional>
@@ -33,13 +34,15 @@ struct LearnResult {
   std::optional<patch::PatchMap> place_patches;
   std::vector<double> places;
   std::shared_ptr<memory::TimescaleMemory> timescale;
+  std::size_t forgotten_scans = 0;  ///< of earlier runs, before anything was learned
 };
 
 /// Learns from one or several runs. observations: all runs, one after the other, in time order
 /// within a run. given_poses: empty, or one an observation (nothing where no pose is known),
 /// map_from_robot. earlier: runs learned before (or null), whose poses stay, whose map the new runs
 /// are placed in, and whose timescale memory goes on, with its own settings; run ids must be
-/// larger. Deterministic for a seed at any number of threads. Throws Cancelled.
+/// larger; what `config.history` lets go of is taken out of it first. Deterministic for a seed at
+/// any number of threads. Throws Cancelled.
 [[nodiscard]] LearnResult learn(const std::vector<Observation>& observations,
                                 const std::vector<std::optional<Pose2>>& given_poses,
                                 const maps::LearnConfig& config, const LearnParts& parts,

@@ -22,6 +22,7 @@
 #include "components/volume_mapper/config.hpp"
 #include "core/base/error.hpp"
 #include "core/patch/patch_learner.hpp"
+#include "core/scan/history.hpp"
 #include "core/slam/slam.hpp"
 #include "core/topology/mapper_config.hpp"
 #include "memory/nodes/timescale_config.hpp"
@@ -84,6 +85,9 @@ std::vector<Page> make_pages() {
           "How sub-maps and their configurations are found (`core/patch`)."),
       page<memory::TimescaleConfig>("timescale.md", "Settings of the timescale memory",
                                     "Nodes, levels and how fast they forget (`memory/nodes`)."),
+      page<HistoryConfig>("history.md", "Settings of what is kept of earlier runs",
+                          "What stands below `history:` for `strata learn --update`, `site merge` "
+                          "and `fleet learn` (`core/scan`)."),
       page<topology::TopologyMapperConfig>(
           "topology.md", "Settings of topological mapping",
           "What `strata topology --config FILE` reads (`core/topology`)."),

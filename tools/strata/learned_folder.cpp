@@ -4,6 +4,7 @@
 #include "components/maps/maps_folder.hpp"
 #include "tools/pipeline/learn_pictures.hpp"
 #include "tools/strata/warning.hpp"
+#include "tools/strata/words.hpp"
 
 namespace strata::tools {
 
@@ -14,6 +15,11 @@ nlohmann::json write_learned(
   maps::write_grid_maps(out.path(), result.slam);
   if (parts.patch) maps::write_patch_map(out.path(), result.patches);
   if (parts.timescale) maps::write_timescale(out.path(), *result.timescale);
+  maps::write_thinned_runs(out.path(), from.thinned);
+  if (result.forgotten_scans > 0) {
+    context.note("forgot " + counted(result.forgotten_scans, "scan") +
+                 " of earlier runs, of places that have many passes (history.passes_per_place)");
+  }
   report::Drawings drawings;
   pipeline::write_map_pictures(out.path(), result.slam, result.patches, drawings);
   if (draw_more) draw_more(out.path(), drawings);

@@ -6,9 +6,11 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "components/maps/thinned_runs.hpp"
 #include "core/geometry/pose2.hpp"
 #include "tools/pipeline/cost.hpp"
 #include "tools/pipeline/learn.hpp"
@@ -24,6 +26,7 @@ struct LearnedFrom {
   std::optional<Pose2> map_from_truth;                ///< where truth was given
   const pipeline::CostMeter* meter;                   ///< since the job began
   nlohmann::json reading = nlohmann::json::object();  ///< maps::summarize_reading
+  std::vector<maps::ThinnedRun> thinned;              ///< of the earlier runs, after learning
 };
 
 /// Writes the parts that were learned, pictures (`draw_more` adds some) and summary.json, puts the

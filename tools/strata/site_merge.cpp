@@ -35,7 +35,8 @@ void merge_version(const SiteOptions& options, VerbContext& context) {
   limits.before = pipeline::read_base(base);
   maps::EarlierRuns earlier = maps::read_earlier_runs(base);
   maps::EarlierRuns other = maps::read_earlier_runs(site.maps_of(version.version.hash));
-  auto runs = maps::new_runs(std::move(other.scans), earlier);
+  const std::string log = other.log;
+  auto runs = maps::new_runs(std::move(other), earlier);
   const std::size_t count = runs.size();
   if (count == 0) {
     throw InputError("version " + name_of(version),
@@ -47,7 +48,8 @@ void merge_version(const SiteOptions& options, VerbContext& context) {
       pipeline::learn_within(limits, {}, {}, config, {}, context.options.seed,
                              context.options.threads, context.progress(), &earlier);
   for (const std::string& warning : result.slam.warnings) context.note("warning: " + warning);
-  write_learned(out, result, {}, {other.log, earlier.map_from_truth, &meter}, context);
+  write_learned(out, result, {}, {log, earlier.map_from_truth, &meter, {}, earlier.thinned},
+                context);
   const std::string what = "version " + name_of(active) + ", in " + options.region +
                            " with what version " + name_of(version) + " learned of " +
                            counted(count, "run");

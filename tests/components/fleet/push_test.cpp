@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "components/fleet/status.hpp"
+#include "components/maps/thinned_runs.hpp"
 #include "memory/store/visit_content.hpp"
 #include "tests/components/fleet/fleet_fixture.hpp"
 
@@ -63,6 +64,39 @@ TEST_F(Push, SendsWhatIsNewAndItsOwnAndNothingTwice) {
   Connection ada = as("hall.ada");
   EXPECT_EQ(status(ada, "hall").robots.size(), 2U);
   EXPECT_EQ(status(ada, "hall").robots[1].visits, 0);
+}
+
+/// Two drives lost scans when the maps went on: one after it had been sent, one before.
+TEST_F(Push, OfWhatIsLeftOfAVisitIsThereWhereTheWholeIs) {
+  (void)release_first_tour("hall");
+  const auto sent = drive(10, 1);
+  const auto unsent = drive(20, 1);
+  test::write_maps(at("monday"), {first_tour(), sent});
+  Connection robot = as("hall.r1");
+  (void)outcomes(robot, "hall", "monday");
+  const auto rest = [](std::vector<PosedScan> scans) {
+    scans.erase(scans.begin(), scans.begin() + 5);
+    return scans;
+  };
+  test::write_maps(at("later"), {rest(first_tour()), rest(sent), rest(unsent)});
+  const std::vector<maps::ThinnedRun> thinned = {
+      {0, maps::visit_hash(first_tour()), first_tour().front().scan.stamp.ns},
+      {1, maps::visit_hash(sent), sent.front().scan.stamp.ns},
+      {2, maps::visit_hash(unsent), unsent.front().scan.stamp.ns},
+      {5, "gone", 0}};
+  maps::write_thinned_runs(at("later"), thinned);
+  EXPECT_THAT(run_hashes(at("later")),
+              ElementsAre(thinned[0].visit, thinned[1].visit, thinned[2].visit, "gone"));
+  EXPECT_THAT(outcomes(robot, "hall", "later"),
+              ElementsAre(PushOutcome::kReleased, PushOutcome::kThere, PushOutcome::kSent));
+  EXPECT_THAT(outcomes(robot, "hall", "later"),
+              ElementsAre(PushOutcome::kReleased, PushOutcome::kThere, PushOutcome::kThere));
+  Connection ada = as("hall.ada");
+  const std::vector<VisitName> names = visit_names(ada, "hall");
+  ASSERT_EQ(names.size(), 2U);
+  EXPECT_EQ(names[0].sha256, thinned[1].visit);
+  EXPECT_EQ(names[1].sha256, maps::visit_hash(rest(unsent)));
+  EXPECT_EQ(names[1].number, unsent.front().scan.stamp.ns);
 }
 
 TEST_F(Push, RefusesAnotherVisitOfTheSameBeginAndSendsTheRest) {

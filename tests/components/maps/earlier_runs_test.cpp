@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "components/maps/earlier_runs.hpp"
 
+#include <algorithm>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "components/maps/maps_folder.hpp"
+#include "core/base/damage.hpp"
+#include "tests/support/test_data.hpp"
 
 namespace strata::maps {
 namespace {
@@ -33,7 +40,7 @@ EarlierRuns learned(std::vector<PosedScan> scans, int next_run) {
 
 TEST(EarlierRuns, AreToldFromNewOnesOfTheSameStamps) {
   const EarlierRuns earlier = learned(drive(0, 5, 0.0), 1);
-  const auto runs = new_runs(both(drive(0, 5, 0.0), drive(1, 5, 2.0)), earlier);
+  const auto runs = new_runs(learned(both(drive(0, 5, 0.0), drive(1, 5, 2.0)), 2), earlier);
   ASSERT_EQ(runs.size(), 1U);
   ASSERT_EQ(runs[0].size(), 5U);
   EXPECT_EQ(runs[0][0].map_from_robot.y, 2.0);
@@ -42,12 +49,80 @@ TEST(EarlierRuns, AreToldFromNewOnesOfTheSameStamps) {
 TEST(EarlierRuns, AreKnownThoughTheirBeginWasLeftOut) {
   std::vector<PosedScan> late = drive(0, 5, 0.0);
   late.erase(late.begin(), late.begin() + 3);
-  EXPECT_TRUE(new_runs(drive(7, 5, 0.0), learned(late, 1)).empty());
+  EXPECT_TRUE(new_runs(learned(drive(7, 5, 0.0), 8), learned(late, 1)).empty());
   // Drives may share where they begin.
   std::vector<PosedScan> other = drive(0, 5, 1.0);
   other[0] = drive(0, 1, 0.0)[0];
-  EXPECT_EQ(new_runs(other, learned(drive(0, 5, 0.0), 1)).size(), 1U);
-  EXPECT_TRUE(new_runs(drive(3, 1, 0.0), learned(drive(0, 5, 0.0), 1)).empty());
+  EXPECT_EQ(new_runs(learned(other, 1), learned(drive(0, 5, 0.0), 1)).size(), 1U);
+  EXPECT_TRUE(new_runs(learned(drive(3, 1, 0.0), 4), learned(drive(0, 5, 0.0), 1)).empty());
+}
+
+/// One drive a night past the same places.
+EarlierRuns of_nights(int count) {
+  std::vector<PosedScan> scans;
+  for (int night = 0; night < count; ++night) {
+    for (PosedScan& scan : drive(night, 5, 0.01 * night)) {
+      scan.scan.stamp.ns += 86'400'000'000'000 * night;
+      scans.push_back(scan);
+    }
+  }
+  return learned(scans, count);
+}
+
+TEST(EarlierRuns, ThatAreForgottenAreNotNew) {
+  const EarlierRuns all = of_nights(6);
+  EarlierRuns earlier = of_nights(6);
+  EXPECT_EQ(forget_scans(earlier, {.passes_per_place = 6}), 0U);
+  EXPECT_TRUE(earlier.thinned.empty());
+  EXPECT_EQ(forget_scans(earlier, {.passes_per_place = 2}), 20U);
+  EXPECT_EQ(earlier.scans.size(), 10U);
+  ASSERT_EQ(earlier.thinned.size(), 4U);
+  for (const ThinnedRun& run : earlier.thinned) {
+    EXPECT_EQ(run.begin_ns, 86'400'000'000'000 * run.run);
+    EXPECT_EQ(std::count_if(earlier.scans.begin(), earlier.scans.end(),
+                            [&](const PosedScan& scan) { return scan.run == run.run; }),
+              0);
+  }
+  EXPECT_TRUE(new_runs(all, earlier).empty());
+  // Where it was forgotten in another way it is the same run still.
+  EarlierRuns other = of_nights(7);
+  EXPECT_EQ(new_runs(other, earlier).size(), 1U);
+  (void)forget_scans(other, {.passes_per_place = 3});
+  EXPECT_EQ(new_runs(other, earlier).size(), thinned_run(other.thinned, 6) == nullptr ? 1U : 0U);
+}
+
+TEST(EarlierRuns, KeepTheNameThatTheyHadWhenTheyWereWhole) {
+  EarlierRuns earlier = of_nights(4);
+  for (PosedScan& scan : earlier.scans) {
+    if (scan.scan.stamp.ns % 86'400'000'000'000 >= 3'000'000'000) scan.map_from_robot.x += 4.0;
+  }
+  const EarlierRuns whole = earlier;
+  (void)forget_scans(earlier, {.passes_per_place = 3});
+  ASSERT_EQ(earlier.thinned.size(), 1U);
+  const std::string before = earlier.thinned[0].visit;
+  (void)forget_scans(earlier, {.passes_per_place = 1});
+  ASSERT_EQ(earlier.thinned.size(), 3U);
+  EXPECT_EQ(earlier.thinned[0].visit, before);
+  EXPECT_TRUE(new_runs(whole, earlier).empty());
+}
+
+TEST(EarlierRuns, AreNamedInTheFolder) {
+  const test::TemporaryDirectory folder;
+  const std::vector<ThinnedRun> thinned = {{3, "abc", -5}, {7, "def", 1LL << 60}};
+  write_thinned_runs(folder.path(), {});
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / kStoreFile));
+  write_thinned_runs(folder.path(), thinned);
+  memory::Store store(folder.path() / kStoreFile);
+  const std::vector<ThinnedRun> read = read_thinned_runs(store);
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[1].run, 7);
+  EXPECT_EQ(read[1].visit, "def");
+  EXPECT_EQ(read[1].begin_ns, 1LL << 60);
+  EXPECT_EQ(read[0].begin_ns, -5);
+  for (const char* damaged : {"[[3,4,5]]", "[[", "[[1]]"}) {
+    store.save_text("thinned_runs", damaged);
+    EXPECT_THROW((void)read_thinned_runs(store), DamageError) << damaged;
+  }
 }
 
 TEST(EarlierRuns, GetMoreThatAreNewToWhoGoesOn) {

@@ -58,7 +58,8 @@ TEST(History, KeepsSoManyPassesOfEachPlaceAndHeading) {
       passes[{place, scan.map_from_robot.theta > 1.0}].insert(scan.run);
     }
     ASSERT_EQ(passes.size(), 10U);
-    for (const auto& [place, runs] : passes) EXPECT_EQ(runs.size(), static_cast<std::size_t>(limit));
+    for (const auto& [place, runs] : passes)
+      EXPECT_EQ(runs.size(), static_cast<std::size_t>(limit));
   }
 }
 

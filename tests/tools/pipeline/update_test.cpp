@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Going on from maps learned before, as `learn --update` does.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "components/maps/earlier_runs.hpp"
@@ -78,6 +80,28 @@ TEST_F(Update, ShowsTheTimescaleMemoryTheNewScansOnly) {
     if (scan.run == 2) before.timescale->observe(scan);
   }
   EXPECT_EQ(after.timescale->state(), before.timescale->state());
+}
+
+TEST_F(Update, ForgetsPassesOfPlacesThatHaveMore) {
+  maps::EarlierRuns earlier = maps::read_earlier_runs(folder.path());
+  maps::LearnConfig config;
+  config.history.passes_per_place = 1;
+  const LearnResult after = learn(of_days(runs, 2, 3), {}, config, {}, kSeed, 2, nullptr, &earlier);
+  EXPECT_GT(after.forgotten_scans, 0U);
+  EXPECT_EQ(after.slam.scans.size() + after.forgotten_scans, runs.observations.size());
+  EXPECT_FALSE(earlier.thinned.empty());
+  // What is left has the poses that it had, and the new run is whole.
+  std::size_t of_new_run = 0;
+  for (const PosedScan& scan : after.slam.scans) of_new_run += scan.run == 2 ? 1 : 0;
+  EXPECT_EQ(of_new_run, of_days(runs, 2, 3).size());
+  const auto same = [&](const PosedScan& scan) {
+    return std::any_of(before.slam.scans.begin(), before.slam.scans.end(),
+                       [&](const PosedScan& old) {
+                         return old.run == scan.run && old.scan.stamp == scan.scan.stamp &&
+                                old.map_from_robot == scan.map_from_robot;
+                       });
+  };
+  for (const PosedScan& scan : after.slam.scans) ASSERT_TRUE(scan.run == 2 || same(scan));
 }
 
 TEST_F(Update, RefusesMapsThatKeptNoScans) {
