@@ -11,6 +11,7 @@
 #include "core/geometry/pose2_gaussian.hpp"
 #include "tools/pipeline/localize.hpp"
 #include "tools/report/plot.hpp"
+#include "tools/site/new_run_check.hpp"
 
 namespace strata::site {
 namespace {
@@ -97,6 +98,27 @@ void check_drift(const std::vector<std::filesystem::path>& earlier, const Reflec
              " rad from that of the first version with these walls (most " +
              fixed(config.max_drift_m, 3) + " m, " + fixed(config.max_turn_rad, 4) + " rad)"});
     return;
+  }
+}
+
+/// A run alone may be of another building, or lie in a wrong place. Where a recording of another
+/// drive contradicts the active version as well, it is the building that changed.
+void check_new_runs(const std::vector<NewRun>& runs, const GateConfig& config, GateReport& report) {
+  const double most = config.max_new_contradicted;
+  const bool others_too = std::any_of(
+      report.logs.begin(), report.logs.end(),
+      [&](const GateLog& log) { return log.active && log.active->contradicted > most; });
+  for (const NewRun& run : runs) {
+    const bool is_much = run.contradicted > most;
+    const std::string why = !is_much ? ""
+                            : others_too
+                                ? ", as a recording does: the building changed"
+                                : ", and no recording does: another building, a wrong place, or "
+                                  "it was rebuilt since";
+    report.checks.push_back({"new run", "", !is_much || others_too,
+                             percent(run.contradicted) + " of the scans of its new run " +
+                                 std::to_string(run.run) + " contradict the active version (most " +
+                                 percent(most) + ")" + why});
   }
 }
 
@@ -233,9 +255,16 @@ GateReport run_gate(const GateTask& task, const GateConfig& config, Progress* pr
   std::optional<maps::Maps> active_maps;
   if (task.active) active_maps = maps::read_maps(*task.active);
   check_fold(task.candidate, report);
-  if (active_maps) check_frame(active_maps->filtered, candidate.maps.filtered, config, report);
+  std::vector<NewRun> new_runs;
+  if (active_maps) {
+    check_frame(active_maps->filtered, candidate.maps.filtered, config, report);
+    new_runs = judge_new_runs(task.candidate, *task.active, active_maps->filtered);
+  }
   check_drift(task.earlier, candidate.maps.filtered, config, report);
-  if (task.input.logs.empty()) return report;
+  if (task.input.logs.empty()) {
+    check_new_runs(new_runs, config, report);
+    return report;
+  }
   report.model = model_for(task, candidate.maps, active_maps);
   candidate.model = maps::make_map_model(candidate.maps, report.model, {});
   std::optional<Side> active;
@@ -246,6 +275,7 @@ GateReport run_gate(const GateTask& task, const GateConfig& config, Progress* pr
   for (std::size_t i = 0; i < task.input.logs.size(); ++i) {
     drive_log(i, task, config, active, candidate, progress, report);
   }
+  check_new_runs(new_runs, config, report);
   const auto says_something = [](const GateLog& log) { return log.passed_over.empty(); };
   if (std::none_of(report.logs.begin(), report.logs.end(), says_something)) {
     report.checks.push_back({"recordings", "", false, "none of them says anything"});

@@ -28,6 +28,7 @@ struct GateLimits {
   double min_explained = 0.65;
   double max_explained_drop = 0.03;
   double max_contradicted_rise = 0.03;
+  double max_new_contradicted = 0.25;
   double max_score_drop = 0.05;
   double max_lost_rise = 0.01;
   double max_error_rise_m = 0.02;
@@ -67,6 +68,12 @@ struct GateLimits {
              .max = 1.0});
     v.field("max_contradicted_rise", c.max_contradicted_rise,
             {.doc = "so many more of the scans may contradict the map",
+             .unit = "1",
+             .min = 0.0,
+             .max = 1.0});
+    v.field("max_new_contradicted", c.max_new_contradicted,
+            {.doc = "so many of the scans of a run that the candidate learned anew may contradict "
+                    "the active version",
              .unit = "1",
              .min = 0.0,
              .max = 1.0});

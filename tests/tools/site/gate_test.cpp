@@ -11,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "components/log/carmen.hpp"
+#include "components/log/trajectory_file.hpp"
 #include "components/maps/maps_folder.hpp"
+#include "memory/store/store.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/tools/simulate/two_days.hpp"
 #include "tools/pipeline/learn.hpp"
@@ -146,6 +148,42 @@ TEST_F(Gate, RefusesAMapInWhichRobotsDoWorse) {
   EXPECT_FALSE(report.passed()) << to_text(report);
   EXPECT_THAT(failed(report), testing::AnyOf(Contains("contradictions"), Contains("fit"),
                                              Contains("score"), Contains("losses")));
+}
+
+/// The second day was put where it was not.
+TEST_F(Gate, RefusesANewRunThatContradictsWhatIsActiveUnlessARecordingDoesAsWell) {
+  learn("active", {});
+  learn("astray", {});
+  std::vector<PosedScan> scans;
+  std::vector<Observation> changed = days().second;
+  for (std::size_t i = 0; i < days().second.size(); ++i) {
+    const Pose2 pose = Pose2{1.2, 0.7, 0.5} * days().second_poses[i];
+    scans.push_back({.run = 1,
+                     .scan = days().second[i].scan,
+                     .map_from_robot = pose,
+                     .static_probability = {}});
+    for (float& range_m : changed[i].scan.ranges_m) range_m *= 0.5F;
+  }
+  memory::Store(at("astray") / maps::kStoreFile).save_scans(1, scans);
+  const GateReport report = run("astray");
+  EXPECT_THAT(failed(report), testing::ElementsAre("new run")) << to_text(report);
+  EXPECT_THAT(in_short(report), HasSubstr("and no recording does"));
+  EXPECT_THAT(failed(run("astray", false)), testing::ElementsAre("new run"));
+
+  // A day on which everything stood half as far away.
+  GateTask task;
+  task.candidate = at("astray");
+  task.active = at("active");
+  write_log("changed.clf", changed);
+  std::vector<log::StampedPose> truth;
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    truth.push_back({changed[i].scan.stamp, days().second_poses[i]});
+  }
+  log::write_trajectory(at("truth.tum"), truth);
+  task.input.logs = {at("changed.clf").string()};
+  task.input.truths = {at("truth.tum").string()};
+  const GateReport rebuilt = run_gate(task, {}, nullptr);
+  EXPECT_THAT(failed(rebuilt), testing::Not(Contains("new run"))) << to_text(rebuilt);
 }
 
 TEST_F(Gate, RefusesWhatNoRecordingSaysAnythingOf) {
