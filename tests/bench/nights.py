@@ -2,17 +2,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Nights of a site: every night a robot's day is learned and `strata site take` decides (docs/site.md).
 
-    python3 tests/bench/nights.py build/release/bin/strata /tmp/nights [--nights 60] [--seed 1]
+    python3 tests/bench/nights.py build/release/bin/strata /tmp/nights [--nights 60] [--seed 1] [--rate-hz 5] [--beams 181]
 
 A hall with doors and a box that move by chance, a cabinet that is moved for good and a shelf that
-comes for good. Five nights are bad: a recording of another building, a clock that was set back,
-things that stand about for a day, a broken map, and a store that was half written. Prints a line a
-night and, as JSON, what it comes to: releases, refusals, and whether robots of the next day do worse
-in what was released than in the version before.
+comes for good. Six nights are bad: a recording of a hall that is like it, a clock that was set back,
+odometry that goes astray, things that stand about for a day, a broken map, and a store that was half written. Prints a line a
+night and, as JSON, what it comes to: releases, refusals, whether robots of the next day do worse in
+what was released than in the version before, after how many nights the released maps show what moved
+for good, how far their frame moved, and what a night costs. At the end what is active is corrupted in
+fifty ways, and the site goes back by a version.
 """
 import argparse
 import json
+import math
 import os
+import random
 import shutil
 import subprocess
 import sys
@@ -50,7 +54,7 @@ boxes:
 {crowd}robot:
   route: [1.0, 5.2, 9.6, 5.2, 9.6, 6.8, 6.4, 6.8, 3.8, 6.4, 1.0, 5.6]
   speed_mps: 0.6
-laser: {{beams: 181, field_of_view_deg: 360, rate_hz: 5, range_max_m: 10.0, noise_m: 0.015}}
+laser: {{beams: {beams}, field_of_view_deg: 360, rate_hz: {rate_hz}, range_max_m: 10.0, noise_m: 0.015}}
 """
 
 
@@ -66,14 +70,15 @@ def crowd(day):
 
 
 class Nights:
-    def __init__(self, strata, work, nights, seed):
+    def __init__(self, strata, work, nights, seed, rate_hz, beams):
         self.strata, self.work, self.nights, self.seed = os.path.abspath(strata), work, nights, seed
+        self.rate_hz, self.beams, self.frame = rate_hz, beams, None
         self.site = f"{work}/site"
         self.maps = f"{work}/maps"
         step = max(2, nights // 8)
         # The middle of the time for what is moved for good, the rest for what is bad.
         self.moved, self.came = 3 * step, 5 * step
-        self.bad = dict(zip((step, 2 * step, 4 * step, 6 * step, 7 * step),
+        self.bad = {2 * step + step // 2: "lost"} | dict(zip((step, 2 * step, 4 * step, 6 * step, 7 * step),
                             ("foreign", "clock", "crowd", "broken", "half")))
 
     def run(self, *words, refused_with=None):
@@ -87,7 +92,7 @@ class Nights:
         with open(f"{self.work}/{name}.yaml", "w") as file:
             file.write(WORLD.format(name=name, days=days, width=width, pillar=pillar,
                                     pillar_end=pillar + 0.4, moved=self.moved, came=self.came,
-                                    crowd=crowd(crowd_day)))
+                                    crowd=crowd(crowd_day), rate_hz=self.rate_hz, beams=self.beams))
         self.run("simulate", f"{self.work}/{name}.yaml", "--seed", str(self.seed), "--per-day", "--quiet",
                  "--out", folder)
         return folder
@@ -116,6 +121,8 @@ class Nights:
             self.learn(f"{self.foreign}/day_1/log.clf", out, *update)
         elif kind == "clock":
             self.learn(self.edited(day, lambda words: shift_clock(words, -4e6)), out, *update)
+        elif kind == "lost":
+            self.learn(self.edited(day, Astray(self.seed)), out, *update)
         elif kind == "broken":
             self.learn(self.edited(day, shorten), out, "--set", "slam.closure.enabled=false", "--set",
                        "slam.em.track_again=false", "--only", "em", "--no-odometry")
@@ -131,7 +138,7 @@ class Nights:
         with open(self.log(day)) as source, open(path, "w") as out:
             for line in source:
                 words = line.split()
-                out.write(" ".join(edit(words)) + "\n" if words and words[0] in ("FLASER", "ODOM") else line)
+                out.write(" ".join(edit(words)) + "\n" if words and words[0] == "ROBOTLASER1" else line)
         return path
 
     def error_tomorrow(self, day, maps):
@@ -151,18 +158,26 @@ class Nights:
         kind = self.bad.get(day, "")
         before = self.active()
         maps_before = os.path.realpath(f"{self.site}/active") if before else None
+        begin = time.monotonic()
         out = self.learned(day, kind)
+        learn_s = time.monotonic() - begin
         begin = time.monotonic()
         done = self.run("site", "take", self.site, out, "--quiet", refused_with=2)
         took_s = time.monotonic() - begin
         is_taken = self.active() != before
-        if kind not in ("foreign", "clock", "broken"):
+        if kind not in ("foreign", "clock", "lost", "broken"):
             self.run("site", "keep", self.site, self.log(day), "--max-mb", "20", "--quiet")
         result = {"night": day, "bad": kind, "taken": is_taken, "take_s": round(took_s, 2),
                   "why": done.stderr.strip().split("\n")[-1][:160] if done.returncode else ""}
         result["error_m"], result["lost"] = self.error_tomorrow(day + 1, f"{self.site}/active")
         if is_taken and maps_before:
             result["before_m"], result["before_lost"] = self.error_tomorrow(day + 1, maps_before)
+        result["learn_s"] = round(learn_s, 2)
+        result["store_mb"] = round(os.path.getsize(f"{self.site}/active/strata.db") / 1e6, 3)
+        if not kind or kind == "crowd":
+            result.update(self.frame_of(day, out))
+        if self.frame:
+            result["shows"] = self.shown()
         if is_taken:
             shutil.rmtree(self.maps, ignore_errors=True)
             os.rename(out, self.maps)
@@ -170,17 +185,122 @@ class Nights:
         return result
 
 
+    def frame_of(self, day, maps):
+        """How far the frame lies from the first night's, at the hall's middle, and turned."""
+        truth = poses(f"{self.days}/day_{day}/truth.tum")
+        learned = poses(f"{maps}/trajectory.tum")
+        pairs = [(truth[stamp], learned[stamp]) for stamp in truth if stamp in learned]
+        frame = rigid(pairs)
+        self.frame = self.frame or frame
+        middle = (6.0, 4.0)
+        here, first = moved(frame, middle), moved(self.frame, middle)
+        return {"frame_moved_m": round(math.dist(here, first), 4),
+                "frame_turned_deg": round(math.degrees(frame[0] - self.frame[0]), 3)}
+
+    def shown(self):
+        """Obstacle cells of the active patch map, as is likeliest, where things stand or stood."""
+        shape, resolution, origin, cells = read_map(f"{self.site}/active/patches.yaml")
+        count = {}
+        for name, (x0, y0, x1, y1) in PLACES.items():
+            count[name] = 0
+            for row in range(shape[1]):
+                for column in range(shape[0]):
+                    place = (origin[0] + (column + 0.5) * resolution,
+                             origin[1] + (shape[1] - row - 0.5) * resolution)
+                    x, y = moved_back(self.frame, place)
+                    if cells[row * shape[0] + column] < 90 and x0 <= x <= x1 and y0 <= y <= y1:
+                        count[name] += 1
+        return count
+
+    def end(self):
+        """Corrupted candidates that are taken (of fifty), and how long going back lasts."""
+        source, broken = os.path.realpath(f"{self.site}/active"), f"{self.work}/broken"
+        chance, taken = random.Random(self.seed), 0
+        for _ in range(50):
+            shutil.rmtree(broken, ignore_errors=True)
+            shutil.copytree(source, broken)
+            with open(f"{broken}/strata.db", "r+b") as store:
+                size = os.path.getsize(store.name)
+                if chance.random() < 0.3:
+                    store.truncate(chance.randrange(size))
+                else:
+                    for _ in range(chance.choice((1, 20))):
+                        store.seek(chance.randrange(size))
+                        store.write(chance.randbytes(chance.choice((64, 4096))))
+            before = self.active()
+            subprocess.run([self.strata, "site", "take", self.site, broken, "--quiet"], capture_output=True)
+            taken += self.active() != before
+        begin = time.monotonic()
+        self.run("site", "rollback", self.site, "--quiet")
+        return {"corrupted_taken_of_50": taken, "rollback_s": round(time.monotonic() - begin, 3)}
+
+
+# Where the cabinet and the shelf stand or stood, in the hall's frame, with a margin.
+PLACES = {"cabinet_old": (7.9, 7.2, 9.3, 7.9), "cabinet_new": (10.4, 4.9, 11.4, 6.3), "shelf": (5.1, 4.1, 6.9, 4.7)}
+
+
+def poses(path):
+    with open(path) as file:
+        rows = [line.split() for line in file if line.strip() and line[0] != "#"]
+    return {round(float(row[0]), 3): (float(row[1]), float(row[2])) for row in rows}
+
+
+def rigid(pairs):
+    """(turn, x, y) that brings the firsts onto the seconds with the least squares."""
+    count = len(pairs)
+    ax, ay = (sum(a[i] for a, _ in pairs) / count for i in (0, 1))
+    bx, by = (sum(b[i] for _, b in pairs) / count for i in (0, 1))
+    sine = sum((a[0] - ax) * (b[1] - by) - (a[1] - ay) * (b[0] - bx) for a, b in pairs)
+    cosine = sum((a[0] - ax) * (b[0] - bx) + (a[1] - ay) * (b[1] - by) for a, b in pairs)
+    turn = math.atan2(sine, cosine)
+    x, y = moved((turn, 0.0, 0.0), (ax, ay))
+    return turn, bx - x, by - y
+
+
+def moved(frame, point):
+    sine, cosine = math.sin(frame[0]), math.cos(frame[0])
+    return (frame[1] + cosine * point[0] - sine * point[1], frame[2] + sine * point[0] + cosine * point[1])
+
+
+def moved_back(frame, point):
+    return moved((-frame[0], 0.0, 0.0), (point[0] - frame[1], point[1] - frame[2]))
+
+
+def read_map(path):
+    with open(path) as file:
+        words = dict(line.split(":", 1) for line in file if ":" in line)
+    origin = [float(word) for word in words["origin"].strip(" []\n").split(",")]
+    with open(os.path.join(os.path.dirname(path), words["image"].strip()), "rb") as file:
+        magic, width, height, _, cells = file.read().split(maxsplit=4)
+    assert magic == b"P5"
+    return (int(width), int(height)), float(words["resolution"]), origin, cells
+
+
 def shift_clock(words, seconds):
+    """Of a ROBOTLASER1 line: its stamp, and the logger's."""
     return words[:-3] + [f"{float(words[-3]) + seconds:.6f}", words[-2], f"{float(words[-1]) + seconds:.6f}"]
+
+
+class Astray:
+    """Odometry that goes anywhere, as of a robot that slips and is carried about."""
+
+    def __init__(self, seed):
+        self.chance, self.pose = random.Random(seed), [0.0, 0.0, 0.0]
+
+    def __call__(self, words):
+        count = int(words[8])
+        at = 9 + count + 1 + int(words[9 + count])  # behind ranges and remissions: laser, then robot
+        self.pose = [value + self.chance.gauss(0.0, 0.4) for value in self.pose]
+        for place in (at, at + 3):
+            words[place:place + 3] = [f"{value:.6f}" for value in self.pose]
+        return words
 
 
 def shorten(words):
     """Ranges of a metre at most, which hold no map together."""
-    if words[0] != "FLASER":
-        return words
-    count = int(words[1])
-    ranges = [f"{min(float(word), 1.0):.3f}" for word in words[2:2 + count]]
-    return words[:2] + ranges + words[2 + count:]
+    count = int(words[8])
+    ranges = [f"{min(float(word), 1.0):.3f}" for word in words[9:9 + count]]
+    return words[:9] + ranges + words[9 + count:]
 
 
 def summary(results, nights):
@@ -188,15 +308,27 @@ def summary(results, nights):
     worse = [one["night"] for one in taken if "before_m" in one and
              (one["error_m"] > one["before_m"] + 0.02 or (one["lost"] and not one["before_lost"]))]
 
-    def delay(day):
-        return next((one["night"] - day for one in taken if one["night"] >= day), None)
+    def delay(day, place, shows):
+        """Nights after which what is active shows something there, or nothing any more, for good."""
+        nights_so = [one["night"] for one in results if one["night"] >= day and "shows" in one and
+                     (one["shows"][place] >= 5) != shows]
+        return (max(nights_so) + 1 - day) if nights_so else 0
+
+    tenth = max(1, len(results) // 10)
+    frames = [one for one in results if "frame_moved_m" in one]
 
     return {"nights": len(results), "releases": len(taken),
             "bad_nights_released": [one["night"] for one in taken if one["bad"]],
             "releases_in_which_the_next_day_is_worse": worse,
             "good_nights_refused": [one["night"] for one in results if not one["bad"] and not one["taken"]],
-            "nights_until_the_moved_cabinet": delay(nights.moved),
-            "nights_until_the_new_shelf": delay(nights.came),
+            "nights_until_the_cabinet_is_in_its_new_place": delay(nights.moved, "cabinet_new", True),
+            "nights_until_it_is_gone_from_the_old": delay(nights.moved, "cabinet_old", False),
+            "nights_until_the_new_shelf": delay(nights.came, "shelf", True),
+            "frame_moved_at_most_m": max(one["frame_moved_m"] for one in frames),
+            "frame_turned_at_most_deg": max(abs(one["frame_turned_deg"]) for one in frames),
+            "learn_s_first_and_last_tenth": [round(sum(one["learn_s"] for one in part) / tenth, 2)
+                                             for part in (results[:tenth], results[-tenth:])],
+            "store_mb_last": results[-1]["store_mb"],
             "mean_error_m": round(sum(one["error_m"] for one in results) / len(results), 4),
             "days_lost": sum(one["lost"] for one in results),
             "longest_take_s": max(one["take_s"] for one in results)}
@@ -208,14 +340,17 @@ def main():
     parser.add_argument("work")
     parser.add_argument("--nights", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--rate-hz", type=float, default=5.0)
+    parser.add_argument("--beams", type=int, default=181)
     options = parser.parse_args()
-    nights = Nights(options.strata, options.work, options.nights, options.seed)
+    nights = Nights(options.strata, options.work, options.nights, options.seed, options.rate_hz,
+                    options.beams)
     nights.begin()
     results = []
     for day in range(1, options.nights + 1):
         results.append(nights.night(day))
         print(json.dumps(results[-1]), flush=True)
-    print(json.dumps(summary(results, nights), indent=2))
+    print(json.dumps(summary(results, nights) | nights.end(), indent=2))
 
 
 if __name__ == "__main__":
