@@ -18,7 +18,7 @@ constexpr double kSecondsADay = 86'400.0;
 constexpr int kHeadings = 4;
 
 using Place = std::tuple<std::int64_t, std::int64_t, int>;  // square and quarter
-using Pass = std::pair<int, std::int64_t>;                  // run and span
+using Pass = std::pair<int, std::int64_t>;                  // run, negative, and span
 
 Place place_of(const Pose2& pose, double place_m) {
   const double quarter = std::floor(pose.theta * kHeadings / (2.0 * std::numbers::pi) + 0.5);
@@ -30,8 +30,7 @@ Place place_of(const Pose2& pose, double place_m) {
 /// Smallest first: of weights 2^(age / -half-life) the draws -ln(u) / weight, as their logarithm,
 /// less what all share.
 double draw_of(const Pass& pass, const HistoryConfig& config) {
-  RandomStream random(0, StreamId::kHistory, static_cast<std::uint64_t>(pass.second),
-                      static_cast<std::uint32_t>(pass.first));
+  RandomStream random(0, StreamId::kHistory, static_cast<std::uint64_t>(pass.second));
   const double days = static_cast<double>(pass.second) * config.pass_s / kSecondsADay;
   return std::log(random.exponential(1.0)) - days * std::numbers::ln2 / config.half_life_days;
 }
@@ -47,7 +46,7 @@ std::vector<bool> scans_to_keep(std::span<const PosedScan> scans, int first_new_
     if (scans[i].run >= first_new_run) continue;
     const double span = std::floor(scans[i].scan.stamp.seconds() / config.pass_s);
     places[place_of(scans[i].map_from_robot, config.place_m)]
-          [{scans[i].run, static_cast<std::int64_t>(span)}]
+          [{-scans[i].run, static_cast<std::int64_t>(span)}]
               .push_back(i);
   }
   const auto kept = static_cast<std::size_t>(config.passes_per_place);

@@ -39,9 +39,11 @@ struct HistoryConfig {
 /// A place is a square of `place_m` and a quarter of all headings; a pass what one run saw from it
 /// in one of the spans of `pass_s` that its stamps fall into. Where there are more than
 /// `passes_per_place`, that many are drawn without replacement, weighed by 2^(-age / half-life)
-/// [efraimidis2006weighted]. The draw of a pass depends on its run and span alone: neighbouring
-/// places keep the same ones, and what was drawn once is drawn again from whatever is left of the
-/// others, so that forgetting night by night is forgetting at once. O(n log n).
+/// [efraimidis2006weighted]. The draw of a pass depends on its span alone, of one span the newest
+/// runs stay: neighbouring places keep the same ones, the order of the runs makes no difference,
+/// and what was drawn once is drawn again from whatever is left of the others, so that forgetting
+/// night by night is forgetting at once. Where stamps begin anew in each log the newest runs stay.
+/// O(n log n).
 [[nodiscard]] std::vector<bool> scans_to_keep(std::span<const PosedScan> scans, int first_new_run,
                                               const HistoryConfig& config);
 

@@ -102,6 +102,7 @@ TEST(History, ForgetsWhatIsOldFirst) {
     auto scans = nights(400);
     for (PosedScan& scan : scans) {
       scan.run += 1000 * repeat;
+      scan.scan.stamp.ns += 1'000'000'000'000'000 * repeat;
       scan.map_from_robot.y += 10.0 * repeat;
     }
     std::set<int> runs;
@@ -116,6 +117,25 @@ TEST(History, ForgetsWhatIsOldFirst) {
   EXPECT_GT(of_age[2], 1.4 * of_age[3]);
   EXPECT_GT(of_age[3], 0) << "some of what is old stays";
   EXPECT_EQ(of_age.count(13), 0U);
+}
+
+TEST(History, OfStampsThatBeginAnewKeepsTheNewestRuns) {
+  std::vector<PosedScan> scans = nights(20);
+  for (PosedScan& scan : scans) scan.scan.stamp.ns %= 86'400'000'000'000;
+  for (const PosedScan& scan : kept(scans, 20, {.passes_per_place = 4})) EXPECT_GE(scan.run, 16);
+}
+
+TEST(History, OfRunsInAnotherOrderIsTheSame) {
+  const auto kept_stamps = [](std::vector<PosedScan> scans) {
+    std::set<std::int64_t> stamps;
+    for (const PosedScan& scan : kept(scans, 1000, {.passes_per_place = 4})) {
+      stamps.insert(scan.scan.stamp.ns);
+    }
+    return stamps;
+  };
+  std::vector<PosedScan> other = nights(50);
+  for (PosedScan& scan : other) scan.run = (scan.run * 7 + 3) % 50;
+  EXPECT_EQ(kept_stamps(other), kept_stamps(nights(50)));
 }
 
 TEST(History, TakesAnyHeading) {
