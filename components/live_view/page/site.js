@@ -1,6 +1,8 @@
 // ---- the site that the maps come from: its versions, and decisions on them ----
 const site = { known: null, owner: '', maps: new Map(), past: null, word: '', isBad: false, revision: 0 };
 const CAN = { approve: 3, activate: 4, rollback: 5, map: 6 };  // ids of services
+// The services are of one site: of the first that the live view heard of.
+const canDecide = (what) => !!services.get(CAN[what])?.name.startsWith(site.owner + '/');
 const dated = (version) => new Date(version.made.sec * 1e3).toLocaleString(undefined, { dateStyle: 'medium', timeStyle: 'short' });
 const versionNamed = (hash) => site.known && site.known.versions.find((v) => v.hash === hash);
 takers['strata_msgs/msg/SiteVersions'] = (m, topic) => {
@@ -66,7 +68,7 @@ function versionRow(version) {
     element('span', { className: 'state ' + version.state, textContent: version.fault ? 'damaged' : version.state }));
   const about = [dated(version), version.made_by && 'by ' + version.made_by, version.note, version.fault].filter(Boolean).join(', ');
   const row = element('li', { title: version.hash }, element('div', {}, words, element('small', { textContent: about })));
-  if (may && services.has(CAN[may[0]])) row.append(decisionButton(...may, version));
+  if (may && canDecide(may[0])) row.append(decisionButton(...may, version));
   return row;
 }
 // What has not changed is not made anew: a button that is pressed stays the same one.
@@ -88,7 +90,7 @@ function showSite() {
   const order = (v) => ['active', 'approved', 'candidate', 'retired'].indexOf(v.state);
   $('versions').replaceChildren(...[...known.versions].sort((a, b) => order(a) - order(b) || b.number - a.number).slice(0, 50).map(versionRow));
   const before = known.previous && versionNamed(known.previous);
-  $('back').replaceChildren(...(before && services.has(CAN.rollback)
+  $('back').replaceChildren(...(before && canDecide('rollback')
     ? [decisionButton('rollback', 'Roll back to version ' + before.number, before)] : []));
   offerPast();
 }
@@ -96,7 +98,7 @@ function showSite() {
 const byDate = () => site.known ? site.known.versions.filter((v) => !v.fault).sort((a, b) => a.made.sec - b.made.sec || a.number - b.number) : [];
 function offerPast() {
   const all = byDate(), slider = $('day');
-  $('past').hidden = all.length < 2 || !services.has(CAN.map);
+  $('past').hidden = all.length < 2 || !canDecide('map');
   const at = site.past ? all.findIndex((v) => v.hash === site.past.version.hash) : -1;
   slider.max = all.length;
   slider.value = at < 0 ? all.length : at;
