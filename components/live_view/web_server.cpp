@@ -3,6 +3,7 @@
 #include "components/live_view/web_server.hpp"
 
 #include <chrono>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -44,8 +45,12 @@ asio::ssl::context tls_context(const TlsFiles& files) {
   SSL_CTX_set_min_proto_version(context.native_handle(), TLS1_2_VERSION);
   const auto require = [](const error_code& error, const char* key, const std::string& file) {
     if (!error) return;
-    throw ConfigError(key, file + " cannot be used: " + error.message(),
-                      "give PEM files of a certificate and of its private key");
+    // OpenSSL's own codes have no text here.
+    const bool is_readable = std::ifstream(file).good();
+    throw ConfigError(
+        key,
+        file + (is_readable ? " is no PEM file of it, or not of this pair" : " cannot be read"),
+        "give PEM files of a certificate and of its private key");
   };
   error_code error;
   context.use_certificate_chain_file(files.certificate, error);

@@ -107,7 +107,7 @@ def test_refusals(strata, work):
             (["address=0.0.0.0", "token=short", *pair], "token"),
             ([pair[0], f"private_key={other_key}"], "private_key"),
             ([pair[1], f"certificate={work}/robot.key"], "certificate"),
-            ([pair[1], f"certificate={work}/missing.crt"], "certificate")):
+            ([pair[1], f"certificate={work}/missing.crt"], "missing.crt cannot be read")):
         command = [strata, "view", f"{work}/maps", "--port", str(free_port())]
         for one in settings:
             command += ["--set", one]
