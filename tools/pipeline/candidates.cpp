@@ -82,7 +82,10 @@ void run_candidates(const std::vector<Candidate>& candidates, const TestPart& pa
       kept.estimates.push_back(pose.pose);
     }
     judge_changed_places(part, kept);
-    if (i % seeds.size() == 0) states[c] = std::move(run.states);
+    if (i % seeds.size() == 0) {
+      states[c] = std::move(run.states);
+      kept.shown_particles = std::move(run.shown_particles);
+    }
     progress.one_done();
   });
   for (std::size_t c = 0; c < candidates.size(); ++c) {

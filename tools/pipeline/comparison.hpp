@@ -31,6 +31,7 @@ struct ModelRun {
   std::vector<ScanError> errors;
   std::vector<std::uint8_t> sees_change;  ///< one an error: 1 where it changed
   std::vector<Pose2> estimates;           ///< of the particles, one a scan, map frame
+  std::vector<float> shown_particles;     ///< LocalizationRun's, of a part's first run; not saved
   std::vector<double> update_ms;
   LocalizationMetrics metrics;
   /// Over the scans that see a place that changed; nothing when there are none.

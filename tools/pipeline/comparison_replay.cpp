@@ -60,7 +60,8 @@ void write_comparison_replay(const Comparison& comparison, const maps::Maps& map
     ways[m].states = rows_of(model.states, drive);
     const auto descriptor = maps::map_models().find(model.model);
     const patch::PatchMap* patches = descriptor ? maps::patches_of(*descriptor, maps) : nullptr;
-    replay.tracks.push_back({model.model, ways[m].trajectory, ways[m].states, {}, patches});
+    replay.tracks.push_back(
+        {model.model, ways[m].trajectory, ways[m].states, {}, patches, run.shown_particles});
   }
   write_replay(folder, replay);
 }

@@ -8,6 +8,7 @@
 
 #include "core/base/error.hpp"
 #include "core/scan/endpoints.hpp"
+#include "tools/pipeline/localize.hpp"
 #include "tools/report/html_report.hpp"
 #include "tools/report/map_picture.hpp"
 
@@ -89,11 +90,27 @@ json believed_json(std::span<const maps::StateRow> rows) {
   return states;
 }
 
+/// From the pose [cm], x and y in turn; those that are not finite are left out.
+json particles_json(std::span<const float> particles, const Pose2& pose) {
+  json shown = json::array();
+  for (std::size_t k = 0; k + 1 < particles.size(); k += 2) {
+    const double x_cm = 100.0 * (static_cast<double>(particles[k]) - pose.x);
+    const double y_cm = 100.0 * (static_cast<double>(particles[k + 1]) - pose.y);
+    if (!std::isfinite(x_cm) || !std::isfinite(y_cm)) continue;
+    shown.push_back(std::lround(x_cm));
+    shown.push_back(std::lround(y_cm));
+  }
+  return shown;
+}
+
 json track_json(const ReplayTrack& track, std::span<const Observation> scans, double resolution_m,
                 std::size_t step) {
   json poses = json::array();
   json scores = json::array();
   json states = json::array();
+  json particles = json::array();
+  constexpr std::size_t kEach = 2 * kShownParticles;
+  const bool has_particles = track.particles.size() == kEach * track.trajectory.size();
   const std::vector<std::size_t> rows = first_rows(track, scans);
   for (std::size_t i = 0; i < scans.size(); i += step) {
     poses.push_back(i < track.trajectory.size() ? pose_json(track.trajectory[i].pose)
@@ -101,12 +118,14 @@ json track_json(const ReplayTrack& track, std::span<const Observation> scans, do
     scores.push_back(i < track.scores.size() ? json(std::lround(100.0 * track.scores[i]))
                                              : json(nullptr));
     states.push_back(believed_json(track.states.subspan(rows[i], rows[i + 1] - rows[i])));
+    if (has_particles && i < track.trajectory.size()) {
+      particles.push_back(
+          particles_json(track.particles.subspan(i * kEach, kEach), track.trajectory[i].pose));
+    }
   }
-  return {{"name", track.name},
-          {"areas", areas_json(track.patches, resolution_m)},
-          {"poses", poses},
-          {"scores", scores},
-          {"states", states}};
+  return {{"name", track.name}, {"areas", areas_json(track.patches, resolution_m)},
+          {"poses", poses},     {"scores", scores},
+          {"states", states},   {"particles", particles}};
 }
 
 /// Every `step`-th scan.

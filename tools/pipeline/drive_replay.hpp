@@ -33,6 +33,7 @@ struct ReplayTrack {
   std::span<const maps::StateRow> states;        ///< in the order of the observations; may be empty
   std::span<const double> scores;                ///< one an observation; may be empty
   const patch::PatchMap* patches = nullptr;      ///< where `states` are; null: none
+  std::span<const float> particles = {};         ///< LocalizationRun::shown_particles; may be empty
 };
 
 struct DriveReplay {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/angle.hpp"
 #include "tools/pipeline/map_fit.hpp"
@@ -16,6 +17,23 @@ ScanError error_of(Stamp stamp, const Pose2& pose, const Pose2& truth, double sc
 }
 
 }  // namespace
+
+void show_particles(const localization::ParticleSet& particles, std::vector<float>& shown) {
+  double total = 0.0;
+  for (const double weight : particles.weight) total += weight;
+  if (!(total > 0.0)) {
+    shown.insert(shown.end(), 2 * kShownParticles, std::numeric_limits<float>::quiet_NaN());
+    return;
+  }
+  std::size_t at = 0;
+  double reached = particles.weight.front();
+  for (std::size_t k = 0; k < kShownParticles; ++k) {
+    const double step = (static_cast<double>(k) + 0.5) * total / kShownParticles;
+    while (reached < step && at + 1 < particles.size()) reached += particles.weight[++at];
+    shown.push_back(static_cast<float>(particles.x_m[at]));
+    shown.push_back(static_cast<float>(particles.y_m[at]));
+  }
+}
 
 LocalizationRun localize(std::span<const Observation> observations,
                          std::span<const std::optional<Pose2>> truths, const maps::MapModel& model,
@@ -41,6 +59,7 @@ LocalizationRun localize(std::span<const Observation> observations,
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     run.update_ms.push_back(took.count());
     run.add(observation.scan.stamp, result, localizer, refined);
+    show_particles(localizer.particles(), run.shown_particles);
     if (fit != nullptr) fit->add(observation, result, localizer.particles());
     if (i < truths.size() && truths[i]) {
       run.errors.push_back(

@@ -2,6 +2,7 @@
 /// One localization run on recorded observations, without DDS.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -19,12 +20,21 @@ namespace strata::pipeline {
 
 class MapFit;
 
+/// So many particles of each scan are kept, for pages that show them.
+inline constexpr std::size_t kShownParticles = 20;
+
 /// The record of a run, and what only the direct path knows.
 struct LocalizationRun : maps::LocalizationRecord {
   std::vector<ScanError> errors;          ///< of the scans whose truth is known
   std::vector<ScanError> refined_errors;  ///< ... and whose pose was refined: its distance
   std::vector<double> update_ms;
+  /// kShownParticles of each scan, x and y in turn [m], as often as they weigh.
+  std::vector<float> shown_particles;
 };
+
+/// Appends kShownParticles of a set: those at even steps of the sum of weights. None of a set
+/// without weight: NaN.
+void show_particles(const localization::ParticleSet& particles, std::vector<float>& shown);
 
 struct LocalizationStart {
   /// Nothing: global, over the free cells of `free_space`.

@@ -179,11 +179,12 @@ void run_localize(const Options& options, VerbContext& context) {
                [&] { pipeline::write_trajectory_picture(out.path(), maps.filtered, fit.fit()); });
   drawings.add(out.path() / pipeline::kReplayPage, [&] {
     const auto* patches = maps::patches_of(*model.descriptor, maps);
-    pipeline::write_replay(out.path(),
-                           {maps.filtered,
-                            runs.observations,
-                            runs.truths,
-                            {{options.model, run.trajectory, run.states, run.scores, patches}}});
+    pipeline::write_replay(
+        out.path(),
+        {maps.filtered,
+         runs.observations,
+         runs.truths,
+         {{options.model, run.trajectory, run.states, run.scores, patches, run.shown_particles}}});
   });
   out.commit();
   warn(context, drawings.what_is_missing());

@@ -10,6 +10,7 @@
 #include "tests/support/test_data.hpp"
 #include "tools/pipeline/comparison_report.hpp"
 #include "tools/pipeline/drive_replay.hpp"
+#include "tools/pipeline/localize.hpp"
 
 namespace strata::pipeline {
 namespace {
@@ -110,6 +111,15 @@ TEST(ComparisonReplay, HasAreasAndStatesOnlyOfModelsThatHaveThem) {
   EXPECT_EQ(states[2], nlohmann::json::array());
   EXPECT_EQ(states[3], nlohmann::json::parse("[[0, 0, 90]]"));
   EXPECT_EQ(data["tracks"][0]["states"][1], nlohmann::json::array());
+}
+
+TEST(ComparisonReplay, HasTheParticlesOfTheFirstRun) {
+  Compared compared;
+  compared.comparison.models[1].runs[0].shown_particles.assign(2 * kShownParticles * kScans, 0.1F);
+  const nlohmann::json data = compared.data();
+  ASSERT_EQ(data["tracks"][1]["particles"].size(), kScans);
+  EXPECT_EQ(data["tracks"][1]["particles"][2][0], -200) << "it is at (2.1, 0)";
+  EXPECT_EQ(data["tracks"][0]["particles"], nlohmann::json::array()) << "of whom none are known";
 }
 
 TEST(ComparisonReplay, GoesOnAfterAStateOfNoScan) {

@@ -2,6 +2,7 @@
 /// What the page of a drive holds: within its budget, whatever the drive.
 #include "tools/pipeline/drive_replay.hpp"
 
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.hpp"
+#include "tools/pipeline/localize.hpp"
 
 namespace strata::pipeline {
 namespace {
@@ -73,6 +75,49 @@ TEST(DriveReplay, TellsTheLikeliestStateOfEachArea) {
   EXPECT_EQ(states[0], nlohmann::json::array());
   EXPECT_EQ(states[1], nlohmann::json({{4, 1, 80}, {2, 0, 100}}));
   EXPECT_EQ(states[2], nlohmann::json::array());
+}
+
+TEST(DriveReplay, TellsOfParticlesFromThePoseAndLeavesOutWhatIsNoNumber) {
+  const Drive drive = drive_of(3, 1);  // at (0, 1), (0.001, 1), (0.002, 1)
+  std::vector<float> particles(2 * kShownParticles * 3, 1.0F);
+  particles[2 * kShownParticles] = std::numeric_limits<float>::quiet_NaN();
+  particles[2 * kShownParticles + 3] = 1.25F;
+  const auto data =
+      data_of(replay_page({drive.map,
+                           drive.observations,
+                           drive.truths,
+                           {{"patch", drive.trajectory, {}, {}, nullptr, particles}}}));
+  const auto shown = data["tracks"][0]["particles"];
+  ASSERT_EQ(shown.size(), 3U);
+  EXPECT_EQ(shown[0].size(), 2 * kShownParticles);
+  EXPECT_EQ(shown[0][0], 100) << "[cm]";
+  EXPECT_EQ(shown[0][1], 0);
+  EXPECT_EQ(shown[1].size(), 2 * kShownParticles - 2) << "one is nowhere";
+  EXPECT_EQ(shown[1][1], 25);
+  EXPECT_EQ(data_of(page_of(drive))["tracks"][0]["particles"], nlohmann::json::array());
+}
+
+TEST(ShownParticles, AreThoseThatWeigh) {
+  localization::ParticleSet set;
+  set.resize(4);
+  set.x_m = {0.0, 1.0, 2.0, 3.0};
+  set.y_m = {0.0, 0.0, 0.0, 0.0};
+  set.weight = {0.25, 0.0, 0.75, 0.0};
+  std::vector<float> shown;
+  show_particles(set, shown);
+  ASSERT_EQ(shown.size(), 2 * kShownParticles);
+  std::size_t first = 0;
+  std::size_t third = 0;
+  for (std::size_t k = 0; k < kShownParticles; ++k) {
+    first += shown[2 * k] == 0.0F ? 1 : 0;
+    third += shown[2 * k] == 2.0F ? 1 : 0;
+  }
+  EXPECT_EQ(first, kShownParticles / 4);
+  EXPECT_EQ(third, kShownParticles - first);
+  set.weight = {0.0, 0.0, 0.0, 0.0};
+  show_particles(set, shown);
+  ASSERT_EQ(shown.size(), 4 * kShownParticles);
+  EXPECT_FALSE(std::isfinite(shown.back()));
 }
 
 TEST(DriveReplay, LeavesOutScansAndBeamsOfALongDrive) {

@@ -25,7 +25,7 @@ MIDDLE = """(() => {
   }
   return JSON.stringify([n, x / n, y / n]);
 })()"""
-POSE, TRUTH, BEAM = (31, 95, 208), (217, 98, 43), (15, 127, 140)
+POSE, TRUTH, BEAM, PARTICLE = (31, 95, 208), (217, 98, 43), (15, 127, 140), (123, 79, 201)
 
 
 def middle(page, color, panel=0):
@@ -52,6 +52,12 @@ def looks_through(page, work):
     assert begin[0] > 25 and beams[0] > 100, (begin, beams)
     told = page.evaluate("document.querySelector('.panel output').textContent")
     assert told.endswith("m off"), told
+    # Particles where they are: here all of them 2 m beside the pose.
+    page.evaluate("drive.tracks[0].particles[0] = Array.from({length: 40}, (_, k) => k % 2 ? 0 : 200)")
+    slide(page, 0)
+    dots = middle(page, PARTICLE)
+    scale = page.evaluate("Math.min(panels[0].canvas.width / drive.map.width_m, panels[0].canvas.height / drive.map.height_m)")
+    assert dots[0] > 4 and abs(dots[1] - begin[1] - 2 * scale) < 10 and abs(dots[2] - begin[2]) < 10, (dots, begin, scale)
     assert middle(page, TRUTH)[0] > 10, "the truth is drawn"
     slide(page, last // 2)
     there = middle(page, POSE)
@@ -132,6 +138,8 @@ def a_comparison_shows_its_models(browser, strata, work):
         for panel in (0, 1):
             assert middle(page, POSE, panel)[0] > 25, panel
         assert page.evaluate("drive.tracks[0].areas.length") == 0
+        assert page.evaluate("drive.tracks.every((track) => track.particles.length === scans)")
+        assert page.evaluate("panels[1].track.particles[40].length") == 40, "20 particles, x and y in turn"
         assert page.evaluate("drive.tracks[1].areas.length") > 0
         assert page.evaluate("Object.keys(panels[1].believed[scans - 1]).length") > 0, "states"
         # What the page tells is what the comparison measured, but for the spread of the particles.
