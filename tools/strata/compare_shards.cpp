@@ -87,7 +87,6 @@ void merge_shards(const CompareOptions& options, VerbContext& context) {
   const pipeline::MergedReport report = pipeline::merge_comparison(folders, out.path());
   out.commit();
   std::cout << (options.json ? report.json.dump(2) : report.verdict) << '\n';
-  context.note("report: " + options.out + "/report.html");
 }
 
 }  // namespace strata::tools

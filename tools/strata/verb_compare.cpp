@@ -36,6 +36,17 @@ pipeline::CompareOutcome compare_logs(const Options& options, const pipeline::Ru
   return pipeline::compare(prepared.runs, config, prepared.job);
 }
 
+/// The map and, of the model with the least error, its first run in the first drive.
+void show_best(const pipeline::CompareOutcome& outcome, VerbContext& context) {
+  const auto& models = outcome.comparison.models;
+  const auto best =
+      std::min_element(models.begin(), models.end(), [](const auto& a, const auto& b) {
+        return pipeline::mean_error_m(a) < pipeline::mean_error_m(b);
+      });
+  if (best == models.end() || best->runs.empty()) return;
+  show_map(outcome.maps.filtered, {&best->runs.front().estimates, 1}, context);
+}
+
 /// Each log by itself, then all in one table.
 void compare_buildings(const Options& options, const pipeline::CompareConfig& config,
                        VerbContext& context) {
@@ -49,6 +60,7 @@ void compare_buildings(const Options& options, const pipeline::CompareConfig& co
     pipeline::Building building{building_folder(options, i), {}};
     std::filesystem::create_directories(out.path() / building.folder);
     pipeline::write_report(outcome, settings, out.path() / building.folder, &drawings);
+    if (!options.json) show_best(outcome, context);
     building.comparison = std::move(outcome.comparison);
     buildings.push_back(std::move(building));
   }
@@ -60,21 +72,11 @@ void compare_buildings(const Options& options, const pipeline::CompareConfig& co
     return;
   }
   const pipeline::Comparison joint = pipeline::join(buildings);
+  context.clear_progress();
   std::cout << pipeline::verdict(joint, pipeline::paired_tests(joint)) << '\n';
 }
 
-/// The map and, of the model with the least error, its first run in the first drive.
-void show_best(const pipeline::CompareOutcome& outcome, VerbContext& context) {
-  const auto& models = outcome.comparison.models;
-  const auto best =
-      std::min_element(models.begin(), models.end(), [](const auto& a, const auto& b) {
-        return pipeline::mean_error_m(a) < pipeline::mean_error_m(b);
-      });
-  if (best == models.end() || best->runs.empty()) return;
-  show_map(outcome.maps.filtered, {&best->runs.front().estimates, 1}, context);
-}
-
-/// Where to look, after a comparison of one building.
+/// Where to look.
 void note_places(const Options& options, VerbContext& context) {
   const std::filesystem::path out(options.out);
   const bool plays = std::filesystem::exists(out / pipeline::kReplayPage);
@@ -83,7 +85,10 @@ void note_places(const Options& options, VerbContext& context) {
 }
 
 void run_compare(const Options& options, VerbContext& context) {
-  if (!options.merge.empty()) return merge_shards(options, context);
+  if (!options.merge.empty()) {
+    merge_shards(options, context);
+    return note_places(options, context);
+  }
   require_one_way(options);
   const pipeline::CompareConfig config = compare_config_of(options, context);
   if (!options.shard.empty()) return compare_shard(options, config, context);

@@ -72,6 +72,16 @@ def main():
                 "which/report.html" in said[1] and "which/replay.html" in said[1])
     for path in ("maps/map.png", "drive/trajectory.png", "drive/replay.html", "which/report.html", "which/replay.html"):
         assert os.path.getsize(path) > 500, path
+    # Two buildings have a map each; what is merged has none, and says where the drive plays.
+    os.symlink("log.clf", "world/other.clf")
+    both = [strata, "compare", *log, "world/other.clf", *2 * truth, "--buildings", *compare[compare.index("--models"):]]
+    said = on_terminal(both)
+    assert sum(line.endswith(" m") and " m x " in line for line in said) == 2, said
+    assert " mean error" in said[-2] and "which/report.html" in said[-1], said
+    shard = [one.replace("which", "shard") for one in compare]
+    subprocess.run([*shard, "--shard", "1/1", "--quiet"], check=True)
+    said = on_terminal([strata, "compare", "--merge", "shard", "--out", "which", "--force"])
+    assert len(said) == 2 and " mean error" in said[0] and "which/replay.html" in said[1], said
     # Nothing for who does not look.
     for command in (learn, localize, compare):
         said = in_pipe(command)
