@@ -58,6 +58,14 @@ def are_disabled(page):
     return [page.evaluate(f"$('{button}').disabled") for button in COMMANDS]
 
 
+def test_a_long_name(page):
+    """Words stay in their card."""
+    page.evaluate("tellState = ((told) => () => { robot.map.topic = '/ward_3_on_the_second_floor/map'; told(); })(tellState)")
+    comes_true(lambda: "/ward_3" in page.text("mapname"), "the map's name is told")
+    assert page.evaluate("[...document.querySelectorAll('#state dd')].every((one) => one.getBoundingClientRect().right "
+                         "< $('state').getBoundingClientRect().right)"), "a word leaves its card"
+
+
 def test_its_own_robot_first(page):
     comes_true(lambda: page.evaluate("fleet.robots.size") == 2, "both robots are heard")
     assert page.evaluate("$('robots').hidden") is False and page.evaluate("$('robots').value") == "/bob"
@@ -88,6 +96,7 @@ def main():
         test_its_own_robot_first(bob)
         test_choosing_the_other(bob)
         test_a_view_of_neither(nobody)
+        test_a_long_name(bob)
 
 
 main()
