@@ -44,7 +44,9 @@ void print(const std::vector<IncidentRecord>& records) {
   for (const IncidentRecord& record : records) {
     std::printf("%s\n", record.folder.string().c_str());
     for (const auto& reason : record.reasons) std::printf("  %s\n", reason.text.c_str());
-    std::printf("  %s, %.1f MB%s%s\n", counted(record.messages, "message").c_str(),
+    // They are counted at its end.
+    std::printf("  %s%.1f MB%s%s\n",
+                record.is_complete ? (counted(record.messages, "message") + ", ").c_str() : "",
                 static_cast<double>(record.bytes) / 1e6,
                 record.lost > 0 ? (", " + std::to_string(record.lost) + " lost").c_str() : "",
                 record.is_complete ? "" : ", cut off: the process ended while it was written");
