@@ -13,10 +13,11 @@ import sys
 from browser_page import find_browser, viewed
 from robot_process import comes_true, free_port, simulated
 
-ROBOT = """      - {{type: strata::Player, name: player, namespace: /ROBOT, parameters: {{log: {work}/world/log.clf, rate: 2.0}}}}
+ROBOT = """      - {{type: strata::Player, name: player, namespace: /ROBOT, remappings: {{scan: SCAN}}, parameters: {{log: {work}/world/log.clf, rate: 2.0}}}}
       - type: strata::Localizer
         name: localizer
         namespace: /ROBOT
+        remappings: {{scan: SCAN}}
         parameters: {{maps: {work}/maps, model: filtered, start: {{pose: [0, 0, 0]}}}}
 """
 COMPOSITION = """version: 1
@@ -25,7 +26,7 @@ processes:
   - name: robots
     executor: multi_threaded
     components:
-""" + ROBOT.replace("ROBOT", "ada") + ROBOT.replace("ROBOT", "bob") + """
+""" + ROBOT.replace("ROBOT", "ada").replace("SCAN", "scan") + ROBOT.replace("ROBOT", "bob").replace("SCAN", "base_scan") + """
       - {{type: strata::LiveView, name: live_view, namespace: /bob, parameters: {{port: {of_bob}}}}}
       - {{type: strata::LiveView, name: live_view, parameters: {{port: {of_nobody}}}}}
 """
@@ -44,6 +45,7 @@ def shows(page, name):
     assert page.evaluate("robot.map.topic").startswith(f"/{name}/"), page.evaluate("robot.map.topic")
     comes_true(lambda: page.evaluate("robot.verdict && robot.verdict.name") == f"{name}/localizer: health",
                "the verdict")
+    comes_true(lambda: page.evaluate("robot.scan !== null"), "the scan, whatever its topic is called")
     assert owners(page) == {name}, owners(page)
 
 
