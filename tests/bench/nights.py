@@ -22,6 +22,8 @@ import subprocess
 import sys
 import time
 
+from nights_measures import PLACES, contents, moved, moved_back, poses, read_map, rigid, summary
+
 WORLD = """version: 1
 name: {name}
 days: {days}
@@ -213,10 +215,12 @@ class Nights:
         return count
 
     def end(self):
-        """Corrupted candidates that are taken (of fifty), and how long going back lasts."""
+        """Fifty corrupted candidates: how many are taken, and how many more have the same content, since
+        the bytes that were hit hold none. How long going back lasts."""
         source, broken = os.path.realpath(f"{self.site}/active"), f"{self.work}/broken"
-        chance, taken = random.Random(self.seed), 0
-        for _ in range(50):
+        chance, taken, same, whole = random.Random(self.seed), 0, 0, contents(f"{source}/strata.db")
+        corrupted = 0
+        while corrupted < 50:
             shutil.rmtree(broken, ignore_errors=True)
             shutil.copytree(source, broken)
             with open(f"{broken}/strata.db", "r+b") as store:
@@ -227,53 +231,16 @@ class Nights:
                     for _ in range(chance.choice((1, 20))):
                         store.seek(chance.randrange(size))
                         store.write(chance.randbytes(chance.choice((64, 4096))))
+            if contents(f"{broken}/strata.db") == whole:
+                same += 1
+                continue
+            corrupted += 1
             before = self.active()
             subprocess.run([self.strata, "site", "take", self.site, broken, "--quiet"], capture_output=True)
             taken += self.active() != before
         begin = time.monotonic()
         self.run("site", "rollback", self.site, "--quiet")
-        return {"corrupted_taken_of_50": taken, "rollback_s": round(time.monotonic() - begin, 3)}
-
-
-# Where the cabinet and the shelf stand or stood, in the hall's frame, with a margin.
-PLACES = {"cabinet_old": (7.9, 7.2, 9.3, 7.9), "cabinet_new": (10.4, 4.9, 11.4, 6.3), "shelf": (5.1, 4.1, 6.9, 4.7)}
-
-
-def poses(path):
-    with open(path) as file:
-        rows = [line.split() for line in file if line.strip() and line[0] != "#"]
-    return {round(float(row[0]), 3): (float(row[1]), float(row[2])) for row in rows}
-
-
-def rigid(pairs):
-    """(turn, x, y) that brings the firsts onto the seconds with the least squares."""
-    count = len(pairs)
-    ax, ay = (sum(a[i] for a, _ in pairs) / count for i in (0, 1))
-    bx, by = (sum(b[i] for _, b in pairs) / count for i in (0, 1))
-    sine = sum((a[0] - ax) * (b[1] - by) - (a[1] - ay) * (b[0] - bx) for a, b in pairs)
-    cosine = sum((a[0] - ax) * (b[0] - bx) + (a[1] - ay) * (b[1] - by) for a, b in pairs)
-    turn = math.atan2(sine, cosine)
-    x, y = moved((turn, 0.0, 0.0), (ax, ay))
-    return turn, bx - x, by - y
-
-
-def moved(frame, point):
-    sine, cosine = math.sin(frame[0]), math.cos(frame[0])
-    return (frame[1] + cosine * point[0] - sine * point[1], frame[2] + sine * point[0] + cosine * point[1])
-
-
-def moved_back(frame, point):
-    return moved((-frame[0], 0.0, 0.0), (point[0] - frame[1], point[1] - frame[2]))
-
-
-def read_map(path):
-    with open(path) as file:
-        words = dict(line.split(":", 1) for line in file if ":" in line)
-    origin = [float(word) for word in words["origin"].strip(" []\n").split(",")]
-    with open(os.path.join(os.path.dirname(path), words["image"].strip()), "rb") as file:
-        magic, width, height, _, cells = file.read().split(maxsplit=4)
-    assert magic == b"P5"
-    return (int(width), int(height)), float(words["resolution"]), origin, cells
+        return {"corrupted_taken_of_50": taken, "hit_without_effect": same, "rollback_s": round(time.monotonic() - begin, 3)}
 
 
 def shift_clock(words, seconds):
@@ -301,37 +268,6 @@ def shorten(words):
     count = int(words[8])
     ranges = [f"{min(float(word), 1.0):.3f}" for word in words[9:9 + count]]
     return words[:9] + ranges + words[9 + count:]
-
-
-def summary(results, nights):
-    taken = [one for one in results if one["taken"]]
-    worse = [one["night"] for one in taken if "before_m" in one and
-             (one["error_m"] > one["before_m"] + 0.02 or (one["lost"] and not one["before_lost"]))]
-
-    def delay(day, place, shows):
-        """Nights after which what is active shows something there, or nothing any more, for good."""
-        nights_so = [one["night"] for one in results if one["night"] >= day and "shows" in one and
-                     (one["shows"][place] >= 5) != shows]
-        return (max(nights_so) + 1 - day) if nights_so else 0
-
-    tenth = max(1, len(results) // 10)
-    frames = [one for one in results if "frame_moved_m" in one]
-
-    return {"nights": len(results), "releases": len(taken),
-            "bad_nights_released": [one["night"] for one in taken if one["bad"]],
-            "releases_in_which_the_next_day_is_worse": worse,
-            "good_nights_refused": [one["night"] for one in results if not one["bad"] and not one["taken"]],
-            "nights_until_the_cabinet_is_in_its_new_place": delay(nights.moved, "cabinet_new", True),
-            "nights_until_it_is_gone_from_the_old": delay(nights.moved, "cabinet_old", False),
-            "nights_until_the_new_shelf": delay(nights.came, "shelf", True),
-            "frame_moved_at_most_m": max(one["frame_moved_m"] for one in frames),
-            "frame_turned_at_most_deg": max(abs(one["frame_turned_deg"]) for one in frames),
-            "learn_s_first_and_last_tenth": [round(sum(one["learn_s"] for one in part) / tenth, 2)
-                                             for part in (results[:tenth], results[-tenth:])],
-            "store_mb_last": results[-1]["store_mb"],
-            "mean_error_m": round(sum(one["error_m"] for one in results) / len(results), 4),
-            "days_lost": sum(one["lost"] for one in results),
-            "longest_take_s": max(one["take_s"] for one in results)}
 
 
 def main():
