@@ -14,13 +14,22 @@
 namespace strata::fleet {
 namespace {
 
-/// What the server has of this robot: hashes by number.
-std::map<std::int64_t, std::string> own_visits(Connection& connection, const Member& robot) {
-  const Rows rows =
-      connection.query("SELECT visit, sha256 FROM strata.visit WHERE site = $1 AND robot = $2",
-                       {robot.site, robot.name});
-  std::map<std::int64_t, std::string> visits;
-  for (std::size_t i = 0; i < rows.size(); ++i) visits[rows.integer(i, 0)] = rows.text(i, 1);
+struct OwnVisit {
+  std::string sha256;
+  std::size_t scans = 0;
+  std::int64_t end_ns = 0;
+};
+
+/// What the server has of this robot, by number.
+std::map<std::int64_t, OwnVisit> own_visits(Connection& connection, const Member& robot) {
+  const Rows rows = connection.query(
+      "SELECT visit, sha256, scans, end_ns FROM strata.visit WHERE site = $1 AND robot = $2",
+      {robot.site, robot.name});
+  std::map<std::int64_t, OwnVisit> visits;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    visits[rows.integer(i, 0)] = {rows.text(i, 1), static_cast<std::size_t>(rows.integer(i, 2)),
+                                  rows.integer(i, 3)};
+  }
   return visits;
 }
 
@@ -55,6 +64,14 @@ std::vector<LocalVisit> local_visits(const memory::Store& store, const Member& r
   return visits;
 }
 
+/// Whether the server has that drive, or as much of it as was sent.
+bool is_same(const OwnVisit& there, const LocalVisit& here) {
+  if (there.sha256 == here.whole) return true;
+  // What is left of a visit has no hash to compare: it is there by its number.
+  if (here.visit.name.sha256 != here.whole) return true;
+  return there.scans < here.visit.scans && there.end_ns == here.visit.end_ns;
+}
+
 void require_same_frame(const Connection& connection, const std::filesystem::path& maps,
                         const std::vector<LocalVisit>& visits,
                         const std::set<std::string>& released) {
@@ -82,8 +99,8 @@ PushOutcome send(Connection& connection, const Member& robot, const Visit& visit
        visit.scans, visit.end_ns, visit.path_m, payload});
   if (sent.changed() == 1) return PushOutcome::kSent;
   const auto there = own_visits(connection, robot);  // another process was quicker
-  return there.at(visit.name.number) == visit.name.sha256 ? PushOutcome::kThere
-                                                          : PushOutcome::kClash;
+  return there.at(visit.name.number).sha256 == visit.name.sha256 ? PushOutcome::kThere
+                                                                 : PushOutcome::kClash;
 }
 
 }  // namespace
@@ -103,7 +120,7 @@ const char* name_of(PushOutcome outcome) {
 }
 
 void push(Connection& connection, const std::string& site, const std::filesystem::path& maps,
-          const std::function<void(const PushedVisit&)>& told) {
+          const std::function<void(const PushedVisit&)>& told, const SpacingConfig& spacing) {
   const Member robot = require_member(connection, site);
   if (robot.kind != MemberKind::kRobot) {
     throw InputError(connection.place(),
@@ -115,18 +132,23 @@ void push(Connection& connection, const std::string& site, const std::filesystem
   std::vector<LocalVisit> visits = local_visits(store, robot);
   require_same_frame(connection, maps, visits, released);
   const auto there = own_visits(connection, robot);
-  for (const auto& [visit, whole] : visits) {
+  for (const LocalVisit& local : visits) {
+    const auto& [visit, whole] = local;
     PushedVisit pushed{
         visit.name, whole, visit.run, visit.scans, visit.path_m, 0, PushOutcome::kReleased};
     const auto same_number = there.find(visit.name.number);
     if (!released.contains(whole)) {
       if (same_number != there.end()) {
-        // What is left of a visit has no hash to compare: it is there by its number.
-        const bool is_there = visit.name.sha256 != whole || same_number->second == whole;
-        pushed.outcome = is_there ? PushOutcome::kThere : PushOutcome::kClash;
+        pushed.outcome =
+            is_same(same_number->second, local) ? PushOutcome::kThere : PushOutcome::kClash;
       } else {
-        const auto payload = memory::pack_visit(visit_of(store, visit.run).content);
-        pushed.outcome = send(connection, robot, visit, payload);
+        Visit sent = visit_of(store, visit.run, spacing);
+        sent.name.robot = robot.name;
+        sent.name.number = visit.name.number;
+        const auto payload = memory::pack_visit(sent.content);
+        pushed.outcome = send(connection, robot, sent, payload);
+        pushed.name = sent.name;
+        pushed.scans = sent.scans;
         if (pushed.outcome == PushOutcome::kSent) pushed.bytes = payload.size();
       }
     }

@@ -10,6 +10,7 @@
 
 #include "components/fleet/connection.hpp"
 #include "components/fleet/visits.hpp"
+#include "core/scan/spacing.hpp"
 
 namespace strata::fleet {
 
@@ -23,7 +24,7 @@ enum class PushOutcome {
 
 struct PushedVisit {
   VisitName name;
-  std::string whole;  ///< the hash that it had before scans were forgotten; else the name's
+  std::string whole;  ///< the hash of all of its scans, also of those that were forgotten since
   int run = 0;
   std::size_t scans = 0;
   double path_m = 0.0;
@@ -33,11 +34,12 @@ struct PushedVisit {
 
 /// Sends every run of a MAPS folder that the server does not have: one visit, one transaction, so
 /// that a cut at any moment loses nothing, and to do it again repeats nothing. The maps must hold a
-/// visit of a version of the site: that is how one knows that they are in its frame. told: of each
-/// visit once it is decided. Throws InputError for maps that are not, or a connection that is no
-/// robot of `site`; and as Connection does: what was told before that is on the server.
+/// visit of a version of the site: that is how one knows that they are in its frame. What is sent
+/// is spaced so; a visit that is there with fewer scans, but the same begin and end, is there.
+/// told: of each visit once it is decided. Throws InputError for maps that are not, or a connection
+/// that is no robot of `site`; and as Connection does: what was told before that is on the server.
 void push(Connection& connection, const std::string& site, const std::filesystem::path& maps,
-          const std::function<void(const PushedVisit&)>& told);
+          const std::function<void(const PushedVisit&)>& told, const SpacingConfig& spacing = {});
 
 /// What to say of a visit that stays here.
 [[nodiscard]] InputError clash_error(const Connection& connection, const VisitName& visit);

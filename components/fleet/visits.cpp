@@ -48,8 +48,8 @@ std::vector<std::byte> fetch_content(Connection& connection, const std::string& 
 
 }  // namespace
 
-Visit visit_of(const memory::Store& store, int run) {
-  const std::vector<PosedScan> scans = store.load_scans(run);
+Visit visit_of(const memory::Store& store, int run, const SpacingConfig& spacing) {
+  const std::vector<PosedScan> scans = spaced(store.load_scans(run), spacing);
   Visit visit;
   visit.run = run;
   visit.name.number = scans.front().scan.stamp.ns;

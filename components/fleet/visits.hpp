@@ -13,6 +13,7 @@
 
 #include "components/fleet/connection.hpp"
 #include "core/scan/scan.hpp"
+#include "core/scan/spacing.hpp"
 #include "memory/store/store.hpp"
 
 namespace strata::fleet {
@@ -33,8 +34,10 @@ struct Visit {
   std::vector<std::byte> content;
 };
 
-/// A run of a MAPS folder as a visit, without a robot. Requires scans. O(beams).
-[[nodiscard]] Visit visit_of(const memory::Store& store, int run);
+/// A run of a MAPS folder as a visit, without a robot; of its scans those that are spaced so.
+/// Requires scans. O(beams).
+[[nodiscard]] Visit visit_of(const memory::Store& store, int run,
+                             const SpacingConfig& spacing = {});
 
 /// The hash of each run's visit of a MAPS folder, in the order of the runs; of runs that lack
 /// scans, or have none any more, as it was when they had all. O(beams of all).

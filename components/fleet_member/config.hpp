@@ -66,6 +66,7 @@ struct FleetMemberConfig {
   Pulled pulled = Pulled::kCandidate;
   double period_s = 20.0;
   double timeout_s = 120.0;
+  double spacing_m = 0.0;
   RetryConfig retry;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -83,6 +84,12 @@ struct FleetMemberConfig {
     v.field("maps", c.maps,
             {.doc = "MAPS folders whose visits are pushed; one that is not there has none yet",
              .when = "the robot's visits are to be shared"});
+    v.field("spacing_m", c.spacing_m,
+            {.doc = "of a visit a scan is sent every so far, or half a radian, or 10 s; 0: every "
+                    "scan, seven times as much as with 0.5",
+             .unit = "m",
+             .min = 0.0,
+             .max = 10.0});
     v.field("site_folder", c.site_folder,
             {.doc = "local site into which released versions are pulled; empty: none is",
              .when = "the robot is to get released maps"});

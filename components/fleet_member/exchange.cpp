@@ -182,11 +182,12 @@ void Exchange::push(fleet::Connection& connection) {
 
 void Exchange::push(fleet::Connection& connection, const std::string& maps) {
   std::optional<fleet::VisitName> clash;
-  fleet::push(connection, config_.site, maps, [&](const fleet::PushedVisit& visit) {
+  const auto told = [&](const fleet::PushedVisit& visit) {
     if (visit.outcome == fleet::PushOutcome::kClash) clash = visit.name;
     take(visit);
     if (stops()) throw Cancelled(maps);
-  });
+  };
+  fleet::push(connection, config_.site, maps, told, {.spacing_m = config_.spacing_m});
   if (clash) throw fleet::clash_error(connection, *clash);
   visits_.is_pushed(maps);
 }

@@ -167,14 +167,15 @@ void push(const FleetOptions& options, VerbContext& context) {
   std::size_t bytes = 0;
   double path_m = 0.0;
   std::optional<fleet::VisitName> clash;
-  fleet::push(connection, options.site, options.folder, [&](const fleet::PushedVisit& visit) {
+  const auto told = [&](const fleet::PushedVisit& visit) {
     visits.push_back(json_of(visit));
     ++counts[visit.outcome];
     bytes += visit.bytes;
     if (visit.outcome == fleet::PushOutcome::kSent) path_m += visit.path_m;
     if (visit.outcome == fleet::PushOutcome::kClash) clash = visit.name;
     if (context.interrupt().requested()) throw Cancelled("push");
-  });
+  };
+  fleet::push(connection, options.site, options.folder, told, {.spacing_m = options.spacing_m});
   const auto count = [&](fleet::PushOutcome outcome) { return counts[outcome]; };
   answer(options, context,
          "sent " + counted(count(fleet::PushOutcome::kSent), "visit") + ", " +

@@ -22,6 +22,7 @@ struct FleetOptions {
   std::string note;
   std::string why;
   int timeout_s = 120;
+  double spacing_m = 0.0;
   bool new_password = false;
   bool approve = false;
   bool activate = false;

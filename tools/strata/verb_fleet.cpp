@@ -67,6 +67,12 @@ constexpr std::array<Action, 10> kActions{{
      [](CLI::App& action, FleetOptions& options) {
        action.add_option("MAPS", options.folder, "folder that `strata learn` wrote")->required();
        add_site_name(action, options);
+       action
+           .add_option("--spacing", options.spacing_m,
+                       "metres: of a visit send a scan every so far, or half a radian, or 10 s; 0: "
+                       "every scan, seven times as much as with 0.5")
+           ->check(CLI::Range(0.0, 10.0))
+           ->capture_default_str();
      }},
     {"pull", "bring the version that was released last into a local site",
      "postgresql://hall-3.robot-1@server/fleet site --activate",

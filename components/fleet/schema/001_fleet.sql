@@ -143,7 +143,7 @@ CREATE POLICY robot_sees_own ON strata.visit FOR SELECT TO strata_robot
   USING (site = (SELECT strata.my_site()) AND robot = (SELECT strata.my_robot()));
 GRANT INSERT (site, robot, visit, sha256, format, scans, end_ns, path_m, payload)
   ON strata.visit TO strata_robot;
-GRANT SELECT (site, robot, visit, sha256, bytes, path_m, received_at) ON strata.visit TO strata_robot;
+GRANT SELECT (site, robot, visit, sha256, scans, end_ns, bytes, path_m, received_at) ON strata.visit TO strata_robot;
 CREATE POLICY robot_reads_released ON strata.version FOR SELECT TO strata_robot
   USING (site = (SELECT strata.my_site()) AND state = 'released');
 GRANT SELECT ON strata.version TO strata_robot;

@@ -99,6 +99,35 @@ TEST_F(Push, OfWhatIsLeftOfAVisitIsThereWhereTheWholeIs) {
   EXPECT_EQ(names[1].number, unsent.front().scan.stamp.ns);
 }
 
+TEST_F(Push, SpacesWhatItSendsAndKnowsItAgain) {
+  (void)release_first_tour("hall");
+  const auto long_drive = drive(10, 1);
+  test::write_maps(at("monday"), {first_tour(), long_drive});
+  Connection robot = as("hall.r1");
+  const auto push_spaced = [&](double spacing_m) {
+    std::vector<PushedVisit> all;
+    push(robot, "hall", at("monday"), [&](const PushedVisit& visit) { all.push_back(visit); },
+         {.spacing_m = spacing_m});
+    return all.back();
+  };
+  const PushedVisit sent = push_spaced(1.0);
+  EXPECT_EQ(sent.outcome, PushOutcome::kSent);
+  const auto expected = spaced(long_drive, {.spacing_m = 1.0});
+  ASSERT_LT(expected.size(), long_drive.size());
+  EXPECT_EQ(sent.scans, expected.size());
+  EXPECT_EQ(sent.name.sha256, maps::visit_hash(expected));
+  EXPECT_EQ(sent.whole, maps::visit_hash(long_drive));
+  for (const double spacing_m : {1.0, 0.5, 0.0}) {
+    EXPECT_EQ(push_spaced(spacing_m).outcome, PushOutcome::kThere) << spacing_m;
+  }
+  // Another drive of the same begin is another still.
+  auto other = drive(10, 2);
+  other.pop_back();
+  test::write_maps(at("other"), {first_tour(), other});
+  EXPECT_THAT(outcomes(robot, "hall", "other"),
+              ElementsAre(PushOutcome::kReleased, PushOutcome::kClash));
+}
+
 TEST_F(Push, RefusesAnotherVisitOfTheSameBeginAndSendsTheRest) {
   (void)release_first_tour("hall");
   Connection robot = as("hall.r1");
