@@ -30,4 +30,16 @@ std::string fit_warning(const LocalizedLog& log) {
          (log.begin.empty() ? "?" : ", and did the robot begin at " + log.begin + "?");
 }
 
+std::string frame_warning(const pipeline::LogFit& fit, std::optional<double> error_m,
+                          bool is_frame_known) {
+  constexpr double kFarOff_m = 1.0;
+  constexpr double kWellExplained = 0.9;
+  const double explained = fit.share(pipeline::FitState::kExplained);
+  if (is_frame_known || !error_m || *error_m <= kFarOff_m || explained < kWellExplained) return "";
+  return "the maps explain " + report::fixed(100.0 * explained, 0) +
+         "% of the drive, and the truth lies " + report::fixed(*error_m, 1) +
+         " m off: it is probably in another frame, which maps that were learned without --truth do "
+         "not know; learn them with --truth, or let `strata evaluate` align the trajectory with it";
+}
+
 }  // namespace strata::tools

@@ -25,4 +25,10 @@ struct LocalizedLog {
 /// timescale memory it is told, and warns of nothing.
 [[nodiscard]] std::string fit_warning(const LocalizedLog& log);
 
+/// For who compares with a truth in a frame of its own: the maps explain the log, and the poses lie
+/// more than a metre off in the mean. Empty where maps were told where the truth lies
+/// (`is_frame_known`), or where nothing is odd.
+[[nodiscard]] std::string frame_warning(const pipeline::LogFit& fit, std::optional<double> error_m,
+                                        bool is_frame_known);
+
 }  // namespace strata::tools

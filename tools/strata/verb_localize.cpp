@@ -189,6 +189,11 @@ void run_localize(const Options& options, VerbContext& context) {
   out.commit();
   warn(context, drawings.what_is_missing());
   warn_of_bad_fit(fit.fit(), metrics["score"]["mean"], options, !start.map_from_robot, context);
+  const nlohmann::json& error = metrics["error_m"];
+  const std::string frame = frame_warning(
+      fit.fit(), error.is_null() ? std::nullopt : std::optional(error["mean"].get<double>()),
+      maps.map_from_truth.has_value());
+  if (!frame.empty()) warn(context, frame);
   if (options.json) {
     std::cout << log::json_text(metrics);
   } else if (!context.options.quiet) {

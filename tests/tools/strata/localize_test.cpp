@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "components/log/trajectory_file.hpp"
 #include "tests/support/decoded_png.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/tools/strata/replay_fixture.hpp"
@@ -83,6 +84,20 @@ TEST_F(Localize, WarnsAlsoWhenQuietAndKeepsItsJsonClean) {
   ASSERT_EQ(told.code, 0) << told.out;
   EXPECT_EQ(nlohmann::json::parse(told.out)["map_fit"]["is_explained"], false);
   EXPECT_THAT(test::bytes_of(at("err")), ContainsRegex(std::string("^") + kWarning));
+}
+
+TEST_F(Localize, SaysThatATruthLiesInAnotherFrame) {
+  ASSERT_EQ(localize("--initial-pose 0,0,0 --quiet").code, 0);
+  auto truth = log::read_trajectory(at("out") / "trajectory.tum");
+  const auto compared = [&](double moved_m) {
+    for (log::StampedPose& pose : truth) pose.pose.x += moved_m;
+    log::write_trajectory(at("truth.tum"), truth);
+    return localize("--initial-pose 0,0,0 --force --truth " + quoted(at("truth.tum"))).out;
+  };
+  EXPECT_THAT(compared(0.0), Not(HasSubstr("in another frame")));
+  EXPECT_THAT(compared(4.0),
+              ContainsRegex("warning: the maps explain [0-9]+% of the drive, and the truth lies "
+                            "4[.]0 m off: it is probably in another frame"));
 }
 
 TEST_F(Localize, InAReplayWarnsTheSame) {
