@@ -39,6 +39,9 @@ EarlierRuns read_earlier_runs(const std::filesystem::path& dir) {
     earlier.next_run = run + 1;
   }
   earlier.thinned = read_thinned_runs(store);
+  for (const ThinnedRun& run : earlier.thinned) {
+    earlier.next_run = std::max(earlier.next_run, run.run + 1);  // the last may have no scan left
+  }
   if (earlier.scans.empty()) {
     throw InputError((dir / kStoreFile).string(), "holds no scans to go on from",
                      "learn its logs again with this version, or learn them together with the new "

@@ -106,6 +106,14 @@ TEST(EarlierRuns, KeepTheNameThatTheyHadWhenTheyWereWhole) {
   EXPECT_TRUE(new_runs(whole, earlier).empty());
 }
 
+TEST(EarlierRuns, GiveNoIdAwayThatAForgottenRunHad) {
+  const test::TemporaryDirectory folder;
+  memory::Store(folder.path() / kStoreFile).save_scans(3, drive(3, 5, 0.0));
+  EXPECT_EQ(read_earlier_runs(folder.path()).next_run, 4);
+  write_thinned_runs(folder.path(), std::vector<ThinnedRun>{{1, "a", 0}, {7, "b", 0}});
+  EXPECT_EQ(read_earlier_runs(folder.path()).next_run, 8);
+}
+
 TEST(EarlierRuns, AreNamedInTheFolder) {
   const test::TemporaryDirectory folder;
   const std::vector<ThinnedRun> thinned = {{3, "abc", -5}, {7, "def", 1LL << 60}};
