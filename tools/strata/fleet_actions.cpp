@@ -176,13 +176,12 @@ void push(const FleetOptions& options, VerbContext& context) {
     if (context.interrupt().requested()) throw Cancelled("push");
   };
   fleet::push(connection, options.site, options.folder, told, {.spacing_m = options.spacing_m});
-  const auto count = [&](fleet::PushOutcome outcome) { return counts[outcome]; };
+  using enum fleet::PushOutcome;
   answer(options, context,
-         "sent " + counted(count(fleet::PushOutcome::kSent), "visit") + ", " +
+         "sent " + counted(counts[kSent], "visit") + ", " +
              report::fixed(static_cast<double>(bytes) / 1e3, 1) + " kB over " +
-             report::fixed(path_m, 0) + " m; " + std::to_string(count(fleet::PushOutcome::kThere)) +
-             " were there, " + std::to_string(count(fleet::PushOutcome::kReleased)) +
-             " are in released maps",
+             report::fixed(path_m, 0) + " m; " + std::to_string(counts[kThere]) + " were there, " +
+             std::to_string(counts[kReleased]) + " are in released maps",
          {{"site", options.site},
           {"bytes", bytes},
           {"path_m", path_m},
