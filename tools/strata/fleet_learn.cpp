@@ -119,7 +119,7 @@ nlohmann::json learn_fleet(fleet::Connection& connection, const site::Site& site
   std::string logs = earlier.log;
   for (const std::string& robot : robots) logs += (logs.empty() ? "" : " ") + robot;
   nlohmann::json summary = write_learned(
-      out, result, {}, {logs, earlier.map_from_truth, &meter, {}, earlier.thinned}, context);
+      out, result, {}, {logs, earlier.map_from_truth, &meter, earlier.thinned}, context);
   summary["visits"] = count;
   summary["robots"] = robots;
   summary["checked"] = checked;

@@ -25,8 +25,8 @@ struct LearnedFrom {
   std::string logs;                                   ///< their names
   std::optional<Pose2> map_from_truth;                ///< where truth was given
   const pipeline::CostMeter* meter;                   ///< since the job began
-  nlohmann::json reading = nlohmann::json::object();  ///< maps::summarize_reading
   std::vector<maps::ThinnedRun> thinned;              ///< of the earlier runs, after learning
+  nlohmann::json reading = nlohmann::json::object();  ///< maps::summarize_reading
 };
 
 /// Writes the parts that were learned, pictures (`draw_more` adds some) and summary.json, puts the

@@ -48,8 +48,7 @@ void merge_version(const SiteOptions& options, VerbContext& context) {
       pipeline::learn_within(limits, {}, {}, config, {}, context.options.seed,
                              context.options.threads, context.progress(), &earlier);
   for (const std::string& warning : result.slam.warnings) context.note("warning: " + warning);
-  write_learned(out, result, {}, {log, earlier.map_from_truth, &meter, {}, earlier.thinned},
-                context);
+  write_learned(out, result, {}, {log, earlier.map_from_truth, &meter, earlier.thinned}, context);
   const std::string what = "version " + name_of(active) + ", in " + options.region +
                            " with what version " + name_of(version) + " learned of " +
                            counted(count, "run");

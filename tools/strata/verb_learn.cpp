@@ -200,11 +200,11 @@ void run_learn(const Options& options, VerbContext& context) {
       pipeline::write_learn_pictures(maps / "pictures", result.slam, config.slam.beam_filter);
     });
   };
-  const nlohmann::json summary =
-      write_learned(out, result, parts,
-                    {joined(logs), frame, &meter, maps::summarize_reading(runs.reports),
-                     earlier ? earlier->thinned : std::vector<maps::ThinnedRun>()},
-                    context, draw_more);
+  const nlohmann::json summary = write_learned(
+      out, result, parts,
+      {joined(logs), frame, &meter, earlier ? earlier->thinned : std::vector<maps::ThinnedRun>(),
+       maps::summarize_reading(runs.reports)},
+      context, draw_more);
   if (context.options.quiet) return;
   show_map(result.slam.filtered, ways_of(result.slam), context);
   context.clear_progress();
