@@ -5,11 +5,9 @@
 #include <cmath>
 #include <map>
 #include <span>
-#include <string_view>
 #include <tuple>
 #include <utility>
 
-#include "components/log/sha256.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/thinned_runs.hpp"
 #include "core/base/damage.hpp"
@@ -17,10 +15,6 @@
 
 namespace strata::fleet {
 namespace {
-
-std::string_view as_text(std::span<const std::byte> content) {
-  return {reinterpret_cast<const char*>(content.data()), content.size()};
-}
 
 std::string named(const std::string& place, const VisitName& name) {
   return place + ": visit " + std::to_string(name.number) + " of " + name.robot;
@@ -39,7 +33,7 @@ std::vector<std::byte> fetch_content(Connection& connection, const std::string& 
       "SELECT payload FROM strata.visit WHERE site = $1 AND robot = $2 AND visit = $3",
       {site, name.robot, name.number});
   std::vector<std::byte> content = memory::unpack_visit(rows.bytes(0, 0), place);
-  if (log::sha256_of(as_text(content)) != name.sha256) {
+  if (maps::visit_hash(std::span<const std::byte>(content)) != name.sha256) {
     throw DamageError(place, "is damaged: its hash does not hold",
                       "set the robot aside, and look into the server's disk");
   }
@@ -60,7 +54,7 @@ Visit visit_of(const memory::Store& store, int run, const SpacingConfig& spacing
     visit.path_m += std::hypot(step.x, step.y);
   }
   visit.content = memory::visit_content(scans);
-  visit.name.sha256 = log::sha256_of(as_text(visit.content));
+  visit.name.sha256 = maps::visit_hash(std::span<const std::byte>(visit.content));
   return visit;
 }
 

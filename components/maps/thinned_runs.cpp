@@ -25,7 +25,10 @@ const ThinnedRun* thinned_run(std::span<const ThinnedRun> thinned, int run) {
 }
 
 std::string visit_hash(std::span<const PosedScan> scans) {
-  const std::vector<std::byte> content = memory::visit_content(scans);
+  return visit_hash(std::span<const std::byte>(memory::visit_content(scans)));
+}
+
+std::string visit_hash(std::span<const std::byte> content) {
   return log::sha256_of(
       std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
 }

@@ -3,6 +3,7 @@
 /// who comes with one of them again is told that it is known.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -26,6 +27,8 @@ struct ThinnedRun {
 
 /// SHA-256 of a run's content as a visit. Requires scans. O(beams).
 [[nodiscard]] std::string visit_hash(std::span<const PosedScan> scans);
+/// The same of a content that is made already. O(bytes).
+[[nodiscard]] std::string visit_hash(std::span<const std::byte> content);
 
 /// Adds them to a folder that write_grid_maps wrote to. Throws OutputError.
 void write_thinned_runs(const std::filesystem::path& dir, std::span<const ThinnedRun> thinned);

@@ -28,7 +28,7 @@ struct GateLimits {
   double min_explained = 0.65;
   double max_explained_drop = 0.03;
   double max_contradicted_rise = 0.03;
-  double max_new_contradicted = 0.25;
+  double max_new_contradicted = 0.5;
   double max_score_drop = 0.05;
   double max_lost_rise = 0.01;
   double max_error_rise_m = 0.02;

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/site/new_run_check.hpp"
 
-#include <string>
-#include <utility>
-
 #include "components/maps/earlier_runs.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "tools/pipeline/map_fit.hpp"
@@ -19,15 +16,11 @@ std::vector<NewRun> judge_new_runs(const std::filesystem::path& candidate,
   }
   const auto runs =
       maps::new_runs(maps::read_earlier_runs(candidate), maps::read_earlier_runs(active));
-  std::vector<RobotVisits> visits;
-  for (const std::vector<PosedScan>& run : runs) {
-    visits.push_back({std::to_string(run.front().run), {run}});
-  }
   std::vector<NewRun> judged;
-  const std::vector<RobotJudgement> found = judge_robots(filtered, visits, {});
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (found[i].scans < pipeline::kFitWindow) continue;
-    judged.push_back({runs[i].front().run, found[i].scans, found[i].contradicted});
+  for (const std::vector<PosedScan>& run : runs) {
+    const RobotJudgement found = measure_robot(filtered, {"", {run}});
+    if (found.scans < pipeline::kFitWindow) continue;
+    judged.push_back({run.front().run, found.scans, found.contradicted});
   }
   return judged;
 }

@@ -10,7 +10,24 @@
 namespace strata::site {
 namespace {
 
-RobotJudgement measure(const ReflectionGrid& map, const RobotVisits& robot) {
+bool is_judged(const RobotJudgement& robot) { return robot.scans >= pipeline::kFitWindow; }
+
+std::optional<double> median_of_others(std::span<const RobotJudgement> robots, std::size_t but) {
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (i != but && is_judged(robots[i])) shares.push_back(robots[i].contradicted);
+  }
+  if (shares.empty()) return std::nullopt;
+  std::sort(shares.begin(), shares.end());
+  const std::size_t middle = shares.size() / 2;
+  return shares.size() % 2 == 1 ? shares[middle] : (shares[middle - 1] + shares[middle]) / 2.0;
+}
+
+std::string percent(double share) { return report::fixed(100.0 * share, 0) + "%"; }
+
+}  // namespace
+
+RobotJudgement measure_robot(const ReflectionGrid& map, const RobotVisits& robot) {
   RobotJudgement found;
   found.robot = robot.robot;
   std::size_t contradicted = 0;
@@ -34,28 +51,11 @@ RobotJudgement measure(const ReflectionGrid& map, const RobotVisits& robot) {
   return found;
 }
 
-bool is_judged(const RobotJudgement& robot) { return robot.scans >= pipeline::kFitWindow; }
-
-std::optional<double> median_of_others(std::span<const RobotJudgement> robots, std::size_t but) {
-  std::vector<double> shares;
-  for (std::size_t i = 0; i < robots.size(); ++i) {
-    if (i != but && is_judged(robots[i])) shares.push_back(robots[i].contradicted);
-  }
-  if (shares.empty()) return std::nullopt;
-  std::sort(shares.begin(), shares.end());
-  const std::size_t middle = shares.size() / 2;
-  return shares.size() % 2 == 1 ? shares[middle] : (shares[middle - 1] + shares[middle]) / 2.0;
-}
-
-std::string percent(double share) { return report::fixed(100.0 * share, 0) + "%"; }
-
-}  // namespace
-
 std::vector<RobotJudgement> judge_robots(const ReflectionGrid& map,
                                          std::span<const RobotVisits> robots,
                                          const RobotLimits& limits) {
   std::vector<RobotJudgement> judged;
-  for (const RobotVisits& robot : robots) judged.push_back(measure(map, robot));
+  for (const RobotVisits& robot : robots) judged.push_back(measure_robot(map, robot));
   for (std::size_t i = 0; i < judged.size(); ++i) {
     RobotJudgement& robot = judged[i];
     robot.others = median_of_others(judged, i);

@@ -48,6 +48,10 @@ struct RobotJudgement {
   std::string why;               ///< it is to be set aside; empty: it is not
 };
 
+/// How much of what a robot saw contradicts the map; `others` and `why` stay empty. O(beams times
+/// cells on their way).
+[[nodiscard]] RobotJudgement measure_robot(const ReflectionGrid& map, const RobotVisits& robot);
+
 /// In the order of `robots`. map: the filtered one of the active version. A robot with fewer scans
 /// than pipeline::kFitWindow of which the map can say something is not judged, and nobody is
 /// compared with it. O(beams times cells on their way).

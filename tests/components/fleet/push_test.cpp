@@ -128,6 +128,24 @@ TEST_F(Push, SpacesWhatItSendsAndKnowsItAgain) {
               ElementsAre(PushOutcome::kReleased, PushOutcome::kClash));
 }
 
+TEST_F(Push, OfEveryScanWorksWithTablesFromBeforeVisitsWereSpaced) {
+  (void)release_first_tour("hall");
+  Connection admin = server_->admin();
+  admin.script("REVOKE SELECT (scans, end_ns) ON strata.visit FROM strata_robot");
+  test::write_maps(at("monday"), {first_tour(), drive(10, 1)});
+  Connection robot = as("hall.r1");
+  EXPECT_THAT(outcomes(robot, "hall", "monday"),
+              ElementsAre(PushOutcome::kReleased, PushOutcome::kSent));
+  EXPECT_THAT(outcomes(robot, "hall", "monday"),
+              ElementsAre(PushOutcome::kReleased, PushOutcome::kThere));
+  const auto push_spaced = [&] {
+    push(robot, "hall", at("monday"), [](const PushedVisit&) {}, {.spacing_m = 1.0});
+  };
+  EXPECT_THAT(push_spaced, ThrowsMessage<DeniedError>(HasSubstr("strata fleet init")));
+  EXPECT_FALSE(apply_schema(admin)) << "the tables are there";
+  push_spaced();
+}
+
 TEST_F(Push, RefusesAnotherVisitOfTheSameBeginAndSendsTheRest) {
   (void)release_first_tour("hall");
   Connection robot = as("hall.r1");

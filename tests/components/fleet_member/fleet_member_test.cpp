@@ -4,6 +4,8 @@
 #include <cstdlib>
 
 #include "components/fleet/pull.hpp"
+#include "components/maps/thinned_runs.hpp"
+#include "core/scan/spacing.hpp"
 #include "tests/components/fleet_member/member_fixture.hpp"
 
 namespace strata::fleet_member {
@@ -64,6 +66,14 @@ TEST_F(FleetMemberTest, PushesAndPullsByItself) {
   EXPECT_EQ(told("last error"), "none");
   EXPECT_NE(told("last push, s ago"), "never");
   EXPECT_NE(told("last pull, s ago"), "never");
+}
+
+TEST_F(FleetMemberTest, SpacesTheScansThatItPushes) {
+  start(", spacing_m: 1.0");
+  learn({drive(10, 1)});
+  ASSERT_TRUE(test::comes_true([&] { return there().size() == 1; }));
+  EXPECT_EQ(there()[0].sha256, maps::visit_hash(spaced(drive(10, 1), {.spacing_m = 1.0})));
+  EXPECT_TRUE(comes_to_say("visits waiting", "0"));
 }
 
 TEST_F(FleetMemberTest, LeavesAVersionACandidateUnlessItIsToldMore) {
