@@ -93,16 +93,24 @@ TEST(EarlierRuns, ThatAreForgottenAreNotNew) {
 
 TEST(EarlierRuns, KeepTheNameThatTheyHadWhenTheyWereWhole) {
   EarlierRuns earlier = of_nights(4);
+  // A place of its own for each pair of nights, besides the one that all pass.
   for (PosedScan& scan : earlier.scans) {
-    if (scan.scan.stamp.ns % 86'400'000'000'000 >= 3'000'000'000) scan.map_from_robot.x += 4.0;
+    if (scan.scan.stamp.ns % 86'400'000'000'000 < 3'000'000'000) continue;
+    scan.map_from_robot.x += scan.run < 2 ? 4.0 : 8.0;
   }
   const EarlierRuns whole = earlier;
   (void)forget_scans(earlier, {.passes_per_place = 3});
   ASSERT_EQ(earlier.thinned.size(), 1U);
-  const std::string before = earlier.thinned[0].visit;
+  const ThinnedRun before = earlier.thinned[0];
+  const auto scans_left = [&] {
+    return std::count_if(earlier.scans.begin(), earlier.scans.end(),
+                         [&](const PosedScan& scan) { return scan.run == before.run; });
+  };
+  ASSERT_GT(scans_left(), 0);
   (void)forget_scans(earlier, {.passes_per_place = 1});
-  ASSERT_EQ(earlier.thinned.size(), 3U);
-  EXPECT_EQ(earlier.thinned[0].visit, before);
+  ASSERT_EQ(scans_left(), 0) << "it has lost scans twice";
+  ASSERT_EQ(earlier.thinned.size(), 3U) << "and is named once";
+  EXPECT_EQ(earlier.thinned[0].visit, before.visit);
   EXPECT_TRUE(new_runs(whole, earlier).empty());
 }
 

@@ -48,6 +48,14 @@ TEST(Spacing, LeavesNoGapThatIsLongerThanAskedByMoreThanOneStep) {
   }
 }
 
+TEST(Spacing, KeepsTheLastScanWhereverTheDriveEnds) {
+  const std::vector<PosedScan> all = drive();
+  for (std::size_t size = all.size() - 20; size < all.size(); ++size) {
+    const auto kept = spaced({all.data(), size}, {.spacing_m = 0.5});
+    EXPECT_EQ(kept.back().scan.stamp, all[size - 1].scan.stamp) << size;
+  }
+}
+
 TEST(Spacing, OfWhatIsSpacedIsTheSame) {
   const SpacingConfig config{.spacing_m = 0.3};
   const std::vector<PosedScan> once = spaced(drive(), config);
