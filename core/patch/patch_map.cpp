@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "core/patch/sequences.hpp"
@@ -99,32 +98,6 @@ ReflectionGrid compose(const PatchMap& map, const std::vector<int>& configuratio
     }
   }
   return result;
-}
-
-std::vector<int> last_seen(const PatchMap& map) {
-  std::vector<int> chosen;
-  for (const Submap& submap : map.submaps) {
-    const auto more_usual = [](const Configuration& a, const Configuration& b) {
-      return a.prior < b.prior;
-    };
-    auto best =
-        std::max_element(submap.configurations.begin(), submap.configurations.end(), more_usual) -
-        submap.configurations.begin();
-    const SequenceInfo* last = nullptr;
-    for (const SequenceInfo& sequence : submap.sequences) {
-      const auto likeliest =
-          std::max_element(sequence.membership.begin(), sequence.membership.end());
-      if (likeliest == sequence.membership.end() || *likeliest <= 0.5) continue;
-      if (last != nullptr &&
-          std::tie(sequence.run, sequence.end) < std::tie(last->run, last->end)) {
-        continue;
-      }
-      last = &sequence;
-      best = likeliest - sequence.membership.begin();
-    }
-    chosen.push_back(static_cast<int>(best));
-  }
-  return chosen;
 }
 
 }  // namespace strata::patch

@@ -96,11 +96,6 @@ struct PatchMap {
 [[nodiscard]] float reflection_at(const PatchMap& map, std::size_t s, std::size_t k,
                                   const Cell& cell);
 
-/// The configuration that each sub-map was last seen in: the likeliest of the last of its
-/// sequences, of the last run, that tells (membership above a half); where none does, that of the
-/// greatest prior. What was moved for good stands where it is now. O(sequences x configurations).
-[[nodiscard]] std::vector<int> last_seen(const PatchMap& map);
-
 /// The base map with the given configuration pasted into each sub-map (-1: leave the base). Where
 /// sub-maps overlap, `current` wins, then the rule of submaps_at: the map that the sensor model
 /// casts rays in. Requires one entry a sub-map. O(cells + cells of overlaps x sub-maps).

@@ -53,29 +53,6 @@ TEST(SubmapInReach, EntersFromAroundTheRectangleTheNearestFirst) {
   EXPECT_EQ(submap_in_reach(map, {1.5, 0.5}, 1.0), 0) << "equally near";
 }
 
-TEST(LastSeen, IsTheLikeliestOfTheLastSequenceThatTells) {
-  PatchMap map = overlapping_map();
-  map.submaps[0].configurations[0].prior = 0.9;
-  map.submaps[0].configurations[1].prior = 0.1;
-  map.submaps[1].configurations[1].prior = 0.6;
-  const auto see = [&](int run, std::int64_t end_s, std::vector<double> membership) {
-    map.submaps[0].sequences.push_back({.run = run,
-                                        .begin = {},
-                                        .end = {end_s * 1'000'000'000},
-                                        .scans = 1,
-                                        .membership = membership});
-  };
-  EXPECT_EQ(last_seen(map), (std::vector<int>{0, 1})) << "nothing seen: what is usual";
-  see(0, 10, {1.0, 0.0});
-  see(1, 5, {0.1, 0.9});  // of another run, whose clock was behind
-  EXPECT_EQ(last_seen(map)[0], 1);
-  see(1, 8, {0.5, 0.5});
-  EXPECT_EQ(last_seen(map)[0], 1) << "does not tell";
-  see(1, 9, {0.7, 0.3});
-  see(1, 7, {0.2, 0.8});
-  EXPECT_EQ(last_seen(map)[0], 0) << "by the end, not by the order";
-}
-
 TEST(SubmapInReach, WithoutReachIsTheSubmapAtThePoint) {
   const PatchMap map = overlapping_map();
   for (double x = -0.105; x < 2.2; x += 0.005) {
