@@ -15,7 +15,7 @@
 #include "components/log/trajectory_file.hpp"
 #include "components/maps/summary.hpp"
 #include "core/base/error.hpp"
-#include "core/patch/usual_now.hpp"
+#include "core/patch/expected_next.hpp"
 #include "memory/store/store.hpp"
 
 namespace strata::maps {
@@ -131,7 +131,7 @@ void write_grid_maps(const fs::path& dir, const slam::SlamResult& result) {
 
 void write_patch_map(const fs::path& dir, const patch::PatchMap& map) {
   memory::Store store = open_for_writing(dir);
-  log::write_map(dir / "patches.yaml", patch::compose(map, patch::usual_now(map)));
+  log::write_map(dir / "patches.yaml", patch::compose(map, patch::expected_next(map)));
   const fs::path folder = dir / "patches";
   fs::create_directories(folder);
   for (const patch::Submap& submap : map.submaps) {
