@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <tuple>
 
 namespace strata::patch {
@@ -30,45 +32,47 @@ std::vector<Seen> seen_in(const Submap& submap) {
   return all;
 }
 
-/// How often a configuration was seen so far, and where last: the more usual one is greater.
-struct Sightings {
-  std::size_t count = 0;
-  std::size_t last = 0;
-  friend auto operator<=>(const Sightings&, const Sightings&) = default;
-};
-
-/// Of one run, which guesses were right.
-struct Guesses {
-  bool last = false;
-  bool usual = false;
-};
-
-std::vector<Guesses> guesses_of(const std::vector<Seen>& seen, std::size_t configurations) {
-  std::vector<Sightings> sightings(configurations);
-  std::vector<Guesses> guesses;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (i > 0 && seen[i].run != seen[i - 1].run) {
-      const auto usual = std::max_element(sightings.begin(), sightings.end()) - sightings.begin();
-      guesses.push_back({seen[i].configuration == seen[i - 1].configuration,
-                         seen[i].configuration == static_cast<std::size_t>(usual)});
-    }
-    Sightings& here = sightings[seen[i].configuration];
-    here = {here.count + 1, i};
+/// The cells that are an obstacle in one of two configurations and free in the other.
+std::size_t difference(const Configuration& a, const Configuration& b) {
+  const auto one = a.reflection.values();
+  const auto other = b.reflection.values();
+  std::size_t cells = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    if (!is_known(one[i]) || !is_known(other[i])) continue;
+    if (is_occupied(one[i]) != is_occupied(other[i])) ++cells;
   }
-  return guesses;
+  return cells;
+}
+
+/// The sequences of the last runs.
+std::span<const Seen> last_runs(std::span<const Seen> seen) {
+  int runs = 0;
+  for (std::size_t i = seen.size(); i-- > 0;) {
+    const bool begins_run = i + 1 == seen.size() || seen[i + 1].run != seen[i].run;
+    if (begins_run && ++runs > kRunsAsked) return seen.subspan(i + 1);
+  }
+  return seen;
 }
 
 std::size_t expected_of(const Submap& submap) {
   const auto& all = submap.configurations;
-  const std::vector<Seen> seen = seen_in(submap);
-  const std::vector<Guesses> guesses = guesses_of(seen, all.size());
-  const auto begin =
-      guesses.end() - static_cast<std::ptrdiff_t>(std::min(kGuessedRuns, guesses.size()));
-  const auto last =
-      std::count_if(begin, guesses.end(), [](const Guesses& guess) { return guess.last; });
-  const auto usual =
-      std::count_if(begin, guesses.end(), [](const Guesses& guess) { return guess.usual; });
-  if (last > usual) return seen.back().configuration;
+  const std::vector<Seen> every = seen_in(submap);
+  const std::span<const Seen> seen = last_runs(every);
+  std::vector<std::size_t> counts(all.size(), 0);
+  for (const Seen& one : seen) ++counts[one.configuration];
+  std::size_t best = 0;
+  std::optional<std::size_t> least;
+  for (std::size_t i = seen.size(); i-- > 0;) {  // the one seen last first
+    const std::size_t candidate = seen[i].configuration;
+    std::size_t cells = 0;
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      if (counts[c] > 0) cells += counts[c] * difference(all[candidate], all[c]);
+    }
+    if (least && cells >= *least) continue;
+    least = cells;
+    best = candidate;
+  }
+  if (least) return best;
   const auto by_prior = [](const Configuration& a, const Configuration& b) {
     return a.prior < b.prior;
   };

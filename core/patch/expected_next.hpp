@@ -8,15 +8,16 @@
 
 namespace strata::patch {
 
-/// Of so many runs it is asked which guess was right.
-inline constexpr std::size_t kGuessedRuns = 8;
+/// The runs that are asked.
+inline constexpr int kRunsAsked = 5;
 
-/// Of each sub-map the configuration to expect at the next run: the one of the greatest prior, or
-/// the one seen last. Each run but the first tried both: what the run before saw last, and what the
-/// runs before saw most often, of equals the one seen last, against what it saw first. Where the
-/// former was right more often in the last kGuessedRuns runs, what was seen last is expected:
-/// things there move for good, not to and fro. Sequences whose membership is nowhere above a half
-/// say nothing. Ours. O(sequences x (configurations + log sequences)).
+/// Of each sub-map the configuration to expect at the next run: of those that the last kRunsAsked
+/// runs saw, the one that differs from what these saw in the fewest cells, summed over their
+/// sequences (their medoid); of equals the one seen last. So something that was moved for good
+/// shows as soon as most of these runs saw it there, whatever a door beside it did, and a thing
+/// that moves to and fro shows where it mostly was. Sequences whose membership is nowhere above a
+/// half say nothing; where none tells, it is the one of the greatest prior. Ours.
+/// O(sequences log sequences + cells x configurations^2).
 [[nodiscard]] std::vector<int> expected_next(const PatchMap& map);
 
 }  // namespace strata::patch
