@@ -37,8 +37,10 @@ function zoneImage(kind, mask) {
   context.putImageData(pixels, 0, 0);
   return image;
 }
+// In the order of ZONES, whichever came first.
+function zoneMasks() { return Object.keys(ZONES).filter((kind) => zones.masks.has(kind)).map((kind) => [kind, zones.masks.get(kind)]); }
 function drawZones() {
-  for (const [kind, mask] of zones.masks) {
+  for (const [kind, mask] of zoneMasks()) {
     mask.image = mask.image || zoneImage(kind, mask);
     drawGrid(mask, mask.image);
   }
@@ -46,7 +48,7 @@ function drawZones() {
 // What holds at a place of the map, in words.
 function zonesAt(x, y) {
   const said = [];
-  for (const [kind, mask] of zones.masks) {
+  for (const [kind, mask] of zoneMasks()) {
     const dx = x - mask.origin.x, dy = y - mask.origin.y, c = Math.cos(mask.origin.theta), s = Math.sin(mask.origin.theta);
     const column = Math.floor((c * dx + s * dy) / mask.resolution), row = Math.floor((c * dy - s * dx) / mask.resolution);
     if (column < 0 || row < 0 || column >= mask.width || row >= mask.height || !isSet(kind, mask)) continue;

@@ -128,6 +128,12 @@ def test_zones(page, strata, work):
     for (x, y), words in said.items():  # what the values mean comes after the mask
         comes_true(lambda: json.loads(page.evaluate(f"JSON.stringify(zonesAt({x}, {y}))")) == words,
                    f"what holds at ({x}, {y})")
+    # Whichever mask comes first.
+    both = ["No robots here", "Speed at most 40%"]
+    for order in ("", ".reverse()"):
+        page.evaluate(f"zones.masks = new Map([...zones.masks]{order})")
+        said = json.loads(page.evaluate("JSON.stringify(zonesAt(1.7, 0.2))"))
+        assert said == both, (order, said)
     page.evaluate("robot.patches = null")  # no area below the pointer
     x, y = screen(page, 2.5, 0.5)
     mouse(page, "mousePressed", x, y)
