@@ -23,6 +23,7 @@ FirstHit first_hit(const Eigen::Vector2d& from, double angle, const Surroundings
   const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
   FirstHit hit;
   for (const Segment& s : world.still) {
+    if (!returns_from(direction, s)) continue;
     hit.offer(ray_to_segment(from, direction, s), BeamSource::kStill);
   }
   for (const Segment& s : world.changeable) {

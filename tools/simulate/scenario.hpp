@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// What a simulated world is made of, as a scenario file says it.
-///
 /// Lengths in metres in the map frame, times in seconds from the start of a day, days from 1.
 #pragma once
 
@@ -33,11 +32,15 @@ namespace strata::simulate {
 /// Thin walls along a chain of points. Doors in them cut their own gaps.
 struct WallConfig {
   std::vector<double> points;
+  double glass_deg = 0.0;  // 0: of no glass
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field("points", c.points, {.doc = "x0, y0, x1, y1, ... of a chain of walls", .unit = "m"});
     v.require(c.points.size() >= 4 && c.points.size() % 2 == 0, "points",
               "are not two or more pairs of numbers", "write [x0, y0, x1, y1, ...]");
+    v.field(
+        "glass_deg", c.glass_deg,
+        {.doc = "of glass: only beams so near to its normal return", .unit = "deg", .min = 0.0});
   }
 };
 
@@ -54,8 +57,7 @@ struct BlockConfig {
   }
 };
 
-/// From when on an object is in a state; it stays so over the following days too. Day 0: at that
-/// time of every day.
+/// From when on an object is in a state, over the following days too. Day 0: at each day's time.
 struct ScheduleEntry {
   int day = 1;
   double at_s = 0.0;

@@ -45,8 +45,8 @@ void cut_gap(std::vector<Segment>& walls, const Segment& door) {
       result.push_back(wall);
       continue;
     }
-    if (begin > 0.0) result.push_back({wall.a, wall.a + begin * unit});
-    if (end < length) result.push_back({wall.a + end * unit, wall.b});
+    if (begin > 0.0) result.push_back({wall.a, wall.a + begin * unit, wall.glass_rad});
+    if (end < length) result.push_back({wall.a + end * unit, wall.b, wall.glass_rad});
   }
   walls = std::move(result);
 }
@@ -181,6 +181,13 @@ double ray_to_circle(const Vector2d& from, const Vector2d& direction, const Circ
   return along - std::sqrt(discriminant);
 }
 
+bool returns_from(const Vector2d& direction, const Segment& segment) {
+  if (segment.glass_rad <= 0.0) return true;
+  // The sine of the angle to the normal is the cosine of that to the segment.
+  const Vector2d along = (segment.b - segment.a).normalized();
+  return std::abs(along.dot(direction)) <= std::sin(segment.glass_rad);
+}
+
 double distance_to_segment(const Vector2d& point, const Segment& segment) {
   const Vector2d along = segment.b - segment.a;
   const double share = along.dot(point - segment.a) / std::max(along.squaredNorm(), 1e-18);
@@ -212,8 +219,9 @@ Eigen::Vector4d ChangeableObject::bounds() const {
 World::World(const ScenarioConfig& scenario, std::uint64_t seed, double day_length_s) {
   for (const WallConfig& wall : scenario.walls) {
     for (std::size_t i = 0; i + 3 < wall.points.size(); i += 2) {
-      walls_.push_back(
-          {{wall.points[i], wall.points[i + 1]}, {wall.points[i + 2], wall.points[i + 3]}});
+      walls_.push_back({{wall.points[i], wall.points[i + 1]},
+                        {wall.points[i + 2], wall.points[i + 3]},
+                        degrees_to_radians(wall.glass_deg)});
     }
   }
   for (const DoorConfig& door : scenario.doors) {

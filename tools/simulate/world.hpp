@@ -19,6 +19,7 @@ namespace strata::simulate {
 struct Segment {
   Eigen::Vector2d a;
   Eigen::Vector2d b;
+  double glass_rad = 0.0;  ///< 0: no glass; else only beams so near to its normal return
 };
 
 struct Circle {
@@ -27,12 +28,14 @@ struct Circle {
 };
 
 /// Distance along the unit direction to the segment; infinity when the ray misses it. A ray along
-/// the segment ends at its nearer end.
+/// the segment ends at its nearer end. Glass is met as anything else.
 [[nodiscard]] double ray_to_segment(const Eigen::Vector2d& from, const Eigen::Vector2d& direction,
                                     const Segment& segment);
 /// Distance to the circle's rim; 0 from inside; infinity when the ray misses it.
 [[nodiscard]] double ray_to_circle(const Eigen::Vector2d& from, const Eigen::Vector2d& direction,
                                    const Circle& circle);
+/// Whether a beam along the unit direction returns from what it meets.
+[[nodiscard]] bool returns_from(const Eigen::Vector2d& direction, const Segment& segment);
 [[nodiscard]] double distance_to_segment(const Eigen::Vector2d& point, const Segment& segment);
 
 /// From when on an object is in a state. Times in seconds from the start of that day.

@@ -129,5 +129,18 @@ TEST(Laser, FarWallsAreNoReturnAndNearerThingsHideThem) {
   }
 }
 
+TEST(Laser, GlassReturnsBeamsNearItsNormalAndLetsOthersPass) {
+  RandomStream random(5, StreamId::kTest);
+  std::vector<Segment> walls = room();
+  walls.push_back({{3.0, 0.0}, {3.0, 4.0}, 0.3});  // a metre before the laser
+  const TrueScan taken = take_scan(exact_laser(), {2, 2, 0}, {walls, {}, {}}, random);
+  for (std::size_t beam = 0; beam < taken.scan.size(); ++beam) {
+    const double angle = taken.scan.bearing_rad(beam);
+    const bool is_near = std::abs(angle) < 0.3;
+    const double expected = is_near ? 1.0 / std::cos(angle) : range_in_room(2, 2, angle);
+    ASSERT_NEAR(static_cast<double>(taken.scan.ranges_m[beam]), expected, 2e-6) << angle;
+  }
+}
+
 }  // namespace
 }  // namespace strata::simulate
