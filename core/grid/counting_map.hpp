@@ -20,7 +20,8 @@ struct CellCounts {
 
 /// How scans are counted.
 struct CountingOptions {
-  /// No-return beams free so much; 0: nothing (docs/theory/beam_filter.md, "No-return beams").
+  /// No-return beams free so much, whatever the scan says of them; 0: what the scan says
+  /// (docs/theory/beam_filter.md, "No-return beams").
   double no_return_free_range_m = 0.0;
   /// Beams longer than this are cut there and carve only free space; 0: no limit.
   double max_range_m = 0.0;
@@ -28,7 +29,10 @@ struct CountingOptions {
   static void describe(Self& c, V& v) {
     v.field(
         "no_return_free_range_m", c.no_return_free_range_m,
-        {.doc = "free space carved by a beam without return; 0: none", .unit = "m", .min = 0.0});
+        {.doc = "free space carved by every beam without return; 0: by those that are told from "
+                "returns that dropped out, as far as the scanner is found to see",
+         .unit = "m",
+         .min = 0.0});
     v.field("max_range_m", c.max_range_m,
             {.doc = "longer beams are cut here and only carve free space; 0: no limit",
              .unit = "m",
@@ -80,25 +84,31 @@ class CountingMap {
   TiledGrid<CellCounts> cells_;
 };
 
-/// Where a beam's ray starts and ends in the map, and whether it ends in a hit. A beam that says
-/// nothing gives an empty optional: invalid, too close, or no return without free range.
+/// Where a beam's ray starts and ends in the map, and whether it ends in a hit.
 struct Ray {
   Eigen::Vector2d from_m;
   Eigen::Vector2d to_m;
   bool is_hit = false;
 };
-/// Calls visit(beam index, Ray) for every beam of the scan that says something. O(beams).
+/// Calls visit(beam index, Ray) for every beam of the scan that says something: not for one that is
+/// invalid or too close, nor without return where it is not known how far it saw. O(beams).
 template <typename Visit>
 void for_each_ray(const Scan& scan, const Pose2& map_from_laser, const CountingOptions& options,
                   Visit&& visit) {
   const Eigen::Vector2d from = map_from_laser.translation();
+  auto dropped = scan.drop_outs.begin();
   for (std::size_t beam = 0; beam < scan.size(); ++beam) {
     const BeamKind kind = scan.kind(beam);
     if (kind == BeamKind::kInvalid || kind == BeamKind::kTooClose) continue;
     bool is_hit = kind == BeamKind::kHit;
-    double length_m =
-        is_hit ? static_cast<double>(scan.ranges_m[beam]) : options.no_return_free_range_m;
-    if (is_hit && options.max_range_m > 0.0 && length_m > options.max_range_m) {
+    double length_m = static_cast<double>(is_hit ? scan.ranges_m[beam] : scan.free_range_m);
+    if (!is_hit && options.no_return_free_range_m > 0.0) {
+      length_m = options.no_return_free_range_m;
+    } else if (!is_hit) {
+      while (dropped != scan.drop_outs.end() && *dropped < beam) ++dropped;
+      if (dropped != scan.drop_outs.end() && *dropped == beam) continue;
+    }
+    if (options.max_range_m > 0.0 && length_m > options.max_range_m) {
       length_m = options.max_range_m;
       is_hit = false;
     }

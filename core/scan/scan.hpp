@@ -33,6 +33,11 @@ struct Scan {
   std::vector<float> ranges_m;
   /// Where the laser sits on the robot (base_link).
   Pose2 robot_from_laser;
+  /// So far a beam without return saw nothing; 0: it says nothing. Found from many scans
+  /// (core/scan/drop_outs.hpp), neither sent nor saved.
+  float free_range_m = 0.0F;
+  /// Beams whose return dropped out, which say nothing all the same, in order.
+  std::vector<std::uint32_t> drop_outs;
 
   [[nodiscard]] std::size_t size() const { return ranges_m.size(); }
   [[nodiscard]] double bearing_rad(std::size_t beam) const {

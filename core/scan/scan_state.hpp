@@ -39,6 +39,16 @@ void state_of(Value& posed, Archive& archive) {
   }
 }
 
+/// Of a Scan, const or not: what its beams without return say, which `state_of` leaves out.
+template <class Value, class Archive>
+void no_return_state_of(Value& scan, Archive& archive) {
+  archive(scan.free_range_m);
+  archive(scan.drop_outs);
+  if constexpr (Archive::kReads) {
+    if (!(scan.free_range_m >= 0.0F)) archive.fail("has beams that saw less than nothing");
+  }
+}
+
 template <class Value, class Archive>
 requires std::is_same_v<std::remove_const_t<Value>, Endpoints>
 void state_of(Value& points, Archive& archive) {

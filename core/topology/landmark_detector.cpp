@@ -185,6 +185,7 @@ std::vector<LandmarkEvent> LandmarkDetector::add(const PosedScan& scan) {
   if (moved) {
     last_detection_ = robot;
     recent_.push_back(scan);
+    recent_.back().scan.free_range_m = 0.0F;  // nobody tells over topics
     std::erase_if(recent_, [&](const PosedScan& other) {
       return translation_distance(other.map_from_robot, robot) > config_.radius_m;
     });

@@ -44,6 +44,7 @@ void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
   CellRect needed;
   rays_.clear();
   for_each_ray(scan, frame_from_laser, options, [&](std::size_t beam, const Ray& ray) {
+    if (scan.kind(beam) == BeamKind::kNoReturn) return;
     rays_.emplace_back(beam, ray);
     for (const Eigen::Vector2d& point : {ray.from_m, ray.to_m}) {
       const Cell cell = cell_at(point, resolution);

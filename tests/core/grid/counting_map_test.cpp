@@ -49,8 +49,16 @@ void count_slowly(const PosedScan& posed, const CountingOptions& options,
     const float reading = posed.scan.ranges_m[n];
     if (std::isnan(reading) || reading < posed.scan.range_min_m) continue;
     bool hit = reading < posed.scan.range_max_m;
-    double range = hit ? static_cast<double>(reading) : options.no_return_free_range_m;
-    if (hit && options.max_range_m > 0.0 && range > options.max_range_m) {
+    const auto& dropped = posed.scan.drop_outs;
+    double range = static_cast<double>(reading);
+    if (!hit && options.no_return_free_range_m > 0.0) {
+      range = options.no_return_free_range_m;
+    } else if (!hit) {
+      range = std::count(dropped.begin(), dropped.end(), n) > 0
+                  ? 0.0
+                  : static_cast<double>(posed.scan.free_range_m);
+    }
+    if (options.max_range_m > 0.0 && range > options.max_range_m) {
       range = options.max_range_m;
       hit = false;
     }
@@ -87,12 +95,16 @@ void expect_equal(const CountingMap& map, const std::map<Cell, CellCounts>& expe
 TEST(CountingMap, EqualsTheSlowCountCellByCell) {
   RandomStream random(1, StreamId::kTest);
   for (const bool with_labels : {false, true}) {
-    for (const CountingOptions options :
-         {CountingOptions{}, CountingOptions{1.5, 0.0}, CountingOptions{0.0, 2.0}}) {
+    for (const CountingOptions options : {CountingOptions{}, CountingOptions{1.5, 0.0},
+                                          CountingOptions{0.0, 2.0}, CountingOptions{3.5, 2.0}}) {
       CountingMap map(kResolution);
       std::map<Cell, CellCounts> expected;
       for (int i = 0; i < 60; ++i) {
-        const PosedScan scan = random_scan(random, with_labels);
+        PosedScan scan = random_scan(random, with_labels);
+        if (i % 2 == 1) scan.scan.free_range_m = 3.0F;
+        for (std::uint32_t beam = 0; i % 4 == 3 && beam < scan.scan.size(); ++beam) {
+          if (random.bernoulli(0.3)) scan.scan.drop_outs.push_back(beam);
+        }
         map.add(scan, options);
         count_slowly(scan, options, expected);
       }
