@@ -13,7 +13,7 @@ namespace strata::beam_filter {
 void BeamFilter::on_configure() {
   config_ = read_parameters<BeamFilterComponentConfig>();
   keep_live(config_, {"map_every_scans"});
-  online_.emplace(config_.filter, config_.window);
+  online_.emplace(config_.filter, config_.window, config_.no_return);
   publish_static_ = advertise<sensor_msgs::msg::LaserScan>("scan_static", "sensor_data");
   publish_dynamic_ = advertise<sensor_msgs::msg::LaserScan>("scan_dynamic", "sensor_data");
   publish_labeled_ = advertise<strata_msgs::msg::LabeledScan>("labeled_scan", "default");
@@ -40,7 +40,7 @@ void BeamFilter::open_store() {
   const bool is_whole = restored(store_->file(), [&] {
     if (const auto state = store_->load()) online_->restore_state(*state, store_->file());
   });
-  if (!is_whole) online_.emplace(config_.filter, config_.window);
+  if (!is_whole) online_.emplace(config_.filter, config_.window, config_.no_return);
 }
 
 void BeamFilter::on_activate() {

@@ -13,6 +13,7 @@ namespace strata::beam_filter {
 struct BeamFilterComponentConfig {
   BeamFilterConfig filter;
   WindowConfig window;
+  NoReturnConfig no_return;
   std::string map_frame = "map";
   int map_every_scans = 0;
   log::StateStoreConfig store;
@@ -20,6 +21,7 @@ struct BeamFilterComponentConfig {
   static void describe(Self& c, V& v) {
     v.group("filter", c.filter, "what makes a beam static");
     v.group("window", c.window, "which scans beams are judged by");
+    v.group("no_return", c.no_return, "what beams without return say");
     v.field("map_frame", c.map_frame, runtime::kMapFrame);
     v.field(
         "map_every_scans", c.map_every_scans,

@@ -12,23 +12,28 @@
 namespace strata::beam_filter {
 namespace {
 
-/// Changes with the fields saved: bytes of another version are refused, but for the one before,
-/// which counted all scans in one map.
-constexpr std::uint64_t kVersion = 0x53'4f'42'46'0000'0003;
+/// Changes with the fields saved: bytes of another version are refused, but for these before: none
+/// of them told what beams without return say, and the first counted all scans in one map.
+constexpr std::uint64_t kVersion = 0x53'4f'42'46'0000'0004;
+constexpr std::uint64_t kWithoutDropOuts = 0x53'4f'42'46'0000'0003;
 constexpr std::uint64_t kInOneMap = 0x53'4f'42'46'0000'0002;
 
 }  // namespace
 
-OnlineFilter::OnlineFilter(const BeamFilterConfig& filter, const WindowConfig& window)
+OnlineFilter::OnlineFilter(const BeamFilterConfig& filter, const WindowConfig& window,
+                           const NoReturnConfig& no_return)
     : filter_(filter),
       config_(window),
       window_counts_(filter.resolution_m),
-      key_counts_(filter.resolution_m) {
+      key_counts_(filter.resolution_m),
+      drop_outs_(no_return) {
   require_valid(filter, "filter");
   require_valid(window, "window");
+  require_valid(no_return, "no_return");
 }
 
-std::vector<float> OnlineFilter::add(const PosedScan& scan) {
+std::vector<float> OnlineFilter::add(PosedScan scan) {
+  drop_outs_.take(scan);
   const Pose2& pose = scan.map_from_robot;
   const bool moved =
       !last_key_ || has_moved(*last_key_, pose, config_.key_distance_m, config_.key_turn_rad);
@@ -76,6 +81,8 @@ std::vector<std::uint8_t> OnlineFilter::save_state() const {
   writer(window_);
   writer(last_key_);
   writer(turns_);
+  writer(drop_outs_);
+  for (const Entry& entry : window_) no_return_state_of(entry.scan.scan, writer);
   return writer.take();
 }
 
@@ -83,7 +90,7 @@ void OnlineFilter::restore_state(std::span<const std::uint8_t> bytes, const std:
   StateReader reader(bytes, place);
   std::uint64_t version = 0;
   reader(version);
-  if (version != kVersion && version != kInOneMap) reader.refuse("is of another version");
+  if (version < kInOneMap || version > kVersion) reader.refuse("is of another version");
   const bool is_in_one_map = version == kInOneMap;
   window_counts_ = CountingMap(filter_.resolution_m);
   if (!is_in_one_map) reader(window_counts_.cells());
@@ -95,6 +102,10 @@ void OnlineFilter::restore_state(std::span<const std::uint8_t> bytes, const std:
   reader(window_);
   reader(last_key_);
   reader(turns_);
+  if (version > kWithoutDropOuts) {
+    reader(drop_outs_);
+    for (Entry& entry : window_) no_return_state_of(entry.scan.scan, reader);
+  }
   reader.expect_end();
   if (!is_in_one_map) return;
   for (const Entry& entry : window_) {

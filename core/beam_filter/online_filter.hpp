@@ -15,6 +15,7 @@
 #include "core/geometry/pose2.hpp"
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
+#include "core/scan/drop_out_watch.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/scanner_turns.hpp"
 
@@ -54,14 +55,15 @@ struct WindowConfig {
 class OnlineFilter {
  public:
   /// Throws ConfigError.
-  explicit OnlineFilter(const BeamFilterConfig& filter = {}, const WindowConfig& window = {});
+  explicit OnlineFilter(const BeamFilterConfig& filter = {}, const WindowConfig& window = {},
+                        const NoReturnConfig& no_return = {});
 
   /// Takes the scan in, and returns e(t, n) of its beams, eq. (1.10) of [stachniss2003chapter], by
   /// the limit of EM on the counts so far, whatever `mode` says: it costs a cell only where it is
   /// asked. With endpoint_tolerance the most reflecting cell of the 3 x 3 around the end decides.
   /// Labels that the scan came with are not used.
   /// O(beams x cells a beam crosses).
-  std::vector<float> add(const PosedScan& scan);
+  std::vector<float> add(PosedScan scan);
 
   /// The filtered map of what is counted now. O(cells).
   [[nodiscard]] ReflectionGrid map() const;
@@ -98,6 +100,7 @@ class OnlineFilter {
   CountingMap key_counts_;
   std::deque<Entry> window_;
   std::optional<Pose2> last_key_;
+  DropOutWatch drop_outs_;
   ScannerTurns turns_;  ///< several scanners take turns at the key scans
 };
 

@@ -107,7 +107,8 @@ void OnlinePatchLearner::forget_scans(std::size_t bytes_to_free) {
 }
 
 std::size_t OnlinePatchLearner::scan_bytes_of(const PosedScan& scan) {
-  return sizeof(PosedScan) + sizeof(float) + scan.scan.ranges_m.size() * sizeof(float);
+  return sizeof(PosedScan) + sizeof(float) + scan.scan.ranges_m.size() * sizeof(float) +
+         scan.scan.drop_outs.size() * sizeof(std::uint32_t);
 }
 
 std::size_t OnlinePatchLearner::count_bytes() {

@@ -24,6 +24,7 @@ OnlinePatchLearner::OnlinePatchLearner(const PatchLearnerConfig& config, const O
       online_(online),
       pool_(threads),
       base_(std::move(base)),
+      drop_outs_(config.no_return),
       visits_(base_.resolution_m(), config.visits, config.counting, online.max_visits),
       contradictory_(base_.resolution_m(), CellRect{}, 0),
       max_sequences_(online.max_sequences) {
@@ -35,6 +36,7 @@ bool OnlinePatchLearner::add(PosedScan scan) {
   if (!is_finite(scan.map_from_robot)) return false;
   scan.static_probability = {};
   scan.scan.ranges_m.shrink_to_fit();
+  drop_outs_.take(scan);
   const auto index = static_cast<std::uint32_t>(status_.scans_seen);
   const bool is_new_run = scans_.empty() || scan.run != last_run_;
   const Stamp now = scan.scan.stamp;

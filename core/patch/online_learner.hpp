@@ -24,6 +24,7 @@
 #include "core/patch/patch_map.hpp"
 #include "core/patch/sequence_history.hpp"
 #include "core/patch/visit_store.hpp"
+#include "core/scan/drop_out_watch.hpp"
 #include "core/scan/scan.hpp"
 
 namespace strata::patch {
@@ -111,10 +112,13 @@ class OnlinePatchLearner {
   /// and, with extend_base, what the scans add to it. O(its cells).
   [[nodiscard]] PatchMap map() const;
   /// Ends the open sequences, looks everywhere and returns the map: that of PatchLearner as long as
-  /// nothing was forgotten. Scans may follow.
+  /// nothing was forgotten, where beams without return say nothing; what they say is known here by
+  /// what came before only (DropOutWatch). Scans may follow.
   PatchMap finish();
 
   [[nodiscard]] const OnlineStatus& status() const { return status_; }
+  /// What beams without return are taken for, until now.
+  [[nodiscard]] DropOuts drop_outs() const { return drop_outs_.found(); }
   [[nodiscard]] const ReflectionGrid& base() const { return base_; }
   /// Whether some scan is forgotten, so that what it said cannot be learned again.
   [[nodiscard]] bool has_forgotten() const { return first_scan_ > 0; }
@@ -191,6 +195,7 @@ class OnlinePatchLearner {
   OnlineConfig online_;
   WorkerPool pool_;
   ReflectionGrid base_;
+  DropOutWatch drop_outs_;
   VisitStore visits_;
   Grid<std::uint8_t> contradictory_;
   std::vector<Track> tracks_;

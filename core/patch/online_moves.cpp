@@ -13,6 +13,7 @@ constexpr double kLever_m = 10.0;
 }  // namespace
 
 void OnlinePatchLearner::begin_again() {
+  drop_outs_ = DropOutWatch(config_.no_return);
   visits_ = VisitStore(base_.resolution_m(), config_.visits, config_.counting, online_.max_visits);
   contradictory_ = Grid<std::uint8_t>(base_.resolution_m(), CellRect{}, 0);
   tracks_.clear();

@@ -15,9 +15,10 @@ namespace strata::patch {
 namespace {
 
 /// Changes with the fields below: bytes of another version are refused, but for these before: none
-/// of them told what returns, the first three had no times of the week, the first two no changes in
-/// view, and the first no history.
-constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0007;
+/// of them told what beams without return say, the first four what returns, the first three had no
+/// times of the week, the first two no changes in view, and the first no history.
+constexpr std::uint64_t kVersion = 0x53'50'4c'31'0000'0008;
+constexpr std::uint64_t kWithoutDropOuts = 0x53'50'4c'31'0000'0007;
 constexpr std::uint64_t kWithoutRecurrence = 0x53'50'4c'31'0000'0006;
 constexpr std::uint64_t kWithoutTimes = 0x53'50'4c'31'0000'0005;
 constexpr std::uint64_t kWithoutChanges = 0x53'50'4c'31'0000'0004;
@@ -145,6 +146,8 @@ std::vector<std::uint8_t> OnlinePatchLearner::save_state() const {
   state(*this, writer, true);
   writer(static_cast<std::uint64_t>(tracks_.size()));
   for (const Track& track : tracks_) track_state(track, Has{}, writer);
+  writer(drop_outs_);
+  for (const PosedScan& scan : scans_) no_return_state_of(scan.scan, writer);
   return writer.take();
 }
 
@@ -170,6 +173,10 @@ void OnlinePatchLearner::restore_state(std::span<const std::uint8_t> bytes,
     if (!has.history || plain.is_alike_but_for_hours(track.history)) {
       track.history = std::move(plain);
     }
+  }
+  if (version > kWithoutDropOuts) {
+    reader(drop_outs_);
+    for (PosedScan& scan : scans_) no_return_state_of(scan.scan, reader);
   }
   reader.expect_end();
   const bool is_whole = has_sound_scans() && contradictory_.resolution_m() == resolution_m &&

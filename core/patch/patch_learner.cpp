@@ -45,6 +45,7 @@ Submap PatchLearner::learn_submap(const Region& region, std::span<const Sequence
 
 PatchMap PatchLearner::finish(const ReflectionGrid& filtered, Progress* progress) {
   const double resolution = filtered.resolution_m();
+  (void)find_drop_outs(scans_, config_.no_return, pool_);
   PatchMap map;
   map.base = filtered;
   map.entry_margin_m = config_.sequences.entry_margin_m;

@@ -12,11 +12,13 @@
 #include "core/patch/region_growing.hpp"
 #include "core/patch/sequences.hpp"
 #include "core/patch/visits.hpp"
+#include "core/scan/drop_outs.hpp"
 
 namespace strata::patch {
 
 struct PatchLearnerConfig {
   CountingOptions counting;
+  NoReturnConfig no_return;
   VisitConfig visits;
   ContradictionConfig contradiction;
   RegionConfig regions;
@@ -31,6 +33,7 @@ struct PatchLearnerConfig {
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.group("counting", c.counting, "how scans are counted");
+    v.group("no_return", c.no_return, "what beams without return say");
     v.group("visits", c.visits, "what one visit is");
     v.group("contradiction", c.contradiction, "when visits contradict each other");
     v.group("regions", c.regions, "from contradictory cells to sub-maps");

@@ -17,6 +17,7 @@
 #include "core/grid/counting_map.hpp"
 #include "core/grid/reflection_grid.hpp"
 #include "core/grid/surface_layer.hpp"
+#include "core/scan/drop_outs.hpp"
 #include "core/scan/scan.hpp"
 #include "core/slam/consistency.hpp"
 #include "core/slam/keep_config.hpp"
@@ -29,6 +30,7 @@ struct SlamConfig {
   ClosureConfig closure;
   GivenPoseConfig given_poses;
   EmConfig em;
+  NoReturnConfig no_return;
   beam_filter::BeamFilterConfig beam_filter;  ///< its resolution is that of every map here
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -36,6 +38,7 @@ struct SlamConfig {
     v.group("closure", c.closure, "loop closures");
     v.group("given_poses", c.given_poses, "poses that come with the log");
     v.group("em", c.em, "the loop over beam labels, poses and map");
+    v.group("no_return", c.no_return, "what beams without return say");
     v.group("beam_filter", c.beam_filter,
             "which beams are static; its resolution and counting hold for all maps of slam");
   }
@@ -47,6 +50,7 @@ struct SlamResult {
   CountingMap raw;                     ///< counts of all beams
   ReflectionGrid occupancy;            ///< reflection of all beams
   ReflectionGrid filtered;             ///< reflection of the beams held to be static
+  DropOuts drop_outs;                  ///< what beams without return are taken for
   SurfaceLayer surfaces;               ///< where in the cells the static hits lie
   std::vector<double> log_likelihood;  ///< of the data, per EM iteration [nats]
   int iterations = 0;                  ///< EM iterations done

@@ -92,6 +92,7 @@ SlamResult Slam::State::finish(int rounds, Progress* progress) {
     result.scans.push_back(std::move(record.posed));
   }
   graph.forget_surfaces();
+  result.drop_outs = find_drop_outs(result.scans, config.no_return, pool);
   improve(result, rounds, progress);
   return result;
 }

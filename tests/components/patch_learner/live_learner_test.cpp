@@ -142,11 +142,14 @@ TEST_F(LiveLearner, LearnsAnewWhereALoopClosureHasMovedScans) {
   publish_trajectory(right);
   ASSERT_TRUE(says("times that loop closures moved scans", "1"));
   EXPECT_TRUE(says("sub-maps", "1"));
-  const auto maps = maps_.wait_for(2);
-  ASSERT_FALSE(maps.empty());
-  const auto& submaps = convert::from_message(maps.back()).submaps;
-  ASSERT_EQ(submaps.size(), 1U);
-  EXPECT_EQ(submaps[0].configurations.size(), 2U) << "the door, closed and open";
+  // However many maps came before it.
+  EXPECT_TRUE(test::comes_true([&] {
+    host_->tick();
+    const auto maps = maps_.wait_for(1);
+    if (maps.empty()) return false;
+    const auto submaps = convert::from_message(maps.back()).submaps;
+    return submaps.size() == 1 && submaps[0].configurations.size() == 2;
+  })) << "the door, closed and open";
   // The same trajectory once more moves nothing.
   publish_trajectory(right);
   ASSERT_TRUE(says("received /trajectory", "2"));

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// A gate onto nothing: only beams without return show that it is open.
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/patch/online_learner.hpp"
+#include "core/patch/patch_learner.hpp"
+#include "core/random/stream.hpp"
+#include "tests/core/patch/toy_map.hpp"
+#include "tests/core/patch/toy_world.hpp"
+#include "tests/support/same_bits.hpp"
+
+namespace strata::patch {
+namespace {
+
+constexpr double kResolution = 0.05;
+
+/// A hall of 10 m x 5 m without a wall in the north but for its ends, and the gate when closed.
+test::ToyWorld hall(bool is_closed) {
+  test::ToyWorld world;
+  world.walls = {{0.0, 0.0, 10.0, 0.0}, {0.0, 0.0, 0.0, 5.0},  {10.0, 0.0, 10.0, 5.0},
+                 {0.0, 5.0, 3.5, 5.0},  {6.5, 5.0, 10.0, 5.0}, {4.0, 0.5, 5.0, 0.5}};
+  if (is_closed) world.walls.push_back({3.5, 5.0, 6.5, 5.0});
+  return world;
+}
+
+/// Past the gate once a minute, each time a run of its own.
+std::vector<PosedScan> drive_past_gate(const std::vector<bool>& closed) {
+  std::vector<PosedScan> scans;
+  RandomStream random(4, StreamId::kTest, 5);
+  const test::ToyRobot robot;
+  for (std::size_t v = 0; v < closed.size(); ++v) {
+    const Pose2 error{0.01 * random.normal(), 0.01 * random.normal(), 0.002 * random.normal()};
+    const bool is_back = v % 2 == 1;
+    const Pose2 a{1.5, 2.5, is_back ? 3.14159265 : 0.0};
+    const Pose2 b{8.5, 2.5, a.theta};
+    robot.drive(hall(closed[v]), is_back ? b : a, is_back ? a : b, static_cast<int>(v),
+                60.0 * static_cast<double>(v), error, random, scans);
+  }
+  return scans;
+}
+
+/// Areas whose configurations are the closed gate and the open one.
+int gates_of(const PatchMap& map) {
+  const Cell middle = cell_at({5.0, 5.0}, kResolution);
+  int count = 0;
+  for (const Submap& submap : map.submaps) {
+    int closed = 0;
+    int open = 0;
+    for (const Configuration& configuration : submap.configurations) {
+      float most = 0.0F;
+      for (int y = -2; y <= 2; ++y) {
+        const float m = configuration.reflection.get({middle.x, middle.y + y});
+        if (is_known(m)) most = std::max(most, m);
+      }
+      ++(most > 0.5F ? closed : open);
+    }
+    if (closed == 1 && open == 1) ++count;
+  }
+  return count;
+}
+
+const std::vector<bool> kGateOfEightDays{true, false, false, true, false, true, true, false};
+
+PatchMap learn(const std::vector<PosedScan>& scans, const PatchLearnerConfig& config) {
+  PatchLearner learner(config, 1);
+  for (const PosedScan& scan : scans) learner.add(scan);
+  return learner.finish(test::map_of(scans));
+}
+
+TEST(BeamsWithoutReturn, ShowThatAGateOntoNothingIsOpen) {
+  const std::vector<PosedScan> scans = drive_past_gate(kGateOfEightDays);
+  EXPECT_EQ(gates_of(learn(scans, {})), 1);
+  EXPECT_EQ(learn(scans, {}).submaps.size(), 1U);
+  PatchLearnerConfig without;
+  without.no_return.is_used = false;
+  EXPECT_EQ(learn(scans, without).submaps.size(), 0U) << "nothing else shows it";
+}
+
+TEST(BeamsWithoutReturn, ShowItWhileScansCome) {
+  const std::vector<PosedScan> scans = drive_past_gate(kGateOfEightDays);
+  OnlinePatchLearner learner({}, {}, test::map_of(scans));
+  for (const PosedScan& scan : scans) (void)learner.add(scan);
+  EXPECT_EQ(gates_of(learner.finish()), 1);
+  EXPECT_GT(learner.drop_outs().free_range_m, 5.0);
+}
+
+TEST(BeamsWithoutReturn, OfAnOnlineLearnerAreTheSameAfterARestart) {
+  const std::vector<PosedScan> scans = drive_past_gate(kGateOfEightDays);
+  const ReflectionGrid base = test::map_of(scans);
+  OnlinePatchLearner whole({}, {}, base);
+  auto stopped = std::make_unique<OnlinePatchLearner>(PatchLearnerConfig{}, OnlineConfig{}, base);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (i % 101 == 50) {
+      const auto bytes = stopped->save_state();
+      stopped = std::make_unique<OnlinePatchLearner>(PatchLearnerConfig{}, OnlineConfig{}, base);
+      stopped->restore_state(bytes, "state");
+    }
+    ASSERT_EQ(stopped->add(scans[i]), whole.add(scans[i])) << i;
+  }
+  EXPECT_EQ(stopped->drop_outs(), whole.drop_outs());
+  const PatchMap map = stopped->finish();
+  const PatchMap expected = whole.finish();
+  ASSERT_EQ(map.submaps.size(), expected.submaps.size());
+  for (std::size_t s = 0; s < map.submaps.size(); ++s) {
+    const auto& configurations = map.submaps[s].configurations;
+    ASSERT_EQ(configurations.size(), expected.submaps[s].configurations.size());
+    for (std::size_t k = 0; k < configurations.size(); ++k) {
+      EXPECT_TRUE(strata::test::same_bits(configurations[k].reflection,
+                                          expected.submaps[s].configurations[k].reflection));
+    }
+  }
+}
+
+TEST(BeamsWithoutReturn, AStateFromBeforeIsGoneOnFrom) {
+  const std::vector<PosedScan> scans = drive_past_gate(kGateOfEightDays);
+  const ReflectionGrid base = test::map_of(scans);
+  PatchLearnerConfig without;
+  without.no_return.is_used = false;
+  OnlinePatchLearner before(without, {}, base);
+  for (std::size_t i = 0; i < 200; ++i) (void)before.add(scans[i]);
+  std::vector<std::uint8_t> bytes = before.save_state();
+  // The watch without scanners, and of each scan how far it saw and a list without beams.
+  bytes.resize(bytes.size() - 8 - 200 * (4 + 8));
+  bytes[0] = 7;
+  OnlinePatchLearner after({}, {}, base);
+  after.restore_state(bytes, "state");
+  for (std::size_t i = 200; i < scans.size(); ++i) (void)after.add(scans[i]);
+  EXPECT_EQ(gates_of(after.finish()), 1);
+}
+
+}  // namespace
+}  // namespace strata::patch
