@@ -14,7 +14,7 @@ namespace strata::experiments {
       "three_doors local_maps few_visits static_offices box_in_corridor global_start offices "
       "refined_poses year place decoders wean verdicts score people filter few_beams single_scan "
       "standing_robot standing_robot_online door_times starts half_known folded_maps topologies "
-      "kidnapped floor_plans lift_rides";
+      "kidnapped floor_plans lift_rides gates glass";
   std::istringstream in(kNames);
   return {std::istream_iterator<std::string>(in), {}};
 }

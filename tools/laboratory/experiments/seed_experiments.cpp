@@ -10,6 +10,7 @@
 #include "tools/laboratory/experiments/half_known.hpp"
 #include "tools/laboratory/experiments/kidnapped.hpp"
 #include "tools/laboratory/experiments/lift_rides.hpp"
+#include "tools/laboratory/experiments/open_gates.hpp"
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/refined_poses.hpp"
@@ -78,6 +79,10 @@ bool run_seed_experiment(const std::string& name, const SeedOptions& options,
                                               {"closed", "open", "patch", "patch_paper"});
                         });
     }
+  } else if (name == "gates" || name == "glass") {
+    const auto hall = name == "gates" ? hall_with_gate : hall_with_glass;
+    report_learning(name, seeds, units,
+                    [&](std::uint64_t seed) { return learn_hall(hall(seed), seed, noise); });
   } else if (name == "refined_poses") {
     report_refined_poses(options.scenarios, seeds, units);
   } else if (name == "folded_maps") {

@@ -9,6 +9,7 @@
 #include "core/beam_filter/beam_model.hpp"
 #include "core/grid/count_scans.hpp"
 #include "core/random/stream.hpp"
+#include "core/scan/drop_outs.hpp"
 #include "tools/simulate/truth.hpp"
 
 namespace strata::experiments {
@@ -83,6 +84,8 @@ std::vector<PosedScan> noisy_scans(const simulate::Simulation& simulation, const
                        {}});
     }
   }
+  WorkerPool pool(1);
+  (void)find_drop_outs(scans, {}, pool);  // as SLAM does
   return scans;
 }
 

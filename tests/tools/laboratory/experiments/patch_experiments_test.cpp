@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scan/endpoints.hpp"
+#include "tools/laboratory/experiments/open_gates.hpp"
 #include "tools/laboratory/experiments/patch_learning.hpp"
 #include "tools/laboratory/experiments/patch_localization.hpp"
 #include "tools/laboratory/experiments/standing_robot.hpp"
@@ -42,6 +43,19 @@ TEST(FewVisits, TwoDaysFindWhatChangedAndNothingElse) {
 
 TEST(StaticOffice, HasNoSubmaps) {
   EXPECT_EQ(office_visits(kSeed, 3, false, kGoodPoses).submaps, 0);
+}
+
+TEST(Gates, OntoNothingAreFoundOpenAndClosed) {
+  const Judgement j = learn_hall(hall_with_gate(kSeed), kSeed, kGoodPoses);
+  EXPECT_EQ(j.changed_objects, 1);
+  EXPECT_EQ(j.found_objects, 1);
+  EXPECT_EQ(j.right_submaps, 1);
+  EXPECT_EQ(j.false_submaps, 0);
+  EXPECT_EQ(j.right_sequences, j.sequences);
+}
+
+TEST(Glass, IsNoAreaThatChanges) {
+  EXPECT_EQ(learn_hall(hall_with_glass(kSeed), kSeed, kGoodPoses).submaps, 0);
 }
 
 TEST(StandingRobot, FindsTheDoorThatMovesInView) {
