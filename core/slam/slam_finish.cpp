@@ -92,7 +92,6 @@ SlamResult Slam::State::finish(int rounds, Progress* progress) {
     result.scans.push_back(std::move(record.posed));
   }
   graph.forget_surfaces();
-  result.drop_outs = find_drop_outs(result.scans, config.no_return, pool);
   improve(result, rounds, progress);
   return result;
 }
@@ -180,8 +179,21 @@ std::string inconsistent(const Consistency& consistency) {
 
 }  // namespace
 
+/// Makes the maps anew where beams without return say something: at the poses that were found
+/// without them. Used before, they change which beams are held to be static, and so the poses.
+void Slam::State::free_along_no_returns(SlamResult& result, Progress* progress) {
+  result.drop_outs = find_drop_outs(result.scans, config.no_return, pool);
+  if (result.drop_outs.free_range_m <= 0.0) return;
+  std::vector<double> trace = std::move(result.log_likelihood);
+  const int iterations = result.iterations;
+  improve(result, 0, progress);
+  result.log_likelihood = std::move(trace);
+  result.iterations = iterations;
+}
+
 SlamResult Slam::finish(Progress* progress) {
   SlamResult result = finish_passes(progress);
+  state_->free_along_no_returns(result, progress);
   result.surfaces = learned_surfaces(result.scans, result.filtered.resolution_m());
   result.consistency = check_consistency(result.scans, state_->pool);
   if (!result.consistency.consistent) result.warnings.push_back(inconsistent(result.consistency));

@@ -96,6 +96,8 @@ struct Slam::State {
   [[nodiscard]] SlamResult finish(int rounds, Progress* progress);
   /// Rounds of EM from the poses as they are.
   void improve(SlamResult& result, int rounds, Progress* progress);
+  /// What beams without return say, for the maps at the poses as they are.
+  void free_along_no_returns(SlamResult& result, Progress* progress);
   void track_again(SlamResult& before, State& again);
   [[nodiscard]] EarlierPass pass_of(const SlamResult& result);
   /// The map of the earlier pass instead, of the same scans.
