@@ -40,10 +40,8 @@ void CellLearner::add(const PosedScan& scan) {
   const double resolution_m = watches_.resolution_m();
   CellRect needed;
   const auto for_rays = [&](const auto& visit) {
-    for_each_ray(scan.scan, scan.map_from_laser(), {}, [&](std::size_t beam, const Ray& ray) {
-      // Scans that were kept do not tell what they say: docs/theory/beam_filter.md, section 9.
-      if (scan.scan.kind(beam) != BeamKind::kNoReturn) visit(beam, ray);
-    });
+    // Scans that were kept do not tell what those say.
+    for_each_ray(scan.scan, scan.map_from_laser(), {.believes_no_returns = false}, visit);
   };
   for_rays([&](std::size_t /*beam*/, const Ray& ray) {
     needed = needed.united(extent_of(ray, resolution_m));

@@ -25,6 +25,8 @@ struct CountingOptions {
   double no_return_free_range_m = 0.0;
   /// Beams longer than this are cut there and carve only free space; 0: no limit.
   double max_range_m = 0.0;
+  /// False: beams without return say nothing, whatever the scan says of them; no setting.
+  bool believes_no_returns = true;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
     v.field(
@@ -101,6 +103,7 @@ void for_each_ray(const Scan& scan, const Pose2& map_from_laser, const CountingO
     const BeamKind kind = scan.kind(beam);
     if (kind == BeamKind::kInvalid || kind == BeamKind::kTooClose) continue;
     bool is_hit = kind == BeamKind::kHit;
+    if (!is_hit && !options.believes_no_returns) continue;
     double length_m = static_cast<double>(is_hit ? scan.ranges_m[beam] : scan.free_range_m);
     if (!is_hit && options.no_return_free_range_m > 0.0) {
       length_m = options.no_return_free_range_m;

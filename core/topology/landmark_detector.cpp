@@ -125,6 +125,7 @@ void LandmarkDetector::look_around(const Pose2& robot) {
   CountingMap map(config_.resolution_m);
   CountingOptions options;
   options.max_range_m = 2.0 * config_.radius_m;
+  options.believes_no_returns = false;  // scans that come over topics do not tell what they say
   for (const PosedScan& scan : recent_) map.add(scan, options);
   const Cell middle = cell_at(robot.translation(), config_.resolution_m);
   const int half = static_cast<int>(config_.radius_m / config_.resolution_m);
@@ -185,7 +186,6 @@ std::vector<LandmarkEvent> LandmarkDetector::add(const PosedScan& scan) {
   if (moved) {
     last_detection_ = robot;
     recent_.push_back(scan);
-    recent_.back().scan.free_range_m = 0.0F;  // nobody tells over topics
     std::erase_if(recent_, [&](const PosedScan& other) {
       return translation_distance(other.map_from_robot, robot) > config_.radius_m;
     });

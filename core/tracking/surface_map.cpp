@@ -40,11 +40,10 @@ void SurfaceMap::set_point(registration::SurfacePoint& point, const Cell& cell, 
 void SurfaceMap::add(const Scan& scan, const Pose2& frame_from_laser,
                      std::span<const float> beam_weights, double max_range_m, bool carve) {
   const double resolution = cells_.resolution_m();
-  const CountingOptions options{.no_return_free_range_m = 0.0, .max_range_m = max_range_m};
+  const CountingOptions options{.max_range_m = max_range_m, .believes_no_returns = false};
   CellRect needed;
   rays_.clear();
   for_each_ray(scan, frame_from_laser, options, [&](std::size_t beam, const Ray& ray) {
-    if (scan.kind(beam) == BeamKind::kNoReturn) return;
     rays_.emplace_back(beam, ray);
     for (const Eigen::Vector2d& point : {ray.from_m, ray.to_m}) {
       const Cell cell = cell_at(point, resolution);

@@ -144,6 +144,7 @@ TEST(CellLearner, ScansThatSayNothingTeachNothing) {
   PosedScan empty = look(0.0, true);
   empty.scan.ranges_m = {std::numeric_limits<float>::quiet_NaN(),
                          std::numeric_limits<float>::infinity(), -1.0F};
+  empty.scan.free_range_m = 3.0F;  // scans that are kept do not tell
   learner.add(empty);
   empty.scan.ranges_m.clear();
   learner.add(empty);

@@ -51,6 +51,7 @@ void count_slowly(const PosedScan& posed, const CountingOptions& options,
     bool hit = reading < posed.scan.range_max_m;
     const auto& dropped = posed.scan.drop_outs;
     double range = static_cast<double>(reading);
+    if (!hit && !options.believes_no_returns) continue;
     if (!hit && options.no_return_free_range_m > 0.0) {
       range = options.no_return_free_range_m;
     } else if (!hit) {
@@ -95,8 +96,9 @@ void expect_equal(const CountingMap& map, const std::map<Cell, CellCounts>& expe
 TEST(CountingMap, EqualsTheSlowCountCellByCell) {
   RandomStream random(1, StreamId::kTest);
   for (const bool with_labels : {false, true}) {
-    for (const CountingOptions options : {CountingOptions{}, CountingOptions{1.5, 0.0},
-                                          CountingOptions{0.0, 2.0}, CountingOptions{3.5, 2.0}}) {
+    for (const CountingOptions options :
+         {CountingOptions{}, CountingOptions{1.5, 0.0}, CountingOptions{0.0, 2.0},
+          CountingOptions{3.5, 2.0}, CountingOptions{.believes_no_returns = false}}) {
       CountingMap map(kResolution);
       std::map<Cell, CellCounts> expected;
       for (int i = 0; i < 60; ++i) {

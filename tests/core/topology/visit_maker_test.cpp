@@ -113,8 +113,10 @@ TEST(VisitMaker, VisitsACrossingOnceWhereItIsAndAPlainCorridorNever) {
   EXPECT_TRUE(drive_through(kCorridor, elsewhere).empty());
 }
 
-/// Along the middle of a corridor, seen from y; one event a place.
-std::vector<LandmarkEvent> events_along(const Floor& floor, bool eastward) {
+/// Along the middle of a corridor, seen from y; one event a place. reach_m: of the scanner, whose
+/// beams without return say that so much is free.
+std::vector<LandmarkEvent> events_along(const Floor& floor, bool eastward, float reach_m = 30.0F,
+                                        float free_range_m = 0.0F) {
   LandmarkDetector detector({});
   std::vector<LandmarkEvent> events;
   const auto take = [&](const std::vector<LandmarkEvent>& found) {
@@ -123,10 +125,20 @@ std::vector<LandmarkEvent> events_along(const Floor& floor, bool eastward) {
   for (int i = 0; i <= 90; ++i) {
     const double x_m = -9.0 + 0.2 * i;
     const Pose2 pose = eastward ? Pose2{x_m, 0.1, 0.0} : Pose2{-x_m, 0.1, std::numbers::pi};
-    take(detector.add(scan_at(floor, pose, 0.5 * i)));
+    PosedScan scan = scan_at(floor, pose, 0.5 * i);
+    scan.scan.range_max_m = reach_m;
+    scan.scan.free_range_m = free_range_m;
+    take(detector.add(scan));
   }
   take(detector.finish());
   return events;
+}
+
+TEST(LandmarkDetector, IsToldNothingByBeamsWithoutReturn) {
+  // A reach that shows too little of the crossing's corridors, unless what returns nothing is free.
+  EXPECT_EQ(events_along(kCrossing, true, 10.0F).size(), 1U);
+  EXPECT_EQ(events_along(kCrossing, true, 6.0F).size(), 0U);
+  EXPECT_EQ(events_along(kCrossing, true, 6.0F, 12.0F).size(), 0U);
 }
 
 /// A hall whose near corners are seen only once the robot is inside.

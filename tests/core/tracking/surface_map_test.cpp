@@ -38,5 +38,19 @@ TEST(SurfaceMap, HitsOfBeamsFarApartBecomeAWallAsTheRobotPasses) {
   EXPECT_LT(point->tangential, 0.05);
 }
 
+TEST(SurfaceMap, BeamsWithoutReturnSayNothingToIt) {
+  CellRect touched[2];
+  for (const int i : {0, 1}) {
+    SurfaceMap map(0.05, {});
+    Scan scan = test::scan_of(corridor(), {0.0, 1.0, 0.0}, 0.0, 0.0, 1, 90, 2.0 * std::numbers::pi);
+    scan.range_max_m = 3.0F;
+    scan.free_range_m = i == 0 ? 0.0F : 12.0F;
+    map.add(scan, scan.robot_from_laser, {}, 30.0);
+    touched[i] = map.touched();
+  }
+  EXPECT_FALSE(touched[0].empty());
+  EXPECT_EQ(touched[0], touched[1]);
+}
+
 }  // namespace
 }  // namespace strata::slam
