@@ -35,7 +35,7 @@ struct NoReturnConfig {
          .min = 0.0,
          .max = 1.0});
     v.field("max_free_range_m", c.max_free_range_m,
-            {.doc = "nor beyond this", .unit = "m", .min = 0.0});
+            {.doc = "nor beyond this; 0: they say nothing", .unit = "m", .min = 0.0});
   }
 };
 
@@ -50,14 +50,16 @@ struct DropOuts {
 };
 
 /// Sets `free_range_m` and `drop_outs` of scans. A beam without return dropped out where it would
-/// have met a surface that a scan of up to kAround_s before and one of up to kAround_s after both
-/// show, as three neighbouring beams without a gap: a door that opens or closes, and what comes and
-/// goes, is there only before or only after. Scanners, told apart by mounting and angles, are
-/// judged each by itself. Where too many of a scanner's beams without return dropped out, or too
-/// many of its beams from the nearest surfaces on, or its reach is not told (`tells_reach`), they
-/// say nothing (docs/theory/beam_filter.md, "No-return beams"). scans: in order of run and time,
-/// at poses good to a fraction of a metre from one scan to the next. The same bits for any number
-/// of threads. O(beams of scans with such beams).
+/// have met a surface that a scan of up to 3 s before and one of up to 3 s after both show, as
+/// three neighbouring beams without a gap: a gate that opens or closes, and what comes and goes, is
+/// there only before or only after. Scanners, told apart by mounting and reach, are judged each by
+/// itself. A scanner's beams without return say nothing where too many of them dropped out, from
+/// the distance on at which too many of its beams do, where next to none return from the last
+/// quarter of its reach, where too few can be judged, and where its reach is not told
+/// (`tells_reach`). Ours: docs/theory/beam_filter.md, "No-return beams". scans: in order of run and
+/// time, at poses good to a fraction of a metre from one scan to the next. What was set before is
+/// forgotten. The same bits for any number of threads. O(beams of scans with such beams, and scans
+/// x scanners).
 [[nodiscard]] DropOuts find_drop_outs(std::span<PosedScan> scans, const NoReturnConfig& config,
                                       WorkerPool& pool);
 

@@ -24,16 +24,12 @@ inline constexpr std::array<std::size_t, 4> kStepsAround{1, 2, 4, 8};
 inline constexpr double kAround_s = 3.0;
 inline constexpr double kAround_m = 1.0;
 
-/// What tells one scanner from another.
-using ScannerKey = std::tuple<double, double, double, float, float, float>;
+/// What tells one scanner from another: its mounting, as in ScannerTurns, and its reach. Some send
+/// other angles with each scan.
+using ScannerKey = std::tuple<double, double, double, float>;
 [[nodiscard]] inline ScannerKey scanner_of(const Scan& scan) {
   const Pose2& at = scan.robot_from_laser;
-  return {at.x,
-          at.y,
-          at.theta,
-          scan.angle_min_rad,
-          scan.angle_increment_rad,
-          range_limit_m(scan.range_max_m)};
+  return {at.x, at.y, at.theta, range_limit_m(scan.range_max_m)};
 }
 /// How far the scanner sees; 0: that is not told.
 [[nodiscard]] inline double reach_of(const Scan& scan) {

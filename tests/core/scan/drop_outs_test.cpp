@@ -158,6 +158,20 @@ TEST(DropOuts, OneScannerIsNotJudgedByAnother) {
   }
 }
 
+TEST(DropOuts, AScannerThatSendsOtherAnglesWithEachScanIsOne) {
+  Drive d = drive(corridor, always(0.005));
+  const double plain = find(d.scans).free_range_m;
+  for (std::size_t i = 0; i < d.scans.size(); ++i) {
+    Scan& scan = d.scans[i].scan;
+    // Up to two beams fewer at one end.
+    scan.angle_min_rad += static_cast<float>(i % 3) * scan.angle_increment_rad;
+    scan.ranges_m.erase(scan.ranges_m.begin(),
+                        scan.ranges_m.begin() + static_cast<std::ptrdiff_t>(i % 3));
+  }
+  EXPECT_EQ(find(d.scans).free_range_m, plain);
+  EXPECT_GT(plain, 0.0);
+}
+
 TEST(DropOuts, AreTheSameForAnyNumberOfThreads) {
   Drive one = drive(corridor, always(0.01), 60.0);
   const DropOuts found = find(one.scans);
@@ -205,6 +219,12 @@ TEST(DropOuts, OfScansThatSayNothingAreNone) {
   d.scans[2].scan.ranges_m.assign(180, std::numeric_limits<float>::quiet_NaN());
   d.scans[3].scan.ranges_m.resize(90);
   EXPECT_EQ(find(d.scans).free_range_m, 0.0) << "too few to judge by";
+  // Angles that do not grow, and poses that are no numbers.
+  Drive odd = drive(corridor, always(0.0), 4.0);
+  odd.scans[3].scan.angle_increment_rad = 0.0F;
+  odd.scans[9].scan.angle_increment_rad = std::nanf("");
+  odd.scans[12].map_from_robot.x = std::nan("");
+  EXPECT_GT(find(odd.scans).free_range_m, 0.0);
 }
 
 }  // namespace
