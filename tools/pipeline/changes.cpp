@@ -5,7 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/parallel.hpp"
 #include "core/patch/visits.hpp"
+#include "core/scan/drop_outs.hpp"
 #include "core/scan/range_limit.hpp"
 #include "tools/pipeline/change_candidates.hpp"
 
@@ -158,6 +160,8 @@ Changes find_changes(std::span<const PosedScan> learned, std::span<const Observa
     all.push_back({tested[i].run, tested[i].scan, *truths[i], {}});
     test_scan_of.push_back(i);
   }
+  WorkerPool pool(1);
+  (void)find_drop_outs(all, config.no_return, pool);  // both parts alike
   patch::VisitTable table =
       patch::find_visits(all, base.resolution_m(), config.visits, config.counting);
   table.filter(config.contradiction.prior);
