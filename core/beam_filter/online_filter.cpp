@@ -48,13 +48,14 @@ std::vector<float> OnlineFilter::add(PosedScan scan) {
   } else {
     count_in_window(scan, 1.0);
   }
-  window_.push_back({scan, key});
+  window_.push_back({std::move(scan), key});
   if (window_.size() > static_cast<std::size_t>(config_.scans)) {
     const Entry& oldest = window_.front();
     if (!oldest.key) count_in_window(oldest.scan, -1.0);
     window_.pop_front();
   }
-  std::vector<float> labels(scan.scan.size(), static_cast<float>(filter_.prior));
+  const PosedScan& newest = window_.back().scan;
+  std::vector<float> labels(newest.scan.size(), static_cast<float>(filter_.prior));
   const auto reflection_at = [&](const Cell& cell) {
     CellCounts counts = key_counts_.cells().get(cell);
     const CellCounts& lately = window_counts_.cells().get(cell);
@@ -62,7 +63,7 @@ std::vector<float> OnlineFilter::add(PosedScan scan) {
     counts.misses += lately.misses;
     return closed_form(counts, filter_.prior, filter_.min_evidence);
   };
-  for_each_ray(scan.scan, scan.map_from_laser(), filter_.counting,
+  for_each_ray(newest.scan, newest.map_from_laser(), filter_.counting,
                [&](std::size_t beam, const Ray& ray) {
                  if (!ray.is_hit) return;
                  const double m = judging_reflection(cell_at(ray.to_m, filter_.resolution_m),
