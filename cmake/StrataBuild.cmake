@@ -10,9 +10,11 @@ endif()
 
 find_program(STRATA_CCACHE ccache)
 if(STRATA_CCACHE)
-  # What ccache asks for where headers are precompiled.
+  # What ccache asks for where headers are precompiled; and a checkout elsewhere finds what this
+  # one compiled.
   set(CMAKE_CXX_COMPILER_LAUNCHER
-    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${STRATA_CCACHE})
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+    CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${STRATA_CCACHE})
 endif()
 
 add_library(strata_flags INTERFACE)
