@@ -16,7 +16,7 @@ namespace {
 LocalCloud seen_from(int kind, const Pose2& place_from_robot, std::uint64_t seed) {
   RandomStream random(seed, StreamId::kTest, 7);
   std::vector<Eigen::Vector2d> points;
-  for (const Eigen::Vector2d& point : test_world::wall_points(kind)) {
+  for (const Eigen::Vector2d& point : test_world::wall_points({.kind = kind})) {
     points.push_back(inverse(place_from_robot) * point +
                      Eigen::Vector2d(random.normal(0.0, 0.02), random.normal(0.0, 0.02)));
   }

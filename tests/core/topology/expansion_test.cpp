@@ -20,7 +20,7 @@ struct Seen {
       visit.stamp = {static_cast<std::int64_t>(i + 1) * 1'000'000'000};
       visit.odom_from_robot = poses[i];
       std::vector<Eigen::Vector2d> walls;
-      for (const Eigen::Vector2d& point : test_world::wall_points(15)) {
+      for (const Eigen::Vector2d& point : test_world::wall_points({.kind = 15})) {
         walls.push_back(inverse(poses[i]) * point);
       }
       visit.cloud = with_normals(walls, 5);

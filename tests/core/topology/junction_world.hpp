@@ -12,16 +12,20 @@
 
 namespace strata::topology::test_world {
 
-/// Where a junction lies and what it looks like; equal kinds cannot be told apart by their walls.
+/// Where a junction lies and what it looks like; equal kinds cannot be told apart by their walls,
+/// unless their corridors are of other widths and lengths.
 struct Junction {
   double x_m = 0.0;
   double y_m = 0.0;
   int kind = 0;
+  int corridors = 0;  ///< seed of each one's width and length; 0: all alike
 };
 
 /// Walls around a junction in its own frame, a point every 10 cm: corridors lead off where the
 /// kind's bits say (1 east, 2 north, 4 west, 8 south); kind / 16 says how wide they are.
-inline std::vector<Eigen::Vector2d> wall_points(int kind) {
+inline std::vector<Eigen::Vector2d> wall_points(const Junction& junction) {
+  const int kind = junction.kind;
+  RandomStream random(static_cast<std::uint64_t>(junction.corridors), StreamId::kTest, 32);
   std::vector<Eigen::Vector2d> points;
   const auto wall = [&](Eigen::Vector2d from, Eigen::Vector2d to) {
     const int steps = static_cast<int>((to - from).norm() / 0.1);
@@ -29,12 +33,17 @@ inline std::vector<Eigen::Vector2d> wall_points(int kind) {
       points.push_back(from + (to - from) * (static_cast<double>(i) / steps));
     }
   };
-  const double half_m = 1.0 + 0.3 * (kind / 16);
   for (int side = 0; side < 4; ++side) {
+    double half_m = 1.0 + 0.3 * (kind / 16);
+    double end_m = 5.0;
+    if (junction.corridors != 0) {
+      half_m *= random.uniform(0.7, 1.3);
+      end_m = random.uniform(2.5, 5.0);
+    }
     const Pose2 turned{0.0, 0.0, side * std::numbers::pi / 2.0};
     if ((kind >> side) % 2 == 1) {
-      wall(turned * Eigen::Vector2d(half_m, half_m), turned * Eigen::Vector2d(5.0, half_m));
-      wall(turned * Eigen::Vector2d(half_m, -half_m), turned * Eigen::Vector2d(5.0, -half_m));
+      wall(turned * Eigen::Vector2d(half_m, half_m), turned * Eigen::Vector2d(end_m, half_m));
+      wall(turned * Eigen::Vector2d(half_m, -half_m), turned * Eigen::Vector2d(end_m, -half_m));
     } else {
       wall(turned * Eigen::Vector2d(half_m, -half_m), turned * Eigen::Vector2d(half_m, half_m));
     }
@@ -77,7 +86,7 @@ inline Drive drive(const std::vector<Junction>& junctions, const std::vector<int
     visit.odom_from_robot = odom;
     const Pose2 robot_from_junction = inverse(pose) * Pose2{at.x_m, at.y_m, 0.0};
     std::vector<Eigen::Vector2d> seen;
-    for (const Eigen::Vector2d& point : wall_points(at.kind)) {
+    for (const Eigen::Vector2d& point : wall_points(at)) {
       seen.push_back(robot_from_junction * point +
                      Eigen::Vector2d(random.normal(0.0, 0.02), random.normal(0.0, 0.02)));
     }
@@ -122,6 +131,13 @@ inline std::vector<Junction> rows_of_ten(int count) {
   for (int i = 0; i < count; ++i) {
     junctions.push_back({10.0 * (i % 10), 10.0 * (i / 10), kinds[(i + 2 * (i / 10)) % 6]});
   }
+  return junctions;
+}
+
+/// The same, of which no two look alike.
+inline std::vector<Junction> unlike_rows_of_ten(int count) {
+  std::vector<Junction> junctions = rows_of_ten(count);
+  for (int i = 0; i < count; ++i) junctions[static_cast<std::size_t>(i)].corridors = i + 1;
   return junctions;
 }
 
