@@ -47,14 +47,12 @@ void DropOutWatch::take(PosedScan& posed) {
   if (free_range_m <= 0.0 || !has_no_return(scan)) return;
   const std::size_t own = scanner.recent.size() - 1;
   before_.lay(posed, [&](std::size_t step) { return at(scanner.recent, own - step); });
-  for (std::size_t beam = 0; beam < scan.size(); ++beam) {
-    if (scan.kind(beam) != BeamKind::kNoReturn) continue;
-    const auto shown = before_.get();
-    const bool is_met = std::any_of(shown.begin(), shown.end(), [&](const SeenSurfaces& one) {
-      return one.range_m(beam) < scan.free_range_m;
-    });
-    if (is_met) scan.drop_outs.push_back(static_cast<std::uint32_t>(beam));
+  if (before_.get().empty()) {
+    scan.free_range_m = 0.0F;
+    return;
   }
+  for_each_silent(scan, before_.get(), {}, reach_of(scan),
+                  [&](std::uint32_t beam) { scan.drop_outs.push_back(beam); });
 }
 
 /// The scan that has kMaxStep later ones.
@@ -65,8 +63,7 @@ void DropOutWatch::judge_earlier(Scanner& scanner) {
   if (!has_no_return(posed.scan)) return;
   before_.lay(posed, [&](std::size_t step) { return at(scanner.recent, own - step); });
   after_.lay(posed, [&](std::size_t step) { return at(scanner.recent, own + step); });
-  judge_beams(posed.scan, before_.get(), after_.get(), reach_of(posed.scan), scanner.tally,
-              [](std::uint32_t) {});
+  (void)judge_beams(posed.scan, before_.get(), after_.get(), reach_of(posed.scan), scanner.tally);
 }
 
 DropOuts DropOutWatch::found() const {

@@ -14,10 +14,9 @@
 
 namespace strata {
 
-/// As find_drop_outs, by what was seen until now: a scan's beams without return are believed as far
-/// as the scans until then allow, but for those that would meet a surface which one of the last
-/// scans showed, so that a gate that opens is seen some scans later. Memory: 17 scans of each
-/// scanner. Not thread-safe.
+/// As find_drop_outs, by what was seen until now: the scanner is judged by the scans until then,
+/// and a scan's beams without return are told by those of up to 3 s before alone. Memory: 17 scans
+/// of each scanner. Not thread-safe.
 class DropOutWatch {
  public:
   explicit DropOutWatch(const NoReturnConfig& config = {}) : config_(config) {}

@@ -17,7 +17,10 @@ constexpr std::size_t kChunk = 64;
 class Judge {
  public:
   Judge(std::span<PosedScan> scans, std::vector<std::size_t> own)
-      : scans_(scans), own_(std::move(own)), reach_m_(reach_of(scans_[own_.front()].scan)) {}
+      : scans_(scans),
+        own_(std::move(own)),
+        is_judged_(own_.size(), 0),
+        reach_m_(reach_of(scans_[own_.front()].scan)) {}
 
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
@@ -39,29 +42,32 @@ class Judge {
   }
 
   void set(double free_range_m) {
-    for (const std::size_t i : own_) {
-      Scan& scan = scans_[i].scan;
-      scan.free_range_m = static_cast<float>(free_range_m);
-      if (free_range_m <= 0.0) scan.drop_outs = {};
+    for (std::size_t i = 0; i < own_.size(); ++i) {
+      Scan& scan = scans_[own_[i]].scan;
+      scan.free_range_m = is_judged_[i] != 0 ? static_cast<float>(free_range_m) : 0.0F;
+      if (scan.free_range_m <= 0.0F) scan.drop_outs = {};
     }
   }
 
  private:
   void judge_scan(std::size_t at, SurfacesAround& before, SurfacesAround& after,
-                  DropOutTally& tally) const {
+                  DropOutTally& tally) {
     PosedScan& posed = scans_[own_[at]];
     if (!has_no_return(posed.scan)) return;
     before.lay(posed, [&](std::size_t step) { return at < step ? nullptr : &scan(at - step); });
     after.lay(posed, [&](std::size_t step) {
       return at + step < own_.size() ? &scan(at + step) : nullptr;
     });
-    judge_beams(posed.scan, before.get(), after.get(), reach_m_, tally,
-                [&](std::uint32_t beam) { posed.scan.drop_outs.push_back(beam); });
+    if (!judge_beams(posed.scan, before.get(), after.get(), reach_m_, tally)) return;
+    is_judged_[at] = 1;
+    for_each_silent(posed.scan, before.get(), after.get(), reach_m_,
+                    [&](std::uint32_t beam) { posed.scan.drop_outs.push_back(beam); });
   }
   [[nodiscard]] const PosedScan& scan(std::size_t at) const { return scans_[own_[at]]; }
 
   std::span<PosedScan> scans_;
   std::vector<std::size_t> own_;
+  std::vector<std::uint8_t> is_judged_;  ///< of each; those without such beams are not
   double reach_m_ = 0.0;
 };
 

@@ -2,6 +2,7 @@
 /// The scans shortly before and after one, and what they say of its beams without return.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -67,13 +68,40 @@ class SurfacesAround {
   std::size_t count_ = 0;
 };
 
-/// Counts the beams of a scan that has scans before and after, and calls dropped(beam) for each
-/// without return that would have met a surface of both. Nothing where one of the two is missing.
-template <typename Dropped>
-void judge_beams(const Scan& scan, std::span<const SeenSurfaces> before,
-                 std::span<const SeenSurfaces> after, double reach_m, DropOutTally& tally,
-                 const Dropped& dropped) {
-  if (before.empty() || after.empty()) return;
+/// Fewer neighbouring beams without return than this say nothing: a surface lost them, or a gap is
+/// narrow.
+inline constexpr std::size_t kMinInARow = 3;
+
+/// Calls silent(beam), in order, for each beam without return that says nothing: those that are few
+/// in a row, and those that would have met a surface that any scan around shows nearer than
+/// `reach_m`. What only one before or one after shows has come or gone, or is of glass.
+template <typename Silent>
+void for_each_silent(const Scan& scan, std::span<const SeenSurfaces> before,
+                     std::span<const SeenSurfaces> after, double reach_m, const Silent& silent) {
+  const auto meets = [&](std::span<const SeenSurfaces> shown, std::size_t beam) {
+    return std::any_of(shown.begin(), shown.end(), [&](const SeenSurfaces& one) {
+      return static_cast<double>(one.range_m(beam)) < reach_m;
+    });
+  };
+  std::size_t begin = 0;  // of those in a row
+  for (std::size_t end = 0; end <= scan.size(); ++end) {
+    if (end < scan.size() && scan.kind(end) == BeamKind::kNoReturn) continue;
+    const bool are_few = end - begin < kMinInARow;
+    for (std::size_t beam = begin; beam < end; ++beam) {
+      if (are_few || meets(before, beam) || meets(after, beam)) {
+        silent(static_cast<std::uint32_t>(beam));
+      }
+    }
+    begin = end + 1;
+  }
+}
+
+/// Counts the beams of a scan that has scans before and after: a return dropped out where both show
+/// the surface. Nothing, and false, where one of the two is missing.
+[[nodiscard]] inline bool judge_beams(const Scan& scan, std::span<const SeenSurfaces> before,
+                                      std::span<const SeenSurfaces> after, double reach_m,
+                                      DropOutTally& tally) {
+  if (before.empty() || after.empty()) return false;
   for (std::size_t beam = 0; beam < scan.size(); ++beam) {
     const BeamKind kind = scan.kind(beam);
     if (kind != BeamKind::kHit && kind != BeamKind::kNoReturn) continue;
@@ -84,10 +112,9 @@ void judge_beams(const Scan& scan, std::span<const SeenSurfaces> before,
       tally.add_far();
     }
     const double share = static_cast<double>(surface_that_stays_m(beam, before, after)) / reach_m;
-    if (!(share < DropOutTally::kTrusted)) continue;
-    tally.add_surface(share, is_none);
-    if (is_none) dropped(static_cast<std::uint32_t>(beam));
+    if (share < DropOutTally::kTrusted) tally.add_surface(share, is_none);
   }
+  return true;
 }
 
 }  // namespace strata

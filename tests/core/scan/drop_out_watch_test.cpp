@@ -50,6 +50,20 @@ TEST(DropOutWatch, TellsMostReturnsThatDroppedOutByWhatTheScansBeforeShowed) {
   EXPECT_LT(static_cast<double>(wrong), 0.1 * static_cast<double>(told));
 }
 
+TEST(DropOutWatch, BeamsOfAScanWithoutOneShortlyBeforeSayNothing) {
+  Drive d = drive(corridor, always(0.01), 40.0);
+  DropOutWatch watch;
+  for (std::size_t i = 0; i < d.scans.size(); ++i) {
+    const bool is_late = i + 2 >= d.scans.size();
+    d.scans[i].scan.stamp.ns += is_late ? 60'000'000'000 : 0;
+    watch.take(d.scans[i]);
+  }
+  const std::size_t last = d.scans.size() - 1;
+  EXPECT_GT(d.scans[last - 2].scan.free_range_m, 0.0F);
+  EXPECT_EQ(d.scans[last - 1].scan.free_range_m, 0.0F);
+  EXPECT_GT(d.scans[last].scan.free_range_m, 0.0F);
+}
+
 TEST(DropOutWatch, AGateThatOpensIsSeenSomeScansLater) {
   Drive d = drive(gate_that_opens(6.0), always(0.002));
   DropOutWatch watch;

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scan/drop_out_tally.hpp"
+#include "core/scan/scans_around.hpp"
 #include "tests/core/scan/corridor_drive.hpp"
 
 namespace strata {
@@ -96,6 +97,52 @@ TEST(DropOuts, ScansOfAnotherRunOrOfLongBeforeOrOfElsewhereAreNotAsked) {
   }
 }
 
+TEST(DropOuts, OfADoorThatOpensBeamsAreBelievedOnceNoScanAroundShowsIt) {
+  Drive d = drive(gate_that_opens(6.0), always(0.0));
+  (void)find(d.scans);
+  std::size_t at_once = 0;
+  std::size_t later = 0;
+  for (const PosedScan& scan : d.scans) {
+    const double time_s = scan.scan.stamp.seconds() - 10.0;
+    if (time_s >= 6.0 && time_s < 6.5) at_once += scan.scan.drop_outs.size();
+    if (time_s > 9.0 && time_s < 9.5) later += scan.scan.drop_outs.size();
+  }
+  EXPECT_GT(at_once, 20U);
+  EXPECT_EQ(later, 0U);
+}
+
+TEST(DropOuts, BeamsThatAreFewInARowSayNothing) {
+  constexpr float kNone = std::numeric_limits<float>::infinity();
+  Scan scan;
+  scan.range_max_m = 8.0F;
+  scan.ranges_m = {1.0F, kNone, 1.0F, kNone, kNone, 1.0F, kNone, kNone, kNone, 1.0F, kNone};
+  std::vector<std::uint32_t> silent;
+  const auto add = [&](std::uint32_t beam) { silent.push_back(beam); };
+  for_each_silent(scan, {}, {}, 8.0, add);
+  EXPECT_EQ(silent, (std::vector<std::uint32_t>{1, 3, 4, 10}));
+  scan.ranges_m.assign(3, kNone);
+  silent.clear();
+  for_each_silent(scan, {}, {}, 8.0, add);
+  EXPECT_TRUE(silent.empty());
+  scan.ranges_m.clear();
+  for_each_silent(scan, {}, {}, 8.0, add);
+  EXPECT_TRUE(silent.empty());
+}
+
+TEST(DropOuts, BeamsOfScansWithoutOthersBeforeAndAfterSayNothing) {
+  Drive d = drive(corridor, always(0.01));
+  for (std::size_t i = 0; i < d.scans.size(); ++i) {
+    const auto gaps = static_cast<std::int64_t>(i >= 50) + static_cast<std::int64_t>(i >= 51);
+    d.scans[i].scan.stamp.ns += gaps * 60'000'000'000;
+  }
+  EXPECT_GT(find(d.scans).free_range_m, 0.0);
+  for (std::size_t i = 0; i < d.scans.size(); ++i) {
+    const bool is_judged = i > 0 && (i < 49 || i > 51) && i + 1 < d.scans.size();
+    EXPECT_EQ(d.scans[i].scan.free_range_m > 0.0F, is_judged) << i;
+    EXPECT_TRUE(is_judged || d.scans[i].scan.drop_outs.empty());
+  }
+}
+
 TEST(DropOuts, BeamsAreBelievedAsFarAsSurfacesReturn) {
   // Half of what lies beyond 5 m is too dark.
   Drive d = drive(corridor, [](double range_m) { return range_m > 5.0 ? 0.5 : 0.001; });
@@ -153,7 +200,7 @@ TEST(DropOuts, OneScannerIsNotJudgedByAnother) {
     both.push_back(bad.scans[i]);
   }
   (void)find(both);
-  for (std::size_t i = 0; i < both.size(); ++i) {
+  for (std::size_t i = 2; i + 2 < both.size(); ++i) {  // the first and the last are not judged
     EXPECT_EQ(both[i].scan.free_range_m > 0.0F, i % 2 == 0) << i;
   }
 }
