@@ -48,6 +48,10 @@ class LiveLocalizer : public ::testing::Test {
                                             runtime::make_participant(composition),
                                             runtime::HostOptions{.seed = kSeed});
     host_->activate();
+    // What the robot drives before it is heard would be missing from its odometry.
+    for (bus::RawWriter* writer : {&tf_static_.raw(), &tf_.raw(), &odometry_.raw(), &scan_.raw()}) {
+      EXPECT_TRUE(writer->wait_for_readers(1, std::chrono::seconds(20))) << writer->topic();
+    }
   }
 
   /// Plays on until a pose comes; scans without odometry beside them give none.
