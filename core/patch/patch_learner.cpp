@@ -45,6 +45,7 @@ Submap PatchLearner::learn_submap(const Region& region, std::span<const Sequence
 
 PatchMap PatchLearner::finish(const ReflectionGrid& filtered, Progress* progress) {
   const double resolution = filtered.resolution_m();
+  // Again after SLAM: at the last poses, and scans that come over topics do not tell.
   (void)find_drop_outs(scans_, config_.no_return, pool_);
   PatchMap map;
   map.base = filtered;

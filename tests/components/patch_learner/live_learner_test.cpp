@@ -22,6 +22,7 @@
 #include "tests/components/runtime/host_fixture.hpp"
 #include "tests/components/runtime/status_watch.hpp"
 #include "tests/core/patch/box_world.hpp"
+#include "tests/core/patch/gate_world.hpp"
 #include "tests/core/patch/toy_world.hpp"
 #include "tests/support/comes_true.hpp"
 #include "tests/support/test_data.hpp"
@@ -167,6 +168,22 @@ TEST_F(LiveLearner, LeavesOutAnAreaInWhichNothingReturnsAndSaysSo) {
   ASSERT_TRUE(says("scans", std::to_string(returning - scans.begin() + 1)));
   EXPECT_TRUE(says("sub-maps", "0"));
   EXPECT_TRUE(says("areas left out, where nothing returns", "1"));
+}
+
+TEST_F(LiveLearner, LearnsThatAGateOntoNothingIsOpenThoughScansAreLostAndRepeated) {
+  const auto scans =
+      patch::test::drive_past_gate(patch::test::kGateOfEightDays, patch::test::Visits::kOneRun);
+  bring_base(scans);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (i % 11 == 5) continue;
+    publish(scans[i]);
+    if (i % 13 == 7) publish(scans[i]);
+  }
+  EXPECT_TRUE(test::comes_true([&] {
+    host_->tick();
+    const auto maps = maps_.wait_for(1);
+    return !maps.empty() && patch::test::gates_of(convert::from_message(maps.back())) == 1;
+  }));
 }
 
 TEST_F(LiveLearner, LearnsFromScansThatComeWhileItLearnsAgain) {
