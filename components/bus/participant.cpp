@@ -143,6 +143,14 @@ std::map<std::string, PublishedTopic> Participant::State::offers() const {
   return result;
 }
 
+bool Participant::is_answered(const std::string& service) const {
+  const std::string reply = wire_topic({service, TopicKind::kReply});
+  const std::lock_guard lock(state_->mutex);
+  return std::any_of(state_->endpoints.begin(), state_->endpoints.end(), [&](const auto& known) {
+    return known.second.writes && known.second.wire_topic == reply;
+  });
+}
+
 DomainView Participant::view() const {
   const std::lock_guard lock(state_->mutex);
   DomainView view;

@@ -79,6 +79,8 @@ class Participant {
   [[nodiscard]] std::vector<std::string> warnings() const;
   /// Every ROS 2 topic that some writer of the domain, here or elsewhere, publishes now.
   [[nodiscard]] std::map<std::string, PublishedTopic> published_topics() const;
+  /// Whether somebody, here or elsewhere, answers that service now (its full name). O(endpoints).
+  [[nodiscard]] bool is_answered(const std::string& service) const;
   /// Everything that discovery knows now, this participant and its endpoints included.
   [[nodiscard]] DomainView view() const;
 

@@ -85,8 +85,10 @@ struct LiveViewConfig {
                     "robot is"});
     v.field("relocalize_service", c.relocalize_service,
             {.doc = "std_srvs/Empty that begins a global search"});
-    v.field("save_service", c.save_service,
-            {.doc = "std_srvs/Trigger that saves the maps of a robot that maps; empty: none"});
+    v.field(
+        "save_service", c.save_service,
+        {.doc = "std_srvs/Trigger that saves the maps of a robot that maps; offered once somebody "
+                "answers it; empty: none"});
   }
 };
 

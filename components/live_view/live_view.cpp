@@ -23,6 +23,7 @@ constexpr auto kSavePatience = std::chrono::seconds(10);
 /// All files of a version are read before it is approved or activated.
 constexpr auto kSitePatience = std::chrono::seconds(20);
 constexpr std::string_view kSiteTopic = "/site_versions";
+constexpr std::string_view kLevelTopic = "/level";
 /// Messages of one topic that may come between two looks of the component.
 constexpr int kDepth = 20;
 /// Statuses that may: one a second of each component, and all at once when a robot starts.
@@ -59,8 +60,8 @@ void LiveView::on_configure() {
   if (lockstep()) return;
   CommandNames commands;
   if (config_.allow_commands) {
-    commands = {resolve(config_.initial_pose_topic), resolve(config_.relocalize_service),
-                config_.save_service.empty() ? "" : resolve(config_.save_service)};
+    saver_ = config_.save_service.empty() ? "" : resolve(config_.save_service);
+    commands = {resolve(config_.initial_pose_topic), resolve(config_.relocalize_service), saver_};
     publish_pose_ = advertise<geometry_msgs::msg::PoseWithCovarianceStamped>(
         config_.initial_pose_topic, "default");
   }
@@ -101,6 +102,10 @@ MetricsSource LiveView::gather_metrics() {
 void LiveView::on_tick() {
   if (!hub_) return;
   offer_topics();
+  if (!saver_.empty() && context().participant->is_answered(saver_)) {
+    saver_.clear();
+    hub_->offer_save();
+  }
   read_what_is_wanted();
   for (const ViewCommand& command : hub_->take_commands()) {
     guarded([&] { perform(command); });
@@ -116,6 +121,11 @@ void LiveView::offer_topics() {
         published.type == bus::MessageType<strata_msgs::msg::SiteVersions>::name) {
       has_site_ = true;
       hub_->offer_site(topic.substr(0, topic.size() - kSiteTopic.size()), config_.allow_commands);
+    }
+    if (config_.allow_commands && !has_levels_ && topic.ends_with(kLevelTopic) &&
+        published.type == bus::MessageType<strata_msgs::msg::SiteLevel>::name) {
+      has_levels_ = true;
+      hub_->offer_levels(topic.substr(0, topic.size() - kLevelTopic.size()));
     }
     const std::string schema = convert::message_definition(published.type);
     if (schema.empty()) continue;  // nobody could decode it
@@ -168,6 +178,7 @@ void LiveView::perform(const ViewCommand& command) {
     case ViewCommand::Kind::kActivateVersion:
     case ViewCommand::Kind::kRollBack:
     case ViewCommand::Kind::kVersionMap:
+    case ViewCommand::Kind::kSetLevel:
       return decide_on_site(command);
     case ViewCommand::Kind::kSetPose:
       // Decoded, so that what is no pose goes no further.
@@ -185,6 +196,8 @@ void LiveView::decide_on_site(const ViewCommand& command) {
         return decided<bus::srv::ActivateSiteVersion>(participant, command);
       case ViewCommand::Kind::kRollBack:
         return decided<bus::srv::RollBackSite>(participant, command);
+      case ViewCommand::Kind::kSetLevel:
+        return decided<bus::srv::SetSiteLevel>(participant, command);
       default:
         return decided<bus::srv::GetSiteVersionMap>(participant, command);
     }
@@ -221,6 +234,8 @@ void LiveView::on_cleanup() {
   channels_.clear();
   offered_.clear();
   has_site_ = false;
+  has_levels_ = false;
+  saver_.clear();
   publish_pose_ = nullptr;
 }
 

@@ -23,9 +23,9 @@ namespace strata::live_view {
 /// bytes they came in; a topic is read from when the first viewer wants it. Reads latched topics
 /// reliably, others best-effort: no writer waits for it. Out, for viewers: initialpose; and it
 /// calls reinitialize_global_localization, the mapper's save, and what decides on the site of the
-/// first component that tells of one (site_versions). What all components say on
-/// /diagnostics, which it reads from the start, it answers as metrics at /metrics. In lockstep it
-/// does nothing.
+/// first component that tells of one (site_versions), or on the level of a building (level). What
+/// all components say on /diagnostics, which it reads from the start, it answers as metrics at
+/// /metrics. In lockstep it does nothing.
 class LiveView final : public runtime::Component {
  public:
   using Component::Component;
@@ -58,6 +58,8 @@ class LiveView final : public runtime::Component {
   std::map<std::string, std::uint32_t> channels_;  ///< by topic; 0: of a type not known
   std::map<std::uint32_t, Offered> offered_;
   bool has_site_ = false;
+  bool has_levels_ = false;
+  std::string saver_;  ///< the service that saves maps, until somebody answers it; full
   std::function<void(const geometry_msgs::msg::PoseWithCovarianceStamped&)> publish_pose_;
   std::atomic<bool> is_calling_{false};
   std::jthread call_;                  // waits for a service's answer, so that nothing else does

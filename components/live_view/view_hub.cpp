@@ -19,12 +19,31 @@ ViewHub::ViewHub(std::string name, CommandNames commands, std::size_t max_viewer
     : name_(std::move(name)), commands_(std::move(commands)), max_viewers_(max_viewers) {
   using Kind = ViewCommand::Kind;
   add_service(Kind::kRelocalize, commands_.relocalize_service, "std_srvs/srv/Empty");
-  add_service(Kind::kSaveMaps, commands_.save_service, "std_srvs/srv/Trigger");
 }
 
 void ViewHub::add_service(ViewCommand::Kind kind, const std::string& name, const char* type) {
   if (name.empty()) return;
   services_.push_back({static_cast<std::uint32_t>(kind), kind, name, type});
+}
+
+void ViewHub::tell_services_since(std::size_t before) {
+  const std::string told = advertised_services(std::span(services_).subspan(before));
+  if (told.empty()) return;
+  for (auto& [id, viewer] : viewers_) say(viewer, told);
+}
+
+void ViewHub::offer_save() {
+  const std::lock_guard lock(mutex_);
+  const std::size_t before = services_.size();
+  add_service(ViewCommand::Kind::kSaveMaps, commands_.save_service, "std_srvs/srv/Trigger");
+  tell_services_since(before);
+}
+
+void ViewHub::offer_levels(const std::string& owner) {
+  const std::lock_guard lock(mutex_);
+  const std::size_t before = services_.size();
+  add_service(ViewCommand::Kind::kSetLevel, owner + "/set_level", "strata_msgs/srv/SetSiteLevel");
+  tell_services_since(before);
 }
 
 void ViewHub::offer_site(const std::string& owner, bool may_change) {
@@ -39,8 +58,7 @@ void ViewHub::offer_site(const std::string& owner, bool may_change) {
     add_service(Kind::kRollBack, owner + "/roll_back", "strata_msgs/srv/RollBackSite");
   }
   add_service(Kind::kVersionMap, owner + "/version_map", "strata_msgs/srv/GetSiteVersionMap");
-  const std::string told = advertised_services(std::span(services_).subspan(before));
-  for (auto& [id, viewer] : viewers_) say(viewer, told);
+  tell_services_since(before);
 }
 
 std::uint32_t ViewHub::advertise(const std::string& topic, const std::string& type,

@@ -54,7 +54,8 @@ struct ViewCommand {
     kApproveVersion,
     kActivateVersion,
     kRollBack,
-    kVersionMap
+    kVersionMap,
+    kSetLevel
   };
   Kind kind = Kind::kSetPose;
   std::vector<std::uint8_t> cdr;  ///< a geometry_msgs/PoseWithCovarianceStamped, or a request
@@ -76,7 +77,7 @@ struct ViewService {
 struct CommandNames {
   std::string initial_pose_topic;  ///< full
   std::string relocalize_service;  ///< full
-  std::string save_service;        ///< full
+  std::string save_service;        ///< full; offered from offer_save on
 };
 
 /// Keeps the newest message of each writer of a subscription for each viewer, at most 64: a viewer
@@ -91,9 +92,13 @@ class ViewHub {
   /// Offers a topic to all viewers, present and future. Returns its id.
   std::uint32_t advertise(const std::string& topic, const std::string& type,
                           const std::string& schema, bool latched);
+  /// Offers to have the maps saved, now that somebody would.
+  void offer_save();
   /// Offers the site of the component `owner` to all viewers, present and future: maps of its
   /// versions, and where `may_change`, decisions on them.
   void offer_site(const std::string& owner, bool may_change);
+  /// Offers to tell the component `owner` on which level of a building it is.
+  void offer_levels(const std::string& owner);
   /// O(viewers).
   void publish(std::uint32_t channel, SharedMessage message);
   /// The channels that some viewer is subscribed to.
@@ -146,6 +151,7 @@ class ViewHub {
   static void wake(Viewer& viewer);
   void add_service(ViewCommand::Kind kind, const std::string& name, const char* type);
   void say(Viewer& viewer, const std::string& text);
+  void tell_services_since(std::size_t before);
   void refuse(Viewer& viewer, const std::string& why);
   void take_text(Viewer& viewer, std::string_view text);
   void take_call(ViewerId id, Viewer& viewer, std::string_view bytes);

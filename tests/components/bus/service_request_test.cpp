@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What comes on the topic of a service's requests.
+/// What comes on the topic of a service's requests, and who answers them.
+#include <memory>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "components/bus/domain_view.hpp"
 #include "components/bus/service.hpp"
 #include "core/base/error.hpp"
+#include "tests/components/bus/domain.hpp"
+#include "tests/support/comes_true.hpp"
 
 namespace strata::bus {
 namespace {
@@ -42,6 +46,25 @@ TEST(ServiceRequest, OfTooFewBytesNamesItsSize) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("has 7 bytes"));
   }
+}
+
+TEST(Service, IsAnsweredWhileSomebodyServesIt) {
+  const auto here = test::make_participant();
+  const auto there = test::make_participant();
+  const auto serve = [](const std::shared_ptr<Participant>& participant, const char* name) {
+    return std::make_unique<ServiceServer>(
+        participant, name, "std_srvs/srv/Trigger", qos_profile("default"), [](const auto&) {},
+        [] {});
+  };
+  EXPECT_FALSE(here->is_answered("/mapper/save"));
+  auto own = serve(here, "/own/save");
+  EXPECT_TRUE(here->is_answered("/own/save"));
+  auto other = serve(there, "/mapper/save");
+  EXPECT_TRUE(test::comes_true([&] { return here->is_answered("/mapper/save"); }));
+  EXPECT_FALSE(here->is_answered("/mapper/sav"));
+  EXPECT_FALSE(here->is_answered("/save"));
+  other.reset();
+  EXPECT_TRUE(test::comes_true([&] { return !here->is_answered("/mapper/save"); }));
 }
 
 }  // namespace

@@ -18,6 +18,16 @@ namespace {
 
 using geometry_msgs::msg::PoseWithCovarianceStamped;
 
+/// Reads on until that service is offered.
+bool is_offered(test::WebClient& viewer, const std::string& name) {
+  while (const auto offer = viewer.read_op("advertiseServices")) {
+    for (const auto& service : offer->at("services")) {
+      if (service.at("name") == name) return true;
+    }
+  }
+  return false;
+}
+
 TEST_F(LiveViewTest, PublishesThePoseThatAViewerGives) {
   test::Collector<PoseWithCovarianceStamped> poses(robot_, "/initialpose", "default");
   test::WebClient viewer;
@@ -81,6 +91,7 @@ TEST_F(LiveViewTest, HasTheMapperSaveAndTellsWhatItSays) {
   });
   test::WebClient viewer;
   ASSERT_EQ(viewer.connect(port()), 101);
+  ASSERT_TRUE(is_offered(viewer, "/scan_matcher/save"));
   const std::string call("\2\2\0\0\0\5\0\0\0\3\0\0\0cdr\0\1\0\0\0", 21);
   viewer.send_binary(call);
   std::optional<test::Received> answer;
@@ -115,14 +126,7 @@ TEST_F(LiveViewTest, HasAVersionActivatedWhereAComponentTellsOfItsSiteAndTellsAR
       robot_, std::string("/hall/localizer/site_versions"), bus::qos_profile("latched"));
   test::WebClient viewer;
   ASSERT_EQ(viewer.connect(port()), 101);
-  bool is_offered = false;
-  while (!is_offered) {
-    const auto offer = viewer.read_op("advertiseServices");
-    ASSERT_TRUE(offer.has_value());
-    for (const auto& service : offer->at("services")) {
-      is_offered = is_offered || service.at("name") == "/hall/localizer/activate_version";
-    }
-  }
+  ASSERT_TRUE(is_offered(viewer, "/hall/localizer/activate_version"));
   strata_msgs::srv::ActivateSiteVersion_Request request;
   request.version("2");
   request.by("ada");

@@ -2,6 +2,7 @@
 /// What viewers ask of the hub.
 #include <random>
 #include <string>
+#include <vector>
 
 #include "components/live_view/view_hub.hpp"
 #include "tests/components/live_view/view_hub_fixture.hpp"
@@ -84,6 +85,58 @@ TEST_F(ViewHubTest, OffersASiteToThoseWhoAreThereAndThoseWhoCome) {
   EXPECT_TRUE(hub_.take_commands().empty()) << "cut, or longer than it is";
   hub_.answer(commands[0], "was not approved", {});
   EXPECT_EQ(texts(first).back().at("serviceId"), 3);
+}
+
+TEST(ViewHubServices, OfferToSaveMapsOnceSomebodyWould) {
+  ViewHub hub("strata", {"/initialpose", "/search", "/mapper/save"}, 2);
+  const auto services = [&](ViewerId viewer) {
+    std::vector<std::string> names;
+    while (const auto frame = hub.next(viewer)) {
+      const Json said = Json::parse(frame->head);
+      if (said.at("op") != "advertiseServices") continue;
+      for (const Json& service : said.at("services")) names.push_back(service.at("name"));
+    }
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  const std::string save("\2\2\0\0\0\5\0\0\0\3\0\0\0cdr", 16);
+  const ViewerId first = hub.join([] {}).value();
+  EXPECT_EQ(services(first), Names{"/search"});
+  hub.take(first, true, save);
+  EXPECT_TRUE(hub.take_commands().empty());
+  hub.offer_save();
+  EXPECT_EQ(services(first), Names{"/mapper/save"});
+  EXPECT_EQ(services(hub.join([] {}).value()), (Names{"/search", "/mapper/save"}));
+  hub.take(first, true, save);
+  const auto commands = hub.take_commands();
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0].kind, ViewCommand::Kind::kSaveMaps);
+}
+
+TEST(ViewHubServices, LetViewersTellTheLevelOfABuilding) {
+  ViewHub hub("strata", {"/initialpose", "/search", ""}, 1);
+  const ViewerId viewer = hub.join([] {}).value();
+  while (hub.next(viewer)) {
+  }
+  hub.offer_levels("/hall/localizer");
+  const Json services = Json::parse(hub.next(viewer)->head).at("services");
+  ASSERT_EQ(services.size(), 1U);
+  EXPECT_EQ(services[0].at("name"), "/hall/localizer/set_level");
+  EXPECT_EQ(services[0].at("request").at("schema"), "string level\n");
+  hub.take(viewer, true, std::string("\2\7\0\0\0\5\0\0\0\3\0\0\0cdr", 16));
+  const auto commands = hub.take_commands();
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0].kind, ViewCommand::Kind::kSetLevel);
+  EXPECT_EQ(commands[0].service, "/hall/localizer/set_level");
+}
+
+TEST(ViewHubServices, OfferNoSaveWhereViewersOnlyLook) {
+  ViewHub hub("strata", {}, 1);
+  const ViewerId viewer = hub.join([] {}).value();
+  while (hub.next(viewer)) {
+  }
+  hub.offer_save();
+  EXPECT_FALSE(hub.next(viewer).has_value());
 }
 
 TEST(ViewHubWithoutCommands, OfMapsOfASiteOnly) {

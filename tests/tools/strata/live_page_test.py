@@ -41,6 +41,7 @@ def main():
         comes_true(lambda: page.text("verdict") == "Mapping", "the page says that it maps")
         assert page.text("link") == "live", page.text("link")
         assert page.evaluate("document.getElementById('place').disabled") is False
+        comes_true(lambda: not page.evaluate("document.getElementById('save').disabled"), "saving is offered")
         page.evaluate("document.getElementById('save').click()")
         comes_true(lambda: page.text("hint") == "The maps are saved", "the mapper is asked to save")
         assert os.path.exists(f"{work}/maps/strata.db"), os.listdir(work)
