@@ -52,16 +52,16 @@ struct DropOuts {
 /// Sets `free_range_m` and `drop_outs` of scans. Of a scan with others of up to 3 s before and
 /// after it, beams without return say nothing that would have met a surface which one of these
 /// shows, as three neighbouring beams without a gap, and those of which fewer than three are in a
-/// row. Scanners, told apart by mounting and reach, are judged each by itself: a return dropped out
+/// row.
+/// Scanners, told apart by mounting and reach, are judged each by itself: a return dropped out
 /// where scans before and after both show the surface; a gate that opens or closes, and what comes
 /// and goes, is there only before or only after. A scanner's beams say nothing where too many of
 /// them dropped out, from the distance on at which too many of its beams do, where next to none
 /// return from the last quarter of its reach, where too few can be judged, and where its reach is
-/// not told
-/// (`tells_reach`); nor do those of a scan without others before and after. Ours:
-/// docs/theory/beam_filter.md, "No-return beams". scans: in order of run and time, at poses good to
-/// a fraction of a metre from one scan to the next. What was set before is forgotten. The same bits
-/// for any number of threads. O(beams of scans with such beams, and scans x scanners).
+/// not told (`tells_reach`); nor do those of a scan without others before and after.
+/// Ours: docs/theory/beam_filter.md, "No-return beams". scans: in order of run and time, at poses
+/// good to a fraction of a metre from one scan to the next. What was set before is forgotten. The
+/// same bits for any number of threads. O(beams of scans with such beams, and scans x scanners).
 [[nodiscard]] DropOuts find_drop_outs(std::span<PosedScan> scans, const NoReturnConfig& config,
                                       WorkerPool& pool);
 

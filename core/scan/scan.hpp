@@ -36,7 +36,7 @@ struct Scan {
   /// So far a beam without return saw nothing; 0: it says nothing. Found from many scans
   /// (core/scan/drop_outs.hpp), neither sent nor saved.
   float free_range_m = 0.0F;
-  /// Beams whose return dropped out, which say nothing all the same, in order.
+  /// Beams that say nothing all the same, in order: their return dropped out, or may have.
   std::vector<std::uint32_t> drop_outs;
 
   [[nodiscard]] std::size_t size() const { return ranges_m.size(); }
