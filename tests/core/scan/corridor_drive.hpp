@@ -84,4 +84,14 @@ inline World gate_that_opens(double opens_s) {
   };
 }
 
+/// Beams without return that say nothing, of the scans between two times after the start.
+inline std::size_t silent_between(const Drive& drive, double from_s, double to_s) {
+  std::size_t count = 0;
+  for (const PosedScan& posed : drive.scans) {
+    const double time_s = posed.scan.stamp.seconds() - 10.0;
+    if (time_s >= from_s && time_s < to_s) count += posed.scan.drop_outs.size();
+  }
+  return count;
+}
+
 }  // namespace strata::test
