@@ -32,18 +32,19 @@ void ViewHub::tell_services_since(std::size_t before) {
   for (auto& [id, viewer] : viewers_) say(viewer, told);
 }
 
-void ViewHub::offer_save() {
+void ViewHub::offer(ViewCommand::Kind kind, const std::string& name, const char* type) {
   const std::lock_guard lock(mutex_);
   const std::size_t before = services_.size();
-  add_service(ViewCommand::Kind::kSaveMaps, commands_.save_service, "std_srvs/srv/Trigger");
+  add_service(kind, name, type);
   tell_services_since(before);
 }
 
+void ViewHub::offer_save() {
+  offer(ViewCommand::Kind::kSaveMaps, commands_.save_service, "std_srvs/srv/Trigger");
+}
+
 void ViewHub::offer_levels(const std::string& owner) {
-  const std::lock_guard lock(mutex_);
-  const std::size_t before = services_.size();
-  add_service(ViewCommand::Kind::kSetLevel, owner + "/set_level", "strata_msgs/srv/SetSiteLevel");
-  tell_services_since(before);
+  offer(ViewCommand::Kind::kSetLevel, owner + "/set_level", "strata_msgs/srv/SetSiteLevel");
 }
 
 void ViewHub::offer_site(const std::string& owner, bool may_change) {

@@ -146,6 +146,7 @@ class ViewHub {
     Channel channel;
     std::vector<SharedMessage> latest;  ///< of latched ones, one a writer
   };
+  void offer(ViewCommand::Kind kind, const std::string& name, const char* type);
   // All under mutex_.
   void put(Subscription& subscription, const SharedMessage& message);
   static void wake(Viewer& viewer);
