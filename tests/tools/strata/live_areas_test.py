@@ -13,15 +13,10 @@ import subprocess
 import sys
 
 from browser_page import find_browser, layer, mouse, screen, viewed
-from robot_process import comes_true, free_port, simulated
+from robot_process import ONE_PROCESS, approve_version, comes_true, free_port, simulated, site
 
 # The site's maps are of a localizer alone: nobody publishes /patch_map.
-COMPOSITION = """version: 1
-transport: loopback
-processes:
-  - name: robot
-    executor: multi_threaded
-    components:
+COMPOSITION = ONE_PROCESS + """\
       - {{type: strata::Player, name: player, parameters: {{log: {work}/world/log.clf, rate: 4.0}}}}
       - type: strata::Localizer
         name: localizer
@@ -32,10 +27,6 @@ AREA = """JSON.stringify((() => { const a = robot.patches.submaps[0], r = areaRe
   return { id: a.id, x: r.x + r.w / 2, y: r.y + r.h / 2, count: a.configurations.length }; })())"""
 
 
-def site(strata, work, action, *words):
-    subprocess.run([strata, "site", action, f"{work}/site", *words, "--quiet"], check=True)
-
-
 def make_site(strata, hall, work):
     """The hall's maps as version 1, which is active, and the same as version 2."""
     subprocess.run([strata, "learn", simulated(strata, hall, work), "--out", f"{work}/maps", "--quiet"],
@@ -43,11 +34,10 @@ def make_site(strata, hall, work):
     shutil.copytree(f"{work}/maps", f"{work}/again")
     with open(f"{work}/again/trajectory.tum", "a") as out:
         out.write("\n")
-    site(strata, work, "init", "--id", "hall")
-    for number, maps in (("1", "maps"), ("2", "again")):
-        site(strata, work, "add", f"{work}/{maps}")
-        site(strata, work, "approve", number, "--unchecked")
-    site(strata, work, "activate", "1")
+    site(strata, "init", f"{work}/site", "--id", "hall")
+    approve_version(strata, f"{work}/site", f"{work}/maps", 1)
+    approve_version(strata, f"{work}/site", f"{work}/again", 2)
+    site(strata, "activate", f"{work}/site", "1")
 
 
 def test_areas_are_drawn_and_clickable(page):
@@ -76,7 +66,7 @@ def test_areas_are_drawn_and_clickable(page):
 def test_another_version(page, strata, work):
     """Its areas come in the place of the others, and what was believed of those goes."""
     page.evaluate("window.before = robot.patches; robot.states.set(-1, [1])")
-    site(strata, work, "activate", "2")
+    site(strata, "activate", f"{work}/site", "2")
     comes_true(lambda: page.evaluate("robot.patches !== window.before"), "the next version's areas")
     assert page.evaluate("robot.patchesTopic") == "/localizer/patch_map"
     assert page.evaluate("robot.states.has(-1)") is False
@@ -115,8 +105,7 @@ def test_zones(page, strata, work):
     with open(f"{work}/zones.geojson", "w") as out:
         json.dump({"type": "FeatureCollection", "features": features}, out)
     assert layer(page, "zones")["count"] == 0
-    subprocess.run([strata, "site", "zones", f"{work}/site", "set", f"{work}/zones.geojson", "--quiet"],
-                   check=True)
+    site(strata, "zones", f"{work}/site", "set", f"{work}/zones.geojson")
     kinds = "[...zones.masks].filter(([k, m]) => isSet(k, m)).map(([k]) => k).sort().join()"
     comes_true(lambda: page.evaluate(kinds) == "keepout,never_learn,speed", "the zones")
     page.evaluate("setFollow(false); fitMap(); view.isChosen = true; chosen = null")
@@ -139,7 +128,7 @@ def test_zones(page, strata, work):
     mouse(page, "mousePressed", x, y)
     mouse(page, "mouseReleased", x, y)
     assert page.text("hint") == "Speed at most 40%", page.text("hint")
-    subprocess.run([strata, "site", "zones", f"{work}/site", "remove", "stairs", "--quiet"], check=True)
+    site(strata, "zones", f"{work}/site", "remove", "stairs")
     comes_true(lambda: page.evaluate(kinds) == "never_learn,speed", "one of them is gone")
 
 

@@ -15,14 +15,9 @@ import tempfile
 import urllib.request
 
 from browser_page import LAYER, Page, find_browser, layer, mouse, screen, viewed
-from robot_process import comes_true, free_port, listens, simulated
+from robot_process import ONE_PROCESS, comes_true, free_port, listens, simulated
 
-COMPOSITION = """version: 1
-transport: loopback
-processes:
-  - name: robot
-    executor: multi_threaded
-    components:
+COMPOSITION = ONE_PROCESS + """\
       - {{type: strata::Player, name: player, parameters: {{log: {work}/world/log.clf, rate: 20.0}}}}
       - type: strata::Localizer
         name: localizer

@@ -10,14 +10,9 @@ import subprocess
 import sys
 
 from browser_page import find_browser, viewed
-from robot_process import comes_true, free_port, simulated
+from robot_process import ONE_PROCESS, approve_version, comes_true, free_port, simulated, site
 
-COMPOSITION = """version: 1
-transport: loopback
-processes:
-  - name: robot
-    executor: multi_threaded
-    components:
+COMPOSITION = ONE_PROCESS + """\
       - {{type: strata::Player, name: player, parameters: {{log: {work}/world/log.clf, rate: 0.5}}}}
       - type: strata::Localizer
         name: localizer
@@ -25,10 +20,6 @@ processes:
       - {{type: strata::LiveView, name: live_view, parameters: {{port: {port}}}}}
       - {{type: strata::LiveView, name: shop_window, parameters: {{port: {closed}, allow_commands: false}}}}
 """
-
-
-def site(strata, action, *words):
-    subprocess.run([strata, "site", action, *words, "--quiet"], check=True)
 
 
 def make_house(strata, hall, work):
@@ -39,8 +30,7 @@ def make_house(strata, hall, work):
     for name, elevation in (("Ground", "0"), ("First", "3.5")):
         site(strata, "levels", f"{work}/house", "add", name, "--elevation", elevation)
         level = f"{work}/house/levels/{name}"
-        site(strata, "add", level, f"{work}/maps")
-        site(strata, "approve", level, "1", "--unchecked")
+        approve_version(strata, level, f"{work}/maps")
         site(strata, "activate", level, "1")
 
 

@@ -12,14 +12,9 @@ import sys
 import tempfile
 
 from browser_page import Page, find_browser, shows_a_robot
-from robot_process import comes_true, free_port, listens, simulated, started
+from robot_process import ONE_PROCESS, comes_true, free_port, listens, simulated, started
 
-COMPOSITION = """version: 1
-transport: loopback
-processes:
-  - name: robot
-    executor: multi_threaded
-    components:
+COMPOSITION = ONE_PROCESS + """\
       - {{type: strata::Player, name: player, parameters: {{log: {log}, rate: 20.0}}}}
       - {{type: strata::ScanMatcher, name: scan_matcher, parameters: {{maps: {{publish_every_s: 0.5, folder: {work}/maps}}}}}}
       - {{type: strata::BeamFilter, name: beam_filter}}

@@ -30,7 +30,8 @@ processes:
       - {{type: strata::LiveView, name: live_view, namespace: /bob, parameters: {{port: {of_bob}}}}}
       - {{type: strata::LiveView, name: live_view, parameters: {{port: {of_nobody}}}}}
 """
-COMMANDS = ("place", "relocalize")
+COMMANDS = ("place", "relocalize", "save")
+OWN = [False, False, True]  # neither robot maps
 
 
 def owners(page):
@@ -72,21 +73,21 @@ def test_its_own_robot_first(page):
     comes_true(lambda: page.evaluate("fleet.robots.size") == 2, "both robots are heard")
     assert page.evaluate("$('robots').hidden") is False and page.evaluate("$('robots').value") == "/bob"
     shows(page, "bob")
-    assert are_disabled(page) == [False] * 2, are_disabled(page)
+    assert are_disabled(page) == OWN, are_disabled(page)
 
 
 def test_choosing_the_other(page):
     chosen(page, "ada")
-    assert are_disabled(page) == [True] * 2, "this live view commands bob"
+    assert are_disabled(page) == [True] * 3, "this live view commands bob"
     assert "/ada" in page.evaluate("$('place').title"), page.evaluate("$('place').title")
     chosen(page, "bob")
-    assert are_disabled(page) == [False] * 2 and page.evaluate("$('place').title") == ""
+    assert are_disabled(page) == OWN and page.evaluate("$('place').title") == ""
 
 
 def test_a_view_of_neither(page):
     comes_true(lambda: page.evaluate("fleet.robots.size") == 2, "both robots are heard")
     shows(page, page.evaluate("$('robots').value").strip("/"))
-    assert are_disabled(page) == [True] * 2, are_disabled(page)
+    assert are_disabled(page) == [True] * 3, are_disabled(page)
 
 
 def main():

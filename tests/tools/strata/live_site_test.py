@@ -12,14 +12,9 @@ import subprocess
 import sys
 
 from browser_page import find_browser, viewed
-from robot_process import comes_true, free_port, simulated
+from robot_process import ONE_PROCESS, comes_true, free_port, simulated
 
-COMPOSITION = """version: 1
-transport: loopback
-processes:
-  - name: robot
-    executor: multi_threaded
-    components:
+COMPOSITION = ONE_PROCESS + """\
       - {{type: strata::Player, name: player, parameters: {{log: {work}/world/log.clf, rate: 1.0}}}}
       - type: strata::Localizer
         name: localizer

@@ -9,6 +9,15 @@ import time
 
 PATIENCE_S = 120
 
+# The head of a composition of one process; its components follow.
+ONE_PROCESS = """version: 1
+transport: loopback
+processes:
+  - name: robot
+    executor: multi_threaded
+    components:
+"""
+
 
 def free_port():
     with socket.socket() as probe:
@@ -46,3 +55,13 @@ def started(strata, composition, work, **names):
     with open(f"{work}/robot.yaml", "w") as out:
         out.write(composition.format(work=work, **names))
     return subprocess.Popen([strata, "run", f"{work}/robot.yaml", "--quiet"])
+
+
+def site(strata, action, folder, *words):
+    subprocess.run([strata, "site", action, folder, *words, "--quiet"], check=True)
+
+
+def approve_version(strata, folder, maps, number=1):
+    """Adds maps to a site as its version of that number, approved."""
+    site(strata, "add", folder, maps)
+    site(strata, "approve", folder, str(number), "--unchecked")
