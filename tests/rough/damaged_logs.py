@@ -43,9 +43,9 @@ def run(tries, material):
     takes = {(verb, "empty name") for verb in ("learn on", "compare with a map", "settings")}
     # A folder in which no incident is yet.
     takes |= {("incidents", name) for name in ("empty folder", "folder of rubbish")}
-    for verb, words in verbs.items():
-        for name, path in material.damaged().items():
-            if (verb, name) in takes:
+    for i, (verb, words) in enumerate(verbs.items()):
+        for j, (name, path) in enumerate(material.damaged().items()):
+            if (verb, name) in takes or not tries.is_due(i, j):
                 continue
             arguments = [path if word == "{}" else word for word in words]
             tries.strata_try(f"{verb}: {name}", arguments, 2, names(path))

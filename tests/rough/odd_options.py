@@ -27,11 +27,12 @@ def numbers_of(strata, *verb):
 
 def run(tries, material):
     for verb in verbs_of(tries.strata):
-        for option, kind in numbers_of(tries.strata, verb):
+        for i, (option, kind) in enumerate(numbers_of(tries.strata, verb)):
             values = ODD[kind] + (INFINITE if kind == "FLOAT" and option != "--to" else [])
-            for value in values:
-                tries.strata_try(f"{verb}: {option} '{value}'", [verb, f"{option}={value}"], 2,
-                                 "command line: ")
+            for j, value in enumerate(values):
+                if tries.is_due(i, j):
+                    tries.strata_try(f"{verb}: {option} '{value}'", [verb, f"{option}={value}"], 2,
+                                     "command line: ")
         tries.strata_try(f"{verb}: --no-such-option", [verb, "--no-such-option"], 2)
         tries.strata_try(f"{verb}: --config of a file that is missing",
                          [verb, "--config", material.at("missing.yaml")], 2)

@@ -3,7 +3,8 @@
 """Rough tries: what users and disks do to a program. usage: tries.py STRATA SOURCE_DIR GROUP
 
 A line a try: whether the exit status, the line that it says and what it leaves are as they must
-be. Fails when one of them is not."""
+be. Fails when one of them is not. Of tables of options by values and of verbs by damages a third is
+tried; with STRATA_EVERY_TRY=1 in the environment, all."""
 import os
 import shutil
 import sys
