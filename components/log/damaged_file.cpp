@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-constexpr const char* kMark = ".damaged";
+constexpr const char* kDamagedMark = ".damaged";
 constexpr const char* kRemedy =
     "put the file back from a backup while the component is stopped, or remove what was set aside";
 
@@ -24,7 +24,8 @@ bool is_there(const fs::path& path) {
 /// Neither the name itself nor that of a part is taken.
 fs::path free_name(const fs::path& file) {
   for (int number = 1;; ++number) {
-    const fs::path name = with(file, kMark + (number > 1 ? "-" + std::to_string(number) : ""));
+    const fs::path name =
+        with(file, kDamagedMark + (number > 1 ? "-" + std::to_string(number) : ""));
     if (!is_there(name) && !is_there(with(name, "-wal")) && !is_there(with(name, "-shm"))) {
       return name;
     }
@@ -64,7 +65,7 @@ fs::path set_aside(const fs::path& file, const Disk& disk) {
 }
 
 bool is_set_aside(const fs::path& path) {
-  return path.filename().string().find(kMark) != std::string::npos;
+  return path.filename().string().find(kDamagedMark) != std::string::npos;
 }
 
 std::optional<DamageError> restore_or_set_aside(const fs::path& file,

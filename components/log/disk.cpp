@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-constexpr const char* kMark = ".partial-";
+constexpr const char* kPartialMark = ".partial-";
 
 [[noreturn]] void fail(const fs::path& path, int error) {
   throw OutputError(path.string(), "cannot be written: " + std::generic_category().message(error),
@@ -132,12 +132,13 @@ void put_back(const Disk& disk, const fs::path& old) {
 }
 
 fs::path staged_name(const fs::path& path) {
-  return path.parent_path() / ("." + path.filename().string() + kMark + std::to_string(getpid()));
+  return path.parent_path() /
+         ("." + path.filename().string() + kPartialMark + std::to_string(getpid()));
 }
 
 void remove_left_over(const fs::path& path) {
   if (is_staged(path)) return;  // its folder is new
-  const std::string prefix = "." + path.filename().string() + kMark;
+  const std::string prefix = "." + path.filename().string() + kPartialMark;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder_of(path), error)) {
     const std::string name = entry.path().filename().string();
@@ -155,7 +156,7 @@ bool is_staged(const fs::path& path) {
   const fs::path folder = path.parent_path();
   return std::any_of(folder.begin(), folder.end(), [](const fs::path& part) {
     const std::string name = part.string();
-    return name.starts_with('.') && name.find(kMark) != std::string::npos;
+    return name.starts_with('.') && name.find(kPartialMark) != std::string::npos;
   });
 }
 

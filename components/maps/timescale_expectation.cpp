@@ -10,7 +10,7 @@
 namespace strata::maps {
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::infinity();
+constexpr double kNoReturn_m = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -87,9 +87,9 @@ double TimescaleModel::expected_range_m(const Pose2& map_from_laser, double bear
     const auto reach =
         reach_at(level.level, map_from_laser.translation(), direction, map_->bins().max_range_m);
     if (reach.end == NodeOutline::Edge::kSurface) return reach.range_m;
-    if (reach.end == NodeOutline::Edge::kOpen) return kNothing;
+    if (reach.end == NodeOutline::Edge::kOpen) return kNoReturn_m;
   }
-  return kNothing;
+  return kNoReturn_m;
 }
 
 }  // namespace strata::maps

@@ -17,7 +17,7 @@ using memory::NodeOutline;
 using rays::BeamMixture;
 using rays::ScanBeams;
 
-constexpr double kNothing = std::numeric_limits<double>::infinity();
+constexpr double kUnknown_m = std::numeric_limits<double>::infinity();
 /// Nodes and grid differ by no more than this about one surface.
 constexpr double kAgreement_m = 0.3;
 
@@ -96,7 +96,7 @@ void TimescaleModel::weigh(const Pose2& laser, const NodeMap::View& view, const 
               std::span(reach.data(), beams.count));
   const bool has_base = has_base_at(beams.laser_m);
   for (std::size_t k = 0; k < beams.count; ++k) {
-    expected_m[k] = reach[k].end == NodeOutline::Edge::kSurface ? reach[k].range_m : kNothing;
+    expected_m[k] = reach[k].end == NodeOutline::Edge::kSurface ? reach[k].range_m : kUnknown_m;
     if (!has_base || !reach[k].is_open_ended(all.r_max_m)) continue;
     if (!beams.is_cast) cast_in_base(laser, scratch, beams);
     expected_m[k] =

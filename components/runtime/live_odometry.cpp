@@ -6,7 +6,7 @@
 namespace strata::runtime {
 namespace {
 
-constexpr double kOdometryKeptS = 30.0;
+constexpr double kTrackKeptS = 30.0;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void LiveOdometry::add(const log::OdometrySample& sample, bool at_once,
   }
   if (suspect) track_.add(*suspect);
   if (!suspect_) track_.add(sample);
-  track_.forget(kOdometryKeptS);
+  track_.forget(kTrackKeptS);
 }
 
 }  // namespace strata::runtime

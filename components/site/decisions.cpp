@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kKind = "site";
+constexpr const char* kDecisionsKind = "site";
 constexpr int kFormat = 1;
 
 json to_json(const Decision& decision) {
@@ -102,7 +102,7 @@ Decisions read_decisions(const fs::path& path) {
   }
   const json text = json::parse(in, nullptr, false);
   const char* remedy = "put back a copy of it; the versions and what is active lie beside it";
-  if (!text.is_object() || text.value("kind", "") != kKind) {
+  if (!text.is_object() || text.value("kind", "") != kDecisionsKind) {
     throw InputError(path.string(), "is damaged", remedy);
   }
   if (text.value("format", 0) != kFormat) {
@@ -123,7 +123,7 @@ void write_decisions(const fs::path& path, const Decisions& decisions, const log
   for (std::size_t i = gone; i < decisions.diary.size(); ++i) {
     diary.push_back(to_json(decisions.diary[i]));
   }
-  const json text{{"kind", kKind},
+  const json text{{"kind", kDecisionsKind},
                   {"format", kFormat},
                   {"id", decisions.id},
                   {"frame", decisions.frame},

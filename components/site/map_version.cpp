@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kKind = "map version";
+constexpr const char* kVersionKind = "map version";
 constexpr const char* kChecksum = "checksum";
 constexpr std::int64_t kNsPerS = 1'000'000'000;
 
@@ -65,7 +65,7 @@ json to_json(const MapVersion& version) {
   for (const log::HashedFile& file : version.files) {
     files.push_back({{"path", file.path}, {"sha256", file.sha256}, {"bytes", file.bytes}});
   }
-  return {{"kind", kKind},
+  return {{"kind", kVersionKind},
           {"hash", version.hash},
           {"number", version.number},
           {"parent", version.parent.empty() ? json(nullptr) : json(version.parent)},
@@ -90,7 +90,7 @@ void write_version(const fs::path& path, const MapVersion& version) {
 MapVersion read_version(const fs::path& path) {
   std::ifstream in(path);
   json text = json::parse(in, nullptr, false);
-  if (!text.is_object() || text.value("kind", "") != kKind) {
+  if (!text.is_object() || text.value("kind", "") != kVersionKind) {
     throw damaged(path, "is missing, cut or no description of a version");
   }
   const std::string checksum = text.value(kChecksum, "");

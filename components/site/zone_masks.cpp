@@ -16,7 +16,7 @@ namespace strata::site {
 namespace {
 
 constexpr std::size_t kMaxCells = 40'000'000;
-constexpr double kPercent = 100.0;
+constexpr double kWhole_percent = 100.0;
 constexpr double kRounding = 1e-6;  // what a product of decimals may lack
 constexpr double kLeastStep_m_s = 0.01;
 
@@ -35,9 +35,9 @@ void for_each_cell(const Zone& zone, double resolution_m, const CellRect& rect, 
   }
 }
 
-float as_part(int value) { return static_cast<float>(value) / static_cast<float>(kPercent); }
+float as_part(int value) { return static_cast<float>(value) / static_cast<float>(kWhole_percent); }
 int as_value(float part) {
-  return static_cast<int>(std::lround(static_cast<double>(part) * kPercent));
+  return static_cast<int>(std::lround(static_cast<double>(part) * kWhole_percent));
 }
 
 /// The greatest of the values of the zones that have one, over what is there.
@@ -82,7 +82,7 @@ void put_preferred(ReflectionGrid& mask, const Zones& zones, const ReflectionGri
 void put_speed_percent(ReflectionGrid& mask, const Zones& zones) {
   put_greatest(mask, zones, [](const Zone& zone) -> std::optional<int> {
     if (!zone.speed_percent) return std::nullopt;
-    return static_cast<int>(std::ceil(kPercent - *zone.speed_percent - kRounding));
+    return static_cast<int>(std::ceil(kWhole_percent - *zone.speed_percent - kRounding));
   });
 }
 
@@ -92,7 +92,7 @@ double put_speed_metres(ReflectionGrid& mask, const Zones& zones) {
   for (const Zone& zone : zones.zones) {
     greatest_m_s = std::max(greatest_m_s, zone.speed_m_s.value_or(0.0));
   }
-  const double steps = std::ceil(greatest_m_s / (kLeastStep_m_s * kPercent) - kRounding);
+  const double steps = std::ceil(greatest_m_s / (kLeastStep_m_s * kWhole_percent) - kRounding);
   const double step_m_s = kLeastStep_m_s * std::max(1.0, steps);
   for (const Zone& zone : zones.zones) {
     if (!zone.speed_m_s) continue;
@@ -145,7 +145,7 @@ std::optional<Zones::Document> properties_of(int value, MaskKind kind, const Fil
       return Zones::Document{{"kind", "preferred"}};
     case MaskKind::kSpeedPercent:
       if (value == 0) return std::nullopt;
-      require(1.0, kPercent);
+      require(1.0, kWhole_percent);
       return Zones::Document{{"kind", "speed"}, {"speed_percent", meant}};
     case MaskKind::kSpeedMetres:
       if (value == 0) return std::nullopt;

@@ -15,7 +15,7 @@
 
 namespace strata::localization {
 namespace {
-constexpr std::size_t kChunk = 256;
+constexpr std::size_t kWeighedAtOnce = 256;
 constexpr double kMinRange_m = 1e-9;
 /// Hits that are asked whether they are inliers, at most: each costs a ray.
 constexpr std::size_t kExplained = 60;
@@ -90,11 +90,11 @@ std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, const Weighi
   const double offset_x = 1.0 - corner.x;
   const double offset_y = 1.0 - corner.y;
   const auto weigh = [&](std::size_t begin, std::size_t end, std::size_t /*chunk*/) {
-    std::array<float, kChunk> x;
-    std::array<float, kChunk> y;
-    std::array<float, kChunk> c;
-    std::array<float, kChunk> s;
-    std::array<std::uint32_t, kChunk> sums;
+    std::array<float, kWeighedAtOnce> x;
+    std::array<float, kWeighedAtOnce> y;
+    std::array<float, kWeighedAtOnce> c;
+    std::array<float, kWeighedAtOnce> s;
+    std::array<std::uint32_t, kWeighedAtOnce> sums;
     to_cells({particles.x_m.data() + begin, particles.y_m.data() + begin,
               particles.theta_rad.data() + begin, nullptr, end - begin},
              scale, offset_x, offset_y, {x.data(), y.data(), c.data(), s.data()});
@@ -104,7 +104,7 @@ std::size_t LikelihoodFieldModel::log_likelihoods(const Scan& scan, const Weighi
       log_likelihood[i] = static_cast<double>(sums[i - begin]) * factor;
     }
   };
-  pool.for_chunks(particles.size(), kChunk, std::cref(weigh));
+  pool.for_chunks(particles.size(), kWeighedAtOnce, std::cref(weigh));
   return points->x.size();
 }
 

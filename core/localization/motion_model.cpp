@@ -13,7 +13,7 @@
 namespace strata::localization {
 namespace {
 
-constexpr std::size_t kChunk = 256;
+constexpr std::size_t kMovedAtOnce = 256;
 constexpr double kShortestStep_m = 0.01;
 
 double square(double x) { return x * x; }
@@ -66,7 +66,7 @@ void move_particles(const Pose2& before_from_after, ParticleSet& particles, Work
     move_poses(before_from_after, {particles.x_m.data() + begin, particles.y_m.data() + begin,
                                    particles.theta_rad.data() + begin, end - begin});
   };
-  pool.for_chunks(particles.size(), kChunk, std::cref(move));
+  pool.for_chunks(particles.size(), kMovedAtOnce, std::cref(move));
 }
 
 void sample_motions(const Pose2& motion, const Pose2& already_moved, bool has_odometry,
@@ -90,7 +90,7 @@ void sample_motions(const Pose2& motion, const Pose2& already_moved, bool has_od
                  {particles.x_m.data() + begin, particles.y_m.data() + begin,
                   particles.theta_rad.data() + begin, end - begin});
   };
-  pool.for_chunks(particles.size(), kChunk, std::cref(move));
+  pool.for_chunks(particles.size(), kMovedAtOnce, std::cref(move));
 }
 
 }  // namespace strata::localization

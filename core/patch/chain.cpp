@@ -11,7 +11,7 @@ namespace strata::patch {
 namespace {
 
 constexpr int kMaxSweeps = 30;
-constexpr double kTolerance = 1e-4;
+constexpr double kShareTolerance = 1e-4;
 
 std::vector<TransitionOdds> odds_of(std::span<const std::vector<double>> looks,
                                     std::span<const Transition> transitions,
@@ -80,7 +80,7 @@ Chain learn_chain(std::span<const std::vector<double>> looks, const SequenceHist
     }
     chain.usual = usual;
     chain.rate_per_s = rate_per_s;
-    if (moved < kTolerance) break;
+    if (moved < kShareTolerance) break;
   }
   return chain;
 }

@@ -22,7 +22,7 @@ using periodic::PeriodicShares;
 
 constexpr int kSweeps = 12;
 constexpr int kSweepsToCompare = 4;
-constexpr double kTolerance = 1e-3;  // nats
+constexpr double kTolerance_nats = 1e-3;  // nats
 constexpr std::array<int, 4> kOfTheDay{7, 14, 21, 28};
 constexpr std::array<int, 3> kOfTheWeek{1, 2, 3};
 
@@ -138,7 +138,7 @@ class Fit {
       odds = odds_of(HourlyShares(candidate.usual));
       candidate.rate_per_s = most_probable_rate(odds, config_);
       candidate.log_density = log_density_of_rate(odds, candidate.rate_per_s, config_);
-      if (sweep > 0 && candidate.log_density - before < kTolerance) break;
+      if (sweep > 0 && candidate.log_density - before < kTolerance_nats) break;
     }
     return candidate;
   }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kWall = 0.9F;
 constexpr float kFree = 0.01F;
-constexpr double kGap_m = 0.7;  // half as wide as what one walks through from outside
+constexpr double kHalfWay_m = 0.7;  // half as wide as what one walks through from outside
 
 /// The cells that an outline of a plan takes in the site's frame.
 CellRect rect_of(const ReflectionGrid& plan, const SiteFromPlan& site_from_plan, double cell_m) {
@@ -43,15 +43,15 @@ Grid<std::uint8_t> outside(const ReflectionGrid& map) {
     for (const Cell& other : {Cell{cell.x - 1, cell.y}, Cell{cell.x + 1, cell.y},
                               Cell{cell.x, cell.y - 1}, Cell{cell.x, cell.y + 1}}) {
       if (!wide.contains(other) || wide.at(other) != 0) continue;
-      if (map.contains(other) && static_cast<double>(to_wall.at(other)) < kGap_m) continue;
+      if (map.contains(other) && static_cast<double>(to_wall.at(other)) < kHalfWay_m) continue;
       wide.at(other) = 1;
       next.push_back(other);
     }
   }
-  const DistanceField to_wide = make_distance_field(wide, kGap_m + map.resolution_m());
+  const DistanceField to_wide = make_distance_field(wide, kHalfWay_m + map.resolution_m());
   Grid<std::uint8_t> result(map.resolution_m(), map.rect(), 0);
   for (std::size_t i = 0; i < map.size(); ++i) {
-    if (static_cast<double>(to_wide.get(map.cell(i))) < kGap_m) result.values()[i] = 1;
+    if (static_cast<double>(to_wide.get(map.cell(i))) < kHalfWay_m) result.values()[i] = 1;
   }
   return result;
 }

@@ -17,10 +17,10 @@ namespace {
 constexpr double kSecondsADay = 86'400.0;
 constexpr int kHeadings = 4;
 
-using Place = std::tuple<std::int64_t, std::int64_t, int>;  // square and quarter
-using Pass = std::pair<int, std::int64_t>;                  // run, negative, and span
+using HeadedPlace = std::tuple<std::int64_t, std::int64_t, int>;  // square and quarter
+using Pass = std::pair<int, std::int64_t>;                        // run, negative, and span
 
-Place place_of(const Pose2& pose, double place_m) {
+HeadedPlace place_of(const Pose2& pose, double place_m) {
   const double quarter = std::floor(pose.theta * kHeadings / (2.0 * std::numbers::pi) + 0.5);
   const int heading = static_cast<int>(std::fmod(quarter, kHeadings) + kHeadings) % kHeadings;
   return {static_cast<std::int64_t>(std::floor(pose.x / place_m)),
@@ -41,7 +41,7 @@ std::vector<bool> scans_to_keep(std::span<const PosedScan> scans, int first_new_
                                 const HistoryConfig& config) {
   std::vector<bool> keeps(scans.size(), true);
   if (config.passes_per_place == 0) return keeps;
-  std::map<Place, std::map<Pass, std::vector<std::size_t>>> places;
+  std::map<HeadedPlace, std::map<Pass, std::vector<std::size_t>>> places;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (scans[i].run >= first_new_run) continue;
     const double span = std::floor(scans[i].scan.stamp.seconds() / config.pass_s);

@@ -117,10 +117,10 @@ TEST(SavedState, OfALearnerThatWasAlteredIsRefusedOrOfUse) {
   for (int visit = 0; visit < 8; ++visit) {
     RandomStream random(3, StreamId::kTest, static_cast<std::uint64_t>(visit));
     std::vector<PosedScan> scans;
-    patch::test::ToyRobot robot;
+    patch::test_world::ToyRobot robot;
     robot.beams = 120;
-    robot.drive(patch::test::corridor_with_door(visit % 2 == 0), {1.0, 1.2, 0.0}, {10.0, 1.2, 0.0},
-                visit / 4, 100.0 * visit, {}, random, scans);
+    robot.drive(patch::test_world::corridor_with_door(visit % 2 == 0), {1.0, 1.2, 0.0},
+                {10.0, 1.2, 0.0}, visit / 4, 100.0 * visit, {}, random, scans);
     for (PosedScan& scan : scans) (void)learner->add(std::move(scan));
   }
   ASSERT_FALSE(learner->map().submaps.empty()) << "else there is little to alter";

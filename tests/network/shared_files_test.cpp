@@ -123,9 +123,11 @@ TEST_P(SharedFiles, OfAnotherUserAreRefusedWhereMemoryIsShared) {
   EXPECT_THAT(said, HasSubstr("use transport: default"));
 }
 
-const auto kNameOf = [](const testing::TestParamInfo<Foreign>& info) { return info.param.name; };
+const auto kNameOfForeign = [](const testing::TestParamInfo<Foreign>& info) {
+  return info.param.name;
+};
 
-INSTANTIATE_TEST_SUITE_P(Foreign, SharedFiles, testing::ValuesIn(kinds()), kNameOf);
+INSTANTIATE_TEST_SUITE_P(Foreign, SharedFiles, testing::ValuesIn(kinds()), kNameOfForeign);
 
 }  // namespace
 }  // namespace strata::test

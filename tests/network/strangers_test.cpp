@@ -57,7 +57,7 @@ TEST_P(Company, OfRos2NodesThatComeAndGoDoesNotEndARobot) {
   expect_good_end(*robot);
 }
 
-const auto kNameOf = [](const testing::TestParamInfo<Place>& info) { return info.param.name; };
+const auto kNameOfPlace = [](const testing::TestParamInfo<Place>& info) { return info.param.name; };
 
 INSTANTIATE_TEST_SUITE_P(
     InEveryPlace, Company,
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Place{"OnOneNetworkThatLosesFrames", CycloneNetwork::kDevices, 1, "wifi"},
                     Place{"OnTwoNetworks", CycloneNetwork::kDevices, 2, "default"},
                     Place{"OfALocalhost", CycloneNetwork::kUnicast, 1, "localhost"}),
-    kNameOf);
+    kNameOfPlace);
 
 class OtherRelease : public Strangers, public testing::WithParamInterface<const char*> {};
 

@@ -6,7 +6,7 @@
 namespace strata::pipeline {
 namespace {
 
-bool is_occupied(const volume::VolumeMap& map, const volume::VoxelKey& key) {
+bool voxel_is_occupied(const volume::VolumeMap& map, const volume::VoxelKey& key) {
   const auto log_odds = map.log_odds(map.lattice().center_m(key));
   return log_odds && map.is_occupied(*log_odds);
 }
@@ -39,15 +39,15 @@ std::optional<VolumeScore> VolumeTruth::score(const volume::VolumeMap& filtered)
         const auto bit = static_cast<unsigned>(std::countr_zero(alone));
         const auto key = volume::voxel_of(ends_.ids()[i], static_cast<unsigned>(64 * word) + bit);
         ++score.moving_voxels;
-        if (!is_occupied(raw_, key)) continue;
+        if (!voxel_is_occupied(raw_, key)) continue;
         ++score.moving_made;
-        score.moving_left += is_occupied(filtered, key) ? 1 : 0;
+        score.moving_left += voxel_is_occupied(filtered, key) ? 1 : 0;
       }
     }
   }
   volume::for_each_voxel(still_, [&](const volume::VoxelKey& key) {
     ++score.static_voxels;
-    score.static_lost += is_occupied(filtered, key) ? 0 : 1;
+    score.static_lost += voxel_is_occupied(filtered, key) ? 0 : 1;
   });
   return score;
 }

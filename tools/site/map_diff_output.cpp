@@ -9,7 +9,7 @@ namespace {
 using nlohmann::json;
 using report::Color;
 
-constexpr int kMapPixels = 1400;
+constexpr int kDiffPixels = 1400;
 
 Color color_of(ChangeKind kind) {
   switch (kind) {
@@ -82,7 +82,7 @@ json to_geojson(const MapDiff& diff, const std::string& frame) {
 
 report::Image draw(const MapDiff& diff, const DiffSide& before, const DiffSide& after) {
   const CellRect rect = report::known_rect(after.map).united(report::known_rect(before.map));
-  report::MapPicture picture = report::draw_map(after.map, rect, kMapPixels);
+  report::MapPicture picture = report::draw_map(after.map, rect, kDiffPixels);
   for (const MapChange& change : diff.changes) {
     const Color color = color_of(change.kind);
     for (const CellPolygon& polygon : change.shape) {

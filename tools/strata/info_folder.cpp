@@ -55,14 +55,14 @@ const Kind* kind_in_words(const fs::path& path) {
   return found == kKinds.end() ? nullptr : &*found;
 }
 
-struct Entry {
+struct FileOfMaps {
   std::string name;
   std::uintmax_t bytes = 0;
   bool is_folder = false;
 };
 
-std::vector<Entry> entries_of(const fs::path& path) {
-  std::vector<Entry> entries;
+std::vector<FileOfMaps> entries_of(const fs::path& path) {
+  std::vector<FileOfMaps> entries;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(path, error)) {
     const std::string name = entry.path().filename().string();
@@ -71,7 +71,7 @@ std::vector<Entry> entries_of(const fs::path& path) {
     entries.push_back({name, is_folder ? 0 : entry.file_size(error), is_folder});
   }
   std::sort(entries.begin(), entries.end(),
-            [](const Entry& a, const Entry& b) { return a.name < b.name; });
+            [](const FileOfMaps& a, const FileOfMaps& b) { return a.name < b.name; });
   return entries;
 }
 
@@ -99,7 +99,7 @@ void print_learned(const Json& summary) {
 void print_text(const fs::path& path, const Kind& kind) {
   std::cout << path.string() << ": " << kind.text << "\n";
   if (const Json summary = summary_of(path); summary.contains("scans")) print_learned(summary);
-  for (const Entry& entry : entries_of(path)) {
+  for (const FileOfMaps& entry : entries_of(path)) {
     std::cout << "  " << (entry.is_folder ? "folder     " : "file       ") << entry.name;
     if (!entry.is_folder) std::cout << ", " << kilobytes(entry.bytes);
     std::cout << "\n";
@@ -111,7 +111,7 @@ Json describe(const fs::path& path, const Kind& kind) {
   info["folder"] = path.string();
   info["kind"] = kind.name;
   info["files"] = Json::array();
-  for (const Entry& entry : entries_of(path)) {
+  for (const FileOfMaps& entry : entries_of(path)) {
     info["files"].push_back({{"name", entry.name + (entry.is_folder ? "/" : "")},
                              {"bytes", entry.is_folder ? Json(nullptr) : Json(entry.bytes)}});
   }

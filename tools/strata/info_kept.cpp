@@ -39,15 +39,15 @@ std::string kept_in_words(const fs::path& file) {
   }
 }
 
-struct Entry {
+struct KeptEntry {
   std::string name;
   std::string what;
   std::uintmax_t bytes = 0;
 };
 
 /// In order of their names; what is none of the kind is left out. depth: of folders in it.
-std::vector<Entry> entries_of(const fs::path& folder, int depth) {
-  std::vector<Entry> entries;
+std::vector<KeptEntry> entries_of(const fs::path& folder, int depth) {
+  std::vector<KeptEntry> entries;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const fs::path& path = entry.path();
@@ -66,16 +66,16 @@ std::vector<Entry> entries_of(const fs::path& folder, int depth) {
     }
   }
   std::sort(entries.begin(), entries.end(),
-            [](const Entry& a, const Entry& b) { return a.name < b.name; });
+            [](const KeptEntry& a, const KeptEntry& b) { return a.name < b.name; });
   return entries;
 }
 
-Json describe(const std::string& path, const std::vector<Entry>& entries) {
+Json describe(const std::string& path, const std::vector<KeptEntry>& entries) {
   Json info;
   info["folder"] = path;
   info["kind"] = "kept";
   info["files"] = Json::array();
-  for (const Entry& entry : entries) {
+  for (const KeptEntry& entry : entries) {
     const bool is_folder = entry.name.back() == '/';
     info["files"].push_back({{"name", entry.name},
                              {"what", entry.what},
@@ -85,14 +85,14 @@ Json describe(const std::string& path, const std::vector<Entry>& entries) {
 }
 
 bool print_kept_folder(const fs::path& path, bool json) {
-  const std::vector<Entry> entries = entries_of(path, 1);
+  const std::vector<KeptEntry> entries = entries_of(path, 1);
   if (entries.empty()) return false;
   if (json) {
     std::cout << log::json_text(describe(path.string(), entries));
     return true;
   }
   std::cout << path.string() << ": what components keep (`strata info` of each says more)\n";
-  for (const Entry& entry : entries) {
+  for (const KeptEntry& entry : entries) {
     const bool is_folder = entry.name.back() == '/';
     std::cout << (is_folder ? "  folder     " : "  file       ") << entry.name << ", "
               << entry.what;

@@ -25,8 +25,8 @@ constexpr const char* kKind = "kind";
 /// An empty object where there is none.
 nlohmann::json object_in(const fs::path& file) {
   std::ifstream in(file);
-  nlohmann::json json = nlohmann::json::parse(in, nullptr, false);
-  return json.is_object() ? json : nlohmann::json::object();
+  nlohmann::json text = nlohmann::json::parse(in, nullptr, false);
+  return text.is_object() ? text : nlohmann::json::object();
 }
 
 nlohmann::json summary_of(const fs::path& folder) { return object_in(folder / maps::kSummaryFile); }

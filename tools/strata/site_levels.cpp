@@ -27,7 +27,7 @@ json json_of(const site::Level& level) {
   return text;
 }
 
-std::string words_of(const site::Level& level) {
+std::string level_words(const site::Level& level) {
   const site::Site site(level.folder);
   const auto active = site.active();
   return level.name + " at " + log::format_number(level.elevation_m) + " m, " +
@@ -42,7 +42,7 @@ void list_levels(const SiteOptions& options, VerbContext& context) {
   const auto levels = site.levels();
   std::string text = counted(levels.size(), "level");
   for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
-    text += "\n  " + words_of(*level);  // the highest on top, as in the building
+    text += "\n  " + level_words(*level);  // the highest on top, as in the building
   }
   for (const site::Level& level : levels) all.push_back(json_of(level));
   warn(context, unknown_lift_levels(site));

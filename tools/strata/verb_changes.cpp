@@ -27,7 +27,7 @@
 namespace strata::tools {
 namespace {
 
-struct Options {
+struct ChangesOptions {
   std::string maps;
   std::string out;
   pipeline::LevelChangesTask task;
@@ -79,7 +79,7 @@ void print_paths(const pipeline::LevelChanges& changes, const pipeline::LevelCha
   }
 }
 
-void run(Options options, VerbContext& context) {
+void run(ChangesOptions options, VerbContext& context) {
   const auto config = read_config<ChangesConfig>(context);
   if (options.ends_m.size() % 4 != 0) {
     throw InputError("--path", "has " + std::to_string(options.ends_m.size()) + " numbers, not 4",
@@ -96,16 +96,16 @@ void run(Options options, VerbContext& context) {
   const memory::TimescaleMemory memory = store.open_timescale();
   const auto map = memory.decode(config.decoding);
   const pipeline::LevelChanges changes = pipeline::level_changes(memory, *map, options.task);
-  const auto json = to_json(changes, options.task);
+  const auto text = to_json(changes, options.task);
   if (out) {
-    report::write_file(out->path() / "changes.json", log::json_text(json));
+    report::write_file(out->path() / "changes.json", log::json_text(text));
     report::Drawings drawings;
     pipeline::draw_level_changes(out->path(), *map, changes, &drawings);
     out->commit();
     warn(context, drawings.what_is_missing());
   }
   if (options.json) {
-    std::cout << log::json_text(json);
+    std::cout << log::json_text(text);
   } else if (!context.options.quiet) {
     print_places(changes);
     print_paths(changes, options.task);
@@ -116,7 +116,7 @@ void run(Options options, VerbContext& context) {
 }  // namespace
 
 void add_changes(CLI::App& app, VerbContext& context) {
-  const auto [verb, options] = add_verb<Options>(
+  const auto [verb, options] = add_verb<ChangesOptions>(
       app, context, "changes", "what has changed lately, by the levels of a memory",
       "strata changes maps --before long --now short --path 1,6,18,6 --out changes", run);
   verb->add_option("MAPS", options->maps, "folder of maps, or a strata.db")->required();

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
-struct Options {
+struct ConvertOptions {
   std::string in;
   std::string out;
   std::vector<std::string> to_values;  ///< as given: --to is a format here, and a cut everywhere
@@ -39,7 +39,7 @@ struct Options {
 };
 
 /// By --to, else by OUT's ending.
-std::string target_format(const Options& options) {
+std::string target_format(const ConvertOptions& options) {
   if (!options.to.empty()) return options.to;
   fs::path out = options.out;
   const bool is_packed = out.extension() == ".gz";  // as write_carmen then writes
@@ -52,7 +52,7 @@ std::string target_format(const Options& options) {
                    "end it in .clf, .log (or .clf.gz), .db3 or .mcap, or give --to");
 }
 
-log::BagOptions bag_format(const Options& options, const std::string& format) {
+log::BagOptions bag_format(const ConvertOptions& options, const std::string& format) {
   log::BagOptions bag;
   bag.storage = format == "mcap" ? log::BagStorage::kMcap : log::BagStorage::kSqlite3;
   bag.sqlite_schema = options.sqlite_schema;
@@ -65,7 +65,7 @@ log::BagOptions bag_format(const Options& options, const std::string& format) {
   return bag;
 }
 
-void sort_out_to(Options& options) {
+void sort_out_to(ConvertOptions& options) {
   for (const std::string& value : options.to_values) {
     const auto seconds = log::parse_double(value);
     if (seconds && !std::isnan(*seconds)) {
@@ -80,7 +80,7 @@ void sort_out_to(Options& options) {
 }
 
 /// Bag to bag: every message of every topic, as it is.
-void copy(const Options& options, const std::string& format, VerbContext& context) {
+void copy(const ConvertOptions& options, const std::string& format, VerbContext& context) {
   const log::CopyOptions cut{options.from_s, options.to_s, context.progress()};
   log::CopyReport report;
   write_bag_or_file(options.out, context.staged(), [&](const fs::path& folder) {
@@ -119,7 +119,7 @@ std::string left_out(const log::ReadReport& report) {
 }
 
 /// Throws InputError where scanners sit at several places: CARMEN's lines tell no two apart.
-void require_one_scanner(const Options& options, const log::LogContent& content) {
+void require_one_scanner(const ConvertOptions& options, const log::LogContent& content) {
   const Pose2& first = content.observations.front().scan.robot_from_laser;
   for (const Observation& observation : content.observations) {
     if (observation.scan.robot_from_laser == first) continue;
@@ -129,7 +129,7 @@ void require_one_scanner(const Options& options, const log::LogContent& content)
 }
 
 /// Through scans and odometry, where one side is CARMEN.
-void translate(const Options& options, const std::string& format, VerbContext& context) {
+void translate(const ConvertOptions& options, const std::string& format, VerbContext& context) {
   log::ReadOptions read;
   read.from_s = options.from_s;
   read.to_s = options.to_s;
@@ -169,7 +169,7 @@ void translate(const Options& options, const std::string& format, VerbContext& c
                std::to_string(content.odometry.size()) + " odometry samples");
 }
 
-void run(Options& options, VerbContext& context) {
+void run(ConvertOptions& options, VerbContext& context) {
   sort_out_to(options);
   refuse_to_write_over(options.in, options.out);
   const std::string format = target_format(options);
@@ -202,8 +202,8 @@ void run(Options& options, VerbContext& context) {
 
 void add_convert(CLI::App& app, VerbContext& context) {
   const auto [verb, options] =
-      add_verb<Options>(app, context, "convert", "a log into another format",
-                        "strata convert office.clf.gz office.mcap", run);
+      add_verb<ConvertOptions>(app, context, "convert", "a log into another format",
+                               "strata convert office.clf.gz office.mcap", run);
   verb->add_option("IN", options->in, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")
       ->required();
   verb->add_option("OUT", options->out,

@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct EvaluateOptions {
   std::string trajectory;
   std::string truth;
   std::string relations;
@@ -57,7 +57,7 @@ void require_matches(const TrajectoryErrors& errors, const std::string& file) {
 }
 
 /// --frame laser: the trajectory's robot poses become the laser's.
-void move_to_laser(std::vector<log::StampedPose>& poses, const Options& options) {
+void move_to_laser(std::vector<log::StampedPose>& poses, const EvaluateOptions& options) {
   Pose2 mounting;
   if (options.mounting.size() == 3) {
     mounting = {options.mounting[0], options.mounting[1], options.mounting[2]};
@@ -70,7 +70,7 @@ void move_to_laser(std::vector<log::StampedPose>& poses, const Options& options)
   for (log::StampedPose& pose : poses) pose.pose = pose.pose * mounting;
 }
 
-Json compare_with(const Options& options, std::span<const log::StampedPose> trajectory,
+Json compare_with(const EvaluateOptions& options, std::span<const log::StampedPose> trajectory,
                   std::span<const log::Relation> relations) {
   auto other = log::read_trajectory(options.against);
   if (options.frame == "laser") move_to_laser(other, options);
@@ -85,7 +85,7 @@ Json compare_with(const Options& options, std::span<const log::StampedPose> traj
           {"interval_m", {paired.difference_m.low, paired.difference_m.high}}};
 }
 
-Json evaluate(const Options& options) {
+Json evaluate(const EvaluateOptions& options) {
   if (!options.against.empty() && options.relations.empty()) {
     throw InputError("--against", "compares by relations only", "give --relations FILE");
   }
@@ -144,7 +144,7 @@ void print_row(const char* name, const Json& errors) {
   row(errors["error_rad"], "rad");
 }
 
-void run(const Options& options, VerbContext& /*context*/) {
+void run_evaluate(const EvaluateOptions& options, VerbContext& /*context*/) {
   const Json result = evaluate(options);
   if (options.json) {
     std::cout << log::json_text(result);
@@ -171,11 +171,11 @@ void run(const Options& options, VerbContext& /*context*/) {
 }  // namespace
 
 void add_evaluate(CLI::App& app, VerbContext& context) {
-  const auto [verb, options] = add_verb<Options>(
+  const auto [verb, options] = add_verb<EvaluateOptions>(
       app, context, "evaluate", "errors of a trajectory",
       "strata evaluate maps/trajectory.tum --relations intel.relations --frame laser "
       "--log intel.clf.gz",
-      run);
+      run_evaluate);
   verb->add_option("TRAJECTORY", options->trajectory,
                    "TUM, `t x y theta`, corrected CARMEN log, or poses of a bag, BAG:/topic")
       ->required();

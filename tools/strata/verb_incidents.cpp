@@ -22,7 +22,7 @@ namespace {
 
 using incident_recorder::IncidentRecord;
 
-struct Options {
+struct IncidentsOptions {
   std::vector<std::string> words;  ///< DIR, or what to do and with what
   bool json = false;
   std::string maps;
@@ -76,7 +76,7 @@ IncidentRecord record_of(const std::string& folder) {
   return std::move(*record);
 }
 
-void run(const Options& options, VerbContext& context) {
+void run_incidents(const IncidentsOptions& options, VerbContext& context) {
   const bool has_action = options.words.size() == 2;
   const std::string action = has_action ? options.words.front() : "list";
   const std::string& place = options.words.back();
@@ -109,10 +109,10 @@ void run(const Options& options, VerbContext& context) {
 
 void add_incidents(CLI::App& app, VerbContext& context) {
   const auto [verb, options] =
-      add_verb<Options>(app, context, "incidents", "what an incident recorder has kept",
-                        "strata incidents incidents --json\n"
-                        "  strata incidents replay incidents/2026-11-25T12-40-03Z_lost",
-                        run);
+      add_verb<IncidentsOptions>(app, context, "incidents", "what an incident recorder has kept",
+                                 "strata incidents incidents --json\n"
+                                 "  strata incidents replay incidents/2026-11-25T12-40-03Z_lost",
+                                 run_incidents);
   verb->add_option("WHAT", options->words,
                    "DIR: the folder of incidents; show INCIDENT: one of them; replay INCIDENT: its "
                    "localizers' poses again, compared bit by bit")

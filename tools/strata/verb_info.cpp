@@ -30,7 +30,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct InfoOptions {
   std::string log;
   double from_s = 0.0;
   double to_s = std::numeric_limits<double>::infinity();
@@ -159,7 +159,7 @@ std::string reason(const Error& why) {
 }
 
 /// A bag without scans, or with several topics of them, is told by its topics all the same.
-bool told_as_bag(const Options& options, const InputError& why) {
+bool told_as_bag(const InfoOptions& options, const InputError& why) {
   const log::LogFormat format = log::detect_format(options.log);
   const bool is_whole =
       options.from_s <= 0.0 && std::isinf(options.to_s) && options.scan_topics.empty();
@@ -171,7 +171,7 @@ bool told_as_bag(const Options& options, const InputError& why) {
   }
 }
 
-void run(const Options& options, VerbContext& context) {
+void run_info(const InfoOptions& options, VerbContext& context) {
   if (memory::is_store(log::readable_path(options.log)))
     return print_store(options.log, options.json);
   if (is_result_folder(options.log)) return print_folder(options.log, options.json);
@@ -203,10 +203,10 @@ void run(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_info(CLI::App& app, VerbContext& context) {
-  const auto [verb, options] = add_verb<Options>(
+  const auto [verb, options] = add_verb<InfoOptions>(
       app, context, "info",
       "what is in a log, in a folder of maps or results, or in what components keep",
-      "strata info office.log.gz", run);
+      "strata info office.log.gz", run_info);
   verb->add_option("LOG", options->log,
                    "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag; or a folder that a verb "
                    "or a component wrote, or a file in it")

@@ -107,13 +107,13 @@ std::string fault_of(const security::Enclave& enclave) {
 
 void list(const KeystoreOptions& options) {
   const security::Keystore keystore(options.keystore);
-  auto json = nlohmann::ordered_json::array();
+  auto lines = nlohmann::ordered_json::array();
   for (const std::string& name : keystore.enclaves()) {
     const std::string fault = fault_of(security::enclave_in(options.keystore, name));
     if (!options.json) std::cout << name << "  " << (fault.empty() ? "good" : fault) << '\n';
-    json.push_back({{"enclave", name}, {"good", fault.empty()}, {"fault", fault}});
+    lines.push_back({{"enclave", name}, {"good", fault.empty()}, {"fault", fault}});
   }
-  if (options.json) std::cout << log::json_text(json);
+  if (options.json) std::cout << log::json_text(lines);
 }
 
 CLI::App* add_action(CLI::App& verb, const std::string& name, const std::string& description,

@@ -36,7 +36,7 @@
 namespace strata::tools {
 namespace {
 
-struct Options {
+struct LearnOptions {
   pipeline::RunsInput input;
   std::string out;
   std::string update;
@@ -91,7 +91,7 @@ std::vector<report::TerminalWay> ways_of(const slam::SlamResult& result) {
   return ways;
 }
 
-bool updates_in_place(const Options& options) {
+bool updates_in_place(const LearnOptions& options) {
   std::error_code error;
   return !options.update.empty() && std::filesystem::equivalent(options.update, options.out, error);
 }
@@ -117,7 +117,7 @@ void wait_for_others(const std::string& folder, VerbContext& context,
 }
 
 /// What the zones and the region that are named keep learning from.
-pipeline::LearnWithin limits_of(const Options& options, const maps::LearnConfig& config) {
+pipeline::LearnWithin limits_of(const LearnOptions& options, const maps::LearnConfig& config) {
   if (options.zones.empty() && options.only_in.empty()) return {};
   const double resolution_m = config.slam.beam_filter.resolution_m;
   pipeline::LearnWithin within;
@@ -142,7 +142,7 @@ std::string joined(const std::vector<std::string>& texts) {
 }
 
 std::string sentence(const nlohmann::json& summary, const pipeline::LearnResult& result,
-                     const Options& options) {
+                     const LearnOptions& options) {
   using report::fixed;
   const nlohmann::json& cost = summary["cost"];
   return "learned from " + counted(summary["scans"].get<std::size_t>(), "scan") + " over " +
@@ -158,7 +158,7 @@ std::string sentence(const nlohmann::json& summary, const pipeline::LearnResult&
          (std::filesystem::path(options.out) / pipeline::kMapPicture).string();
 }
 
-void run_learn(const Options& options, VerbContext& context) {
+void run_learn(const LearnOptions& options, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto [config, log_config] = read_config<Config>(context);
   const pipeline::LearnParts parts = parts_of(options.only);
@@ -214,7 +214,7 @@ void run_learn(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_learn(CLI::App& app, VerbContext& context) {
-  const auto [verb, options] = add_verb<Options>(
+  const auto [verb, options] = add_verb<LearnOptions>(
       app, context, "learn", "learn all maps from one or several runs in one building",
       "strata learn monday.clf tuesday.clf --out maps", run_learn);
   verb->add_option("LOG", options->input.logs,

@@ -37,7 +37,7 @@
 namespace strata::tools {
 namespace {
 
-struct Options {
+struct LocalizeOptions {
   pipeline::RunsInput input;
   std::string log;
   std::string maps;
@@ -85,7 +85,7 @@ Pose2 parse_pose(const std::string& text) {
 }
 
 /// --initial-pose, else the first true pose, else nowhere: a global start.
-pipeline::LocalizationStart start_of(const Options& options,
+pipeline::LocalizationStart start_of(const LocalizeOptions& options,
                                      const std::vector<std::optional<Pose2>>& truths,
                                      VerbContext& context) {
   if (options.global) return {};
@@ -115,7 +115,7 @@ double way_m(const std::vector<log::StampedPose>& trajectory) {
 std::string percent(double share) { return report::fixed(100.0 * share, 0) + "%"; }
 
 std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFit& fit,
-                     const nlohmann::json& metrics, const Options& options) {
+                     const nlohmann::json& metrics, const LocalizeOptions& options) {
   using report::fixed;
   std::string text =
       "localized " + counted(run.trajectory.size(), "scan") + " over " +
@@ -136,7 +136,7 @@ std::string sentence(const pipeline::LocalizationRun& run, const pipeline::LogFi
 }
 
 void warn_of_bad_fit(const pipeline::LogFit& fit, const nlohmann::json& score,
-                     const Options& options, bool is_global, VerbContext& context) {
+                     const LocalizeOptions& options, bool is_global, VerbContext& context) {
   LocalizedLog log{fit, std::nullopt, options.model, ""};
   if (!score.is_null()) log.mean_score = score.get<double>();
   if (!is_global) {
@@ -147,7 +147,7 @@ void warn_of_bad_fit(const pipeline::LogFit& fit, const nlohmann::json& score,
   warn(context, warning + (is_global ? "" : " --global looks for it everywhere"));
 }
 
-void run_localize(const Options& options, VerbContext& context) {
+void run_localize(const LocalizeOptions& options, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto config = read_config<LocalizeConfig>(context);
   ResultDirectory out(options.out, "localization", context);
@@ -208,7 +208,7 @@ void run_localize(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_localize(CLI::App& app, VerbContext& context) {
-  const auto [verb, options] = add_verb<Options>(
+  const auto [verb, options] = add_verb<LocalizeOptions>(
       app, context, "localize", "localize a recorded robot in learned maps",
       "strata localize friday.clf --maps maps --model patch --out friday", run_localize);
   verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")

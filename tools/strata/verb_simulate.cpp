@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace strata::tools {
 namespace {
 
-struct Options {
+struct SimulateOptions {
   std::string scenario;
   std::string out;
   std::string storage = "sqlite3";
@@ -50,7 +50,7 @@ void write_logs(const fs::path& folder, const simulate::Simulation& simulation, 
   log::write_trajectory(folder / "truth.tum", truth);
 }
 
-void run(const Options& options, VerbContext& context) {
+void run_simulate(const SimulateOptions& options, VerbContext& context) {
   if (!context.options.config_file.empty()) {
     throw ConfigError("--config", "does not go with a scenario",
                       "put the settings into " + options.scenario + ", or use --set");
@@ -89,10 +89,10 @@ void run(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_simulate(CLI::App& app, VerbContext& context) {
-  const auto [verb, options] = add_verb<Options>(
+  const auto [verb, options] = add_verb<SimulateOptions>(
       app, context, "simulate",
       "a log with ground truth from a world with people, doors, moved boxes",
-      "strata simulate tools/simulate/scenarios/office.yaml --out office --seed 3", run);
+      "strata simulate tools/simulate/scenarios/office.yaml --out office --seed 3", run_simulate);
   verb->add_option("SCENARIO", options->scenario, "YAML file (version: 1)")->required();
   verb->add_option("--out", options->out,
                    "folder for log.clf, bag/, truth.tum, states.json, world.png")

@@ -23,7 +23,7 @@ namespace {
 /// Places of the truth within this distance are one landmark.
 constexpr double kNearM = 1.0;
 
-struct Options {
+struct TopologyOptions {
   pipeline::RunsInput input;
   std::string log;
   std::string out;
@@ -45,7 +45,7 @@ void print_agreement(const pipeline::TopologyAgreement& agreement, double precis
   std::cout << '\n';
 }
 
-void run_topology(Options options, VerbContext& context) {
+void run_topology(TopologyOptions options, VerbContext& context) {
   const pipeline::CostMeter meter;
   const auto config = read_config<topology::TopologyMapperConfig>(context);
   ResultDirectory out(options.out, "topology", context);
@@ -85,7 +85,7 @@ void run_topology(Options options, VerbContext& context) {
 }  // namespace
 
 void add_topology(CLI::App& app, VerbContext& context) {
-  const auto [verb, options] = add_verb<Options>(
+  const auto [verb, options] = add_verb<TopologyOptions>(
       app, context, "topology", "find the topologies that a run may have, with their odds",
       "strata topology office.clf --out topology", run_topology);
   verb->add_option("LOG", options->log, "CARMEN log, rosbag2 folder, .db3, .mcap or ROS 1 .bag")

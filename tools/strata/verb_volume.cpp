@@ -19,7 +19,7 @@
 namespace strata::tools {
 namespace {
 
-struct Options {
+struct VolumeOptions {
   std::string log;
   std::string out;
   std::optional<double> resolution_m;
@@ -61,7 +61,7 @@ void note_skipped(const pipeline::VolumeResult& result, VerbContext& context) {
   }
 }
 
-void run_volume(const Options& options, VerbContext& context) {
+void run_volume(const VolumeOptions& options, VerbContext& context) {
   const pipeline::CostMeter meter;
   auto config = read_config<pipeline::VolumeJobConfig>(context);
   if (options.resolution_m) config.map.resolution_m = *options.resolution_m;
@@ -95,9 +95,9 @@ void run_volume(const Options& options, VerbContext& context) {
 }  // namespace
 
 void add_volume(CLI::App& app, VerbContext& context) {
-  const auto [verb, options] =
-      add_verb<Options>(app, context, "volume", "a 3-D map of what stands still (OctoMap)",
-                        "strata volume hallway.log.gz --out hallway --resolution 0.05", run_volume);
+  const auto [verb, options] = add_verb<VolumeOptions>(
+      app, context, "volume", "a 3-D map of what stands still (OctoMap)",
+      "strata volume hallway.log.gz --out hallway --resolution 0.05", run_volume);
   verb->add_option(
           "LOG3D", options->log,
           "OctoMap log (plain or gzipped), scan graph, a bag with PointCloud2, or a .bt or .ot "

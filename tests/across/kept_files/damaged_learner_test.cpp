@@ -38,8 +38,9 @@ class DamagedLearnerStore : public ::testing::Test {
   DamagedLearnerStore() {
     RandomStream random(3, StreamId::kTest);
     std::vector<PosedScan> scans;
-    patch::test::ToyRobot{}.drive(patch::test::corridor_with_door(true), {1.0, 1.2, 0.0},
-                                  {10.0, 1.2, 0.0}, 4, 100.0, {}, random, scans);
+    patch::test_world::ToyRobot{}.drive(patch::test_world::corridor_with_door(true),
+                                        {1.0, 1.2, 0.0}, {10.0, 1.2, 0.0}, 4, 100.0, {}, random,
+                                        scans);
     CountingMap counts(0.05);
     for (const PosedScan& scan : scans) counts.add(scan);
     base_ = counts.reflection();

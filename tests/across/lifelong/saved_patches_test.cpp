@@ -133,7 +133,7 @@ Saved learned(const std::vector<Observation>& observations, Saved like) {
   return like;
 }
 
-void print(const char* name, const MapQuality& quality) {
+void print_saved(const char* name, const MapQuality& quality) {
   std::cout << "seed " << seed() << ", " << name << ": trajectory " << quality.trajectory_m
             << " m, next day " << quality.localization_m << " m, lost " << quality.lost << ", "
             << quality.submaps << " sub-maps\n";
@@ -178,12 +178,12 @@ TEST(SavedPatches, OfAMapperThatWasKilledAreAsGoodAsThoseOfLearn) {
   const MapQuality now = days.quality_of(saved.maps, saved.scans);
   const Saved wanted = learned(days.observations, saved);
   const MapQuality learn = days.quality_of(wanted.maps, wanted.scans);
-  print("saved", now);
-  print("learn", learn);
+  print_saved("saved", now);
+  print_saved("learn", learn);
   if (std::getenv("STRATA_LIFELONG_SEED") != nullptr) {
     maps::Maps live = saved.maps;
     live.patches->submaps = convert::from_message(*snapshot.patches).submaps;
-    print("saved with live patches", days.quality_of(live, saved.scans));
+    print_saved("saved with live patches", days.quality_of(live, saved.scans));
   }
   EXPECT_LT(now.trajectory_m, learn.trajectory_m + 0.03);
   EXPECT_LT(now.localization_m, learn.localization_m + 0.01);

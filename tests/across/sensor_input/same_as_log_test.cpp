@@ -201,17 +201,17 @@ TEST(SameAsLog, TwoFramesOnOneTopicAreTwoScanners) {
 }
 
 /// A wall in the sensor's frame, floor below it, with a time for each point.
-sensor_msgs::msg::PointCloud2 cloud(double seconds, const std::string& frame) {
+sensor_msgs::msg::PointCloud2 cloud(double t_s, const std::string& frame) {
   std::vector<Eigen::Vector3f> points;
   convert::CloudColumns columns;
   for (int i = 0; i < 400; ++i) {
     const float y = -2.0F + 0.01F * static_cast<float>(i);
     for (const float z : {-1.0F, -0.75F, -0.6F}) {
-      points.push_back({2.0F + 0.05F * static_cast<float>(seconds), y, z});
+      points.push_back({2.0F + 0.05F * static_cast<float>(t_s), y, z});
       columns.offset_s.push_back(1e-4F * static_cast<float>(i));
     }
   }
-  return convert::to_message(points, at(seconds), frame, columns);
+  return convert::to_message(points, at(t_s), frame, columns);
 }
 
 TEST(SameAsLog, CloudsAreSlicedAndUndistorted) {

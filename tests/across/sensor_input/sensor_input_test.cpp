@@ -108,11 +108,11 @@ TEST(SensorInput, OdometryThatIsNotANumberIsPassedOver) {
   for (const bool by_topic : {false, true}) {
     SensorInput input({}, false);
     input.add(link(0.0, "base_link", "laser", {}));
-    const auto say = [&](double seconds, const Pose2& pose) {
+    const auto say = [&](double t_s, const Pose2& pose) {
       if (by_topic) {
-        input.add(odometry(seconds, pose));
+        input.add(odometry(t_s, pose));
       } else {
-        input.add_moving(link(seconds, "odom", "base_link", pose));
+        input.add_moving(link(t_s, "odom", "base_link", pose));
       }
     };
     say(1.0, {1.0, 0.0, 0.0});
@@ -129,11 +129,11 @@ TEST(SensorInput, ASampleThatComesLateForgetsNoOdometry) {
   for (const bool by_topic : {false, true}) {
     SensorInput input({}, true);
     input.add(link(0.0, "base_link", "laser", {}));
-    const auto say = [&](double seconds) {
+    const auto say = [&](double t_s) {
       if (by_topic) {
-        input.add(odometry(seconds, {seconds, 0.0, 0.0}));
+        input.add(odometry(t_s, {t_s, 0.0, 0.0}));
       } else {
-        input.add_moving(link(seconds, "odom", "base_link", {seconds, 0.0, 0.0}));
+        input.add_moving(link(t_s, "odom", "base_link", {t_s, 0.0, 0.0}));
       }
     };
     for (int i = 0; i <= 100; ++i) say(0.1 * i);

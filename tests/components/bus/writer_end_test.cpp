@@ -18,7 +18,7 @@ namespace {
 using sensor_msgs::msg::LaserScan;
 using std::chrono::seconds;
 
-constexpr const char* kDomain = "STRATA_TEST_DOMAIN";
+constexpr const char* kDomainVariable = "STRATA_TEST_DOMAIN";
 
 [[noreturn]] void read_until_killed(int domain) {
   ParticipantOptions options;
@@ -31,9 +31,9 @@ constexpr const char* kDomain = "STRATA_TEST_DOMAIN";
 
 TEST(WriterEnd, ComesAlsoWhileAReaderThatWasKilledHasNotAcknowledged) {
   // The reader is this test in a process of its own: those of one process acknowledge at once.
-  if (const char* domain = std::getenv(kDomain)) read_until_killed(std::stoi(domain));
+  if (const char* domain = std::getenv(kDomainVariable)) read_until_killed(std::stoi(domain));
   test::ChildProcess reader({"/proc/self/exe", "--gtest_filter=WriterEnd.*"},
-                            {kDomain + ("=" + std::to_string(test::own_domain()))});
+                            {kDomainVariable + ("=" + std::to_string(test::own_domain()))});
   const auto participant = test::make_participant();
   {
     Writer<LaserScan> writer(participant, "/scan", qos_profile("lossless"));

@@ -24,7 +24,7 @@ namespace {
 template <typename Message>
 class EveryMessage : public ::testing::Test {};
 
-strata_msgs::msg::PatchMap patch_map() {
+strata_msgs::msg::PatchMap partly_filled_patch_map() {
   strata_msgs::msg::PatchMap map;
   map.header().frame_id("map");
   map.base().reflection({0.5F});
@@ -63,14 +63,14 @@ TEST(CdrCheck, NamesTheTypeOfAGeneratedClass) {
 }
 
 TEST(CdrCheck, WalksOverNestedSequences) {
-  const std::vector<std::uint8_t> bytes = to_cdr(patch_map());
+  const std::vector<std::uint8_t> bytes = to_cdr(partly_filled_patch_map());
   EXPECT_EQ(fit(*message_layout("strata_msgs/msg/PatchMap"), bytes), LayoutFit::kExact);
 }
 
 /// Where a length stood, four bytes of ones ask for the memory of the whole machine: no place of a
 /// message may get it. Other places hold numbers, where the message stays readable.
 TEST(CdrCheck, NoLengthInAMessageIsBelieved) {
-  const std::vector<std::uint8_t> bytes = to_cdr(patch_map());
+  const std::vector<std::uint8_t> bytes = to_cdr(partly_filled_patch_map());
   std::size_t refused = 0;
   for (std::size_t at = 4; at + 4 <= bytes.size(); at += 4) {
     std::vector<std::uint8_t> damaged = bytes;

@@ -22,7 +22,7 @@ namespace {
 using Grids = std::vector<nav_msgs::msg::OccupancyGrid>;
 
 /// In the middle of the room, where the robot sees it; the other is elsewhere.
-const Cell kDoor{60, 52};
+const Cell kDoorOfOffice{60, 52};
 const Cell kOther{40, 60};
 
 std::int8_t value_at(const nav_msgs::msg::OccupancyGrid& grid, const Cell& cell) {
@@ -54,7 +54,7 @@ class LiveChangeMask : public LiveDoor {
 };
 
 TEST_F(LiveChangeMask, HasTheProbabilityThatTheDoorIsNotAsItIsBelievedOnTheCellsOfTheMap) {
-  start_with_doors({kDoor}, "kind: penalty, horizon_s: 300.0, reach_m: 0.1");
+  start_with_doors({kDoorOfOffice}, "kind: penalty, horizon_s: 300.0, reach_m: 0.1");
   const auto masks = masks_after(0);
   ASSERT_FALSE(masks.empty());
   const auto& mask = masks.front();
@@ -75,12 +75,14 @@ TEST_F(LiveChangeMask, HasTheProbabilityThatTheDoorIsNotAsItIsBelievedOnTheCells
   const double other = *open > 0.5 ? kUsuallyShut : 1.0 - kUsuallyShut;
   const double changed = 1.0 - held * std::exp(-kRate_per_s * other * 300.0);
   EXPECT_GT(changed, 0.1);
-  EXPECT_NEAR(value_at(mask, kDoor), 99.0 * changed, 1.0);
-  EXPECT_NEAR(value_at(maps.front(), kDoor), 100.0 * (1.0 - *open), 1.0);
-  EXPECT_EQ(value_at(mask, {kDoor.x, kDoor.y + 2}), value_at(mask, kDoor)) << "within 0.1 m";
-  EXPECT_EQ(value_at(mask, {kDoor.x, kDoor.y + 3}), -1) << "nothing to add to the map's cost";
-  EXPECT_EQ(test::nav2::kept_out_cost(value_at(mask, kDoor), 0),
-            std::lround(value_at(mask, kDoor) * 2.54));
+  EXPECT_NEAR(value_at(mask, kDoorOfOffice), 99.0 * changed, 1.0);
+  EXPECT_NEAR(value_at(maps.front(), kDoorOfOffice), 100.0 * (1.0 - *open), 1.0);
+  EXPECT_EQ(value_at(mask, {kDoorOfOffice.x, kDoorOfOffice.y + 2}), value_at(mask, kDoorOfOffice))
+      << "within 0.1 m";
+  EXPECT_EQ(value_at(mask, {kDoorOfOffice.x, kDoorOfOffice.y + 3}), -1)
+      << "nothing to add to the map's cost";
+  EXPECT_EQ(test::nav2::kept_out_cost(value_at(mask, kDoorOfOffice), 0),
+            std::lround(value_at(mask, kDoorOfOffice) * 2.54));
   const auto infos = infos_.wait_for(1);
   ASSERT_EQ(infos.size(), 1U);
   EXPECT_EQ(infos[0].type(), 0);
@@ -89,12 +91,12 @@ TEST_F(LiveChangeMask, HasTheProbabilityThatTheDoorIsNotAsItIsBelievedOnTheCells
 }
 
 TEST_F(LiveChangeMask, IsThereForLateJoinersAndFollowsMapsThatAreExchanged) {
-  start_with_doors({kDoor}, "kind: speed, reach_m: 0.0");
+  start_with_doors({kDoorOfOffice}, "kind: speed, reach_m: 0.0");
   bus::Writer<strata_msgs::msg::PatchMap> learner(robot_, "/patch_map",
                                                   bus::qos_profile("latched"));
   auto masks = masks_after(0);
   ASSERT_FALSE(masks.empty());
-  EXPECT_GT(value_at(masks.back(), kDoor), 0);
+  EXPECT_GT(value_at(masks.back(), kDoorOfOffice), 0);
   EXPECT_EQ(value_at(masks.back(), kOther), 0) << "no limit, where SpeedFilter takes no unknown";
   // Until the new map's mask has come: one that shows the other door.
   const auto shows = [&](const Cell& cell) {
@@ -107,7 +109,7 @@ TEST_F(LiveChangeMask, IsThereForLateJoinersAndFollowsMapsThatAreExchanged) {
   };
   learner.publish(convert::to_message(with_doors({kOther}), Stamp(), "map"));
   ASSERT_TRUE(shows(kOther));
-  EXPECT_EQ(value_at(masks.back(), kDoor), 0) << "of the map before";
+  EXPECT_EQ(value_at(masks.back(), kDoorOfOffice), 0) << "of the map before";
   test::Collector<nav_msgs::msg::OccupancyGrid> late(robot_, "/change_mask", "latched");
   test::Collector<nav2_msgs::msg::CostmapFilterInfo> late_info(robot_, "/change_mask_info",
                                                                "latched");
@@ -132,14 +134,14 @@ TEST_F(LiveChangeMask, IsThereForLateJoinersAndFollowsMapsThatAreExchanged) {
 
 TEST_F(LiveChangeMask, ComesAgainWhenTheDoorIsFoundOtherwise) {
   // The map says that it is mostly shut, and as if nobody had seen it for long.
-  start_with_doors({kDoor}, "kind: penalty");
+  start_with_doors({kDoorOfOffice}, "kind: penalty");
   const auto masks = masks_after(1);
   const auto maps = maps_.wait_for(2);
   ASSERT_GE(masks.size(), 2U);
   ASSERT_GE(maps.size(), 2U);
   // It is open, and with each beam through it that is surer.
-  EXPECT_LT(value_at(maps.back(), kDoor), value_at(maps.front(), kDoor));
-  EXPECT_LT(value_at(masks.back(), kDoor), value_at(masks.front(), kDoor));
+  EXPECT_LT(value_at(maps.back(), kDoorOfOffice), value_at(maps.front(), kDoorOfOffice));
+  EXPECT_LT(value_at(masks.back(), kDoorOfOffice), value_at(masks.front(), kDoorOfOffice));
 }
 
 TEST_F(LiveChangeMask, IsNotSentByAModelWithoutSubmapsWhichSaysSo) {

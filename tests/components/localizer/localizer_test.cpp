@@ -161,7 +161,7 @@ TEST(Localizer, LosesNothingThatItKnowsWhenItsMapComesAgain) {
 }
 
 /// By so much the transform is dated after its scan.
-constexpr Duration kTolerance{1'000'000'000};
+constexpr Duration kTransformTolerance{1'000'000'000};
 
 /// Takes a private hold of what goes out, by the scan's stamp.
 class Listener {
@@ -179,7 +179,8 @@ class Listener {
               const auto& transform = message.transforms().at(0);
               if (transform.child_frame_id() != "odom") return;
               const std::lock_guard lock(mutex_);
-              map_from_odom_[convert::from_message(transform.header().stamp()) - kTolerance] =
+              map_from_odom_[convert::from_message(transform.header().stamp()) -
+                             kTransformTolerance] =
                   planar(convert::from_message(transform.transform()));
               changed_.notify_all();
             }) {}

@@ -118,7 +118,7 @@ class PlaceInAMap : public PlaceStoreTest {
     std::vector<PosedScan> scans;
     robot_.drive(world_, {1.0, 1.2, 0.0}, {10.0, 1.2, 0.0}, 0, 0.0, {}, random, scans);
     robot_.drive(world_, {5.5, 1.2, 1.57}, {5.5, 4.5, 1.57}, 0, 50.0, {}, random, scans);
-    map_ = patch::test::map_of(scans);
+    map_ = patch::test_world::map_of(scans);
     store().keep(observation_at(100.0, kOdometry), {kWas, Eigen::Matrix3d::Identity() * 0.01});
   }
   [[nodiscard]] Observation seen_from(const Pose2& truth, double time_s, const Pose2& odometry) {
@@ -131,8 +131,8 @@ class PlaceInAMap : public PlaceStoreTest {
   static inline const Pose2 kWas{3.0, 1.2, 0.2};
   static inline const Pose2 kMoved{1.5, 0.1, 0.3};
 
-  const patch::test::ToyWorld world_ = patch::test::corridor_with_door(false);
-  const patch::test::ToyRobot robot_;
+  const patch::test_world::ToyWorld world_ = patch::test_world::corridor_with_door(false);
+  const patch::test_world::ToyRobot robot_;
   RandomStream random_{2, StreamId::kTest};
   ReflectionGrid map_;
 };

@@ -22,10 +22,10 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using test::BagContent;
 using test::bytes_of;
-using test::read_bag;
-using test::write_text;
+using test_log::BagContent;
+using test_log::read_bag;
+using test_log::write_text;
 
 using Messages = std::vector<std::pair<std::int64_t, Bytes>>;
 

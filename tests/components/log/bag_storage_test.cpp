@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using test::BagContent;
-using test::read_bag;
+using test_log::BagContent;
+using test_log::read_bag;
 
 constexpr const char* kTopicsBefore4 =
     "CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL,"
@@ -211,7 +211,7 @@ TEST_F(BagFilesTest, ABagIsSplitByTimeToo) {
 TEST_F(BagFilesTest, AFileThatIsMissingOrDestroyedCostsItselfAndIsCounted) {
   const fs::path bag = write({.storage = BagStorage::kMcap, .split_bytes = 10'000}, 40);
   fs::remove(bag / "bag_1.mcap");
-  test::write_text(bag / "bag_2.mcap", "not a bag at all");
+  test_log::write_text(bag / "bag_2.mcap", "not a bag at all");
   const BagContent content = read_bag(bag);
   EXPECT_EQ(content.stamps().size(), 20U);
   EXPECT_EQ(content.damage.count, 2U);
@@ -223,14 +223,14 @@ TEST_F(BagFilesTest, ABrokenOrForeignMetadataFileCostsNothing) {
   for (const char* text :
        {"rosbag2_bagfile_information: [", "", "- 1\n- 2\n",
         "rosbag2_bagfile_information:\n  relative_file_paths: [renamed_0.mcap]\n"}) {
-    test::write_text(bag / "metadata.yaml", text);
+    test_log::write_text(bag / "metadata.yaml", text);
     EXPECT_EQ(read_bag(bag).stamps(), numbers(5)) << text;
   }
 }
 
 TEST_F(BagFilesTest, AFolderWithoutABagAndAnEmptyFileAreRefused) {
   EXPECT_THROW((void)BagReader::open(folder_.path()), InputError);
-  test::write_text(folder_.path() / "empty.db3", "");
+  test_log::write_text(folder_.path() / "empty.db3", "");
   EXPECT_THROW((void)BagReader::open(folder_.path()), InputError);
   EXPECT_THROW((void)BagReader::open(folder_.path() / "none.mcap"), InputError);
 }

@@ -24,8 +24,8 @@ namespace strata::log {
 namespace {
 
 using test::bytes_of;
-using test::make_log;
-using test::write_text;
+using test_log::make_log;
+using test_log::write_text;
 
 class Bag : public ::testing::Test {
  protected:

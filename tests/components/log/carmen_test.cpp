@@ -15,7 +15,7 @@
 namespace strata::log {
 namespace {
 
-using test::write_text;
+using test_log::write_text;
 
 std::string flaser(const std::string& ranges, int beams, const std::string& stamp,
                    const std::string& laser = "1.25 2 0", const std::string& odom = "1 2 0") {

@@ -63,7 +63,7 @@ int read_damaged(const fs::path& file, int times,
   const std::string original = test::bytes_of(file);
   int good = 0;
   for (int i = 0; i < times; ++i) {
-    test::write_text(file, Mutator(static_cast<std::uint64_t>(i)).damage(original));
+    test_log::write_text(file, Mutator(static_cast<std::uint64_t>(i)).damage(original));
     try {
       read(file);
       ++good;
@@ -85,7 +85,7 @@ void read_and_check(const fs::path& file) {
 
 TEST(Fuzz, DamagedCarmenLogsGiveScansOrErrors) {
   const strata::test::TemporaryDirectory folder;
-  write_carmen(folder.path() / "f.clf", test::make_log(6, 12, 1));
+  write_carmen(folder.path() / "f.clf", test_log::make_log(6, 12, 1));
   EXPECT_GT(read_damaged(folder.path() / "f.clf", 500, read_and_check), 250);
 }
 
@@ -94,7 +94,7 @@ TEST(Fuzz, DamagedMcapFilesGiveScansOrErrors) {
   for (const auto compression :
        {BagCompression::kNone, BagCompression::kZstd, BagCompression::kLz4}) {
     const fs::path bag = folder.path() / ("bag" + std::to_string(static_cast<int>(compression)));
-    write_bag(bag, test::make_log(6, 12, 1), BagStorage::kMcap, compression);
+    write_bag(bag, test_log::make_log(6, 12, 1), BagStorage::kMcap, compression);
     const fs::path file = bag / (bag.filename().string() + "_0.mcap");
     EXPECT_GT(read_damaged(file, 300, read_and_check), 10);
   }
@@ -102,18 +102,18 @@ TEST(Fuzz, DamagedMcapFilesGiveScansOrErrors) {
 
 TEST(Fuzz, DamagedDatabasesGiveScansOrErrors) {
   const strata::test::TemporaryDirectory folder;
-  write_bag(folder.path() / "bag", test::make_log(6, 12, 1), BagStorage::kSqlite3);
+  write_bag(folder.path() / "bag", test_log::make_log(6, 12, 1), BagStorage::kSqlite3);
   EXPECT_GT(read_damaged(folder.path() / "bag" / "bag_0.db3", 300, read_and_check), 50);
 }
 
 TEST(Fuzz, DamagedRos1BagsGiveScansOrErrors) {
   const strata::test::TemporaryDirectory folder;
-  write_bag(folder.path() / "ros2", test::make_log(6, 12, 1), BagStorage::kSqlite3);
+  write_bag(folder.path() / "ros2", test_log::make_log(6, 12, 1), BagStorage::kSqlite3);
   for (const char* compression : {"none", "bz2", "lz4"}) {
-    for (const auto end : {test::Ros1End::kWhole, test::Ros1End::kUnfinishedChunk}) {
+    for (const auto end : {test_log::Ros1End::kWhole, test_log::Ros1End::kUnfinishedChunk}) {
       const fs::path file = folder.path() / "f.bag";
-      test::write_text(file, test::ros1_bag_of(folder.path() / "ros2",
-                                               {.compression = compression, .end = end}));
+      test_log::write_text(file, test_log::ros1_bag_of(folder.path() / "ros2",
+                                                       {.compression = compression, .end = end}));
       EXPECT_GT(read_damaged(file, 300, read_and_check), 10) << compression;
     }
   }

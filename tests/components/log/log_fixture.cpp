@@ -8,7 +8,7 @@
 
 #include "core/geometry/angle.hpp"
 
-namespace strata::log::test {
+namespace strata::log::test_log {
 namespace {
 
 /// A small generator of its own: fixtures must not change with core/random.
@@ -82,4 +82,4 @@ bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
   return true;
 }
 
-}  // namespace strata::log::test
+}  // namespace strata::log::test_log

@@ -13,7 +13,7 @@
 #include "components/log/log_reader.hpp"
 #include "tests/support/test_data.hpp"
 
-namespace strata::log::test {
+namespace strata::log::test_log {
 
 using strata::test::bytes_of;
 
@@ -37,4 +37,4 @@ void write_text(const std::filesystem::path& path, const std::string& text);
 /// Whether two floats are the same number: equal bits, or both NaN.
 [[nodiscard]] bool same_bits(const std::vector<float>& a, const std::vector<float>& b);
 
-}  // namespace strata::log::test
+}  // namespace strata::log::test_log

@@ -21,7 +21,7 @@
 namespace strata::log {
 namespace {
 
-using test::write_text;
+using test_log::write_text;
 using ::testing::HasSubstr;
 
 std::string little(std::uint32_t value, int bytes) {

@@ -16,7 +16,7 @@ namespace strata::log {
 namespace {
 
 using test::bytes_of;
-using test::write_text;
+using test_log::write_text;
 
 TEST(MapFile, AMapReadsBackCellByCell) {
   const strata::test::TemporaryDirectory folder;

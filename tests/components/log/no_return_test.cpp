@@ -128,7 +128,7 @@ class NoReturnOfALog : public ::testing::Test {
  protected:
   /// A scanner that sends 20.5 for what it does not see, and says that it sees up to range_max_m.
   std::filesystem::path bag(float range_max_m) {
-    LogContent log = test::make_log(40, 90, 3);
+    LogContent log = test_log::make_log(40, 90, 3);
     for (Observation& observation : log.observations) {
       observation.scan.range_max_m = range_max_m;
       for (float& range : observation.scan.ranges_m) range = std::isinf(range) ? 20.5F : range;
@@ -149,7 +149,7 @@ class NoReturnOfALog : public ::testing::Test {
 };
 
 TEST_F(NoReturnOfALog, IsFoundInBagsWhateverTheirRangeMax) {
-  const std::size_t expected = seen_nothing(test::make_log(40, 90, 3).observations);
+  const std::size_t expected = seen_nothing(test_log::make_log(40, 90, 3).observations);
   for (const float range_max_m : {0.0F, 20.5F, 30.0F, kInf}) {
     const auto scans = read_observations(bag(range_max_m), {}, &report_);
     EXPECT_EQ(seen_nothing(scans), expected) << range_max_m;

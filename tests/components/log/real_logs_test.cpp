@@ -14,7 +14,7 @@
 namespace strata::log {
 namespace {
 
-using test::same_bits;
+using test_log::same_bits;
 
 struct Expected {
   const char* path;

@@ -12,8 +12,8 @@
 namespace strata::log {
 namespace {
 
-using test::Ros1BagMaker;
-using test::write_text;
+using test_log::Ros1BagMaker;
+using test_log::write_text;
 
 std::string repeated(char c, std::size_t times) { return std::string(times, c); }
 template <std::size_t size>
@@ -91,7 +91,7 @@ std::string chat_bag() {
 TEST(Ros1BagFormat, IsReadFromTheBytesOfThePublishedFormat) {
   const strata::test::TemporaryDirectory folder;
   write_text(folder.path() / "drive.bag", chat_bag());
-  const auto bag = test::read_bag(folder.path() / "drive.bag");
+  const auto bag = test_log::read_bag(folder.path() / "drive.bag");
   EXPECT_EQ(bag.damage.count, 0U) << bag.damage.first;
   ASSERT_EQ(bag.topics.size(), 1U);
   EXPECT_EQ(bag.topics[0].name, "/chat");
@@ -107,7 +107,7 @@ TEST(Ros1BagFormat, IsReadFromTheBytesOfThePublishedFormat) {
 // All other tests go by the maker.
 TEST(Ros1BagFormat, OfTheMakerHasTheBytesOfThePublishedFormat) {
   Ros1BagMaker maker;
-  maker.write(test::kRos1Chat, {5'000'000'007}, test::Ros1Bytes().text("hi!").bytes());
+  maker.write(test_log::kRos1Chat, {5'000'000'007}, test_log::Ros1Bytes().text("hi!").bytes());
   EXPECT_EQ(maker.finish(), chat_bag());
 }
 

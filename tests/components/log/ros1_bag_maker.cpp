@@ -11,7 +11,7 @@
 #include "components/convert/cdr.hpp"
 #include "components/log/bag.hpp"
 
-namespace strata::log::test {
+namespace strata::log::test_log {
 namespace {
 
 std::string op_field(std::uint8_t code) { return std::string(1, static_cast<char>(code)); }
@@ -281,4 +281,4 @@ std::string ros1_bag_of(const std::filesystem::path& rosbag2, const Ros1Format& 
   return maker.finish();
 }
 
-}  // namespace strata::log::test
+}  // namespace strata::log::test_log

@@ -18,7 +18,7 @@
 
 #include "core/base/time.hpp"
 
-namespace strata::log::test {
+namespace strata::log::test_log {
 
 /// Bytes one after the other, numbers little-endian without gaps.
 class Ros1Bytes {
@@ -111,4 +111,4 @@ class Ros1BagMaker {
 /// Where the first chunk of a bag lies.
 constexpr std::size_t kRos1FirstChunk = 4117;
 
-}  // namespace strata::log::test
+}  // namespace strata::log::test_log

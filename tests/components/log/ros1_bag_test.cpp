@@ -23,11 +23,11 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using test::Ros1BagMaker;
-using test::Ros1End;
-using test::Ros1Format;
-using test::Ros1Topic;
-using test::write_text;
+using test_log::Ros1BagMaker;
+using test_log::Ros1End;
+using test_log::Ros1Format;
+using test_log::Ros1Topic;
+using test_log::write_text;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -57,7 +57,7 @@ class Ros1Bag : public ::testing::Test {
   /// A log of 60 scans as a bag of ROS 2.
   fs::path rosbag2() {
     const fs::path folder = folder_.path() / "ros2";
-    write_bag(folder, test::make_log(60, 180, 7), BagStorage::kSqlite3, BagCompression::kNone);
+    write_bag(folder, test_log::make_log(60, 180, 7), BagStorage::kSqlite3, BagCompression::kNone);
     return folder;
   }
   strata::test::TemporaryDirectory folder_;
@@ -69,7 +69,8 @@ class Ros1BagOfALog : public Ros1Bag,
 TEST_P(Ros1BagOfALog, GivesTheSameObservationsAsTheBagOfRos2) {
   const auto& [compression, end] = GetParam();
   const fs::path original = rosbag2();
-  const fs::path bag = write(test::ros1_bag_of(original, {.compression = compression, .end = end}));
+  const fs::path bag =
+      write(test_log::ros1_bag_of(original, {.compression = compression, .end = end}));
   EXPECT_EQ(detect_format(bag), LogFormat::kRos1Bag);
   ReadReport report;
   const LogContent content = read_log(bag, {}, &report);
@@ -96,11 +97,11 @@ TEST_F(Ros1Bag, MessagesComeInOrderOfTheirStampsAcrossChunks) {
   Ros1BagMaker maker({.chunk_bytes = 300});
   std::vector<std::int64_t> sorted;
   for (std::int64_t i = 0; i < 50; ++i) {
-    maker.write(test::kRos1Chat, {(i * 7 % 50 + 1) * 1'000'000'000},
-                test::Ros1Bytes().text("x").bytes());
+    maker.write(test_log::kRos1Chat, {(i * 7 % 50 + 1) * 1'000'000'000},
+                test_log::Ros1Bytes().text("x").bytes());
     sorted.push_back((i + 1) * 1'000'000'000);
   }
-  EXPECT_EQ(test::read_bag(write(maker.finish())).stamps(), sorted);
+  EXPECT_EQ(test_log::read_bag(write(maker.finish())).stamps(), sorted);
 }
 
 TEST_F(Ros1Bag, PartsInAFolderAreOneLog) {
@@ -108,10 +109,11 @@ TEST_F(Ros1Bag, PartsInAFolderAreOneLog) {
   fs::create_directory(folder);
   for (int part = 0; part < 12; ++part) {
     Ros1BagMaker maker;
-    maker.write(test::kRos1Chat, {part * 1'000'000'000L}, test::Ros1Bytes().text("x").bytes());
+    maker.write(test_log::kRos1Chat, {part * 1'000'000'000L},
+                test_log::Ros1Bytes().text("x").bytes());
     write_text(folder / ("drive_" + std::to_string(part) + ".bag"), maker.finish());
   }
-  const auto stamps = test::read_bag(folder).stamps();
+  const auto stamps = test_log::read_bag(folder).stamps();
   EXPECT_EQ(stamps.size(), 12U);
   EXPECT_TRUE(std::is_sorted(stamps.begin(), stamps.end()));
 }
@@ -121,21 +123,21 @@ std::string link(std::int64_t second, double x_m) {
   tf2_msgs::msg::TFMessage message;
   message.transforms().push_back(convert::to_transform_stamped(
       {second * 1'000'000'000}, Pose2{x_m, 0.0, 0.0}, "/base_link", "/laser"));
-  return test::ros1_message(message, 0);
+  return test_log::ros1_message(message, 0);
 }
 std::string scan_at(std::int64_t second) {
-  Scan scan = test::make_log(1, 5, 1).observations.front().scan;
+  Scan scan = test_log::make_log(1, 5, 1).observations.front().scan;
   scan.stamp = {second * 1'000'000'000};
-  return test::ros1_message(convert::to_message(scan, "/laser"), 0);
+  return test_log::ros1_message(convert::to_message(scan, "/laser"), 0);
 }
 
 TEST_F(Ros1Bag, AMountingThatComesAgainOnTfIsTaken) {
   for (const double step_m : {0.0, 0.01}) {
     Ros1BagMaker maker;
     for (std::int64_t i = 1; i < 9; ++i) {
-      maker.write(test::kRos1OldTransforms, {i * 1'000'000'000},
+      maker.write(test_log::kRos1OldTransforms, {i * 1'000'000'000},
                   link(i, 0.3 + step_m * static_cast<double>(i)));
-      maker.write(test::kRos1Scan, {i * 1'000'000'000 + 1}, scan_at(i));
+      maker.write(test_log::kRos1Scan, {i * 1'000'000'000 + 1}, scan_at(i));
     }
     ReadReport report;
     const auto scans = read_observations(write(maker.finish()), {}, &report);
@@ -148,9 +150,9 @@ TEST_F(Ros1Bag, AMountingThatComesAgainOnTfIsTaken) {
 TEST_F(Ros1Bag, WhatIsNotKnownKeepsItsBytesAndItsNames) {
   Ros1BagMaker maker;
   maker.write({"/weld", "acme_msgs/Weld", "0123456789abcdef0123456789abcdef"}, {1}, "\x01\x02");
-  maker.write(test::kRos1Chat, {2}, test::Ros1Bytes().text("x").bytes());
+  maker.write(test_log::kRos1Chat, {2}, test_log::Ros1Bytes().text("x").bytes());
   const fs::path file = write(maker.finish());
-  const auto bag = test::read_bag(file);
+  const auto bag = test_log::read_bag(file);
   EXPECT_EQ(bag.topics[0].type, "acme_msgs/Weld");
   EXPECT_EQ(bag.topics[0].serialization_format, kRos1Format);
   EXPECT_EQ(bag.messages[0].second, (std::vector<std::uint8_t>{1, 2}));
@@ -158,20 +160,20 @@ TEST_F(Ros1Bag, WhatIsNotKnownKeepsItsBytesAndItsNames) {
   // ROS 2 opens no bag in which only some of the topics are its own.
   const auto report = copy_bag(file, folder_.path() / "copy", {});
   EXPECT_THAT(report.left_out, ::testing::ElementsAre(HasSubstr("/weld (1 acme_msgs/Weld)")));
-  EXPECT_EQ(test::read_bag(folder_.path() / "copy").topics.size(), 1U);
+  EXPECT_EQ(test_log::read_bag(folder_.path() / "copy").topics.size(), 1U);
 }
 
 TEST_F(Ros1Bag, AnotherDefinitionOfAKnownTypeIsNotTakenForIt) {
   Ros1BagMaker maker;
   maker.write({"/scan", "sensor_msgs/LaserScan", "0123456789abcdef0123456789abcdef"}, {1}, "old");
-  const auto bag = test::read_bag(write(maker.finish()));
+  const auto bag = test_log::read_bag(write(maker.finish()));
   EXPECT_EQ(bag.topics[0].serialization_format, kRos1Format);
   EXPECT_THAT(bag.damage.first, HasSubstr("/scan is not read"));
 }
 
 TEST_F(Ros1Bag, PosesAreATrajectory) {
   const auto poses = [](const char* topic) {
-    Ros1Topic named = test::kRos1Truth;
+    Ros1Topic named = test_log::kRos1Truth;
     named.name = topic;
     return named;
   };
@@ -180,9 +182,9 @@ TEST_F(Ros1Bag, PosesAreATrajectory) {
   pose.pose().position().x(1.5);
   pose.pose().orientation().z(1.0);
   Ros1BagMaker maker;
-  maker.write(poses("/vicon"), {1}, test::ros1_message(pose, 0));
+  maker.write(poses("/vicon"), {1}, test_log::ros1_message(pose, 0));
   pose.pose().position().x(2.5);
-  maker.write(poses("/goal"), {1}, test::ros1_message(pose, 0));
+  maker.write(poses("/goal"), {1}, test_log::ros1_message(pose, 0));
   const std::string file = write(maker.finish());
   const auto vicon = read_trajectory(file + ":/vicon", 1.0);
   ASSERT_EQ(vicon.size(), 1U);
@@ -207,8 +209,8 @@ TEST_P(Ros1RealLog, GivesTheSameObservationsBitForBit) {
   ReadReport expected;
   const LogContent content = read_log(original, {}, &expected);
   for (const char* compression : {"none", "bz2", "lz4"}) {
-    const fs::path bag =
-        write(test::ros1_bag_of(original, {.compression = compression, .chunk_bytes = 768 * 1024}));
+    const fs::path bag = write(
+        test_log::ros1_bag_of(original, {.compression = compression, .chunk_bytes = 768 * 1024}));
     ReadReport report;
     expect_same_log(read_log(bag, {}, &report), content);
     EXPECT_EQ(report.bad_lines, 0U) << report.first_bad;
@@ -221,7 +223,7 @@ INSTANTIATE_TEST_SUITE_P(All, Ros1RealLog,
 
 TEST_F(Ros1Bag, HasTheTruthOfWean) {
   STRATA_REQUIRE_DATA(original, "wean_hall/ros2_run2/ros2_db3");
-  const auto truth = read_trajectory(write(test::ros1_bag_of(original)));
+  const auto truth = read_trajectory(write(test_log::ros1_bag_of(original)));
   const auto expected = read_trajectory(original);
   ASSERT_EQ(truth.size(), 2251U);
   for (std::size_t i = 0; i < truth.size(); ++i) {

@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using test::BagContent;
-using test::Ros1End;
+using test_log::BagContent;
+using test_log::Ros1End;
 using ::testing::HasSubstr;
 
 /// Where the records of a bag begin, those in its chunks left out.
@@ -47,16 +47,16 @@ class Ros1CutBag : public ::testing::TestWithParam<std::tuple<const char*, Ros1E
  protected:
   void SetUp() override {
     const auto& [compression, end] = GetParam();
-    write_bag(folder_.path() / "ros2", test::make_log(12, 9, 5), BagStorage::kSqlite3);
-    bag_ = test::ros1_bag_of(folder_.path() / "ros2",
-                             {.compression = compression, .chunk_bytes = 4000, .end = end});
+    write_bag(folder_.path() / "ros2", test_log::make_log(12, 9, 5), BagStorage::kSqlite3);
+    bag_ = test_log::ros1_bag_of(folder_.path() / "ros2",
+                                 {.compression = compression, .chunk_bytes = 4000, .end = end});
     whole_ = read(bag_.size());
     ASSERT_EQ(whole_.messages.size(), 61U);
   }
   BagContent read(std::size_t size) {
     const fs::path file = folder_.path() / "cut.bag";
-    test::write_text(file, bag_.substr(0, size));
-    return test::read_bag(file);
+    test_log::write_text(file, bag_.substr(0, size));
+    return test_log::read_bag(file);
   }
   /// How many messages the bag has when it is cut there.
   std::size_t check(std::size_t size) {

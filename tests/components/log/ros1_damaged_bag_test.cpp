@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using test::Ros1End;
-using test::write_text;
+using test_log::Ros1End;
+using test_log::write_text;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -27,13 +27,13 @@ class DamagedRos1Bag : public ::testing::Test {
  protected:
   void SetUp() override {
     const fs::path folder = folder_.path() / "ros2";
-    write_bag(folder, test::make_log(400, 180, 7), BagStorage::kSqlite3, BagCompression::kNone);
+    write_bag(folder, test_log::make_log(400, 180, 7), BagStorage::kSqlite3, BagCompression::kNone);
     for (const Observation& whole : read_observations(folder)) {
       stamps_.insert(whole.scan.stamp.ns);
     }
   }
   std::string bag(const std::string& compression, Ros1End end = Ros1End::kWhole) {
-    return test::ros1_bag_of(folder_.path() / "ros2", {.compression = compression, .end = end});
+    return test_log::ros1_bag_of(folder_.path() / "ros2", {.compression = compression, .end = end});
   }
   fs::path write(const std::string& bytes) {
     write_text(folder_.path() / "drive.bag", bytes);
@@ -129,9 +129,9 @@ TEST_F(DamagedRos1Bag, OfAnotherFormatIsNamed) {
   EXPECT_THAT(error_of("#ROSRECORD V1.2\nrest"), HasSubstr("ROSRECORD V1.2"));
   EXPECT_THAT(error_of("#ROSBAG V2.1\nrest"), HasSubstr("only 2.0"));
   const auto header =
-      test::Ros1Bytes().field("op", "\x03").field("encryptor", "rosbag/AesCbcEncryptor");
+      test_log::Ros1Bytes().field("op", "\x03").field("encryptor", "rosbag/AesCbcEncryptor");
   EXPECT_THAT(
-      error_of("#ROSBAG V2.0\n" + test::Ros1Bytes().text(header.bytes()).text("    ").bytes()),
+      error_of("#ROSBAG V2.0\n" + test_log::Ros1Bytes().text(header.bytes()).text("    ").bytes()),
       HasSubstr("is encrypted"));
 }
 

@@ -12,8 +12,8 @@
 namespace strata::log {
 namespace {
 
-using test::ros1_message;
-using test::Ros1Topic;
+using test_log::ros1_message;
+using test_log::Ros1Topic;
 
 template <std::size_t size>
 Bytes bytes_of(const char (&text)[size]) {
@@ -62,7 +62,7 @@ TEST(Ros1Messages, AScanIsTakenFromTheBytesThatRos1Wrote) {
   scan.ranges({3.0F, std::numeric_limits<float>::infinity()});
   scan.intensities({4.0F});
   EXPECT_EQ(bytes_of(ros1_message(scan, 7)), message);
-  EXPECT_EQ(converted(test::kRos1Scan, message), convert::to_cdr(scan));
+  EXPECT_EQ(converted(test_log::kRos1Scan, message), convert::to_cdr(scan));
 }
 
 TEST(Ros1Messages, EveryTypeBecomesTheBytesThatRos2Writes) {
@@ -76,7 +76,7 @@ TEST(Ros1Messages, EveryTypeBecomesTheBytesThatRos2Writes) {
     odometry.pose().covariance()[i] = static_cast<double>(i);
     odometry.twist().covariance()[i] = -static_cast<double>(i);
   }
-  EXPECT_EQ(converted(test::kRos1Odometry, bytes_of(ros1_message(odometry, 3))),
+  EXPECT_EQ(converted(test_log::kRos1Odometry, bytes_of(ros1_message(odometry, 3))),
             convert::to_cdr(odometry));
 
   tf2_msgs::msg::TFMessage transforms;
@@ -89,13 +89,14 @@ TEST(Ros1Messages, EveryTypeBecomesTheBytesThatRos2Writes) {
     transforms.transforms().push_back(transform);
   }
   const Bytes of_tf = bytes_of(ros1_message(transforms, 4));
-  EXPECT_EQ(converted(test::kRos1Transforms, of_tf), convert::to_cdr(transforms));
-  EXPECT_EQ(converted(test::kRos1OldTransforms, of_tf), convert::to_cdr(transforms));
+  EXPECT_EQ(converted(test_log::kRos1Transforms, of_tf), convert::to_cdr(transforms));
+  EXPECT_EQ(converted(test_log::kRos1OldTransforms, of_tf), convert::to_cdr(transforms));
 
   geometry_msgs::msg::PoseStamped pose;
   pose.header(header());
   pose.pose().position().z(9.0);
-  EXPECT_EQ(converted(test::kRos1Truth, bytes_of(ros1_message(pose, 0))), convert::to_cdr(pose));
+  EXPECT_EQ(converted(test_log::kRos1Truth, bytes_of(ros1_message(pose, 0))),
+            convert::to_cdr(pose));
 
   sensor_msgs::msg::PointCloud2 cloud;
   cloud.header(header());
@@ -112,7 +113,8 @@ TEST(Ros1Messages, EveryTypeBecomesTheBytesThatRos2Writes) {
   cloud.row_step(12);
   cloud.data({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
   cloud.is_dense(true);
-  EXPECT_EQ(converted(test::kRos1Cloud, bytes_of(ros1_message(cloud, 0))), convert::to_cdr(cloud));
+  EXPECT_EQ(converted(test_log::kRos1Cloud, bytes_of(ros1_message(cloud, 0))),
+            convert::to_cdr(cloud));
 }
 
 TEST(Ros1Messages, BytesThatAreNoMessageAreRefusedWithTheirPlace) {
@@ -128,7 +130,7 @@ TEST(Ros1Messages, BytesThatAreNoMessageAreRefusedWithTheirPlace) {
   const Bytes short_one(whole.begin(), whole.end() - 1);
   for (const Bytes& bytes : {long_one, late, endless, short_one, Bytes{}}) {
     try {
-      (void)converted(test::kRos1Truth, bytes);
+      (void)converted(test_log::kRos1Truth, bytes);
       FAIL() << bytes.size();
     } catch (const InputError& error) {
       EXPECT_EQ(error.place(), "here");

@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 namespace strata::log {
 namespace {
 
-using test::Ros1BagMaker;
-using test::Ros1Topic;
+using test_log::Ros1BagMaker;
+using test_log::Ros1Topic;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -30,42 +30,43 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 class RecordedRos1Bag : public ::testing::Test {
  protected:
   fs::path write(const std::string& bytes) {
-    test::write_text(folder_.path() / "drive.bag", bytes);
+    test_log::write_text(folder_.path() / "drive.bag", bytes);
     return folder_.path() / "drive.bag";
   }
   static void put_scan(Ros1BagMaker& maker, std::int64_t second) {
-    Scan scan = test::make_log(1, 5, 1).observations.front().scan;
+    Scan scan = test_log::make_log(1, 5, 1).observations.front().scan;
     scan.stamp = {second * kSecond};
-    maker.write(test::kRos1Scan, {second * kSecond + 1},
-                test::ros1_message(convert::to_message(scan, "laser"), 0));
+    maker.write(test_log::kRos1Scan, {second * kSecond + 1},
+                test_log::ros1_message(convert::to_message(scan, "laser"), 0));
   }
   static void put_odometry(Ros1BagMaker& maker, const std::string& name, std::int64_t second,
                            double x_m) {
-    Ros1Topic topic = test::kRos1Odometry;
+    Ros1Topic topic = test_log::kRos1Odometry;
     topic.name = name;
     nav_msgs::msg::Odometry odometry;
     odometry.header().stamp().sec(static_cast<std::int32_t>(second));
     odometry.header().frame_id("odom");
     odometry.pose().pose().position().x(x_m);
     odometry.pose().pose().orientation().w(1.0);
-    maker.write(topic, {second * kSecond}, test::ros1_message(odometry, 0));
+    maker.write(topic, {second * kSecond}, test_log::ros1_message(odometry, 0));
   }
   static void put_link(Ros1BagMaker& maker, std::int64_t second, const Pose2& pose,
                        const std::string& parent, const std::string& child) {
     tf2_msgs::msg::TFMessage message;
     message.transforms().push_back(
         convert::to_transform_stamped({second * kSecond}, pose, parent, child));
-    maker.write(test::kRos1OldTransforms, {second * kSecond}, test::ros1_message(message, 0));
+    maker.write(test_log::kRos1OldTransforms, {second * kSecond},
+                test_log::ros1_message(message, 0));
   }
   strata::test::TemporaryDirectory folder_;
   ReadReport report_;
 };
 
 TEST_F(RecordedRos1Bag, WhoseIndexStatesMoreThanItHasLosesNoChunk) {
-  write_bag(folder_.path() / "ros2", test::make_log(60, 180, 7), BagStorage::kSqlite3);
-  const auto whole = test::read_bag(write(test::ros1_bag_of(folder_.path() / "ros2")));
+  write_bag(folder_.path() / "ros2", test_log::make_log(60, 180, 7), BagStorage::kSqlite3);
+  const auto whole = test_log::read_bag(write(test_log::ros1_bag_of(folder_.path() / "ros2")));
   for (const char* compression : {"none", "bz2", "lz4"}) {
-    const auto bag = test::read_bag(write(test::ros1_bag_of(
+    const auto bag = test_log::read_bag(write(test_log::ros1_bag_of(
         folder_.path() / "ros2", {.compression = compression, .stated_entry_bytes = 20})));
     EXPECT_EQ(bag.damage.count, 0U) << bag.damage.first;
     EXPECT_EQ(bag.messages, whole.messages) << compression;
@@ -73,18 +74,18 @@ TEST_F(RecordedRos1Bag, WhoseIndexStatesMoreThanItHasLosesNoChunk) {
 }
 
 TEST_F(RecordedRos1Bag, OfWhichAChunkStatesTooMuchLosesNoOther) {
-  write_bag(folder_.path() / "ros2", test::make_log(60, 180, 7), BagStorage::kSqlite3);
+  write_bag(folder_.path() / "ros2", test_log::make_log(60, 180, 7), BagStorage::kSqlite3);
   for (const char* compression : {"none", "bz2", "lz4"}) {
     const std::string bytes =
-        test::ros1_bag_of(folder_.path() / "ros2", {.compression = compression});
-    const auto whole = test::read_bag(write(bytes));
+        test_log::ros1_bag_of(folder_.path() / "ros2", {.compression = compression});
+    const auto whole = test_log::read_bag(write(bytes));
     const std::size_t chunk = bytes.find("compression=", bytes.size() / 3) - 16;
     const std::size_t length = chunk + 4 + static_cast<unsigned char>(bytes[chunk]);
     for (const std::size_t place :
          {length + 1, length + 3}) {  // into what follows; out of the file
       std::string spoilt = bytes;
       spoilt[place] = '\x7F';
-      const auto bag = test::read_bag(write(spoilt));
+      const auto bag = test_log::read_bag(write(spoilt));
       EXPECT_EQ(bag.damage.count, 1U);
       EXPECT_THAT(bag.damage.first, HasSubstr("byte " + std::to_string(chunk)));
       EXPECT_EQ(bag.messages, whole.messages) << compression;

@@ -10,8 +10,8 @@
 namespace strata::log {
 namespace {
 
-using test::make_log;
-using test::same_bits;
+using test_log::make_log;
+using test_log::same_bits;
 
 void expect_same_scans(const LogContent& a, const LogContent& b) {
   ASSERT_EQ(a.observations.size(), b.observations.size());
@@ -84,7 +84,7 @@ TEST_F(RoundTrip, OdometryBetweenScansSurvives) {
 TEST_F(RoundTrip, NothingIsLeftOfABagThatCannotBePut) {
   const auto path = folder_.path() / "full";
   std::filesystem::create_directory(path);
-  test::write_text(path / "mine.txt", "mine");
+  test_log::write_text(path / "mine.txt", "mine");
   EXPECT_THROW(write_bag(path, make_log(2, 4, 4), BagStorage::kMcap), OutputError);
   EXPECT_EQ(test::bytes_of(path / "mine.txt"), "mine");
   EXPECT_THROW(write_carmen(folder_.path() / "no" / "such.clf", make_log(2, 4, 4)), OutputError);

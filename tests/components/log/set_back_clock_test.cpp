@@ -79,7 +79,7 @@ TEST(SetBackClock, ACopyOfWhatWasRecordedIsLeftToWhoSkipsCopies) {
 
 TEST(SetBackClock, OfALogIsMendedAndSaid) {
   const strata::test::TemporaryDirectory folder;
-  LogContent content = test::make_log(60, 20, 3);
+  LogContent content = test_log::make_log(60, 20, 3);
   write_carmen(folder.path() / "clean.clf", content);
   const std::vector<Observation> clean = read_observations(folder.path() / "clean.clf");
   for (std::size_t i = 30; i < content.observations.size(); ++i) {

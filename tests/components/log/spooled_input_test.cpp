@@ -41,7 +41,7 @@ class SpooledInput : public ::testing::Test {
 
 TEST_F(SpooledInput, OfAPipeIsReadWholeAndAsOftenAsItIsAskedFor) {
   const fs::path file = folder_.path() / "log.clf";
-  write_carmen(file, test::make_log(400, 61, 1));
+  write_carmen(file, test_log::make_log(400, 61, 1));
   const auto scans = read_observations(file);
   const fs::path pipe = pipe_of(file);
   for (int time = 0; time < 2; ++time) {
@@ -54,7 +54,7 @@ TEST_F(SpooledInput, OfAPipeIsReadWholeAndAsOftenAsItIsAskedFor) {
 
 TEST_F(SpooledInput, OfAPipeKeepsTheNameThatWasGiven) {
   const fs::path file = folder_.path() / "none.clf";
-  test::write_text(file, "FLASER x\n");
+  test_log::write_text(file, "FLASER x\n");
   const fs::path pipe = pipe_of(file);
   try {
     (void)read_observations(pipe);

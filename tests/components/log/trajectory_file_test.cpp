@@ -12,7 +12,7 @@
 namespace strata::log {
 namespace {
 
-using test::write_text;
+using test_log::write_text;
 
 TEST(TrajectoryFile, TumReadsBack) {
   const strata::test::TemporaryDirectory folder;

@@ -29,8 +29,9 @@ std::vector<PosedScan> visits() {
   std::vector<PosedScan> scans;
   for (int v = 0; v < 8; ++v) {
     RandomStream random(3, StreamId::kTest, static_cast<std::uint64_t>(v));
-    patch::test::ToyRobot{}.drive(patch::test::corridor_with_door(v % 2 == 0), {1.0, 1.2, 0.0},
-                                  {10.0, 1.2, 0.0}, v / 4, 100.0 * v, {}, random, scans);
+    patch::test_world::ToyRobot{}.drive(patch::test_world::corridor_with_door(v % 2 == 0),
+                                        {1.0, 1.2, 0.0}, {10.0, 1.2, 0.0}, v / 4, 100.0 * v, {},
+                                        random, scans);
   }
   return scans;
 }

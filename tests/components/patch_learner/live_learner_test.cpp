@@ -35,9 +35,9 @@ std::vector<PosedScan> drives(std::size_t visits) {
   std::vector<PosedScan> scans;
   for (std::size_t v = 0; v < visits; ++v) {
     RandomStream random(21, StreamId::kTest, v);
-    patch::test::ToyRobot{}.drive(patch::test::corridor_with_door(v % 2 == 0), {1.0, 1.2, 0.0},
-                                  {10.0, 1.2, 0.0}, 0, 100.0 * static_cast<double>(v), {}, random,
-                                  scans);
+    patch::test_world::ToyRobot{}.drive(patch::test_world::corridor_with_door(v % 2 == 0),
+                                        {1.0, 1.2, 0.0}, {10.0, 1.2, 0.0}, 0,
+                                        100.0 * static_cast<double>(v), {}, random, scans);
   }
   return scans;
 }
@@ -158,8 +158,8 @@ TEST_F(LiveLearner, LearnsAnewWhereALoopClosureHasMovedScans) {
 }
 
 TEST_F(LiveLearner, LeavesOutAnAreaInWhichNothingReturnsAndSaysSo) {
-  const auto scans =
-      patch::test::drive_past_box({0, 1, 2, 3, 4, -1, 0, 1}, 2, patch::test::Visits::kOneRun);
+  const auto scans = patch::test_world::drive_past_box({0, 1, 2, 3, 4, -1, 0, 1}, 2,
+                                                       patch::test_world::Visits::kOneRun);
   const auto returning = scans.end() - static_cast<std::ptrdiff_t>(scans.size() / 4);
   bring_base(scans);
   // The seventh drive ends the sequence of the sixth.
@@ -171,8 +171,8 @@ TEST_F(LiveLearner, LeavesOutAnAreaInWhichNothingReturnsAndSaysSo) {
 }
 
 TEST_F(LiveLearner, LearnsThatAGateOntoNothingIsOpenThoughScansAreLostAndRepeated) {
-  const auto scans =
-      patch::test::drive_past_gate(patch::test::kGateOfEightDays, patch::test::Visits::kOneRun);
+  const auto scans = patch::test_world::drive_past_gate(patch::test_world::kGateOfEightDays,
+                                                        patch::test_world::Visits::kOneRun);
   bring_base(scans);
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (i % 11 == 5) continue;
@@ -182,7 +182,7 @@ TEST_F(LiveLearner, LearnsThatAGateOntoNothingIsOpenThoughScansAreLostAndRepeate
   EXPECT_TRUE(test::comes_true([&] {
     host_->tick();
     const auto maps = maps_.wait_for(1);
-    return !maps.empty() && patch::test::gates_of(convert::from_message(maps.back())) == 1;
+    return !maps.empty() && patch::test_world::gates_of(convert::from_message(maps.back())) == 1;
   }));
 }
 

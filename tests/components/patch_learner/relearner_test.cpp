@@ -16,7 +16,8 @@ namespace strata::patch_learner {
 namespace {
 
 std::vector<PosedScan> drives() {
-  return patch::test::drive_past_door({true, false}, 0.0, 0.0, 21, patch::test::Visits::kOneRun);
+  return patch::test_world::drive_past_door({true, false}, 0.0, 0.0, 21,
+                                            patch::test_world::Visits::kOneRun);
 }
 
 std::unique_ptr<patch::OnlinePatchLearner> made_by(Relearner& relearner) {
@@ -26,7 +27,7 @@ std::unique_ptr<patch::OnlinePatchLearner> made_by(Relearner& relearner) {
 
 TEST(Relearner, MakesTheLearnerThatWasGivenThoseScansOnce) {
   const auto scans = drives();
-  const ReflectionGrid base = patch::test::map_of(scans);
+  const ReflectionGrid base = patch::test_world::map_of(scans);
   Relearner relearner({}, {}, 1);
   EXPECT_FALSE(relearner.is_busy());
   EXPECT_EQ(relearner.take(), nullptr);
@@ -48,7 +49,7 @@ TEST(Relearner, GivesUpWhenItGoes) {
   std::vector<PosedScan> many;  // minutes of work
   for (int i = 0; i < 500; ++i) many.insert(many.end(), scans.begin(), scans.begin() + 20);
   Relearner relearner({}, {}, 1);
-  relearner.begin(std::move(many), patch::test::map_of(scans));
+  relearner.begin(std::move(many), patch::test_world::map_of(scans));
   EXPECT_TRUE(relearner.is_busy());
   EXPECT_EQ(relearner.take(), nullptr) << "it has just begun";
 }

@@ -18,7 +18,7 @@ using sensor_msgs::msg::LaserScan;
 TEST(PlayerOfRos1Bags, PlaysWhatRos2HasAndLeavesTheRestOut) {
   const test::TemporaryDirectory folder;
   const auto bag = folder.path() / "drive.bag";
-  log::test::Ros1BagMaker maker({.compression = "lz4"});
+  log::test_log::Ros1BagMaker maker({.compression = "lz4"});
   std::vector<LaserScan> recorded;
   for (std::int64_t i = 1; i <= 3; ++i) {
     Scan scan;
@@ -26,7 +26,8 @@ TEST(PlayerOfRos1Bags, PlaysWhatRos2HasAndLeavesTheRestOut) {
     scan.range_max_m = 30.0F;
     scan.ranges_m = {1.0F, 2.0F, static_cast<float>(i)};
     recorded.push_back(convert::to_message(scan, "laser"));
-    maker.write(log::test::kRos1Scan, scan.stamp, log::test::ros1_message(recorded.back(), 0));
+    maker.write(log::test_log::kRos1Scan, scan.stamp,
+                log::test_log::ros1_message(recorded.back(), 0));
     maker.write({"/weld", "acme_msgs/Weld", "0123456789abcdef0123456789abcdef"}, scan.stamp, "ab");
   }
   std::ofstream(bag, std::ios::binary) << maker.finish();

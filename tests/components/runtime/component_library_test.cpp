@@ -32,7 +32,7 @@ Composition naming(const std::string& library, const std::string& place = "c.yam
   return read_composition(settings::parse_yaml(text, place), place);
 }
 
-std::string complaint_about(const std::string& library) {
+std::string complaint_about_library(const std::string& library) {
   Registry registry;
   map_server::register_component(registry);
   try {
@@ -107,25 +107,26 @@ TEST(ComponentLibrary, IsFoundBesideTheCompositionBeforeAnywhereElse) {
 }
 
 TEST(ComponentLibrary, NamesTheLineAndTheReasonWhenItDoesNotLoad) {
-  EXPECT_THAT(complaint_about("no_such_library"),
+  EXPECT_THAT(complaint_about_library("no_such_library"),
               AllOf(HasSubstr("c.yaml:2"), HasSubstr("libno_such_library.so"),
                     HasSubstr("STRATA_LIBRARY_PATH")));
   const test::TemporaryDirectory folder;
   std::ofstream(folder.path() / "libbroken.so") << "not a library";
-  EXPECT_THAT(complaint_about((folder.path() / "libbroken.so").string()),
+  EXPECT_THAT(complaint_about_library((folder.path() / "libbroken.so").string()),
               AllOf(HasSubstr("does not load"), HasSubstr("c.yaml:2")));
 }
 
 TEST(ComponentLibrary, IsRefusedWhenItHasNoComponentsOrOthersNames) {
-  EXPECT_THAT(complaint_about(built("foreign")),
+  EXPECT_THAT(complaint_about_library(built("foreign")),
               AllOf(HasSubstr("has no components"), HasSubstr("STRATA_COMPONENT_LIBRARY")));
-  EXPECT_THAT(complaint_about(built("doubled")),
+  EXPECT_THAT(complaint_about_library(built("doubled")),
               HasSubstr("a second component type 'strata::MapServer'"));
-  EXPECT_THAT(complaint_about(built("throwing")), HasSubstr("does not register: no licence file"));
+  EXPECT_THAT(complaint_about_library(built("throwing")),
+              HasSubstr("does not register: no licence file"));
 }
 
 TEST(ComponentLibrary, OfAnotherVersionIsRefusedBeforeAnythingInItRuns) {
-  EXPECT_THAT(complaint_about(built("stale")),
+  EXPECT_THAT(complaint_about_library(built("stale")),
               AllOf(HasSubstr("was built for strata 0.0.1"), HasSubstr(library_interface())));
 }
 

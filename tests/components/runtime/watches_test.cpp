@@ -8,7 +8,7 @@
 namespace strata::runtime {
 namespace {
 
-Stamp at_s(double seconds) { return Stamp::from_seconds(seconds); }
+Stamp at_s(double s) { return Stamp::from_seconds(s); }
 
 TEST(StampWatch, DoubtsOneStampFarAheadAndGoesOnWithThoseThatFollow) {
   StampWatch watch;

@@ -36,15 +36,15 @@ struct CarConfig {
   }
 };
 
-CarConfig read(const std::string& text, const std::vector<std::string>& overrides = {}) {
+CarConfig read_car(const std::string& text, const std::vector<std::string>& overrides = {}) {
   YAML::Node document = parse_yaml(text, "car.yaml");
   apply_overrides(document, overrides);
   return read_config<CarConfig>(document, "car.yaml");
 }
 
-std::string error_of(const std::string& text) {
+std::string error_of_preset(const std::string& text) {
   try {
-    (void)read(text);
+    (void)read_car(text);
   } catch (const ConfigError& error) {
     return error.what();
   }
@@ -52,33 +52,34 @@ std::string error_of(const std::string& text) {
 }
 
 TEST(Presets, SetWhatTheFieldsSayAndNothingElse) {
-  EXPECT_EQ(read("preset: race"), (CarConfig{"green", {9, true}}));
-  EXPECT_EQ(read("preset: night"), (CarConfig{"red", {1, false}}));
-  EXPECT_EQ(read("preset: [race, night]"), (CarConfig{"green", {9, false}}));
-  EXPECT_EQ(read("", {"preset=race"}), (CarConfig{"green", {9, true}}));
+  EXPECT_EQ(read_car("preset: race"), (CarConfig{"green", {9, true}}));
+  EXPECT_EQ(read_car("preset: night"), (CarConfig{"red", {1, false}}));
+  EXPECT_EQ(read_car("preset: [race, night]"), (CarConfig{"green", {9, false}}));
+  EXPECT_EQ(read_car("", {"preset=race"}), (CarConfig{"green", {9, true}}));
 }
 
 TEST(Presets, GiveWayToWhatStandsBesideThem) {
-  EXPECT_EQ(read("preset: race\nengine: {power: 5}\n"), (CarConfig{"green", {5, true}}));
-  EXPECT_EQ(read("engine: {is_loud: false}\npreset: race\n"), (CarConfig{"green", {9, false}}));
-  EXPECT_EQ(read("engine:\npreset: race\n"), (CarConfig{"green", {9, true}}));
-  EXPECT_EQ(read("color: blue", {"preset=race", "engine.power=3"}), (CarConfig{"blue", {3, true}}));
-  EXPECT_EQ(read("preset: race\nmotor: {power: 5}\n"), (CarConfig{"green", {5, true}}))
+  EXPECT_EQ(read_car("preset: race\nengine: {power: 5}\n"), (CarConfig{"green", {5, true}}));
+  EXPECT_EQ(read_car("engine: {is_loud: false}\npreset: race\n"), (CarConfig{"green", {9, false}}));
+  EXPECT_EQ(read_car("engine:\npreset: race\n"), (CarConfig{"green", {9, true}}));
+  EXPECT_EQ(read_car("color: blue", {"preset=race", "engine.power=3"}),
+            (CarConfig{"blue", {3, true}}));
+  EXPECT_EQ(read_car("preset: race\nmotor: {power: 5}\n"), (CarConfig{"green", {5, true}}))
       << "an old name";
 }
 
 TEST(Presets, ThatAreUnknownAreRefusedWithTheKnownOnes) {
-  EXPECT_THAT(error_of("color: red\npreset: rage"), HasSubstr("car.yaml:2: preset 'rage'"));
-  EXPECT_THAT(error_of("preset: rage"), HasSubstr("known presets are: night, race"));
-  EXPECT_THAT(error_of("preset: [race, rage]"), HasSubstr("'rage'"));
-  EXPECT_THAT(error_of("preset: {race: 1}"), HasSubstr("known presets are: night, race"));
-  EXPECT_THAT(error_of("preset: race\npreset: night"), HasSubstr("given twice"));
+  EXPECT_THAT(error_of_preset("color: red\npreset: rage"), HasSubstr("car.yaml:2: preset 'rage'"));
+  EXPECT_THAT(error_of_preset("preset: rage"), HasSubstr("known presets are: night, race"));
+  EXPECT_THAT(error_of_preset("preset: [race, rage]"), HasSubstr("'rage'"));
+  EXPECT_THAT(error_of_preset("preset: {race: 1}"), HasSubstr("known presets are: night, race"));
+  EXPECT_THAT(error_of_preset("preset: race\npreset: night"), HasSubstr("given twice"));
 }
 
 TEST(Presets, LeaveComplaintsAboutTheRestToTheReader) {
-  EXPECT_THAT(error_of("preset: race\nengine: 7"), HasSubstr("car.yaml:2"));
-  EXPECT_THAT(error_of("preset: race\nengine:\n  power: 101"), HasSubstr("car.yaml:3"));
-  EXPECT_THAT(error_of("preset: race\nengine:\n  powr: 1"), HasSubstr("car.yaml:3"));
+  EXPECT_THAT(error_of_preset("preset: race\nengine: 7"), HasSubstr("car.yaml:2"));
+  EXPECT_THAT(error_of_preset("preset: race\nengine:\n  power: 101"), HasSubstr("car.yaml:3"));
+  EXPECT_THAT(error_of_preset("preset: race\nengine:\n  powr: 1"), HasSubstr("car.yaml:3"));
 }
 
 TEST(Presets, DoNotChangeTheDocument) {

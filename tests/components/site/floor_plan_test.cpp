@@ -18,6 +18,7 @@
 #include "components/log/sha256.hpp"
 #include "components/site/site.hpp"
 #include "core/base/error.hpp"
+#include "tests/components/site/small_maps.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace fs = std::filesystem;
@@ -26,8 +27,6 @@ namespace strata::site {
 namespace {
 
 using testing::HasSubstr;
-
-const Actor kAda{"ada", 1'000'000'000};
 
 class FloorPlans : public testing::Test {
  protected:
@@ -104,15 +103,15 @@ TEST_F(FloorPlans, AreRefusedWithWhatToDo) {
 }
 
 TEST_F(FloorPlans, StayWhereTheyWerePut) {
-  Site site = Site::create(at("site"), "hall-3", "map", kAda);
+  Site site = Site::create(at("site"), "hall-3", "map", test::kAda);
   EXPECT_FALSE(site.plan());
-  expect_refused([&] { site.remove_plan(kAda); }, "has no plan");
+  expect_refused([&] { site.remove_plan(test::kAda); }, "has no plan");
   FloorPlan plan;
   plan.drawing = read_drawing(drawn("a.png", 120), {.metres_per_pixel = 0.013});
   plan.site_from_plan = {{1.0 / 3.0, -2.0, 0.1}, 1.001};
   plan.fit = plan::PlanPlace{plan.site_from_plan, -0.1, 0.8, 0.9, 0.85, 0.02};
   plan.version = "abc";
-  site.set_plan(plan, kAda);
+  site.set_plan(plan, test::kAda);
   const FloorPlan kept = *Site(at("site")).plan();
   EXPECT_EQ(kept.drawing.lines.rect(), plan.drawing.lines.rect());
   EXPECT_EQ(kept.drawing.lines.values(), plan.drawing.lines.values());
@@ -124,20 +123,20 @@ TEST_F(FloorPlans, StayWhereTheyWerePut) {
   EXPECT_EQ(kept.fit->map_share, 0.8);
   EXPECT_EQ(kept.version, "abc");
   EXPECT_EQ(kept.placed.by, "ada");
-  expect_refused([&] { site.set_plan(plan, kAda); }, "has a plan already");
+  expect_refused([&] { site.set_plan(plan, test::kAda); }, "has a plan already");
   EXPECT_EQ(site.decisions().diary.back().what, "plan");
   site.remove_plan({"grace", 2});
   EXPECT_FALSE(site.plan());
   EXPECT_EQ(site.decisions().diary.back().actor.by, "grace");
-  site.set_plan(plan, kAda);
+  site.set_plan(plan, test::kAda);
   EXPECT_TRUE(site.plan());
 }
 
 TEST_F(FloorPlans, ThatAreDamagedAreToldAndCanBeTakenAway) {
-  Site site = Site::create(at("site"), "hall-3", "map", kAda);
+  Site site = Site::create(at("site"), "hall-3", "map", test::kAda);
   FloorPlan plan;
   plan.drawing = read_drawing(drawn("a.png", 120), {.metres_per_pixel = 0.05});
-  site.set_plan(plan, kAda);
+  site.set_plan(plan, test::kAda);
   const std::string good = test::bytes_of(at("site/plan/plan.json"));
   std::string no_scale = good;
   no_scale.replace(no_scale.find("\"scale\": 1"), 10, "\"scale\": 0");
@@ -146,7 +145,7 @@ TEST_F(FloorPlans, ThatAreDamagedAreToldAndCanBeTakenAway) {
     std::ofstream(at("site/plan/plan.json")) << bad;
     expect_refused([&] { (void)site.plan(); }, "remove");
   }
-  site.remove_plan(kAda);
+  site.remove_plan(test::kAda);
   EXPECT_FALSE(site.plan());
 }
 

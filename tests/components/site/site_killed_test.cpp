@@ -19,17 +19,15 @@ namespace fs = std::filesystem;
 namespace strata::site {
 namespace {
 
-const Actor kAda{"ada", 1'000'000'000};
-
 class SiteKilled : public testing::Test {
  protected:
   SiteKilled() {
     for (const char* mark : {"a", "b", "c"}) test::write_small_maps(at(mark), mark);
-    Site site = Site::create(at("hall"), "hall-3", "map", kAda);
+    Site site = Site::create(at("hall"), "hall-3", "map", test::kAda);
     for (const char* mark : {"a", "b"}) {
-      const std::string hash = site.add(at(mark), kAda, "").status.version.hash;
-      site.approve(hash, kAda, "");
-      (void)site.activate(hash, kAda);
+      const std::string hash = site.add(at(mark), test::kAda, "").status.version.hash;
+      site.approve(hash, test::kAda, "");
+      (void)site.activate(hash, test::kAda);
     }
   }
   [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
@@ -88,7 +86,7 @@ class SiteKilled : public testing::Test {
 
 TEST_F(SiteKilled, AddLeavesTheVersionWholeOrNotAtAll) {
   try_every_step(
-      "add", [&](Site& site) { (void)site.add(at("c"), kAda, ""); },
+      "add", [&](Site& site) { (void)site.add(at("c"), test::kAda, ""); },
       [](const Site& site) { return site.versions().size() == 3; },
       [](Site& site) {
         fs::remove_all(site.maps_of(site.find("newest").version.hash).parent_path());
@@ -101,7 +99,9 @@ TEST_F(SiteKilled, AddLeavesTheVersionWholeOrNotAtAll) {
 TEST_F(SiteKilled, KeepLeavesWholeRecordings) {
   std::ofstream(at("x.clf")) << std::string(60, 'x');
   std::ofstream(at("y.clf")) << std::string(60, 'y');
-  const auto keep = [&](Site& site, const char* name) { (void)site.keep(at(name), {}, 100, kAda); };
+  const auto keep = [&](Site& site, const char* name) {
+    (void)site.keep(at(name), {}, 100, test::kAda);
+  };
   const auto newest = [](const Site& site) {
     const auto all = site.recordings();
     return all.empty() ? std::string() : test::bytes_of(all.back().log);
@@ -122,8 +122,8 @@ TEST_F(SiteKilled, KeepLeavesWholeRecordings) {
 TEST_F(SiteKilled, PlansAreWholeOrNotThere) {
   FloorPlan plan;
   plan.drawing = {"office.png", "abc", ReflectionGrid(0.02, {{0, 0}, {40, 30}}, 1.0F)};
-  const auto set = [&](Site& site) { site.set_plan(plan, kAda); };
-  const auto remove = [](Site& site) { site.remove_plan(kAda); };
+  const auto set = [&](Site& site) { site.set_plan(plan, test::kAda); };
+  const auto remove = [](Site& site) { site.remove_plan(test::kAda); };
   const auto is_there = [](const Site& site) {
     const auto kept = site.plan();  // throws where half a plan is left
     return kept && kept->drawing.lines.size() == 1200;
@@ -143,11 +143,12 @@ TEST_F(SiteKilled, ZonesAreThoseBeforeOrThoseAfter) {
                        name);
   };
   Site site(at("hall"));
-  (void)site.change_zones([&](Zones& zones) { zones = zone("dock"); }, kAda, "set");
+  (void)site.change_zones([&](Zones& zones) { zones = zone("dock"); }, test::kAda, "set");
   try_every_step(
       "zones",
       [&](Site& now) {
-        (void)now.change_zones([&](Zones& zones) { add(zones, zone("lift"), "more"); }, kAda, "");
+        (void)now.change_zones([&](Zones& zones) { add(zones, zone("lift"), "more"); }, test::kAda,
+                               "");
       },
       [](const Site& now) {
         const Zones zones = now.zones();
@@ -155,7 +156,7 @@ TEST_F(SiteKilled, ZonesAreThoseBeforeOrThoseAfter) {
         return zones.find("lift") != nullptr;
       },
       [](Site& now) {
-        (void)now.change_zones([](Zones& zones) { remove(zones, "lift", "z"); }, kAda, "");
+        (void)now.change_zones([](Zones& zones) { remove(zones, "lift", "z"); }, test::kAda, "");
       });
   for (const auto& entry : fs::directory_iterator(at("hall"))) {
     EXPECT_EQ(entry.path().filename().string().find(".partial-"), std::string::npos) << entry;
@@ -167,9 +168,9 @@ TEST_F(SiteKilled, ActivateLeavesTheOneOrTheOther) {
   const std::string a = site.find("1").version.hash;
   const std::string b = site.find("2").version.hash;
   try_every_step(
-      "activate", [&](Site& now) { (void)now.activate(a, kAda); },
+      "activate", [&](Site& now) { (void)now.activate(a, test::kAda); },
       [&](const Site& now) { return now.active() == a; },
-      [&](Site& now) { (void)now.activate(b, kAda); });
+      [&](Site& now) { (void)now.activate(b, test::kAda); });
 }
 
 TEST_F(SiteKilled, RollbackLeavesTheOneOrTheOther) {
@@ -179,25 +180,25 @@ TEST_F(SiteKilled, RollbackLeavesTheOneOrTheOther) {
   try_every_step(
       "rollback",
       [&](Site& now) {
-        if (now.active() == b) (void)now.rollback(kAda);
+        if (now.active() == b) (void)now.rollback(test::kAda);
       },
       [&](const Site& now) { return now.active() == a; },
-      [&](Site& now) { (void)now.activate(b, kAda); });
+      [&](Site& now) { (void)now.activate(b, test::kAda); });
 }
 
 TEST_F(SiteKilled, RemovingRubbishNeverTakesWhatIsActive) {
   Site site(at("hall"));
   const std::string b = site.find("2").version.hash;
   const auto replace = [&](Site& now) {
-    const std::string c = now.add(at("c"), kAda, "").status.version.hash;
-    now.approve(c, kAda, "");
-    (void)now.activate(c, kAda);
-    (void)now.activate(b, kAda);
+    const std::string c = now.add(at("c"), test::kAda, "").status.version.hash;
+    now.approve(c, test::kAda, "");
+    (void)now.activate(c, test::kAda);
+    (void)now.activate(b, test::kAda);
   };
   replace(site);
   // The first version stays: its frame is the site's.
   try_every_step(
-      "gc", [](Site& now) { (void)now.remove_rubbish({.keep_retired = 0}, kAda); },
+      "gc", [](Site& now) { (void)now.remove_rubbish({.keep_retired = 0}, test::kAda); },
       [](const Site& now) { return now.versions().size() == 2; }, replace);
   EXPECT_EQ(site.versions().front().version.number, 1);
 }

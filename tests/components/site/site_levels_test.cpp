@@ -22,8 +22,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const Actor kAda{"ada", 1'000'000'000};
-
 class SiteLevels : public testing::Test {
  protected:
   [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
@@ -36,14 +34,14 @@ class SiteLevels : public testing::Test {
     return "";
   }
   test::TemporaryDirectory folder_;
-  Site building_ = Site::create(folder_.path() / "house", "house", "map", kAda);
+  Site building_ = Site::create(folder_.path() / "house", "house", "map", test::kAda);
 };
 
 TEST_F(SiteLevels, AreSitesOfTheirOwnFromTheLowestUp) {
   EXPECT_TRUE(building_.levels().empty());
-  (void)building_.add_level("1", 3.5, "house-1", kAda);
-  (void)building_.add_level("0", 0.0, "house-0", kAda);
-  (void)building_.add_level("cellar", -3.0, "house-cellar", kAda);
+  (void)building_.add_level("1", 3.5, "house-1", test::kAda);
+  (void)building_.add_level("0", 0.0, "house-0", test::kAda);
+  (void)building_.add_level("cellar", -3.0, "house-cellar", test::kAda);
   const auto levels = building_.levels();
   ASSERT_EQ(levels.size(), 3U);
   EXPECT_EQ(levels[0].name, "cellar");
@@ -53,9 +51,9 @@ TEST_F(SiteLevels, AreSitesOfTheirOwnFromTheLowestUp) {
   EXPECT_EQ(first.decisions().id, "house-1");
   EXPECT_EQ(first.decisions().frame, "map");
   test::write_small_maps(at("maps"), "a");
-  const std::string hash = first.add(at("maps"), kAda, "").status.version.hash;
-  first.approve(hash, kAda, "");
-  (void)first.activate(hash, kAda);
+  const std::string hash = first.add(at("maps"), test::kAda, "").status.version.hash;
+  first.approve(hash, test::kAda, "");
+  (void)first.activate(hash, test::kAda);
   EXPECT_EQ(identify(real_maps(levels[2].folder)).id, "house-1");
   EXPECT_THAT(error_of([&] { (void)real_maps(building_.folder()); }), HasSubstr("name one"));
   EXPECT_EQ(building_.decisions().diary.back().what, "level");
@@ -63,37 +61,39 @@ TEST_F(SiteLevels, AreSitesOfTheirOwnFromTheLowestUp) {
 
 TEST_F(SiteLevels, AreRefusedWhereTheyWouldBeMistaken) {
   for (const char* name : {"", ".", "..", "a/b", ".hidden", "first floor"}) {
-    EXPECT_THAT(error_of([&] { (void)building_.add_level(name, 0.0, "x", kAda); }),
+    EXPECT_THAT(error_of([&] { (void)building_.add_level(name, 0.0, "x", test::kAda); }),
                 HasSubstr("cannot name a level"));
   }
-  EXPECT_THAT(error_of([&] { (void)building_.add_level("1", std::nan(""), "x", kAda); }),
+  EXPECT_THAT(error_of([&] { (void)building_.add_level("1", std::nan(""), "x", test::kAda); }),
               HasSubstr("no height"));
-  const Level level = building_.add_level("1", 0.0, "x", kAda);
-  EXPECT_THAT(error_of([&] { (void)building_.add_level("1", 0.0, "x", kAda); }),
+  const Level level = building_.add_level("1", 0.0, "x", test::kAda);
+  EXPECT_THAT(error_of([&] { (void)building_.add_level("1", 0.0, "x", test::kAda); }),
               HasSubstr("there already"));
   Site below(level.folder);
-  EXPECT_THAT(error_of([&] { (void)below.add_level("2", 0.0, "x", kAda); }),
+  EXPECT_THAT(error_of([&] { (void)below.add_level("2", 0.0, "x", test::kAda); }),
               HasSubstr("a level itself"));
   test::write_small_maps(at("maps"), "a");
-  EXPECT_THAT(error_of([&] { (void)building_.add(at("maps"), kAda, ""); }),
+  EXPECT_THAT(error_of([&] { (void)building_.add(at("maps"), test::kAda, ""); }),
               HasSubstr("has levels"));
-  Site old = Site::create(at("old"), "old", "map", kAda);
-  (void)old.add(at("maps"), kAda, "");
-  EXPECT_THAT(error_of([&] { (void)old.add_level("1", 0.0, "x", kAda); }),
+  Site old = Site::create(at("old"), "old", "map", test::kAda);
+  (void)old.add(at("maps"), test::kAda, "");
+  EXPECT_THAT(error_of([&] { (void)old.add_level("1", 0.0, "x", test::kAda); }),
               HasSubstr("maps of its own"));
   std::ofstream(level.folder / kLevelFile) << "{";
   EXPECT_THAT(error_of([&] { (void)building_.levels(); }), HasSubstr("how high"));
 }
 
 TEST_F(SiteLevels, GoOnlyWithoutVersions) {
-  const Level level = building_.add_level("1", 0.0, "x", kAda);
+  const Level level = building_.add_level("1", 0.0, "x", test::kAda);
   test::write_small_maps(at("maps"), "a");
-  (void)Site(level.folder).add(at("maps"), kAda, "");
-  EXPECT_THAT(error_of([&] { building_.remove_level("1", kAda); }), HasSubstr("has versions"));
-  (void)building_.add_level("2", 4.0, "y", kAda);
-  building_.remove_level("2", kAda);
+  (void)Site(level.folder).add(at("maps"), test::kAda, "");
+  EXPECT_THAT(error_of([&] { building_.remove_level("1", test::kAda); }),
+              HasSubstr("has versions"));
+  (void)building_.add_level("2", 4.0, "y", test::kAda);
+  building_.remove_level("2", test::kAda);
   EXPECT_EQ(building_.levels().size(), 1U);
-  EXPECT_THAT(error_of([&] { building_.remove_level("2", kAda); }), HasSubstr("has no level"));
+  EXPECT_THAT(error_of([&] { building_.remove_level("2", test::kAda); }),
+              HasSubstr("has no level"));
 }
 
 }  // namespace

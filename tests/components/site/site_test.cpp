@@ -22,21 +22,19 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const Actor kAda{"ada", 1'000'000'000};
-
 class SiteTest : public testing::Test {
  protected:
   [[nodiscard]] fs::path at(const std::string& name) const { return folder_.path() / name; }
-  Site make() const { return Site::create(at("hall"), "hall-3", "map", kAda); }
+  Site make() const { return Site::create(at("hall"), "hall-3", "map", test::kAda); }
   /// Adds maps that differ by `mark`; their hash.
   std::string add(Site& site, const std::string& mark) const {
     test::write_small_maps(at("maps-" + mark), mark);
-    return site.add(at("maps-" + mark), kAda, mark).status.version.hash;
+    return site.add(at("maps-" + mark), test::kAda, mark).status.version.hash;
   }
   std::string activated(Site& site, const std::string& mark) const {
     const std::string hash = add(site, mark);
-    site.approve(hash, kAda, "seen");
-    (void)site.activate(hash, kAda);
+    site.approve(hash, test::kAda, "seen");
+    (void)site.activate(hash, test::kAda);
     return hash;
   }
   [[nodiscard]] static std::vector<std::string> states(const Site& site) {
@@ -75,7 +73,7 @@ TEST_F(SiteTest, TakesTheSameMapsOnce) {
   Site site = make();
   const std::string hash = add(site, "a");
   fs::copy(at("maps-a"), at("copy"), fs::copy_options::recursive);
-  const Site::Added again = site.add(at("copy"), kAda, "once more");
+  const Site::Added again = site.add(at("copy"), test::kAda, "once more");
   EXPECT_FALSE(again.is_new);
   EXPECT_EQ(again.status.version.hash, hash);
   EXPECT_EQ(site.versions().size(), 1U);
@@ -85,9 +83,9 @@ TEST_F(SiteTest, LeadsAVersionFromCandidateToRetired) {
   Site site = make();
   const std::string a = add(site, "a");
   EXPECT_THAT(states(site), ElementsAre("candidate"));
-  site.approve(a, kAda, "seen");
+  site.approve(a, test::kAda, "seen");
   EXPECT_THAT(states(site), ElementsAre("approved"));
-  EXPECT_EQ(site.activate(a, kAda).from, "");
+  EXPECT_EQ(site.activate(a, test::kAda).from, "");
   EXPECT_THAT(states(site), ElementsAre("active"));
   const std::string b = activated(site, "b");
   EXPECT_THAT(states(site), ElementsAre("retired", "active"));
@@ -100,7 +98,7 @@ TEST_F(SiteTest, ActivatesOnlyWhatWasApproved) {
   Site site = make();
   const std::string a = activated(site, "a");
   const std::string b = add(site, "b");
-  EXPECT_THAT(error_of([&] { (void)site.activate(b, kAda); }), HasSubstr("was not approved"));
+  EXPECT_THAT(error_of([&] { (void)site.activate(b, test::kAda); }), HasSubstr("was not approved"));
   EXPECT_EQ(site.active(), a);
 }
 
@@ -110,12 +108,13 @@ TEST_F(SiteTest, GoesBackStepByStepAndForthAgain) {
   const std::string b = activated(site, "b");
   const std::string c = activated(site, "c");
   EXPECT_EQ(site.find("previous").version.hash, b);
-  EXPECT_EQ(site.rollback(kAda).to, b);
-  EXPECT_EQ(site.rollback(kAda).to, a);
-  EXPECT_THAT(error_of([&] { (void)site.rollback(kAda); }), HasSubstr("nothing to go back to"));
+  EXPECT_EQ(site.rollback(test::kAda).to, b);
+  EXPECT_EQ(site.rollback(test::kAda).to, a);
+  EXPECT_THAT(error_of([&] { (void)site.rollback(test::kAda); }),
+              HasSubstr("nothing to go back to"));
   EXPECT_EQ(site.active(), a);
-  EXPECT_EQ(site.activate(c, kAda).from, a);
-  EXPECT_EQ(site.rollback(kAda).to, a);
+  EXPECT_EQ(site.activate(c, test::kAda).from, a);
+  EXPECT_EQ(site.rollback(test::kAda).to, a);
 }
 
 TEST_F(SiteTest, GoesBackOnlyFromTheVersionThatWasMeant) {
@@ -123,10 +122,11 @@ TEST_F(SiteTest, GoesBackOnlyFromTheVersionThatWasMeant) {
   const std::string a = activated(site, "a");
   const std::string b = activated(site, "b");
   const std::string c = activated(site, "c");
-  EXPECT_EQ(site.rollback(kAda, c).to, b);
-  EXPECT_THAT(error_of([&] { (void)site.rollback(kAda, c); }), HasSubstr("another active version"));
+  EXPECT_EQ(site.rollback(test::kAda, c).to, b);
+  EXPECT_THAT(error_of([&] { (void)site.rollback(test::kAda, c); }),
+              HasSubstr("another active version"));
   EXPECT_EQ(site.active(), b);
-  EXPECT_EQ(site.rollback(kAda, b).to, a);
+  EXPECT_EQ(site.rollback(test::kAda, b).to, a);
 }
 
 TEST_F(SiteTest, NeitherApprovesNorActivatesNorGoesBackToADamagedVersion) {
@@ -139,9 +139,10 @@ TEST_F(SiteTest, NeitherApprovesNorActivatesNorGoesBackToADamagedVersion) {
   EXPECT_EQ(site.fault_of(a), "patches/submap0.pgm was changed");
   EXPECT_EQ(site.fault_of(b), "");
   EXPECT_EQ(site.fault_of(c), "summary.json is missing");
-  EXPECT_THAT(error_of([&] { (void)site.rollback(kAda); }), HasSubstr("was changed"));
-  EXPECT_THAT(error_of([&] { (void)site.activate(a, kAda); }), HasSubstr("hash does not hold"));
-  EXPECT_THAT(error_of([&] { site.approve(c, kAda, ""); }), HasSubstr("is missing"));
+  EXPECT_THAT(error_of([&] { (void)site.rollback(test::kAda); }), HasSubstr("was changed"));
+  EXPECT_THAT(error_of([&] { (void)site.activate(a, test::kAda); }),
+              HasSubstr("hash does not hold"));
+  EXPECT_THAT(error_of([&] { site.approve(c, test::kAda, ""); }), HasSubstr("is missing"));
   EXPECT_EQ(site.active(), b);
   EXPECT_THAT(states(site), ElementsAre("retired", "active", "candidate"));
 }
@@ -167,7 +168,7 @@ TEST_F(SiteTest, FindsEveryBitThatIsNotAsItWas) {
       EXPECT_EQ(to_json(read_version(file)).dump(), to_json(site.versions()[0].version).dump());
     } else {
       EXPECT_NE(site.fault_of(hash), "") << file << " " << i;
-      EXPECT_THROW(site.approve(hash, kAda, ""), InputError);
+      EXPECT_THROW(site.approve(hash, test::kAda, ""), InputError);
     }
     std::ofstream(file, std::ios::binary) << whole;
     EXPECT_EQ(site.fault_of(hash), "");
@@ -201,10 +202,10 @@ TEST_F(SiteTest, FindsVersionsByNumberBeginAndName) {
 
 TEST_F(SiteTest, RefusesWhatIsNoWholeFolderOfMaps) {
   Site site = make();
-  EXPECT_THROW((void)site.add(at("nothing"), kAda, ""), InputError);
+  EXPECT_THROW((void)site.add(at("nothing"), test::kAda, ""), InputError);
   test::write_small_maps(at("bad"), "bad");
   fs::resize_file(at("bad") / "strata.db", 600);
-  EXPECT_THROW((void)site.add(at("bad"), kAda, ""), InputError);
+  EXPECT_THROW((void)site.add(at("bad"), test::kAda, ""), InputError);
   // A bit that SQLite does not miss.
   test::write_small_maps(at("flipped"), "flipped");
   std::string bytes = test::bytes_of(at("flipped") / "strata.db");
@@ -212,11 +213,11 @@ TEST_F(SiteTest, RefusesWhatIsNoWholeFolderOfMaps) {
   ASSERT_NE(frame, std::string::npos);
   bytes[frame + 8] = static_cast<char>(bytes[frame + 8] ^ 1);
   std::ofstream(at("flipped") / "strata.db", std::ios::binary) << bytes;
-  EXPECT_THAT(error_of([&] { (void)site.add(at("flipped"), kAda, ""); }),
+  EXPECT_THAT(error_of([&] { (void)site.add(at("flipped"), test::kAda, ""); }),
               HasSubstr("content is damaged"));
   test::write_small_maps(at("busy"), "busy");
   std::ofstream(at("busy") / "strata.db-wal") << "not yet in the store";
-  EXPECT_THAT(error_of([&] { (void)site.add(at("busy"), kAda, ""); }),
+  EXPECT_THAT(error_of([&] { (void)site.add(at("busy"), test::kAda, ""); }),
               HasSubstr("being written to"));
   EXPECT_TRUE(site.versions().empty());
 }
@@ -233,14 +234,14 @@ TEST_F(SiteTest, LosesNothingWhereADiskIsFull) {
   Site site = make();
   const std::string a = activated(site, "a");
   const std::string b = add(site, "b");
-  site.approve(b, kAda, "seen");
+  site.approve(b, test::kAda, "seen");
   test::write_small_maps(at("maps-c"), "c");
   const std::string before = test::bytes_of(at("hall") / "site.json");
   {
     const test::FullDisk full(100);
-    EXPECT_THROW((void)site.add(at("maps-c"), kAda, ""), OutputError);
-    EXPECT_THROW((void)site.activate(b, kAda), OutputError);
-    EXPECT_THROW(site.approve(b, kAda, ""), OutputError);
+    EXPECT_THROW((void)site.add(at("maps-c"), test::kAda, ""), OutputError);
+    EXPECT_THROW((void)site.activate(b, test::kAda), OutputError);
+    EXPECT_THROW(site.approve(b, test::kAda, ""), OutputError);
   }
   EXPECT_EQ(test::bytes_of(at("hall") / "site.json"), before);
   EXPECT_EQ(site.active(), a);
@@ -251,7 +252,7 @@ TEST_F(SiteTest, LosesNothingWhereADiskIsFull) {
     ++entries;
   }
   EXPECT_EQ(entries, 2U);
-  EXPECT_NO_THROW((void)site.activate(b, kAda));
+  EXPECT_NO_THROW((void)site.activate(b, test::kAda));
 }
 
 TEST_F(SiteTest, RemovesWhatIsOldAndNothingThatIsNeeded) {
@@ -262,20 +263,20 @@ TEST_F(SiteTest, RemovesWhatIsOldAndNothingThatIsNeeded) {
   const std::string passed_over = add(site, "c");
   const std::string d = activated(site, "d");
   const std::string approved = add(site, "e");
-  site.approve(approved, kAda, "seen");
+  site.approve(approved, test::kAda, "seen");
   const std::string fresh = add(site, "f");
-  EXPECT_EQ(site.remove_rubbish({.keep_retired = 1, .dry_run = true}, kAda).size(), 2U);
+  EXPECT_EQ(site.remove_rubbish({.keep_retired = 1, .dry_run = true}, test::kAda).size(), 2U);
   EXPECT_EQ(site.versions().size(), 7U);
   std::vector<std::string> gone;
-  for (const auto& status : site.remove_rubbish({.keep_retired = 1}, kAda)) {
+  for (const auto& status : site.remove_rubbish({.keep_retired = 1}, test::kAda)) {
     gone.push_back(status.version.hash);
   }
   EXPECT_THAT(gone, ElementsAre(a, passed_over));
   EXPECT_EQ(site.versions().front().version.hash, first) << "its frame is the site's";
   EXPECT_THAT(states(site), ElementsAre("retired", "retired", "active", "approved", "candidate"));
-  EXPECT_EQ(site.rollback(kAda).to, b);
+  EXPECT_EQ(site.rollback(test::kAda).to, b);
   fs::resize_file(site.maps_of(fresh) / "strata.db", 1);
-  ASSERT_EQ(site.remove_rubbish({.damaged = true}, kAda).size(), 1U);
+  ASSERT_EQ(site.remove_rubbish({.damaged = true}, test::kAda).size(), 1U);
   EXPECT_EQ(site.active(), b);
   EXPECT_EQ(site.find(d).state, VersionState::kRetired);
 }

@@ -7,9 +7,12 @@
 #include <string>
 
 #include "components/maps/maps_folder.hpp"
+#include "components/site/map_version.hpp"
 #include "memory/store/store.hpp"
 
 namespace strata::test {
+
+inline const site::Actor kAda{"ada", 1'000'000'000};
 
 /// One that differs from others by `mark`.
 inline void write_small_maps(const std::filesystem::path& folder, const std::string& mark) {

@@ -15,7 +15,7 @@ using namespace test_corridor;
 constexpr double kRate_per_s = 1.0 / 600.0;
 
 /// The corridor with a door that is closed a fifth of the time.
-CellMap make_map() {
+CellMap map_of_beliefs() {
   CellLearner learner(kResolution_m);
   visit(learner, 0.0, false);
   CellMap map = learned(learner);
@@ -38,7 +38,7 @@ void close_door(double time_s, CellBeliefs& beliefs) {
 
 // P = [free to occupied, ...] by hand: 0.2 + e^-1 (0.1 - 0.2), twice.
 TEST(CellBeliefs, FadeAsTheTwoStateChainByHand) {
-  const CellBeliefs beliefs(make_map());
+  const CellBeliefs beliefs(map_of_beliefs());
   const double once = 0.2 - 0.1 * std::exp(-1.0);
   EXPECT_NEAR(*beliefs.occupied(kDoor, Stamp::from_seconds(600.0)), once, 1e-6);
   const double twice = 0.2 - 0.1 * std::exp(-2.0);
@@ -55,7 +55,7 @@ TEST(CellBeliefs, FadeAsTheTwoStateChainByHand) {
 TEST(CellBeliefs, TakeInScansAsBayesSays) {
   CellConfig config;
   config.max_scan_nats = 100.0;
-  CellBeliefs beliefs(make_map(), config);
+  CellBeliefs beliefs(map_of_beliefs(), config);
   beliefs.observe(look(300.0, true).scan, kPose);
   const double kept = std::exp(-0.5);
   const double before = 0.2 + kept * (0.1 - 0.2);
@@ -70,14 +70,14 @@ TEST(CellBeliefs, TakeInScansAsBayesSays) {
 TEST(CellBeliefs, OneScanSaysOnlySoMuch) {
   CellConfig config;
   config.max_scan_nats = 0.5;
-  CellBeliefs beliefs(make_map(), config);
+  CellBeliefs beliefs(map_of_beliefs(), config);
   beliefs.observe(look(0.0, true).scan, kPose);
   EXPECT_NEAR(log_odds_of(*beliefs.occupied(kDoor, Stamp{})), log_odds_of(0.1) + 0.5, 1e-5);
 }
 
 TEST(CellBeliefs, ShowADoorThatClosesAndForgetItByTheChain) {
   CellConfig config;
-  CellBeliefs beliefs(make_map(), config);
+  CellBeliefs beliefs(map_of_beliefs(), config);
   EXPECT_EQ(shown(beliefs, kDoor), 0.0F);
   EXPECT_EQ(shown(beliefs, kWall), 1.0F);
   close_door(1.0, beliefs);
@@ -94,7 +94,7 @@ TEST(CellBeliefs, ShowADoorThatClosesAndForgetItByTheChain) {
 TEST(CellBeliefs, ShowWhatChangedOnlySoOften) {
   CellConfig config;
   config.refresh_s = 20.0;
-  CellBeliefs beliefs(make_map(), config);
+  CellBeliefs beliefs(map_of_beliefs(), config);
   EXPECT_FALSE(beliefs.refresh(Stamp::from_seconds(1.0)));
   close_door(1.0, beliefs);
   EXPECT_FALSE(beliefs.refresh(Stamp::from_seconds(20.0)));
@@ -107,7 +107,7 @@ TEST(CellBeliefs, ShowWhatChangedOnlySoOften) {
 }
 
 TEST(CellBeliefs, WhatTheMapDoesNotKnowStaysUnknown) {
-  CellBeliefs beliefs(make_map());
+  CellBeliefs beliefs(map_of_beliefs());
   for (int i = 0; i < 20; ++i) {
     beliefs.observe(look(i, true).scan, {0.02, 0.02, 0.5});  // into unknown cells
     beliefs.observe(look(i, true).scan, {50.0, 50.0, 0.0});  // far outside

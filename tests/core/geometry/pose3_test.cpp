@@ -11,7 +11,7 @@
 namespace strata {
 namespace {
 
-Pose3 random_pose(RandomStream& random) {
+Pose3 random_pose3(RandomStream& random) {
   return {{random.normal(), random.normal(), random.normal()},
           Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal())
               .normalized()};
@@ -20,8 +20,8 @@ Pose3 random_pose(RandomStream& random) {
 TEST(Pose3, ObeysTheLawsOfAGroup) {
   RandomStream random(1, StreamId::kTest);
   for (int i = 0; i < 1'000; ++i) {
-    const Pose3 a = random_pose(random);
-    const Pose3 b = random_pose(random);
+    const Pose3 a = random_pose3(random);
+    const Pose3 b = random_pose3(random);
     const Eigen::Vector3d p(random.normal(), random.normal(), random.normal());
     EXPECT_LT(((a * b) * p - a * (b * p)).norm(), 1e-12);
     EXPECT_LT((inverse(a) * (a * p) - p).norm(), 1e-12);

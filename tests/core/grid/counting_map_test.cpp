@@ -19,7 +19,7 @@ namespace strata {
 namespace {
 
 constexpr double kResolution = 0.1;
-constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNoReturn = std::numeric_limits<float>::infinity();
 
 PosedScan random_scan(RandomStream& random, bool with_labels) {
   PosedScan posed;
@@ -32,9 +32,9 @@ PosedScan random_scan(RandomStream& random, bool with_labels) {
   posed.scan.range_max_m = 5.0F;
   for (int i = 0; i < 30; ++i) {
     float range = static_cast<float>(random.uniform(0.0, 4.0));
-    if (random.bernoulli(0.1)) range = kInf;
+    if (random.bernoulli(0.1)) range = kNoReturn;
     if (random.bernoulli(0.1)) range = std::numeric_limits<float>::quiet_NaN();
-    if (random.bernoulli(0.05)) range = -kInf;
+    if (random.bernoulli(0.05)) range = -kNoReturn;
     posed.scan.ranges_m.push_back(range);
     if (with_labels) posed.static_probability.push_back(static_cast<float>(random.uniform()));
   }
@@ -281,8 +281,9 @@ TEST(LogOddsMap, RefusesProbabilitiesThatSayEverything) {
 TEST(CountScans, ReadingsThatNoScannerGivesDoNotGrowTheMap) {
   PosedScan scan;
   scan.scan.angle_increment_rad = 0.5F;
-  scan.scan.range_max_m = kInf;
-  scan.scan.ranges_m = {2.0F, 1e30F, 3e38F, 1e7F, kInf, std::numeric_limits<float>::quiet_NaN()};
+  scan.scan.range_max_m = kNoReturn;
+  scan.scan.ranges_m = {2.0F, 1e30F,     3e38F,
+                        1e7F, kNoReturn, std::numeric_limits<float>::quiet_NaN()};
   CountingOptions options;
   options.no_return_free_range_m = 3.0;
   WorkerPool pool(1);

@@ -13,7 +13,7 @@ namespace {
 using test::BoxWorld;
 using test::Drive;
 
-constexpr StartConfirmationConfig kConfig{
+constexpr StartConfirmationConfig kConfirmation{
     .confirmed_score = 0.6, .refuted_score = 0.3, .search_again_scans = 5};
 
 /// Of so many scans of that score, after which a search is asked for; 0 for none.
@@ -25,7 +25,7 @@ int asked_after(StartConfirmation& confirmation, double score, int scans) {
 }
 
 TEST(StartConfirmation, AsksNothingOfAPoseThatSomebodyGave) {
-  StartConfirmation confirmation(kConfig);
+  StartConfirmation confirmation(kConfirmation);
   EXPECT_FALSE(confirmation.is_pending());
   EXPECT_EQ(asked_after(confirmation, 0.0, 50), 0);
   EXPECT_FALSE(confirmation.is_pending());
@@ -36,7 +36,7 @@ TEST(StartConfirmation, AsksNothingOfAPoseThatSomebodyGave) {
 }
 
 TEST(StartConfirmation, IsPendingUntilTheScoreIsHigh) {
-  StartConfirmation confirmation(kConfig);
+  StartConfirmation confirmation(kConfirmation);
   confirmation.search();
   EXPECT_FALSE(confirmation.judge(0.59));
   EXPECT_TRUE(confirmation.is_pending());
@@ -45,7 +45,7 @@ TEST(StartConfirmation, IsPendingUntilTheScoreIsHigh) {
 }
 
 TEST(StartConfirmation, SearchesAgainMoreAndMoreRarelyWhileTheScoreIsLow) {
-  StartConfirmation confirmation(kConfig);
+  StartConfirmation confirmation(kConfirmation);
   confirmation.search();
   for (const int scans : {5, 10, 20}) {
     EXPECT_EQ(asked_after(confirmation, 0.2, 100), scans);
@@ -54,7 +54,7 @@ TEST(StartConfirmation, SearchesAgainMoreAndMoreRarelyWhileTheScoreIsLow) {
 }
 
 TEST(StartConfirmation, LeavesAPlaceBeThatFitsSomewhat) {
-  StartConfirmation confirmation(kConfig);
+  StartConfirmation confirmation(kConfirmation);
   confirmation.search();
   EXPECT_EQ(asked_after(confirmation, 0.4, 50), 0);
   EXPECT_TRUE(confirmation.is_pending());
@@ -62,7 +62,7 @@ TEST(StartConfirmation, LeavesAPlaceBeThatFitsSomewhat) {
 }
 
 TEST(StartConfirmation, OfALaterSearchWaitsAnew) {
-  StartConfirmation confirmation(kConfig);
+  StartConfirmation confirmation(kConfirmation);
   confirmation.search();
   EXPECT_EQ(asked_after(confirmation, 0.2, 50), 5);
   confirmation.search();

@@ -15,28 +15,28 @@
 namespace strata::patch {
 namespace {
 
-using test::drive_past_gate;
-using test::gates_of;
-using test::kGateOfEightDays;
+using test_world::drive_past_gate;
+using test_world::gates_of;
+using test_world::kGateOfEightDays;
 
-PatchMap learn(const std::vector<PosedScan>& scans, const PatchLearnerConfig& config) {
+PatchMap learn_gates(const std::vector<PosedScan>& scans, const PatchLearnerConfig& config) {
   PatchLearner learner(config, 1);
   for (const PosedScan& scan : scans) learner.add(scan);
-  return learner.finish(test::map_of(scans));
+  return learner.finish(test_world::map_of(scans));
 }
 
 TEST(BeamsWithoutReturn, ShowThatAGateOntoNothingIsOpen) {
   const std::vector<PosedScan> scans = drive_past_gate(kGateOfEightDays);
-  EXPECT_EQ(gates_of(learn(scans, {})), 1);
-  EXPECT_EQ(learn(scans, {}).submaps.size(), 1U);
+  EXPECT_EQ(gates_of(learn_gates(scans, {})), 1);
+  EXPECT_EQ(learn_gates(scans, {}).submaps.size(), 1U);
   PatchLearnerConfig without;
   without.no_return.is_used = false;
-  EXPECT_EQ(learn(scans, without).submaps.size(), 0U) << "nothing else shows it";
+  EXPECT_EQ(learn_gates(scans, without).submaps.size(), 0U) << "nothing else shows it";
 }
 
 TEST(BeamsWithoutReturn, ShowItWhileScansCome) {
   const std::vector<PosedScan> scans = drive_past_gate(kGateOfEightDays);
-  OnlinePatchLearner learner({}, {}, test::map_of(scans));
+  OnlinePatchLearner learner({}, {}, test_world::map_of(scans));
   for (const PosedScan& scan : scans) (void)learner.add(scan);
   EXPECT_EQ(gates_of(learner.finish()), 1);
   EXPECT_GT(learner.drop_outs().free_range_m, 5.0);
@@ -44,7 +44,7 @@ TEST(BeamsWithoutReturn, ShowItWhileScansCome) {
 
 TEST(BeamsWithoutReturn, OfAnOnlineLearnerAreTheSameAfterARestart) {
   const std::vector<PosedScan> scans = drive_past_gate(kGateOfEightDays);
-  const ReflectionGrid base = test::map_of(scans);
+  const ReflectionGrid base = test_world::map_of(scans);
   OnlinePatchLearner whole({}, {}, base);
   auto stopped = std::make_unique<OnlinePatchLearner>(PatchLearnerConfig{}, OnlineConfig{}, base);
   for (std::size_t i = 0; i < scans.size(); ++i) {
@@ -71,7 +71,7 @@ TEST(BeamsWithoutReturn, OfAnOnlineLearnerAreTheSameAfterARestart) {
 
 TEST(BeamsWithoutReturn, AStateFromBeforeIsGoneOnFrom) {
   const std::vector<PosedScan> scans = drive_past_gate(kGateOfEightDays);
-  const ReflectionGrid base = test::map_of(scans);
+  const ReflectionGrid base = test_world::map_of(scans);
   PatchLearnerConfig without;
   without.no_return.is_used = false;
   OnlinePatchLearner before(without, {}, base);

@@ -9,7 +9,7 @@
 #include "core/random/stream.hpp"
 #include "tests/core/patch/toy_world.hpp"
 
-namespace strata::patch::test {
+namespace strata::patch::test_world {
 
 /// With the box at one of five places against the walls; -1: none.
 inline ToyWorld corridor_with_box(int place) {
@@ -37,4 +37,4 @@ inline std::vector<PosedScan> drive_past_box(const std::vector<int>& places, std
   return scans;
 }
 
-}  // namespace strata::patch::test
+}  // namespace strata::patch::test_world

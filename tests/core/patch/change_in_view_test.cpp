@@ -17,7 +17,7 @@
 namespace strata::patch {
 namespace {
 
-using test::beam;
+using test_world::beam;
 
 /// A door 1 m ahead, watched at 5 Hz: how long it is closed, open, closed ...
 std::vector<PosedScan> watch(const std::vector<double>& lasts_s) {
@@ -145,10 +145,10 @@ void expect_same(const PatchMap& map, const PatchMap& expected) {
 }
 
 TEST(ChangeInView, TeachesARobotThatStandsBeforeADoorBothItsStates) {
-  const std::vector<PosedScan> scans = test::stand_before_door({70.0, 50.0, 110.0, 45.0}, 1);
-  const PatchMap map = learned_at_once(scans, test::map_of(scans));
+  const std::vector<PosedScan> scans = test_world::stand_before_door({70.0, 50.0, 110.0, 45.0}, 1);
+  const PatchMap map = learned_at_once(scans, test_world::map_of(scans));
   ASSERT_EQ(map.submaps.size(), 1U);
-  EXPECT_TRUE(test::is_at_door(map.submaps[0], 0.05));
+  EXPECT_TRUE(test_world::is_at_door(map.submaps[0], 0.05));
   ASSERT_EQ(map.submaps[0].configurations.size(), 2U);
   EXPECT_GT(map.submaps[0].sequences.size(), 8U);
   for (const SequenceInfo& sequence : map.submaps[0].sequences) {
@@ -160,8 +160,8 @@ TEST(ChangeInView, TeachesARobotThatStandsBeforeADoorBothItsStates) {
 TEST(ChangeInView, IsLearnedAlikeWhileScansCome) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const std::vector<PosedScan> scans =
-        test::stand_before_door({70.0, 50.0, 110.0, 45.0, 33.0}, seed);
-    const ReflectionGrid base = test::map_of(scans);
+        test_world::stand_before_door({70.0, 50.0, 110.0, 45.0, 33.0}, seed);
+    const ReflectionGrid base = test_world::map_of(scans);
     OnlineConfig online;
     online.extend_base = false;
     OnlinePatchLearner learner({}, online, base, 1);
@@ -176,8 +176,8 @@ TEST(ChangeInView, IsLearnedAlikeWhileScansCome) {
 }
 
 TEST(ChangeInView, GoesOnToTheBitAfterAStop) {
-  const std::vector<PosedScan> scans = test::stand_before_door({70.0, 50.0, 110.0, 45.0}, 4);
-  const ReflectionGrid base = test::map_of(scans);
+  const std::vector<PosedScan> scans = test_world::stand_before_door({70.0, 50.0, 110.0, 45.0}, 4);
+  const ReflectionGrid base = test_world::map_of(scans);
   OnlinePatchLearner whole({}, {}, base, 1);
   auto stopped =
       std::make_unique<OnlinePatchLearner>(PatchLearnerConfig{}, OnlineConfig{}, base, 1);

@@ -10,7 +10,7 @@
 #include "core/random/stream.hpp"
 #include "tests/core/patch/toy_world.hpp"
 
-namespace strata::patch::test {
+namespace strata::patch::test_world {
 
 /// A hall of 10 m x 5 m without a wall in the north but for its ends, and the gate when closed.
 inline ToyWorld hall_with_gate(bool is_closed) {
@@ -61,4 +61,4 @@ inline int gates_of(const PatchMap& map) {
 
 inline const std::vector<bool> kGateOfEightDays{true, false, false, true, false, true, true, false};
 
-}  // namespace strata::patch::test
+}  // namespace strata::patch::test_world

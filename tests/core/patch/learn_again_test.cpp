@@ -19,8 +19,8 @@ constexpr std::uint64_t kSeed = 21;
 
 /// Past a door that is closed and open in turn, each drive with an error of pose of its own.
 std::vector<PosedScan> drives(double error_m) {
-  return test::drive_past_door({true, false, true, false, true, false}, error_m, 0.0, kSeed,
-                               test::Visits::kOneRun);
+  return test_world::drive_past_door({true, false, true, false, true, false}, error_m, 0.0, kSeed,
+                                     test_world::Visits::kOneRun);
 }
 
 PatchMap learned(const std::vector<PosedScan>& scans, const ReflectionGrid& base) {
@@ -46,9 +46,9 @@ Submap area(const CellRect& rect, double begin_s, double end_s, std::size_t scan
 TEST(LearnAgain, GivesThePatchesThatTheRightPosesWouldHaveGivenAtOnce) {
   const auto bent = drives(0.25);
   const auto right = drives(0.0);
-  const PatchMap before = learned(bent, test::map_of(bent));
+  const PatchMap before = learned(bent, test_world::map_of(bent));
   ASSERT_FALSE(before.submaps.empty());
-  const ReflectionGrid base = test::map_of(right);
+  const ReflectionGrid base = test_world::map_of(right);
   const PatchMap wanted = learned(right, base);
   ASSERT_EQ(wanted.submaps.size(), 1U);
   ASSERT_FALSE(before.submaps[0].rect == wanted.submaps[0].rect);
@@ -56,7 +56,7 @@ TEST(LearnAgain, GivesThePatchesThatTheRightPosesWouldHaveGivenAtOnce) {
   const LearnedAgain again = learn_again(before, right, base, {});
   EXPECT_EQ(again.stayed, 0U);
   ASSERT_EQ(again.map.submaps.size(), 1U);
-  EXPECT_TRUE(test::is_at_door(again.map.submaps[0], 0.05));
+  EXPECT_TRUE(test_world::is_at_door(again.map.submaps[0], 0.05));
   EXPECT_EQ(again.map.submaps[0].rect, wanted.submaps[0].rect);
   EXPECT_EQ(again.map.submaps[0].configurations.size(), wanted.submaps[0].configurations.size());
   EXPECT_EQ(again.map.base.rect(), base.rect()) << "nothing of the bent base is left";
@@ -64,7 +64,7 @@ TEST(LearnAgain, GivesThePatchesThatTheRightPosesWouldHaveGivenAtOnce) {
 
 TEST(LearnAgain, LeavesWhatRestsOnScansThatAreNotThere) {
   const auto right = drives(0.0);
-  const ReflectionGrid base = test::map_of(right);
+  const ReflectionGrid base = test_world::map_of(right);
   PatchMap before;
   before.base = base;
   const CellRect far{{10, -40}, {20, -30}};
@@ -76,14 +76,14 @@ TEST(LearnAgain, LeavesWhatRestsOnScansThatAreNotThere) {
   EXPECT_EQ(again.stayed, 1U);
   ASSERT_EQ(again.map.submaps.size(), 2U);
   EXPECT_EQ(again.map.submaps[0].rect, far);
-  EXPECT_TRUE(test::is_at_door(again.map.submaps[1], 0.05));
+  EXPECT_TRUE(test_world::is_at_door(again.map.submaps[1], 0.05));
   EXPECT_EQ(again.map.submaps[1].id, 1);
   EXPECT_EQ(again.map.base.get(far.min), 0.0F) << "what is known around it";
 }
 
 TEST(LearnAgain, PutsNothingNewWhereAnOldAreaStays) {
   const auto right = drives(0.0);
-  const ReflectionGrid base = test::map_of(right);
+  const ReflectionGrid base = test_world::map_of(right);
   const PatchMap wanted = learned(right, base);
   ASSERT_EQ(wanted.submaps.size(), 1U);
   PatchMap before;

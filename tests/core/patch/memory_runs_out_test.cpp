@@ -33,14 +33,14 @@ std::vector<PosedScan> drives(std::uint64_t seed) {
   for (int visit = 0; visit < 24; ++visit) {
     closed.push_back(visit < 4 ? visit % 2 == 0 : random.bernoulli(0.5));
   }
-  return test::drive_past_door(closed, 0.01, 0.0, seed, test::Visits::kOneRun);
+  return test_world::drive_past_door(closed, 0.01, 0.0, seed, test_world::Visits::kOneRun);
 }
 
 /// memory_mb: little makes it forget scans, sequences and configurations all the time.
 std::size_t learn_with_failures(const std::vector<PosedScan>& scans, double memory_mb,
                                 std::uint64_t seed) {
   RandomStream random(seed, StreamId::kTest, 7);
-  const ReflectionGrid base = test::map_of(scans);
+  const ReflectionGrid base = test_world::map_of(scans);
   OnlineConfig online;
   online.memory_mb = memory_mb;
   online.max_sequences = 10;
@@ -76,7 +76,7 @@ TEST(MemoryRunsOut, AndALearnerThatCutsSequencesAgainStaysSoundAndGoesOn) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(seed);
     const auto scans =
-        test::stand_before_door({70.0, 50.0, 110.0, 45.0, 60.0, 33.0, 40.0, 90.0}, seed);
+        test_world::stand_before_door({70.0, 50.0, 110.0, 45.0, 60.0, 33.0, 40.0, 90.0}, seed);
     EXPECT_GT(learn_with_failures(scans, 256.0, seed), 20U);
   }
 }

@@ -37,19 +37,19 @@ struct Year {
 /// The chain that draws the door anew at kRate_per_s, open with the probability given.
 Year a_year(double open, std::uint64_t seed) {
   RandomStream random(seed, StreamId::kTest);
-  test::ToyRobot robot;
+  test_world::ToyRobot robot;
   robot.beams = 90;
   const auto pass = [&](bool is_open, double start_s, std::vector<PosedScan>& scans) {
     const double y = random.uniform(1.1, 1.4);
-    robot.drive(test::corridor_with_door(!is_open), {5.3, y, 0.0}, {5.75, y, 0.0}, 0, start_s, {},
-                random, scans);
+    robot.drive(test_world::corridor_with_door(!is_open), {5.3, y, 0.0}, {5.75, y, 0.0}, 0, start_s,
+                {}, random, scans);
   };
   std::vector<PosedScan> first;
   pass(false, 0.0, first);
   OnlineConfig config;
   config.check_every_s = 50.0 * kGap_s;  // a look over the whole place takes the most time
   config.max_sequences = 12;
-  OnlinePatchLearner learner({}, config, test::map_of(first));
+  OnlinePatchLearner learner({}, config, test_world::map_of(first));
   bool is_open = random.bernoulli(open);
   double now_s = 0.0;
   Year year;

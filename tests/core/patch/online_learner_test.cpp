@@ -25,8 +25,8 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 /// One long run: a robot at work.
 std::vector<PosedScan> working_day(const std::vector<bool>& closed, double position_stddev_m,
                                    double heading_stddev_rad, std::uint64_t seed) {
-  return test::drive_past_door(closed, position_stddev_m, heading_stddev_rad, seed,
-                               test::Visits::kOneRun);
+  return test_world::drive_past_door(closed, position_stddev_m, heading_stddev_rad, seed,
+                                     test_world::Visits::kOneRun);
 }
 
 std::vector<bool> now_and_then(std::size_t visits, std::uint64_t seed) {
@@ -43,7 +43,7 @@ PatchMap batch(const std::vector<PosedScan>& scans, const ReflectionGrid& base) 
   return learner.finish(base);
 }
 
-bool is_at_door(const Submap& submap) { return test::is_at_door(submap, kResolution); }
+bool is_at_door(const Submap& submap) { return test_world::is_at_door(submap, kResolution); }
 
 /// The same configurations to the bit.
 void expect_same(const PatchMap& map, const PatchMap& expected) {
@@ -89,7 +89,7 @@ double distance(const PatchMap& a, const PatchMap& b) {
 TEST(OnlinePatchLearner, EndsWithTheMapOfTheBatchLearner) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const auto scans = working_day(now_and_then(4 + 2 * seed, seed), 0.01, 0.1 * kDegree, seed);
-    const ReflectionGrid base = test::map_of(scans);
+    const ReflectionGrid base = test_world::map_of(scans);
     OnlinePatchLearner online({}, {}, base);
     for (const PosedScan& scan : scans) online.add(scan);
     const PatchMap whole = batch(scans, base);
@@ -102,7 +102,7 @@ TEST(OnlinePatchLearner, EndsWithTheMapOfTheBatchLearner) {
 
 TEST(OnlinePatchLearner, TheDoorAppearsOnceItsOtherStateWasSeenAndLeft) {
   const auto scans = working_day({true, true, false, false, true}, 0.01, 0.1 * kDegree, 3);
-  OnlinePatchLearner online({}, {}, test::map_of(scans));
+  OnlinePatchLearner online({}, {}, test_world::map_of(scans));
   std::vector<std::size_t> after_visit;  // configurations at the door
   std::size_t changes = 0;
   for (std::size_t i = 0; i < scans.size(); ++i) {
@@ -124,7 +124,7 @@ TEST(OnlinePatchLearner, TheDoorAppearsOnceItsOtherStateWasSeenAndLeft) {
 
 TEST(OnlinePatchLearner, WithoutChangeThereIsNeverASubmapAndTheBaseStays) {
   const auto scans = working_day(std::vector<bool>(6, true), 0.01, 0.1 * kDegree, 5);
-  const ReflectionGrid base = test::map_of(scans);
+  const ReflectionGrid base = test_world::map_of(scans);
   OnlinePatchLearner online({}, {}, base);
   for (const PosedScan& scan : scans) {
     online.add(scan);
@@ -137,7 +137,7 @@ TEST(OnlinePatchLearner, WithoutChangeThereIsNeverASubmapAndTheBaseStays) {
 
 TEST(OnlinePatchLearner, FillsInWhatTheBaseDoesNotKnowAndLeavesTheRest) {
   const auto closed = working_day({true, true}, 0.0, 0.0, 9);
-  const ReflectionGrid base = test::map_of(closed);
+  const ReflectionGrid base = test_world::map_of(closed);
   const Cell behind = cell_at({5.5, 3.5}, kResolution);
   ASSERT_FALSE(is_known(base.get(behind)));
   OnlineConfig strict;
@@ -162,7 +162,7 @@ TEST(OnlinePatchLearner, KeepsItsBudgetOverALongRunAndStillKnowsTheDoor) {
   const auto scans = working_day(closed, 0.01, 0.1 * kDegree, 6);
   OnlineConfig tight;
   tight.memory_mb = 4.0;
-  OnlinePatchLearner online({}, tight, test::map_of(scans));
+  OnlinePatchLearner online({}, tight, test_world::map_of(scans));
   std::size_t most = 0;
   for (const PosedScan& scan : scans) {
     online.add(scan);
@@ -183,7 +183,7 @@ TEST(OnlinePatchLearner, ABudgetBelowTheAreaIsToldAndDoesNoHarm) {
   const auto scans = working_day({true, false, true}, 0.0, 0.0, 7);
   OnlineConfig tiny;
   tiny.memory_mb = 1.0;
-  OnlinePatchLearner online({}, tiny, test::map_of(scans));
+  OnlinePatchLearner online({}, tiny, test_world::map_of(scans));
   bool was_over = false;
   for (const PosedScan& scan : scans) {
     online.add(scan);
@@ -194,7 +194,7 @@ TEST(OnlinePatchLearner, ABudgetBelowTheAreaIsToldAndDoesNoHarm) {
 
 TEST(OnlinePatchLearner, ResultIsTheSameOnOneTwoAndEightThreads) {
   const auto scans = working_day(now_and_then(6, 8), 0.02, 0.3 * kDegree, 8);
-  const ReflectionGrid base = test::map_of(scans);
+  const ReflectionGrid base = test_world::map_of(scans);
   OnlinePatchLearner one({}, {}, base, 1);
   OnlinePatchLearner two({}, {}, base, 2);
   OnlinePatchLearner eight({}, {}, base, 8);
@@ -212,7 +212,7 @@ TEST(OnlinePatchLearner, ResultIsTheSameOnOneTwoAndEightThreads) {
 
 TEST(OnlinePatchLearner, GoesOnBitForBitFromItsSavedState) {
   const auto scans = working_day(now_and_then(10, 8), 0.02, 0.3 * kDegree, 8);
-  const ReflectionGrid base = test::map_of(scans);
+  const ReflectionGrid base = test_world::map_of(scans);
   for (const double memory_mb : {256.0, 4.0}) {  // with all that was seen, and after forgetting
     OnlineConfig config;
     config.memory_mb = memory_mb;
@@ -249,7 +249,7 @@ TEST(OnlinePatchLearner, GoesOnBitForBitFromItsSavedState) {
 
 TEST(OnlinePatchLearner, RefusesAStateThatIsCutOrDamagedOrOfAnotherResolution) {
   const auto scans = working_day(now_and_then(5, 4), 0.01, 0.1 * kDegree, 4);
-  const ReflectionGrid base = test::map_of(scans);
+  const ReflectionGrid base = test_world::map_of(scans);
   OnlinePatchLearner learner({}, {}, base);
   for (const PosedScan& scan : scans) learner.add(scan);
   const std::vector<std::uint8_t> bytes = learner.save_state();

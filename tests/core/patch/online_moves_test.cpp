@@ -24,8 +24,9 @@ std::vector<PosedScan> drives(std::size_t visits) {
   for (std::size_t v = 0; v < visits; ++v) {
     RandomStream random(21, StreamId::kTest, v);
     const double y = random.uniform(0.9, 1.5);
-    test::ToyRobot{}.drive(test::corridor_with_door(v % 2 == 0), {1.0, y, 0.0}, {10.0, y, 0.0}, 0,
-                           100.0 * static_cast<double>(v), {}, random, scans);
+    test_world::ToyRobot{}.drive(test_world::corridor_with_door(v % 2 == 0), {1.0, y, 0.0},
+                                 {10.0, y, 0.0}, 0, 100.0 * static_cast<double>(v), {}, random,
+                                 scans);
   }
   return scans;
 }
@@ -64,7 +65,7 @@ std::unique_ptr<OnlinePatchLearner> learner_of(const std::vector<PosedScan>& sca
 
 TEST(OnlineMoves, MovedScansGiveTheLearnerThatWasGivenTheirPosesAtOnce) {
   const auto right = drives(6);
-  const ReflectionGrid base = test::map_of(right);
+  const ReflectionGrid base = test_world::map_of(right);
   const auto moved = learner_of(drifted(right), base);
   const auto expected = learner_of(right, base);
   ASSERT_EQ(expected->map().submaps.size(), 1U);
@@ -76,7 +77,7 @@ TEST(OnlineMoves, MovedScansGiveTheLearnerThatWasGivenTheirPosesAtOnce) {
 
 TEST(OnlineMoves, AScanOfUnknownPlaceGoesAlongWithTheOneBeforeIt) {
   const auto right = drives(6);
-  const ReflectionGrid base = test::map_of(right);
+  const ReflectionGrid base = test_world::map_of(right);
   const auto moved = learner_of(drifted(right), base);
   EXPECT_TRUE(moved->move_scans(right_poses(right, 7)));
   const PatchMap map = moved->finish();
@@ -87,7 +88,7 @@ TEST(OnlineMoves, AScanOfUnknownPlaceGoesAlongWithTheOneBeforeIt) {
 
 TEST(OnlineMoves, NothingIsDoneWhereNothingMovedByHalfACell) {
   const auto right = drives(4);
-  const auto learner = learner_of(right, test::map_of(right));
+  const auto learner = learner_of(right, test_world::map_of(right));
   const auto before = learner->save_state();
   EXPECT_FALSE(learner->move_scans(right_poses(right)));
   EXPECT_FALSE(learner->move_scans([](const PosedScan&) { return std::nullopt; }));
@@ -102,7 +103,7 @@ TEST(OnlineMoves, NothingIsDoneWhereNothingMovedByHalfACell) {
 
 TEST(OnlineMoves, OneThatLearnedAgainMeanwhileCatchesUpWithTheOneThatWentOn) {
   const auto right = drives(6);
-  const ReflectionGrid base = test::map_of(right);
+  const ReflectionGrid base = test_world::map_of(right);
   const auto half = static_cast<std::ptrdiff_t>(right.size() / 2);
   const auto fresh = learner_of({right.begin(), right.begin() + half}, base);
   const auto gone_on = learner_of(drifted(right), base);
@@ -114,7 +115,7 @@ TEST(OnlineMoves, OneThatLearnedAgainMeanwhileCatchesUpWithTheOneThatWentOn) {
 
 TEST(OnlineMoves, NothingCatchesUpWithScansThatAreForgotten) {
   const auto right = drives(12);
-  const ReflectionGrid base = test::map_of(right);
+  const ReflectionGrid base = test_world::map_of(right);
   const auto gone_on = learner_of(right, base, 2.0);
   ASSERT_TRUE(gone_on->has_forgotten());
   const auto fresh = learner_of({right.begin(), right.begin() + 3}, base);
@@ -124,7 +125,7 @@ TEST(OnlineMoves, NothingCatchesUpWithScansThatAreForgotten) {
 
 TEST(OnlineMoves, WhatForgottenScansSaidStays) {
   const auto right = drives(12);
-  const auto learner = learner_of(right, test::map_of(right), 2.0);
+  const auto learner = learner_of(right, test_world::map_of(right), 2.0);
   ASSERT_LT(learner->status().scans, right.size());
   const std::size_t seen = learner->status().scans_seen;
   const std::size_t sequences = learner->status().sequences;

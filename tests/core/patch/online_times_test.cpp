@@ -18,13 +18,13 @@
 namespace strata::patch {
 namespace {
 
-constexpr double kHour_s = 3600.0;
+constexpr double kOneHour_s = 3600.0;
 constexpr int kDays = 16;
 
 /// Passes at 7, 10, 13, 16 and 19 h, give or take; open from 9 to 17 but for one in ten.
 std::vector<std::vector<PosedScan>> two_weeks() {
   RandomStream random(8, StreamId::kTest);
-  test::ToyRobot robot;
+  test_world::ToyRobot robot;
   robot.beams = 90;
   std::vector<std::vector<PosedScan>> passes;
   for (int day = 0; day < kDays; ++day) {
@@ -33,9 +33,9 @@ std::vector<std::vector<PosedScan>> two_weeks() {
       const bool is_open = random.bernoulli(is_day ? 0.9 : 0.1);
       const double y = random.uniform(1.1, 1.4);
       passes.emplace_back();
-      robot.drive(test::corridor_with_door(!is_open), {5.3, y, 0.0}, {5.75, y, 0.0}, 0,
-                  24.0 * kHour_s * day + kHour_s * (hour + random.uniform(0.0, 0.5)), {}, random,
-                  passes.back());
+      robot.drive(test_world::corridor_with_door(!is_open), {5.3, y, 0.0}, {5.75, y, 0.0}, 0,
+                  24.0 * kOneHour_s * day + kOneHour_s * (hour + random.uniform(0.0, 0.5)), {},
+                  random, passes.back());
     }
   }
   return passes;
@@ -72,9 +72,9 @@ void expect_office_hours(const PatchMap& map) {
 TEST(OnlineTimes, ADoorOfOfficeHoursIsKnownAsSuch) {
   const auto passes = two_weeks();
   OnlineConfig config;
-  config.check_every_s = 12.0 * kHour_s;
+  config.check_every_s = 12.0 * kOneHour_s;
   config.max_sequences = 12;
-  const ReflectionGrid base = test::map_of(passes.front());
+  const ReflectionGrid base = test_world::map_of(passes.front());
   OnlinePatchLearner learner({}, config, base);
   auto restarted = std::make_unique<OnlinePatchLearner>(PatchLearnerConfig{}, config, base);
   for (std::size_t i = 0; i < passes.size(); ++i) {
@@ -100,7 +100,7 @@ TEST(OnlineTimes, AtOnceFromAllScansTheyAreTheSame) {
   for (const auto& pass : passes) {
     for (const PosedScan& scan : pass) learner.add(scan);
   }
-  expect_office_hours(learner.finish(test::map_of(passes.front())));
+  expect_office_hours(learner.finish(test_world::map_of(passes.front())));
 }
 
 }  // namespace

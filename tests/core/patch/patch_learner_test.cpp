@@ -24,17 +24,17 @@ PatchMap learn(const std::vector<PosedScan>& scans, const PatchLearnerConfig& co
                int threads = 1) {
   PatchLearner learner(config, threads);
   for (const PosedScan& scan : scans) learner.add(scan);
-  return learner.finish(test::map_of(scans));
+  return learner.finish(test_world::map_of(scans));
 }
 
 /// Each visit is a run of its own.
 std::vector<PosedScan> corridor_visits(const std::vector<bool>& closed, double position_stddev_m,
                                        double heading_stddev_rad, std::uint64_t seed) {
-  return test::drive_past_door(closed, position_stddev_m, heading_stddev_rad, seed,
-                               test::Visits::kRuns);
+  return test_world::drive_past_door(closed, position_stddev_m, heading_stddev_rad, seed,
+                                     test_world::Visits::kRuns);
 }
 
-bool is_at_door(const Submap& submap) { return test::is_at_door(submap, kResolution); }
+bool is_at_door(const Submap& submap) { return test_world::is_at_door(submap, kResolution); }
 
 /// Reflection in the middle of the door's opening, greatest over its thickness.
 float at_door(const ReflectionGrid& grid) {
@@ -49,7 +49,7 @@ float at_door(const ReflectionGrid& grid) {
 TEST(PatchLearner, WithoutChangeThereAreNoSubmapsAndTheMapIsTheFilteredOneBitForBit) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     const auto scans = corridor_visits(std::vector<bool>(2 + 2 * seed, true), 0.0, 0.0, seed);
-    const ReflectionGrid filtered = test::map_of(scans);
+    const ReflectionGrid filtered = test_world::map_of(scans);
     const PatchMap map = learn(scans);
     EXPECT_TRUE(map.submaps.empty()) << "seed " << seed;
     EXPECT_TRUE(same_bits(map.base, filtered)) << "seed " << seed;
@@ -78,7 +78,7 @@ TEST(PatchLearner, ADoorSeenOpenOnceAndClosedOnceBecomesTwoConfigurations) {
 
 TEST(PatchLearner, SubmapGridsCoverItsRectangleAndUnknownCellsComeFromTheBase) {
   const auto scans = corridor_visits({true, false, true}, 0.0, 0.0, 2);
-  const ReflectionGrid filtered = test::map_of(scans);
+  const ReflectionGrid filtered = test_world::map_of(scans);
   const PatchMap map = learn(scans);
   ASSERT_FALSE(map.submaps.empty());
   for (const Submap& submap : map.submaps) {
@@ -181,11 +181,11 @@ TEST(PatchLearner, PeopleWhoWalkByMakeNoSubmap) {
   for (int run = 0; run < 3; ++run) {
     RandomStream random(77, StreamId::kTest, static_cast<std::uint64_t>(run));
     for (int i = 0; i < 120; ++i) {
-      test::ToyWorld world = test::corridor_with_door(true);
+      test_world::ToyWorld world = test_world::corridor_with_door(true);
       const double t = 0.2 * i;
       const double walker = 9.0 - 0.9 * t + run;  // towards the robot, past it and away
       world.add_box(walker, 1.6, walker + 0.3, 1.9);
-      PosedScan scan = test::ToyRobot{}.scan_at(world, {2.0 + 0.3 * t, 1.0, 0.0}, random);
+      PosedScan scan = test_world::ToyRobot{}.scan_at(world, {2.0 + 0.3 * t, 1.0, 0.0}, random);
       scan.run = run;
       scan.scan.stamp = Stamp::from_seconds(t);
       scans.push_back(scan);
@@ -233,9 +233,10 @@ TEST(PatchLearner, StopsWhenTheUserAsks) {
   for (const PosedScan& scan : scans) learner.add(scan);
   for (const char* stage : {"find visits", "find sequences", "learn configurations"}) {
     CancelAt progress(stage);
-    EXPECT_THROW((void)learner.finish(test::map_of(scans), &progress), Cancelled) << stage;
+    EXPECT_THROW((void)learner.finish(test_world::map_of(scans), &progress), Cancelled) << stage;
   }
-  EXPECT_EQ(learner.finish(test::map_of(scans)).submaps.size(), 1U) << "and can be asked again";
+  EXPECT_EQ(learner.finish(test_world::map_of(scans)).submaps.size(), 1U)
+      << "and can be asked again";
 }
 
 }  // namespace

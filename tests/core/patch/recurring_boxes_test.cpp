@@ -19,26 +19,26 @@
 namespace strata::patch {
 namespace {
 
-constexpr double kResolution = 0.05;
+constexpr double kCell_m = 0.05;
 
-PatchMap learn(const std::vector<PosedScan>& scans, const PatchLearnerConfig& config = {}) {
+PatchMap learn_boxes(const std::vector<PosedScan>& scans, const PatchLearnerConfig& config = {}) {
   PatchLearner learner(config);
   for (const PosedScan& scan : scans) learner.add(scan);
-  return learner.finish(test::map_of(scans));
+  return learner.finish(test_world::map_of(scans));
 }
 
 std::vector<PosedScan> visits(const std::vector<int>& places, std::uint64_t seed) {
-  return test::drive_past_box(places, seed, test::Visits::kRuns);
+  return test_world::drive_past_box(places, seed, test_world::Visits::kRuns);
 }
 
 // [stachniss2005patch, figure 3].
 TEST(RecurringBoxes, ABoxAtThreePlacesIsOneSubmapWithThreeConfigurations) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     const std::vector<int> places{0, 1, 2, 0, 1, 2};
-    const PatchMap map = learn(visits(places, seed));
+    const PatchMap map = learn_boxes(visits(places, seed));
     ASSERT_EQ(map.submaps.size(), 1U) << "seed " << seed;
     const Submap& submap = map.submaps[0];
-    EXPECT_LE(static_cast<double>(submap.rect.area()) * kResolution * kResolution, 20.0);
+    EXPECT_LE(static_cast<double>(submap.rect.area()) * kCell_m * kCell_m, 20.0);
     ASSERT_EQ(submap.configurations.size(), 3U) << "seed " << seed;
     for (const SequenceInfo& a : submap.sequences) {
       for (const SequenceInfo& b : submap.sequences) {
@@ -53,7 +53,7 @@ TEST(RecurringBoxes, ABoxAtThreePlacesIsOneSubmapWithThreeConfigurations) {
 }
 
 TEST(RecurringBoxes, ABoxThatIsSometimesAbsentAddsAFourthConfiguration) {
-  const PatchMap map = learn(visits({0, 1, 2, -1, 0, 1, 2, -1}, 5));
+  const PatchMap map = learn_boxes(visits({0, 1, 2, -1, 0, 1, 2, -1}, 5));
   ASSERT_EQ(map.submaps.size(), 1U);
   EXPECT_EQ(map.submaps[0].configurations.size(), 4U);
 }
@@ -65,14 +65,14 @@ const std::vector<int> kAlwaysNew{0, 1, 2, 3, 4, -1};
 // for one of them.
 TEST(RecurringBoxes, ABoxThatIsSomewhereElseEachTimeMakesNoSubmapButIsNamed) {
   const std::vector<PosedScan> scans = visits(kAlwaysNew, 2);
-  const PatchMap map = learn(scans);
+  const PatchMap map = learn_boxes(scans);
   EXPECT_TRUE(map.submaps.empty());
   ASSERT_FALSE(map.unrecurring.empty());
   EXPECT_TRUE(map.unrecurring[0].contains(map.base.cell_at({4.8, 0.5})));
 
   PatchLearnerConfig all;
   all.recurrence.min_probability = 0.0;
-  const PatchMap as_printed = learn(scans, all);
+  const PatchMap as_printed = learn_boxes(scans, all);
   EXPECT_EQ(as_printed.submaps.size(), map.unrecurring.size());
   EXPECT_TRUE(as_printed.unrecurring.empty());
   for (const Submap& submap : as_printed.submaps) EXPECT_GE(submap.configurations.size(), 2U);
@@ -82,8 +82,9 @@ TEST(RecurringBoxes, ABoxThatIsSomewhereElseEachTimeMakesNoSubmapButIsNamed) {
 TEST(RecurringBoxes, AreLeftOutWhileScansComeUntilTheyReturn) {
   std::vector<int> places = kAlwaysNew;
   places.insert(places.end(), {0, -1, 1, -1, 2, -1, 3, -1, 4, -1});
-  const std::vector<PosedScan> scans = test::drive_past_box(places, 2, test::Visits::kOneRun);
-  OnlinePatchLearner learner({}, {}, test::map_of(scans));
+  const std::vector<PosedScan> scans =
+      test_world::drive_past_box(places, 2, test_world::Visits::kOneRun);
+  OnlinePatchLearner learner({}, {}, test_world::map_of(scans));
   const std::size_t of_each = scans.size() / places.size();
   std::vector<std::size_t> submaps;
   std::vector<std::size_t> left_out;
@@ -104,8 +105,9 @@ TEST(RecurringBoxes, AreLeftOutWhileScansComeUntilTheyReturn) {
 TEST(RecurringBoxes, ASavedCountOfThemThatIsDamagedIsRefused) {
   PatchLearnerConfig all;
   all.recurrence.min_probability = 0.0;
-  const std::vector<PosedScan> scans = test::drive_past_box(kAlwaysNew, 2, test::Visits::kOneRun);
-  const ReflectionGrid base = test::map_of(scans);
+  const std::vector<PosedScan> scans =
+      test_world::drive_past_box(kAlwaysNew, 2, test_world::Visits::kOneRun);
+  const ReflectionGrid base = test_world::map_of(scans);
   OnlinePatchLearner learner(all, {}, base);
   for (const PosedScan& scan : scans) (void)learner.add(scan);
   const Recurrence seen = learner.finish().submaps.at(0).recurrence;

@@ -104,9 +104,9 @@ TEST(SequenceHistory, OfAWholeThatWasTwoKeepsWhoFollowedWhom) {
 
 TEST(SequenceHistory, KnowsOnHowManyDaysAndInWhichHours) {
   SequenceHistory history;
-  constexpr double kHour_s = 3600.0;
+  constexpr double hour_s = 3600.0;
   for (const double hour : {8.5, 9.5, 30.0, 31.0, 24.0 * 7.0 + 1.0}) {
-    history.append(history.size() == 0 ? 0.0 : kHour_s, Stamp::from_seconds(kHour_s * hour));
+    history.append(history.size() == 0 ? 0.0 : hour_s, Stamp::from_seconds(hour_s * hour));
   }
   EXPECT_EQ(history.seen().days, 3);
   EXPECT_EQ(history.seen().weeks, 2);

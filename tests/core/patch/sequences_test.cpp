@@ -12,15 +12,15 @@
 namespace strata::patch {
 namespace {
 
-constexpr double kResolution = 0.05;
+constexpr double kSequenceCell_m = 0.05;
 
 std::vector<PosedScan> standing(double seconds, double period_s, int run = 0) {
-  test::ToyWorld world;
+  test_world::ToyWorld world;
   world.add_box(-4.0, -4.0, 4.0, 4.0);
   RandomStream random(7, StreamId::kTest);
   std::vector<PosedScan> scans;
   for (double t = 0.0; t < seconds; t += period_s) {
-    scans.push_back(test::ToyRobot{}.scan_at(world, {0.0, 0.0, 0.0}, random));
+    scans.push_back(test_world::ToyRobot{}.scan_at(world, {0.0, 0.0, 0.0}, random));
     scans.back().run = run;
     scans.back().scan.stamp = Stamp::from_seconds(t);
   }
@@ -37,7 +37,7 @@ TEST(Clip, AgreesWithDenseSamplingOfTheSegment) {
     const Eigen::Vector2d b(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0));
     double enter = 0.0;
     double leave = 0.0;
-    const bool touches = clip_to_rect(a, b, rect, kResolution, enter, leave);
+    const bool touches = clip_to_rect(a, b, rect, kSequenceCell_m, enter, leave);
     for (int k = 0; k <= 200; ++k) {
       const double t = k / 200.0;
       const Eigen::Vector2d p = a + t * (b - a);
@@ -56,7 +56,7 @@ TEST(Sequences, AreCutAfterThirtySeconds) {
   for (const SequenceMode mode : {SequenceMode::kVisibility, SequenceMode::kEntered}) {
     SequenceConfig config;
     config.mode = mode;
-    const auto sequences = find_sequences(scans, rects, kResolution, config, {});
+    const auto sequences = find_sequences(scans, rects, kSequenceCell_m, config, {});
     ASSERT_EQ(sequences[0].size(), 3U);
     std::size_t total = 0;
     for (const Sequence& s : sequences[0]) {
@@ -77,7 +77,7 @@ TEST(Sequences, EndWithTheRunAndAtPauses) {
     scans.push_back(scan);
   }
   const std::vector<CellRect> rects{kBeside};
-  const auto sequences = find_sequences(scans, rects, kResolution, {}, {});
+  const auto sequences = find_sequences(scans, rects, kSequenceCell_m, {}, {});
   ASSERT_EQ(sequences[0].size(), 3U);
   for (const Sequence& s : sequences[0]) EXPECT_EQ(s.scans.size(), 20U);
 }
@@ -86,7 +86,7 @@ TEST(Sequences, ShortOnesAreDropped) {
   const auto scans = standing(0.7, 0.2);
   ASSERT_EQ(scans.size(), 4U);
   const std::vector<CellRect> rects{kBeside};
-  EXPECT_TRUE(find_sequences(scans, rects, kResolution, {}, {})[0].empty());
+  EXPECT_TRUE(find_sequences(scans, rects, kSequenceCell_m, {}, {})[0].empty());
 }
 
 TEST(Sequences, VisibilityNeedsEnoughBeamsOnTheRectangle) {
@@ -95,10 +95,10 @@ TEST(Sequences, VisibilityNeedsEnoughBeamsOnTheRectangle) {
   const std::vector<CellRect> rects{kBeside, {{2000, 0}, {2020, 20}}};
   SequenceConfig config;
   config.min_beams_per_scan = 50;
-  EXPECT_EQ(find_sequences(scans, rects, kResolution, config, {})[0].size(), 1U);
+  EXPECT_EQ(find_sequences(scans, rects, kSequenceCell_m, config, {})[0].size(), 1U);
   config.min_beams_per_scan = 57;
-  EXPECT_TRUE(find_sequences(scans, rects, kResolution, config, {})[0].empty());
-  EXPECT_TRUE(find_sequences(scans, rects, kResolution, {}, {})[1].empty());
+  EXPECT_TRUE(find_sequences(scans, rects, kSequenceCell_m, config, {})[0].empty());
+  EXPECT_TRUE(find_sequences(scans, rects, kSequenceCell_m, {}, {})[1].empty());
 }
 
 TEST(Sequences, EnteredModeFollowsTheRobot) {
@@ -106,24 +106,24 @@ TEST(Sequences, EnteredModeFollowsTheRobot) {
   SequenceConfig config;
   config.mode = SequenceMode::kEntered;
   const std::vector<CellRect> rects{kBeside, {{21, -10}, {41, 10}}};
-  const auto sequences = find_sequences(scans, rects, kResolution, config, {});
+  const auto sequences = find_sequences(scans, rects, kSequenceCell_m, config, {});
   EXPECT_EQ(sequences[0].size(), 1U) << "1 m away, within the margin";
   EXPECT_TRUE(sequences[1].empty()) << "5 cm beyond it";
 }
 
 TEST(SequenceCounts, EqualTheCountingMapInsideTheRectangle) {
-  test::ToyWorld world = test::corridor_with_door(false);
+  test_world::ToyWorld world = test_world::corridor_with_door(false);
   RandomStream random(3, StreamId::kTest);
   std::vector<PosedScan> scans;
-  test::ToyRobot{}.drive(world, {4.0, 1.2, 0.3}, {6.5, 1.1, 0.5}, 0, 0.0, {}, random, scans);
-  CountingMap full(kResolution);
+  test_world::ToyRobot{}.drive(world, {4.0, 1.2, 0.3}, {6.5, 1.1, 0.5}, 0, 0.0, {}, random, scans);
+  CountingMap full(kSequenceCell_m);
   Sequence all;
   for (std::uint32_t i = 0; i < scans.size(); ++i) {
     full.add(scans[i]);
     all.scans.push_back(i);
   }
   const CellRect rect{{90, 40}, {130, 75}};
-  const Grid<CellCounts> counts = count_sequence(scans, all, rect, kResolution, {});
+  const Grid<CellCounts> counts = count_sequence(scans, all, rect, kSequenceCell_m, {});
   double evidence = 0.0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const CellCounts& expected = full.cells().get(counts.cell(i));
@@ -135,7 +135,7 @@ TEST(SequenceCounts, EqualTheCountingMapInsideTheRectangle) {
 }
 
 TEST(SequenceVectors, FeatureIsTheGreatestKnownNeighbourSaturated) {
-  ReflectionGrid grid = make_reflection_grid(kResolution, {{0, 0}, {12, 12}});
+  ReflectionGrid grid = make_reflection_grid(kSequenceCell_m, {{0, 0}, {12, 12}});
   for (int y = 0; y < 5; ++y) {
     for (int x = 0; x < 5; ++x) grid.at({x, y}) = 0.1F;
   }
@@ -151,7 +151,7 @@ TEST(SequenceVectors, FeatureIsTheGreatestKnownNeighbourSaturated) {
 
 TEST(SequenceVectors, CellsInAShadowAreNotFree) {
   // Seen from one side, the back of an object is unknown, though free cells adjoin it.
-  ReflectionGrid grid = make_reflection_grid(kResolution, {{0, 0}, {9, 9}});
+  ReflectionGrid grid = make_reflection_grid(kSequenceCell_m, {{0, 0}, {9, 9}});
   for (int y = 0; y < 9; ++y) {
     for (int x = 2; x < 5; ++x) grid.at({x, y}) = 0.0F;
   }
@@ -163,7 +163,7 @@ TEST(SequenceVectors, CellsInAShadowAreNotFree) {
 }
 
 TEST(SequenceVectors, FreeCellsNearASurfaceMayBeThatSurfaceDisplaced) {
-  ReflectionGrid grid = make_reflection_grid(kResolution, {{0, 0}, {12, 12}});
+  ReflectionGrid grid = make_reflection_grid(kSequenceCell_m, {{0, 0}, {12, 12}});
   for (float& m : grid.values()) m = 0.0F;
   for (int y = 0; y < 12; ++y) grid.at({2, y}) = 1.0F;
   const std::vector<Cell> cells{{3, 6}, {4, 6}, {5, 6}, {6, 6}};
@@ -175,7 +175,7 @@ TEST(SequenceVectors, FreeCellsNearASurfaceMayBeThatSurfaceDisplaced) {
 }
 
 TEST(SequenceVectors, FilterKeepsWhatStaysAndDropsWhatPasses) {
-  Grid<CellCounts> counts(kResolution, {{0, 0}, {4, 1}});
+  Grid<CellCounts> counts(kSequenceCell_m, {{0, 0}, {4, 1}});
   counts.at({0, 0}) = {9.0, 0.0};
   counts.at({1, 0}) = {1.0, 19.0};
   counts.at({2, 0}) = {0.2, 0.2};

@@ -7,7 +7,7 @@
 #include "core/grid/counting_map.hpp"
 #include "core/scan/scan.hpp"
 
-namespace strata::patch::test {
+namespace strata::patch::test_world {
 
 inline ReflectionGrid map_of(const std::vector<PosedScan>& scans) {
   CountingMap counts(0.05);
@@ -15,4 +15,4 @@ inline ReflectionGrid map_of(const std::vector<PosedScan>& scans) {
   return counts.reflection();
 }
 
-}  // namespace strata::patch::test
+}  // namespace strata::patch::test_world

@@ -14,7 +14,7 @@
 #include "core/random/stream.hpp"
 #include "core/scan/scan.hpp"
 
-namespace strata::patch::test {
+namespace strata::patch::test_world {
 
 struct Wall {
   double x0, y0, x1, y1;
@@ -174,4 +174,4 @@ inline PosedScan beam(double range_m, double stamp_s, int run = 0) {
   return posed;
 }
 
-}  // namespace strata::patch::test
+}  // namespace strata::patch::test_world

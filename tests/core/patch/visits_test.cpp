@@ -10,7 +10,7 @@
 namespace strata::patch {
 namespace {
 
-using test::beam;
+using test_world::beam;
 
 TEST(Visits, GapAndRunEndThem) {
   std::vector<PosedScan> scans;

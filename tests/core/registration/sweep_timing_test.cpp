@@ -17,9 +17,11 @@ constexpr int kBeams = 360;
 constexpr double kSweepS = 0.12;
 
 /// A robot that turns to and fro on its way.
-Pose2 pose_at(double time_s) { return {3.5 + 0.1 * time_s, 4.0, 0.8 * std::sin(1.7 * time_s)}; }
+Pose2 turning_pose_at(double time_s) {
+  return {3.5 + 0.1 * time_s, 4.0, 0.8 * std::sin(1.7 * time_s)};
+}
 
-std::optional<Pose2> odometry_at(Stamp stamp) { return pose_at(stamp.seconds()); }
+std::optional<Pose2> odometry_at(Stamp stamp) { return turning_pose_at(stamp.seconds()); }
 
 /// Sweeps of a room stamped `delay_s` after their first beam was taken.
 std::vector<Scan> record(bool reversed, double delay_s, double turning = 1.0) {
@@ -30,7 +32,7 @@ std::vector<Scan> record(bool reversed, double delay_s, double turning = 1.0) {
     scan.time_increment_s = static_cast<float>(kSweepS / (kBeams - 1));
     for (std::size_t beam = 0; beam < scan.size(); ++beam) {
       const auto order = static_cast<double>(reversed ? scan.size() - 1 - beam : beam);
-      Pose2 pose = pose_at(start_s + kSweepS * order / (kBeams - 1));
+      Pose2 pose = turning_pose_at(start_s + kSweepS * order / (kBeams - 1));
       pose.theta *= turning;
       double range_m = 100.0;
       for (const test::Wall& wall : test::room()) {
@@ -69,7 +71,7 @@ TEST(SweepTiming, StartsFromWhatIsStated) {
 
 TEST(SweepTiming, SaysNothingAboutARobotThatDoesNotTurn) {
   const auto straight = [](Stamp stamp) -> std::optional<Pose2> {
-    Pose2 pose = pose_at(stamp.seconds());
+    Pose2 pose = turning_pose_at(stamp.seconds());
     pose.theta = 0.0;
     return pose;
   };
@@ -82,7 +84,7 @@ TEST(SweepTiming, DoesNotPreferADelayAtWhichOdometryIsMissing) {
   const auto with_holes = [](Stamp stamp) -> std::optional<Pose2> {
     const double phase_s = stamp.seconds() - 0.13 * std::floor(stamp.seconds() / 0.13 + 1e-6);
     if (phase_s > 0.05 && phase_s < 0.08) return std::nullopt;
-    return pose_at(stamp.seconds());
+    return turning_pose_at(stamp.seconds());
   };
   const auto found = estimate_sweep_timing(record(false, 0.0), with_holes);
   EXPECT_FALSE(found.certain) << found.timing.delay_s;

@@ -11,7 +11,7 @@
 namespace strata {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoPoint = std::numeric_limits<float>::quiet_NaN();
 constexpr double kPi = std::numbers::pi;
 
 /// The beam that points there, in the frame of the laser.
@@ -26,11 +26,14 @@ std::size_t hits(const Scan& scan) { return count_beams(scan).hits; }
 TEST(CloudSlice, TakesTheNearestPointBetweenTheHeightsInEachDirection) {
   // A mast of 1 m: what is 0.8 to 0.5 m below the sensor is in the slice.
   const Pose3 mast{{0.2, 0.0, 1.0}, Eigen::Quaterniond::Identity()};
-  const std::vector<Eigen::Vector3f> points{{3.0F, 0.0F, -0.7F}, {2.0F, 0.0F, -0.6F},
+  const std::vector<Eigen::Vector3f> points{{3.0F, 0.0F, -0.7F},
+                                            {2.0F, 0.0F, -0.6F},
                                             {1.0F, 0.0F, -0.9F},  // the last: the floor
                                             {1.5F, 0.0F, 0.4F},   // above
-                                            {0.0F, 4.0F, -0.6F}, {0.1F, 0.1F, -0.6F},  // itself
-                                            {kNan, kNan, kNan},  {-50.0F, 0.0F, -0.6F}};
+                                            {0.0F, 4.0F, -0.6F},
+                                            {0.1F, 0.1F, -0.6F},  // itself
+                                            {kNoPoint, kNoPoint, kNoPoint},
+                                            {-50.0F, 0.0F, -0.6F}};
   const CloudSlice slice = slice_cloud(points, {}, Stamp{7}, mast, {});
   const Scan& scan = slice.scan;
   EXPECT_EQ(scan.stamp, Stamp{7});

@@ -12,7 +12,7 @@
 namespace strata {
 namespace {
 
-constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNoReturn = std::numeric_limits<float>::infinity();
 constexpr std::size_t kBeams = 181;
 constexpr std::size_t kAhead = 90;
 
@@ -24,7 +24,7 @@ Scan wall_ahead() {
   scan.range_max_m = 8.0F;
   for (std::size_t beam = 0; beam < kBeams; ++beam) {
     const double range = 3.0 / std::max(1e-3, std::cos(scan.bearing_rad(beam)));
-    scan.ranges_m.push_back(range < 8.0 ? static_cast<float>(range) : kInf);
+    scan.ranges_m.push_back(range < 8.0 ? static_cast<float>(range) : kNoReturn);
   }
   return scan;
 }
@@ -43,7 +43,7 @@ TEST(SeenSurfaces, AreWhereTheBeamsOfAnotherPlaceMeetThem) {
   for (std::size_t beam = 0; beam < kBeams; ++beam) {
     const double angle = other.theta + scan.bearing_rad(beam);
     const double range = 4.0 / std::max(1e-3, std::cos(angle));
-    from_there.ranges_m[beam] = range < 8.0 ? static_cast<float>(range) : kInf;
+    from_there.ranges_m[beam] = range < 8.0 ? static_cast<float>(range) : kNoReturn;
   }
   const SeenSurfaces surfaces = seen(scan, other, from_there);
   for (std::size_t beam = kAhead - 40; beam <= kAhead + 40; ++beam) {
@@ -54,9 +54,9 @@ TEST(SeenSurfaces, AreWhereTheBeamsOfAnotherPlaceMeetThem) {
 TEST(SeenSurfaces, GoOnOverTwoBeamsWithoutHitAndNotOverThree) {
   for (const std::size_t missing : {1U, 2U, 3U}) {
     Scan other = wall_ahead();
-    for (std::size_t i = 0; i < missing; ++i) other.ranges_m[kAhead + i] = kInf;
+    for (std::size_t i = 0; i < missing; ++i) other.ranges_m[kAhead + i] = kNoReturn;
     const float range = seen(wall_ahead(), {}, other).range_m(kAhead);
-    EXPECT_EQ(range < kInf, missing <= 2) << missing;
+    EXPECT_EQ(range < kNoReturn, missing <= 2) << missing;
   }
 }
 
@@ -64,8 +64,8 @@ TEST(SeenSurfaces, DoNotSpanWhatLiesFurtherApartThanASurfaceIsSeen) {
   Scan other = wall_ahead();
   for (std::size_t beam = kAhead; beam < kBeams; ++beam) other.ranges_m[beam] = 1.0F;
   const SeenSurfaces surfaces = seen(wall_ahead(), {}, other);
-  EXPECT_EQ(surfaces.range_m(kAhead - 1), kInf) << "an edge";
-  EXPECT_EQ(surfaces.range_m(kAhead), kInf) << "an edge";
+  EXPECT_EQ(surfaces.range_m(kAhead - 1), kNoReturn) << "an edge";
+  EXPECT_EQ(surfaces.range_m(kAhead), kNoReturn) << "an edge";
   EXPECT_NEAR(surfaces.range_m(kAhead - 2), 3.0, 0.01);
   EXPECT_NEAR(surfaces.range_m(kAhead + 1), 1.0, 0.01);
 }
@@ -81,7 +81,7 @@ TEST(SeenSurfaces, AreNotLaidAcrossTheSeamOfAnglesNorBehindTheBeams) {
     const double bearing = round.bearing_rad(beam);
     const double c = std::cos(bearing);
     const double truth = -c + std::sqrt(c * c + 3.0);
-    if (surfaces.range_m(beam) == kInf) {
+    if (surfaces.range_m(beam) == kNoReturn) {
       EXPECT_TRUE(beam < 3 || beam + 4 > kBeams) << beam;
     } else {
       EXPECT_NEAR(surfaces.range_m(beam), truth, 0.01) << beam;
@@ -95,8 +95,8 @@ TEST(SeenSurfaces, ThatStayAreThoseOfBothSides) {
   const std::vector<SeenSurfaces> a_little_further{seen(near, {0.2, 0.0, 0.0}, near)};
   const std::vector<SeenSurfaces> further{seen(near, {0.4, 0.0, 0.0}, near)};
   EXPECT_NEAR(surface_that_stays_m(kAhead, wall, a_little_further), 3.2, 1e-3);
-  EXPECT_EQ(surface_that_stays_m(kAhead, wall, further), kInf);
-  EXPECT_EQ(surface_that_stays_m(kAhead, wall, {}), kInf);
+  EXPECT_EQ(surface_that_stays_m(kAhead, wall, further), kNoReturn);
+  EXPECT_EQ(surface_that_stays_m(kAhead, wall, {}), kNoReturn);
 }
 
 }  // namespace

@@ -9,23 +9,18 @@
 #include <gtest/gtest.h>
 
 #include "core/random/stream.hpp"
+#include "tests/core/topology/random_block.hpp"
 
 namespace strata::topology {
 namespace {
-
-Eigen::Matrix3d random_block(RandomStream& random) {
-  Eigen::Matrix3d block;
-  for (int i = 0; i < 9; ++i) block(i / 3, i % 3) = random.normal(0.0, 1.0);
-  return block;
-}
 
 /// A chain with loops, as blocks J' J of random edges, some of them twice.
 std::vector<Block> chain_with_loops(int size, int loops, std::uint64_t seed) {
   RandomStream random(seed, StreamId::kTest, 77);
   std::vector<Block> blocks;
   const auto tie = [&](int a, int b) {
-    const Eigen::Matrix3d by_a = random_block(random);
-    const Eigen::Matrix3d by_b = random_block(random);
+    const Eigen::Matrix3d by_a = test::random_block(random);
+    const Eigen::Matrix3d by_b = test::random_block(random);
     blocks.push_back({a, a, by_a.transpose() * by_a});
     blocks.push_back({b, b, by_b.transpose() * by_b});
     blocks.push_back({std::max(a, b), std::min(a, b),

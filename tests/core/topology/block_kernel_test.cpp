@@ -6,16 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "core/random/stream.hpp"
+#include "tests/core/topology/random_block.hpp"
 #include "tests/support/every_target.hpp"
 
 namespace strata::topology {
 namespace {
-
-Eigen::Matrix3d random_block(RandomStream& random) {
-  Eigen::Matrix3d block;
-  for (int i = 0; i < 9; ++i) block(i / 3, i % 3) = random.normal(0.0, 1.0);
-  return block;
-}
 
 struct Column {
   std::vector<FactorEntry> entries;  // some rows of eight
@@ -24,9 +19,9 @@ struct Column {
 
 Column random_column(RandomStream& random) {
   Column column;
-  for (const int row : {1, 2, 5, 7}) column.entries.push_back({row, random_block(random)});
+  for (const int row : {1, 2, 5, 7}) column.entries.push_back({row, test::random_block(random)});
   column.rows.resize(8, PaddedBlock{});
-  for (PaddedBlock& row : column.rows) block_in(row) = random_block(random);
+  for (PaddedBlock& row : column.rows) block_in(row) = test::random_block(random);
   return column;
 }
 
@@ -35,7 +30,7 @@ TEST(BlockKernel, SubtractsProductsWithTheSameBitsOnEveryTarget) {
   for (int n = 0; n < 50; ++n) {
     const Column column = random_column(random);
     PaddedBlock block{};
-    block_in(block) = random_block(random);
+    block_in(block) = test::random_block(random);
     std::vector<Eigen::Matrix3d> expected;
     for (const PaddedBlock& row : column.rows) expected.emplace_back(block_in(row));
     for (const FactorEntry& entry : column.entries) {

@@ -32,7 +32,7 @@ TopologyConfig with_bad_odometry() {
 }
 
 /// Every partition, none left out.
-TopologyConfig enumeration() {
+TopologyConfig enumerated() {
   TopologyConfig config = with_bad_odometry();
   config.particles = 1000;
   config.negligible = 1e6;
@@ -77,7 +77,7 @@ TEST(TopologyFilter, IsNearTheExactPosterior) {
   for (int run = 0; run < kRuns; ++run) {
     const auto seed = static_cast<std::uint64_t>(run + 1);
     const Drive drive = ambiguous_drive(seed);
-    const std::vector<Hypothesis> exact = posterior_of(drive.visits, enumeration());
+    const std::vector<Hypothesis> exact = posterior_of(drive.visits, enumerated());
     likeliest += exact.front().probability / kRuns;
     TopologyConfig config = with_bad_odometry();
     best += total_variation(posterior_of(drive.visits, config), exact) / kRuns;

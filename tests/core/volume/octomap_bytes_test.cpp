@@ -66,7 +66,7 @@ TEST(OctomapNodes, GivesNothingForTreesDeeperThanSixteenLevels) {
 TEST(OctomapNodes, CountsAsManyAsTheTreeHasAndFilesThatDoNotAreRefused) {
   WorkerPool pool(1);
   VolumeMap map(VolumeConfig{});
-  for (std::size_t i = 0; i < 3; ++i) map.insert(test::room_cloud(5, i, 500), {}, pool);
+  for (std::size_t i = 0; i < 3; ++i) map.insert(test_clouds::room_cloud(5, i, 500), {}, pool);
   for (const std::string& whole : {map.full_file(), map.binary_file()}) {
     const std::size_t data = whole.find("\ndata\n") + 6;
     const auto form = whole.find("binary") < data ? NodeForm::kBinary : NodeForm::kFull;

@@ -11,7 +11,7 @@
 namespace strata::volume {
 namespace {
 
-constexpr Rgb kRed{255, 0, 0};
+constexpr Rgb kPureRed{255, 0, 0};
 constexpr Rgb kBlue{0, 0, 255};
 
 Cloud cloud_with(const std::vector<Eigen::Vector3f>& points, const std::vector<Rgb>& colors) {
@@ -31,12 +31,13 @@ TEST(PointColors, AreTheMeanOfCloudsWhateverTheirPoints) {
   colors.add(cloud_with({{1.0F, 0.0F, 0.0F}}, {kBlue}), {}, pool);
   const std::vector<Eigen::Vector3f> three{
       {1.0F, 0.0F, 0.0F}, {1.01F, 0.0F, 0.0F}, {1.0F, 0.01F, 0.0F}};
-  colors.add(cloud_with(three, {kRed, kRed, kRed}), {}, pool);
+  colors.add(cloud_with(three, {kPureRed, kPureRed, kPureRed}), {}, pool);
   EXPECT_EQ(colors.color(key_at(1.05F)), (Rgb{128, 0, 128}));
   EXPECT_FALSE(colors.color(key_at(2.05F)));
   EXPECT_FALSE(colors.color(key_at(1.15F))) << "a voxel of the same brick";
-  for (int i = 0; i < 200; ++i) colors.add(cloud_with(three, {kRed, kRed, kRed}), {}, pool);
-  EXPECT_EQ(colors.color(key_at(1.05F)), kRed) << "what was long ago fades";
+  for (int i = 0; i < 200; ++i)
+    colors.add(cloud_with(three, {kPureRed, kPureRed, kPureRed}), {}, pool);
+  EXPECT_EQ(colors.color(key_at(1.05F)), kPureRed) << "what was long ago fades";
 }
 
 TEST(PointColors, LeaveOutWhatMovesLiesTooFarOrHasNoColour) {
@@ -47,31 +48,31 @@ TEST(PointColors, LeaveOutWhatMovesLiesTooFarOrHasNoColour) {
   const std::vector<Eigen::Vector3f> points{
       {1.0F, 0.0F, 0.0F}, {2.0F, 0.0F, 0.0F}, {4.0F, 0.0F, 0.0F}};
   const std::vector<std::uint8_t> is_dynamic{0, 1, 0};
-  colors.add(cloud_with(points, {kRed, kRed, kRed}), is_dynamic, pool);
-  EXPECT_EQ(colors.color(key_at(1.05F)), kRed);
+  colors.add(cloud_with(points, {kPureRed, kPureRed, kPureRed}), is_dynamic, pool);
+  EXPECT_EQ(colors.color(key_at(1.05F)), kPureRed);
   EXPECT_FALSE(colors.color(key_at(2.05F)));
   EXPECT_FALSE(colors.color(key_at(4.05F)));
   colors.add(cloud_with(points, {}), {}, pool);
   colors.add(cloud_with(points, {kBlue}), {}, pool);  // too few
-  EXPECT_EQ(colors.color(key_at(1.05F)), kRed);
+  EXPECT_EQ(colors.color(key_at(1.05F)), kPureRed);
   EXPECT_FALSE(colors.color(key_at(2.05F)));
 }
 
 TEST(PointColors, FollowTheirPointsIntoParts) {
   WorkerPool pool(1);
-  Cloud cloud = cloud_with({{1.0F, 0.0F, 0.0F}, {2.0F, 0.0F, 0.0F}}, {kRed, kBlue});
+  Cloud cloud = cloud_with({{1.0F, 0.0F, 0.0F}, {2.0F, 0.0F, 0.0F}}, {kPureRed, kBlue});
   const std::vector<float> offset_s{0.5F, 0.0F};  // the first was measured last
   const Pose3 pose = cloud.map_from_sensor;
   ASSERT_EQ(cut_by_time(cloud, offset_s, 0.1, [&](Stamp) { return pose; }), 0U);
   PointColors colors({});
   colors.add(cloud, {}, pool);
-  EXPECT_EQ(colors.color(key_at(1.05F)), kRed);
+  EXPECT_EQ(colors.color(key_at(1.05F)), kPureRed);
   EXPECT_EQ(colors.color(key_at(2.05F)), kBlue);
 }
 
 TEST(PointColors, ComeBackFromTheirFileAndRefuseOthers) {
   WorkerPool pool(1);
-  const Cloud cloud = cloud_with({{1.0F, 0.0F, 0.0F}, {2.0F, 0.5F, 0.0F}}, {kRed, kBlue});
+  const Cloud cloud = cloud_with({{1.0F, 0.0F, 0.0F}, {2.0F, 0.5F, 0.0F}}, {kPureRed, kBlue});
   VolumeMap map(VolumeConfig{});
   map.insert(cloud, {}, pool);
   map.insert(cloud_with({{-1.0F, 0.0F, 0.0F}}, {}), {}, pool);
@@ -80,7 +81,7 @@ TEST(PointColors, ComeBackFromTheirFileAndRefuseOthers) {
   const std::string file = colors.file(map);
   PointColors again({});
   again.restore(file, "colors");
-  EXPECT_EQ(again.color(key_at(1.05F)), kRed);
+  EXPECT_EQ(again.color(key_at(1.05F)), kPureRed);
   EXPECT_FALSE(again.color(key_at(-0.95F))) << "grey says nothing";
   EXPECT_EQ(again.file(map), file);
   for (std::size_t length = 0; length < file.size(); length += 7) {

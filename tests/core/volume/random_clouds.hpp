@@ -11,7 +11,7 @@
 #include "core/random/stream.hpp"
 #include "core/volume/cloud.hpp"
 
-namespace strata::volume::test {
+namespace strata::volume::test_clouds {
 
 /// Range along a direction to the walls of a box of half edges (4, 3, 1.5) around the origin.
 inline double range_to_walls(const Eigen::Vector3d& from, const Eigen::Vector3d& along) {
@@ -47,4 +47,4 @@ inline Cloud room_cloud(std::uint64_t seed, std::uint64_t step, std::size_t poin
   return cloud;
 }
 
-}  // namespace strata::volume::test
+}  // namespace strata::volume::test_clouds

@@ -19,7 +19,7 @@
 namespace strata::volume {
 namespace {
 
-using test::room_cloud;
+using test_clouds::room_cloud;
 
 octomap::OcTree octomap_tree(const VolumeConfig& config) {
   octomap::OcTree tree(config.resolution_m);

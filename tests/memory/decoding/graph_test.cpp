@@ -195,9 +195,9 @@ TEST(StepCost, IsInfiniteForTheImpossible) {
 NodeLevel small_level() {
   NodeLevel level({3, 4, 4.0}, 10, false);
   RandomStream random(1, StreamId::kTest);
-  constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
-  for (int i = 0; i < 3; ++i) level.insert({0.5F, 1.5F, kNothing}, random);
-  level.insert({2.5F, 3.5F, kNothing}, random);
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < 3; ++i) level.insert({0.5F, 1.5F, kUnknown}, random);
+  level.insert({2.5F, 3.5F, kUnknown}, random);
   return level;
 }
 

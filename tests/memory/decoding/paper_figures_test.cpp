@@ -17,7 +17,7 @@ namespace {
 
 using namespace paper_world;
 
-constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnseen = std::numeric_limits<float>::quiet_NaN();
 constexpr int kSeeds = 40;
 
 double sample_share_with_object(const NodeLevel& level) {
@@ -110,7 +110,7 @@ NodeLevel half_seen(std::uint64_t seed, bool coupled_eviction) {
   const std::size_t middle = (kObjectBegin + kObjectEnd) / 2;
   for (int t = 0; t < 80; ++t) {
     VirtualScan scan = measure(true, random);
-    std::fill(scan.begin() + static_cast<std::ptrdiff_t>(middle), scan.end(), kNothing);
+    std::fill(scan.begin() + static_cast<std::ptrdiff_t>(middle), scan.end(), kUnseen);
     level.insert(scan, random);
   }
   return level;

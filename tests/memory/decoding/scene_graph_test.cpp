@@ -13,7 +13,7 @@
 namespace strata::memory {
 namespace {
 
-constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnseenBin = std::numeric_limits<float>::quiet_NaN();
 
 double p(const NodeLevel& level, std::size_t row, std::size_t i, std::size_t j,
          DecodingConfig config = scene_decoding()) {
@@ -30,7 +30,7 @@ NodeLevel two_scenes(const VirtualScan& a, const VirtualScan& b) {
 }
 
 TEST(SceneGraph, ChargesStepsWithinASceneForTheirShareOfSamplesOnly) {
-  const NodeLevel level = two_scenes({1.05F, 1.05F, kNothing}, {3.05F, 3.05F, kNothing});
+  const NodeLevel level = two_scenes({1.05F, 1.05F, kUnseenBin}, {3.05F, 3.05F, kUnseenBin});
   EXPECT_NEAR(p(level, 0, 0, 0), std::pow(0.3, 0.1), 1e-12);
   EXPECT_NEAR(p(level, 0, 1, 1), std::pow(0.7, 0.1), 1e-12);
   DecodingConfig no_evidence = scene_decoding();
@@ -39,7 +39,7 @@ TEST(SceneGraph, ChargesStepsWithinASceneForTheirShareOfSamplesOnly) {
 }
 
 TEST(SceneGraph, ChargesAContradictionByHowOftenItCouldHaveBeenSeen) {
-  const NodeLevel level = two_scenes({1.05F, 1.05F, kNothing}, {3.05F, 3.05F, kNothing});
+  const NodeLevel level = two_scenes({1.05F, 1.05F, kUnseenBin}, {3.05F, 3.05F, kUnseenBin});
   // A goes on in A six times, and B comes from B fourteen times: the latter is the stronger.
   EXPECT_NEAR(p(level, 0, 0, 1), 0.1 / 14.1 * std::pow(0.7, 0.1), 1e-12);
   EXPECT_NEAR(p(level, 0, 1, 0), 0.1 / 14.1 * std::pow(0.3, 0.1), 1e-12);
@@ -47,7 +47,7 @@ TEST(SceneGraph, ChargesAContradictionByHowOftenItCouldHaveBeenSeen) {
 
 TEST(SceneGraph, CountsTheRangeBinBesideByHalfAndAsAConditionByAFifth) {
   // In bin 0 the scenes lie side by side, in range bins 10 and 11.
-  const NodeLevel level = two_scenes({1.05F, 1.05F, kNothing}, {1.15F, 3.05F, kNothing});
+  const NodeLevel level = two_scenes({1.05F, 1.05F, kUnseenBin}, {1.15F, 3.05F, kUnseenBin});
   const double share = 0.3 + 0.5 * 0.7;
   EXPECT_NEAR(p(level, 2, 0, 0), std::pow(share, 0.1), 1e-12);
   // From 10 on to B's 30: 14 pairs a fifth each, beside 6 that lead to A's 10.
@@ -59,7 +59,7 @@ TEST(SceneGraph, CountsTheRangeBinBesideByHalfAndAsAConditionByAFifth) {
 
 TEST(SceneGraph, HasAWildcardThatIsEnteredWhereASceneIsNotSeenOn) {
   // B is not seen in bin 1, A is.
-  const NodeLevel level = two_scenes({1.05F, 1.05F, 1.05F}, {3.05F, kNothing, 3.05F});
+  const NodeLevel level = two_scenes({1.05F, 1.05F, 1.05F}, {3.05F, kUnseenBin, 3.05F});
   const LayeredGraph graph = build_graph(level, scene_decoding());
   ASSERT_EQ(graph.states(0).size(), 3U);
   EXPECT_EQ(graph.states(0)[2], LayeredGraph::kWildcard);
@@ -72,7 +72,7 @@ TEST(SceneGraph, HasAWildcardThatIsEnteredWhereASceneIsNotSeenOn) {
 
 TEST(SceneGraph, ChargesAWildcardByHowManySurfacesItsSamplesShow) {
   // Two surfaces in bin 0; one, askew, in bin 1.
-  const NodeLevel level = two_scenes({1.05F, 1.05F, kNothing}, {3.05F, 1.15F, kNothing});
+  const NodeLevel level = two_scenes({1.05F, 1.05F, kUnseenBin}, {3.05F, 1.15F, kUnseenBin});
   const double two_alike = 0.3 * 0.3 + 0.7 * 0.7;
   EXPECT_NEAR(p(level, 2, 0, 2), two_alike * std::pow(0.85 * 0.7, 0.1), 1e-12);
   EXPECT_NEAR(p(level, 0, 2, 2), std::pow(0.85 * (0.7 + 0.5 * 0.3), 0.1), 1e-12);
@@ -94,7 +94,7 @@ TEST(SceneGraph, PrefersAStateToTheWildcardWhereOneSurfaceScatters) {
 
 TEST(SceneGraph, KeepsItsBestPathThroughAnAngleBinThatOnlyAnotherSceneShows) {
   const NodeLevel level =
-      two_scenes({1.05F, 1.05F, 1.05F, 1.05F, 1.05F}, {3.05F, 3.05F, kNothing, 3.05F, 3.05F});
+      two_scenes({1.05F, 1.05F, 1.05F, 1.05F, 1.05F}, {3.05F, 3.05F, kUnseenBin, 3.05F, 3.05F});
   const DecodedScan scan = decode(level, scene_decoding());
   EXPECT_EQ(scan.range_m, (std::vector<float>{3.05F, 3.05F, 1.05F, 3.05F, 3.05F}));
   EXPECT_FALSE(scan.inconsistent);
@@ -110,7 +110,7 @@ NodeLevel parted_by_chance() {
   std::fill(a.begin() + 4, a.end(), 1.05F);
   std::fill(b.begin() + 4, b.end(), 3.05F);
   VirtualScan b_beyond = b;
-  b_beyond[3] = kNothing;
+  b_beyond[3] = kUnseenBin;
   for (int i = 0; i < 5; ++i) level.insert(a, random);
   for (int i = 0; i < 3; ++i) level.insert(b, random);
   for (int i = 0; i < 12; ++i) level.insert(b_beyond, random);
@@ -146,7 +146,7 @@ void expect_cheapest_paths(const DecodingConfig& config) {
     VirtualScan scan(5);
     for (int t = 0; t < 8; ++t) {
       for (float& range : scan) {
-        range = random.bernoulli(0.2) ? kNothing : static_cast<float>(random.uniform(0.0, 3.4));
+        range = random.bernoulli(0.2) ? kUnseenBin : static_cast<float>(random.uniform(0.0, 3.4));
       }
       level.insert(scan, random);
     }

@@ -127,25 +127,25 @@ TEST(NodeLevel, ForgetsHalfOfItsSamplesInOneHalfLife) {
 
 TEST(NodeLevel, HalvesTheShareOfAnOldStateInOneHalfLife) {
   // The mean share over many bins decays as 2^(-t / half-life).
-  constexpr int kBins = 360;
+  constexpr int kRing = 360;
   for (const auto& [capacity, q] : {std::pair{5, 1.0}, {20, 0.5}, {50, 0.05}}) {
-    NodeLevel level({kBins, 4, 4.0}, capacity, false);
+    NodeLevel level({kRing, 4, 4.0}, capacity, false);
     RandomStream random(7, StreamId::kTest, static_cast<std::uint64_t>(capacity));
-    for (int i = 0; i < capacity; ++i) level.insert(VirtualScan(kBins, 1.5F), random);
+    for (int i = 0; i < capacity; ++i) level.insert(VirtualScan(kRing, 1.5F), random);
     const double half_life = half_life_observations(capacity, q);
     // Each insertion replaces 1 of N; t observations make about q t of them.
     const double insertions = q * std::round(half_life);
     for (int i = 0; i < static_cast<int>(std::round(insertions)); ++i) {
-      level.insert(VirtualScan(kBins, 2.5F), random);
+      level.insert(VirtualScan(kRing, 2.5F), random);
     }
     double old = 0.0;
-    for (int a = 0; a < kBins; ++a) {
+    for (int a = 0; a < kRing; ++a) {
       old +=
           static_cast<double>(std::count(level.samples(a).begin(), level.samples(a).end(), 1.5F));
     }
     const double expected = std::pow(1.0 - 1.0 / capacity, std::round(insertions));
-    EXPECT_NEAR(old / (kBins * capacity), expected, 0.05) << capacity;
-    EXPECT_NEAR(old / (kBins * capacity), 0.5, 0.05) << capacity;
+    EXPECT_NEAR(old / (kRing * capacity), expected, 0.05) << capacity;
+    EXPECT_NEAR(old / (kRing * capacity), 0.5, 0.05) << capacity;
   }
 }
 

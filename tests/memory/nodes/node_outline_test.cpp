@@ -14,11 +14,11 @@ namespace strata::memory {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
-constexpr float kOpen = std::numeric_limits<float>::infinity();
+constexpr float kOpenEnd_m = std::numeric_limits<float>::infinity();
 
 float range_of(const NodeOutline::Reach& reach) {
   if (reach.end == NodeOutline::Edge::kSurface) return static_cast<float>(reach.range_m);
-  return reach.end == NodeOutline::Edge::kOpen ? kOpen : kNothing;
+  return reach.end == NodeOutline::Edge::kOpen ? kOpenEnd_m : kNothing;
 }
 
 /// Every edge by itself.
@@ -53,7 +53,9 @@ TEST_P(OutlineOf, CastsBeamsAsTryingEveryEdgeDoes) {
     for (int a = 0; a < GetParam(); ++a) {
       radius = std::clamp(radius + random.normal(0.0, 0.15), 1.0, 7.9);
       const double kind = random.uniform();
-      ranges.push_back(kind < 0.05 ? kNothing : kind < 0.1 ? kOpen : static_cast<float>(radius));
+      ranges.push_back(kind < 0.05  ? kNothing
+                       : kind < 0.1 ? kOpenEnd_m
+                                    : static_cast<float>(radius));
     }
     const NodeOutline outline(bins, 0.75, ranges);
     for (int beam = 0; beam < 100; ++beam) {

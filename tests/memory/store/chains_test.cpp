@@ -3,10 +3,10 @@
 #include <filesystem>
 
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
 #include "memory/store/store.hpp"
 #include "memory/store/store_summary.hpp"
+#include "tests/memory/store/execute_sql.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace strata::memory {
@@ -42,13 +42,6 @@ void expect_chains(const patch::PatchMap& got, const patch::PatchMap& expected) 
   }
 }
 
-void execute(const std::filesystem::path& path, const char* sql) {
-  sqlite3* handle = nullptr;
-  ASSERT_EQ(sqlite3_open(path.c_str(), &handle), SQLITE_OK);
-  EXPECT_EQ(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr), SQLITE_OK);
-  sqlite3_close(handle);
-}
-
 TEST(StoredChains, ComeBackAndAreNotAskedOfOlderStores) {
   const TemporaryDirectory directory;
   const auto path = directory.path() / "strata.db";
@@ -56,11 +49,11 @@ TEST(StoredChains, ComeBackAndAreNotAskedOfOlderStores) {
   { Store(path).save_patch_map(map); }
   expect_chains(Store(path, {.read_only = true}).load_patch_map(), map);
   EXPECT_EQ(summarize_store(path).patch_maps.at(0).in_time, 2);
-  execute(path, "DROP TABLE submap_wave; PRAGMA user_version = 3");
+  test::execute(path, "DROP TABLE submap_wave; PRAGMA user_version = 3");
   for (patch::Submap& submap : map.submaps) submap.usual = {};
   EXPECT_EQ(summarize_store(path).patch_maps.at(0).in_time, 0);
   expect_chains(Store(path, {.read_only = true}).load_patch_map(), map);
-  execute(path, "DROP TABLE patch_entry; DROP TABLE submap_chain; PRAGMA user_version = 2");
+  test::execute(path, "DROP TABLE patch_entry; DROP TABLE submap_chain; PRAGMA user_version = 2");
   map.entry_margin_m = patch::kEntryMargin_m;
   for (patch::Submap& submap : map.submaps) submap.change_rate_per_s = 0.0;
   expect_chains(Store(path, {.read_only = true}).load_patch_map(), map);
@@ -80,7 +73,7 @@ TEST(StoredChains, WavesThatDoNotFitTheirConfigurationsAreDamage) {
     const TemporaryDirectory directory;
     const auto path = directory.path() / "strata.db";
     { Store(path).save_patch_map(small_map()); }
-    execute(path, damage);
+    test::execute(path, damage);
     EXPECT_THROW((void)Store(path, {.read_only = true}).load_patch_map(), InputError) << damage;
   }
 }

@@ -3,11 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
 #include "core/base/error.hpp"
 #include "core/random/stream.hpp"
 #include "memory/store/store.hpp"
+#include "tests/memory/store/execute_sql.hpp"
 #include "tests/support/same_scan.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -47,14 +47,6 @@ std::vector<PosedScan> random_scans(int run, std::size_t count) {
     }
   }
   return scans;
-}
-
-void execute(const std::filesystem::path& path, const char* sql) {
-  sqlite3* handle = nullptr;
-  ASSERT_EQ(sqlite3_open(path.c_str(), &handle), SQLITE_OK);
-  EXPECT_EQ(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr), SQLITE_OK)
-      << sqlite3_errmsg(handle);
-  sqlite3_close(handle);
 }
 
 TEST(StoredScans, ComeBackBitForBit) {
@@ -111,7 +103,7 @@ TEST(StoredScans, ThatAreAppendedFollowThoseOfTheirRun) {
 TEST(StoredScans, ThatDoNotAddUpAreRefusedByPlace) {
   const TemporaryDirectory dir;
   { Store(dir.path() / "strata.db").save_scans(0, random_scans(0, 10)); }
-  execute(dir.path() / "strata.db", "UPDATE scan_chunk SET scans = 9");
+  test::execute(dir.path() / "strata.db", "UPDATE scan_chunk SET scans = 9");
   const Store store(dir.path() / "strata.db");
   try {
     (void)store.load_scans(0);
@@ -124,7 +116,7 @@ TEST(StoredScans, ThatDoNotAddUpAreRefusedByPlace) {
 TEST(StoredScans, AreAddedToAStoreOfVersionOne) {
   const TemporaryDirectory dir;
   { Store(dir.path() / "strata.db").save_text("kept", "yes"); }
-  execute(dir.path() / "strata.db", "DROP TABLE scan_chunk; PRAGMA user_version = 1");
+  test::execute(dir.path() / "strata.db", "DROP TABLE scan_chunk; PRAGMA user_version = 1");
   {
     const Store reader(dir.path() / "strata.db", {.read_only = true});
     EXPECT_THAT(reader.runs_with_scans(), IsEmpty());

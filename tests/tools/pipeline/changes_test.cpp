@@ -13,8 +13,8 @@
 namespace strata::pipeline {
 namespace {
 
-using patch::test::ToyRobot;
-using patch::test::ToyWorld;
+using patch::test_world::ToyRobot;
+using patch::test_world::ToyWorld;
 
 /// A hall of 10 m x 4 m with pillars, and one box that stands at x = `box_m`.
 ToyWorld hall(double box_m) {

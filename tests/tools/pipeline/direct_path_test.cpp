@@ -14,7 +14,7 @@ namespace {
 using strata::test::same_bits;
 
 constexpr int kDays = 3;
-constexpr std::uint64_t kSeed = 5;
+constexpr std::uint64_t kDriveSeed = 5;
 
 /// All days but the last.
 std::vector<Observation> learning_part(const Runs& runs) {
@@ -54,11 +54,11 @@ maps::Maps maps_of(const LearnResult& learned) {
 }
 
 LearnResult learn_days(const Runs& runs, int threads) {
-  return learn(learning_part(runs), {}, {}, {}, kSeed, threads, nullptr);
+  return learn(learning_part(runs), {}, {}, {}, kDriveSeed, threads, nullptr);
 }
 
 TEST(DirectPath, LocalizesWithEveryModelWithinTwentyCentimetres) {
-  const Runs runs = test_room::simulate_runs(kSeed, kDays);
+  const Runs runs = test_room::simulate_runs(kDriveSeed, kDays);
   const LearnResult learned = learn_days(runs, 2);
   ASSERT_EQ(learned.slam.skipped_scans, 0U);
   ASSERT_EQ(learned.slam.scans.size(), learning_part(runs).size());
@@ -68,7 +68,7 @@ TEST(DirectPath, LocalizesWithEveryModelWithinTwentyCentimetres) {
     SCOPED_TRACE(name);
     const LocalizationRun run =
         localize(part.observations, part.truths, maps::make_map_model(maps, name, {}),
-                 maps.filtered, {}, {part.start}, kSeed, 2, nullptr);
+                 maps.filtered, {}, {part.start}, kDriveSeed, 2, nullptr);
     ASSERT_EQ(run.trajectory.size(), part.observations.size());
     ASSERT_EQ(run.errors.size(), part.observations.size());
     EXPECT_EQ(run.unusable_scans, 0U);
@@ -77,7 +77,7 @@ TEST(DirectPath, LocalizesWithEveryModelWithinTwentyCentimetres) {
 }
 
 TEST(DirectPath, LearnsTheSameBitsWithAnyNumberOfThreads) {
-  const Runs runs = test_room::simulate_runs(kSeed, kDays);
+  const Runs runs = test_room::simulate_runs(kDriveSeed, kDays);
   const LearnResult one = learn_days(runs, 1);
   for (const int threads : {2, 8}) {
     SCOPED_TRACE(threads);
@@ -109,15 +109,15 @@ TEST(DirectPath, LearnsTheSameBitsWithAnyNumberOfThreads) {
 }
 
 TEST(DirectPath, LocalizesWithTheSameBitsWithAnyNumberOfThreads) {
-  const Runs runs = test_room::simulate_runs(kSeed, kDays);
+  const Runs runs = test_room::simulate_runs(kDriveSeed, kDays);
   const LearnResult learned = learn_days(runs, 2);
   const TestPart part = test_part(runs, learned);
   const maps::Maps maps = maps_of(learned);
   for (const char* name : {"filtered", "patch", "timescale"}) {
     const maps::MapModel model = maps::make_map_model(maps, name, {});
     const auto run_with = [&](int threads) {
-      return localize(part.observations, part.truths, model, maps.filtered, {}, {part.start}, kSeed,
-                      threads, nullptr);
+      return localize(part.observations, part.truths, model, maps.filtered, {}, {part.start},
+                      kDriveSeed, threads, nullptr);
     };
     const LocalizationRun one = run_with(1);
     for (const int threads : {2, 8}) {

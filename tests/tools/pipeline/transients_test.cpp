@@ -12,8 +12,8 @@
 namespace strata::pipeline {
 namespace {
 
-using patch::test::ToyRobot;
-using patch::test::ToyWorld;
+using patch::test_world::ToyRobot;
+using patch::test_world::ToyWorld;
 
 struct Drive {
   std::vector<Observation> observations;

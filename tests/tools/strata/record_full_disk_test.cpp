@@ -26,7 +26,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr auto kPatience = std::chrono::seconds(60);
+constexpr auto kDiskPatience = std::chrono::seconds(60);
 /// Longer than the recorder keeps anything in memory.
 constexpr auto kRetryPeriod = std::chrono::seconds(3);
 constexpr int kRanges = 4'000;
@@ -66,8 +66,8 @@ class RecordOnAFullDisk : public testing::TestWithParam<const char*> {
 
   /// Records into `bag()` and has written a scan.
   void start() {
-    ASSERT_NE(recorder_.wait_for_line("recording into", kPatience), "");
-    ASSERT_TRUE(scans_.raw().wait_for_readers(1, kPatience));
+    ASSERT_NE(recorder_.wait_for_line("recording into", kDiskPatience), "");
+    ASSERT_TRUE(scans_.raw().wait_for_readers(1, kDiskPatience));
     const std::uintmax_t before = bytes_in(bag());
     // It reads by best effort, since nobody published the topic when it began: what is sent before
     // it knows of the writer is lost. Once a scan is there nothing waits to be written but what
@@ -111,9 +111,9 @@ TEST_P(RecordOnAFullDisk, EndsWellWhenThereIsRoomAgainAndNothingWasLost) {
   start();
   fill_disk(recorder_);
   scans_.publish(large_scan());
-  ASSERT_NE(recorder_.wait_for_line("warning: ", kPatience), "");
+  ASSERT_NE(recorder_.wait_for_line("warning: ", kDiskPatience), "");
   free_disk(recorder_);
-  ASSERT_THAT(recorder_.wait_for_line("warning: ", kPatience),
+  ASSERT_THAT(recorder_.wait_for_line("warning: ", kDiskPatience),
               HasSubstr("is written again, in another file of the bag; 0 messages"));
   recorder_.send(SIGINT);
   EXPECT_EQ(recorder_.wait(), 0) << recorder_.rest();
@@ -123,14 +123,14 @@ TEST_P(RecordOnAFullDisk, FailsWhenMessagesWereLostMeanwhile) {
   start();
   fill_disk(recorder_);
   for (int i = 0; i < kMoreThanWaits; ++i) scans_.publish(large_scan());
-  ASSERT_NE(recorder_.wait_for_line("warning: ", kPatience), "");
+  ASSERT_NE(recorder_.wait_for_line("warning: ", kDiskPatience), "");
   // More than it keeps for when there is room again.
   for (int i = 0; i < kMoreThanWaits; ++i) {
     scans_.publish(large_scan());
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   free_disk(recorder_);
-  ASSERT_THAT(recorder_.wait_for_line("warning: ", kPatience),
+  ASSERT_THAT(recorder_.wait_for_line("warning: ", kDiskPatience),
               AllOf(HasSubstr("is written again"), testing::Not(HasSubstr("; 0 messages"))));
   recorder_.send(SIGINT);
   EXPECT_EQ(recorder_.wait(), 1);

@@ -13,8 +13,8 @@
 namespace strata::textures {
 namespace {
 
-using test::looking;
-using test::Wall;
+using test_wall::looking;
+using test_wall::Wall;
 
 std::uint32_t number_at(const std::string& bytes, std::size_t at) {
   std::uint32_t value = 0;

@@ -8,7 +8,7 @@
 #include "core/volume/color_map.hpp"
 #include "core/volume/volume_map.hpp"
 
-namespace strata::textures::test {
+namespace strata::textures::test_wall {
 
 /// A wall at x = 3.05, |y| < 1, seen from the origin at 1 m height.
 inline volume::VolumeMap map_of_wall() {
@@ -65,4 +65,4 @@ struct Wall {
   }
 };
 
-}  // namespace strata::textures::test
+}  // namespace strata::textures::test_wall

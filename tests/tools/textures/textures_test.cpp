@@ -16,11 +16,11 @@
 namespace strata::textures {
 namespace {
 
-using test::kBlue;
-using test::kGreen;
-using test::kRed;
-using test::looking;
-using test::Wall;
+using test_wall::kBlue;
+using test_wall::kGreen;
+using test_wall::kRed;
+using test_wall::looking;
+using test_wall::Wall;
 
 /// What of a texture is of that colour.
 std::size_t count(const TexturedMesh& mesh, const volume::Rgb& color) {

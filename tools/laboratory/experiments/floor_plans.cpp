@@ -23,18 +23,18 @@
 namespace strata::experiments {
 namespace {
 
-constexpr int kDays = 3;
+constexpr int kDrivenDays = 3;
 constexpr double kGood_m = 0.05;
 constexpr double kGood_deg = 0.3;
-constexpr double kCell_m = 0.05;
+constexpr double kPlanCell_m = 0.05;
 
 using Building = simulate::ScenarioConfig (*)(std::uint64_t);
 
 simulate::ScenarioConfig office(std::uint64_t seed) {
-  return simulate::random_office(seed, {kDays});
+  return simulate::random_office(seed, {kDrivenDays});
 }
 simulate::ScenarioConfig floor_of_rooms(std::uint64_t seed) {
-  return simulate::random_floor(seed, {kDays});
+  return simulate::random_floor(seed, {kDrivenDays});
 }
 
 bool is_right(const PlanOutcome& one) {
@@ -73,7 +73,7 @@ void compare(const simulate::Simulation& building, const DrawnPlan& drawn,
 void drive(const simulate::Simulation& building, const DrawnPlan& drawn, std::uint64_t seed,
            PlanOutcome& outcome) {
   maps::Maps maps;
-  maps.filtered = plan::map_of_plan(drawn.drawing, {}, kCell_m);
+  maps.filtered = plan::map_of_plan(drawn.drawing, {}, kPlanCell_m);
   maps.occupancy = maps.filtered;
   const maps::MapModel model = maps::make_likelihood_field_model(maps, "filtered", {});
   localization::LocalizerConfig config;

@@ -16,9 +16,9 @@ namespace strata::experiments {
 namespace {
 
 constexpr std::size_t kEvery = 5;
-constexpr double kNear_m = 2.0;
+constexpr double kSamePlace_m = 2.0;
 constexpr double kApart_m = 10.0;
-constexpr double kWrong_m = 0.5;
+constexpr double kWronglyFar_m = 0.5;
 
 /// Rows: folded or not; columns: told as consistent or not.
 struct Told {
@@ -85,13 +85,14 @@ Revisits judge_revisits(const std::vector<Pose2>& found, const std::vector<Pose2
   Revisits result;
   for (std::size_t i = 0; i < truth.size(); i += kEvery) {
     for (std::size_t j = i + kEvery; j < truth.size(); j += kEvery) {
-      if (way_m[j] - way_m[i] < kApart_m || translation_distance(truth[i], truth[j]) > kNear_m) {
+      if (way_m[j] - way_m[i] < kApart_m ||
+          translation_distance(truth[i], truth[j]) > kSamePlace_m) {
         continue;
       }
       const double off_m =
           translation_distance(between(found[i], found[j]), between(truth[i], truth[j]));
       result.pairs += 1.0;
-      result.wrong += off_m > kWrong_m ? 1.0 : 0.0;
+      result.wrong += off_m > kWronglyFar_m ? 1.0 : 0.0;
       result.worst_m = std::max(result.worst_m, off_m);
     }
   }

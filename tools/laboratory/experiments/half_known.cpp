@@ -27,9 +27,9 @@ constexpr int kFar = 2000;         // cells, beyond any of these buildings
 constexpr double kSouth_m = 4.5;   // the corridor's wall of random offices
 constexpr double kSlack_m = 0.15;  // noise of poses: the near side of the wall stays
 
-constexpr std::array<const char*, 2> kModels{"filtered", "patch"};
+constexpr std::array<const char*, 2> kHalfKnownModels{"filtered", "patch"};
 /// Each model without and with it, as shards keep it.
-using Rows = std::array<HalfKnownOutcome, 2 * kModels.size()>;
+using HalfKnownRows = std::array<HalfKnownOutcome, 2 * kHalfKnownModels.size()>;
 
 VerdictWorld without(const std::string& name, const simulate::ScenarioConfig& scenario,
                      std::uint64_t seed, const CellRect& unseen) {
@@ -41,19 +41,19 @@ VerdictWorld without(const std::string& name, const simulate::ScenarioConfig& sc
   return world_of_scans(name, simulation, scans);
 }
 
-Rows rows_of(const VerdictWorld& world, std::uint64_t seed) {
-  Rows rows{};
+HalfKnownRows rows_of(const VerdictWorld& world, std::uint64_t seed) {
+  HalfKnownRows rows{};
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    rows[r] = drive_half_known(world, kModels[r / 2], r % 2 == 1, seed);
+    rows[r] = drive_half_known(world, kHalfKnownModels[r / 2], r % 2 == 1, seed);
   }
   return rows;
 }
 
-void add(const Rows& more, Rows& sums) {
+void add(const HalfKnownRows& more, HalfKnownRows& sums) {
   for (std::size_t r = 0; r < sums.size(); ++r) sums[r] += more[r];
 }
 
-void print(const std::string& name, const Rows& rows) {
+void print(const std::string& name, const HalfKnownRows& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const HalfKnownOutcome& o = rows[i];
     const double scans = o.mapped_scans + o.beyond_scans;
@@ -61,7 +61,7 @@ void print(const std::string& name, const Rows& rows) {
         "%s, %s, beyond_map %s: %.3f m, lost %.0f of %.0f; where it is mapped %.3f m, beyond %.3f "
         "m (%.0f%% of the scans); over 1 m off and called good %.2f%%; score >= 0.9: %.0f%%, of "
         "those wrong %.2f%%\n",
-        name.c_str(), kModels[i / 2], i % 2 == 0 ? "off" : "on",
+        name.c_str(), kHalfKnownModels[i / 2], i % 2 == 0 ? "off" : "on",
         (o.mapped_error_m + o.beyond_error_m) / std::max(1.0, scans), o.lost, o.runs,
         o.mapped_error_m / std::max(1.0, o.mapped_scans),
         o.beyond_error_m / std::max(1.0, o.beyond_scans),
@@ -140,11 +140,11 @@ void report_half_known(const Seeds& seeds, shards::Units& units) {
       {{"offices without their south rooms", half_known_office},
        {"floors without a half", half_known_floor}}};
   for (const auto& [name, world] : kinds) {
-    Rows sums{};
+    HalfKnownRows sums{};
     for (int i = 0; i < seeds.count; ++i) {
       const std::uint64_t seed = seeds.first + static_cast<std::uint64_t>(i);
-      add(units.of<Rows>(std::string(name) + ", seed " + std::to_string(seed),
-                         [&] { return rows_of(world(seed), seed); }),
+      add(units.of<HalfKnownRows>(std::string(name) + ", seed " + std::to_string(seed),
+                                  [&] { return rows_of(world(seed), seed); }),
           sums);
     }
     print(name, sums);
@@ -155,7 +155,7 @@ void report_half_known_logs(const std::vector<std::string>& logs,
                             const std::vector<std::string>& poses,
                             const std::filesystem::path& runs, const Seeds& seeds) {
   const auto report = [&](const VerdictWorld& world) {
-    Rows sums{};
+    HalfKnownRows sums{};
     for (int n = 0; n < seeds.count; ++n) {
       add(rows_of(world, seeds.first + static_cast<std::uint64_t>(n)), sums);
     }

@@ -24,8 +24,8 @@ constexpr double kCorridor_m = 2.2;
 constexpr double kCabinHalf_m = 0.9;
 constexpr double kCabinDepth_m = 2.0;
 constexpr double kDoorHalf_m = 0.5;
-constexpr double kDoorway_m = 0.9;
-constexpr double kNear_m = 6.0;  // of the lift: floors that look alike are the same within
+constexpr double kOfficeDoor_m = 0.9;
+constexpr double kLiftLobby_m = 6.0;  // of the lift: floors that look alike are the same within
 constexpr double kMiddle_m = 0.5 * kCorridor_m;
 constexpr double kScans_hz = 10.0;
 constexpr float kDiffers_m = 0.3F;
@@ -43,7 +43,7 @@ void add_rooms(ScenarioConfig& floor, double x0, double x1, double y, double out
   const double side = x1 > x0 ? 1.0 : -1.0;
   double x = x0;
   while (side * (x1 - x) > 0.5) {
-    RandomStream& random = std::abs(x) < kNear_m ? near : far;
+    RandomStream& random = std::abs(x) < kLiftLobby_m ? near : far;
     const double width = std::min(random.uniform(3.0, 5.5), side * (x1 - x));
     const double depth = random.uniform(2.5, 5.0);
     const double end = x + side * width;
@@ -52,7 +52,7 @@ void add_rooms(ScenarioConfig& floor, double x0, double x1, double y, double out
     wall(floor, {x, y, x, back, end, back, end, y});
     if (random.bernoulli(0.6) && width > 2.0) {
       wall(floor, {x, y, door, y});
-      wall(floor, {door + side * kDoorway_m, y, end, y});
+      wall(floor, {door + side * kOfficeDoor_m, y, end, y});
     } else {
       wall(floor, {x, y, end, y});
     }
@@ -143,7 +143,7 @@ std::vector<simulate::Circle> legs_at(double s, double x) {
 std::vector<Segment> new_boxes(RandomStream& random) {
   std::vector<Segment> sides;
   for (std::uint32_t count = random.below(3); count > 0; --count) {
-    const double x = random.uniform(1.2, kNear_m) * (random.bernoulli(0.5) ? 1.0 : -1.0);
+    const double x = random.uniform(1.2, kLiftLobby_m) * (random.bernoulli(0.5) ? 1.0 : -1.0);
     const double y = random.bernoulli(0.5) ? 0.05 : kCorridor_m - 0.45;
     const Eigen::Vector2d a(x, y);
     const Eigen::Vector2d b(x + random.uniform(0.3, 0.8), y);

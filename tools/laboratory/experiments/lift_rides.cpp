@@ -18,12 +18,12 @@ namespace strata::experiments {
 namespace {
 
 constexpr double kDifferentShare = 0.05;
-constexpr double kSoon_s = 3.0;
+constexpr double kSoonAfterRide_s = 3.0;
 constexpr double kOut_m = 0.6;  // in front of the lift
 constexpr int kRides = 10;
-constexpr std::array<const char*, 2> kModels{"filtered", "patch"};
+constexpr std::array<const char*, 2> kRideModels{"filtered", "patch"};
 
-using Rows = std::array<RidesOutcome, 2 * kModels.size()>;  // rides and starts of each
+using RideRows = std::array<RidesOutcome, 2 * kRideModels.size()>;  // rides and starts of each
 
 std::unique_ptr<localization::LevelLocalizer> localizer_of(const LiftBuilding& building,
                                                            const std::string& model,
@@ -101,7 +101,7 @@ RidesOutcome follow(localization::LevelLocalizer& localizer, const Ride& ride, s
   outcome.right = 1.0;
   outcome.error_m = error_m;
   outcome.slowest_s = outcome.after_s = std::max(0.0, right_s - *differ_s);
-  outcome.soon = outcome.after_s <= kSoon_s ? 1.0 : 0.0;
+  outcome.soon = outcome.after_s <= kSoonAfterRide_s ? 1.0 : 0.0;
   return outcome;
 }
 
@@ -115,19 +115,19 @@ void print(const char* what, const char* model, const RidesOutcome& o) {
       o.error_m / right, o.untold, o.guessed, o.end_wrong, o.ever_wrong, o.wrong_scans);
 }
 
-Rows rows_of(std::uint64_t seed) {
+RideRows rows_of(std::uint64_t seed) {
   const LiftBuilding building = lift_building(seed);
   const std::size_t count = building.floors.size();
-  Rows rows{};
-  for (std::size_t m = 0; m < kModels.size(); ++m) {
+  RideRows rows{};
+  for (std::size_t m = 0; m < kRideModels.size(); ++m) {
     RandomStream random(seed, StreamId::kTest, 7);
     for (int i = 0; i < kRides; ++i) {
       const std::size_t from = random.below(static_cast<std::uint32_t>(count));
       const std::size_t by =
           i % 5 == 4 ? 0 : 1 + random.below(static_cast<std::uint32_t>(count - 1));
       const std::uint64_t own = 1000 * seed + static_cast<std::uint64_t>(i);
-      rows[2 * m] += one_ride(building, kModels[m], from, (from + by) % count, own);
-      rows[2 * m + 1] += one_start(building, kModels[m], from, own);
+      rows[2 * m] += one_ride(building, kRideModels[m], from, (from + by) % count, own);
+      rows[2 * m + 1] += one_start(building, kRideModels[m], from, own);
     }
   }
   return rows;
@@ -167,16 +167,16 @@ RidesOutcome one_start(const LiftBuilding& building, const std::string& model, s
 }
 
 void report_lift_rides(const Seeds& seeds, shards::Units& units) {
-  Rows sums{};
+  RideRows sums{};
   for (int i = 0; i < seeds.count; ++i) {
     const std::uint64_t seed = seeds.first + static_cast<std::uint64_t>(i);
-    const Rows rows =
-        units.of<Rows>("building " + std::to_string(seed), [&] { return rows_of(seed); });
+    const RideRows rows =
+        units.of<RideRows>("building " + std::to_string(seed), [&] { return rows_of(seed); });
     for (std::size_t r = 0; r < rows.size(); ++r) sums[r] += rows[r];
   }
   if (!units.is_whole()) return;
   for (std::size_t r = 0; r < sums.size(); ++r) {
-    print(r % 2 == 0 ? "rides" : "starts", kModels[r / 2], sums[r]);
+    print(r % 2 == 0 ? "rides" : "starts", kRideModels[r / 2], sums[r]);
   }
 }
 

@@ -10,7 +10,7 @@
 namespace strata::experiments {
 namespace {
 
-constexpr int kDays = 6;
+constexpr int kGateDays = 6;
 constexpr double kReach_m = 8.0;
 
 struct Hall {
@@ -25,7 +25,7 @@ Hall draw_hall(RandomStream& random) {
   const double from = random.uniform(1.0, length - opening - 1.0);
   Hall hall{{}, {from, width, from + opening, width}};
   simulate::ScenarioConfig& scenario = hall.scenario;
-  scenario.days = kDays;
+  scenario.days = kGateDays;
   scenario.walls.push_back({{0.0, width, 0.0, 0.0, length, 0.0, length, width}});
   scenario.walls.push_back({{0.0, width, from, width}});
   scenario.walls.push_back({{from + opening, width, length, width}});
@@ -56,9 +56,9 @@ simulate::ScenarioConfig hall_with_gate(std::uint64_t seed) {
   gate.id = "gate";
   gate.kind = simulate::DoorKind::kSliding;
   gate.at.assign(hall.opening.begin(), hall.opening.end());
-  int open_left = kDays / 2;
-  for (int day = 1; day <= kDays; ++day) {
-    const int left = kDays + 1 - day;
+  int open_left = kGateDays / 2;
+  for (int day = 1; day <= kGateDays; ++day) {
+    const int left = kGateDays + 1 - day;
     const bool is_open =
         static_cast<int>(random.below(static_cast<std::uint32_t>(left))) < open_left;
     if (is_open) --open_left;

@@ -21,7 +21,7 @@ namespace {
 constexpr const char* kModels[] = {"patch", "filtered"};
 constexpr int kTimes = 4;
 constexpr double kShortReach_m = 4.0;
-constexpr double kSure = 0.9;
+constexpr double kSureScore = 0.9;
 constexpr std::size_t kBins = 10;
 /// Of the sure ones, so many may be wrong where weights are learned: three quarters of what is
 /// promised elsewhere.
@@ -42,7 +42,7 @@ struct Counts {
 
   void add(const ScoreSample& sample) {
     const bool wrong_one = is_wrong(sample);
-    const bool sure_one = sample.score >= kSure;
+    const bool sure_one = sample.score >= kSureScore;
     ++scans;
     wrong += wrong_one ? 1 : 0;
     sure += sure_one ? 1 : 0;

@@ -21,9 +21,9 @@ constexpr double kWrongPose_m = 0.5;
 constexpr double kHighScore = 0.9;
 constexpr int kFirmly = 10;  // weighed scans on end
 
-constexpr std::array<const char*, 2> kModels{"filtered", "patch"};
+constexpr std::array<const char*, 2> kStartModels{"filtered", "patch"};
 /// Each model without and with the search, as shards keep it.
-using Rows = std::array<StartsOutcome, 2 * kModels.size()>;
+using Rows = std::array<StartsOutcome, 2 * kStartModels.size()>;
 
 StartsOutcome start_at(const VerdictWorld& world, SplicedDrive& drive, std::size_t from,
                        std::size_t scans) {
@@ -59,7 +59,7 @@ StartsOutcome start_at(const VerdictWorld& world, SplicedDrive& drive, std::size
 Rows rows_of(const VerdictWorld& world, int starts) {
   Rows rows{};
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    rows[r] = start_anywhere(world, kModels[r / 2], r % 2 == 1, starts, kScans);
+    rows[r] = start_anywhere(world, kStartModels[r / 2], r % 2 == 1, starts, kScans);
   }
   return rows;
 }
@@ -70,7 +70,7 @@ void print(const std::string& name, const Rows& rows) {
     std::printf(
         "%s, %s, %s: %.0f starts, right %.0f, wrong %.0f, unsure %.0f, once firmly wrong %.0f; "
         "right after %.1f s; score >= 0.9: %.0f of %.0f scans, %.2f%% wrong\n",
-        name.c_str(), kModels[i / 2], i % 2 == 0 ? "particles anywhere" : "search", o.starts,
+        name.c_str(), kStartModels[i / 2], i % 2 == 0 ? "particles anywhere" : "search", o.starts,
         o.right, o.wrong, o.starts - o.right - o.wrong, o.ever_wrong,
         o.right_after_s / std::max(1.0, o.right), o.high_scored, o.scans,
         100.0 * o.high_scored_wrong / std::max(1.0, o.high_scored));

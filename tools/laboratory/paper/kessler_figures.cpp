@@ -22,7 +22,7 @@ Occasion intel(const Setting& setting, double from_s, double to_s) {
           from_s, to_s};
 }
 
-PlaceFigures figures_of(const Setting& setting) {
+PlaceFigures switching_figures(const Setting& setting) {
   return {memory::TimescaleConfig{}.bins(), 20, setting.seeds_or(20), setting.first_seed};
 }
 
@@ -48,8 +48,10 @@ TwoStates states_of(const Setting& setting, bool is_pose) {
 
 Outcome figure_6(const Setting& setting) {
   const TwoStates states = states_of(setting, false);
-  const SwitchResult theirs = switch_states(states, decoder_named("paper"), figures_of(setting));
-  const SwitchResult ours = switch_states(states, decoder_named("scene"), figures_of(setting));
+  const SwitchResult theirs =
+      switch_states(states, decoder_named("paper"), switching_figures(setting));
+  const SwitchResult ours =
+      switch_states(states, decoder_named("scene"), switching_figures(setting));
   report::LinePlot plot{.title = "A board appears",
                         .x_label = "scans since",
                         .y_label = "share of it shown (first seed)"};
@@ -71,7 +73,7 @@ Outcome figure_6(const Setting& setting) {
 
 Outcome figure_7(const Setting& setting) {
   const TwoStates states = states_of(setting, false);
-  const PlaceFigures figures = figures_of(setting);
+  const PlaceFigures figures = switching_figures(setting);
   const auto complete = [&](const char* name) {
     return static_cast<double>(complete_half(states, decoder_named(name), figures).complete);
   };
@@ -86,7 +88,7 @@ Outcome figure_7(const Setting& setting) {
 Outcome figure_8(const Setting& setting) {
   const TwoStates states = states_of(setting, true);
   const auto wrong = [&](const char* name, double share) {
-    return wrong_bins(states, decoder_named(name), share, figures_of(setting));
+    return wrong_bins(states, decoder_named(name), share, switching_figures(setting));
   };
   const double ours = wrong("scene", 0.3);
   return judged(ours <= 0.03, "more than 3% of the bins follow the wrong pose",

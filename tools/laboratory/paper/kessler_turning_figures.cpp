@@ -11,7 +11,7 @@ namespace {
 
 using namespace experiments;
 
-PlaceFigures figures_of(const Setting& setting) {
+PlaceFigures turning_figures(const Setting& setting) {
   return {memory::TimescaleConfig{}.bins(), 20, setting.seeds_or(20), setting.first_seed};
 }
 
@@ -43,7 +43,7 @@ report::Series outline(const std::string& name, const std::vector<float>& range_
 }
 
 Outcome adapts(const Setting& setting) {
-  const PlaceFigures figures = figures_of(setting);
+  const PlaceFigures figures = turning_figures(setting);
   const TwoStates states = board_states(board_room(), figures.bins, setting.first_seed);
   const SwitchResult theirs = switch_states(states, decoder_named("paper"), figures);
   const SwitchResult ours = switch_states(states, decoder_named("scene"), figures);
@@ -63,7 +63,7 @@ Outcome adapts(const Setting& setting) {
 }
 
 Outcome completes(const Setting& setting) {
-  const PlaceFigures figures = figures_of(setting);
+  const PlaceFigures figures = turning_figures(setting);
   const TurnedAway turned = turn_away(board_room(), figures.bins, setting.first_seed);
   const auto complete = [&](const char* name) {
     return static_cast<double>(complete_turned(turned, decoder_named(name), figures).complete);
@@ -88,7 +88,7 @@ Outcome completes(const Setting& setting) {
 }
 
 Outcome wrong_poses(const Setting& setting) {
-  const PlaceFigures figures = figures_of(setting);
+  const PlaceFigures figures = turning_figures(setting);
   const TwoStates states = wrong_pose_states(board_room(), figures.bins, setting.first_seed);
   const auto wrong = [&](const char* name, double share) {
     return wrong_bins(states, decoder_named(name), share, figures);

@@ -14,7 +14,7 @@ namespace {
 using topology::Hypothesis;
 using topology::MadeVisit;
 
-constexpr double kNear_m = 0.2;
+constexpr double kSameSurface_m = 0.2;
 constexpr double kOverlap = 0.5;
 constexpr double kTile = 130.0;
 constexpr double kGap = 8.0;
@@ -39,10 +39,10 @@ double overlap(const topology::LocalCloud& a, const topology::LocalCloud& b,
                const Pose2& a_from_b) {
   if (a.empty() || b.empty()) return 0.0;
   if (b.size() > a.size()) return overlap(b, a, inverse(a_from_b));
-  const topology::NearestPoint surface(a.points_m, kNear_m);
+  const topology::NearestPoint surface(a.points_m, kSameSurface_m);
   const auto near =
       std::count_if(b.points_m.begin(), b.points_m.end(), [&](const Eigen::Vector2d& point_m) {
-        return surface.find(a_from_b * point_m, kNear_m) != topology::NearestPoint::kNone;
+        return surface.find(a_from_b * point_m, kSameSurface_m) != topology::NearestPoint::kNone;
       });
   return static_cast<double>(near) / static_cast<double>(b.size());
 }

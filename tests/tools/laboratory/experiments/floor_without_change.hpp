@@ -5,7 +5,7 @@
 #include "tools/laboratory/experiments/verdict_worlds.hpp"
 #include "tools/simulate/random_floor.hpp"
 
-namespace strata::experiments::test {
+namespace strata::experiments::test_floor {
 
 inline const VerdictWorld& floor_without_change() {
   static const VerdictWorld world = [] {
@@ -17,4 +17,4 @@ inline const VerdictWorld& floor_without_change() {
   return world;
 }
 
-}  // namespace strata::experiments::test
+}  // namespace strata::experiments::test_floor

@@ -9,7 +9,7 @@
 namespace strata::experiments {
 namespace {
 
-using test::floor_without_change;
+using test_floor::floor_without_change;
 
 TEST(Kidnapped, RobotsFindThemselvesWhereNothingChangedOnlyWhenTheyAreWatched) {
   for (const bool watches : {false, true}) {

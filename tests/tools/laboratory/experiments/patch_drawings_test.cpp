@@ -11,12 +11,14 @@
 namespace strata::experiments {
 namespace {
 
-constexpr std::uint64_t kSeed = 102;  // no figure uses it
+constexpr std::uint64_t kUnusedSeed = 102;  // no figure uses it
 
-std::string scenario(const char* name) { return std::string(STRATA_SCENARIO_DIR) + "/" + name; }
+std::string drawn_scenario(const char* name) {
+  return std::string(STRATA_SCENARIO_DIR) + "/" + name;
+}
 
 TEST(BoxWay, GoesThroughTheSubmapOnceAndKnowsItsStateThen) {
-  const auto way = way_through_box(scenario("corridor_box.yaml"), kSeed, "patch");
+  const auto way = way_through_box(drawn_scenario("corridor_box.yaml"), kUnusedSeed, "patch");
   ASSERT_TRUE(way);
   const auto& rect = way->map.submaps[way->submap].rect;
   const auto away_m = [&](std::size_t i) {
@@ -42,7 +44,7 @@ TEST(BoxWay, GoesThroughTheSubmapOnceAndKnowsItsStateThen) {
 }
 
 TEST(ClusterRows, EndWithFourClustersAsTheLearnerDoes) {
-  const auto rows = cluster_rows(scenario("four_states.yaml"), kSeed);
+  const auto rows = cluster_rows(drawn_scenario("four_states.yaml"), kUnusedSeed);
   ASSERT_TRUE(rows);
   // Seventeen days, each there and back.
   EXPECT_EQ(rows->states.size(), 34U);

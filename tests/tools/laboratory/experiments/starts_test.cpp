@@ -8,7 +8,7 @@
 namespace strata::experiments {
 namespace {
 
-using test::floor_without_change;
+using test_floor::floor_without_change;
 
 TEST(Starts, AreRightWhereNothingChangedAndEachPlaceIsItsOwn) {
   for (const bool has_search : {false, true}) {
