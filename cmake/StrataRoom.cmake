@@ -23,6 +23,7 @@ function(strata_room name)
   list(TRANSFORM ROOM_LINKS PREPEND strata_)
   if(ROOM_SOURCES)
     add_library(${target} STATIC ${ROOM_SOURCES})
+    strata_alone(${target})
     target_link_libraries(${target} PUBLIC strata_flags ${ROOM_LINKS} ${ROOM_PACKAGES}
       PRIVATE $<BUILD_INTERFACE:strata_warnings> ${ROOM_PRIVATE_PACKAGES})
     strata_every_simd_target(${target} ${ROOM_PRIVATE_PACKAGES})
