@@ -17,28 +17,6 @@ if(STRATA_CCACHE)
     CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${STRATA_CCACHE})
 endif()
 
-# Several files of a target are compiled as one, for what they read is read once then: three times
-# fewer seconds for tests, half as many for rooms. Two hidden names that are equal do not compile
-# beside each other; clang-tidy reads every file for itself (tools/check-tidy).
-set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile several files of a target as one")
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 8)
-
-# Files that cannot stand beside others: kernels, which Highway includes once for each SIMD target.
-function(strata_alone target)
-  get_target_property(sources ${target} SOURCES)
-  get_target_property(folder ${target} SOURCE_DIR)
-  foreach(source IN LISTS sources)
-    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder})
-    if(source MATCHES "\\.cpp$" AND EXISTS ${source})
-      file(STRINGS ${source} kernel REGEX "HWY_TARGET_INCLUDE" LIMIT_COUNT 1)
-      if(kernel)
-        set_source_files_properties(${source} DIRECTORY ${folder}
-          PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-      endif()
-    endif()
-  endforeach()
-endfunction()
-
 add_library(strata_flags INTERFACE)
 add_library(strata::flags ALIAS strata_flags)
 # -ffp-contract=off: a fused multiply-add rounds once instead of twice, and whether the compiler
@@ -64,7 +42,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LES
 endif()
 
 # Warned of where a hidden type is a private member's: every file but the first looks as a header does.
-if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+if(STRATA_TOGETHER AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   target_compile_options(strata_warnings INTERFACE -Wno-subobject-linkage)
 endif()
 
