@@ -48,10 +48,15 @@ std::string what_was_asked(const Work& work) {
   try {
     if (std::current_exception()) throw;
   } catch (const std::bad_alloc&) {
-    std::fputs(
-        "strata: error: memory: ran out on a thread of the middleware, which ends the process; "
-        "raise the limit on address space (`ulimit -v`), or give it less to do\n",
-        stderr);
+    // Also a destructor: nlohmann's JSON allocates in its own, to destroy what is nested.
+    char under[64] = "";
+    if (const unsigned long long limit_mb = limit_on_address_space(); limit_mb > 0) {
+      std::snprintf(under, sizeof under, " under the limit of %llu MB on address space", limit_mb);
+    }
+    std::fprintf(stderr,
+                 "strata: error: memory: ran out%s where it ends the process (a thread of the "
+                 "middleware, or a destructor); %s, or give it less to do\n",
+                 under, under[0] != '\0' ? "raise it (`ulimit -v`)" : "free some");
     _exit(1);
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again) {
