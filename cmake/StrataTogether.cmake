@@ -1,7 +1,8 @@
 # Several files of a target are compiled as one, for what they read is read once then: three times
 # fewer seconds for tests, half as many for rooms. Two hidden names of neighbours that are equal do
-# not compile; clang-tidy reads every file for itself (tools/check-tidy). Not by CMAKE_UNITY_BUILD,
-# whose files name the checkout: ccache would find in one nothing of another.
+# not compile, and none may be a header's (tools/check-hidden-names); clang-tidy reads every file for
+# itself (tools/check-tidy). Not by CMAKE_UNITY_BUILD, whose files name the checkout: ccache would
+# find in one nothing of another.
 option(STRATA_TOGETHER "Compile several files of a target as one" ON)
 set(STRATA_FILES_AT_ONCE 8)
 

@@ -13,7 +13,7 @@ namespace strata::log {
 namespace {
 
 using Refuse = std::function<InputError(const std::string&)>;
-using Bytes = std::vector<std::uint8_t>;
+using BmpBytes = std::vector<std::uint8_t>;
 
 constexpr std::int64_t kLargestSide = 50'000;
 constexpr std::size_t kFileHeaderSize = 14;
@@ -37,8 +37,8 @@ struct Header {
   [[nodiscard]] std::size_t row_size() const { return (width * bits + 31) / 32 * 4; }
 };
 
-Bytes take(std::istream& in, std::size_t size, const Refuse& refuse) {
-  Bytes bytes(size);
+BmpBytes take(std::istream& in, std::size_t size, const Refuse& refuse) {
+  BmpBytes bytes(size);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (static_cast<std::size_t>(in.gcount()) != size) {
     throw refuse("is cut: it has fewer pixels than it says");
@@ -56,7 +56,7 @@ std::size_t byte_of_mask(std::uint32_t mask, const Refuse& refuse) {
 
 /// in: behind the header of 40 bytes, whose masks follow it; they are a part of a V4 header.
 void read_masks(std::istream& in, Header& header, bool has_opacity, const Refuse& refuse) {
-  const Bytes bytes = take(in, has_opacity ? 16 : 12, refuse);
+  const BmpBytes bytes = take(in, has_opacity ? 16 : 12, refuse);
   ByteCursor cursor(bytes);
   for (std::size_t channel = 0; channel < 3; ++channel) {
     header.channels[channel] = byte_of_mask(cursor.number<std::uint32_t>(), refuse);
@@ -68,7 +68,7 @@ void read_masks(std::istream& in, Header& header, bool has_opacity, const Refuse
 
 /// Leaves `in` where the palette begins.
 Header read_header(std::istream& in, const Refuse& refuse) {
-  const Bytes bytes = take(in, kFileHeaderSize + kPlainHeaderSize, refuse);
+  const BmpBytes bytes = take(in, kFileHeaderSize + kPlainHeaderSize, refuse);
   ByteCursor cursor(bytes);
   (void)cursor.take(10);  // "BM", the file's size, two reserved
   Header header;
@@ -112,16 +112,16 @@ std::uint8_t grey_of(std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
 }
 
 /// The grey of each colour.
-Bytes read_palette(std::istream& in, const Header& header, const Refuse& refuse) {
-  const Bytes bytes = take(in, 4 * header.colours, refuse);
-  Bytes greys;
+BmpBytes read_palette(std::istream& in, const Header& header, const Refuse& refuse) {
+  const BmpBytes bytes = take(in, 4 * header.colours, refuse);
+  BmpBytes greys;
   for (std::size_t i = 0; i < bytes.size(); i += 4) {
     greys.push_back(grey_of(bytes[i + 2], bytes[i + 1], bytes[i]));
   }
   return greys;
 }
 
-void put_row_by_palette(const Bytes& row, const Header& header, const Bytes& greys,
+void put_row_by_palette(const BmpBytes& row, const Header& header, const BmpBytes& greys,
                         std::uint8_t* pixels, const Refuse& refuse) {
   const std::size_t per_byte = 8 / header.bits;
   const std::uint8_t mask = static_cast<std::uint8_t>((1U << header.bits) - 1U);
@@ -133,7 +133,7 @@ void put_row_by_palette(const Bytes& row, const Header& header, const Bytes& gre
   }
 }
 
-void put_row(const Bytes& row, const Header& header, std::uint8_t* pixels, std::uint8_t* alpha) {
+void put_row(const BmpBytes& row, const Header& header, std::uint8_t* pixels, std::uint8_t* alpha) {
   const std::size_t step = header.bits / 8;
   const auto& [red, green, blue, opacity] = header.channels;
   for (std::size_t x = 0; x < header.width; ++x) {
@@ -151,7 +151,7 @@ MapImage read_bmp(std::istream& in, std::uintmax_t file_size, const Refuse& refu
   if (file_size < header.pixels_at + std::uintmax_t{header.row_size()} * header.height) {
     throw refuse("is cut: it has fewer pixels than it says");
   }
-  const Bytes greys = header.bits <= 8 ? read_palette(in, header, refuse) : Bytes();
+  const BmpBytes greys = header.bits <= 8 ? read_palette(in, header, refuse) : BmpBytes();
   MapImage image;
   image.width = static_cast<int>(header.width);
   image.height = static_cast<int>(header.height);
@@ -159,7 +159,7 @@ MapImage read_bmp(std::istream& in, std::uintmax_t file_size, const Refuse& refu
   if (header.channels[3] != kNoByte) image.alpha.resize(image.pixels.size());
   in.seekg(static_cast<std::streamoff>(header.pixels_at));
   for (std::size_t i = 0; i < header.height; ++i) {
-    const Bytes row = take(in, header.row_size(), refuse);
+    const BmpBytes row = take(in, header.row_size(), refuse);
     const std::size_t at = header.width * (header.top_first ? i : header.height - 1 - i);
     if (header.bits <= 8) {
       put_row_by_palette(row, header, greys, image.pixels.data() + at, refuse);

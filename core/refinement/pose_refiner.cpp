@@ -12,7 +12,7 @@ namespace strata::refinement {
 namespace {
 
 constexpr double kHitWeight = 0.95;
-constexpr std::size_t kMinHits = 20;  // a half
+constexpr std::size_t kMinOddHits = 20;  // a half
 /// Beams are correlated: a scan says as much as so many that are not.
 constexpr double kEffectiveBeams = 30.0;
 /// A level. Along a bare wall every step meets other cells.
@@ -69,7 +69,7 @@ std::optional<Pose2Gaussian> PoseRefiner::refine(const Scan& scan,
   }
   const auto [even, odd] =
       halves_of(subsample(endpoints_in_robot(scan), static_cast<std::size_t>(config_.max_beams)));
-  if (odd.size() < kMinHits) return std::nullopt;
+  if (odd.size() < kMinOddHits) return std::nullopt;
   surfaces_.believe(result.submaps, config_.min_configuration);
   const std::optional<Pose2Gaussian> first = registered(even, odd, result.pose);
   if (!first) return std::nullopt;

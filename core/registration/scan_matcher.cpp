@@ -19,7 +19,7 @@ Eigen::Vector3d difference_from(const Pose2& pose, const Pose2& mean) {
 }
 
 /// One scan against one map.
-struct Problem {
+struct MatchProblem {
   MatchBeams beams;
   std::size_t hits;
   const MatchField& field;
@@ -30,7 +30,7 @@ struct Problem {
 };
 
 template <bool kDerivatives>
-MatchCost evaluate(const Problem& problem, const Pose2& pose, double hit_stddev_m) {
+MatchCost evaluate(const MatchProblem& problem, const Pose2& pose, double hit_stddev_m) {
   const MatchSums sums =
       sum_match(problem.beams, problem.field, pose, hit_stddev_m, problem.hit_weight, kDerivatives);
   MatchCost result;
@@ -62,7 +62,7 @@ struct LevelResult {
 
 /// Levenberg-Marquardt over three parameters.
 /// first: the cost at `start`; last: set to the cost where it ends.
-LevelResult minimize(const Problem& problem, const Pose2& start, double hit_stddev_m,
+LevelResult minimize(const MatchProblem& problem, const Pose2& start, double hit_stddev_m,
                      int max_iterations, const MatchCost& first, MatchCost& last) {
   // Metres and radians: a thousandth of what a beam is trusted.
   const double step_tolerance = 1e-3 * hit_stddev_m;
@@ -96,15 +96,15 @@ LevelResult minimize(const Problem& problem, const Pose2& start, double hit_stdd
   return result;
 }
 
-Problem make_problem(const Endpoints& endpoints, std::span<const float> beam_weights,
-                     const MatchField& field, const Pose2Gaussian* prior, double hit_weight) {
-  Problem problem{MatchBeams(endpoints, beam_weights),
-                  endpoints.size(),
-                  field,
-                  false,
-                  {},
-                  Eigen::Matrix3d::Zero(),
-                  hit_weight};
+MatchProblem make_problem(const Endpoints& endpoints, std::span<const float> beam_weights,
+                          const MatchField& field, const Pose2Gaussian* prior, double hit_weight) {
+  MatchProblem problem{MatchBeams(endpoints, beam_weights),
+                       endpoints.size(),
+                       field,
+                       false,
+                       {},
+                       Eigen::Matrix3d::Zero(),
+                       hit_weight};
   if (prior != nullptr) {
     problem.has_prior = true;
     problem.prior_mean = prior->mean;
@@ -116,14 +116,14 @@ Problem make_problem(const Endpoints& endpoints, std::span<const float> beam_wei
 /// The information that the scan itself holds, per beam counted once. The Hessian holds the nearest
 /// surface fixed: along a bare wall it sees the gaps between the wall's cells as if they were
 /// shape. So the least certain direction is tried out: how much the cost really rises on the way.
-Eigen::Matrix3d scan_information(const Problem& problem, const Pose2& pose, const MatchCost& at,
-                                 const MatchConfig& config) {
+Eigen::Matrix3d scan_information(const MatchProblem& problem, const Pose2& pose,
+                                 const MatchCost& at, const MatchConfig& config) {
   constexpr double kTrialSteps = 3.0;  // standard deviations of a beam
   Eigen::Matrix3d information = at.hessian - problem.prior_information;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(information.topLeftCorner<2, 2>());
   const double analytic = axes.eigenvalues()(0);
   const Eigen::Vector2d weak = axes.eigenvectors().col(0);
-  Problem alone = problem;
+  MatchProblem alone = problem;
   alone.has_prior = false;
   const double step_m = kTrialSteps * config.hit_stddev_m;
   const auto cost_at = [&](double along_m) {
@@ -143,7 +143,7 @@ Eigen::Matrix3d scan_information(const Problem& problem, const Pose2& pose, cons
 }
 
 /// Covariance from the curvature, with correlated beams counted as few (`effective_beams`).
-Eigen::Matrix3d covariance_of(const Problem& problem, const Pose2& pose, const MatchCost& at,
+Eigen::Matrix3d covariance_of(const MatchProblem& problem, const Pose2& pose, const MatchCost& at,
                               const MatchConfig& config) {
   const double share = std::min(1.0, config.effective_beams / static_cast<double>(problem.hits));
   Eigen::Matrix3d information = scan_information(problem, pose, at, config) * share;
@@ -167,7 +167,8 @@ MatchResult match(const Endpoints& endpoints, std::span<const float> beam_weight
                   const MatchConfig& config) {
   MatchResult result;
   result.pose = guess;
-  const Problem problem = make_problem(endpoints, beam_weights, field, prior, config.hit_weight);
+  const MatchProblem problem =
+      make_problem(endpoints, beam_weights, field, prior, config.hit_weight);
   if (endpoints.size() == 0) {
     result.covariance =
         prior != nullptr ? prior->covariance : Eigen::Matrix3d(Eigen::Matrix3d::Identity() * 1e6);

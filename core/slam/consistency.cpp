@@ -24,8 +24,8 @@ constexpr double kStepRad = 0.15;
 constexpr double kMarginM = 0.2;
 /// A surface within so many cells of the other's fits it.
 constexpr int kToleranceCells = 3;
-constexpr std::uint8_t kMinHits = 2;
-constexpr std::uint8_t kMinSeen = 3;
+constexpr std::uint8_t kMinCellHits = 2;
+constexpr std::uint8_t kMinCellSeen = 3;
 constexpr std::size_t kMinCells = 60;
 /// Chosen on Freiburg 079, Intel, Wean Hall, the museum and CSAIL at reference poses, at those of
 /// SLAM and at odometry's: at good poses at most 0.7% of the pairs are above it, at odometry's 20%
@@ -121,9 +121,9 @@ Sight sight_of(std::span<const PosedScan> scans) {
     const Cell cell = counts.seen.cell(i);
     const std::uint8_t hits = counts.hits.at(cell);
     const std::uint8_t seen = counts.seen.at(cell);
-    if (hits >= kMinHits && hits >= seen / 2) {
+    if (hits >= kMinCellHits && hits >= seen / 2) {
       sight.surface.push_back(cell);
-    } else if (hits == 0 && seen >= kMinSeen) {
+    } else if (hits == 0 && seen >= kMinCellSeen) {
       sight.state.at(cell) = Sight::kFree;
     }
   }

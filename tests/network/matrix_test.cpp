@@ -25,7 +25,7 @@ constexpr const char* kHertz = "50";
 
 enum class Peer { kStrata, kFastDds, kOtherFastDds, kCyclone };
 
-struct Cell {
+struct MatrixCell {
   Peer peer;
   std::size_t networks;  ///< 0: both on one host that has lo only; else two hosts
   std::string transport;
@@ -55,15 +55,15 @@ std::string network_name(std::size_t networks) {
   return networks == 0 ? "lo" : networks == 1 ? "one network" : "two networks";
 }
 
-void PrintTo(const Cell& cell, std::ostream* out) {
+void PrintTo(const MatrixCell& cell, std::ostream* out) {
   *out << peer_name(cell.peer) << ", " << network_name(cell.networks) << ", " << cell.transport;
 }
 
-class Matrix : public Strangers, public testing::WithParamInterface<Cell> {
+class Matrix : public Strangers, public testing::WithParamInterface<MatrixCell> {
  protected:
   /// Arguments as of network_peer, which cyclone_peer shares.
   [[nodiscard]] std::unique_ptr<ChildProcess> other(std::vector<std::string> arguments) const {
-    const Cell& cell = GetParam();
+    const MatrixCell& cell = GetParam();
     const std::size_t host = cell.hosts() - 1;
     if (cell.peer == Peer::kCyclone) {
       const auto where = cell.networks == 0 ? CycloneNetwork::kUnicast : CycloneNetwork::kDevices;
@@ -116,7 +116,7 @@ class Matrix : public Strangers, public testing::WithParamInterface<Cell> {
 };
 
 TEST_P(Matrix, BringsEveryScanToWhomItMeets) {
-  const Cell& cell = GetParam();
+  const MatrixCell& cell = GetParam();
   if (cell.peer == Peer::kOtherFastDds && std::getenv("STRATA_OTHER_NETWORK_PEER") == nullptr) {
     GTEST_SKIP() << "STRATA_OTHER_NETWORK_PEER names no network_peer of another release";
   }
@@ -135,8 +135,8 @@ TEST_P(Matrix, BringsEveryScanToWhomItMeets) {
   EXPECT_EQ(from_us, cell.meets() ? all : "0 of " + std::string(kScans));
 }
 
-std::vector<Cell> cells() {
-  std::vector<Cell> result;
+std::vector<MatrixCell> cells() {
+  std::vector<MatrixCell> result;
   for (const Peer peer : {Peer::kStrata, Peer::kFastDds, Peer::kOtherFastDds, Peer::kCyclone}) {
     for (const std::size_t networks : {0U, 1U, 2U}) {
       for (const char* transport : {"default", "localhost", "shared_memory", "wifi"}) {
@@ -147,7 +147,7 @@ std::vector<Cell> cells() {
   return result;
 }
 
-const auto kNameOf = [](const testing::TestParamInfo<Cell>& info) {
+const auto kNameOf = [](const testing::TestParamInfo<MatrixCell>& info) {
   std::string name;
   for (const char c : testing::PrintToString(info.param)) {
     if (std::isalnum(static_cast<unsigned char>(c)) != 0) name += c;

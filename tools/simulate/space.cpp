@@ -50,9 +50,9 @@ bool is_inside(const std::vector<Segment>& sides, const Eigen::Vector2d& point) 
 }
 
 /// A ray and the best hit so far.
-class Ray {
+class SpaceRay {
  public:
-  Ray(const Eigen::Vector3d& from, const Eigen::Vector3d& direction)
+  SpaceRay(const Eigen::Vector3d& from, const Eigen::Vector3d& direction)
       : from_(from), direction_(direction), level_(direction.head<2>().norm()) {
     // Straight up or down a ray meets no upright face.
     flat_ = level_ > 1e-9 ? Eigen::Vector2d(direction.head<2>() / level_) : Eigen::Vector2d::Zero();
@@ -131,7 +131,7 @@ Space make_space(const ScenarioConfig& scenario, std::span<const Segment> still,
 
 SpaceHit first_hit(const Space& space, const Eigen::Vector3d& from,
                    const Eigen::Vector3d& direction) {
-  Ray ray(from, direction);
+  SpaceRay ray(from, direction);
   ray.meet_level(0.0, {}, BeamSource::kStill, {150, 150, 155});
   ray.meet_level(space.ceiling_m, {}, BeamSource::kStill, {235, 235, 225});
   for (const UprightFace& face : space.uprights) ray.meet(face, space.ceiling_m);

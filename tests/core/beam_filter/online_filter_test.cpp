@@ -21,7 +21,7 @@
 namespace strata::beam_filter {
 namespace {
 
-constexpr std::size_t kBeams = 120;
+constexpr std::size_t kOnlineBeams = 120;
 constexpr double kHall_m = 4.0;     // half a square hall
 constexpr double kPerson_m = 1.52;  // from the middle
 constexpr double kShoulder_rad = 0.15;
@@ -32,9 +32,9 @@ PosedScan from_the_middle(int t, double x_m, bool with_person) {
   posed.map_from_robot = {x_m, 0.0, 0.0};
   posed.scan.stamp = Stamp::from_seconds(0.05 * t);
   posed.scan.angle_min_rad = static_cast<float>(-std::numbers::pi);
-  posed.scan.angle_increment_rad = static_cast<float>(2.0 * std::numbers::pi / kBeams);
+  posed.scan.angle_increment_rad = static_cast<float>(2.0 * std::numbers::pi / kOnlineBeams);
   posed.scan.range_max_m = 20.0F;
-  for (std::size_t n = 0; n < kBeams; ++n) {
+  for (std::size_t n = 0; n < kOnlineBeams; ++n) {
     const double angle = posed.scan.bearing_rad(n);
     const double c = std::abs(std::cos(angle)) < 1e-9 ? 1e-9 : std::cos(angle);
     const double s = std::abs(std::sin(angle)) < 1e-9 ? 1e-9 : std::sin(angle);
@@ -58,7 +58,7 @@ TEST(OnlineFilter, LabelsAnUnknownHallStaticAndWhoComesLaterDynamic) {
   }
   const PosedScan scan = from_the_middle(30, 0.0, true);
   const std::vector<float> labels = filter.add(scan);
-  for (std::size_t n = 0; n < kBeams; ++n) {
+  for (std::size_t n = 0; n < kOnlineBeams; ++n) {
     EXPECT_EQ(labels[n] < 0.5F, hits_person(scan, n)) << n;
   }
 }
@@ -175,7 +175,7 @@ TEST(OnlineFilter, GoesOnFromAStateOfOneMapAsFromItsOwn) {
     const PosedScan scan = from_the_middle(t, 0.03 * (t % 40), t % 3 == 0);
     const std::vector<float> expected = filter.add(scan);
     const std::vector<float> labels = restored.add(scan);
-    for (std::size_t n = 0; n < kBeams; ++n) ASSERT_NEAR(labels[n], expected[n], 1e-6F) << t;
+    for (std::size_t n = 0; n < kOnlineBeams; ++n) ASSERT_NEAR(labels[n], expected[n], 1e-6F) << t;
   }
   // What the window forgets it takes from its own map.
   const Grid<CellCounts> cells = restored.counts().cells().dense();
@@ -203,7 +203,7 @@ TEST(OnlineFilter, ForgetsWhoStoodBeforeAStandingRobotWithTheWindow) {
   // And who comes back to that place is dynamic now.
   const PosedScan back = from_the_middle(240, 0.0, true);
   const std::vector<float> labels = filter.add(back);
-  for (std::size_t n = 0; n < kBeams; ++n) {
+  for (std::size_t n = 0; n < kOnlineBeams; ++n) {
     if (hits_person(back, n)) {
       EXPECT_LT(labels[n], 0.5F);
     }
@@ -252,7 +252,7 @@ double static_share(OnlineFilter& filter, int& t) {
   const std::vector<float> labels = filter.add(scan);
   int beams = 0;
   int are_static = 0;
-  for (std::size_t n = 0; n < kBeams; ++n) {
+  for (std::size_t n = 0; n < kOnlineBeams; ++n) {
     if (!hits_person(scan, n)) continue;
     ++beams;
     are_static += labels[n] > 0.5F ? 1 : 0;

@@ -63,13 +63,13 @@ std::size_t add_bad_scans(Runs& runs) {
   return added;
 }
 
-struct Learned {
+struct LearnedDay {
   LearnResult result;
   maps::Maps maps;
 };
 
-Learned learn_day(const std::vector<Observation>& log) {
-  Learned learned{learn(log, {}, {}, {}, kSeed, 2, nullptr), {}};
+LearnedDay learn_day(const std::vector<Observation>& log) {
+  LearnedDay learned{learn(log, {}, {}, {}, kSeed, 2, nullptr), {}};
   learned.maps.occupancy = learned.result.slam.occupancy;
   learned.maps.filtered = learned.result.slam.filtered;
   learned.maps.patches = learned.result.patches;
@@ -77,7 +77,7 @@ Learned learn_day(const std::vector<Observation>& log) {
   return learned;
 }
 
-LocalizationRun localize_in(const Learned& learned, const std::string& model, const Runs& runs) {
+LocalizationRun localize_in(const LearnedDay& learned, const std::string& model, const Runs& runs) {
   // Relative to the first scan, as the map is.
   std::vector<std::optional<Pose2>> truths;
   for (const auto& truth : runs.truths) truths.emplace_back(between(*runs.truths.front(), *truth));
@@ -93,11 +93,11 @@ LocalizationRun localize_in(const Learned& learned, const std::string& model, co
 TEST(BadLog, WhatSaysNothingLeavesNoTraceAndTheRestIsLearned) {
   Runs runs = with_fewer_beams(test_room::simulate_runs(kSeed, 1));
   const std::size_t good = runs.observations.size();
-  const Learned clean = learn_day(runs.observations);
+  const LearnedDay clean = learn_day(runs.observations);
   EXPECT_EQ(clean.result.slam.skipped_scans, 0U);
   const std::size_t bad = add_bad_scans(runs);
   ASSERT_GT(bad, 5U);
-  const Learned learned = learn_day(runs.observations);
+  const LearnedDay learned = learn_day(runs.observations);
   EXPECT_EQ(learned.result.slam.skipped_scans, 2 * bad);
   // A covered scanner still moves with the robot, so those scans have a pose.
   ASSERT_EQ(learned.result.slam.scans.size(), good + bad);
@@ -118,7 +118,7 @@ TEST(BadLog, ReadingsThatCannotBeAmongGoodOnesAreLeftOut) {
     auto& ranges = runs.observations[i].scan.ranges_m;
     for (std::size_t b = i % 7; b < ranges.size(); b += 7) ranges[b] = broken[(b + i) % 4];
   }
-  const Learned learned = learn_day(runs.observations);
+  const LearnedDay learned = learn_day(runs.observations);
   EXPECT_EQ(learned.result.slam.skipped_scans, 0U);
   EXPECT_LT(learned.maps.filtered.size(), 1'000'000U);  // no beam of 1e30 m grew the map
   for (const char* model : {"occupancy", "filtered", "patch", "timescale"}) {
@@ -129,7 +129,7 @@ TEST(BadLog, ReadingsThatCannotBeAmongGoodOnesAreLeftOut) {
 
 TEST(BadLog, OdometryThatIsMissingOrNoNumberIsBridged) {
   const Runs clean = test_room::simulate_runs(kSeed, 1);
-  const Learned learned = learn_day(clean.observations);
+  const LearnedDay learned = learn_day(clean.observations);
   for (const bool is_missing : {true, false}) {
     SCOPED_TRACE(is_missing);
     Runs runs = clean;

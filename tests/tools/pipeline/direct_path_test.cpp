@@ -25,16 +25,16 @@ std::vector<Observation> learning_part(const Runs& runs) {
   return part;
 }
 
-struct TestPart {
+struct DirectPart {
   std::vector<Observation> observations;
   std::vector<std::optional<Pose2>> truths;  ///< in the learned map
   Pose2Gaussian start;
 };
 
 /// The last day, its truth brought into the learned map by one rigid motion over the other days.
-TestPart test_part(const Runs& runs, const LearnResult& learned) {
+DirectPart test_part(const Runs& runs, const LearnResult& learned) {
   const Pose2 map_from_truth = test_room::map_from_truth(runs, learned.slam.scans);
-  TestPart part;
+  DirectPart part;
   for (std::size_t i = learned.slam.scans.size(); i < runs.observations.size(); ++i) {
     part.observations.push_back(runs.observations[i]);
     part.truths.emplace_back(map_from_truth * *runs.truths[i]);
@@ -62,7 +62,7 @@ TEST(DirectPath, LocalizesWithEveryModelWithinTwentyCentimetres) {
   const LearnResult learned = learn_days(runs, 2);
   ASSERT_EQ(learned.slam.skipped_scans, 0U);
   ASSERT_EQ(learned.slam.scans.size(), learning_part(runs).size());
-  const TestPart part = test_part(runs, learned);
+  const DirectPart part = test_part(runs, learned);
   const maps::Maps maps = maps_of(learned);
   for (const char* name : {"occupancy", "filtered", "patch", "timescale"}) {
     SCOPED_TRACE(name);
@@ -111,7 +111,7 @@ TEST(DirectPath, LearnsTheSameBitsWithAnyNumberOfThreads) {
 TEST(DirectPath, LocalizesWithTheSameBitsWithAnyNumberOfThreads) {
   const Runs runs = test_room::simulate_runs(kDriveSeed, kDays);
   const LearnResult learned = learn_days(runs, 2);
-  const TestPart part = test_part(runs, learned);
+  const DirectPart part = test_part(runs, learned);
   const maps::Maps maps = maps_of(learned);
   for (const char* name : {"filtered", "patch", "timescale"}) {
     const maps::MapModel model = maps::make_map_model(maps, name, {});

@@ -12,7 +12,7 @@
 namespace strata::experiments {
 namespace {
 
-constexpr double kAround_s = 3.0;
+constexpr double kAroundWay_s = 3.0;
 
 /// The part of the day about the first stay near the sub-map.
 std::optional<WayThrough> cut(WayThrough way) {
@@ -24,8 +24,8 @@ std::optional<WayThrough> cut(WayThrough way) {
   const auto first = std::find_if(way.points.begin(), way.points.end(), is_near);
   const auto after = std::find_if_not(first, way.points.end(), is_near);
   if (first == way.points.end() || after == way.points.end()) return std::nullopt;
-  const double from_s = first->time_s - kAround_s;
-  const double to_s = (after - 1)->time_s + kAround_s;
+  const double from_s = first->time_s - kAroundWay_s;
+  const double to_s = (after - 1)->time_s + kAroundWay_s;
   const auto begin = std::find_if(way.points.begin(), first,
                                   [&](const WayPoint& point) { return point.time_s >= from_s; });
   const auto end = std::find_if(after, way.points.end(),

@@ -17,7 +17,7 @@ constexpr int kStarts = 5;
 constexpr std::size_t kScans = 300;
 constexpr std::size_t kMinScansLeft = 100;  // of the drive, at a start
 constexpr double kWrongPlace_m = 1.0;
-constexpr double kWrongPose_m = 0.5;
+constexpr double kWrongStart_m = 0.5;
 constexpr double kHighScore = 0.9;
 constexpr int kFirmly = 10;  // weighed scans on end
 
@@ -46,7 +46,7 @@ StartsOutcome start_at(const VerdictWorld& world, SplicedDrive& drive, std::size
     if (wrong_on_end == kFirmly) outcome.ever_wrong = 1.0;
     if (result.score >= kHighScore) {
       outcome.high_scored += 1.0;
-      outcome.high_scored_wrong += error_m > kWrongPose_m ? 1.0 : 0.0;
+      outcome.high_scored_wrong += error_m > kWrongStart_m ? 1.0 : 0.0;
     }
     return true;
   });
