@@ -23,6 +23,19 @@ unsigned long long limit_on_address_space() {
   return limit.rlim_cur >> 20U;
 }
 
+/// " under the limit of 78 MB on address space"; empty: there is none. Needs no memory.
+struct LimitText {
+  char text[64] = "";
+  LimitText() {
+    if (const unsigned long long limit_mb = limit_on_address_space(); limit_mb > 0) {
+      std::snprintf(text, sizeof text, " under the limit of %llu MB on address space", limit_mb);
+    }
+  }
+  [[nodiscard]] const char* remedy() const {
+    return text[0] != '\0' ? "raise it (`ulimit -v`)" : "free some";
+  }
+};
+
 /// Of the last allocation that failed; 0: none was noted.
 std::atomic<std::size_t> asked_bytes{0};
 std::atomic<std::size_t> in_use_bytes{0};
@@ -49,14 +62,11 @@ std::string what_was_asked(const Work& work) {
     if (std::current_exception()) throw;
   } catch (const std::bad_alloc&) {
     // Also a destructor: nlohmann's JSON allocates in its own, to destroy what is nested.
-    char under[64] = "";
-    if (const unsigned long long limit_mb = limit_on_address_space(); limit_mb > 0) {
-      std::snprintf(under, sizeof under, " under the limit of %llu MB on address space", limit_mb);
-    }
+    const LimitText under;
     std::fprintf(stderr,
                  "strata: error: memory: ran out%s where it ends the process (a thread of the "
                  "middleware, or a destructor); %s, or give it less to do\n",
-                 under, under[0] != '\0' ? "raise it (`ulimit -v`)" : "free some");
+                 under.text, under.remedy());
     _exit(1);
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again) {
@@ -84,19 +94,15 @@ void note_failed_allocation(std::size_t bytes) noexcept {
 }
 
 std::string describe_shortage(const std::exception& error, const Work& work) {
-  const unsigned long long limit_mb = limit_on_address_space();
-  const std::string under =
-      limit_mb > 0 ? " under the limit of " + std::to_string(limit_mb) + " MB on address space"
-                   : "";
+  const LimitText under;
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
     const std::string advice = memory_advice(work.verb, work.stage);
-    return "memory: ran out" + under + what_was_asked(work) + "; " +
-           (limit_mb > 0 ? "raise it (`ulimit -v`)" : "free some") + ", or " +
-           (advice.empty() ? "give it less to do" : advice);
+    return std::string("memory: ran out") + under.text + what_was_asked(work) + "; " +
+           under.remedy() + ", or " + (advice.empty() ? "give it less to do" : advice);
   }
   const auto* system = dynamic_cast<const std::system_error*>(&error);
   if (system != nullptr && system->code() == std::errc::resource_unavailable_try_again) {
-    return "threads: no more can be made" + under +
+    return std::string("threads: no more can be made") + under.text +
            "; raise the limits on processes and address space (`ulimit -u`, `ulimit -v`)";
   }
   return "";

@@ -30,8 +30,8 @@ void note_failed_allocation(std::size_t bytes) noexcept;
 
 /// Before other threads are made. Where address space is limited (`ulimit -v`), threads share what
 /// they allocate from: with 64 MB reserved for each, as glibc has it, a limit of 500 MB is used up
-/// by a process that holds 40. And where memory runs out on a thread of the middleware, which
-/// nothing can catch, the process says so on a line before it ends.
+/// by a process that holds 40. And where memory runs out where nothing can catch it (a thread of
+/// the middleware, a destructor), the process says so on a line before it ends.
 void prepare_for_shortage();
 
 }  // namespace strata::tools
