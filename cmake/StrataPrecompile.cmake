@@ -24,8 +24,8 @@ function(strata_precompiled name)
     target_compile_options(${target} PRIVATE -fPIE)
   endif()
   target_precompile_headers(${target} PRIVATE ${folder}/${name}.hpp)
-  set_target_properties(${target} PROPERTIES CXX_COMPILER_LAUNCHER
-    "${PROJECT_SOURCE_DIR}/cmake/compile_anew.sh;${CMAKE_CXX_COMPILER_LAUNCHER}")
+  set(launcher ${PROJECT_SOURCE_DIR}/cmake/compile_anew.sh ${CMAKE_CXX_COMPILER_LAUNCHER})
+  set_target_properties(${target} PROPERTIES CXX_COMPILER_LAUNCHER "${launcher}")
 endfunction()
 
 # Whether a target, through all that it links, knows the messages of idl/.

@@ -1,0 +1,11 @@
+# cmake/compile_anew.sh: what it calls finds no output of last time, and its end is told.
+set(old "${WORK}/a set of last time.gch")
+file(WRITE "${old}" "old")
+execute_process(COMMAND ${SCRIPT} sh -c "test ! -e \"$2\"" sh -o "${old}" RESULT_VARIABLE ended)
+if(NOT ended EQUAL 0)
+  message(FATAL_ERROR "the compiler found the output of last time")
+endif()
+execute_process(COMMAND ${SCRIPT} sh -c "exit 3" sh -o "${old}" RESULT_VARIABLE ended)
+if(NOT ended EQUAL 3)
+  message(FATAL_ERROR "a compiler that ends with 3 was said to end with ${ended}")
+endif()
