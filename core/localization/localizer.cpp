@@ -182,30 +182,42 @@ bool Localizer::is_recovering() const {
   return !is_ambiguous() && !free_space_.empty() && monitor_.injection_share() > 0.0;
 }
 
+/// Which they are, and the score of the pose among them.
+void Localizer::tell_places(const Pose2& pose) {
+  result_.score = score_.value();
+  std::vector<PlaceBelief>& places = result_.places;
+  places.clear();
+  if (is_contested()) {
+    const double both = score_.value() + scout_->score_.value();
+    const double others = scout_->score_.value() / both;
+    for (const PlaceBelief& place : scout_->places_.beliefs()) {
+      places.push_back({place.map_from_robot, others * place.probability});
+    }
+    if (places.empty()) places.push_back({scout_->result_.pose.mean, others});
+    places.push_back({pose, score_.value() / both});
+    result_.score *= places.back().probability;
+  } else if (places_.is_active()) {
+    places = places_.beliefs();
+    double nearby = 0.0;
+    for (const PlaceBelief& place : places) {
+      if (places_.are_near(place.map_from_robot, pose, 0.5)) nearby += place.probability;
+    }
+    result_.score *= std::min(nearby, 1.0);
+  } else if (result_.is_ambiguous && !is_seeking_) {
+    places.push_back({pose, result_.score});
+  }
+}
+
 const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool weighed) {
   result_.pose = pose;
   result_.health = monitor_.health();
-  result_.score = score_.value();
   result_.effective_sample_size = effective_sample_size(particles_);
   result_.particles = particles_.size();
   result_.weighed = weighed;
   result_.is_beyond_map = beyond_.is_outside();
-  result_.is_ambiguous = is_ambiguous() || is_contested_;
+  result_.is_ambiguous = is_ambiguous() || is_contested();
   result_.is_recovering = is_recovering();
-  result_.places.clear();
-  if (is_contested_) {
-    const double both = score_.value() + scout_->score_.value();
-    const double others = scout_->score_.value() / both;
-    for (const PlaceBelief& place : scout_->places_.beliefs()) {
-      result_.places.push_back({place.map_from_robot, others * place.probability});
-    }
-    if (result_.places.empty()) result_.places.push_back({scout_->result_.pose.mean, others});
-    result_.places.push_back({pose.mean, score_.value() / both});
-  } else if (places_.is_active()) {
-    result_.places = places_.beliefs();
-  } else if (result_.is_ambiguous && !is_seeking_) {
-    result_.places.push_back({pose.mean, result_.score});
-  }
+  tell_places(pose.mean);
   result_.converged =
       !result_.is_ambiguous && position_stddev(result_.pose) <= config_.recovery.uncertain_stddev_m;
   if (result_.is_ambiguous && result_.health.state == HealthState::kGood) {

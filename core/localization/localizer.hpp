@@ -37,7 +37,8 @@ struct LocalizationResult {
   /// likeliest place, and the covariance of all particles about it.
   Pose2Gaussian pose;
   LocalizationHealth health;
-  /// Probability that the pose is within 0.5 m of the truth, 0 to 1 (pose_score.hpp).
+  /// Probability that the pose is within 0.5 m of the truth, 0 to 1 (pose_score.hpp): how well it
+  /// explains what was seen, times its probability among the places that explain it.
   double score = 0.0;
   double effective_sample_size = 0.0;
   std::size_t particles = 0;
@@ -146,6 +147,8 @@ class Localizer {
                                     bool weighed);
   void send_scout(const Observation& observation);
   void recall_scout();
+  [[nodiscard]] bool is_contested() const { return contested_scans_ > 0; }
+  [[nodiscard]] bool is_refuted_by_scout(const Pose2& pose) const;
   void take_over();
   void start(std::size_t count);
   [[nodiscard]] std::size_t global_count() const;
@@ -178,6 +181,7 @@ class Localizer {
   [[nodiscard]] std::size_t min_while_annealing() const;
   [[nodiscard]] double annealing() const;
   void pool_beliefs();
+  void tell_places(const Pose2& pose);
   const LocalizationResult& make_result(const Pose2Gaussian& pose, bool weighed);
 
   LocalizerConfig config_;
@@ -192,7 +196,7 @@ class Localizer {
   StartConfirmation confirmation_;
   PlaceWatch watch_;
   std::unique_ptr<Localizer> scout_;  // while the pose is doubted
-  bool is_contested_ = false;         // by the place that it has found
+  int contested_scans_ = 0;           // on end, by the place that it has found
   bool is_seeking_ = false;           // places are still to be found
   bool is_scattered_ = false;         // it began anywhere, and no search confirms a place
   bool keeps_old_ = false;            // ... beside the one believed so far

@@ -15,8 +15,8 @@ namespace {
 
 /// 2: with what a model has learned; 3: and whether a place that was found is confirmed;
 /// 4: and the last metres beyond the map; 5: and how far it was beyond it; 6: whether the last
-/// metres lead instead; 7: and the search beside the pose.
-constexpr std::uint64_t kStateVersion = 8;
+/// metres lead instead; 7: and the search beside the pose; 9: and for how long it has contested it.
+constexpr std::uint64_t kStateVersion = 9;
 /// More than any map asks for; what a damaged state asks for would not fit into memory.
 constexpr std::size_t kMaxSavedParticles = std::size_t{1} << 24U;
 
@@ -117,7 +117,7 @@ std::optional<std::vector<std::uint8_t>> Localizer::saved_state(std::size_t max_
   archive(learned);
   write_filter(archive);
   archive(watch_);
-  archive(is_contested_);
+  archive(contested_scans_);
   archive(scout_ != nullptr);
   if (scout_ != nullptr) {
     archive(scout_->seed_);
@@ -170,7 +170,8 @@ void Localizer::restore(std::span<const std::uint8_t> bytes, const std::string& 
   }
   read_filter(archive);
   archive(watch_);
-  archive(is_contested_);
+  archive(contested_scans_);
+  if (contested_scans_ < 0) archive.fail("has counted less than nothing");
   bool has_scout = false;
   archive(has_scout);
   scout_.reset();
@@ -181,7 +182,7 @@ void Localizer::restore(std::span<const std::uint8_t> bytes, const std::string& 
     scout_->read_filter(archive);
     scout_->is_started_ = true;
   }
-  if (is_contested_ && !has_scout) archive.fail("is contested by nobody");
+  if (is_contested() && !has_scout) archive.fail("is contested by nobody");
   archive.expect_end();
   if (learned) own_model_->restore_learned(*learned, place);
   is_started_ = true;

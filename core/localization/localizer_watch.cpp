@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The search beside a pose that is doubted: a second filter, whose place takes over when it has
 // shown itself better.
+#include <algorithm>
+#include <vector>
+
 #include "core/base/state_archive.hpp"
 #include "core/localization/localizer.hpp"
 
@@ -45,7 +48,19 @@ void Localizer::send_scout(const Observation& observation) {
 void Localizer::recall_scout() {
   scout_.reset();
   watch_.forget();
-  is_contested_ = false;
+  contested_scans_ = 0;
+}
+
+/// Several places are left, and the pose is none of them: with the likeliest as sure as a place
+/// that is confirmed, it is wrong whichever of them is right.
+bool Localizer::is_refuted_by_scout(const Pose2& pose) const {
+  const PlaceFinderConfig& search = config_.global_search;
+  if (contested_scans_ < search.watch.doubted_scans || !scout_->places_.is_active()) return false;
+  if (scout_->score_.value() < search.confirmation.confirmed_score) return false;
+  const std::vector<PlaceBelief>& places = scout_->places_.beliefs();
+  return std::none_of(places.begin(), places.end(), [&](const PlaceBelief& place) {
+    return places_.are_near(place.map_from_robot, pose);
+  });
 }
 
 /// After a scan: the scout sees it too, and its place is the robot's from now on, or not. pose: as
@@ -54,10 +69,15 @@ Pose2Gaussian Localizer::watch(const Observation& observation, const Pose2Gaussi
                                bool weighed) {
   if (scout_ != nullptr) (void)scout_->update(observation);
   if (!weighed) return pose;
-  // Where the map ends the score falls by itself, and the least wrong place of the map may fit an
-  // unknown room for a while.
-  if (is_ambiguous() || beyond_.is_outside() || !finder_.has_map()) {
+  if (is_ambiguous() || !finder_.has_map()) {
     recall_scout();
+    return pose;
+  }
+  // Where the map ends the score falls by itself, and the least wrong place of the map may fit an
+  // unknown room for a while. A start that no scan ever bore out leads out there as it is wrong.
+  if (beyond_.is_outside() && watch_.was_believed()) {
+    recall_scout();
+    watch_.believe();
     return pose;
   }
   switch (watch_.judge(score_.value())) {
@@ -72,9 +92,10 @@ Pose2Gaussian Localizer::watch(const Observation& observation, const Pose2Gaussi
   }
   const double doubted = config_.global_search.watch.doubted_score;
   const bool has_found = scout_ != nullptr && !scout_->is_seeking_ && score_.value() < doubted;
-  is_contested_ = has_found && scout_->score_.value() >= doubted &&
-                  !places_.are_near(scout_->result_.pose.mean, pose.mean);
-  if (!has_found || scout_->is_ambiguous()) return pose;
+  const bool is_contested = has_found && scout_->score_.value() >= doubted &&
+                            !places_.are_near(scout_->result_.pose.mean, pose.mean);
+  contested_scans_ = is_contested ? contested_scans_ + 1 : 0;
+  if (!has_found || (scout_->is_ambiguous() && !is_refuted_by_scout(pose.mean))) return pose;
   take_over();
   return pose_now();
 }

@@ -30,8 +30,8 @@ void Localizer::weigh_companions(const Observation& observation, double temperin
 }
 
 PoseTrust Localizer::trust() const {
-  return {score_.value(),
-          is_ambiguous() || is_contested_ || monitor_.health().is_in_doubt || beyond_.is_outside()};
+  return {score_.value(), is_ambiguous() || is_contested() || monitor_.health().is_in_doubt ||
+                              beyond_.is_outside()};
 }
 
 /// What the weighed part of the scan says of the pose that was found with it.

@@ -11,11 +11,16 @@ constexpr int kMaxRest = 1000;
 
 }  // namespace
 
+void PlaceWatch::believe() {
+  forget();
+  was_believed_ = true;
+}
+
 PlaceWatch::Step PlaceWatch::judge(double score) {
   if (!config_.is_used) return Step::kNone;
   if (score >= config_.trusted_score) {
     const bool ends = is_searching_;
-    forget();
+    believe();
     return ends ? Step::kEnd : Step::kNone;
   }
   if (is_searching_) {
@@ -29,6 +34,7 @@ PlaceWatch::Step PlaceWatch::judge(double score) {
     ++doubted_;
     return Step::kNone;
   }
+  was_believed_ |= score >= config_.doubted_score;
   doubted_ = score < config_.doubted_score ? doubted_ + 1 : 0;
   if (doubted_ < config_.doubted_scans) return Step::kNone;
   is_searching_ = true;

@@ -18,13 +18,17 @@ struct PlaceWatchConfig {
     v.field("is_used", c.is_used,
             {.doc = "a robot whose score stays low is looked for in the whole map, beside the pose "
                     "that it has; the place that is found takes over when it is confirmed "
-                    "(confirmation) and the pose still doubted; false: nothing is looked for"});
+                    "(confirmation) and the pose still doubted, several places together when they "
+                    "fit as well and the pose is none of them; false: nothing is looked for"});
     v.field("doubted_score", c.doubted_score,
             {.doc = "a lower score speaks against the pose", .unit = "1", .min = 0.0, .max = 1.0});
-    v.field("doubted_scans", c.doubted_scans,
-            {.doc = "the search begins after so many weighed scans on end with such a score",
-             .unit = "scans",
-             .min = 1});
+    v.field(
+        "doubted_scans", c.doubted_scans,
+        {.doc =
+             "the search begins after so many weighed scans on end with such a score; of several "
+             "places the pose must have been none in as many",
+         .unit = "scans",
+         .min = 1});
     v.field("trusted_score", c.trusted_score,
             {.doc = "from this score on the pose is believed again, and the search ends",
              .unit = "1",
@@ -50,11 +54,15 @@ class PlaceWatch {
 
   /// A start, or another place is believed now.
   void forget() { *this = PlaceWatch(config_); }
+  /// The pose is believed, whatever the scans said so far. No search is on.
+  void believe();
   /// A scan was weighed, with this score. Whether a search begins with it, or ends.
   [[nodiscard]] Step judge(double score);
   [[nodiscard]] bool is_searching() const { return is_searching_; }
   /// The last scan speaks against the pose, and no search is on, or rests.
   [[nodiscard]] bool is_doubting() const { return doubted_ > 0; }
+  /// Since the start some scan did not speak against the pose, while nothing was searched.
+  [[nodiscard]] bool was_believed() const { return was_believed_; }
 
   /// For saved states; the config is the constructor's.
   template <class Self, class Archive>
@@ -63,11 +71,13 @@ class PlaceWatch {
     archive(self.doubted_);
     archive(self.searched_);
     archive(self.rest_);
+    archive(self.was_believed_);
   }
 
  private:
   PlaceWatchConfig config_;
   bool is_searching_ = false;
+  bool was_believed_ = false;
   int doubted_ = 0;   // scans on end; negative while it rests
   int searched_ = 0;  // scans
   int rest_ = 0;      // scans, of the last one

@@ -77,6 +77,7 @@ def run(tries, material):
             what = f"{model}, {name}"
             judge(tries, what, replayed(tries, material, what, log, is_low, *chosen, *start), is_low)
     chosen = ("--set", "localizer.model=filtered")
-    # From anywhere: the first scans may be lost, and with them where a given start was right.
-    for name, log, is_low in (("own", material.log, False), ("other", other, True)):
-        judge(tries, "live, " + name, heard_live(tries, material, name, log, *chosen), is_low)
+    # The first scans may be lost, and with them where a given start was right: it is found anyway.
+    for name, log, start, is_low in (("own", material.log, begin, False),
+                                     ("other", other, (), True)):
+        judge(tries, "live, " + name, heard_live(tries, material, name, log, *chosen, *start), is_low)

@@ -131,6 +131,58 @@ TEST(LocalizerWatch, TellsOfPlacesThatLookAlikeWhereItCannotDecide) {
   EXPECT_GT(told, 40U);
 }
 
+TEST(LocalizerWatch, GivesUpAPoseThatIsNoneOfSeveralPlacesThatFit) {
+  const BoxWorld room = {
+      {0.0, 0.0, 8.0, 0.4}, {0.0, 4.6, 8.0, 5.0}, {0.0, 0.0, 0.4, 5.0}, {7.6, 0.0, 8.0, 5.0}};
+  const ReflectionGrid map = test::rasterize(room, 0.05, {{0, 0}, {160, 100}});
+  Localizer localizer(LocalizerConfig{}, make_grid_beam_model(map), 4, 1);
+  localizer.set_free_space(map);
+  Drive drive({2.0, 1.5, 0.3}, 68);
+  localizer.initialize({{4.0, 2.5, -1.2}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
+  std::size_t given_up = 0;
+  for (int n = 0; n < 60; ++n) {
+    drive.step({0.04, 0.0, 0.03});
+    const LocalizationResult result = localizer.update(drive.look(room, 10.0, 60));
+    if (n < 30) continue;
+    const Pose2 truth = drive.truth();
+    const Pose2 turned{8.0 - truth.x, 5.0 - truth.y, truth.theta};
+    const double off_m = std::min(translation_distance(result.pose.mean, truth),
+                                  translation_distance(result.pose.mean, turned));
+    EXPECT_LT(off_m, 0.3) << n;
+    EXPECT_TRUE(result.is_ambiguous) << n;
+    EXPECT_FALSE(result.converged) << n;
+    ASSERT_EQ(result.places.size(), 2U) << n;
+    EXPECT_LE(result.score, result.places.front().probability) << "which of them nobody can say";
+    ++given_up;
+  }
+  EXPECT_EQ(given_up, 30U);
+}
+
+/// Said to be before the gap, the robot is believed to drive into the room that no map has; it is
+/// in the corridor.
+Localizer told_before_the_gap(const Drive& drive) {
+  Localizer localizer(LocalizerConfig{}, unmapped_room::models().front(), 5, 1);
+  localizer.set_free_space(unmapped_room::corridor_map());
+  const Pose2 told{8.5, 1.6, 1.57 + drive.truth().theta};
+  localizer.initialize({told, Eigen::Vector3d(1e-3, 1e-3, 1e-3).asDiagonal()});
+  return localizer;
+}
+
+TEST(LocalizerWatch, FindsARobotThatIsWronglyBelievedToHaveLeftTheMap) {
+  Drive drive({2.0, 1.0, 0.0}, 4);
+  Localizer localizer = told_before_the_gap(drive);
+  std::size_t outside = 0;
+  std::size_t found = 0;
+  for (int n = 0; n < 120; ++n) {
+    drive.step({0.1, 0.0, 0.0});
+    const LocalizationResult result = localizer.update(drive.look(unmapped_room::building()));
+    outside += result.is_beyond_map ? 1 : 0;
+    found += translation_distance(result.pose.mean, drive.truth()) < 0.3 ? 1 : 0;
+  }
+  EXPECT_GT(outside, 3U) << "it never was believed to have left";
+  EXPECT_GT(found, 60U);
+}
+
 TEST(LocalizerWatch, KeepsTheScansOfWhichThePoseIsDoubtedForTheSearch) {
   const ReflectionGrid map = map_of_room();
   Localizer with = watched(map, true);

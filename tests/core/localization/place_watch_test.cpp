@@ -55,5 +55,36 @@ TEST(PlaceWatch, RestsLongerAfterEachSearchInVain) {
   EXPECT_EQ(scans_until(Step::kBegin, watch, 0.0, 100), 4) << "nothing is in vain any more";
 }
 
+TEST(PlaceWatch, KnowsWhetherThePoseWasEverBelievedSinceTheStart) {
+  PlaceWatch watch(kConfig);
+  EXPECT_EQ(watch.judge(0.2), Step::kNone);
+  EXPECT_FALSE(watch.was_believed()) << "somebody told it, and no scan said so";
+  EXPECT_EQ(watch.judge(0.3), Step::kNone);
+  EXPECT_TRUE(watch.was_believed());
+  EXPECT_EQ(scans_until(Step::kBegin, watch, 0.2, 3), 0);
+  EXPECT_EQ(watch.judge(0.2), Step::kBegin);
+  EXPECT_TRUE(watch.was_believed()) << "it was, whatever scans say now";
+  watch.forget();
+  EXPECT_FALSE(watch.was_believed());
+  ASSERT_EQ(scans_until(Step::kBegin, watch, 0.2, 10), 4);
+  EXPECT_EQ(watch.judge(0.4), Step::kNone);
+  EXPECT_FALSE(watch.was_believed()) << "it is still looked for elsewhere";
+  EXPECT_EQ(watch.judge(0.6), Step::kEnd);
+  EXPECT_TRUE(watch.was_believed());
+  watch.forget();
+  watch.believe();
+  EXPECT_TRUE(watch.was_believed());
+}
+
+TEST(PlaceWatch, DoesNotBelieveAPoseWhileItRestsFromASearchInVain) {
+  PlaceWatch watch(kConfig);
+  ASSERT_EQ(scans_until(Step::kBegin, watch, 0.0, 10), 4);
+  ASSERT_EQ(scans_until(Step::kEnd, watch, 0.0, 10), 6);
+  EXPECT_EQ(scans_until(Step::kBegin, watch, 0.5, 6), 0);
+  EXPECT_FALSE(watch.was_believed());
+  EXPECT_EQ(watch.judge(0.5), Step::kNone);
+  EXPECT_TRUE(watch.was_believed());
+}
+
 }  // namespace
 }  // namespace strata::localization
