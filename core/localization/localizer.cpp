@@ -182,9 +182,7 @@ bool Localizer::is_recovering() const {
   return !is_ambiguous() && !free_space_.empty() && monitor_.injection_share() > 0.0;
 }
 
-/// Which they are, and the score of the pose among them.
 void Localizer::tell_places(const Pose2& pose) {
-  result_.score = score_.value();
   std::vector<PlaceBelief>& places = result_.places;
   places.clear();
   if (is_contested()) {
@@ -195,14 +193,8 @@ void Localizer::tell_places(const Pose2& pose) {
     }
     if (places.empty()) places.push_back({scout_->result_.pose.mean, others});
     places.push_back({pose, score_.value() / both});
-    result_.score *= places.back().probability;
   } else if (places_.is_active()) {
     places = places_.beliefs();
-    double nearby = 0.0;
-    for (const PlaceBelief& place : places) {
-      if (places_.are_near(place.map_from_robot, pose, 0.5)) nearby += place.probability;
-    }
-    result_.score *= std::min(nearby, 1.0);
   } else if (result_.is_ambiguous && !is_seeking_) {
     places.push_back({pose, result_.score});
   }
@@ -211,6 +203,7 @@ void Localizer::tell_places(const Pose2& pose) {
 const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool weighed) {
   result_.pose = pose;
   result_.health = monitor_.health();
+  result_.score = score_.value();
   result_.effective_sample_size = effective_sample_size(particles_);
   result_.particles = particles_.size();
   result_.weighed = weighed;

@@ -37,8 +37,8 @@ struct LocalizationResult {
   /// likeliest place, and the covariance of all particles about it.
   Pose2Gaussian pose;
   LocalizationHealth health;
-  /// Probability that the pose is within 0.5 m of the truth, 0 to 1 (pose_score.hpp): how well it
-  /// explains what was seen, times its probability among the places that explain it.
+  /// Probability that the pose is within 0.5 m of the truth, 0 to 1 (pose_score.hpp); of one of
+  /// several places (places) that are told as if it were the only one.
   double score = 0.0;
   double effective_sample_size = 0.0;
   std::size_t particles = 0;

@@ -43,6 +43,7 @@ void Localizer::start(std::size_t count) {
   finder_.forget_scans();
   confirmation_.tell();
   recall_scout();
+  watch_.forget();
   score_.reset();
   particles_ = ParticleSet{};
   particles_.resize(count);

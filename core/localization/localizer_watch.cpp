@@ -46,8 +46,10 @@ void Localizer::send_scout(const Observation& observation) {
 }
 
 void Localizer::recall_scout() {
+  const bool was_believed = watch_.was_believed();
   scout_.reset();
   watch_.forget();
+  if (was_believed) watch_.believe();
   contested_scans_ = 0;
 }
 
@@ -74,10 +76,12 @@ Pose2Gaussian Localizer::watch(const Observation& observation, const Pose2Gaussi
     return pose;
   }
   // Where the map ends the score falls by itself, and the least wrong place of the map may fit an
-  // unknown room for a while. A start that no scan ever bore out leads out there as it is wrong.
-  if (beyond_.is_outside() && watch_.was_believed()) {
+  // unknown room for a while. A start that scans in the map contradicted from the beginning leads
+  // out of it because it is wrong.
+  const bool is_refuted_start =
+      !watch_.was_believed() && (watch_.is_searching() || watch_.is_doubting());
+  if (beyond_.is_outside() && !is_refuted_start) {
     recall_scout();
-    watch_.believe();
     return pose;
   }
   switch (watch_.judge(score_.value())) {

@@ -67,8 +67,32 @@ TEST_F(Localize, PrintsItsMetricsWhenAsked) {
   EXPECT_EQ(metrics["map_fit"]["is_explained"], true);
 }
 
+/// Otherwise the robot is looked for, and found.
+constexpr const char* kUnwatched = " --set localizer.global_search.watch.is_used=false ";
+
+TEST_F(Localize, FindsARobotThatDidNotBeginAtTheInitialPose) {
+  ASSERT_EQ(localize("--initial-pose 0,0,0 --quiet").code, 0);
+  const auto truth = log::read_trajectory(at("out") / "trajectory.tum");
+  ASSERT_EQ(localize("--initial-pose 1.5,1.5,2.4 --force --quiet").code, 0);
+  const auto found = log::read_trajectory(at("out") / "trajectory.tum");
+  ASSERT_EQ(found.size(), truth.size());
+  EXPECT_GT(translation_distance(found.front().pose, truth.front().pose), 1.0);
+  // The room looks nearly the same turned by half a turn about its middle.
+  std::size_t at_one_of_both = 0;
+  const Pose2 middle{2.0, 1.0, 0.0};
+  for (std::size_t i = truth.size() / 2; i < truth.size(); ++i) {
+    const Pose2& right = truth[i].pose;
+    const Pose2 turned{2.0 * middle.x - right.x, 2.0 * middle.y - right.y, right.theta};
+    at_one_of_both += std::min(translation_distance(found[i].pose, right),
+                               translation_distance(found[i].pose, turned)) < 0.5
+                          ? 1
+                          : 0;
+  }
+  EXPECT_EQ(at_one_of_both, truth.size() - truth.size() / 2);
+}
+
 TEST_F(Localize, SaysThatAWrongInitialPoseIsOne) {
-  const auto told = localize("--initial-pose 1.5,1.5,2.4");
+  const auto told = localize("--initial-pose 1.5,1.5,2.4" + std::string(kUnwatched));
   ASSERT_EQ(told.code, 0) << told.out;
   EXPECT_THAT(told.out, HasSubstr(kWarning));
   EXPECT_THAT(told.out, HasSubstr("did the robot begin at --initial-pose? --global looks"));
@@ -79,7 +103,7 @@ TEST_F(Localize, SaysThatAWrongInitialPoseIsOne) {
 TEST_F(Localize, WarnsAlsoWhenQuietAndKeepsItsJsonClean) {
   const std::string tail = "localize " + quoted(log()) + " --maps " + quoted(at("direct")) +
                            " --model filtered --out " + quoted(at("out")) +
-                           " --initial-pose 1.5,1.5,2.4 --quiet --json";
+                           " --initial-pose 1.5,1.5,2.4 --quiet --json" + kUnwatched;
   const auto told = run_strata(tail + " 2>" + quoted(at("err")));
   ASSERT_EQ(told.code, 0) << told.out;
   EXPECT_EQ(nlohmann::json::parse(told.out)["map_fit"]["is_explained"], false);
@@ -109,7 +133,9 @@ TEST_F(Localize, InAReplayWarnsTheSame) {
   const auto own = replayed("--set 'localizer.start.pose=[0, 0, 0]'");
   ASSERT_EQ(own.code, 0) << own.out;
   EXPECT_THAT(own.out, Not(HasSubstr("do not explain")));
-  const auto wrong = replayed("--set 'localizer.start.pose=[1.5, 1.5, 2.4]'");
+  const auto wrong = replayed(
+      "--set 'localizer.start.pose=[1.5, 1.5, 2.4]' "
+      "--set localizer.localizer.global_search.watch.is_used=false");
   ASSERT_EQ(wrong.code, 0) << wrong.out;
   EXPECT_THAT(wrong.out, ContainsRegex(std::string(kWarning) + ": of its [0-9]+ weighed scans "));
   EXPECT_THAT(wrong.out, HasSubstr("did the robot begin at start.pose?"));
