@@ -270,6 +270,7 @@ TEST(LocalizerWatch, LooksForNothingWhereARobotIsSaidToBeginBeyondTheMap) {
     const LocalizationResult result = with.update(seen);
     ASSERT_EQ(result.pose.mean, without.update(seen).pose.mean) << n;
     EXPECT_FALSE(result.is_ambiguous) << n;
+    ASSERT_LT(with.saved_state()->size(), without.saved_state()->size() + 100) << n;
     outside += result.is_beyond_map ? 1 : 0;
   }
   EXPECT_GT(outside, 100U);
