@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The search beside a pose that is doubted.
+/// The search beside a pose that is doubted. Of places that look alike:
+/// watch_alike_places_test.cpp; where the map ends: watch_beyond_map_test.cpp.
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -9,7 +10,6 @@
 #include "core/localization/localizer.hpp"
 #include "core/localization/range_provider_model.hpp"
 #include "tests/core/localization/box_world.hpp"
-#include "tests/core/localization/unmapped_room.hpp"
 
 namespace strata::localization {
 namespace {
@@ -106,82 +106,6 @@ TEST(LocalizerWatch, TellsBothPlacesWhileTheOtherIsLikelierAndNotConfirmed) {
   EXPECT_GT(contested, 10U);
 }
 
-TEST(LocalizerWatch, TellsOfPlacesThatLookAlikeWhereItCannotDecide) {
-  // The same turned by half a turn.
-  const BoxWorld room = {
-      {0.0, 0.0, 8.0, 0.4}, {0.0, 4.6, 8.0, 5.0}, {0.0, 0.0, 0.4, 5.0}, {7.6, 0.0, 8.0, 5.0}};
-  const ReflectionGrid map = test::rasterize(room, 0.05, {{0, 0}, {160, 100}});
-  Localizer localizer(LocalizerConfig{}, make_grid_beam_model(map), 4, 1);
-  localizer.set_free_space(map);
-  Drive drive({2.0, 1.5, 0.3}, 68);
-  localizer.initialize({{4.0, 2.5, -1.2}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
-  std::size_t told = 0;
-  for (int n = 0; n < 60; ++n) {
-    drive.step({0.04, 0.0, 0.03});
-    const LocalizationResult result = localizer.update(drive.look(room, 10.0, 60));
-    if (!result.is_ambiguous) continue;
-    ++told;
-    EXPECT_NE(result.health.state, HealthState::kGood) << n;
-    double nearest_m = 100.0;
-    for (const PlaceBelief& place : result.places) {
-      nearest_m = std::min(nearest_m, translation_distance(place.map_from_robot, drive.truth()));
-    }
-    EXPECT_LT(nearest_m, 0.3) << n;
-  }
-  EXPECT_GT(told, 40U);
-}
-
-TEST(LocalizerWatch, GivesUpAPoseThatIsNoneOfSeveralPlacesThatFit) {
-  const BoxWorld room = {
-      {0.0, 0.0, 8.0, 0.4}, {0.0, 4.6, 8.0, 5.0}, {0.0, 0.0, 0.4, 5.0}, {7.6, 0.0, 8.0, 5.0}};
-  const ReflectionGrid map = test::rasterize(room, 0.05, {{0, 0}, {160, 100}});
-  Localizer localizer(LocalizerConfig{}, make_grid_beam_model(map), 4, 1);
-  localizer.set_free_space(map);
-  Drive drive({2.0, 1.5, 0.3}, 68);
-  localizer.initialize({{4.0, 2.5, -1.2}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
-  std::size_t given_up = 0;
-  for (int n = 0; n < 60; ++n) {
-    drive.step({0.04, 0.0, 0.03});
-    const LocalizationResult result = localizer.update(drive.look(room, 10.0, 60));
-    if (n < 30) continue;
-    const Pose2 truth = drive.truth();
-    const Pose2 turned{8.0 - truth.x, 5.0 - truth.y, truth.theta};
-    const double off_m = std::min(translation_distance(result.pose.mean, truth),
-                                  translation_distance(result.pose.mean, turned));
-    EXPECT_LT(off_m, 0.3) << n;
-    EXPECT_TRUE(result.is_ambiguous) << n;
-    EXPECT_FALSE(result.converged) << n;
-    ASSERT_EQ(result.places.size(), 2U) << n;
-    ++given_up;
-  }
-  EXPECT_EQ(given_up, 30U);
-}
-
-/// Said to be before the gap, the robot is believed to drive into the room that no map has; it is
-/// in the corridor.
-Localizer told_before_the_gap(const Drive& drive) {
-  Localizer localizer(LocalizerConfig{}, unmapped_room::models().front(), 5, 1);
-  localizer.set_free_space(unmapped_room::corridor_map());
-  const Pose2 told{8.5, 1.6, 1.57 + drive.truth().theta};
-  localizer.initialize({told, Eigen::Vector3d(1e-3, 1e-3, 1e-3).asDiagonal()});
-  return localizer;
-}
-
-TEST(LocalizerWatch, FindsARobotThatIsWronglyBelievedToHaveLeftTheMap) {
-  Drive drive({2.0, 1.0, 0.0}, 4);
-  Localizer localizer = told_before_the_gap(drive);
-  std::size_t outside = 0;
-  std::size_t found = 0;
-  for (int n = 0; n < 120; ++n) {
-    drive.step({0.1, 0.0, 0.0});
-    const LocalizationResult result = localizer.update(drive.look(unmapped_room::building()));
-    outside += result.is_beyond_map ? 1 : 0;
-    found += translation_distance(result.pose.mean, drive.truth()) < 0.3 ? 1 : 0;
-  }
-  EXPECT_GT(outside, 3U) << "it never was believed to have left";
-  EXPECT_GT(found, 60U);
-}
-
 TEST(LocalizerWatch, KeepsTheScansOfWhichThePoseIsDoubtedForTheSearch) {
   const ReflectionGrid map = map_of_room();
   Localizer with = watched(map, true);
@@ -217,63 +141,6 @@ TEST(LocalizerWatch, LeavesAPoseThatFitsAgainToTheFilterThatHasIt) {
     searched += with.saved_state()->size() > without.saved_state()->size() + 100 ? 1 : 0;
   }
   EXPECT_GT(searched, 60U) << "nothing was searched";
-}
-
-TEST(LocalizerWatch, LooksForNothingWhereTheMapEnds) {
-  const auto model = unmapped_room::models().front();
-  LocalizerConfig config;
-  Localizer with(config, model, 5, 1);
-  config.global_search.watch.is_used = false;
-  Localizer without(config, model, 5, 1);
-  Drive drive({8.5, 0.8, 1.57}, 4);
-  for (Localizer* localizer : {&with, &without}) {
-    localizer->set_free_space(unmapped_room::corridor_map());
-    localizer->initialize({drive.truth(), Eigen::Vector3d(1e-3, 1e-3, 1e-3).asDiagonal()});
-  }
-  std::size_t outside = 0;
-  double score = 1.0;
-  for (int n = 0; n < 300; ++n) {
-    drive.step({n < 40 ? 0.1 : 0.05, 0.0, n < 40 ? 0.0 : 0.1});  // into the room, and about in it
-    if (n == 150) {  // a map that came meanwhile, as from somebody who learns
-      for (Localizer* localizer : {&with, &without}) {
-        localizer->set_model(model);
-        localizer->set_free_space(unmapped_room::corridor_map());
-      }
-    }
-    const Observation seen = drive.look(unmapped_room::building());
-    const LocalizationResult result = with.update(seen);
-    ASSERT_EQ(result.pose.mean, without.update(seen).pose.mean) << n;
-    if (!result.is_beyond_map) continue;
-    ++outside;
-    score = result.score;
-    ASSERT_LT(with.saved_state()->size(), without.saved_state()->size() + 100) << n;
-  }
-  EXPECT_GT(outside, 200U);
-  EXPECT_LT(score, 0.3) << "nothing was doubted";
-}
-
-TEST(LocalizerWatch, LooksForNothingWhereARobotIsSaidToBeginBeyondTheMap) {
-  const auto model = unmapped_room::models().front();
-  LocalizerConfig config;
-  Localizer with(config, model, 5, 1);
-  config.global_search.watch.is_used = false;
-  Localizer without(config, model, 5, 1);
-  Drive drive({8.5, 4.2, 1.57}, 4);
-  for (Localizer* localizer : {&with, &without}) {
-    localizer->set_free_space(unmapped_room::corridor_map());
-    localizer->initialize({drive.truth(), Eigen::Vector3d(1e-3, 1e-3, 1e-3).asDiagonal()});
-  }
-  std::size_t outside = 0;
-  for (int n = 0; n < 150; ++n) {
-    drive.step({0.05, 0.0, 0.1});
-    const Observation seen = drive.look(unmapped_room::building());
-    const LocalizationResult result = with.update(seen);
-    ASSERT_EQ(result.pose.mean, without.update(seen).pose.mean) << n;
-    EXPECT_FALSE(result.is_ambiguous) << n;
-    ASSERT_LT(with.saved_state()->size(), without.saved_state()->size() + 100) << n;
-    outside += result.is_beyond_map ? 1 : 0;
-  }
-  EXPECT_GT(outside, 100U);
 }
 
 TEST(LocalizerWatch, TakesNoNumbersTwiceAfterAnotherPlaceTookOver) {
