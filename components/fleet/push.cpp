@@ -7,9 +7,10 @@
 #include <utility>
 
 #include "components/fleet/schema.hpp"
+#include "components/fleet/versions.hpp"
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/thinned_runs.hpp"
-#include "memory/store/visit_content.hpp"
+#include "memory/store/coded_visit.hpp"
 
 namespace strata::fleet {
 namespace {
@@ -18,30 +19,31 @@ struct OwnVisit {
   std::string sha256;
   std::size_t scans = 0;
   std::int64_t end_ns = 0;
+  double path_m = 0.0;
 };
 
 /// What the server has of this robot, by number. Tables from before do not tell a robot how many
-/// scans a visit has and when it ended: who sends every scan can do without (0).
+/// scans a visit has and when it ended: who sends every scan by itself can do without (0).
 std::map<std::int64_t, OwnVisit> own_visits(Connection& connection, const Member& robot,
-                                            const SpacingConfig& spacing) {
-  const std::string what = "SELECT visit, sha256, scans, end_ns FROM strata.visit ";
-  const std::string less = "SELECT visit, sha256, 0, 0 FROM strata.visit ";
+                                            bool sends_all) {
+  const std::string what = "SELECT visit, sha256, scans, end_ns, path_m FROM strata.visit ";
+  const std::string less = "SELECT visit, sha256, 0, 0, 0 FROM strata.visit ";
   const std::string whose = "WHERE site = $1 AND robot = $2";
   const auto ask = [&] {
     try {
       return connection.query(what + whose, {robot.site, robot.name});
     } catch (const DeniedError&) {
-      if (spacing.spacing_m <= 0.0) return connection.query(less + whose, {robot.site, robot.name});
+      if (sends_all) return connection.query(less + whose, {robot.site, robot.name});
       throw DeniedError(connection.place(), "does not let robots compare spaced visits yet",
                         "its owner does by `strata fleet init` once more; until then send every "
-                        "scan (spacing 0)");
+                        "scan (spacing 0) by itself (tolerance 0)");
     }
   };
   const Rows rows = ask();
   std::map<std::int64_t, OwnVisit> visits;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     visits[rows.integer(i, 0)] = {rows.text(i, 1), static_cast<std::size_t>(rows.integer(i, 2)),
-                                  rows.integer(i, 3)};
+                                  rows.integer(i, 3), rows.real(i, 4)};
   }
   return visits;
 }
@@ -82,7 +84,10 @@ bool is_same(const OwnVisit& there, const LocalVisit& here) {
   if (there.sha256 == here.whole) return true;
   // What is left of a visit has no hash to compare: it is there by its number.
   if (here.visit.name.sha256 != here.whole) return true;
-  return there.scans < here.visit.scans && there.end_ns == here.visit.end_ns;
+  if (there.end_ns != here.visit.end_ns) return false;
+  // Spaced, or told relative to a version: its path is the one that was measured.
+  return there.scans < here.visit.scans ||
+         (there.scans == here.visit.scans && there.path_m == here.visit.path_m);
 }
 
 void require_same_frame(const Connection& connection, const std::filesystem::path& maps,
@@ -104,16 +109,24 @@ void require_same_frame(const Connection& connection, const std::filesystem::pat
 
 /// One statement, which is one transaction.
 PushOutcome send(Connection& connection, const Member& robot, const Visit& visit,
-                 std::span<const std::byte> payload, const SpacingConfig& spacing) {
+                 const VisitPayload& payload) {
   const Rows sent = connection.query(
       "INSERT INTO strata.visit (site, robot, visit, sha256, format, scans, end_ns, path_m, "
       "payload) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9) ON CONFLICT DO NOTHING",
-      {robot.site, robot.name, visit.name.number, visit.name.sha256, memory::kVisitFormat,
-       visit.scans, visit.end_ns, visit.path_m, payload});
+      {robot.site, robot.name, visit.name.number, visit.name.sha256, payload.format, visit.scans,
+       visit.end_ns, visit.path_m, std::span<const std::byte>(payload.bytes)});
   if (sent.changed() == 1) return PushOutcome::kSent;
-  const auto there = own_visits(connection, robot, spacing);  // another process was quicker
+  const auto there = own_visits(connection, robot, true);  // another process was quicker
   return there.at(visit.name.number).sha256 == visit.name.sha256 ? PushOutcome::kThere
                                                                  : PushOutcome::kClash;
+}
+
+/// Others can read what is told relative to a version only where they can have that.
+bool is_released(Connection& connection, const std::string& site, const std::string& hash) {
+  const std::vector<ServerVersion> all = versions(connection, site);
+  return std::any_of(all.begin(), all.end(), [&](const ServerVersion& one) {
+    return one.hash == hash && one.state == "released";
+  });
 }
 
 }  // namespace
@@ -133,7 +146,8 @@ const char* name_of(PushOutcome outcome) {
 }
 
 void push(Connection& connection, const std::string& site, const std::filesystem::path& maps,
-          const std::function<void(const PushedVisit&)>& told, const SpacingConfig& spacing) {
+          const std::function<void(const PushedVisit&)>& told, const SpacingConfig& spacing,
+          const Coding* coding) {
   const Member robot = require_member(connection, site);
   if (robot.kind != MemberKind::kRobot) {
     throw InputError(connection.place(),
@@ -144,25 +158,28 @@ void push(Connection& connection, const std::string& site, const std::filesystem
   const std::set<std::string> released = released_runs(connection);
   std::vector<LocalVisit> visits = local_visits(store, robot);
   require_same_frame(connection, maps, visits, released);
-  const auto there = own_visits(connection, robot, spacing);
+  if (coding != nullptr && !is_released(connection, site, coding->hash)) coding = nullptr;
+  const auto there = own_visits(connection, robot, spacing.spacing_m <= 0.0 && coding == nullptr);
   for (const LocalVisit& local : visits) {
     const auto& [visit, whole] = local;
-    PushedVisit pushed{
-        visit.name, whole, visit.run, visit.scans, visit.path_m, 0, PushOutcome::kReleased};
+    PushedVisit pushed{visit.name,   whole, visit.run, visit.scans,
+                       visit.path_m, 0,     {},        PushOutcome::kReleased};
     const auto same_number = there.find(visit.name.number);
     if (!released.contains(whole)) {
       if (same_number != there.end()) {
         pushed.outcome =
             is_same(same_number->second, local) ? PushOutcome::kThere : PushOutcome::kClash;
       } else {
-        Visit sent = visit_of(store, visit.run, spacing);
+        auto [sent, payload] = told_visit(store, visit.run, spacing, coding);
         sent.name.robot = robot.name;
         sent.name.number = visit.name.number;
-        const auto payload = memory::pack_visit(sent.content);
-        pushed.outcome = send(connection, robot, sent, payload, spacing);
+        pushed.outcome = send(connection, robot, sent, payload);
         pushed.name = sent.name;
         pushed.scans = sent.scans;
-        if (pushed.outcome == PushOutcome::kSent) pushed.bytes = payload.size();
+        if (pushed.outcome == PushOutcome::kSent) {
+          pushed.bytes = payload.bytes.size();
+          if (payload.format == memory::kCodedVisitFormat) pushed.relative_to = coding->hash;
+        }
       }
     }
     told(pushed);

@@ -11,6 +11,7 @@
 #include "components/maps/maps_folder.hpp"
 #include "components/maps/thinned_runs.hpp"
 #include "core/base/damage.hpp"
+#include "memory/store/coded_visit.hpp"
 #include "memory/store/visit_content.hpp"
 
 namespace strata::fleet {
@@ -20,30 +21,38 @@ std::string named(const std::string& place, const VisitName& name) {
   return place + ": visit " + std::to_string(name.number) + " of " + name.robot;
 }
 
-std::vector<std::byte> fetch_content(Connection& connection, const std::string& site,
-                                     const VisitName& name) {
+[[noreturn]] void throw_damaged(const std::string& place) {
+  throw DamageError(place, "is damaged: its hash does not hold",
+                    "set the robot aside, and look into the server's disk");
+}
+
+std::vector<PosedScan> fetch_scans(Connection& connection, const std::string& site,
+                                   const VisitName& name, VersionMaps& maps) {
   const std::string place = named(connection.place(), name);
-  const Rows format = connection.query(
-      "SELECT format FROM strata.visit WHERE site = $1 AND robot = $2 AND visit = $3",
-      {site, name.robot, name.number});
-  if (format.integer(0, 0) != memory::kVisitFormat) {
+  const std::int64_t format =
+      connection
+          .query("SELECT format FROM strata.visit WHERE site = $1 AND robot = $2 AND visit = $3",
+                 {site, name.robot, name.number})
+          .integer(0, 0);
+  if (format != memory::kVisitFormat && format != memory::kCodedVisitFormat) {
     throw InputError(place, "is of a format that this Strata does not know", "update Strata here");
   }
   const Rows rows = connection.query_bytes(
       "SELECT payload FROM strata.visit WHERE site = $1 AND robot = $2 AND visit = $3",
       {site, name.robot, name.number});
-  std::vector<std::byte> content = memory::unpack_visit(rows.bytes(0, 0), place);
-  if (maps::visit_hash(std::span<const std::byte>(content)) != name.sha256) {
-    throw DamageError(place, "is damaged: its hash does not hold",
-                      "set the robot aside, and look into the server's disk");
+  const std::span<const std::byte> payload = rows.bytes(0, 0);
+  if (format == memory::kVisitFormat) {
+    const std::vector<std::byte> content = memory::unpack_visit(payload, place);
+    if (maps::visit_hash(std::span<const std::byte>(content)) != name.sha256) throw_damaged(place);
+    return memory::scans_of_visit(content, 0, place);
   }
-  return content;
+  const ReflectionGrid& map = maps.of(memory::map_of_coded_visit(payload, place), place);
+  std::vector<PosedScan> scans = memory::scans_of_coded_visit(payload, map, 0, place);
+  if (scans.empty() || maps::visit_hash(scans) != name.sha256) throw_damaged(place);
+  return scans;
 }
 
-}  // namespace
-
-Visit visit_of(const memory::Store& store, int run, const SpacingConfig& spacing) {
-  const std::vector<PosedScan> scans = spaced(store.load_scans(run), spacing);
+Visit visit_of(std::span<const PosedScan> scans, int run) {
   Visit visit;
   visit.run = run;
   visit.name.number = scans.front().scan.stamp.ns;
@@ -53,9 +62,52 @@ Visit visit_of(const memory::Store& store, int run, const SpacingConfig& spacing
     const Pose2 step = inverse(scans[i - 1].map_from_robot) * scans[i].map_from_robot;
     visit.path_m += std::hypot(step.x, step.y);
   }
+  return visit;
+}
+
+void set_content(Visit& visit, std::span<const PosedScan> scans) {
   visit.content = memory::visit_content(scans);
   visit.name.sha256 = maps::visit_hash(std::span<const std::byte>(visit.content));
+}
+
+/// A visit is never changed once it is sent, so one that nobody could read would be lost.
+bool is_read_as(const memory::CodedVisit& coded, const ReflectionGrid& map,
+                std::span<const std::byte> content) {
+  try {
+    const auto scans = memory::scans_of_coded_visit(coded.bytes, map, 0, "");
+    return std::ranges::equal(memory::visit_content(scans), content);
+  } catch (const DamageError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+Visit visit_of(const memory::Store& store, int run, const SpacingConfig& spacing) {
+  const std::vector<PosedScan> scans = spaced(store.load_scans(run), spacing);
+  Visit visit = visit_of(scans, run);
+  set_content(visit, scans);
   return visit;
+}
+
+std::pair<Visit, VisitPayload> told_visit(const memory::Store& store, int run,
+                                          const SpacingConfig& spacing, const Coding* coding) {
+  const std::vector<PosedScan> scans = spaced(store.load_scans(run), spacing);
+  Visit by_itself = visit_of(scans, run);
+  Visit relative = by_itself;
+  set_content(by_itself, scans);
+  VisitPayload payload{memory::kVisitFormat, memory::pack_visit(by_itself.content)};
+  if (coding != nullptr) {
+    const double tolerance_m = coding->tolerance_cells * coding->map.resolution_m();
+    auto coded = memory::code_visit(scans, coding->map, coding->hash, tolerance_m);
+    if (coded && coded->bytes.size() < payload.bytes.size()) {
+      set_content(relative, coded->scans);
+      if (is_read_as(*coded, coding->map, relative.content)) {
+        return {std::move(relative), {memory::kCodedVisitFormat, std::move(coded->bytes)}};
+      }
+    }
+  }
+  return {std::move(by_itself), std::move(payload)};
 }
 
 std::vector<std::string> run_hashes(const std::filesystem::path& maps) {
@@ -86,20 +138,25 @@ std::vector<VisitName> visit_names(Connection& connection, const std::string& si
 
 void for_each_visit(Connection& connection, const std::string& site,
                     const std::set<std::string>& known,
-                    const std::function<void(const VisitName&, std::vector<PosedScan>)>& take) {
+                    const std::function<void(const VisitName&, std::vector<PosedScan>)>& take,
+                    const site::Site* local) {
+  VersionMaps maps(connection, site, local);
   for (const VisitName& name : visit_names(connection, site)) {
     if (known.contains(name.sha256)) continue;
-    take(name, memory::scans_of_visit(fetch_content(connection, site, name), 0,
-                                      named(connection.place(), name)));
+    take(name, fetch_scans(connection, site, name, maps));
   }
 }
 
 std::vector<LearnedVisit> visits_to_learn(Connection& connection, const std::string& site,
-                                          const std::set<std::string>& known) {
+                                          const std::set<std::string>& known,
+                                          const site::Site* local) {
   std::vector<LearnedVisit> visits;
-  for_each_visit(connection, site, known, [&](const VisitName& name, std::vector<PosedScan> scans) {
-    visits.push_back({name, std::move(scans)});
-  });
+  for_each_visit(
+      connection, site, known,
+      [&](const VisitName& name, std::vector<PosedScan> scans) {
+        visits.push_back({name, std::move(scans)});
+      },
+      local);
   std::stable_sort(visits.begin(), visits.end(), [](const LearnedVisit& a, const LearnedVisit& b) {
     return std::tie(a.name.number, a.name.robot) < std::tie(b.name.number, b.name.robot);
   });

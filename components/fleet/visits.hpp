@@ -9,9 +9,11 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "components/fleet/connection.hpp"
+#include "components/fleet/version_maps.hpp"
 #include "core/scan/scan.hpp"
 #include "core/scan/spacing.hpp"
 #include "memory/store/store.hpp"
@@ -22,7 +24,7 @@ namespace strata::fleet {
 struct VisitName {
   std::string robot;
   std::int64_t number = 0;  ///< stamp of its first scan, in nanoseconds
-  std::string sha256;       ///< of its content (memory/store/visit_content.hpp)
+  std::string sha256;       ///< of its content as it is read (memory/store/visit_content.hpp)
 };
 
 struct Visit {
@@ -34,10 +36,23 @@ struct Visit {
   std::vector<std::byte> content;
 };
 
+/// As it goes over the wire.
+struct VisitPayload {
+  int format = 0;
+  std::vector<std::byte> bytes;
+};
+
 /// A run of a MAPS folder as a visit, without a robot; of its scans those that are spaced so.
 /// Requires scans. O(beams).
 [[nodiscard]] Visit visit_of(const memory::Store& store, int run,
                              const SpacingConfig& spacing = {});
+
+/// The same with how it is sent: relative to `coding` where that is given and takes it in fewer
+/// bytes, else by itself. Its content and hash are those of what is read of it; number, end and
+/// path stay as they were measured. O(beams).
+[[nodiscard]] std::pair<Visit, VisitPayload> told_visit(const memory::Store& store, int run,
+                                                        const SpacingConfig& spacing,
+                                                        const Coding* coding);
 
 /// The hash of each run's visit of a MAPS folder, in the order of the runs; of runs that lack
 /// scans, or have none any more, as it was when they had all. O(beams of all).
@@ -45,11 +60,13 @@ struct Visit {
 
 /// Every visit of a site but those of robots that were set aside and those whose hash is in
 /// `known`, sorted by robot and number, so that who came first makes no difference; payloads are
-/// fetched one by one, unpacked, and their hash is checked. For an operator or the owner. Throws
-/// DamageError where a hash does not hold.
+/// fetched one by one, unpacked, and their hash is checked. local: a site that may have the
+/// versions that visits are relative to, or null. For an operator or the owner. Throws DamageError
+/// where a hash does not hold, and InputError where nobody has such a version.
 void for_each_visit(Connection& connection, const std::string& site,
                     const std::set<std::string>& known,
-                    const std::function<void(const VisitName&, std::vector<PosedScan>)>& take);
+                    const std::function<void(const VisitName&, std::vector<PosedScan>)>& take,
+                    const site::Site* local = nullptr);
 
 struct LearnedVisit {
   VisitName name;
@@ -61,7 +78,8 @@ struct LearnedVisit {
 /// first, and in whatever groups. As for_each_visit() otherwise.
 [[nodiscard]] std::vector<LearnedVisit> visits_to_learn(Connection& connection,
                                                         const std::string& site,
-                                                        const std::set<std::string>& known);
+                                                        const std::set<std::string>& known,
+                                                        const site::Site* local = nullptr);
 
 /// The names alone.
 [[nodiscard]] std::vector<VisitName> visit_names(Connection& connection, const std::string& site);

@@ -67,6 +67,7 @@ struct FleetMemberConfig {
   double period_s = 20.0;
   double timeout_s = 120.0;
   double spacing_m = 0.0;
+  double tolerance_cells = 0.0;
   RetryConfig retry;
   template <class Self, class V>
   static void describe(Self& c, V& v) {
@@ -90,6 +91,14 @@ struct FleetMemberConfig {
              .unit = "m",
              .min = 0.0,
              .max = 10.0});
+    v.field(
+        "tolerance_cells", c.tolerance_cells,
+        {.doc = "visits are told relative to site_folder's active version, where the server has "
+                "released it: beams that end so near to where its map says end there; 0: visits "
+                "are sent as they were measured",
+         .unit = "cells",
+         .min = 0.0,
+         .max = 3.0});
     v.field("site_folder", c.site_folder,
             {.doc = "local site into which released versions are pulled; empty: none is",
              .when = "the robot is to get released maps"});

@@ -187,9 +187,22 @@ void Exchange::push(fleet::Connection& connection, const std::string& maps) {
     take(visit);
     if (stops()) throw Cancelled(maps);
   };
-  fleet::push(connection, config_.site, maps, told, {.spacing_m = config_.spacing_m});
+  const std::optional<fleet::Coding> coding = this->coding();
+  fleet::push(connection, config_.site, maps, told, {.spacing_m = config_.spacing_m},
+              coding ? &*coding : nullptr);
   if (clash) throw fleet::clash_error(connection, *clash);
   visits_.is_pushed(maps);
+}
+
+/// Visits do not wait for a folder to be mended.
+std::optional<fleet::Coding> Exchange::coding() {
+  if (config_.site_folder.empty() || config_.tolerance_cells <= 0.0) return std::nullopt;
+  try {
+    return fleet::active_coding(site::Site(config_.site_folder), config_.tolerance_cells);
+  } catch (const std::exception& error) {
+    note(error, false);
+    return std::nullopt;
+  }
 }
 
 void Exchange::take(const fleet::PushedVisit& visit) {

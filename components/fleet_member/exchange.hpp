@@ -68,6 +68,8 @@ class Exchange {
   void push(fleet::Connection& connection);
   void push(fleet::Connection& connection, const std::string& maps);
   void pull(fleet::Connection& connection);
+  /// What visits are told relative to; nothing: they go by themselves.
+  [[nodiscard]] std::optional<fleet::Coding> coding();
   void take(const fleet::PushedVisit& visit);
   [[nodiscard]] bool stops() const;
   [[nodiscard]] site::Actor actor() const;

@@ -5,14 +5,12 @@
 #include <array>
 #include <fstream>
 #include <iostream>
-#include <map>
 #include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 #include <sys/random.h>
 
-#include "components/fleet/clock.hpp"
 #include "components/fleet/pull.hpp"
 #include "components/fleet/push.hpp"
 #include "components/fleet/schema.hpp"
@@ -22,6 +20,7 @@
 #include "core/base/hex_text.hpp"
 #include "tools/report/plot.hpp"
 #include "tools/strata/fleet_learn.hpp"
+#include "tools/strata/fleet_push.hpp"
 #include "tools/strata/site_actions.hpp"
 #include "tools/strata/site_text.hpp"
 #include "tools/strata/verb_config.hpp"
@@ -148,46 +147,11 @@ void withdraw(const FleetOptions& options, VerbContext& context) {
          {{"mapId", options.site}, {"mapHash", hash}, {"state", "withdrawn"}});
 }
 
-json json_of(const fleet::PushedVisit& visit) {
-  return {{"run", visit.run},
-          {"visit", visit.name.number},
-          {"sha256", visit.name.sha256},
-          {"scans", visit.scans},
-          {"path_m", visit.path_m},
-          {"bytes", visit.bytes},
-          {"outcome", fleet::name_of(visit.outcome)}};
-}
-
 void push(const FleetOptions& options, VerbContext& context) {
   fleet::Connection connection = connect(options);
-  const fleet::ClockOffset clock = fleet::clock_offset(connection);
-  if (clock.is_off()) context.note("warning: " + clock.warning());
-  json visits = json::array();
-  std::map<fleet::PushOutcome, std::size_t> counts;
-  std::size_t bytes = 0;
-  double path_m = 0.0;
-  std::optional<fleet::VisitName> clash;
-  const auto told = [&](const fleet::PushedVisit& visit) {
-    visits.push_back(json_of(visit));
-    ++counts[visit.outcome];
-    bytes += visit.bytes;
-    if (visit.outcome == fleet::PushOutcome::kSent) path_m += visit.path_m;
-    if (visit.outcome == fleet::PushOutcome::kClash) clash = visit.name;
-    if (context.interrupt().requested()) throw Cancelled("push");
-  };
-  fleet::push(connection, options.site, options.folder, told, {.spacing_m = options.spacing_m});
-  using enum fleet::PushOutcome;
-  answer(options, context,
-         "sent " + counted(counts[kSent], "visit") + ", " +
-             report::fixed(static_cast<double>(bytes) / 1e3, 1) + " kB over " +
-             report::fixed(path_m, 0) + " m; " + std::to_string(counts[kThere]) + " were there, " +
-             std::to_string(counts[kReleased]) + " are in released maps",
-         {{"site", options.site},
-          {"bytes", bytes},
-          {"path_m", path_m},
-          {"clock_ahead_s", clock.ahead_s},
-          {"visits", visits}});
-  if (clash) throw fleet::clash_error(connection, *clash);
+  const FleetPushed pushed = push_visits(connection, options, context);
+  answer(options, context, pushed.text, pushed.summary);
+  if (pushed.clash) throw fleet::clash_error(connection, *pushed.clash);
 }
 
 void pull(const FleetOptions& options, VerbContext& context) {

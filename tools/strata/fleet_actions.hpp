@@ -12,8 +12,9 @@ namespace strata::tools {
 
 struct FleetOptions {
   std::string url;
-  std::string site;    ///< name on the server
-  std::string folder;  ///< of a site, or of maps
+  std::string site;     ///< name on the server
+  std::string folder;   ///< of a site, or of maps
+  std::string against;  ///< folder of a site
   std::string frame = "map";
   std::string name;  ///< of a robot or an operator
   std::string version;
@@ -23,6 +24,7 @@ struct FleetOptions {
   std::string why;
   int timeout_s = 120;
   double spacing_m = 0.0;
+  double tolerance_cells = 0.5;
   bool new_password = false;
   bool approve = false;
   bool activate = false;

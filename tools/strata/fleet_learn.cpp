@@ -95,7 +95,7 @@ nlohmann::json learn_fleet(fleet::Connection& connection, const site::Site& site
   maps::EarlierRuns earlier = maps::read_earlier_runs(base);
   const std::vector<std::string> known = fleet::run_hashes(base);
   std::vector<fleet::LearnedVisit> visits = fleet::visits_to_learn(
-      connection, site.decisions().id, std::set<std::string>(known.begin(), known.end()));
+      connection, site.decisions().id, std::set<std::string>(known.begin(), known.end()), &site);
   if (visits.empty()) {
     throw InputError(connection.place(), "has no visit that the active version does not hold",
                      "push some, or wait for robots that do");

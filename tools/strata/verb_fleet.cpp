@@ -63,7 +63,7 @@ constexpr std::array<Action, 10> kActions{{
        action.add_option("HASH", options.version, "of the version, or its begin")->required();
      }},
     {"push", "send a robot's own visits that the server does not have",
-     "postgresql://hall-3.robot-1@server/fleet maps --site hall-3",
+     "postgresql://hall-3.robot-1@server/fleet maps --site hall-3 --against site",
      [](CLI::App& action, FleetOptions& options) {
        action.add_option("MAPS", options.folder, "folder that `strata learn` wrote")->required();
        add_site_name(action, options);
@@ -72,6 +72,16 @@ constexpr std::array<Action, 10> kActions{{
                        "metres: of a visit send a scan every so far, or half a radian, or 10 s; 0: "
                        "every scan, seven times as much as with 0.5")
            ->check(CLI::Range(0.0, 10.0))
+           ->capture_default_str();
+       action.add_option(
+           "--against", options.against,
+           "folder of the local site: visits are told relative to its active version, in far "
+           "fewer bytes");
+       action
+           .add_option("--tolerance", options.tolerance_cells,
+                       "cells of that map: beams that end so near to where it says end there; 0: "
+                       "every beam as it was measured")
+           ->check(CLI::Range(0.0, 3.0))
            ->capture_default_str();
      }},
     {"pull", "bring the version that was released last into a local site",

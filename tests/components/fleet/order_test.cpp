@@ -2,8 +2,10 @@
 /// Merging is commutative and associative: whoever pushed first, and in whatever groups, what is
 /// learned is the same bit for bit.
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,6 +13,7 @@
 #include "components/fleet/push.hpp"
 #include "components/fleet/visits.hpp"
 #include "components/log/sha256.hpp"
+#include "memory/store/coded_visit.hpp"
 #include "memory/store/visit_content.hpp"
 #include "tests/components/fleet/fleet_fixture.hpp"
 
@@ -59,8 +62,10 @@ class Order : public test::FleetFixture {
                   test::first_tour());
       std::filesystem::remove_all(at("maps"));
       test::write_maps(at("maps"), runs);
-      push(robots[group.robot], "hall", at("maps"),
-           [](const PushedVisit& visit) { EXPECT_NE(visit.outcome, PushOutcome::kClash); });
+      push(
+          robots[group.robot], "hall", at("maps"),
+          [](const PushedVisit& visit) { EXPECT_NE(visit.outcome, PushOutcome::kClash); }, {},
+          coding_ ? &*coding_ : nullptr);
     }
   }
   /// Whose visit, its number and every bit of it, in the order they are learned in.
@@ -80,12 +85,13 @@ class Order : public test::FleetFixture {
     (void)admin.query("SET session_replication_role = replica");  // no trigger forbids it
     (void)admin.query("DELETE FROM strata.visit");
   }
+  void expect_the_same_bits_in_any_order();
+  std::optional<Coding> coding_;  // visits are told relative to it
   RandomStream random_{31, StreamId::kTest};
   std::vector<std::vector<std::vector<PosedScan>>> drives_;  // of each robot
 };
 
-TEST_F(Order, AndGroupsOfPushesMakeNoDifferenceToWhatIsLearned) {
-  (void)release_first_tour("hall");
+void Order::expect_the_same_bits_in_any_order() {
   add_robot("hall", "r3");
   std::vector<LearnedVisit> expected;
   for (std::uint64_t robot = 0; robot < 3; ++robot) {
@@ -94,7 +100,11 @@ TEST_F(Order, AndGroupsOfPushesMakeNoDifferenceToWhatIsLearned) {
       // Robots begin some drives at the same nanosecond.
       const std::int64_t own_s = begin_s == 200 ? begin_s : begin_s + static_cast<int>(7 * robot);
       drives_.back().push_back(test::drive(own_s, robot + 1, 30));
-      const auto& scans = drives_.back().back();
+      std::vector<PosedScan> scans = drives_.back().back();
+      if (coding_) {
+        auto coded = memory::code_visit(scans, coding_->map, coding_->hash, 0.05);
+        scans = std::move(coded.value().scans);
+      }
       expected.push_back(
           {{"r" + std::to_string(robot + 1), scans.front().scan.stamp.ns, log::sha256_of([&] {
               const auto content = memory::visit_content(scans);
@@ -115,6 +125,17 @@ TEST_F(Order, AndGroupsOfPushesMakeNoDifferenceToWhatIsLearned) {
     ASSERT_EQ(bits_of(visits_to_learn(ada, "hall", {})) == bits, true) << "round " << round;
     forget_visits();
   }
+}
+
+TEST_F(Order, AndGroupsOfPushesMakeNoDifferenceToWhatIsLearned) {
+  (void)release_first_tour("hall");
+  expect_the_same_bits_in_any_order();
+}
+
+TEST_F(Order, MakesNoDifferenceWhereVisitsAreToldRelativeToAVersion) {
+  const std::string hash = release_first_tour("hall");
+  coding_ = Coding{hash, maps::open_for_reading(at("hall-first")).load_reflection_grid("filtered")};
+  expect_the_same_bits_in_any_order();
 }
 
 }  // namespace

@@ -2,10 +2,12 @@
 /// A robot whose visits go out and whose maps come in with nobody doing anything.
 #include <chrono>
 #include <cstdlib>
+#include <fstream>
 
 #include "components/fleet/pull.hpp"
 #include "components/maps/thinned_runs.hpp"
 #include "core/scan/spacing.hpp"
+#include "memory/store/coded_visit.hpp"
 #include "tests/components/fleet_member/member_fixture.hpp"
 
 namespace strata::fleet_member {
@@ -73,6 +75,31 @@ TEST_F(FleetMemberTest, SpacesTheScansThatItPushes) {
   learn({drive(10, 1)});
   ASSERT_TRUE(test::comes_true([&] { return there().size() == 1; }));
   EXPECT_EQ(there()[0].sha256, maps::visit_hash(spaced(drive(10, 1), {.spacing_m = 1.0})));
+  EXPECT_TRUE(comes_to_say("visits waiting", "0"));
+}
+
+TEST_F(FleetMemberTest, TellsVisitsRelativeToTheVersionThatItPulled) {
+  start(", tolerance_cells: 1.0");
+  ASSERT_TRUE(test::comes_true([&] { return active() != "none"; }));
+  const auto coding = fleet::active_coding(site::Site(at("robot")), 1.0);
+  ASSERT_TRUE(coding.has_value());
+  learn({drive(10, 1)});
+  ASSERT_TRUE(test::comes_true([&] { return there().size() == 1; }));
+  const auto coded = memory::code_visit(drive(10, 1), coding->map, coding->hash, 0.05);
+  EXPECT_EQ(there()[0].sha256, maps::visit_hash(coded.value().scans));
+  EXPECT_TRUE(comes_to_say("visits waiting", "0"));
+  EXPECT_EQ(told("last error"), "none");
+}
+
+/// What is told relative to maps that nobody else has could never be read.
+TEST_F(FleetMemberTest, SendsVisitsByThemselvesWhereItsVersionIsDamaged) {
+  start(", tolerance_cells: 1.0");
+  ASSERT_TRUE(test::comes_true([&] { return active() != "none"; }));
+  std::ofstream(at("robot") / "active" / "more") << "bytes";
+  learn({drive(10, 1)});
+  ASSERT_TRUE(test::comes_true([&] { return there().size() == 1; }));
+  EXPECT_EQ(there()[0].sha256, maps::visit_hash(drive(10, 1)));
+  EXPECT_TRUE(comes_to_say("last error", "is damaged"));
   EXPECT_TRUE(comes_to_say("visits waiting", "0"));
 }
 

@@ -120,9 +120,10 @@ TEST_F(FleetVerb, LeadsFromOneRobotToTwoThatShareWhatTheyLearn) {
     const fs::path maps = at("robot" + robot + "-maps");
     fs::copy(at("robot2-maps"), maps, fs::copy_options::recursive);
     robot == "3" ? make_lost(maps) : put_forward(maps);
-    const json pushed =
-        ask("fleet push " + url("hall-3.r" + robot) + " " + quoted(maps) + " --site hall-3");
+    const json pushed = ask("fleet push " + url("hall-3.r" + robot) + " " + quoted(maps) +
+                            " --site hall-3 --against " + quoted(at("robot2")));
     EXPECT_EQ(pushed["visits"][1]["outcome"], "sent");
+    EXPECT_EQ(pushed["visits"][1]["relative_to"], first);
     EXPECT_NEAR(pushed["clock_ahead_s"], 0.0, 1.0);
   }
   // What both saw becomes the next version.
@@ -197,6 +198,10 @@ TEST_F(FleetVerb, SaysWhatIsWrongAndWhatToDo) {
   test::write_small_maps(at("maps"), "a");
   expect(run("fleet push " + r2 + " " + quoted(at("maps")) + site), 2,
          "has no version of the site yet");
+  EXPECT_EQ(run("site init " + quoted(at("yard")) + " --id yard").code, 0);
+  expect(run("fleet push " + r2 + " " + quoted(at("maps")) + site + " --against " +
+             quoted(at("yard"))),
+         2, "two sites do not mix");
   expect(run("fleet push " + r2 + " " + quoted(at("maps")) + " --site yard"), 2,
          "two sites do not mix");
   expect(run("fleet set-aside " + url() + site + " r2"), 2, "says not why");

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "components/fleet/version_maps.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "components/fleet/versions.hpp"
+#include "components/log/content_hash.hpp"
+#include "components/maps/maps_folder.hpp"
+
+namespace fs = std::filesystem;
+
+namespace strata::fleet {
+namespace {
+
+/// The map that robots localize in, and the one that the gate judges by.
+constexpr const char* kGrid = "filtered";
+
+/// Goes with what is in it.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name = (fs::temp_directory_path() / "strata-version-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw OutputError(name, std::strerror(errno), "make room there, or set TMPDIR");
+    }
+    folder_ = name;
+  }
+  ~Scratch() {
+    std::error_code error;
+    fs::remove_all(folder_, error);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  [[nodiscard]] const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
+bool has_whole(const site::Site& site, const std::string& hash) {
+  const auto versions = site.versions();
+  return std::any_of(versions.begin(), versions.end(),
+                     [&](const site::VersionStatus& one) {
+                       return one.version.hash == hash && one.fault.empty();
+                     }) &&
+         site.fault_of(hash).empty();
+}
+
+bool is_there(Connection& connection, const std::string& site, const std::string& hash) {
+  const std::vector<ServerVersion> all = versions(connection, site);
+  return std::any_of(all.begin(), all.end(),
+                     [&](const ServerVersion& one) { return one.hash == hash; });
+}
+
+}  // namespace
+
+std::optional<Coding> active_coding(const site::Site& site, double tolerance_cells) {
+  const std::optional<std::string> active = site.active();
+  if (!active || tolerance_cells <= 0.0) return std::nullopt;
+  // A visit that is told relative to something else is lost to whoever reads it.
+  const std::string fault = site.fault_of(*active);
+  if (!fault.empty()) {
+    throw InputError(site.maps_of(*active).string(), "is damaged: " + fault,
+                     "take another version, or send visits by themselves");
+  }
+  const memory::Store store = maps::open_for_reading(site.maps_of(*active));
+  if (!store.has_grid(kGrid)) return std::nullopt;
+  return Coding{*active, store.load_reflection_grid(kGrid), tolerance_cells};
+}
+
+VersionMaps::VersionMaps(Connection& connection, std::string site, const site::Site* local)
+    : connection_(connection), site_(std::move(site)), local_(local) {}
+
+const ReflectionGrid& VersionMaps::of(const std::string& hash, const std::string& place) {
+  const auto found = maps_.find(hash);
+  if (found != maps_.end()) return found->second;
+  return maps_.emplace(hash, read(hash, place)).first->second;
+}
+
+ReflectionGrid VersionMaps::read(const std::string& hash, const std::string& place) {
+  if (local_ != nullptr && has_whole(*local_, hash)) {
+    return maps::open_for_reading(local_->maps_of(hash)).load_reflection_grid(kGrid);
+  }
+  if (!is_there(connection_, site_, hash)) {
+    throw InputError(place,
+                     "is told relative to version " + log::short_hash(hash) +
+                         ", which neither the server nor the site here has",
+                     "release that version again from a site that has it (`strata fleet release`); "
+                     "the visit stays on the server");
+  }
+  const Scratch scratch;
+  fetch(connection_, site_, hash, scratch.folder());
+  return maps::open_for_reading(scratch.folder()).load_reflection_grid(kGrid);
+}
+
+}  // namespace strata::fleet
