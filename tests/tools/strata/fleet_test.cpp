@@ -205,7 +205,6 @@ TEST_F(FleetVerb, SaysWhatIsWrongAndWhatToDo) {
   expect(run("fleet push " + r2 + " " + quoted(at("maps")) + " --site yard"), 2,
          "two sites do not mix");
   expect(run("fleet set-aside " + url() + site + " r2"), 2, "says not why");
-  EXPECT_EQ(run("site init " + quoted(at("yard")) + " --id yard").code, 0);
   expect(run("fleet pull " + r2 + " " + quoted(at("yard"))), 2, "two sites do not mix");
   EXPECT_EQ(run("site init " + quoted(at("hall")) + " --id hall-3").code, 0);
   EXPECT_THAT(run("fleet pull " + r2 + " " + quoted(at("hall"))).out,
