@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "components/log/json_text.hpp"
 #include "components/log/whole_file.hpp"
@@ -37,6 +38,11 @@ json health_shares(const std::vector<localization::HealthState>& health) {
   return shares;
 }
 
+json mean_of(const std::vector<double>& values) {
+  if (values.empty()) return nullptr;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 }  // namespace
 
 void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult& result,
@@ -46,6 +52,7 @@ void LocalizationRecord::add(Stamp stamp, const localization::LocalizationResult
   if (refined_pose) refined.push_back({stamp, refined_pose->mean});
   health.push_back(result.health.state);
   scores.push_back(result.score);
+  place_scores.push_back(result.place_score);
   max_particles = std::max(max_particles, result.particles);
   unusable_scans = localizer.unusable_scans();
   ambiguous_scans += result.is_ambiguous ? 1 : 0;
@@ -62,21 +69,16 @@ std::size_t score_bin(double score) {
   return std::min(static_cast<std::size_t>(place), kScoreBins - 1);
 }
 
-json score_json(const std::vector<double>& scores) {
+json score_json(const std::vector<double>& scores, const std::vector<double>& place_scores) {
   std::array<std::size_t, kScoreBins> scans{};
-  double sum = 0.0;
-  for (const double score : scores) {
-    ++scans[score_bin(score)];
-    sum += score;
-  }
+  for (const double score : scores) ++scans[score_bin(score)];
   json bins = json::array();
   for (std::size_t bin = 0; bin < kScoreBins; ++bin) {
     const auto from = static_cast<double>(bin);
     constexpr auto kCount = static_cast<double>(kScoreBins);
     bins.push_back({from / kCount, (from + 1.0) / kCount, scans[bin], nullptr});
   }
-  const json mean = scores.empty() ? json(nullptr) : json(sum / static_cast<double>(scores.size()));
-  return {{"mean", mean}, {"bins", bins}};
+  return {{"mean", mean_of(scores)}, {"place_mean", mean_of(place_scores)}, {"bins", bins}};
 }
 
 json localization_metrics(const LocalizationRecord& record, const std::string& model,
@@ -90,7 +92,7 @@ json localization_metrics(const LocalizationRecord& record, const std::string& m
       {"ambiguous_scans", record.ambiguous_scans},
       {"beyond_map_scans", record.beyond_map_scans},
       {"health", health_shares(record.health)},
-      {"score", score_json(record.scores)},
+      {"score", score_json(record.scores, record.place_scores)},
       {"refined", {{"scans", record.refined.size()}, {"error_m", nullptr}, {"error_rad", nullptr}}},
       {"error_m", nullptr},
       {"error_rad", nullptr},

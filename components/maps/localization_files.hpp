@@ -36,6 +36,7 @@ struct LocalizationRecord {
   std::vector<StateRow> states;                   ///< as LocalizationResult::submaps, one a row
   std::vector<localization::HealthState> health;  ///< one a scan
   std::vector<double> scores;                     ///< LocalizationResult::score, one a scan
+  std::vector<double> place_scores;               ///< ... place_score
   std::size_t max_particles = 0;
   std::size_t unusable_scans = 0;    ///< so far
   std::size_t ambiguous_scans = 0;   ///< of which several places were still possible
@@ -54,9 +55,11 @@ inline constexpr std::size_t kScoreBins = 10;
 /// The bin of a score; 1 is in the last one.
 [[nodiscard]] std::size_t score_bin(double score);
 
-/// The mean of the scores (null without any) and, as `bins`, [from, to, scans, null] for each bin.
-/// The last is what whoever knows a truth fills in: the share of them further than 0.5 m from it.
-[[nodiscard]] nlohmann::json score_json(const std::vector<double>& scores);
+/// The means of both (null without any) and of the scores, as `bins`, [from, to, scans, null] for
+/// each bin. The last is what whoever knows a truth fills in: the share of them further than 0.5 m
+/// from it.
+[[nodiscard]] nlohmann::json score_json(const std::vector<double>& scores,
+                                        const std::vector<double>& place_scores);
 
 /// metrics.json without a truth: the error fields, and cost, are null.
 [[nodiscard]] nlohmann::json localization_metrics(const LocalizationRecord& record,

@@ -102,7 +102,7 @@ void LevelLocalizer::take_leading(const Observation& observation, std::size_t be
 
 /// Whether the level is believed, and the others need not be looked at any more.
 void LevelLocalizer::judge() {
-  const bool is_decided = choice_.is_decided() && result_.score >= choice_config_.min_score;
+  const bool is_decided = choice_.is_decided() && result_.place_score >= choice_config_.min_score;
   if (lift_) {
     is_sure_ = is_decided;  // while a door is closed nothing tells
     return;

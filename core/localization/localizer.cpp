@@ -182,6 +182,16 @@ bool Localizer::is_recovering() const {
   return !is_ambiguous() && !free_space_.empty() && monitor_.injection_share() > 0.0;
 }
 
+/// Of the place that is told as the pose, against the others that scans have left.
+double Localizer::place_probability(const Pose2& pose) const {
+  if (!places_.is_active() || places_.beliefs().empty()) return 1.0;
+  double probability = 0.0;
+  for (const PlaceBelief& place : places_.beliefs()) {
+    if (places_.are_near(place.map_from_robot, pose)) probability += place.probability;
+  }
+  return std::min(1.0, probability);
+}
+
 void Localizer::tell_places(const Pose2& pose) {
   std::vector<PlaceBelief>& places = result_.places;
   places.clear();
@@ -203,7 +213,8 @@ void Localizer::tell_places(const Pose2& pose) {
 const LocalizationResult& Localizer::make_result(const Pose2Gaussian& pose, bool weighed) {
   result_.pose = pose;
   result_.health = monitor_.health();
-  result_.score = score_.value();
+  result_.place_score = score_.value();
+  result_.score = result_.place_score * place_probability(pose.mean);
   result_.effective_sample_size = effective_sample_size(particles_);
   result_.particles = particles_.size();
   result_.weighed = weighed;

@@ -37,9 +37,10 @@ struct LocalizationResult {
   /// likeliest place, and the covariance of all particles about it.
   Pose2Gaussian pose;
   LocalizationHealth health;
-  /// Probability that the pose is within 0.5 m of the truth, 0 to 1 (pose_score.hpp); of one of
-  /// several places (places) that are told as if it were the only one.
+  /// Probability that the pose is within 0.5 m of the truth, 0 to 1: place_score, times the
+  /// probability of the place while there are several that fit.
   double score = 0.0;
+  double place_score = 0.0;  ///< as if no other place fitted (pose_score.hpp)
   double effective_sample_size = 0.0;
   std::size_t particles = 0;
   bool weighed = false;    ///< false: moved by odometry only (gated, or nothing usable in the scan)
@@ -181,6 +182,7 @@ class Localizer {
   [[nodiscard]] std::size_t min_while_annealing() const;
   [[nodiscard]] double annealing() const;
   void pool_beliefs();
+  [[nodiscard]] double place_probability(const Pose2& pose) const;
   void tell_places(const Pose2& pose);
   const LocalizationResult& make_result(const Pose2Gaussian& pose, bool weighed);
 

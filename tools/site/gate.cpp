@@ -162,20 +162,29 @@ std::pair<Drive, pipeline::LocalizationRun> drive(const Side& side, const Record
   return {std::move(result), std::move(run)};
 }
 
+std::size_t first_of(const std::vector<double>& scores) {
+  const auto found =
+      std::find_if(scores.begin(), scores.end(), [](double score) { return score >= kFoundScore; });
+  return static_cast<std::size_t>(found - scores.begin());
+}
+
 /// Cuts the recording to where the robot is found; where that is. Nothing: it never is.
 std::optional<Pose2> find_start(const Side& side, Recording& recording, const GateTask& task,
                                 const GateConfig& config, Progress* progress) {
   if (!recording.truths.empty() && recording.truths.front()) return recording.truths.front();
   const auto [first, run] = drive(side, recording, std::nullopt, task, config, progress);
-  const auto found = std::find_if(run.scores.begin(), run.scores.end(),
-                                  [](double score) { return score >= kFoundScore; });
-  if (found == run.scores.end() || !first.fit.is_explained()) return std::nullopt;
-  const auto at = found - run.scores.begin();
-  recording.observations.erase(recording.observations.begin(), recording.observations.begin() + at);
+  if (!first.fit.is_explained()) return std::nullopt;
+  // A recording may end while several places fit: both versions are judged at the likeliest then.
+  std::size_t at = first_of(run.scores);
+  if (at + kMinScans > run.scores.size()) at = first_of(run.place_scores);
+  if (at == run.scores.size()) return std::nullopt;
+  const auto before = static_cast<std::ptrdiff_t>(at);
+  recording.observations.erase(recording.observations.begin(),
+                               recording.observations.begin() + before);
   if (!recording.truths.empty()) {
-    recording.truths.erase(recording.truths.begin(), recording.truths.begin() + at);
+    recording.truths.erase(recording.truths.begin(), recording.truths.begin() + before);
   }
-  return run.trajectory[static_cast<std::size_t>(at)].pose;
+  return run.trajectory[at].pose;
 }
 
 void compare(const GateLog& log, const GateConfig& config, GateReport& report) {

@@ -35,7 +35,7 @@ std::string fit_warning_of(const fs::path& folder, const runtime::ComponentEntry
                                       log::read_trajectory(folder / maps::kTrajectoryFile));
   }
   LocalizedLog log{fit, std::nullopt, metrics["model"].get<std::string>(), ""};
-  const nlohmann::json& score = metrics["score"]["mean"];
+  const nlohmann::json& score = metrics["score"]["place_mean"];
   if (!score.is_null()) log.mean_score = score.get<double>();
   const YAML::Node start = entry.parameters["start"];
   const bool has_start = start.IsDefined() && start.IsMap() && start["pose"].IsDefined();

@@ -188,7 +188,8 @@ void run_localize(const LocalizeOptions& options, VerbContext& context) {
   });
   out.commit();
   warn(context, drawings.what_is_missing());
-  warn_of_bad_fit(fit.fit(), metrics["score"]["mean"], options, !start.map_from_robot, context);
+  warn_of_bad_fit(fit.fit(), metrics["score"]["place_mean"], options, !start.map_from_robot,
+                  context);
   const nlohmann::json& error = metrics["error_m"];
   const std::string frame = frame_warning(
       fit.fit(), error.is_null() ? std::nullopt : std::optional(error["mean"].get<double>()),

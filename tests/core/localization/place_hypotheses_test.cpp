@@ -104,6 +104,28 @@ TEST(PlaceHypotheses, AreNeverDecidedWhereTwoPlacesLookAlike) {
   EXPECT_NEAR(result.places[0].probability + result.places[1].probability, 1.0, 1e-6);
 }
 
+TEST(PlaceHypotheses, ShareTheScoreThatOneOfThemHadAlone) {
+  const BoxWorld world = turned_room();
+  const ReflectionGrid map = test::rasterize(world, 0.05, {{0, 0}, {120, 80}});
+  const auto model = make_grid_beam_model(map);
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Localizer localizer(searching(), model, seed, 2);
+    localizer.initialize_global(map);
+    Drive drive({2.2, 2.2, 0.4}, 64 + seed);
+    LocalizationResult result;
+    for (int n = 0; n < 60; ++n) {
+      drive.step({0.02, 0.0, 0.12});
+      result = localizer.update(drive.look(world, 8.0, 60));
+      const bool is_several = result.places.size() > 1;
+      const double share = is_several ? result.places[0].probability : 1.0;
+      EXPECT_NEAR(result.score, share * result.place_score, 1e-9) << seed << ", " << n;
+    }
+    ASSERT_EQ(result.places.size(), 2U) << seed;
+    EXPECT_GT(result.place_score, 0.8) << seed;
+    EXPECT_LT(result.score, 0.8) << seed;
+  }
+}
+
 TEST(PlaceHypotheses, AreGivenUpForAPoseThatIsGiven) {
   const BoxWorld world = turned_room();
   const ReflectionGrid map = test::rasterize(world, 0.05, {{0, 0}, {120, 80}});

@@ -18,8 +18,10 @@ TEST(LocalizeOutput, TellsOfEachTenthOfTheScoreWhatShareWasWrong) {
   }
   run.trajectory.emplace_back();  // of this one the truth is not known
   run.scores.push_back(0.31);
+  run.place_scores = {1.0, 1.0, 0.9, 0.1, 0.5};
   const test::TemporaryDirectory folder;
   const nlohmann::json score = write_localization(folder.path(), run, {})["score"];
+  EXPECT_NEAR(score["place_mean"], 0.7, 1e-12);
   EXPECT_NEAR(score["mean"], (1.0 + 0.95 + 0.9 + 0.05 + 0.31) / 5.0, 1e-12);
   ASSERT_EQ(score["bins"].size(), 10U);
   EXPECT_EQ(score["bins"][9], nlohmann::json({0.9, 1.0, 3, 1.0 / 3.0}));
@@ -33,6 +35,7 @@ TEST(LocalizeOutput, OfNoScanTheScoreHasNoMean) {
   const test::TemporaryDirectory folder;
   const nlohmann::json score = write_localization(folder.path(), LocalizationRun(), {})["score"];
   EXPECT_TRUE(score["mean"].is_null());
+  EXPECT_TRUE(score["place_mean"].is_null());
   EXPECT_EQ(score["bins"].size(), 10U);
 }
 
